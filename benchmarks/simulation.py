@@ -31,7 +31,7 @@ from stochlin.kernels.simulation.stepping import (
     ground_block,
 )
 from stochlin.kernels.simulation.storey_stepping import multiply, steps_of
-from stochlin.models.systems import system_of
+from stochlin.models.systems import arrangement_of
 
 REPEATS = 5
 SOIL = sl.KanaiTajimi(2.0, 0.05)
@@ -173,14 +173,16 @@ def chart(count: int = 60) -> None:
 
 def numpy_storeys(building: sl.ShearBuilding, dt: float, rng: np.random.Generator) -> None:
     """The same building in plain numpy, vectorized over paths; slips by as many passes as they take."""
-    elements = frames_of(system_of([building]))[0][0].part.elements
+    elements = frames_of(arrangement_of([building]))[0][0].part.elements
     steps, n = steps_of(elements, dt), building.storeys
     d, v, z = np.zeros((3, n, NUMPY_PATHS))
-    uy = elements.strength[:, None]
+    uy = elements.system.strength[:, None]
     own = np.diag(steps.relief)[:, None]
     for _ in range(NUMPY_STEPS):
         f = 3 * rng.standard_normal(NUMPY_PATHS)
-        known = np.concatenate([v, elements.post[:, None] * d + elements.couple[:, None] * z])
+        known = np.concatenate(
+            [v, elements.system.post[:, None] * d + elements.system.couple[:, None] * z]
+        )
         trial, slip = steps.move @ known + steps.push[:, None] * f, np.zeros((n, NUMPY_PATHS))
         for _ in range(PASSES):
             change = trial + steps.relief @ slip

@@ -72,14 +72,14 @@ def solved(period: xr.DataArray | Array) -> xr.Dataset:
     return solve_structure(building(period), GROUND, "gaussian", USUAL)
 
 
-def system_of(side: xr.Dataset) -> tuple[EquivalentSystem, Forcing]:
+def arrangement_of(side: xr.Dataset) -> tuple[EquivalentSystem, Forcing]:
     values = [side[name].values for name in INTERNAL]
     return EquivalentSystem(*values[:5]), Forcing(*values[5:])
 
 
 def matrices(side: xr.Dataset) -> tuple[Array, Array]:
     """State matrices (n, 3, 3) of ``(mu, mu', y)``, and the forcing correlations (n, 3)."""
-    (w, d, h, p, k), forcing = system_of(side)
+    (w, d, h, p, k), forcing = arrangement_of(side)
     zero, one = np.zeros_like(w), np.ones_like(w)
     rows = [[zero, one, zero], [-w, -d, h], [k, p, -k]]
     return np.array(rows).transpose(2, 0, 1), np.stack(forcing, axis=-1)
@@ -154,7 +154,7 @@ def lyap(method: str) -> Row:
 
     rate = LYAP_CELLS / seconds(loop, 3)
     found /= one.displacement_std.values * other.displacement_std.values
-    exact = pair_covariance(*system_of(one), *system_of(other))
+    exact = pair_covariance(*arrangement_of(one), *arrangement_of(other))
     exact /= one.displacement_std.values * other.displacement_std.values
     return what, rate, float(np.abs(found - exact).max()), "pair only, one core"
 
@@ -162,7 +162,7 @@ def lyap(method: str) -> Row:
 def plain_numpy() -> list[Row]:
     """All cells at once, on one core: elimination, Kronecker and modal form of the pair's equation."""
     one, other = solved(axis("a", NUMPY_POINTS)), solved(axis("b", NUMPY_POINTS))
-    (system, forcing), (system_2, forcing_2) = system_of(one), system_of(other)
+    (system, forcing), (system_2, forcing_2) = arrangement_of(one), arrangement_of(other)
     column = EquivalentSystem(*(v[:, None] for v in system)), Forcing(*(v[:, None] for v in forcing))
     scale = one.displacement_std.values[:, None] * other.displacement_std.values
     compiled = table(NUMPY_POINTS).rho.values

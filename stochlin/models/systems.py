@@ -13,13 +13,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.systems import System
 from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.links import GROUND, Link
@@ -34,15 +34,11 @@ LEVEL = 0.05  # [m], floors whose heights differ by less are at the same level
 class Stack(NamedTuple):
     """One structure as a stack of ``n`` floors, each with the storey below it.
 
-    Of an oscillator with arrays of cells (c,) as parameters, all arrays but ``levels`` have the leading
-    dimension of the cells.
+    Of an oscillator with arrays of cells (c,) as parameters, the system has the leading axis of the
+    cells.
     """
 
-    mass: Array  # (n,) [kg]
-    post: Array  # (n,) [N/m], post-yield stiffness of the storey
-    couple: Array  # (n,) [N/m], elastic less post-yield stiffness; 0 if the storey stays elastic
-    strength: Array  # (n,) [m], drift at yield; infinite if the storey stays elastic
-    damping: Array  # (n, n) [N s/m]
+    system: System  # its elements are the storeys; without ``couple`` where they stay elastic
     levels: Array  # (n,) [m], heights of the floors above the ground; NaN for an oscillator
     law: Structure  # hysteresis law of all storeys; a structure without strength if they stay elastic
 
@@ -52,14 +48,9 @@ class Stack(NamedTuple):
         return bool(np.isnan(self.levels).any())
 
     @property
-    def elastic(self) -> Array:
-        """Stiffness of the storeys before yield (n,) [N/m]."""
-        return self.post + self.couple
-
-    @property
     def law_parameters(self) -> Array:
         """Parameters that the law adds (n, k), one row for each storey."""
-        shape = self.mass.shape
+        shape = self.system.mass.shape
         values = (array.to_numpy() for array in self.law.law_parameters())
         rows = [a[:, None] if a.ndim and len(shape) > 1 else a for a in values]
         return np.stack([np.zeros(shape), *(np.broadcast_to(a, shape) for a in rows)], axis=-1)[..., 1:]
@@ -79,7 +70,7 @@ class Tie(NamedTuple):
         return f"link {self.number}"
 
 
-class System(NamedTuple):
+class Arrangement(NamedTuple):
     """Structures on one ground, and the links between them."""
 
     stacks: tuple[Stack, ...]
@@ -108,13 +99,10 @@ class System(NamedTuple):
         under[self.first[:-1]] = -1
         return under
 
-    def all(self, name: str) -> Array:
-        """The attribute ``name`` of all stacks, joined along the floors."""
-        parts = [getattr(stack, name) for stack in self.stacks]
-        cells = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
-        return np.concatenate(
-            [np.broadcast_to(part, (*cells, part.shape[-1])) for part in parts], axis=-1
-        )
+    @property
+    def storeys(self) -> System:
+        """All structures side by side, without the links."""
+        return System.beside([stack.system for stack in self.stacks])
 
     @property
     def extensions(self) -> Array:
@@ -122,26 +110,13 @@ class System(NamedTuple):
 
         The elements are the storeys, followed by the springs of links with the drift ``u1 - u2``.
         """
-        n, ties = int(self.first[-1]), self.ties
-        found = np.zeros((n + len(ties), n))
-        found[np.arange(n), np.arange(n)] = 1.0
-        above = np.flatnonzero(self.below >= 0)
-        found[above, self.below[above]] = -1.0
-        for row, tie in enumerate(ties, start=n):
-            found[row, tie.one] = 1.0
-            if tie.two >= 0:
-                found[row, tie.two] = -1.0
-        return found
-
-    @property
-    def damping(self) -> Array:
-        """Damping matrix of all floors (n, n) [N s/m], without the links."""
         n = int(self.first[-1])
-        cells = np.broadcast_shapes(*(stack.damping.shape[:-2] for stack in self.stacks))
-        whole = np.zeros((*cells, n, n))
-        for (begin, end), stack in zip(pairwise(self.first), self.stacks, strict=True):
-            whole[..., begin:end, begin:end] = stack.damping
-        return whole
+        links = np.zeros((len(self.ties), n))
+        for row, tie in zip(links, self.ties, strict=True):
+            row[tie.one] = 1.0
+            if tie.two >= 0:
+                row[tie.two] = -1.0
+        return np.concatenate([self.storeys.extensions, links])
 
     @property
     def without_stationary_answer(self) -> list[tuple[int, int]]:
@@ -150,7 +125,7 @@ class System(NamedTuple):
             (s, int(i) + 1)
             for s, stack in enumerate(self.stacks, start=1)
             for i in np.flatnonzero(
-                np.any(np.atleast_2d((stack.post <= 0) & (stack.couple > 0)), axis=0)
+                np.any(np.atleast_2d((stack.system.post <= 0) & (stack.system.couple > 0)), axis=0)
             )
         ]
 
@@ -164,15 +139,15 @@ def stack_of(structure: AnyStructure) -> Stack:
     if isinstance(structure, ShearBuilding):
         n, k, yields = structure.storeys, values["stiffnesses"], structure.yields
         hardening = values["hardening"] if yields else np.ones(())
-        return Stack(
+        storeys = System(
             mass=values["masses"],
+            damping=structure.damping_matrix(),
+            extensions=np.eye(n) - np.eye(n, k=-1),
             post=hardening * k - structure.geometric_stiffness(),
             couple=(1 - hardening) * k,
             strength=np.broadcast_to(values["yield_drifts"] if yields else np.inf, n).astype(float),
-            damping=structure.damping_matrix(),
-            levels=structure.levels(),
-            law=structure.storey_law,
         )
+        return Stack(storeys, structure.levels(), structure.storey_law)
     mass, w = values.get("mass", np.float64(1.0)), 2 * np.pi / values["period"]
     hardening = values["hardening"] if structure.yields else np.ones(())
     strength = values.get("yield_displacement", np.inf)
@@ -182,26 +157,24 @@ def stack_of(structure: AnyStructure) -> Stack:
     shape = np.broadcast_shapes(*(np.shape(value) for value in (*values.values(), *columns)))
     wide = (np.broadcast_to(column, shape).astype(float)[..., None] for column in columns)
     own, post, couple, limit, damping = wide
-    return Stack(own, post, couple, limit, damping[..., None], np.full(1, np.nan), structure)
+    storey = System(own, damping[..., None], np.ones((1, 1)), post, couple, limit)
+    return Stack(storey, np.full(1, np.nan), structure)
 
 
 def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]:
     """Stacks of ``count`` oscillators with parameters along ``dimension``."""
     whole, own = stack_of(oscillators), bool(oscillators.own_parameters())
-    names = ("mass", "post", "couple", "strength")
-    rows = {name: np.broadcast_to(getattr(whole, name), (count, 1)) for name in names}
-    rows["damping"] = np.broadcast_to(whole.damping, (count, 1, 1))
+    mass, damping, extensions, *springs = whole.system
+    mass, *springs = (np.broadcast_to(row, (count, 1)) for row in (mass, *springs))
+    wide = System(mass, np.broadcast_to(damping, (count, 1, 1)), extensions, *springs)
     laws = (oscillators.isel({dimension: n}) if own else oscillators for n in range(count))
-    return [
-        whole._replace(**{name: row[n] for name, row in rows.items()}, law=law)
-        for n, law in enumerate(laws)
-    ]
+    return [whole._replace(system=wide.at(n), law=law) for n, law in enumerate(laws)]
 
 
-def check_stationary(system: System) -> None:
+def check_stationary(system: Arrangement) -> None:
     """Raise a ValueError if a storey has no positive stiffness after yielding."""
     for structure, storey in system.without_stationary_answer:
-        left = system.stacks[structure - 1].post[storey - 1]
+        left = system.stacks[structure - 1].system.post[storey - 1]
         raise ValueError(
             f"structures, number {structure}: the weight above takes all post-yield stiffness of storey "
             f"{storey} ({left:.3g} N/m with it): its drift grows without end, with no stationary value; "
@@ -266,7 +239,7 @@ def first_period(structure: AnyStructure) -> xr.DataArray:
     return structure.arrays()["period"]
 
 
-def system_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] = ()) -> System:
+def arrangement_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] = ()) -> Arrangement:
     """Structures, whose strengths are given in metres, and their links as one system.
 
     Raises
@@ -275,7 +248,7 @@ def system_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] =
         If a link names a structure or a floor that does not exist, or ties a structure without a mass.
     """
     stacks = tuple(stack_of(structure) for structure in structures)
-    first = System(stacks, ()).first
+    first = Arrangement(stacks, ()).first
     ties = []
     for number, link in enumerate(links, start=1):
         if link is None:
@@ -300,7 +273,7 @@ def system_of(structures: Sequence[AnyStructure], links: Sequence[Link | None] =
         on = int(first[one - 1]) + floors[0] - 1
         other = -1 if floors[1] == GROUND else int(first[two - 1]) + floors[1] - 1
         ties.append(Tie(on, other, link, number))
-    return System(stacks, tuple(ties))
+    return Arrangement(stacks, tuple(ties))
 
 
 def common_floors(one: Stack, two: Stack, number: int) -> tuple[int, int]:

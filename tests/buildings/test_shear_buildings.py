@@ -19,7 +19,13 @@ from stochlin.models.laws import laws_in_numbers
 from stochlin.models.links import Link
 from stochlin.models.parameters import POSITIVE, parameter
 from stochlin.models.structures import LAWS
-from stochlin.models.systems import check_links, common_floors, slabs_on_columns, stack_of, system_of
+from stochlin.models.systems import (
+    arrangement_of,
+    check_links,
+    common_floors,
+    slabs_on_columns,
+    stack_of,
+)
 
 pytestmark = pytest.mark.invariant
 
@@ -146,10 +152,10 @@ def test_the_weight_may_eat_the_hardening_but_not_the_stiffness() -> None:
     lost = 2e5 * GRAVITY / 3.0  # of the first of two storeys
     weak = sl.ShearBuilding(**TWO, **STRENGTH | {"hardening": 0.9 * lost / 1e8}, p_delta=True)
     stiff = sl.ShearBuilding(**TWO, **STRENGTH | {"hardening": 1.1 * lost / 1e8}, p_delta=True)
-    assert system_of([stiff, weak]).without_stationary_answer == [(2, 1)]
-    assert stack_of(weak).post[0] == pytest.approx(-0.1 * lost, rel=1e-9)
+    assert arrangement_of([stiff, weak]).without_stationary_answer == [(2, 1)]
+    assert stack_of(weak).system.post[0] == pytest.approx(-0.1 * lost, rel=1e-9)
     elastic = sl.ShearBuilding(**TWO, p_delta=True)
-    assert system_of([elastic]).without_stationary_answer == []
+    assert arrangement_of([elastic]).without_stationary_answer == []
     with pytest.raises(ValueError, match=r"takes 653777 N/m from storey 1, which has 600000 .*p_delta="):
         sl.ShearBuilding(**TWO | {"stiffnesses": [6e5, 1e8]}, p_delta=True)
 
@@ -266,8 +272,9 @@ def test_one_storey_is_the_oscillator(
     assert found.yield_displacement == pytest.approx(drift, rel=1e-14)
     np.testing.assert_allclose(building.participation(), [1.0], rtol=1e-14)
     one, other = stack_of(building), stack_of(found)
-    for name in ("mass", "post", "couple", "strength", "damping", "law_parameters"):
-        np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-13)
+    np.testing.assert_allclose(one.law_parameters, other.law_parameters, rtol=1e-13)
+    for here, there in zip(one.system, other.system, strict=True):
+        np.testing.assert_allclose(here, there, rtol=1e-13)
     ground = sl.KanaiTajimi(0.4, 0.6, 0.02)
     wanted = sl.BoucWen(period, damping, 0.1, yield_displacement=drift, **own)
     np.testing.assert_allclose(
@@ -290,8 +297,8 @@ def test_storeys_have_the_law_that_is_asked_for(law: Any) -> None:
     assert ("law=" in building.describe()) == (law != "bilinear")
     stack = stack_of(building)
     assert stack.law_parameters.shape == (2, len(kind.own_parameters()))
-    np.testing.assert_allclose(stack.post + stack.couple, 1e8, rtol=1e-15)
-    np.testing.assert_array_equal(stack.strength, 0.01)
+    np.testing.assert_allclose(stack.system.post + stack.system.couple, 1e8, rtol=1e-15)
+    np.testing.assert_array_equal(stack.system.strength, 0.01)
 
 
 def test_parameters_of_a_law_go_storey_by_storey() -> None:
@@ -309,9 +316,9 @@ def test_parameters_of_a_law_go_storey_by_storey() -> None:
 def test_a_building_without_a_strength_stays_elastic_under_any_law() -> None:
     for law in ("bilinear", "bouc_wen", OWN):
         stack = stack_of(sl.ShearBuilding(**TWO, law=law))
-        assert not stack.couple.any()
-        assert np.isinf(stack.strength).all()
-        np.testing.assert_array_equal(stack.post, 1e8)
+        assert not stack.system.couple.any()
+        assert np.isinf(stack.system.strength).all()
+        np.testing.assert_array_equal(stack.system.post, 1e8)
 
 
 # --- Structures and links as one system ---------------------------------------------------------------
@@ -321,19 +328,19 @@ OSCILLATOR = sl.Bilinear(1.0, 0.05, 0.1, yield_displacement=0.02, mass=2e5)
 
 @given(st.lists(st.one_of(buildings(), st.just(OSCILLATOR)), min_size=1, max_size=4))
 def test_a_system_of_mixed_structures_has_their_modes(structures: list[Any]) -> None:
-    system = system_of(structures)
+    system = arrangement_of(structures)
     n = int(system.first[-1])
     t = np.eye(n)
     for floor, under in enumerate(system.below):
         if under >= 0:
             t[floor, under] = -1.0
-    elastic = system.all("post") + system.all("couple")
-    matrices = np.diag(system.all("mass")), t.T @ np.diag(elastic) @ t, system.damping
+    elastic = system.storeys.post + system.storeys.couple
+    matrices = np.diag(system.storeys.mass), t.T @ np.diag(elastic) @ t, system.storeys.damping
     for matrix in matrices:
         np.testing.assert_allclose(matrix, matrix.T, rtol=0, atol=1e-12 * np.abs(matrix).max())
         root = np.sqrt(np.abs(np.diag(matrix)))
         assert np.linalg.eigvalsh(matrix / np.outer(root, root)).min() > 0
-    root = np.sqrt(system.all("mass"))
+    root = np.sqrt(system.storeys.mass)
     squares = np.linalg.eigvalsh(matrices[1] / np.outer(root, root))
     periods = [
         np.atleast_1d(one.periods() if isinstance(one, sl.ShearBuilding) else one.period)
@@ -345,12 +352,12 @@ def test_a_system_of_mixed_structures_has_their_modes(structures: list[Any]) -> 
 
 def test_links_tie_floors_counted_through_all_structures() -> None:
     low, high = uniform(2, 1e5, 1e8), uniform(4, 1e5, 1e8)
-    system = system_of([high, OSCILLATOR, low], [None, Link(1e6), Link(2e6, structures=(1, 3))])
+    system = arrangement_of([high, OSCILLATOR, low], [None, Link(1e6), Link(2e6, structures=(1, 3))])
     assert [(tie.one, tie.two, tie.link.stiffness) for tie in system.ties] == [(4, 6, 1e6), (1, 6, 2e6)]
     given = Link(1e6, floors=(4, 1), structures=(1, 3))
-    (tie,) = system_of([high, OSCILLATOR, low], [given]).ties
+    (tie,) = arrangement_of([high, OSCILLATOR, low], [given]).ties
     assert (tie.one, tie.two) == (3, 5)
-    assert system_of([high, low], [None]).ties == ()
+    assert arrangement_of([high, low], [None]).ties == ()
     assert system.first.tolist() == [0, 4, 5, 7]
     assert system.below.tolist() == [-1, 0, 1, 2, -1, -1, 5]
 
@@ -360,7 +367,7 @@ def test_a_device_ties_two_floors_of_one_structure_or_a_floor_and_the_ground() -
     places = [((1, 1), (1, 0)), ((2, 2), (3, 1)), ((2, 2), (4, 0))]
     devices = [Link(0, 1e6, structures=s, floors=f, damping_exponent=0.3) for s, f in places]
     assert check_links("links", devices, 2) == tuple(devices)
-    system = system_of([OSCILLATOR, high], devices)
+    system = arrangement_of([OSCILLATOR, high], devices)
     assert [(tie.one, tie.two) for tie in system.ties] == [(0, -1), (3, 1), (4, -1)]
     rows = np.zeros((3, 5))
     rows[0, 0] = rows[1, 3] = rows[2, 4] = 1
@@ -643,7 +650,7 @@ def test_links_without_a_place_are_refused(structures, links, message):
     known = [OSCILLATOR, sl.Bilinear(1.0, 0.05), uniform(2, 1e5, 1e8)]
     known.append(sl.ShearBuilding([1e5] * 2, [1e8] * 2, [2.0, 2.0], 0.05))
     with pytest.raises(ValueError, match=message):
-        system_of([known[n] for n in structures], links)
+        arrangement_of([known[n] for n in structures], links)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ import xarray as xr
 import stochlin as sl
 from stochlin.analyses.correlation import linked
 from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.ensemble import Storeys
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.kernels.simulation.storey_stepping import BILINEAR, LINEAR, Elements, law_of
@@ -143,13 +144,16 @@ def test_motion_of_the_pair_is_that_of_an_ode_solver(hardening):
     scale, link_k, link_c = np.array([1.0, 1.5]), np.array([20.0, 10.0]), np.array([1.0, 0.5])
     ratio = np.array([scale[0] / scale[1], scale[1] / scale[0]])
     mass, apart = link_k[0] / link_k, np.array([1.0, -1.0])
-    elements = Elements(
+    system = System(
         mass,
         np.diag(d * mass) + link_c[0] * np.outer(apart, apart),
         np.vstack([np.eye(2), apart]),
         np.append(k * mass, link_k[0]),
         np.append(h * mass, 0.0),
         np.append(1 / scale, np.inf),
+    )
+    elements = Elements(
+        system,
         np.array([BILINEAR, BILINEAR, LINEAR]),
         np.empty((3, 0)),
     )

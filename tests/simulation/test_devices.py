@@ -13,7 +13,7 @@ from stochlin.analyses.simulation.frames import all_frames
 from stochlin.kernels.simulation.ensemble import Storeys
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.kernels.simulation.storey_stepping import VISCOUS, law_of
-from stochlin.models.systems import system_of
+from stochlin.models.systems import arrangement_of
 
 pytestmark = pytest.mark.oracle
 
@@ -48,23 +48,23 @@ def stepped(part, seconds, steps):
 
 def solved(system, seconds):
     """By backward differentiation where it is stiff; within 1e-7 m/s of rest the law is straight."""
-    mass, ties, springs = system.all("mass"), system.ties, system.extensions
+    mass, ties, springs = system.storeys.mass, system.ties, system.extensions
     n = mass.size
-    k = np.append(system.all("elastic"), [tie.link.stiffness for tie in ties])
+    k = np.append(system.storeys.elastic, [tie.link.stiffness for tie in ties])
     c, a = (np.array([getattr(t.link, x) for t in ties]) for x in ("damping_constant", "exponent"))
     stiffness, along = (springs.T * k) @ springs, springs[n:]
 
     def rates(t, x):
         rate = along @ x[n:]
         dashpot = c * rate * (rate**2 + 1e-14) ** ((a - 1) / 2)
-        load = stiffness @ x[:n] + system.damping @ x[n:] + along.T @ dashpot
+        load = stiffness @ x[:n] + system.storeys.damping @ x[n:] + along.T @ dashpot
         return np.concatenate([x[n:], force(t) - load / mass])
 
     def slopes(t, x):
         rate = along @ x[n:]
         least = rate**2 + 1e-14
         tangent = c * (least ** ((a - 1) / 2) + (a - 1) * rate**2 * least ** ((a - 3) / 2))
-        damping = system.damping + (along.T * tangent) @ along
+        damping = system.storeys.damping + (along.T * tangent) @ along
         upper = np.hstack([np.zeros((n, n)), np.eye(n)])
         return np.vstack([upper, -np.hstack([stiffness, damping]) / mass[:, None]])
 
@@ -90,7 +90,7 @@ def test_motion_is_that_of_another_integrator(exponent, constant, where):
         "storeys": ([TOWER], in_every_storey(constant, exponent)),
         "between": ([TOWER, ONE], [sl.Link(1e7, constant, damping_exponent=exponent)]),
     }[where]
-    system, seconds = system_of(structures, links), 1.2
+    system, seconds = arrangement_of(structures, links), 1.2
     theirs = solved(system, seconds)
     errors = []
     for steps in (300, 1200):
@@ -104,7 +104,7 @@ def test_motion_is_that_of_another_integrator(exponent, constant, where):
 @pytest.mark.parametrize("exponent", [0.02, 0.2, 0.5, 1.0, 2.0])
 def test_what_the_ground_puts_in_is_stored_or_dissipated(exponent):
     """By the trapezoidal rule to the rounding of the passes, whatever the step."""
-    system = system_of([TOWER], in_every_storey(2e6, exponent))
+    system = arrangement_of([TOWER], in_every_storey(2e6, exponent))
     (frame,) = all_frames(system)
     n, seconds, steps = 4, 2.0, 200
     dt = seconds / steps
@@ -113,12 +113,12 @@ def test_what_the_ground_puts_in_is_stored_or_dissipated(exponent):
     v = np.zeros_like(u)
     for step in range(steps):
         v[step + 1] = 2 * moved[step] / dt - v[step]
-    mass, springs = system.all("mass"), system.extensions
+    mass, springs = system.storeys.mass, system.extensions
     put_in = ((moved @ mass) * force(dt * (np.arange(steps) + 0.5))).sum()
     pace = moved / dt
-    lost = dt * np.einsum("si,ij,sj->", pace, system.damping, pace)
+    lost = dt * np.einsum("si,ij,sj->", pace, system.storeys.damping, pace)
     dashpots = dt * 2e6 * (np.abs(pace @ springs[n:].T) ** (exponent + 1)).sum()
-    stored = 0.5 * (mass @ v[-1] ** 2 + system.all("elastic") @ (springs[:n] @ u[-1]) ** 2)
+    stored = 0.5 * (mass @ v[-1] ** 2 + system.storeys.elastic @ (springs[:n] @ u[-1]) ** 2)
     assert stored + lost + dashpots == pytest.approx(put_in, rel=1e-7)
     assert dashpots > 0.1 * put_in
 
@@ -132,7 +132,7 @@ def test_exponent_one_is_a_linear_dashpot():
     np.testing.assert_array_equal(tables[0].peak, tables[1].peak)
     found = []
     for links in (linear, in_every_storey(3e6, 0.5)):
-        (frame,) = all_frames(system_of([TOWER], links))
+        (frame,) = all_frames(arrangement_of([TOWER], links))
         own = frame.part.elements.own.copy()
         own[frame.part.elements.kind == VISCOUS, 1:] = 1.0
         part = Storeys(frame.part.elements._replace(own=own), law_of(()))

@@ -13,7 +13,7 @@ import stochlin as sl
 from stochlin.analyses.simulation.frames import frames_of
 from stochlin.analyses.simulation.views import displacement_at, meeting_heights
 from stochlin.kernels.simulation.stepping import LANES
-from stochlin.models.systems import stack_of, system_of
+from stochlin.models.systems import arrangement_of, stack_of
 
 pytestmark = pytest.mark.oracle
 
@@ -114,9 +114,9 @@ def springs_of(system):
         row[[tie.one, tie.two]] = 1, -1
     share = np.array([link.hardening if link.yields else 1.0 for link in links])
     stiffness = [link.stiffness for link in links]
-    post = np.append(system.all("post"), stiffness * share)
-    couple = np.append(system.all("couple"), stiffness * (1 - share))
-    limit = np.append(system.all("strength"), [x.yield_displacement or np.inf for x in links])
+    post = np.append(system.storeys.post, stiffness * share)
+    couple = np.append(system.storeys.couple, stiffness * (1 - share))
+    limit = np.append(system.storeys.strength, [x.yield_displacement or np.inf for x in links])
     slack = np.append(0 * below - np.inf, [-np.inf if x.slack is None else x.slack for x in links])
     return along, post, couple, limit, slack, np.append(0.0 * below, [x.damping_constant for x in links])
 
@@ -128,10 +128,10 @@ def solved(system, force, seconds, steps):
     and exact but for the force, which is that of the middle. ``z`` follows its drift, or stays.
     """
     along, post, couple, limit, slack, dashpot = springs_of(system)
-    pull, dt = along.T / system.all("mass")[:, None], seconds / steps
+    pull, dt = along.T / system.storeys.mass[:, None], seconds / steps
     s, n = along.shape
     u, v, z = slice(n), slice(n, 2 * n), slice(2 * n, 2 * n + s)
-    damping = system.damping / system.all("mass")[:, None] + pull @ (dashpot[:, None] * along)
+    damping = system.storeys.damping / system.storeys.mass[:, None] + pull @ (dashpot[:, None] * along)
 
     @functools.cache
     def transition(modes):
@@ -157,7 +157,7 @@ def solved(system, force, seconds, steps):
     ("links", "p_delta"), [("none", True), ("spring", False), ("yielding", True), ("slack", False)]
 )
 def test_motion_is_that_of_linear_stretches(links, p_delta):
-    system = system_of([four(p_delta=p_delta), two()], LINKS[links])
+    system = arrangement_of([four(p_delta=p_delta), two()], LINKS[links])
     n, seconds = 6, 1.6
 
     def force(t):
@@ -165,7 +165,7 @@ def test_motion_is_that_of_linear_stretches(links, p_delta):
 
     theirs = solved(system, force, seconds, 32000).T
     drift = theirs - np.where(system.below[:, None] >= 0, theirs[system.below], 0.0)
-    assert (np.abs(drift).max(axis=1) / system.all("strength")).max() > 2
+    assert (np.abs(drift).max(axis=1) / system.storeys.strength).max() > 2
     frames, alone = frames_of(system)
     assert len(frames) == (1 if system.ties else 2)
     assert not alone
@@ -275,7 +275,7 @@ def test_between_floors_nothing_is_larger_than_at_the_levels_of_both():
     np.testing.assert_allclose(heights, [2.2, 3.0, 4.4, 6.0])
     rng = np.random.default_rng(8)
     for _ in range(50):
-        motions = [rng.standard_normal(stack.mass.size) for stack in (low, high)]
+        motions = [rng.standard_normal(stack.system.mass.size) for stack in (low, high)]
 
         def apart(height, motions=motions):
             one, other = (

@@ -76,13 +76,13 @@ def _together(scene: Scene, first: Alone, second: Alone) -> Motion:
         for name in ("c_eq", "k_eq")
     )
     own = equations.yields & ((c_eq != -1) | (k_eq != 0))[0]
-    heights = meeting_heights(*equations.system.stacks)
+    heights = meeting_heights(*equations.arrangement.stacks)
     one, two = (_weights(equations, number, heights) for number in (0, 1))
     return Motion(Response(equations.state_space(c_eq, k_eq, own)), heights, one, two)
 
 
 def _weights(equations: Equations, number: int, heights: Array) -> Array:
-    return np.array([weights(equations.system, number, height) for height in heights])
+    return np.array([weights(equations.arrangement, number, height) for height in heights])
 
 
 def displacement_densities(scene: Scene, frequency: Array) -> tuple[Array, Array, float]:

@@ -19,6 +19,7 @@ from stochlin.analyses.tables.checks import check_duration
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
@@ -39,7 +40,7 @@ from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import CASE, expect
 from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure, Stack, System, stack_of
+from stochlin.models.systems import AnyStructure, Arrangement, Stack, stack_of
 
 STEPS_PER_PERIOD = 16  # instants in the shortest period, for integrals over time
 STRONG = 0.5  # share of the envelope's maximum below which shaking is no longer strong
@@ -89,7 +90,7 @@ class Side(NamedTuple):
     @property
     def storeys(self) -> int:
         """Number of storeys; 1 for oscillators."""
-        return self.cells.stack.mass.size if isinstance(self.cells, Storeys) else 1
+        return self.cells.stack.levels.size if isinstance(self.cells, Storeys) else 1
 
     def stack(self, cell: int) -> Stack:
         """Storeys of the structure of one cell; an oscillator is one storey with a mass of 1 kg."""
@@ -98,15 +99,9 @@ class Side(NamedTuple):
         period, damping, hardening, uy, _ = (column[cell : cell + 1] for column in self.cells)
         assert isinstance(self.structure, Structure)
         w, share = 2 * np.pi / period, np.where(np.isinf(uy), 1.0, hardening)
-        return Stack(
-            mass=np.ones(1),
-            post=share * w**2,
-            couple=(1 - share) * w**2,
-            strength=uy,
-            damping=(2 * damping * w)[None],
-            levels=np.full(1, np.nan),
-            law=self.structure,
-        )
+        one, friction = np.ones(1), (2 * damping * w)[None]
+        system = System(one, friction, one[None], share * w**2, (1 - share) * w**2, uy)
+        return Stack(system, np.full(1, np.nan), self.structure)
 
 
 class Course(NamedTuple):
@@ -206,14 +201,13 @@ def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -
     position = numbered(valid, first)
     below = {name: of_cells(array, position).astype(float) for name, array in ground.arrays().items()}
     stack, count = stack_of(structure), int(valid.sum())
-    system = System((stack,), ())
     elastic, none = np.full(structure.storeys, -1.0), np.zeros(structure.storeys)
     rows = {name: xr.DataArray(row, dims=CASE) for name, row in below.items()}
-    equations = Equations(system, ground.with_arrays(rows))
+    equations = Equations(Arrangement((stack,), ()), ground.with_arrays(rows))
     drifts = np.empty((count, structure.storeys))
     for cells, part in alike(equations.state_space(elastic, none, none > 0)):
         response = Response(part)
-        drifts[cells] = response.std(system.extensions)
+        drifts[cells] = response.std(stack.system.extensions)
         if not np.isfinite(drifts[cells]).all():
             raise ArithmeticError(
                 f"{role}, elastic: {INACCURATE if response.stable.all() else UNSTABLE}; use storeys "
@@ -365,19 +359,19 @@ def _oscillators(cells: Oscillators) -> Structures:
 def _storeys(cells: Storeys, seen: Array) -> Structures:
     """Equations of the drifts ``d = T u``, from ``M u'' = -C u' - T' (k d - h y) + M 1 f``."""
     stack, period, scale = cells
-    drifts = System((stack,), ()).extensions
+    mass, damping, drifts, _, couple, strength = stack.system
     floors = np.linalg.inv(drifts)
-    shears = (drifts / stack.mass) @ drifts.T
+    shears = (drifts / mass) @ drifts.T
 
     def everywhere(array: Array) -> Array:
         return np.broadcast_to(array, (period.size, *array.shape))
 
     return Structures(
         2 * np.pi / period,
-        everywhere(shears * stack.elastic),
-        everywhere((drifts / stack.mass) @ stack.damping @ floors),
-        everywhere(shears * stack.couple),
-        everywhere(stack.strength),
+        everywhere(shears * stack.system.elastic),
+        everywhere((drifts / mass) @ damping @ floors),
+        everywhere(shears * couple),
+        everywhere(strength),
         scale,
         everywhere(seen @ floors),
     )
@@ -392,7 +386,7 @@ def _coefficients(sides: Sequence[Side]) -> Coefficients:
 
     def law_of(side: Side) -> Array:
         cells = side.cells
-        uy = cells.stack.strength if isinstance(cells, Storeys) else cells.yield_displacement
+        uy = cells.stack.system.strength if isinstance(cells, Storeys) else cells.yield_displacement
         return side.law[:, np.isfinite(np.resize(uy, side.law.shape[1]))]
 
     groups = [

@@ -30,7 +30,7 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
-from stochlin.models.systems import retrofitted, system_of
+from stochlin.models.systems import arrangement_of, retrofitted
 from stochlin.models.uncertain import applied, median_of
 
 RECORDED = (
@@ -97,7 +97,7 @@ class MitigatedPair:
     def check(self, measure: Measure) -> None:
         """Raise a ValueError or TypeError for a measure that cannot be applied to the pair."""
         self.open_gap(measure)
-        system_of(self.known(measure), checked_links(measure.links, len(self.structures)))
+        arrangement_of(self.known(measure), checked_links(measure.links, len(self.structures)))
 
     def simulated(self, measure: Measure) -> dict[str, float]:
         """Required gap [m], probability of no pounding [-] and mean peaks [m] by simulation.

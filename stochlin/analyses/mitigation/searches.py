@@ -16,7 +16,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.contact import reduced_mass
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
-from stochlin.models.systems import first_mode, system_of
+from stochlin.models.systems import arrangement_of, first_mode
 
 CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # damping constants that are tried, over 2 m w
 
@@ -102,7 +102,7 @@ def _dashpot_scale(site: MitigatedPair) -> float | None:
     None if a structure has no mass or no floors are at the same level.
     """
     try:
-        system_of(site.known(Measure()), _dashpot(0.0).links)
+        arrangement_of(site.known(Measure()), _dashpot(0.0).links)
     except ValueError:
         return None
     modes = [first_mode(structure) for structure in site.known(Measure())]

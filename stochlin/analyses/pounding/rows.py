@@ -25,11 +25,11 @@ from stochlin.models.systems import (
     LEVEL,
     Stack,
     Tie,
+    arrangement_of,
     check_links,
     first_period,
     shares_at,
     slabs_on_columns,
-    system_of,
 )
 
 Building = Structure | ShearBuilding
@@ -176,8 +176,9 @@ def build_row(
     links: Sequence[Link | None],
 ) -> tuple[Row, list[Meeting]]:
     """The row of buildings as kernels take it, and its contacts."""
-    system = system_of(structures, links)
-    first, mass = system.first, system.all("mass")
+    system = arrangement_of(structures, links)
+    first, storeys = system.first, system.storeys
+    mass = storeys.mass
     places = meetings([stack.levels for stack in system.stacks])
     floors = np.array([_floors(m, first) for m in places], np.int64).reshape(-1, 3)
     weight = np.array([m.weights for m in places], float).reshape(-1, 3)
@@ -199,12 +200,12 @@ def build_row(
         below=system.below,
         mass=mass,
         per_mass=1 / mass,
-        post=system.all("post"),
-        couple=system.all("couple"),
-        strength=system.all("strength"),
+        post=storeys.post,
+        couple=storeys.couple,
+        strength=storeys.strength,
         law=np.concatenate([_laws(stack) for stack in system.stacks]),
         shape=np.ascontiguousarray(np.concatenate([_shapes(stack) for stack in system.stacks])),
-        damping=system.damping,
+        damping=storeys.damping,
         left=np.ascontiguousarray(floors[:, 0]),
         right=np.ascontiguousarray(floors[:, 1]),
         lower=np.ascontiguousarray(floors[:, 2]),
@@ -252,13 +253,13 @@ def _floors(m: Meeting, first: Array) -> tuple[int, int, int]:
 
 
 def _laws(stack: Stack) -> Array:
-    return np.where(np.isfinite(stack.strength), LAWS[type(stack.law)], ELASTIC)
+    return np.where(np.isfinite(stack.system.strength), LAWS[type(stack.law)], ELASTIC)
 
 
 def _shapes(stack: Stack) -> Array:
     if type(stack.law) is BoucWen:
         return stack.law_parameters
-    return np.tile(UNUSED, (stack.mass.size, 1))
+    return np.tile(UNUSED, (stack.system.mass.size, 1))
 
 
 def _tie_law(link: Link) -> int:

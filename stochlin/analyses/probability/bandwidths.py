@@ -19,7 +19,7 @@ from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing,
 from stochlin.kernels.linearization.spectral_moments import SpectralMoments, difference_moments
 from stochlin.kernels.linearization.systems.response import Response
 from stochlin.models.grounds import Ground
-from stochlin.models.systems import System
+from stochlin.models.systems import Arrangement
 
 INSTANTS = 13  # instants at which the bandwidth of yielding structures is computed
 NO_SLIP = 1e-12  # equivalent coefficients below which a structure counts as elastic
@@ -91,9 +91,9 @@ def _of_storeys(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
     for i, j in pairs.T:
         stacks = one.stack(int(i)), two.stack(int(j) - cells)
         begins = i * one.storeys, cells * one.storeys + (j - cells) * two.storeys
-        storeys = [b + np.arange(s.mass.size) for b, s in zip(begins, stacks, strict=True)]
-        equations = Equations(System(stacks, ()), ground_of(ground, one.ground, int(i)))
-        rate = np.sqrt(np.concatenate([stack.elastic / stack.mass for stack in stacks]))
+        storeys = [b + np.arange(s.levels.size) for b, s in zip(begins, stacks, strict=True)]
+        equations = Equations(Arrangement(stacks, ()), ground_of(ground, one.ground, int(i)))
+        rate = np.sqrt(np.concatenate([stack.system.elastic / stack.system.mass for stack in stacks]))
         systems.append((equations, np.concatenate(storeys), NO_SLIP * rate))
 
     def spectrum(slip: Array, relaxation: Array) -> SpectralMoments:

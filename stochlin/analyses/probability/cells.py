@@ -150,7 +150,7 @@ def _where_they_meet(one: Side, two: Side) -> tuple[tuple[Side, Side], xr.DataAr
         return (one, two), xr.DataArray(0)
     stacks = one.stack(0), two.stack(0)
     heights = meeting_heights(*stacks)
-    seen = tuple(np.zeros((heights.size, stack.mass.size)) for stack in stacks)
+    seen = tuple(np.zeros((heights.size, stack.system.mass.size)) for stack in stacks)
     for row, height in enumerate(heights):
         for displacements, stack in zip(seen, stacks, strict=True):
             terms = displacement_at(stack, float(height))

@@ -19,7 +19,7 @@ from stochlin.kernels.records.runs import SampledGround
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure, System, system_of
+from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of
 
 STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
 CLOSE, HALVINGS = 1e-4, 6  # allowed relative change of peaks when the step is halved; most halvings
@@ -80,7 +80,7 @@ def states(frames: Sequence[Frame], ground: SampledGround, cuts: int) -> States:
     for frame in frames:
         size, floors = frame.part.size, frame.floors
         block, state, out = frame.part.block(dt), np.zeros((3, size, LANES)), np.empty((1, size, LANES))
-        heights = np.linalg.inv(frame.part.elements.drifts[: floors.size])
+        heights = np.linalg.inv(frame.part.elements.system.extensions[: floors.size])
         for sample in range(1, samples):
             block(f[(sample - 1) * cuts : sample * cuts], *state, cuts, out)
             d, v, z = state[:, : floors.size, 0]
@@ -91,14 +91,14 @@ def states(frames: Sequence[Frame], ground: SampledGround, cuts: int) -> States:
 
 def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int) -> xr.Dataset:
     """The response history for `respond`, with ``refine`` points in an interval; without times."""
-    system = system_of([structure])
+    system = arrangement_of([structure])
     samples = np.arange(ground.acceleration.size)
     between = np.arange(refine * samples[-1] + 1) / refine
     finer = SampledGround(np.interp(between, samples, ground.acceleration), ground.dt / refine)
     frames = all_frames(system)
     first = ridden(frames, finer, [{floor: 1.0} for floor in range(_floors(frames))])
     u, v, z = states(frames, finer, first.cuts)
-    strength = system.all("strength")
+    strength = system.storeys.strength
     over = ("time", FLOOR)
     energies = _energies(system, finer, first, u, v, z)
     if not isinstance(structure, ShearBuilding):
@@ -118,7 +118,7 @@ def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int)
 
 
 def _energies(
-    system: System, ground: SampledGround, motion: Ridden, u: Array, v: Array, z: Array
+    system: Arrangement, ground: SampledGround, motion: Ridden, u: Array, v: Array, z: Array
 ) -> xr.Dataset:
     """Energies per unit mass of the whole structure at the samples [m^2/s^2].
 
@@ -126,7 +126,7 @@ def _energies(
     With it, input energy and viscous energy have no error of quadrature. The hysteretic energy is the
     rest of the energy balance.
     """
-    mass, moved, dt = system.all("mass"), np.diff(motion.values, axis=0), ground.dt / motion.cuts
+    mass, moved, dt = system.storeys.mass, np.diff(motion.values, axis=0), ground.dt / motion.cuts
     whole = mass.sum()
 
     def so_far(each: Array) -> Array:
@@ -134,10 +134,10 @@ def _energies(
         return found
 
     put_in = so_far(_forcing(ground, motion.cuts)[:, 0] * (moved @ mass))
-    viscous = so_far(np.einsum("si,ij,sj->s", moved, system.damping, moved) / dt)
+    viscous = so_far(np.einsum("si,ij,sj->s", moved, system.storeys.damping, moved) / dt)
     kinetic = 0.5 * v**2 @ mass / whole
     drift = u @ system.extensions.T
-    elastic = 0.5 * (drift**2 @ system.all("post") + z**2 @ system.all("couple")) / whole
+    elastic = 0.5 * (drift**2 @ system.storeys.post + z**2 @ system.storeys.couple) / whole
     spent = {"input_energy_per_mass": put_in, "viscous_energy_per_mass": viscous}
     spent["hysteretic_energy_per_mass"] = put_in - viscous - kinetic - elastic
     inside = {"kinetic_energy_per_mass": kinetic, "elastic_energy_per_mass": elastic}
@@ -146,7 +146,7 @@ def _energies(
 
 def stepped_gap(structures: Sequence[AnyStructure], motions: Motions) -> xr.Dataset:
     """The result of `recorded_gap` for structures with scalar parameters, without labels."""
-    system = system_of(structures)
+    system = arrangement_of(structures)
     if len(structures) == 1:
         floors: list[Terms] = [{floor: 1.0} for floor in range(int(system.first[-1]))]
         functions = [floors[-1], *drifts_of(system), *floors]
@@ -172,7 +172,7 @@ def stepped_gap(structures: Sequence[AnyStructure], motions: Motions) -> xr.Data
     return xr.concat(tables, names.rename(RECORD), data_vars="all", coords="minimal", compat="equals")
 
 
-def _in_one(system: System, motion: Ridden) -> xr.Dataset:
+def _in_one(system: Arrangement, motion: Ridden) -> xr.Dataset:
     """Results for one record.
 
     The functions in ``motion`` are the displacement of each structure at the highest level where they
@@ -181,7 +181,7 @@ def _in_one(system: System, motion: Ridden) -> xr.Dataset:
     n, values, count = int(system.first[-1]), motion.values, len(system.stacks)
     peaks, drifts = np.split(np.abs(values[:, : count + n]).max(axis=0), [count])
     at_height = np.maximum(values[:, count + n :].max(axis=0), 0.0)
-    strength = system.all("strength")
+    strength = system.storeys.strength
     stayed = (drifts <= strength).all()
     columns = {"separation": at_height.max()}
     columns |= {f"peak_{number}": peak for number, peak in enumerate(peaks, start=1)}

@@ -28,10 +28,10 @@ from stochlin.models.structures import DRIFT, Structure
 from stochlin.models.systems import (
     LEVEL,
     AnyStructure,
-    System,
+    Arrangement,
+    arrangement_of,
     first_mode,
     slabs_on_columns,
-    system_of,
 )
 
 PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation; the error of rho is about 0.01
@@ -45,9 +45,9 @@ class StoreysInMotion(PairInMotion):
     """Structures with strengths in metres, at least one of them a building with storeys."""
 
     @cached_property
-    def system(self) -> System:
+    def system(self) -> Arrangement:
         """All structures as one system, without links."""
-        return system_of(self.structures)
+        return arrangement_of(self.structures)
 
     @cached_property
     def heights(self) -> Array:
@@ -148,7 +148,7 @@ class StoreysInMotion(PairInMotion):
         ]
 
 
-def weights(system: System, number: int, height: float) -> Array:
+def weights(system: Arrangement, number: int, height: float) -> Array:
     """Displacement of structure ``number`` at a height [m], as weights of all floors of the system."""
     found = np.zeros(int(system.first[-1]))
     for floor, share in at_height(system, number, height).items():
@@ -161,7 +161,7 @@ def linearized_at_roof(
 ) -> tuple[float, float]:
     """Correlation [-], and standard deviation of ``u_1 - u_2`` [m], at the level of the lower roof."""
     motion = linearized_motion(structures, ground, links)
-    system = system_of(structures)
+    system = arrangement_of(structures)
     height = meeting_heights(*system.stacks)[-1]
     one, two = (weights(system, number, height)[None] for number in (0, 1))
     return float(correlation_of(motion, one, two)[0]), float(motion.std(one - two)[0, 0])

@@ -32,7 +32,7 @@ from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.parameters import expect
-from stochlin.models.systems import AnyStructure, System
+from stochlin.models.systems import AnyStructure, Arrangement
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
 BLOCK = 256  # time steps that are computed at once
@@ -189,7 +189,7 @@ def _extremes(
 
 
 def _at_heights(
-    system: System, places: list[tuple[int, float, Terms]], heights: Array, peaks: Array
+    system: Arrangement, places: list[tuple[int, float, Terms]], heights: Array, peaks: Array
 ) -> Column:
     """Peaks [m] of the structures at the heights at which they could meet another."""
     values = np.full((len(peaks), len(system.stacks), heights.size), np.nan)
@@ -199,7 +199,7 @@ def _at_heights(
 
 
 def _separations(
-    system: System, pairs: list[Pair], heights: Array, highest: Array, lowest: Array
+    system: Arrangement, pairs: list[Pair], heights: Array, highest: Array, lowest: Array
 ) -> Columns:
     """Peak relative displacements [m], over all heights and, with storeys, at each height."""
     count, paths = len(system.stacks), len(highest)

@@ -10,6 +10,7 @@ import scipy.linalg
 import scipy.sparse.csgraph
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.ensemble import SampledStoreys, Storeys
 from stochlin.kernels.simulation.storey_stepping import (
     BILINEAR,
@@ -22,7 +23,7 @@ from stochlin.kernels.simulation.storey_stepping import (
 )
 from stochlin.models.links import Link
 from stochlin.models.structures import Structure
-from stochlin.models.systems import Stack, System
+from stochlin.models.systems import Arrangement, Stack
 
 # Least share of the mass in a mode that determines the time step. Higher modes are integrated stably.
 LEAST_SHARE = 0.01
@@ -39,7 +40,7 @@ class Frame(NamedTuple):
     samples: SampledStoreys | None = None  # with uncertain parameters: a sample for each motion
 
 
-def frames_of(system: System) -> tuple[list[Frame], list[int]]:
+def frames_of(system: Arrangement) -> tuple[list[Frame], list[int]]:
     """Frames of a system, and the numbers of the oscillators without links."""
     frames, alone = [], []
     with_device = {tie.one for tie in system.ties if tie.link.within_one}
@@ -53,12 +54,12 @@ def frames_of(system: System) -> tuple[list[Frame], list[int]]:
     return frames, alone
 
 
-def all_frames(system: System) -> list[Frame]:
+def all_frames(system: Arrangement) -> list[Frame]:
     """Frames of a system, with oscillators without links as buildings of one storey."""
     return [_frame(system, members) for members in _tied(system)]
 
 
-def sampled_frames(system: System, samples: Sequence[Sequence[Stack]]) -> list[Frame]:
+def sampled_frames(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> list[Frame]:
     """Frames of a system with uncertain parameters; ``samples`` are the structures of each motion.
 
     The time step is short enough for the stiffest sample of each structure.
@@ -69,7 +70,7 @@ def sampled_frames(system: System, samples: Sequence[Sequence[Stack]]) -> list[F
     for members in _tied(system):
         frame = _frame(system, members)
         usual, stacks = frame.part.elements, [system.stacks[m] for m in members]
-        of_links = usual.damping - _damping(stacks)
+        of_links = usual.system.damping - System.beside([stack.system for stack in stacks]).damping
         elements = _with_stacks(usual, of_links, [[sample[m] for m in members] for sample in samples])
         shortest = _frame(system._replace(stacks=tuple(stiffest)), members).shortest
         own = SampledStoreys(elements, frame.part.law)
@@ -77,46 +78,28 @@ def sampled_frames(system: System, samples: Sequence[Sequence[Stack]]) -> list[F
     return found
 
 
-def _damping(stacks: Sequence[Stack]) -> Array:
-    """Damping matrix of structures without links [N s/m]."""
-    own = [stack.damping for stack in stacks]
-    whole: Array = scipy.linalg.block_diag(*own) if own[1:] else own[0]
-    return whole
-
-
 def _stiffness(stack: Stack) -> float:
-    return float((stack.elastic / stack.mass).max())
+    return float((stack.system.elastic / stack.system.mass).max())
 
 
 def _with_stacks(usual: Elements, of_links: Array, samples: Sequence[Sequence[Stack]]) -> list[Elements]:
     """Elements with the same links and other storeys, those of each sample."""
-    n, count = usual.mass.size, len(samples)
-    structures = list(zip(*samples, strict=True))
-
-    def of_storeys(name: str) -> Array:
-        return np.hstack([[getattr(stack, name) for stack in own] for own in structures])
-
-    def column(name: str) -> Array:
-        of_springs = getattr(usual, name)[n:]
-        return np.hstack([of_storeys(name), np.broadcast_to(of_springs, (count, of_springs.size))])
-
-    damping, own = (np.repeat(each[None], count, axis=0) for each in (of_links, usual.own))
-    first = 0
-    for each in structures:
-        rows = slice(first, first := first + each[0].mass.size)
-        damping[:, rows, rows] += np.array([stack.damping for stack in each])
-        width = each[0].law_parameters.shape[1]
-        if width:
-            own[:, rows, :width] = [stack.law_parameters for stack in each]
-    columns = {name: column(name) for name in ("post", "couple", "strength")}
-    columns |= {"mass": of_storeys("mass"), "damping": damping, "own": own}
-    return [
-        usual._replace(**dict(zip(columns, row, strict=True)))
-        for row in zip(*columns.values(), strict=True)
-    ]
+    found = []
+    for stacks in samples:
+        mass, damping, _, *storeys = System.beside([stack.system for stack in stacks])
+        own, first = usual.own.copy(), 0
+        for stack in stacks:
+            parameters = stack.law_parameters
+            own[first : first + len(parameters), : parameters.shape[1]] = parameters
+            first += len(parameters)
+        pairs = zip(storeys, usual.system[3:], strict=True)
+        springs = (np.concatenate([part, whole[mass.size :]]) for part, whole in pairs)
+        system = System(mass, damping + of_links, usual.system.extensions, *springs)
+        found.append(usual._replace(system=system, own=own))
+    return found
 
 
-def _tied(system: System) -> list[Array]:
+def _tied(system: Arrangement) -> list[Array]:
     """Groups of linked structures, by their numbers from 0."""
     count = len(system.stacks)
     tied = np.zeros((count, count))
@@ -127,22 +110,18 @@ def _tied(system: System) -> list[Array]:
     return [np.flatnonzero(group == number) for number in dict.fromkeys(group)]
 
 
-def _frame(system: System, members: Array) -> Frame:
+def _frame(system: Arrangement, members: Array) -> Frame:
     """Frame of the structures ``members`` (numbers from 0) and of the links between them."""
     first = system.first
     floors = np.concatenate([np.arange(first[m], first[m + 1]) for m in members])
     springs = np.flatnonzero(np.abs(system.extensions[:, floors]).any(axis=1))
     drifts = system.extensions[np.ix_(springs, floors)]
     ties = [system.ties[spring - int(first[-1])] for spring in springs[floors.size :]]
-    damping = system.damping[np.ix_(floors, floors)].copy()
     stacks = [system.stacks[m] for m in members]
-    laws = _Laws()
-    kinds = [laws.kind(stack.law, yields) for stack in stacks for yields in stack.couple > 0]
-    force = [
-        [stack.post[i], stack.couple[i], stack.strength[i]]
-        for stack in stacks
-        for i in range(stack.mass.size)
-    ]
+    mass, damping, _, *storeys = System.beside([stack.system for stack in stacks])
+    laws, damping = _Laws(), damping.copy()
+    kinds = [laws.kind(stack.law, yields) for stack in stacks for yields in stack.system.couple > 0]
+    force = np.transpose(storeys).tolist()
     own = [row for stack in stacks for row in stack.law_parameters]
     for along, tie in zip(drifts[floors.size :], ties, strict=True):
         force.append(list(tie.link.spring))
@@ -159,32 +138,21 @@ def _frame(system: System, members: Array) -> Frame:
             own.append(np.array([tie.link.number("damping_constant"), tie.link.exponent]))
     widest = max(row.size for row in own)
     post, couple, strength = np.array(force, float).T.copy()
-    elements = Elements(
-        np.concatenate([stack.mass for stack in stacks]),
-        damping,
-        np.ascontiguousarray(drifts),
-        post,
-        couple,
-        strength,
-        np.array(kinds),
-        np.array([np.pad(row, (0, widest - row.size), constant_values=np.nan) for row in own]),
-    )
-    stiffness = (elements.drifts.T * (elements.post + elements.couple)) @ elements.drifts
-    modes = [_modes(elements.mass, stiffness)]
-    for stack in stacks:
-        chain = System((stack,), ()).extensions
-        modes.append(_modes(stack.mass, (chain.T * stack.elastic) @ chain))
+    whole = System(mass, damping, np.ascontiguousarray(drifts), post, couple, strength)
+    rows = [np.pad(row, (0, widest - row.size), constant_values=np.nan) for row in own]
+    modes = [_modes(part) for part in (whole, *(stack.system for stack in stacks))]
     return Frame(
-        Storeys(elements, law_of(tuple(laws.middles))),
+        Storeys(Elements(whole, np.array(kinds), np.array(rows)), law_of(tuple(laws.middles))),
         floors,
         shortest=min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes),
-        slowest=1 / float(-np.linalg.eigvals(elements.elastic()).real.max()),
+        slowest=1 / float(-np.linalg.eigvals(whole.state_matrix).real.max()),
         period=float(modes[0][0].max()),
     )
 
 
-def _modes(mass: Array, stiffness: Array) -> tuple[Array, Array]:
+def _modes(system: System) -> tuple[Array, Array]:
     """Periods [s] and effective modal masses, as shares of the mass, of all modes."""
+    mass, stiffness = system.mass, system.stiffness
     squares, shapes = scipy.linalg.eigh(stiffness, np.diag(mass))
     if squares[0] <= 0:
         raise ValueError(
@@ -215,8 +183,8 @@ class _Laws:
         return OTHER + self.middles.index(steps)
 
 
-def relaxation_times(system: System, k_eq: Array) -> Array:
+def relaxation_times(system: Arrangement, k_eq: Array) -> Array:
     """Relaxation times [s] of the plastic drifts of the storeys by linearization; 0 if elastic."""
-    share = system.all("post") / system.all("elastic")
+    share = system.storeys.post / system.storeys.elastic
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(k_eq > 0, 1 / (share * k_eq), 0.0)

@@ -19,11 +19,11 @@ from stochlin.models.links import Link
 from stochlin.models.structures import Structure
 from stochlin.models.systems import (
     AnyStructure,
+    Arrangement,
     Stack,
-    System,
+    arrangement_of,
     check_links,
     check_stationary,
-    system_of,
 )
 
 STRUCTURE = "structure"
@@ -32,7 +32,7 @@ STRUCTURE = "structure"
 class Riders(NamedTuple):
     """All structures that are simulated under the same motions."""
 
-    system: System
+    system: Arrangement
     cells: SimulationCells | None  # oscillators without links
     alone: list[int]  # numbers of their floors
     frames: list[Frame]
@@ -115,12 +115,12 @@ def riders_of(
         strength_in_metres(one, ground) if sampled or (n in tied and isinstance(one, Structure)) else one
         for n, one in enumerate(structures, start=1)
     ]
-    system = system_of(in_metres, links)
+    system = arrangement_of(in_metres, links)
     if stationary:
         check_stationary(system)
     frames, alone = frames_of(system) if samples is None else (sampled_frames(system, samples), [])
     floors = [int(system.first[n]) for n in alone]
-    strength = system.all("strength")
+    strength = system.storeys.strength
     drift_times = np.zeros(strength.size)
     cells = None
     if alone:
@@ -137,7 +137,7 @@ def _drift_times(
     structures: Sequence[AnyStructure],
     ground: Ground,
     links: Sequence[Link | None],
-    system: System,
+    system: Arrangement,
 ) -> Array:
     """Relaxation times [s] of the plastic drifts of all storeys; linearized without links with slack."""
     kept = [None if link is None or link.slack is not None else link for link in links]

@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import View
-from stochlin.models.systems import Stack, System, shares_at
+from stochlin.models.systems import Arrangement, Stack, shares_at
 
 Terms = dict[int, float]  # linear function of displacements: numbers of floors and their factors
 
@@ -42,7 +42,7 @@ def displacement_at(stack: Stack, height: float) -> Terms:
     return shares_at(stack.levels, height)
 
 
-def pairs_of(system: System) -> list[Pair]:
+def pairs_of(system: Arrangement) -> list[Pair]:
     """All pairs of structures, at all heights at which they could meet."""
     count = len(system.stacks)
     return [
@@ -53,26 +53,26 @@ def pairs_of(system: System) -> list[Pair]:
     ]
 
 
-def at_height(system: System, number: int, height: float) -> Terms:
+def at_height(system: Arrangement, number: int, height: float) -> Terms:
     """Displacement of a structure of the system at a height."""
     first = int(system.first[number])
     terms = displacement_at(system.stacks[number], height)
     return {first + floor: share for floor, share in terms.items()}
 
 
-def displacements(system: System, pair: Pair) -> tuple[Terms, Terms]:
+def displacements(system: Arrangement, pair: Pair) -> tuple[Terms, Terms]:
     """Displacements of both structures of a pair."""
     one, other = (at_height(system, number, pair.height) for number in (pair.first, pair.second))
     return one, other
 
 
-def apart(system: System, pair: Pair) -> Terms:
+def apart(system: Arrangement, pair: Pair) -> Terms:
     """Relative displacement ``u_1 - u_2`` of a pair."""
     one, other = displacements(system, pair)
     return one | {floor: -share for floor, share in other.items()}
 
 
-def at_heights(system: System) -> list[tuple[int, float, Terms]]:
+def at_heights(system: Arrangement) -> list[tuple[int, float, Terms]]:
     """Structures with the heights at which they could meet others, and their displacements there.
 
     Pairs of oscillators, whose height is NaN, are left out.
@@ -82,7 +82,7 @@ def at_heights(system: System) -> list[tuple[int, float, Terms]]:
     return [(n, h, at_height(system, n, h)) for n, h in sorted(places)]
 
 
-def drifts_of(system: System) -> list[Terms]:
+def drifts_of(system: Arrangement) -> list[Terms]:
     """Drifts of all storeys of a system."""
     return [
         {i: 1.0} | ({int(below): -1.0} if below >= 0 else {}) for i, below in enumerate(system.below)

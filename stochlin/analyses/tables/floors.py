@@ -7,24 +7,28 @@ from typing import Any
 
 import numpy as np
 
-from stochlin.models.systems import System
+from stochlin.models.systems import Arrangement
 
 FLOOR, ELEMENT = "floor", "element"
 Coordinates = dict[str, tuple[str, Any, dict[str, str]]]
 
 
-def floor_coordinates(system: System) -> Coordinates:
+def floor_coordinates(system: Arrangement) -> Coordinates:
     """Coordinates along ``floor``: names, numbers from 1, and levels [m] (NaN for oscillators)."""
     structures, numbers = _places(system)
     return {
         FLOOR: (FLOOR, system.floors, {"long_name": "floor (structure.floor)"}),
         "floor_structure": (FLOOR, structures, {"units": "1", "long_name": "structure of the floor"}),
         "floor_number": (FLOOR, numbers, {"units": "1", "long_name": "number of the floor"}),
-        "level": (FLOOR, system.all("levels"), {"units": "m", "long_name": "level of the floor"}),
+        "level": (
+            FLOOR,
+            np.concatenate([stack.levels for stack in system.stacks]),
+            {"units": "m", "long_name": "level of the floor"},
+        ),
     }
 
 
-def element_coordinates(system: System, links: Sequence[str] = ()) -> Coordinates:
+def element_coordinates(system: Arrangement, links: Sequence[str] = ()) -> Coordinates:
     """Coordinates along ``element``: storeys, named like the floors above them, then links."""
     structures, numbers = (np.append(part, np.zeros(len(links), int)) for part in _places(system))
     told = "structure of the element, 0 for links"
@@ -35,7 +39,7 @@ def element_coordinates(system: System, links: Sequence[str] = ()) -> Coordinate
     }
 
 
-def _places(system: System) -> tuple[Any, Any]:
+def _places(system: Arrangement) -> tuple[Any, Any]:
     """Numbers from 1 of the structure and of the storey, for all floors."""
     sizes = [stack.levels.size for stack in system.stacks]
     numbers = np.concatenate([np.arange(1, size + 1) for size in sizes])

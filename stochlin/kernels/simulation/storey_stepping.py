@@ -38,6 +38,7 @@ from stochlin.kernels.basics.compiled import (
     of_lane,
     smallest,
 )
+from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.stepping import LANES, bouc_wen_middle
 
 # Kinds of elements; numbers from OTHER on are laws given as functions.
@@ -61,21 +62,9 @@ class Elements(NamedTuple):
     its constant ``c`` [N (s/m)^a] and its exponent ``a``.
     """
 
-    mass: Array  # (n,) [kg]
-    damping: Array  # (n, n) [N s/m]
-    drifts: Array  # (e, n): drifts of the elements as sums of displacements of the floors
-    post: Array  # (e,) [N/m]: post-yield stiffness
-    couple: Array  # (e,) [N/m]: elastic less post-yield stiffness
-    strength: Array  # (e,) [m]: yield drift, infinite for a linear element; slack of a SLACK one
+    system: System  # its strength is infinite for a linear element, and the slack of a SLACK one
     kind: Array  # (e,): one of KINDS, or a larger number
     own: Array  # (e, k): parameters of the law
-
-    def elastic(self) -> Array:
-        """State matrix (2 n, 2 n) of displacements and velocities while all elements are elastic."""
-        n = self.mass.size
-        stiffness = (self.drifts.T * (self.post + self.couple)) @ self.drifts
-        below = np.hstack([-stiffness, -self.damping]) / self.mass[:, None]
-        return np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), below])
 
 
 class Steps(NamedTuple):
@@ -101,30 +90,30 @@ def steps_of(elements: Elements, dt: float) -> Steps:
     """The elements for time steps ``dt`` [s].
 
     The increments ``du`` of the displacements follow from
-    ``(2 M/dt + C + dt/2 K) du = 2 M v - dt B' s + dt M 1 f + dt/2 B' couple p``, with ``B = drifts``.
+    ``(2 M/dt + C + dt/2 K) du = 2 M v - dt B' s + dt M 1 f + dt/2 B' couple p``. The matrix ``B``
+    has the extensions.
     """
-    mass, b = np.diag(elements.mass), elements.drifts
-    n = len(mass)
+    system, kind, own = elements
+    mass, b, n = np.diag(system.mass), system.extensions, system.mass.size
     floors = np.linalg.inv(b[:n])
-    stiffness = (b.T * (elements.post + elements.couple)) @ b
-    resisting = 2 / dt * mass + elements.damping + 0.5 * dt * stiffness
-    couple, viscous = elements.couple, elements.kind == VISCOUS
+    resisting = 2 / dt * mass + system.damping + 0.5 * dt * system.stiffness
+    couple, viscous = system.couple, kind == VISCOUS
     if viscous.any():
-        own = np.einsum("en,nm,em->e", b, np.linalg.inv(resisting), b)
-        couple = np.where(viscous, SOFT * 2 / (dt * own), couple)
+        ease = np.einsum("en,nm,em->e", b, np.linalg.inv(resisting), b)
+        couple = np.where(viscous, SOFT * 2 / (dt * ease), couple)
         resisting += 0.5 * dt * (b.T * np.where(viscous, couple, 0.0)) @ b
     flexible = np.linalg.solve(resisting, np.eye(n))
     of_forces = dt * b @ flexible @ b.T
     return Steps(
         dt,
         np.ascontiguousarray(np.hstack([2 * b @ flexible @ mass @ floors, -of_forces])),
-        dt * b @ flexible @ elements.mass,
+        dt * b @ flexible @ system.mass,
         0.5 * of_forces * couple,
-        elements.post,
+        system.post,
         couple,
-        elements.strength,
-        elements.kind,
-        elements.own,
+        system.strength,
+        kind,
+        own,
         b[:n].sum(axis=1) > 0.5,
         MOST_VISCOUS if viscous.any() else MOST_PASSES,
     )

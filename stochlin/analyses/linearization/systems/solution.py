@@ -47,10 +47,11 @@ def solve_equations(
     equations: Equations, closure: str, tolerance: Tolerance, relaxation: float | None = None
 ) -> Solution:
     """The equivalent coefficients of all elements, by Newton's method, or by substitution if relaxed."""
-    own, stacks = equations.yields, equations.system.stacks
+    own, stacks = equations.yields, equations.arrangement.stacks
     problem = springs_of(equations, closure, tolerance.rtol)
     power = problem.power
-    one = (s.law.has_one_solution().to_numpy() for s in stacks if not np.isposinf(s.strength).all())
+    weak = (s.law for s in stacks if not np.isposinf(s.system.strength).all())
+    one = (law.has_one_solution().to_numpy() for law in weak)
     one_solution = np.broadcast_to(reduce(and_, one, np.array(True)), equations.cells)
     solved = solve_springs(problem, one_solution, tolerance.max_iterations, relaxation)
     slip, k, linear = solved.linear
@@ -78,8 +79,8 @@ def springs_of(equations: Equations, closure: str, rtol: float) -> Springs:
 def _laws(equations: Equations, closure: str) -> Iterator[Law]:
     """Closures of the laws, each with the numbers of its yielding elements and their parameters."""
     begin, cells, clips = 0, equations.cells, closure != GAUSSIAN
-    for stack in equations.system.stacks:
-        yields = ~np.isposinf(np.atleast_2d(stack.strength)).all(axis=0)
+    for stack in equations.arrangement.stacks:
+        yields = ~np.isposinf(np.atleast_2d(stack.system.strength)).all(axis=0)
         mine = begin + np.arange(yields.sum())
         if mine.size:
             values = stack.law_parameters[..., yields, :]

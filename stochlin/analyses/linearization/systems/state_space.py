@@ -19,6 +19,7 @@ import xarray as xr
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
 from stochlin.kernels.linearization.systems.response import Response
@@ -36,9 +37,9 @@ from stochlin.models.parameters import Model, expect
 from stochlin.models.systems import (
     STRUCTURES,
     AnyStructure,
-    System,
+    Arrangement,
+    arrangement_of,
     check_links,
-    system_of,
 )
 
 ONE_SYSTEM = "a scalar, since this describes one system"
@@ -52,27 +53,24 @@ class Equations:
     can have a hysteresis law: the storeys and the links that yield. There are n floors.
     """
 
-    system: System
+    arrangement: Arrangement
     ground: Ground
 
     @cached_property
     def springs(self) -> list[str]:
         """Names of the springs."""
-        return [*self.system.floors, *(tie.name for tie in self.system.ties)]
+        return [*self.arrangement.floors, *(tie.name for tie in self.arrangement.ties)]
 
     @cached_property
     def elements(self) -> Array:
         """Numbers of the springs that are elements (e,)."""
-        n, ties = len(self.system.floors), self.system.ties
+        n, ties = len(self.arrangement.floors), self.arrangement.ties
         return np.array([*range(n), *(n + i for i, tie in enumerate(ties) if tie.link.yields)])
 
     @cached_property
     def strength(self) -> Array:
         """Yield drifts of the elements (c, e) [m], infinite if elastic."""
-        yields = [tie.link.yields for tie in self.system.ties]
-        return np.concatenate(
-            [self._wide(self.system.all("strength")), self._links[2][:, yields]], axis=1
-        )
+        return self.system.strength[:, self.elements]
 
     @property
     def yields(self) -> Array:
@@ -80,13 +78,17 @@ class Equations:
         return np.asarray(~np.isposinf(self.strength).all(axis=0))
 
     @cached_property
-    def extensions(self) -> Array:
-        """Factors (s, n) that give the extensions of the springs from the floor displacements."""
-        return self.system.extensions
+    def system(self) -> System:
+        """Storeys and springs of links in all cells, without the dashpots of links."""
+        mass, damping, _, *storeys = self.arrangement.storeys
+        pairs = zip(storeys, self._links, strict=False)
+        springs = (np.concatenate([self._wide(own), link], axis=1) for own, link in pairs)
+        extensions = self.arrangement.extensions
+        return System(self._wide(mass), self._wide(damping, 2), extensions, *springs)
 
     def states(self, own: Array) -> list[str]:
         """Names of the states, by structures, links last; elements with ``own`` (e,) have a ``z``."""
-        floors, first = self.system.floors, self.system.first
+        floors, first = self.arrangement.floors, self.arrangement.first
         names = [self.springs[spring] for spring in self.elements[own]]
         listed = list(self.ground.filter(self._ground).states)
         for begin, end in pairwise(first):
@@ -99,22 +101,17 @@ class Equations:
         """Numbers of the states; elements with ``own`` (e,) have a ``z``."""
         states = self.states(own)
         names = {name: i for i, name in enumerate(states)}
-        u, v = (np.array([names[f"{s}_{floor}"] for floor in self.system.floors]) for s in "uv")
+        u, v = (np.array([names[f"{s}_{floor}"] for floor in self.arrangement.floors]) for s in "uv")
         z = np.array([names[f"z_{self.springs[spring]}"] for spring in self.elements[own]], int)
         return Order(np.arange(len(states) - u.size - v.size - z.size), u, v, z)
 
     def mechanics(self, own: Array) -> Mechanics:
         """Masses, springs and ground of all cells; elements with ``own`` (e,) have a state ``z``."""
         soil = self.ground.filter(self._ground)
-        post, couple, _, _, _ = self._links
         return Mechanics(
             self.order(own),
             self.elements[own],
-            self.extensions,
-            self._wide(self.system.all("mass")),
-            self._wide(self.system.damping, 2),
-            np.concatenate([self._wide(self.system.all("post")), post], axis=1),
-            np.concatenate([self._wide(self.system.all("couple")), couple], axis=1),
+            self.system,
             Matrices(*(self._wide(a, n) for a, n in zip(soil.arrays, (2, 1, 1), strict=True))),
             2 * np.pi * self._wide(np.asarray(soil.intensity), 0),
         )
@@ -147,8 +144,11 @@ class Equations:
     @cached_property
     def cells(self) -> int:
         """Number of cells."""
-        parts = [part.shape[:-1] for stack in self.system.stacks for part in stack[:4]]
-        values = [*self._ground.values(), *(v for tie in self.system.ties for v in _of_link(tie.link))]
+        parts = [stack.system.mass.shape[:-1] for stack in self.arrangement.stacks]
+        values = [
+            *self._ground.values(),
+            *(v for tie in self.arrangement.ties for v in _of_link(tie.link)),
+        ]
         return math.prod(np.broadcast_shapes(*parts, *(np.shape(value) for value in values)))
 
     @cached_property
@@ -159,7 +159,7 @@ class Equations:
     @cached_property
     def _links(self) -> Array:
         """Post-yield stiffness, what yielding takes of it, strength, dashpot and exponent: (5, c, l)."""
-        rows = [[self._wide(v, 0) for v in _of_link(tie.link)] for tie in self.system.ties]
+        rows = [[self._wide(v, 0) for v in _of_link(tie.link)] for tie in self.arrangement.ties]
         return np.array(rows).reshape(len(rows), 5, self.cells).transpose(1, 2, 0)
 
     def _wide(self, array: Array, dimensions: int = 1) -> Array:
@@ -284,7 +284,7 @@ def statespace(
             raise ValueError(f"{name} = {brief(values)}; allowed: a number for every element")
         if not np.isfinite(given[-1]).all():
             raise ValueError(f"{name} = {brief(list(values))}; allowed: finite numbers")
-    equations = Equations(system_of([_of_any_strength(s) for s in structures], links), ground)
+    equations = Equations(arrangement_of([_of_any_strength(s) for s in structures], links), ground)
     elements = [equations.springs[spring] for spring in equations.elements]
     if not len(c_eq) == len(k_eq) == len(elements):
         raise ValueError(
@@ -292,8 +292,8 @@ def statespace(
             f"kind for every element, {brief(elements)}"
         )
     own = (given[0] != -1) | (given[1] != 0)
-    for element in np.flatnonzero(own[: len(equations.system.floors)]):
-        number = int(np.searchsorted(equations.system.first, element, side="right"))
+    for element in np.flatnonzero(own[: len(equations.arrangement.floors)]):
+        number = int(np.searchsorted(equations.arrangement.first, element, side="right"))
         structure = structures[number - 1]
         if structure.hardening is None:
             raise ValueError(

@@ -33,7 +33,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model
 from stochlin.models.structures import GAUSSIAN
-from stochlin.models.systems import AnyStructure, check_stationary, system_of
+from stochlin.models.systems import AnyStructure, arrangement_of, check_stationary
 
 ITERATIONS = ("newton", "substitution")
 # Computing time [s] of ten iterations, for each element and cube of the states, and beside it.
@@ -238,7 +238,7 @@ def solved(equations: Equations) -> Solution:
     solution = solve_equations(equations, GAUSSIAN, USUAL)
     if solution.status[0] >= labels.NOT_CONVERGED:
         raise ArithmeticError(
-            f"linearization of {len(equations.system.stacks)} structures: "
+            f"linearization of {len(equations.arrangement.stacks)} structures: "
             f"{labels.STATUS_MEANINGS[solution.status[0]].replace('_', ' ')}"
         )
     return solution
@@ -259,7 +259,7 @@ def equations_of(
         structure if isinstance(structure, ShearBuilding) else strength_in_metres(structure, ground)
         for structure in structures
     ]
-    system = system_of(solid, links)
+    system = arrangement_of(solid, links)
     check_stationary(system)
     return Equations(system, ground)
 
@@ -276,7 +276,7 @@ def equations_of_cells(cells: Flat, links: Sequence[Link | None]) -> Equations:
 @np.errstate(all="ignore")  # correlations of floors that do not move are 0/0
 def solution_table(cells: Flat, equations: Equations, solution: Solution) -> xr.Dataset:
     """Dataset of `linearize_system` from a solution, without labels."""
-    system, own = equations.system, equations.yields
+    system, own = equations.arrangement, equations.yields
     n, count = len(system.floors), equations.cells
     found = _responses(equations, solution)
     finite = np.isfinite(found["covariance"]).all(axis=(1, 2))
@@ -328,7 +328,7 @@ def solution_table(cells: Flat, equations: Equations, solution: Solution) -> xr.
 
 def _responses(equations: Equations, solution: Solution) -> dict[str, Array]:
     """What follows from the responses of the equivalent linear systems, by variable."""
-    n = len(equations.system.floors)
+    n = len(equations.arrangement.floors)
     floors = np.eye(n)
     pairs = (floors[:, None] - floors[None]).reshape(n * n, n)
     parts: list[tuple[Array, dict[str, Array]]] = []
@@ -336,7 +336,7 @@ def _responses(equations: Equations, solution: Solution) -> dict[str, Array]:
     for cells, system in alike(equivalent_systems(equations, solution)):
         motion = Response(system)
         part = {
-            "drift_std": motion.std(equations.extensions[equations.elements]),
+            "drift_std": motion.std(equations.system.extensions[equations.elements]),
             "displacement_std": motion.std(floors),
             "velocity_std": motion.std(floors, rates=True),
             "relative_displacement_std": motion.std(pairs),
@@ -344,7 +344,7 @@ def _responses(equations: Equations, solution: Solution) -> dict[str, Array]:
             "residual": motion.residual,
             "moments": np.stack(motion.moments, axis=1),
         }
-        if equations.system.ties:
+        if equations.arrangement.ties:
             part["link_force_std"] = link_forces(equations, dashpots, motion, cells)
         parts.append((cells, part))
     order = np.argsort(np.concatenate([cells for cells, _ in parts]))
@@ -358,11 +358,11 @@ def link_forces(equations: Equations, dashpots: Array, motion: Response, cells: 
     For a dashpot with an exponent, the variance of its linearized force is replaced by that of the
     nonlinear force for a Gaussian rate.
     """
-    springs = np.arange(len(equations.system.floors), len(equations.springs))
+    springs = np.arange(len(equations.arrangement.floors), len(equations.springs))
     dashpots, exponents = dashpots[cells], equations.exponents[cells]
     post, couple = (part[cells] for part in equations.of_links)
     linear = motion.force_std(post, couple, dashpots)
-    rate = motion.std(equations.extensions[springs], rates=True)
+    rate = motion.std(equations.system.extensions[springs], rates=True)
     whole = equations.dashpots[cells] ** 2 * absolute_moment(2 * exponents, rate)
     nonlinear = np.sqrt(linear**2 + whole - (dashpots * rate) ** 2)
     return np.where((exponents != 1) & (dashpots > 0), nonlinear, linear)

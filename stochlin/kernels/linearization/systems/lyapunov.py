@@ -46,6 +46,7 @@ class Lyapunov:
         self.places = np.split(np.arange(n), ends[:-1])  # the parts in the Schur basis
         # With rates whose squares overflow, variances would be too small for a number.
         self.stable = np.asarray(np.isfinite(matrix * matrix).all(axis=(1, 2)))
+        self.resolved = self.stable.copy()  # whether rounding leaves the slowest decay
         for cell in np.flatnonzero(self.stable).tolist():
             self.matrix[cell], _, _, self.scale[cell], _ = lapack.dgebal(matrix[cell], scale=1)
             for part, place in zip(parts, self.places, strict=True):
@@ -63,8 +64,9 @@ class Lyapunov:
         )
         self.triangle[cell, place[:, None], place] = triangle
         self.vectors[cell, part, place] = vectors
-        # The diagonal has the real parts of the eigenvalues.
-        self.stable[cell] &= not failed and triangle.diagonal().max() < 0
+        slowest = triangle.diagonal().max()  # the diagonal has the real parts of the eigenvalues
+        self.stable[cell] &= not failed and slowest < 0
+        self.resolved[cell] &= slowest < np.finfo(float).eps * triangle.diagonal().min()
 
     def covariance(self, noise: Array, intensity: Array) -> Array:
         """Covariances (c, n, n) for ``R = intensity b b'``, with ``b`` the columns ``noise`` (c, n)."""
@@ -86,7 +88,7 @@ class Lyapunov:
             cells = cells[left]
         accurate = np.abs(last).max(axis=(1, 2)) < ACCURATE * np.abs(x).max(axis=(1, 2))
         found = x * self.scale[:, :, None] * self.scale[:, None, :]
-        accurate &= self.stable & np.isfinite(found).all(axis=(1, 2))
+        accurate &= self.stable & self.resolved & np.isfinite(found).all(axis=(1, 2))
         return np.where(accurate[:, None, None], found, np.nan)
 
     def slopes(self, columns: Array, rows: Array, covariance: Array, one: Array, two: Array) -> Array:

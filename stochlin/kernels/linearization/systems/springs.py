@@ -104,7 +104,7 @@ class Watch:
     """The linear systems of the last iteration of all cells, and the changes in each iteration."""
 
     def __init__(self, mechanics: Mechanics, linear: Linear) -> None:
-        cells, states = len(mechanics.mass), sum(part.size for part in mechanics.order)
+        cells, states = len(mechanics.intensity), sum(part.size for part in mechanics.order)
         self.linear = linear
         self.covariance = np.full((cells, states, states), np.nan)
         self.changes = np.full((0, 2, cells), np.nan)
@@ -313,13 +313,13 @@ def elastic_start(problem: Springs) -> tuple[Springs, Array]:
     if power.size:
         constants = problem.dashpots.copy()
         constants[:, power] = 0.0
-        floors, links = np.eye(mechanics.mass.shape[1]), _springs_of(problem)
+        floors, links = np.eye(mechanics.system.mass.shape[1]), _springs_of(problem)
         ends = np.zeros_like(rates)
         for cells, system in alike(state_space(mechanics, none - 1, none, constants)):
             undamped = Response(system)
-            rates[cells] = undamped.std(mechanics.extensions[links], rates=True)
+            rates[cells] = undamped.std(mechanics.system.extensions[links], rates=True)
             moved = undamped.std(floors, rates=True)
-            ends[cells] = moved @ np.abs(mechanics.extensions[links]).T
+            ends[cells] = moved @ np.abs(mechanics.system.extensions[links]).T
         problem = problem._replace(idle=rates < IDLE * ends)
         rates = np.where(problem.idle, 0.0, np.log(rates))
     variances = respond(problem, Linear(none, none, _dashpots(problem, rates))).springs
@@ -339,9 +339,9 @@ def respond(problem: Springs, linear: Linear, *, slopes: bool = False) -> Moment
         response = Response(part)
         moments.covariance[group] = response.covariance
         moments.springs[:, group] = np.stack(response.moments[1:]) / strength[group] ** 2
-        moments.rates[group] = response.std(mechanics.extensions[dashpots], rates=True) ** 2
+        moments.rates[group] = response.std(mechanics.system.extensions[dashpots], rates=True) ** 2
         if slopes:
-            moments.slopes[group] = response.slopes(dashpots, mechanics.mass[group])
+            moments.slopes[group] = response.slopes(dashpots, mechanics.system.mass[group])
     return moments
 
 
@@ -457,7 +457,7 @@ def _dashpots(problem: Springs, rates: Array) -> Array:
 
 def _springs_of(problem: Springs) -> Array:
     """Numbers (k,) of the springs beside linearized dashpots; links are the last springs."""
-    return len(problem.mechanics.extensions) - problem.dashpots.shape[1] + problem.power
+    return len(problem.mechanics.system.extensions) - problem.dashpots.shape[1] + problem.power
 
 
 def _of_springs(problem: Springs, unknowns: Array) -> Array:

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.filters import Matrices
 
 
@@ -30,33 +31,21 @@ class Mechanics(NamedTuple):
 
     order: Order
     springs: Array  # (m,) numbers of the springs with a state z
-    extensions: Array  # (s, n) E, with the entries 1 and -1
-    mass: Array  # (c, n) [kg]
-    damping: Array  # (c, n, n) [N s/m] of the structures
-    post: Array  # (c, s) [N/m], stiffness after yield
-    couple: Array  # (c, s) [N/m], stiffness before yield less that after it
+    system: System  # of c cells, without the dashpots of links
     soil: Matrices  # (c, ...) state matrix, noise and output of the ground's filter
     intensity: Array  # (c,) of the white noise in time, 2 pi S0 [m^2/s^3]
 
     @property
-    def stiffness(self) -> Array:
-        """Stiffness of the springs before yield (c, s) [N/m]."""
-        return self.post + self.couple
-
-    @property
     def frequency(self) -> Array:
         """Frequencies (c, m) [rad/s] of the springs that yield, with the masses at their ends."""
-        own = self.extensions[self.springs]
-        square: Array = self.stiffness[:, self.springs] * ((1 / self.mass) @ (own**2).T)
+        own = self.system.extensions[self.springs]
+        square: Array = self.system.elastic[:, self.springs] * ((1 / self.system.mass) @ (own**2).T)
         return np.sqrt(square)
 
     def at(self, cells: Array) -> Mechanics:
         """The cells with these numbers."""
         return self._replace(
-            mass=self.mass[cells],
-            damping=self.damping[cells],
-            post=self.post[cells],
-            couple=self.couple[cells],
+            system=self.system.at(cells),
             soil=Matrices(*(part[cells] for part in self.soil)),
             intensity=self.intensity[cells],
         )
@@ -88,11 +77,12 @@ def state_space(mechanics: Mechanics, c_eq: Array, k_eq: Array, dashpots: Array)
 
     The links are the last springs.
     """
-    order, springs, extensions, mass, structural, post, couple, soil, intensity = mechanics
+    order, springs, system, soil, intensity = mechanics
+    mass, structural, extensions, post, couple, _ = system
     q, u, v, z = order
     links = extensions[len(extensions) - dashpots.shape[1] :]
     damping = structural + (links.T * dashpots[:, None]) @ links
-    stiffness = mechanics.stiffness
+    stiffness = system.elastic
     stiffness[:, springs] = post[:, springs]
     states = q.size + u.size + v.size + z.size
     matrix, noise = np.zeros((len(mass), states, states)), np.zeros((len(mass), states))
@@ -112,4 +102,4 @@ def state_space(mechanics: Mechanics, c_eq: Array, k_eq: Array, dashpots: Array)
     if not q.size:
         noise[:, v] = 1.0
     matrix += 0.0  # turns negative zeros, which a table would show, into 0
-    return StateSpace(matrix, noise, intensity, order, springs, extensions, mechanics.stiffness)
+    return StateSpace(matrix, noise, intensity, order, springs, extensions, system.elastic)

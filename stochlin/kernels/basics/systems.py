@@ -1,0 +1,76 @@
+"""The one numeric form of structures, which linearization, simulation and probability take.
+
+    M q'' + C q' + E' (post e + couple z) = M 1 f,    e = E q
+
+The generalized coordinates ``q`` [m] have masses ``M`` and a damping matrix ``C``. Elements are springs
+with the extensions ``e``; ``z`` is the elastic part of an extension, by the element's hysteresis law. An
+oscillator has one coordinate and one element, a chain of storeys the differences of its displacements.
+``f`` is the forcing by the ground.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import scipy.linalg
+
+from stochlin.kernels.basics.arrays import Array
+
+
+class System(NamedTuple):
+    """Masses and elements of structures; all but ``extensions`` may have a leading axis of cells."""
+
+    mass: Array  # (..., n) [kg]
+    damping: Array  # (..., n, n) [N s/m]
+    extensions: Array  # (s, n) E [-]
+    post: Array  # (..., s) [N/m], stiffness after yield
+    couple: Array  # (..., s) [N/m], stiffness before yield less that after it
+    strength: Array  # (..., s) [m], extension at yield; infinite where elastic
+
+    @classmethod
+    def beside(cls, parts: Sequence[System]) -> System:
+        """Structures side by side."""
+        if len(parts) == 1:
+            return parts[0]
+        cells = np.broadcast_shapes(*(part.mass.shape[:-1] for part in parts))
+        sizes = [part.mass.shape[-1] for part in parts]
+        damping = np.zeros((*cells, sum(sizes), sum(sizes)))
+        for end, size, part in zip(np.cumsum(sizes), sizes, parts, strict=True):
+            damping[..., end - size : end, end - size : end] = part.damping
+
+        def joined(name: str) -> Array:
+            columns = (getattr(part, name) for part in parts)
+            wide = [np.broadcast_to(column, (*cells, column.shape[-1])) for column in columns]
+            return np.concatenate(wide, axis=-1)
+
+        extensions = scipy.linalg.block_diag(*(part.extensions for part in parts))
+        springs = (joined(name) for name in ("post", "couple", "strength"))
+        return cls(joined("mass"), damping, extensions, *springs)
+
+    @property
+    def elastic(self) -> Array:
+        """Stiffness of the elements before yield (..., s) [N/m]."""
+        return self.post + self.couple
+
+    @property
+    def stiffness(self) -> Array:
+        """Elastic stiffness matrix (..., n, n) [N/m]."""
+        found: Array = (self.extensions.T * self.elastic[..., None, :]) @ self.extensions
+        return found
+
+    @property
+    def state_matrix(self) -> Array:
+        """State matrix (..., 2 n, 2 n) of ``q`` and ``q'`` while all elements are elastic."""
+        cells, n = self.mass.shape[:-1], self.mass.shape[-1]
+        matrix = np.zeros((*cells, 2 * n, 2 * n))
+        matrix[..., :n, n:] = np.eye(n)
+        matrix[..., n:, :n] = -self.stiffness / self.mass[..., None]
+        matrix[..., n:, n:] = -self.damping / self.mass[..., None]
+        return matrix
+
+    def at(self, cells: Any) -> System:
+        """The cells with these numbers."""
+        mass, damping, extensions, *springs = self
+        return System(mass[cells], damping[cells], extensions, *(part[cells] for part in springs))
