@@ -97,12 +97,12 @@ def transient_response(
     side = side_of(structure, ground, seconds, "structure", 0)
     check_names("structure and ground", side.position.dims, (TIME,))
     labels.raise_if_lone_failure(xr.Dataset({"status": side.status}), "transient_response")
-    if not side.cells.period.size:
+    if not side.period.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
     course = course_of(envelope, seconds, shortest_period([side]), points)
     own = solve_course([side], ground, np.zeros((2, 0), int), course).own
     shown = course.shown
-    uy = oscillators_of([side]).yield_displacement
+    _, _, _, uy = oscillators_of([side])
     values = {
         "displacement_std": np.sqrt(np.maximum(own.displacement[shown], 0)),
         "velocity_std": np.sqrt(np.maximum(own.velocity[shown], 0)),

@@ -39,7 +39,6 @@ from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import CASE, expect
-from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, Arrangement, Stack, stack_of
 
 STEPS_PER_PERIOD = 16  # instants in the shortest period, for integrals over time
@@ -53,29 +52,13 @@ POINTS = 101  # instants of a result
 TIME = "time"
 
 
-class Oscillators(NamedTuple):
-    """Parameters of structures of one floor, with shape (n,)."""
-
-    period: Array  # [s]
-    damping: Array
-    hardening: Array
-    yield_displacement: Array  # [m], infinite if elastic
-    elastic_std: Array  # standard deviation of the elastic displacement [m]
-
-
-class Storeys(NamedTuple):
-    """A building with m storeys on n grounds."""
-
-    stack: Stack
-    period: Array  # (n,) [s], all equal
-    elastic_std: Array  # (n, m) standard deviations of the elastic drifts [m]
-
-
 class Side(NamedTuple):
-    """One of the structures, with its valid cells in a row."""
+    """One of the structures, with its n valid cells in a row."""
 
     structure: AnyStructure
-    cells: Oscillators | Storeys
+    stack: Stack  # its system has the leading axis of the cells; an oscillator has a mass of 1 kg
+    period: Array  # (n,) [s]; that of a building is its first one
+    elastic_std: Array  # (n, m) standard deviations of the elastic drifts [m]
     law: Array  # (k, n m) parameters of the law for all storeys, cell by cell
     ground: Mapping[str, Array]  # parameters of the ground, (n,) each
     status: xr.DataArray
@@ -85,23 +68,16 @@ class Side(NamedTuple):
     @property
     def has_storeys(self) -> bool:
         """Whether the structure is a building with storeys."""
-        return isinstance(self.cells, Storeys)
+        return not self.stack.is_oscillator
 
     @property
     def storeys(self) -> int:
         """Number of storeys; 1 for oscillators."""
-        return self.cells.stack.levels.size if isinstance(self.cells, Storeys) else 1
+        return self.stack.levels.size
 
-    def stack(self, cell: int) -> Stack:
-        """Storeys of the structure of one cell; an oscillator is one storey with a mass of 1 kg."""
-        if isinstance(self.cells, Storeys):
-            return self.cells.stack
-        period, damping, hardening, uy, _ = (column[cell : cell + 1] for column in self.cells)
-        assert isinstance(self.structure, Structure)
-        w, share = 2 * np.pi / period, np.where(np.isinf(uy), 1.0, hardening)
-        one, friction = np.ones(1), (2 * damping * w)[None]
-        system = System(one, friction, one[None], share * w**2, (1 - share) * w**2, uy)
-        return Stack(system, np.full(1, np.nan), self.structure)
+    def stack_at(self, cell: int) -> Stack:
+        """The structure of one cell."""
+        return self.stack._replace(system=self.stack.system.at(cell))
 
 
 class Course(NamedTuple):
@@ -164,29 +140,33 @@ def side_of(structure: AnyStructure, ground: Ground, duration: float, role: str,
     check_duration(duration, {role: structure})
     if isinstance(structure, ShearBuilding):
         return _building(structure, ground, role, first)
-    period = structure.arrays()["period"]
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
-    like = elastic.yield_displacement
     own = (
         values["period"],
         values["damping"],
         values.get("hardening", xr.DataArray(1.0)),
-        like,
+        elastic.yield_displacement,
         elastic.displacement_std,
     )
     status = elastic.status.where(elastic.status >= labels.NOT_CONVERGED, labels.CONVERGED)
-    status = status.where(period <= duration, labels.INVALID_INPUT)
+    status = status.where(values["period"] <= duration, labels.INVALID_INPUT)
     valid = status < labels.NOT_CONVERGED
     position = numbered(valid, first)
 
     def row(array: xr.DataArray) -> Array:
         return of_cells(array, position).astype(float)
 
+    period, damping, hardening, uy, std = (row(array)[:, None] for array in own)
+    w, share = 2 * np.pi / period, np.where(np.isinf(uy), 1.0, hardening)
+    one, friction = np.ones_like(w), (2 * damping * w)[..., None]
+    system = System(one, friction, np.ones((1, 1)), share * w**2, (1 - share) * w**2, uy)
     law = [row(array) for array in structure.law_parameters()]
     return Side(
         structure,
-        Oscillators(*map(row, own)),
+        Stack(system, np.full(1, np.nan), structure),
+        period[:, 0],
+        std,
         np.array(law).reshape(len(law), int(valid.sum())),
         {name: row(array) for name, array in ground.arrays().items()},
         status,
@@ -215,11 +195,9 @@ def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -
             )
     return Side(
         structure,
-        Storeys(
-            stack,
-            np.full(count, float(structure.periods()[0])),
-            drifts,
-        ),
+        stack._replace(system=equations.system),
+        np.full(count, float(structure.periods()[0])),
+        drifts,
         np.tile(stack.law_parameters.T, count),
         below,
         labels.status_where(valid),
@@ -246,14 +224,23 @@ def of_cells(array: xr.DataArray, at: xr.DataArray) -> Array:
     return row_of(array, at)[at.to_numpy().ravel() >= 0]
 
 
-def oscillators_of(sides: Sequence[Side]) -> Oscillators:
-    """Structures of all sides in one row; none of them is a building with storeys."""
-    return Oscillators(*map(np.concatenate, zip(*(side.cells for side in sides), strict=True)))
+def oscillators_of(sides: Sequence[Side]) -> tuple[Array, Array, Array, Array]:
+    """Periods [s], damping and hardening ratios and yield displacements [m] (n,) of all structures.
+
+    None of them is a building with storeys.
+    """
+    systems = [side.stack.system for side in sides]
+    damping, post, elastic, uy = (
+        np.concatenate([getattr(system, name).ravel() for system in systems])
+        for name in ("damping", "post", "elastic", "strength")
+    )
+    period = np.concatenate([side.period for side in sides])
+    return period, damping * period / (4 * np.pi), post / elastic, uy
 
 
 def shortest_period(sides: Sequence[Side]) -> float:
     """Shortest period of all cells [s]; that of a building is its first one."""
-    return float(np.concatenate([side.cells.period for side in sides]).min())
+    return float(np.concatenate([side.period for side in sides]).min())
 
 
 def grounds_of(sides: Sequence[Side]) -> dict[str, Array]:
@@ -295,7 +282,7 @@ def solve_course(
     """
     groups = _groups(sides, ground)
     fastest = max(group.fastest() for group in groups)
-    n, m = sum(side.cells.period.size for side in sides), max(side.storeys for side in sides)
+    n, m = sum(side.period.size for side in sides), max(side.storeys for side in sides)
     check_work(
         f"{pairs.shape[1]} pairs at {course.times.size} instants, with {m} storeys, would take",
         "take fewer cells at a time, storeys together, or a shorter motion",
@@ -336,44 +323,25 @@ def _groups(sides: Sequence[Side], ground: Ground) -> list[Group]:
     nodes = NODES_OF_STOREYS if any(side.storeys > 1 for side in sides) else NODES
     for _, members in groupby(sides, lambda side: side.storeys):
         alike = list(members)
-        parts = [
-            _storeys(side.cells, side.seen)
-            if isinstance(side.cells, Storeys)
-            else _oscillators(side.cells)
-            for side in alike
-        ]
-        structures = Structures(*map(np.concatenate, zip(*parts, strict=True)))
+        parts = zip(*map(_structures, alike), strict=True)
+        structures = Structures(*map(np.concatenate, parts))
         found.append(Group(structures, _filters(ground, grounds_of(alike)), nodes))
     return found
 
 
-def _oscillators(cells: Oscillators) -> Structures:
-    period, damping, hardening, uy, scale = cells
-    w = 2 * np.pi / period
-    coupling = np.where(np.isinf(uy), 0.0, (1 - hardening) * w**2)
-    by_drift, by_rate, by_slip = (c[:, None, None] for c in (w**2, 2 * damping * w, coupling))
-    seen = np.ones((w.size, 1, 1))
-    return Structures(w, by_drift, by_rate, by_slip, uy[:, None], scale[:, None], seen)
-
-
-def _storeys(cells: Storeys, seen: Array) -> Structures:
-    """Equations of the drifts ``d = T u``, from ``M u'' = -C u' - T' (k d - h y) + M 1 f``."""
-    stack, period, scale = cells
-    mass, damping, drifts, _, couple, strength = stack.system
-    floors = np.linalg.inv(drifts)
-    shears = (drifts / mass) @ drifts.T
-
-    def everywhere(array: Array) -> Array:
-        return np.broadcast_to(array, (period.size, *array.shape))
-
+def _structures(side: Side) -> Structures:
+    """Equations of the drifts ``d = E u``, from ``M u'' = -C u' - E' (k d - h y) + M 1 f``."""
+    mass, damping, extensions, _, couple, strength = side.stack.system
+    floors, by_forces = np.linalg.inv(extensions), extensions / mass[:, None]
+    shears, seen = by_forces @ extensions.T, side.seen @ floors
     return Structures(
-        2 * np.pi / period,
-        everywhere(shears * stack.system.elastic),
-        everywhere((drifts / mass) @ damping @ floors),
-        everywhere(shears * couple),
-        everywhere(strength),
-        scale,
-        everywhere(seen @ floors),
+        2 * np.pi / side.period,
+        shears * side.stack.system.elastic[:, None],
+        by_forces @ damping @ floors,
+        shears * couple[:, None],
+        strength,
+        side.elastic_std,
+        np.broadcast_to(seen, (len(mass), *seen.shape)),
     )
 
 
@@ -382,12 +350,10 @@ def _coefficients(sides: Sequence[Side]) -> Coefficients:
     yielding = [side for side in sides if side.structure.yields]
 
     def closure_of(side: Side) -> Closure:
-        return side.stack(0).law.closure("gaussian")
+        return side.stack.law.closure("gaussian")
 
     def law_of(side: Side) -> Array:
-        cells = side.cells
-        uy = cells.stack.system.strength if isinstance(cells, Storeys) else cells.yield_displacement
-        return side.law[:, np.isfinite(np.resize(uy, side.law.shape[1]))]
+        return side.law[:, np.isfinite(side.stack.system.strength.ravel())]
 
     groups = [
         (closure, np.concatenate([law_of(side) for side in members], axis=1))

@@ -62,7 +62,7 @@ Spectrum = Callable[[Array, Array], SpectralMoments]
 
 def _of_oscillators(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
     """Spectral moments of all pairs of oscillators at once, in closed form."""
-    period, damping, hardening, uy, _ = oscillators_of(moments.sides)
+    period, damping, hardening, uy = oscillators_of(moments.sides)
     below = ground.filter(grounds_of(moments.sides))
     below_pair = below.at(pairs[0])
     w = 2 * np.pi / period
@@ -86,10 +86,10 @@ def _of_oscillators(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
 def _of_storeys(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
     """Spectral moments of pairs with storeys, at all heights; NaN without a stationary response."""
     one, two = moments.sides
-    seen, cells = np.hstack([one.seen, -two.seen]), one.cells.period.size
+    seen, cells = np.hstack([one.seen, -two.seen]), one.period.size
     systems = []
     for i, j in pairs.T:
-        stacks = one.stack(int(i)), two.stack(int(j) - cells)
+        stacks = one.stack_at(int(i)), two.stack_at(int(j) - cells)
         begins = i * one.storeys, cells * one.storeys + (j - cells) * two.storeys
         storeys = [b + np.arange(s.levels.size) for b, s in zip(begins, stacks, strict=True)]
         equations = Equations(Arrangement(stacks, ()), ground_of(ground, one.ground, int(i)))

@@ -95,7 +95,7 @@ class PairTable(NamedTuple):
     ) -> PairTable:
         """Table of checked pairs; with several weights the ground is over `STRENGTH`."""
         one = side_of(first, ground, duration, "first", 0)
-        two = side_of(second, ground, duration, "second", one.cells.period.size)
+        two = side_of(second, ground, duration, "second", one.period.size)
         gap = distance.arrays()["gap"]
         try:
             xr.align(one.position, two.position, gap, join="exact", copy=False)
@@ -148,9 +148,9 @@ def _where_they_meet(one: Side, two: Side) -> tuple[tuple[Side, Side], xr.DataAr
     """Both structures with displacements at the heights of contact, and numbers of the heights."""
     if not (one.has_storeys or two.has_storeys):
         return (one, two), xr.DataArray(0)
-    stacks = one.stack(0), two.stack(0)
+    stacks = one.stack, two.stack
     heights = meeting_heights(*stacks)
-    seen = tuple(np.zeros((heights.size, stack.system.mass.size)) for stack in stacks)
+    seen = tuple(np.zeros((heights.size, stack.levels.size)) for stack in stacks)
     for row, height in enumerate(heights):
         for displacements, stack in zip(seen, stacks, strict=True):
             terms = displacement_at(stack, float(height))
@@ -306,5 +306,5 @@ def _drift(pairs: PairTable, moments: Moments, ground: Ground) -> tuple[Array, A
     solved = zip((linearize(first, ground), linearize(second, ground)), sides, strict=True)
     biases = [of_cells(table.bias, side.position) for table, side in solved]
     shared = of_cells(correlate(first, second, ground).bias, pairs.every_pair)
-    hardening, bias = oscillators_of(sides).hardening, np.concatenate(biases)
+    (_, _, hardening, _), bias = oscillators_of(sides), np.concatenate(biases)
     return drift_variances(own, both, pairs.structures_of_pair, course.times, hardening, bias, shared)

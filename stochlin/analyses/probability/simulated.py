@@ -53,7 +53,7 @@ def simulate_course(
             "which only the intensity is an array; simulate one ground at a time"
         )
     amplitude = np.sqrt(below["intensity"] / below["intensity"][0])
-    period, damping, hardening, uy, _ = oscillators_of(sides)
+    period, damping, hardening, uy = oscillators_of(sides)
     dims = [array.dims for array in ground.arrays().values()]
     lone = ground.isel({name: slice(0, 1) for name in set().union(*dims)})
     cells = SimulationCells(
@@ -62,7 +62,7 @@ def simulate_course(
         hardening,
         uy / amplitude,
         joined_laws([side.law.T for side in sides]),
-        np.concatenate([np.full(side.cells.period.size, side.stack(0).law.block()) for side in sides]),
+        np.concatenate([np.full(side.period.size, side.stack.law.block()) for side in sides]),
         1 / (damping * 2 * np.pi / period),
         np.zeros(period.size),
         np.ones(period.size, bool),
