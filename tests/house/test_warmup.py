@@ -26,7 +26,7 @@ def compiled() -> dict[str, int]:
     for module in pkgutil.walk_packages(kernels.__path__, f"{kernels.__name__}."):
         for name, value in vars(importlib.import_module(module.name)).items():
             if isinstance(value, Kept):
-                found[f"{value.py_func.__module__}.{name}"] = len(value.signatures)
+                found[f"{value.py_func.__module__}.{name}"] = value.kinds
     return found
 
 

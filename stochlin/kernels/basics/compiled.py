@@ -50,7 +50,7 @@ def worth_compiling(function: Any, cells: int, few: int = FEW) -> bool:
     Plain Python is taken for the first ``few`` cells of a process, unless the entry is already at hand.
     """
     _met[function] = _met.get(function, 0) + cells
-    return not UNCOMPILED and (bool(function.signatures) or _met[function] > few)
+    return not UNCOMPILED and (function.kinds > 0 or _met[function] > few)
 
 
 def of_lane(value: Any, lane: int) -> Any:

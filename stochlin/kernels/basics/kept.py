@@ -99,7 +99,7 @@ class Kept:
 
     def __init__(self, function: Any, options: dict[str, Any]) -> None:
         self.py_func, self.__doc__ = function, function.__doc__
-        self._lock, self._fetched, self._kinds, self._misses = Lock(), False, 0, 0
+        self._lock, self._fetched, self._kept, self._misses = Lock(), False, 0, 0
         name = f"{function.__module__}.{function.__qualname__}-{function.__code__.co_firstlineno}"
         within, config = archives(), nb.config
         self._archive = within and within / f"{name}.zip"
@@ -114,9 +114,9 @@ class Kept:
             config.CACHE_DIR = named  # type: ignore[attr-defined]
 
     @property
-    def signatures(self) -> list[Any]:
-        """The kinds of arguments for which the function is compiled in this process."""
-        return list(self.dispatcher.signatures)
+    def kinds(self) -> int:
+        """Number of kinds of arguments for which the function is compiled in this process."""
+        return len(self.dispatcher.overloads)
 
     def __call__(self, *args: Any) -> Any:
         """The function, compiled."""
@@ -127,7 +127,7 @@ class Kept:
         except OSError:  # of numba, which could not write the code that it has just compiled
             warn_once(NOT_KEPT)
             result = self.dispatcher(*args)
-        if len(self.dispatcher.signatures) > self._kinds:
+        if len(self.dispatcher.overloads) > self._kept:
             self._store()
         return result
 
@@ -149,7 +149,7 @@ class Kept:
     def _store(self) -> None:
         """Replace the archive, if numba has compiled and written something."""
         with self._lock:
-            self._kinds = len(self.dispatcher.signatures)
+            self._kept = self.kinds
             misses = sum(self.dispatcher.stats.cache_misses.values())
             if self._archive is None or misses == self._misses:
                 return

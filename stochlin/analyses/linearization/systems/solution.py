@@ -70,10 +70,9 @@ def solve_equations(
 
 def springs_of(equations: Equations, closure: str, rtol: float) -> Springs:
     """What the iteration takes: springs that yield with their laws, and dashpots that it linearizes."""
-    own = equations.yields
     laws = list(_laws(equations, closure))
     links = equations.dashpots, equations.exponents
-    return Springs.of(equations.mechanics(own), equations.strength[:, own], laws, *links, rtol)
+    return Springs.of(equations.mechanics(equations.yields), laws, *links, rtol)
 
 
 def _laws(equations: Equations, closure: str) -> Iterator[Law]:

@@ -151,7 +151,6 @@ class Springs(NamedTuple):
     """Systems with m springs that yield and l links, in c cells: a `Problem` of the iteration."""
 
     mechanics: Mechanics
-    strength: Array  # (c, m) extension at yield [m]
     laws: Sequence[Law]
     dashpots: Array  # (c, l) damping constants of the links
     exponents: Array  # (c, l) of the dashpots
@@ -166,25 +165,28 @@ class Springs(NamedTuple):
     def of(
         cls,
         mechanics: Mechanics,
-        strength: Array,
         laws: Sequence[Law],
         dashpots: Array,
         exponents: Array,
         rtol: float,
     ) -> Springs:
         """Under full shaking, before the first iteration."""
-        count = len(strength)
         power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
-        parts = strength, strength, dashpots
-        watch = Watch(mechanics, Linear(*(np.full_like(part, np.nan) for part in parts)))
-        idle, of_links = np.zeros((count, power.size), bool), (dashpots, exponents, power)
-        own = mechanics, strength, laws
-        return cls(*own, *of_links, idle, np.zeros(count), rtol, watch, np.arange(count))
+        none = np.full((len(dashpots), mechanics.springs.size), np.nan)
+        watch = Watch(mechanics, Linear(none, none.copy(), np.full_like(dashpots, np.nan)))
+        idle, level = np.zeros((len(none), power.size), bool), np.zeros(len(none))
+        of_links = dashpots, exponents, power, idle
+        return cls(mechanics, laws, *of_links, level, rtol, watch, np.arange(len(none)))
 
     @property
     def springs(self) -> int:
         """The number m."""
-        return int(self.strength.shape[1])
+        return self.mechanics.springs.size
+
+    @property
+    def strength(self) -> Array:
+        """Extensions at yield (c, m) [m]."""
+        return self.mechanics.system.strength[:, self.mechanics.springs]
 
     @property
     def size(self) -> int:
@@ -195,7 +197,6 @@ class Springs(NamedTuple):
         """The cells with these numbers."""
         return self._replace(
             mechanics=self.mechanics.at(cells),
-            strength=self.strength[cells],
             laws=[law._replace(parameters=law.parameters[:, cells]) for law in self.laws],
             dashpots=self.dashpots[cells],
             exponents=self.exponents[cells],
@@ -260,7 +261,9 @@ class Substitution(NamedTuple):
         problem, old = self.problem, state.unknowns
         linear = Linear.of(problem, old)
         moments = respond(problem, linear)
-        change = problem.watch.add(problem, linear, moments.covariance, np.isfinite(problem.level))
+        change = problem.watch.add(
+            problem, linear, moments.covariance, np.ones(len(problem.cells), bool)
+        )
         done = stands_still(change, self.relaxation * problem.rtol)
         step = np.where(done, 0.0, self.relaxation * (_renewed(problem, moments).rows - old))
         return State(old, change.max(axis=0), step, state.delta, done.astype(float))
