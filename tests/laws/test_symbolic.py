@@ -87,6 +87,10 @@ def saturating(v, z):
     return np.tanh(v) * (1 - np.abs(z)) - 0.1 * z
 
 
+def fractional(v, z):
+    return v - 0.5 * (np.abs(v) * np.sign(z) + v) * np.abs(z) ** 2.5
+
+
 def viscous_friction(v, z):
     return v - 0.4 * np.abs(v) * z - 0.3 * np.tanh(2 * v) * z * z
 
@@ -97,11 +101,12 @@ def viscous_friction(v, z):
         (V - sympy.Rational(1, 5) * Z**3, creep),
         (sympy.tanh(V) * (1 - sympy.Abs(Z)) - Z / 10, saturating),
         (V - 0.4 * sympy.Abs(V) * Z - 0.3 * sympy.tanh(2 * V) * Z**2, viscous_friction),
+        (V - 0.5 * (sympy.Abs(V) * sympy.sign(Z) + V) * sympy.Abs(Z) ** 2.5, fractional),
     ],
-    ids=["creep", "saturating", "viscous friction"],
+    ids=["creep", "saturating", "viscous friction", "power 2.5"],
 )
 @pytest.mark.parametrize("latent", [(1.0, 0.5, 0.3), (2.0, 1.2, -0.4), (0.6, 0.9, 0.7)])
-def test_rate_dependent_law_is_regressed_under_the_gaussian_density(law, function, latent):
+def test_law_is_regressed_under_the_gaussian_density(law, function, latent):
     sv, sz, r = latent
     by_v = gaussian_average(lambda v, z: (v - function(v, z)) * v, *latent)
     by_z = gaussian_average(lambda v, z: (v - function(v, z)) * z, *latent)
