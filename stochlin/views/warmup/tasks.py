@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.linearization.systems.coefficients import equivalent_coefficients
 from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.response import respond, response_spectrum
@@ -69,6 +70,7 @@ def tables() -> None:
         correlate(many, two, _ground(), closure=closure)
     correlate(many, two, named_ground("firm", intensity=0.01))
     correlate(BoucWen(0.5, 0.05, **YIELDING), two, _ground())
+    equivalent_coefficients(np.linspace(1.0, 2.0, FEW + 1), 0.5, 0.3)
     linearized_pair((0.8, 0.05, 0.1, 0.01), (0.5, 0.05, 0.1, 0.01), (0.01,))
 
 
