@@ -106,17 +106,14 @@ class Arrangement(NamedTuple):
 
     @property
     def extensions(self) -> Array:
-        """Matrix (s, n) that turns displacements of the n floors into drifts of the s elements.
+        """Matrix (s, n) that turns the n coordinates into extensions of the s elements.
 
-        The elements are the storeys, followed by the springs of links with the drift ``u1 - u2``.
+        The elements are the storeys, followed by the springs of links with the extension ``u1 - u2``.
         """
-        n = int(self.first[-1])
-        links = np.zeros((len(self.ties), n))
-        for row, tie in zip(links, self.ties, strict=True):
-            row[tie.one] = 1.0
-            if tie.two >= 0:
-                row[tie.two] = -1.0
-        return np.concatenate([self.storeys.extensions, links])
+        _, _, storeys, shapes, *_ = self.storeys
+        ground = np.zeros_like(shapes[0])
+        links = [shapes[tie.one] - (shapes[tie.two] if tie.two >= 0 else ground) for tie in self.ties]
+        return np.concatenate([storeys, np.reshape(links, (-1, ground.size))])
 
     @property
     def without_stationary_answer(self) -> list[tuple[int, int]]:
@@ -143,6 +140,7 @@ def stack_of(structure: AnyStructure) -> Stack:
             mass=values["masses"],
             damping=structure.damping_matrix(),
             extensions=np.eye(n) - np.eye(n, k=-1),
+            shapes=np.eye(n),
             post=hardening * k - structure.geometric_stiffness(),
             couple=(1 - hardening) * k,
             strength=np.broadcast_to(values["yield_drifts"] if yields else np.inf, n).astype(float),
@@ -157,16 +155,17 @@ def stack_of(structure: AnyStructure) -> Stack:
     shape = np.broadcast_shapes(*(np.shape(value) for value in (*values.values(), *columns)))
     wide = (np.broadcast_to(column, shape).astype(float)[..., None] for column in columns)
     own, post, couple, limit, damping = wide
-    storey = System(own, damping[..., None], np.ones((1, 1)), post, couple, limit)
+    one = np.ones((1, 1))
+    storey = System(own, damping[..., None], one, one, post, couple, limit)
     return Stack(storey, np.full(1, np.nan), structure)
 
 
 def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]:
     """Stacks of ``count`` oscillators with parameters along ``dimension``."""
     whole, own = stack_of(oscillators), bool(oscillators.own_parameters())
-    mass, damping, extensions, *springs = whole.system
+    mass, damping, extensions, shapes, *springs = whole.system
     mass, *springs = (np.broadcast_to(row, (count, 1)) for row in (mass, *springs))
-    wide = System(mass, np.broadcast_to(damping, (count, 1, 1)), extensions, *springs)
+    wide = System(mass, np.broadcast_to(damping, (count, 1, 1)), extensions, shapes, *springs)
     laws = (oscillators.isel({dimension: n}) if own else oscillators for n in range(count))
     return [whole._replace(system=wide.at(n), law=law) for n, law in enumerate(laws)]
 

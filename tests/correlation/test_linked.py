@@ -148,6 +148,7 @@ def test_motion_of_the_pair_is_that_of_an_ode_solver(hardening):
         mass,
         np.diag(d * mass) + link_c[0] * np.outer(apart, apart),
         np.vstack([np.eye(2), apart]),
+        np.eye(2),
         np.append(k * mass, link_k[0]),
         np.append(h * mass, 0.0),
         np.append(1 / scale, np.inf),

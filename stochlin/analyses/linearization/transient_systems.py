@@ -159,8 +159,8 @@ def side_of(structure: AnyStructure, ground: Ground, duration: float, role: str,
 
     period, damping, hardening, uy, std = (row(array)[:, None] for array in own)
     w, share = 2 * np.pi / period, np.where(np.isinf(uy), 1.0, hardening)
-    one, friction = np.ones_like(w), (2 * damping * w)[..., None]
-    system = System(one, friction, np.ones((1, 1)), share * w**2, (1 - share) * w**2, uy)
+    mass, friction, one = np.ones_like(w), (2 * damping * w)[..., None], np.ones((1, 1))
+    system = System(mass, friction, one, one, share * w**2, (1 - share) * w**2, uy)
     law = [row(array) for array in structure.law_parameters()]
     return Side(
         structure,
@@ -202,7 +202,7 @@ def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -
         below,
         labels.status_where(valid),
         position,
-        np.eye(structure.storeys)[-1:],
+        stack.system.shapes[-1:],
     )
 
 
@@ -331,7 +331,7 @@ def _groups(sides: Sequence[Side], ground: Ground) -> list[Group]:
 
 def _structures(side: Side) -> Structures:
     """Equations of the drifts ``d = E u``, from ``M u'' = -C u' - E' (k d - h y) + M 1 f``."""
-    mass, damping, extensions, _, couple, strength = side.stack.system
+    mass, damping, extensions, _, _, couple, strength = side.stack.system
     floors, by_forces = np.linalg.inv(extensions), extensions / mass[:, None]
     shears, seen = by_forces @ extensions.T, side.seen @ floors
     return Structures(

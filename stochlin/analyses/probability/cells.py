@@ -155,7 +155,8 @@ def _where_they_meet(one: Side, two: Side) -> tuple[tuple[Side, Side], xr.DataAr
         for displacements, stack in zip(seen, stacks, strict=True):
             terms = displacement_at(stack, float(height))
             displacements[row, list(terms)] = list(terms.values())
-    sides = one._replace(seen=seen[0]), two._replace(seen=seen[1])
+    first, second = (at @ stack.system.shapes for at, stack in zip(seen, stacks, strict=True))
+    sides = one._replace(seen=first), two._replace(seen=second)
     return sides, height_numbers(heights)
 
 

@@ -86,15 +86,15 @@ def _with_stacks(usual: Elements, of_links: Array, samples: Sequence[Sequence[St
     """Elements with the same links and other storeys, those of each sample."""
     found = []
     for stacks in samples:
-        mass, damping, _, *storeys = System.beside([stack.system for stack in stacks])
+        mass, damping, _, shapes, *storeys = System.beside([stack.system for stack in stacks])
         own, first = usual.own.copy(), 0
         for stack in stacks:
             parameters = stack.law_parameters
             own[first : first + len(parameters), : parameters.shape[1]] = parameters
             first += len(parameters)
-        pairs = zip(storeys, usual.system[3:], strict=True)
+        pairs = zip(storeys, usual.system[4:], strict=True)
         springs = (np.concatenate([part, whole[mass.size :]]) for part, whole in pairs)
-        system = System(mass, damping + of_links, usual.system.extensions, *springs)
+        system = System(mass, damping + of_links, usual.system.extensions, shapes, *springs)
         found.append(usual._replace(system=system, own=own))
     return found
 
@@ -118,7 +118,7 @@ def _frame(system: Arrangement, members: Array) -> Frame:
     drifts = system.extensions[np.ix_(springs, floors)]
     ties = [system.ties[spring - int(first[-1])] for spring in springs[floors.size :]]
     stacks = [system.stacks[m] for m in members]
-    mass, damping, _, *storeys = System.beside([stack.system for stack in stacks])
+    mass, damping, _, shapes, *storeys = System.beside([stack.system for stack in stacks])
     laws, damping = _Laws(), damping.copy()
     kinds = [laws.kind(stack.law, yields) for stack in stacks for yields in stack.system.couple > 0]
     force = np.transpose(storeys).tolist()
@@ -138,7 +138,7 @@ def _frame(system: Arrangement, members: Array) -> Frame:
             own.append(np.array([tie.link.number("damping_constant"), tie.link.exponent]))
     widest = max(row.size for row in own)
     post, couple, strength = np.array(force, float).T.copy()
-    whole = System(mass, damping, np.ascontiguousarray(drifts), post, couple, strength)
+    whole = System(mass, damping, np.ascontiguousarray(drifts), shapes, post, couple, strength)
     rows = [np.pad(row, (0, widest - row.size), constant_values=np.nan) for row in own]
     modes = [_modes(part) for part in (whole, *(stack.system for stack in stacks))]
     return Frame(

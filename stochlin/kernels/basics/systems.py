@@ -1,11 +1,15 @@
 """The one numeric form of structures, which linearization, simulation and probability take.
 
-    M q'' + C q' + E' (post e + couple z) = M 1 f,    e = E q
+    M q'' + C q' + E' (post e + couple z) = M 1 f,    e = E q,    u = S q
 
 The generalized coordinates ``q`` [m] have masses ``M`` and a damping matrix ``C``. Elements are springs
-with the extensions ``e``; ``z`` is the elastic part of an extension, by the element's hysteresis law. An
-oscillator has one coordinate and one element, a chain of storeys the differences of its displacements.
-``f`` is the forcing by the ground.
+with the extensions ``e``; ``z`` is the elastic part of an extension, by the element's hysteresis law.
+``u`` are the displacements of the floors, relative to the ground, and ``f`` [m/s^2] is the forcing by
+the ground.
+
+The coordinate of an oscillator is its displacement, which is also the extension of its one element. The
+coordinates of a chain of storeys are the displacements of its floors, and the extensions are their
+differences. Coordinates of modes have unit masses and the shapes times the participation factors in S.
 """
 
 from __future__ import annotations
@@ -20,11 +24,15 @@ from stochlin.kernels.basics.arrays import Array
 
 
 class System(NamedTuple):
-    """Masses and elements of structures; all but ``extensions`` may have a leading axis of cells."""
+    """Masses, elements and floors of structures.
+
+    All arrays but ``extensions`` and ``shapes`` may have a leading axis of cells.
+    """
 
     mass: Array  # (..., n) [kg]
     damping: Array  # (..., n, n) [N s/m]
     extensions: Array  # (s, n) E [-]
+    shapes: Array  # (f, n) S [-], of f floors
     post: Array  # (..., s) [N/m], stiffness after yield
     couple: Array  # (..., s) [N/m], stiffness before yield less that after it
     strength: Array  # (..., s) [m], extension at yield; infinite where elastic
@@ -45,9 +53,10 @@ class System(NamedTuple):
             wide = [np.broadcast_to(column, (*cells, column.shape[-1])) for column in columns]
             return np.concatenate(wide, axis=-1)
 
-        extensions = scipy.linalg.block_diag(*(part.extensions for part in parts))
+        rows = zip(*((part.extensions, part.shapes) for part in parts), strict=True)
+        extensions, shapes = (scipy.linalg.block_diag(*blocks) for blocks in rows)
         springs = (joined(name) for name in ("post", "couple", "strength"))
-        return cls(joined("mass"), damping, extensions, *springs)
+        return cls(joined("mass"), damping, extensions, shapes, *springs)
 
     @property
     def elastic(self) -> Array:
@@ -72,5 +81,6 @@ class System(NamedTuple):
 
     def at(self, cells: Any) -> System:
         """The cells with these numbers."""
-        mass, damping, extensions, *springs = self
-        return System(mass[cells], damping[cells], extensions, *(part[cells] for part in springs))
+        mass, damping, extensions, shapes, *springs = self
+        of_springs = (part[cells] for part in springs)
+        return System(mass[cells], damping[cells], extensions, shapes, *of_springs)

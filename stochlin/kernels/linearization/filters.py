@@ -24,9 +24,9 @@ AT_ONCE = 4096  # cells for which systems of equations are solved together
 class Matrices(NamedTuple):
     """The coefficients of a filter as arrays, whose leading dimensions are those of the cells."""
 
-    matrix: Array  # (..., m, m)
-    noise: Array  # (..., m)
-    output: Array  # (..., m)
+    matrix: Array  # (..., m, m) state matrix
+    noise: Array  # (..., m) factors of the white noise on the rates of the states
+    output: Array  # (..., m) factors of the states in the forcing of the structures
 
 
 class FreeMotion(NamedTuple):

@@ -6,11 +6,15 @@ valid density for any hysteresis law. The mismatch ``F`` is the difference of tw
 of the stationary response of the linear system with the closure's coefficients, less those that the
 closure assumes. The fixed point is the stationary solution of ``y' = F(y)``. It is approached by
 pseudo-transient continuation (Kelley and Keyes 1998, SIAM J. Numer. Anal. 35), with steps from
-``(1/delta - dF/dy) step = F``, which become those of Newton's method as ``delta`` grows.
+``(1/delta - dF/dy) step = F``, which become those of Newton's method as the pseudo-time step ``delta``
+grows. A `Pace` says how ``delta`` begins and grows while ``F`` becomes smaller, and shrinks where not.
 
-`solve` tries large steps, then small ones, and then follows the solution from weak to full shaking.
-`iterate` makes the steps of all cells together. What a step is, a `Problem` knows: `single_structures`
-have closed forms, and `systems.springs` a Lyapunov equation.
+`solve` decides from where and at which pace to iterate: it tries large steps, then small ones, and then
+follows the solution from weak to full shaking. It leaves each iteration to the `Problem`. A system of
+springs iterates by `iterate` here, which makes the steps of all cells together by `Stepping.advance`,
+each with a Lyapunov equation (`systems.springs`). Single structures have closed forms of the moments
+and so short steps that compiled code makes them (`single_structures`, `cells`); few of them go through
+`iterate` too.
 """
 
 from __future__ import annotations
@@ -35,22 +39,22 @@ NEAR = 0.05  # largest distance of a solution from its extrapolation for the sam
 class State(NamedTuple):
     """State of the iteration of n cells with u unknowns."""
 
-    base: Array  # (u, n) last unknowns that have a stationary response
-    norm: Array  # (n,) norm of their mismatch
-    step: Array  # (u, n) from them to the next unknowns
-    delta: Array  # (n,) pseudo-time step
+    base: Array  # (u, n) the last iterate that has a stationary response
+    norm: Array  # (n,) norm of its mismatch F
+    step: Array  # (u, n) the next iterate less base
+    delta: Array  # (n,) pseudo-time step, from which this step was found
     done: Array  # (n,) 1 where it has converged
 
     @classmethod
     def begin(cls, unknowns: Array, pace: Pace) -> State:
-        """Before the first step."""
+        """Before the first evaluation; the first iterate is ``unknowns`` (u, n) itself."""
         n = unknowns.shape[1]
         first = np.full(n, np.inf), np.zeros_like(unknowns), np.full(n, pace.first), np.zeros(n)
         return cls(unknowns.copy(), *first)
 
     @property
     def unknowns(self) -> Array:
-        """The unknowns (u, n) of the next step."""
+        """The next iterate (u, n), at which `Stepping.advance` evaluates the mismatch."""
         moved: Array = self.base + self.step
         return moved
 
@@ -81,7 +85,7 @@ class FixedPoint(NamedTuple):
 
 
 class Problem(Protocol):
-    """Cells whose equivalent coefficients are sought.
+    """Cells whose equivalent coefficients are sought, as `solve` needs them.
 
     The unknowns are ``log sigma_v`` of the m springs, their ``log sigma_z``, their ``atanh corr``, and
     ``log sigma`` of the rates of dashpots.
@@ -111,14 +115,14 @@ class Problem(Protocol):
 
 
 class Stepping(Protocol):
-    """Cells whose steps are made one by one."""
+    """Cells whose iteration is made step by step, as `iterate` needs them."""
 
     def at(self, cells: Array) -> Self:
         """The cells with these numbers."""
         raise NotImplementedError
 
     def advance(self, state: State, pace: Pace) -> State:
-        """The state after one more step of each cell."""
+        """The state after one evaluation of the mismatch at ``state.unknowns``."""
         raise NotImplementedError
 
     def coefficients(self, unknowns: Array) -> Array:
@@ -184,11 +188,12 @@ def _follow(problem: Problem, elastic: Array, most_levels: int) -> FixedPoint:
     repeated with a lower level.
     """
     m, n = problem.springs, elastic.shape[1]
-    slope = np.ones_like(elastic)
-    slope[2 * m : 3 * m] = 0.0  # the elastic response keeps its correlations
+    slope = np.ones_like(elastic)  # of the unknowns by the level, first that of the elastic response
+    slope[2 * m : 3 * m] = 0.0  # which keeps its correlations
     strongest = elastic[m : 2 * m].max(axis=0, initial=-np.inf)
     level = np.minimum(0.0, np.log(WEAK) - strongest) - FIRST_RISE
-    y, rise, near = elastic + slope * level, np.full(n, FIRST_RISE), np.full(n, np.inf)
+    y, rise = elastic + slope * level, np.full(n, FIRST_RISE)
+    near = np.full(n, np.inf)  # the first solution may be anywhere
     solution, cells = _nothing(problem, elastic), np.arange(n)
     for _ in range(most_levels):
         at = np.minimum(0.0, level[cells] + rise[cells])

@@ -80,11 +80,11 @@ class Equations:
     @cached_property
     def system(self) -> System:
         """Storeys and springs of links in all cells, without the dashpots of links."""
-        mass, damping, _, *storeys = self.arrangement.storeys
+        mass, damping, _, shapes, *storeys = self.arrangement.storeys
         pairs = zip(storeys, self._links, strict=False)
         springs = (np.concatenate([self._wide(own), link], axis=1) for own, link in pairs)
         extensions = self.arrangement.extensions
-        return System(self._wide(mass), self._wide(damping, 2), extensions, *springs)
+        return System(self._wide(mass), self._wide(damping, 2), extensions, shapes, *springs)
 
     def states(self, own: Array) -> list[str]:
         """Names of the states, by structures, links last; elements with ``own`` (e,) have a ``z``."""
@@ -101,9 +101,9 @@ class Equations:
         """Numbers of the states; elements with ``own`` (e,) have a ``z``."""
         states = self.states(own)
         names = {name: i for i, name in enumerate(states)}
-        u, v = (np.array([names[f"{s}_{floor}"] for floor in self.arrangement.floors]) for s in "uv")
+        q, v = (np.array([names[f"{s}_{floor}"] for floor in self.arrangement.floors]) for s in "uv")
         z = np.array([names[f"z_{self.springs[spring]}"] for spring in self.elements[own]], int)
-        return Order(np.arange(len(states) - u.size - v.size - z.size), u, v, z)
+        return Order(np.arange(len(states) - q.size - v.size - z.size), q, v, z)
 
     def mechanics(self, own: Array) -> Mechanics:
         """Masses, springs and ground of all cells; elements with ``own`` (e,) have a state ``z``."""
@@ -303,7 +303,7 @@ def statespace(
     written = equations.state_space(given[0], given[1], own)
     names = equations.states(own)
     extension = np.zeros((len(equations.springs), len(names)))
-    extension[:, written.order.displacements] = written.extensions
+    extension[:, written.order.coordinates] = written.extensions
     space = xr.Dataset(
         {
             "state_matrix": (("state", "state_2"), written.matrix[0]),

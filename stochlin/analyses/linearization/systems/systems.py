@@ -292,9 +292,9 @@ def solution_table(cells: Flat, equations: Equations, solution: Solution) -> xr.
     _, velocity, of_z, velocity_z = np.moveaxis(found.pop("moments"), 1, 0)
     z[:, own] = np.sqrt(of_z) / strength[:, own]
     corr[:, own] = velocity_z / np.sqrt(velocity * of_z)
-    u = equations.order(own).displacements
-    x = found["covariance"]
-    rho = np.clip(x[:, u[:, None], u] / (std[:, :, None] * std[:, None]), -1, 1)
+    q, floors = equations.order(own).coordinates, equations.system.shapes
+    of_floors = floors @ found["covariance"][:, q[:, None], q] @ floors.T
+    rho = np.clip(of_floors / (std[:, :, None] * std[:, None]), -1, 1)
     found |= {"z_std": z, "velocity_z_corr": corr, "rho": rho, "yield_drift": strength}
     found["ductility_std"] = found["drift_std"] / strength
     apart = found["relative_displacement_std"]
@@ -329,8 +329,8 @@ def solution_table(cells: Flat, equations: Equations, solution: Solution) -> xr.
 def _responses(equations: Equations, solution: Solution) -> dict[str, Array]:
     """What follows from the responses of the equivalent linear systems, by variable."""
     n = len(equations.arrangement.floors)
-    floors = np.eye(n)
-    pairs = (floors[:, None] - floors[None]).reshape(n * n, n)
+    floors = equations.system.shapes
+    pairs = (floors[:, None] - floors).reshape(n * n, -1)
     parts: list[tuple[Array, dict[str, Array]]] = []
     dashpots = np.nan_to_num(solution.dashpots)
     for cells, system in alike(equivalent_systems(equations, solution)):

@@ -1,4 +1,4 @@
-"""One step of the iteration of `fixed_point`, for each cell."""
+"""One step of `linearization.iteration` for a single structure, compiled for many of them."""
 
 from __future__ import annotations
 

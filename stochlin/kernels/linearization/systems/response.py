@@ -1,8 +1,8 @@
 """Stationary response of linearized systems, and the moments of their springs.
 
 For accuracy the Lyapunov equation is solved in other states than those of the state space. Extensions of
-as many springs as there are floors, the stiffest ones, replace the displacements, so that small
-extensions are not differences of large displacements. The slip ``y = d - z`` replaces ``z``, as for
+as many springs as there are coordinates, the stiffest ones that are independent, replace the
+coordinates, so that small extensions are not differences of large displacements. The slip ``y = d - z`` replaces ``z``, as for
 single oscillators: if a spring hardly yields, all coefficients of its equation tend to zero together.
 """
 
@@ -22,6 +22,7 @@ from stochlin.kernels.linearization.systems.state_space import StateSpace
 
 SLOW = 1e-13  # relaxation over the largest frequency below which z is proportional to the extension
 AT_ONCE = 1024  # cells that are solved together
+DEPENDENT = 1e-8  # part of an extension, as a share, that other extensions do not determine
 FAST = 1e-2  # relaxation over the largest frequency from which z is a state in place of y
 
 
@@ -37,7 +38,7 @@ class SpringMoments(NamedTuple):
 class Basis(NamedTuple):
     """The transformation from the states to those that are solved for, and back."""
 
-    ground: Array  # (q,): numbers of the ground's states among those that are solved for
+    ground: Array  # (g,): numbers of the ground's states among those that are solved for
     into: Array  # (c, k, states): matrix to the ``k`` states that are solved for
     back: Array  # (c, states, k): matrix back
     drifts: Array  # (m, k): rows of the extensions of the yielding springs
@@ -51,7 +52,7 @@ def alike(system: StateSpace) -> Iterator[tuple[Array, StateSpace]]:
 
     A group has at most `AT_ONCE` cells, which limits the memory for intermediate results.
     """
-    shape = np.concatenate([_trees(system), _moves(system)], axis=1)
+    shape = np.concatenate([_stiffest(system), _moves(system)], axis=1)
     _, group = np.unique(shape, axis=0, return_inverse=True)
     for number in range(group.max(initial=-1) + 1):
         cells = np.flatnonzero(group.ravel() == number)
@@ -106,11 +107,9 @@ class Response:
         return SpringMoments(*(self._product(one, two) for one, two in pairs))
 
     def std(self, weights: Array, *, rates: bool = False) -> Array:
-        """Standard deviations (c, k) of sums of displacements, or of velocities, with weights (k, n)."""
+        """Standard deviations (c, k) of sums of coordinates, or of their rates, with weights (k, n)."""
         order = self.system.order
-        return self._std(
-            weights @ self.basis.back[:, order.velocities if rates else order.displacements]
-        )
+        return self._std(weights @ self.basis.back[:, order.velocities if rates else order.coordinates])
 
     def force_std(self, post: Array, couple: Array, dashpots: Array) -> Array:
         """Standard deviations (c, l) [N] of the forces of the last l springs and their dashpots.
@@ -121,23 +120,23 @@ class Response:
         order, back = self.system.order, self.basis.back
         numbers = len(self.system.extensions) - dashpots.shape[1] + np.arange(dashpots.shape[1])
         extensions = self.system.extensions[numbers]
-        drift, rate = extensions @ back[:, order.displacements], extensions @ back[:, order.velocities]
+        drift, rate = extensions @ back[:, order.coordinates], extensions @ back[:, order.velocities]
         z = drift.copy()
         own = np.isin(self.system.springs, numbers)
         z[:, np.searchsorted(numbers, self.system.springs[own])] = back[:, order.z[own]]
         return self._std(post[..., None] * drift + couple[..., None] * z + dashpots[..., None] * rate)
 
     def spectral_moments(self, weights: Array) -> SpectralMoments:
-        """Spectral moments (c, k) of sums of displacements with these weights (k, n).
+        """Spectral moments (c, k) of sums of coordinates with these weights (k, n).
 
         They are integrals over positive frequencies of twice the two-sided PSD, as for oscillators.
         """
-        rows = weights @ self.basis.back[:, self.system.order.displacements]
+        rows = weights @ self.basis.back[:, self.system.order.coordinates]
         return SpectralMoments(*self._equation.spectral_moments(rows, self._solution))
 
     def spectral_density(self, weights: Array, frequency: Array) -> Array:
-        """Two-sided PSD (c, k, f) [m^2 s] of sums of displacements, at circular frequencies (f,)."""
-        rows = weights @ self.basis.back[:, self.system.order.displacements]
+        """Two-sided PSD (c, k, f) [m^2 s] of sums of coordinates, at circular frequencies (f,)."""
+        rows = weights @ self.basis.back[:, self.system.order.coordinates]
         transfer = self._equation.transfer(rows, self._noise, frequency)
         density: Array = self.system.intensity[:, None, None] / (2 * np.pi) * np.abs(transfer) ** 2
         return density
@@ -148,7 +147,7 @@ class Response:
         The rows are the last three moments of the yielding springs (3 m) and the variances of the rates
         of the springs ``dashpots`` (l,). The columns are ``c_eq`` and ``k_eq`` of the yielding springs
         (2 m) and the constants of the dashpots parallel to the springs ``dashpots``. ``mass`` (c, n) are
-        the masses of the floors.
+        the masses of the coordinates.
         """
         order, basis = self.system.order, self.basis
         m, cells, states = order.z.size, len(mass), basis.into.shape[1]
@@ -181,33 +180,34 @@ class Response:
         return found
 
 
-def _trees(system: StateSpace) -> Array:
-    """Numbers (c, n) of the stiffest springs that connect all floors with the ground, as a tree."""
+def _stiffest(system: StateSpace) -> Array:
+    """Numbers (c, n) of the stiffest springs whose extensions determine all coordinates."""
     springs, n = system.extensions.shape
     if springs == n:
         return np.broadcast_to(np.arange(n), (len(system.matrix), n))
     orders, which = np.unique(
         np.argsort(-system.stiffness, axis=1, kind="stable"), axis=0, return_inverse=True
     )
-    return np.array([_tree(system.extensions, order) for order in orders])[which.ravel()]
+    return np.array([_independent(system.extensions, order) for order in orders])[which.ravel()]
 
 
-def _tree(extensions: Array, order: Array) -> Array:
-    """The tree of springs, taken in this order (Kruskal's algorithm)."""
-    group, chosen = np.arange(extensions.shape[1] + 1), []  # the ground comes last
+def _independent(extensions: Array, order: Array) -> Array:
+    """The first springs in this order whose extensions are linearly independent, by Gram and Schmidt."""
+    chosen, directions = [], np.empty((0, extensions.shape[1]))
     for spring in order:
-        ends = np.flatnonzero(extensions[spring])
-        one, two = group[ends[0]], group[ends[1] if ends.size > 1 else -1]
-        if one != two:
+        row = extensions[spring] / np.linalg.norm(extensions[spring])
+        rest = row - directions.T @ (directions @ row)
+        if np.linalg.norm(rest) > DEPENDENT:
             chosen.append(spring)
-            group[group == two] = one
+            rest -= directions.T @ (directions @ rest)
+            directions = np.vstack([directions, rest / np.linalg.norm(rest)])
     return np.sort(chosen)
 
 
 def _fastest(system: StateSpace) -> Array:
-    """Largest frequency (c, 1) [rad/s] of the floors, about."""
-    _, u, v, _ = system.order
-    return np.sqrt(np.abs(system.matrix[:, v[:, None], u]).max(axis=(1, 2)))[:, None]
+    """Largest frequency (c, 1) [rad/s] of the coordinates, about."""
+    _, q, v, _ = system.order
+    return np.sqrt(np.abs(system.matrix[:, v[:, None], q]).max(axis=(1, 2)))[:, None]
 
 
 def _moves(system: StateSpace) -> Array:
@@ -230,29 +230,36 @@ def _parts(matrix: Array, ground: Array) -> list[Array]:
     return [*apart, np.flatnonzero(driving)]
 
 
+def _inverse(extensions: Array) -> Array:
+    """Inverse (n, n) of extensions; without rounding errors if all its entries are whole numbers."""
+    inverse = np.linalg.inv(extensions)
+    whole: Array = np.rint(inverse)
+    return whole if np.array_equal(extensions @ whole, np.eye(len(whole))) else inverse
+
+
 def _basis(system: StateSpace) -> Basis:
     """The transformation that the module's docstring describes."""
-    matrix, (q, u, v, z) = system.matrix, system.order
-    own, tree = system.extensions[system.springs], system.extensions[_trees(system)[0]]
-    moves, floors = _moves(system)[0], np.rint(np.linalg.inv(tree))
+    matrix, (g, q, v, z) = system.matrix, system.order
+    own, stiff = system.extensions[system.springs], system.extensions[_stiffest(system)[0]]
+    moves, coordinates = _moves(system)[0], _inverse(stiff)
     follows = (matrix[:, z[:, None], v] * own).sum(axis=2) / (own**2).sum(axis=1)  # -c_eq
     by_y = moves & (-matrix[:, z, z] < FAST * _fastest(system))
     states = matrix.shape[1]
     kept = np.delete(np.arange(states), z[~moves])
     where = np.searchsorted(kept, np.arange(states))
-    e, rate_of_e, third = where[u], where[v], where[z[moves]]
+    e, rate_of_e, third = where[q], where[v], where[z[moves]]
 
     identity, cells = np.eye(states), len(matrix)
     into = np.tile(identity[kept], (cells, 1, 1))
     back = np.tile(identity[:, kept], (cells, 1, 1))
-    for here, there in ((e, u), (rate_of_e, v)):
-        into[:, here[:, None], there], back[:, there[:, None], here] = tree, floors
+    for here, there in ((e, q), (rate_of_e, v)):
+        into[:, here[:, None], there], back[:, there[:, None], here] = stiff, coordinates
     sign = np.where(by_y, -1.0, 1.0)[:, moves]
     into[:, third, z[moves]] = back[:, z[moves], third] = sign
-    into[:, third[:, None], u] = by_y[:, moves, None] * own[moves]
+    into[:, third[:, None], q] = by_y[:, moves, None] * own[moves]
     drifts, velocities = np.zeros((2, z.size, kept.size))
-    drifts[:, e] = velocities[:, rate_of_e] = own @ floors
+    drifts[:, e] = velocities[:, rate_of_e] = own @ coordinates
     beyond = np.where(moves[:, None], back[:, z], 0.0)
     of_drift = np.where(moves, by_y, follows)
     back[:, z] = beyond + of_drift[..., None] * drifts
-    return Basis(where[q], into, back, drifts, velocities, back[:, z], beyond)
+    return Basis(where[g], into, back, drifts, velocities, back[:, z], beyond)

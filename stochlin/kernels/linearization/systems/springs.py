@@ -316,12 +316,12 @@ def elastic_start(problem: Springs) -> tuple[Springs, Array]:
     if power.size:
         constants = problem.dashpots.copy()
         constants[:, power] = 0.0
-        floors, links = np.eye(mechanics.system.mass.shape[1]), _springs_of(problem)
+        links, coordinates = _springs_of(problem), np.eye(mechanics.system.mass.shape[1])
         ends = np.zeros_like(rates)
         for cells, system in alike(state_space(mechanics, none - 1, none, constants)):
             undamped = Response(system)
             rates[cells] = undamped.std(mechanics.system.extensions[links], rates=True)
-            moved = undamped.std(floors, rates=True)
+            moved = undamped.std(coordinates, rates=True)
             ends[cells] = moved @ np.abs(mechanics.system.extensions[links]).T
         problem = problem._replace(idle=rates < IDLE * ends)
         rates = np.where(problem.idle, 0.0, np.log(rates))

@@ -1,9 +1,18 @@
 """The augmented state space of linearized structures and their ground, eqs. (5), (6), (8), (11), (12).
 
-With displacements ``u`` of the floors and extensions ``d = E u`` of the springs, the equation of motion
-is ``M u'' + C u' + E' (post d + couple z + c d') = M 1 f`` with the forcing ``f`` by the ground. In a
-spring that yields, ``z' = -c_eq d' - k_eq z``; in any other one ``z = d``. The leading dimension of all
-arrays is that of the systems, called cells (c), which have the same floors and springs.
+`state_space` is the one place where the state matrix is put together. The structures are a `System` of
+coordinates ``q`` and springs with the extensions ``e = E q``, and the ground is a filter of white noise
+``n`` with the states ``g``. The states of the whole are ``g``, ``q``, ``v = q'``, and a ``z`` for each
+spring that yields:
+
+    g' = A g + b n
+    q' = v
+    v' = o . g - M^-1 (C v + E' (post e + couple z + c e'))
+    z' = -c_eq e' - k_eq z
+
+In a spring that stays elastic, ``z = e``. The dashpots ``c`` are those of links between structures. If
+the ground is white noise itself, it has no states, and ``n`` takes the place of ``o . g``. The leading
+dimension of all arrays is that of the systems, called cells (c), which have the same floors and springs.
 """
 
 from __future__ import annotations
@@ -18,12 +27,12 @@ from stochlin.kernels.linearization.filters import Matrices
 
 
 class Order(NamedTuple):
-    """Numbers of the states."""
+    """Where the states of each kind stand in the state vector, counted from 0."""
 
-    ground: Array  # (q,) states of the ground's filter
-    displacements: Array  # (n,) of the floors
-    velocities: Array  # (n,)
-    z: Array  # (m,) hysteretic extensions
+    ground: Array  # (g,) states of the ground's filter
+    coordinates: Array  # (n,)
+    velocities: Array  # (n,) of the coordinates
+    z: Array  # (m,) of the springs that yield
 
 
 class Mechanics(NamedTuple):
@@ -52,7 +61,7 @@ class Mechanics(NamedTuple):
 
 
 class StateSpace(NamedTuple):
-    """The linear systems ``x' = matrix x + noise n(t)``, and the meaning of their states."""
+    """The linear systems ``x' = matrix x + noise n``, and the meaning of their states."""
 
     matrix: Array  # (c, states, states)
     noise: Array  # (c, states)
@@ -78,28 +87,28 @@ def state_space(mechanics: Mechanics, c_eq: Array, k_eq: Array, dashpots: Array)
     The links are the last springs.
     """
     order, springs, system, soil, intensity = mechanics
-    mass, structural, extensions, post, couple, _ = system
-    q, u, v, z = order
+    mass, structural, extensions, _, post, couple, _ = system
+    g, q, v, z = order
     links = extensions[len(extensions) - dashpots.shape[1] :]
     damping = structural + (links.T * dashpots[:, None]) @ links
-    stiffness = system.elastic
-    stiffness[:, springs] = post[:, springs]
-    states = q.size + u.size + v.size + z.size
+    yields = np.isin(np.arange(len(extensions)), springs)
+    by_extension = np.where(yields, post, system.elastic)
+    states = g.size + q.size + v.size + z.size
     matrix, noise = np.zeros((len(mass), states, states)), np.zeros((len(mass), states))
 
     def write(rows: Array, columns: Array, block: Array) -> None:
         matrix[:, rows[:, None], columns] = block
 
-    write(q, q, soil.matrix)
-    write(u, v, np.eye(u.size))
-    write(v, q, np.broadcast_to(soil.output[:, None], (len(mass), v.size, q.size)))
-    write(v, u, -((extensions.T * stiffness[:, None]) @ extensions) / mass[..., None])
+    write(g, g, soil.matrix)
+    write(q, v, np.eye(q.size))
+    write(v, g, np.broadcast_to(soil.output[:, None], (len(mass), v.size, g.size)))
+    write(v, q, -((extensions.T * by_extension[:, None]) @ extensions) / mass[..., None])
     write(v, v, -damping / mass[..., None])
     write(v, z, -(extensions.T * couple[:, None])[..., springs] / mass[..., None])
     write(z, v, -c_eq[..., None] * extensions[springs])
     matrix[:, z, z] = -k_eq
-    noise[:, q] = soil.noise
-    if not q.size:
+    noise[:, g] = soil.noise
+    if not g.size:
         noise[:, v] = 1.0
     matrix += 0.0  # turns negative zeros, which a table would show, into 0
     return StateSpace(matrix, noise, intensity, order, springs, extensions, system.elastic)
