@@ -2,8 +2,9 @@
 
 For accuracy the Lyapunov equation is solved in other states than those of the state space. Extensions of
 as many springs as there are coordinates, the stiffest ones that are independent, replace the
-coordinates, so that small extensions are not differences of large displacements. The slip ``y = d - z`` replaces ``z``, as for
-single oscillators: if a spring hardly yields, all coefficients of its equation tend to zero together.
+coordinates, so that small extensions are not differences of large displacements. The slip ``y = d - z``
+replaces ``z``, as for single oscillators: if a spring hardly yields, all coefficients of its equation
+tend to zero together.
 """
 
 from __future__ import annotations
