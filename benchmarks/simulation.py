@@ -30,7 +30,7 @@ from stochlin.kernels.simulation.stepping import (
     bilinear_block,
     ground_block,
 )
-from stochlin.kernels.simulation.storey_stepping import multiply, steps_of
+from stochlin.kernels.simulation.time_step import multiply, steps_of
 from stochlin.models.systems import arrangement_of
 
 REPEATS = 5

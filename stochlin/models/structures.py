@@ -22,7 +22,6 @@ from stochlin.registry import Registry
 if TYPE_CHECKING:
     import sympy
 
-    from stochlin.kernels.simulation.ensemble import Block
     from stochlin.models.symbolic import SymbolicLaw
 
 DAMPING = Range(upper=1.0, reason="a ratio, 0.05 for 5 %")
@@ -123,13 +122,9 @@ class Structure(Model):
         """
         return xr.DataArray(False)
 
-    def block(self) -> Block:
-        """Time-stepping function of oscillators with this law."""
-        return self._compiled.block
-
-    def in_storeys(self) -> Any:
-        """The law for time steps of storeys: a constant of ``storey_stepping``, or a ``law_middle``."""
-        return self._compiled.middle
+    def step(self) -> Any:
+        """The law in time steps: a kind of ``kernels.simulation.laws``, or what `advance_of` gives."""
+        return self._compiled.step
 
     def law_parameters(self) -> list[xr.DataArray]:
         """Values of the `own_parameters` of this law, in the same order."""

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import sympy
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.powers import exponential, logarithm, power
 from stochlin.kernels.linearization.gaussian import ClosureValue, gaussian_covariance, regress_slip
 from stochlin.kernels.linearization.quadrature import SlipRate, slip_expectations
 from stochlin.messages import brief
-
-if TYPE_CHECKING:
-    from stochlin.kernels.simulation.ensemble import Block
 
 ORDER = 52
 ACCURACY = 1e-9
@@ -31,6 +29,8 @@ _PARTS = (  # of expressions besides these functions
     *(sympy.functions.elementary.piecewise.ExprCondPair, sympy.core.relational.Relational),
     *(sympy.And, sympy.Or, sympy.Not, sympy.logic.boolalg.BooleanAtom),
 )
+_POWER = sympy.Function("power")
+_VECTOR_FUNCTIONS = {"power": power, "exp": exponential, "log": logarithm}
 _SIDES = (1, 1), (-1, -1), (1, 0)  # of the probes: as they are, mirrored, and at z = 0
 _PROBES = np.random.default_rng(1996).uniform(-2.5, 2.5, (2, 400))
 
@@ -66,18 +66,17 @@ class SymbolicLaw:
         return ClosureValue(*regress_slip(slip, slip_jacobian, *moments), *moments)
 
     @cached_property
-    def middle(self) -> Any:
-        """The law as a numba function for time steps (`law_middle`), compiled at first use."""
-        from stochlin.kernels.simulation.law_stepping import law_middle
+    def step(self) -> Any:
+        """The law in time steps: what `kernels.simulation.laws.advance_of` gives."""
+        from stochlin.kernels.simulation.laws import advance_of
 
-        return law_middle(self._function(self._without_steps(), "math"))
-
-    @cached_property
-    def block(self) -> Block:
-        """Time-stepping function of oscillators with this law, compiled at first use."""
-        from stochlin.kernels.simulation.law_stepping import law_block
-
-        return law_block(self.middle)
+        v, z = sympy.symbols("v z", real=True)
+        w, own = sympy.IndexedBase("w"), sympy.IndexedBase("own")
+        lane = sympy.Symbol("lane", integer=True)
+        values = {sympy.Symbol(n, real=True): own[i, lane] for i, n in enumerate(self.parameters)}
+        rates = sympy.Tuple(self._for_lanes().subs(values | {z: w[0]}))
+        functions = [_VECTOR_FUNCTIONS, "math"]
+        return advance_of(sympy.lambdify((v, w, own, lane), rates, functions, cse=True), len(rates))
 
     def check(self, parameters: Array) -> None:
         """Raise a ValueError if the law is not odd, or not real and finite.
@@ -97,7 +96,7 @@ class SymbolicLaw:
                 check(column)
                 self._good.add(key)
 
-    def _function(self, expression: sympy.Expr, module: str) -> Callable[..., Array]:
+    def _function(self, expression: sympy.Expr, module: Any) -> Callable[..., Array]:
         """The expression as a function of ``v``, ``z`` and one array with the rows of parameters."""
         v, z = sympy.symbols("v z", real=True)
         rows = sympy.DeferredVector("parameters")
@@ -122,10 +121,13 @@ class SymbolicLaw:
         told = ", ".join(f"{n} = {x:g}" for n, x in zip(self.parameters, column, strict=True))
         return f"law = {self.expression}" + (f" with {told}" if told else "")
 
-    def _without_steps(self) -> sympy.Expr:
-        """The law with Heaviside steps as Piecewise: plain Python code has no Heaviside function."""
-        return self.expression.replace(
+    def _for_lanes(self) -> sympy.Expr:
+        """The law with powers as `_POWER`, and steps as Piecewise, which plain Python code has."""
+        law = self.expression.replace(
             sympy.Heaviside, lambda *x: sympy.Heaviside(*x).rewrite(sympy.Piecewise)
+        )
+        return law.replace(
+            lambda node: node.is_Pow and not (2 * node.exp).is_integer, lambda node: _POWER(*node.args)
         )
 
     @np.errstate(all="ignore")

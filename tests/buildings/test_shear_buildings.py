@@ -293,7 +293,7 @@ def test_storeys_have_the_law_that_is_asked_for(law: Any) -> None:
     kind = laws_in_numbers()[law] if isinstance(law, str) else sl.Hysteretic
     assert type(building.storey_law) is kind
     assert type(building.oscillator()) is kind
-    assert building.storey_law.block() is not None
+    assert building.storey_law.step() is not None
     assert ("law=" in building.describe()) == (law != "bilinear")
     stack = stack_of(building)
     assert stack.law_parameters.shape == (2, len(kind.own_parameters()))

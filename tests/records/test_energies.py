@@ -82,7 +82,8 @@ def test_what_yielding_dissipates_is_the_work_of_the_hysteretic_force(one):
     for column in (0.95 * stiffness * np.trapezoid(z, drift - z, axis=0)).ravel():
         work += column / whole
     assert float(table.hysteretic_energy_per_mass[-1]) == pytest.approx(work, rel=2e-3)
-    assert (table.hysteretic_energy_per_mass.diff("time") > -1e-12).all()
+    lost = table.hysteretic_energy_per_mass.diff("time")
+    assert (lost > -1e-6 * lost.max()).all()  # a step in which z changes its sign has an error
 
 
 @pytest.mark.oracle

@@ -11,8 +11,8 @@ import scipy.integrate
 import stochlin as sl
 from stochlin.analyses.simulation.frames import all_frames
 from stochlin.kernels.simulation.ensemble import Storeys
+from stochlin.kernels.simulation.laws import VISCOUS, by_number
 from stochlin.kernels.simulation.stepping import LANES
-from stochlin.kernels.simulation.storey_stepping import VISCOUS, law_of
 from stochlin.models.systems import arrangement_of
 
 pytestmark = pytest.mark.oracle
@@ -123,6 +123,31 @@ def test_what_the_ground_puts_in_is_stored_or_dissipated(exponent):
     assert dashpots > 0.1 * put_in
 
 
+YIELDING = {"hardening": 0.1, "yield_drifts": 0.004}
+OTHER_TOWER = sl.ShearBuilding([3e5] * 2, [3e8] * 2, [3.0] * 2, 0.05, **YIELDING)
+BATCHES = {
+    "bilinear": ({}, []),
+    "Bouc-Wen with powers": ({"law": "bouc_wen", "law_parameters": {"exponent": 1.7}}, []),
+    "dashpots with an exponent": ({}, in_every_storey(1e6, 0.5)),
+    "slack": ({}, [sl.Link(3e8, 1e5, slack=0.01, floors=(2, 2))]),
+}
+
+
+@pytest.mark.parametrize(("law", "links"), BATCHES.values(), ids=BATCHES.keys())
+def test_a_motion_has_the_same_bits_alone_and_in_a_batch(law, links):
+    tower = replace(TOWER, **YIELDING, **law)
+    (frame, *_) = all_frames(arrangement_of([tower, OTHER_TOWER], links))
+    size, block = frame.part.size, frame.part.block(0.01)
+    f = np.random.default_rng(2).normal(0, np.geomspace(0.5, 20, LANES), (300, LANES))
+    together = np.empty((300, size, LANES))
+    block(f, *np.zeros((3, size, LANES)), 1, together)
+    for lane in (0, LANES // 2, LANES - 1):
+        alone = np.empty_like(together)
+        block(np.repeat(f[:, lane : lane + 1], LANES, axis=1), *np.zeros((3, size, LANES)), 1, alone)
+        np.testing.assert_array_equal(alone[..., 0], together[..., lane])
+    assert np.ptp(np.abs(together).max(axis=(0, 1))) > 0.05  # some hardly yield, others a lot
+
+
 def test_exponent_one_is_a_linear_dashpot():
     """In the damping matrix, as a link has it; and as an element with an exponent of its own."""
     linear, told = (
@@ -135,7 +160,7 @@ def test_exponent_one_is_a_linear_dashpot():
         (frame,) = all_frames(arrangement_of([TOWER], links))
         own = frame.part.elements.own.copy()
         own[frame.part.elements.kind == VISCOUS, 1:] = 1.0
-        part = Storeys(frame.part.elements._replace(own=own), law_of(()))
+        part = Storeys(frame.part.elements._replace(own=own), by_number(()))
         found.append(stepped(part, 3.0, 300)[:, :4])
     np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-8 * np.abs(found[0]).max())
 

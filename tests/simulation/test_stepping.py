@@ -10,13 +10,11 @@ import pytest
 import scipy.linalg
 from scipy.integrate import solve_ivp
 
-from stochlin.kernels.simulation.stepping import (
-    LANES,
-    bilinear_block,
-    bouc_wen_block,
-    filter_steps,
-    ground_block,
-)
+from stochlin.kernels.basics.systems import System
+from stochlin.kernels.simulation.ensemble import Storeys
+from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, by_number
+from stochlin.kernels.simulation.stepping import LANES, bilinear_block, filter_steps, ground_block
+from stochlin.kernels.simulation.time_step import Elements
 
 pytestmark = pytest.mark.oracle
 
@@ -51,6 +49,18 @@ HARMONICS = np.stack(np.broadcast_arrays(AMPLITUDES, FREQUENCIES[:, None], PHASE
 
 def forcing(t, lane):
     return sum(amplitude * math.sin(w * t + phase) for amplitude, w, phase in HARMONICS[lane])
+
+
+def one_storey(kind):
+    """A function with the arguments of `bilinear_block`, for a building of one storey of this kind."""
+
+    def block(f, dt, law, *rest):
+        (d, k, h, scale, *own), one = law[0], np.ones((1, 1))
+        system = System(one[0], d * one, one, one, *map(np.atleast_1d, (k, h, 1.0)))
+        elements = Elements(system, np.array([kind]), np.array([own]))
+        Storeys(elements, by_number(())).block(dt)(scale * f, *rest)
+
+    return block
 
 
 def step_means(steps):
@@ -120,8 +130,9 @@ def test_bilinear_motion_converges_to_the_exact_one_with_the_square_of_the_step(
     exact = np.stack([bilinear_by_events(lane) for lane in CHOSEN], axis=1)
     assert np.isfinite(exact).all()
     assert np.abs(exact).max(axis=0).min() > 1.5  # every lane yields
-    order = observed_order(bilinear_block, OSCILLATOR, exact)
-    assert SECOND_ORDER[0] < order < SECOND_ORDER[1]
+    for block in (bilinear_block, one_storey(BILINEAR)):
+        order = observed_order(block, OSCILLATOR, exact)
+        assert SECOND_ORDER[0] < order < SECOND_ORDER[1]
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
@@ -140,7 +151,7 @@ def test_bouc_wen_motion_converges_to_the_exact_one_with_the_square_of_the_step(
     runs = [solve_ivp(rates, *rest, t_eval=times, args=(lane,), **TIGHT) for lane in CHOSEN]
     exact = np.stack([run.y[0] for run in runs], axis=1)
     assert np.abs(exact).max(axis=0).min() > 1.5
-    order = observed_order(bouc_wen_block, law, exact)
+    order = observed_order(one_storey(BOUC_WEN), law, exact)
     assert SECOND_ORDER[0] < order < SECOND_ORDER[1]
 
 
@@ -204,7 +215,14 @@ def test_lanes_are_independent_and_odd_in_the_motion():
     np.testing.assert_array_equal(*runs)
 
 
-@pytest.mark.parametrize("kernel", [bilinear_block, bouc_wen_block], ids=["bilinear", "bouc-wen"])
+KERNELS = {
+    "oscillators": bilinear_block,
+    "bilinear storey": one_storey(BILINEAR),
+    "Bouc-Wen storey": one_storey(BOUC_WEN),
+}
+
+
+@pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS.keys())
 def test_elastic_motion_is_newmarks_of_average_acceleration(kernel):
     law = np.array([2 * DAMPING * W, W**2, 0.0, 1.3, 0.5, 0.5, 1.0])[
         : 4 if kernel is bilinear_block else 7

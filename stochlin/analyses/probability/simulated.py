@@ -62,7 +62,7 @@ def simulate_course(
         hardening,
         uy / amplitude,
         joined_laws([side.law.T for side in sides]),
-        np.concatenate([np.full(side.period.size, side.stack.law.block()) for side in sides]),
+        np.concatenate([np.full(side.period.size, side.stack.law.step(), object) for side in sides]),
         1 / (damping * 2 * np.pi / period),
         np.zeros(period.size),
         np.ones(period.size, bool),

@@ -18,13 +18,14 @@ import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import derived_together, solve_structure
 from stochlin.analyses.linearization.tolerance import Tolerance
-from stochlin.analyses.simulation.frames import Frame
+from stochlin.analyses.simulation.frames import Frame, laws_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_whole, is_number
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
+from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.ensemble import (
     AnyGround,
@@ -35,8 +36,9 @@ from stochlin.kernels.simulation.ensemble import (
     SampledStoreys,
     Storeys,
 )
-from stochlin.kernels.simulation.stepping import LANES, FilterSteps, bilinear_block, filter_steps
-from stochlin.kernels.simulation.storey_stepping import SLACK, VISCOUS
+from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, VISCOUS
+from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
+from stochlin.kernels.simulation.time_step import Elements
 from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
@@ -61,7 +63,7 @@ class SimulationCells(NamedTuple):
     hardening: Array  # hardening ratio
     yield_displacement: Array  # [m], infinite for an elastic structure
     law: Array  # (n, k) further parameters of the hysteresis law; shorter rows are filled up with NaN
-    block: npt.NDArray[np.object_]  # the function that makes the time steps of the law
+    step: npt.NDArray[np.object_]  # what `Structure.step` gives
     damping_time: Array  # [s] in which free vibrations decay to 1/e, which is 1/(xi w)
     drift_time: Array  # [s] in which the plastic drift decays, by linearization; 0 if elastic
     valid: Array  # whether the parameters are in range and the elastic response could be computed
@@ -120,7 +122,7 @@ def cells_of(
         hardening,
         uy,
         np.reshape(rest, (len(rest), period.size)).T,
-        np.full(period.size, structure.block()),
+        np.full(period.size, structure.step(), object),
         1 / (damping * w),
         np.nan_to_num(slow),
         status < labels.NOT_CONVERGED,
@@ -138,7 +140,7 @@ def cells_of_all(
     alike: dict[tuple[object, ...], list[int]] = {}
     values = [structure.arrays() for structure in structures]
     for number, structure in enumerate(structures):
-        alike.setdefault((structure.block(), *values[number]), []).append(number)
+        alike.setdefault((structure.step(), *values[number]), []).append(number)
     parts = []
     for numbers in alike.values():
         first = numbers[0]
@@ -307,34 +309,38 @@ def _weight(part: Oscillators | Storeys | SampledStoreys) -> float:
     """Estimated time of one step of these structures, over that of one bilinear structure."""
     if isinstance(part, (Storeys, SampledStoreys)):
         kind = (part.elements if isinstance(part, Storeys) else part.elements[0]).kind
-        laws = np.where(kind == VISCOUS, DASHPOT, np.where(kind > SLACK, OTHER_LAW, 1.0))
+        laws = np.where(kind == VISCOUS, DASHPOT, np.where(kind >= BOUC_WEN, OTHER_LAW, 1.0))
         return float(laws.sum() + STOREY * part.size**2)
-    return part.size * (1.0 if part.steps is bilinear_block else OTHER_LAW)
+    return float(part.size)
 
 
 def _oscillators(
     cells: SimulationCells, valid: Array
 ) -> tuple[list[Oscillators | Storeys | SampledStoreys], Array, Array]:
-    """The valid structures grouped by law, the row of each, and its unit of displacement [m].
+    """The valid structures, bilinear ones together, the row of each, and its unit of displacement [m].
 
-    Displacements are computed in units of the yield displacement; of elastic structures in m.
+    Displacements of bilinear structures are computed in units of the yield displacement, others in m.
     """
     w = 2 * np.pi / cells.period[valid]
     yields = np.isfinite(cells.yield_displacement[valid])
     alpha = np.where(yields, cells.hardening[valid], 1.0)
     scale = np.where(yields, cells.yield_displacement[valid], 1.0)
-    common = np.stack(
-        [2 * cells.damping[valid] * w, alpha * w**2, (1 - alpha) * w**2, 1 / scale], axis=1
-    )
-    law, blocks = cells.law[valid], cells.block[valid]
-    order, parts, placed = np.empty(w.size, int), list[Oscillators | Storeys | SampledStoreys](), 0
-    for block in dict.fromkeys(blocks):
-        mine = np.flatnonzero(blocks == block)
-        extra = law[mine][:, np.isfinite(law[mine]).all(axis=0)]
-        parts.append(Oscillators(block, np.concatenate([common[mine], extra], axis=1)))
-        order[mine] = placed + np.arange(mine.size)
-        placed += mine.size
-    return parts, order, scale
+    friction, post, couple = 2 * cells.damping[valid] * w, alpha * w**2, (1 - alpha) * w**2
+    step, law = cells.step[valid], cells.law[valid]
+    bilinear = (step == BILINEAR) | ~yields
+    together, others = np.flatnonzero(bilinear), np.flatnonzero(~bilinear)
+    parts: list[Oscillators | Storeys | SampledStoreys] = []
+    if together.size:
+        parts.append(Oscillators(np.stack([friction, post, couple, 1 / scale], axis=1)[together]))
+    for n in others:
+        spring = ([value] for value in (post[n], couple[n], scale[n]))
+        one = np.ones((1, 1))
+        system = System(one[0], friction[n] * one, one, one, *map(np.array, spring))
+        kinds, of_kinds = laws_of([step[n]])
+        parts.append(Storeys(Elements(system, kinds, law[n][None, np.isfinite(law[n])]), of_kinds))
+    order = np.empty(w.size, int)
+    order[np.concatenate([together, others])] = np.arange(w.size)
+    return parts, order, np.where(bilinear, scale, 1.0)
 
 
 def _root(matrix: Array, noise: Array, intensity: float) -> Array:

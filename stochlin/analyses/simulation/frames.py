@@ -12,17 +12,9 @@ import scipy.sparse.csgraph
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.ensemble import SampledStoreys, Storeys
-from stochlin.kernels.simulation.storey_stepping import (
-    BILINEAR,
-    LINEAR,
-    OTHER,
-    SLACK,
-    VISCOUS,
-    Elements,
-    law_of,
-)
+from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, OTHER, SLACK, VISCOUS, by_number
+from stochlin.kernels.simulation.time_step import Elements
 from stochlin.models.links import Link
-from stochlin.models.structures import Structure
 from stochlin.models.systems import Arrangement, Stack
 
 # Least share of the mass in a mode that determines the time step. Higher modes are integrated stably.
@@ -119,8 +111,9 @@ def _frame(system: Arrangement, members: Array) -> Frame:
     ties = [system.ties[spring - int(first[-1])] for spring in springs[floors.size :]]
     stacks = [system.stacks[m] for m in members]
     mass, damping, _, shapes, *storeys = System.beside([stack.system for stack in stacks])
-    laws, damping = _Laws(), damping.copy()
-    kinds = [laws.kind(stack.law, yields) for stack in stacks for yields in stack.system.couple > 0]
+    damping = damping.copy()
+    yields = ((stack.law, couple > 0) for stack in stacks for couple in stack.system.couple)
+    kinds = [law.step() if yielding else LINEAR for law, yielding in yields]
     force = np.transpose(storeys).tolist()
     own = [row for stack in stacks for row in stack.law_parameters]
     for along, tie in zip(drifts[floors.size :], ties, strict=True):
@@ -140,9 +133,10 @@ def _frame(system: Arrangement, members: Array) -> Frame:
     post, couple, strength = np.array(force, float).T.copy()
     whole = System(mass, damping, np.ascontiguousarray(drifts), shapes, post, couple, strength)
     rows = [np.pad(row, (0, widest - row.size), constant_values=np.nan) for row in own]
+    numbers, law = laws_of(kinds)
     modes = [_modes(part) for part in (whole, *(stack.system for stack in stacks))]
     return Frame(
-        Storeys(Elements(whole, np.array(kinds), np.array(rows)), law_of(tuple(laws.middles))),
+        Storeys(Elements(whole, numbers, np.array(rows)), law),
         floors,
         shortest=min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes),
         slowest=1 / float(-np.linalg.eigvals(whole.state_matrix).real.max()),
@@ -167,20 +161,11 @@ def _kind(link: Link) -> int:
     return BILINEAR if link.yields else LINEAR if link.slack is None else SLACK
 
 
-class _Laws:
-    """Laws of a frame that are not built into the kernel, each with its `law_middle`."""
-
-    def __init__(self) -> None:
-        self.middles: list[Any] = []
-
-    def kind(self, law: Structure, yields: bool) -> int:
-        """Number by which the kernel selects the law of an element."""
-        steps = law.in_storeys() if yields else LINEAR
-        if isinstance(steps, int):
-            return steps
-        if steps not in self.middles:
-            self.middles.append(steps)
-        return OTHER + self.middles.index(steps)
+def laws_of(steps: Sequence[Any]) -> tuple[Array, Any]:
+    """Kinds of elements with these laws, each as `Structure.step` gives it, and the function of all."""
+    of_users = list(dict.fromkeys(law for law in steps if not isinstance(law, int)))
+    kinds = [law if isinstance(law, int) else OTHER + of_users.index(law) for law in steps]
+    return np.array(kinds), by_number(tuple(of_users))
 
 
 def relaxation_times(system: Arrangement, k_eq: Array) -> Array:

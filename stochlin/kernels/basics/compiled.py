@@ -63,15 +63,3 @@ def _of_lane(value, lane):  # type: ignore[no-untyped-def]
     if isinstance(value, nb.types.Array):
         return lambda value, lane: value[lane]
     return lambda value, lane: value
-
-
-def smallest(value: Any) -> Any:
-    """Smallest element of an array over lanes, or the number itself if all lanes share one."""
-    return np.min(value)
-
-
-@overload(smallest, jit_options=OFTEN)
-def _smallest(value):  # type: ignore[no-untyped-def]
-    if isinstance(value, nb.types.Array):
-        return lambda value: value.min()
-    return lambda value: value

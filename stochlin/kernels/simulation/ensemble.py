@@ -10,6 +10,7 @@ scatter are the same but for these factors.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from functools import reduce
 from operator import add
 from typing import Any, NamedTuple
@@ -23,11 +24,12 @@ from stochlin.kernels.simulation.stepping import (
     LANES,
     FilterSteps,
     add_products,
+    bilinear_block,
     ground_block,
     keep_extremes,
     observe,
 )
-from stochlin.kernels.simulation.storey_stepping import (
+from stochlin.kernels.simulation.time_step import (
     Elements,
     Steps,
     sampled_steps,
@@ -42,10 +44,9 @@ Block = Callable[..., None]
 
 
 class Oscillators(NamedTuple):
-    """Independent oscillators that have the same law."""
+    """Independent bilinear oscillators, in units of their yield displacements."""
 
-    steps: Block  # the time steps, called as `bilinear_block`
-    parameters: Array  # (n, k): parameters of each oscillator
+    parameters: Array  # (n, 4): parameters of each oscillator, as in `bilinear_block`
 
     @property
     def size(self) -> int:
@@ -60,16 +61,21 @@ class Oscillators(NamedTuple):
         """
 
         def block(f: Array, u: Array, v: Array, z: Array, every: int, out: Array, at: int = 0) -> None:
-            self.steps(f, dt, self.parameters, u, v, z, every, out, at)
+            bilinear_block(f, dt, self.parameters, u, v, z, every, out, at)
 
         return block
 
 
-class Storeys(NamedTuple):
-    """Buildings with storeys, and links; displacements are those of the floors, then of the links."""
+@dataclass(frozen=True, eq=False)
+class Storeys:
+    """Buildings with storeys, and links; displacements are those of the floors, then of the links.
+
+    An oscillator is a building of one storey.
+    """
 
     elements: Elements
-    law: Any  # the result of `law_of`
+    law: Any  # the result of `laws.by_number`
+    _steps: dict[float, Steps] = field(default_factory=dict, init=False)
 
     @property
     def size(self) -> int:
@@ -78,14 +84,16 @@ class Storeys(NamedTuple):
 
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps, as in `Oscillators`."""
-        return _storeys_by(steps_of(self.elements, dt), self.law)
+        if dt not in self._steps:
+            self._steps[dt] = steps_of(self.elements, dt)
+        return _storeys_by(self._steps[dt], self.law)
 
 
 class SampledStoreys(NamedTuple):
     """The same as `Storeys`, with other properties of the elements in each motion."""
 
     elements: Sequence[Elements]  # one for each motion, group after group
-    law: Any  # the result of `law_of`
+    law: Any  # the result of `laws.by_number`
 
     @property
     def size(self) -> int:

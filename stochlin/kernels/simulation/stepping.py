@@ -18,12 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane
+from stochlin.kernels.basics.compiled import called_often, entry, of_lane
 
 LANES = 32  # independent motions in the innermost loop, which fit vector registers and first-level cache
 # Loops with many constants take the number of lanes from an array. If the compiler knows it, it unrolls
 # them completely, which takes up to twice as long, since constants do not stay in registers.
-NEWTON_STEPS = 4  # iterations of Newton's method for the implicit midpoint rule
 
 
 class FilterSteps(NamedTuple):
@@ -188,59 +187,6 @@ def bilinear_block(f, dt, parameters, u, v, z, every, out, first):
                 vn[lane] = (rate * moved - vel) + ease * excess
             if (s + 1) % every == 0:
                 for lane in range(f.shape[1]):
-                    out[sample, first + n, lane] = un[lane]
-                sample += 1
-
-
-@compiled
-def bouc_wen_middle(hyst, start, slope, half, beta, gamma, exponent):
-    """``z`` of the Bouc-Wen law at the middle of a step and at its end, from ``hyst`` at its beginning.
-
-    It follows the implicit midpoint rule, solved by Newton's method; ``half`` is half of the time step,
-    and the velocity at the middle is ``start - slope z``. Iterates and results are limited to the range
-    of ``z`` of the law, so that steps of any length are stable.
-    """
-    limit = (beta + gamma) ** (-1.0 / exponent)
-    z_mid = hyst
-    for _ in range(NEWTON_STEPS):
-        v_mid = start - slope * z_mid
-        size = abs(z_mid)
-        steep = 1.0 if exponent == 1.0 else size ** (exponent - 1.0)
-        shape = beta * np.copysign(1.0, v_mid * z_mid) + gamma
-        by_v = 1.0 - steep * size * shape
-        by_z = -exponent * steep * shape * v_mid * np.copysign(1.0, z_mid)
-        off = z_mid - hyst - half * v_mid * by_v
-        z_mid -= off / (1.0 + half * (slope * by_v - by_z))
-        z_mid = min(max(z_mid, -limit), limit)
-    return z_mid, min(max(2.0 * z_mid - hyst, -limit), limit)
-
-
-@entry
-def bouc_wen_block(f, dt, parameters, u, v, z, every, out, first):
-    """Steps of Bouc-Wen structures, with the arguments of `bilinear_block`; see `bouc_wen_middle`.
-
-    ``parameters`` (n, 7) are those of the bilinear law, then ``beta``, ``gamma`` and the exponent.
-    """
-    half = 0.5 * dt
-    for n in range(u.shape[0]):
-        d, k, h, scale, beta, gamma, exponent = parameters[n]
-        keep, pull, push = 1.0 - half * d - half * half * k, dt * k, dt * scale
-        implicit = 1.0 / (1.0 + half * d + half * half * k)
-        slope = half * h * implicit  # v_mid = start - slope z_mid
-        un, vn, zn = u[n], v[n], z[n]
-        sample = 0
-        for s in range(f.shape[0]):
-            for lane in range(LANES):
-                disp, vel, hyst = un[lane], vn[lane], zn[lane]
-                base = vel * keep + push * f[s, lane] - pull * disp
-                start = 0.5 * (vel + base * implicit)
-                z_mid, z_new = bouc_wen_middle(hyst, start, slope, half, beta, gamma, exponent)
-                v_mid = start - slope * z_mid
-                zn[lane] = z_new
-                un[lane] = disp + dt * v_mid
-                vn[lane] = 2.0 * v_mid - vel
-            if (s + 1) % every == 0:
-                for lane in range(LANES):
                     out[sample, first + n, lane] = un[lane]
                 sample += 1
 

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
     import sympy
 
-    from stochlin.kernels.simulation.ensemble import Block
 
 ALWAYS = xr.DataArray(True)
 
@@ -88,14 +87,8 @@ class Bilinear(Structure):
         """
         return ALWAYS
 
-    def block(self) -> Block:
-        """Time-stepping function of oscillators with this law."""
-        from stochlin.kernels.simulation.stepping import bilinear_block
-
-        return bilinear_block
-
-    def in_storeys(self) -> Any:
-        """The kind of element of ``kernels.simulation.storey_stepping`` that has this law."""
-        from stochlin.kernels.simulation.storey_stepping import BILINEAR
+    def step(self) -> Any:
+        """The kind of element of ``kernels.simulation.laws`` that has this law."""
+        from stochlin.kernels.simulation.laws import BILINEAR
 
         return BILINEAR

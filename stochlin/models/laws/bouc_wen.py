@@ -25,8 +25,6 @@ if TYPE_CHECKING:
     import sympy
     import xarray as xr
 
-    from stochlin.kernels.simulation.ensemble import Block
-
 
 def symbolic() -> sympy.Expr:
     """``G(v, z)`` as a sympy expression in ``v``, ``z``, ``beta``, ``gamma`` and ``exponent``."""
@@ -142,14 +140,8 @@ class BoucWen(Structure):
         values = self.arrays()
         return values["gamma"] <= values["beta"]
 
-    def block(self) -> Block:
-        """Time-stepping function of oscillators with this law."""
-        from stochlin.kernels.simulation.stepping import bouc_wen_block
-
-        return bouc_wen_block
-
-    def in_storeys(self) -> Any:
-        """The kind of element of ``kernels.simulation.storey_stepping`` that has this law."""
-        from stochlin.kernels.simulation.storey_stepping import BOUC_WEN
+    def step(self) -> Any:
+        """The kind of element of ``kernels.simulation.laws`` that has this law."""
+        from stochlin.kernels.simulation.laws import BOUC_WEN
 
         return BOUC_WEN

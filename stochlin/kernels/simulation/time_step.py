@@ -21,28 +21,16 @@ minimize a convex energy, element by element, and converge.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
 from typing import Any, NamedTuple
 
-import numba as nb
 import numpy as np
-from numba.extending import overload
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import (
-    OFTEN,
-    UNCOMPILED,
-    called_often,
-    compiled,
-    entry,
-    of_lane,
-    smallest,
-)
+from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.simulation.stepping import LANES, bouc_wen_middle
+from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, SLACK, VISCOUS, advance
+from stochlin.kernels.simulation.stepping import LANES
 
-# Kinds of elements; numbers from OTHER on are laws given as functions.
-KINDS = LINEAR, BILINEAR, SLACK, BOUC_WEN, VISCOUS, OTHER = range(6)
 MOST_PASSES = 60  # largest number of passes of a step
 MOST_VISCOUS = 600  # the same with dashpots with an exponent, whose forces can tie many floors together
 MOST_ROOTS = 60  # largest number of steps of Newton's method, which mostly needs four or five
@@ -50,9 +38,8 @@ NEARLY = 1e-5  # relative change of a root after which the error of Newton's met
 SOFT = 0.1  # stiffness of a dashpot's spring over that with which the floors resist a step
 HARDLY = 1e-6  # drift of a dashpot, over the largest drift of the step, that may be rounding error
 CLOSE = 1e-8  # change of a slip, over the strength of the element, at which the passes end
+CLOSE_BY_LAW = 1e-5  # the same for laws with rates: drifts then change by less than 1e-7 of their size
 LEAST_SLACK = 0.01  # [m]: smallest strength of an element with slack for this criterion
-_NUMBER = nb.float64
-LAW = _NUMBER(nb.int64, _NUMBER, _NUMBER, _NUMBER, _NUMBER, nb.types.Array(_NUMBER, 1, "C"))
 
 
 class Elements(NamedTuple):
@@ -63,14 +50,28 @@ class Elements(NamedTuple):
     """
 
     system: System  # its strength is infinite for a linear element, and the slack of a SLACK one
-    kind: Array  # (e,): one of KINDS, or a larger number
+    kind: Array  # (e,): one of `laws.KINDS`, or a larger number
     own: Array  # (e, k): parameters of the law
+
+
+class Work(NamedTuple):
+    """Arrays for work with one element in one step."""
+
+    rate: Array  # (LANES,) of the extension, over the yield extension [1/s]
+    states: Array  # (1, LANES) at the beginning of the step
+    new_states: Array  # (1, LANES) at its end
+    more: Array  # (LANES,): change of the slip in a pass [m]
+    least: Array  # (e, LANES): the change at which the passes of a lane end [m]
+    widest: Array  # (LANES,): largest drift increment of all elements [m]
+    moving: Array  # (LANES,): 1 if the passes of the lane go on, else 0; no lane depends on another
+    still: Array  # (LANES,): the same for the next pass
 
 
 class Steps(NamedTuple):
     """The elements for time steps of one length, and the matrices of the module's docstring.
 
-    If every lane has other elements, all arrays of real numbers have a last axis of `LANES`.
+    If every lane has other elements, all arrays of real numbers have a last axis of `LANES`; the
+    parameters of laws always have it.
     """
 
     dt: float  # [s]
@@ -81,7 +82,7 @@ class Steps(NamedTuple):
     couple: Array  # as in `Elements`; of dashpots with an exponent, that of their springs
     strength: Array
     kind: Array
-    own: Array
+    own: Array  # (e, k, LANES)
     lowest: Array  # (n,): whether the storey is the lowest of a structure
     passes: int  # largest number of passes
 
@@ -113,7 +114,7 @@ def steps_of(elements: Elements, dt: float) -> Steps:
         couple,
         system.strength,
         kind,
-        own,
+        np.repeat(own[..., None], LANES, axis=2),
         b[:n].sum(axis=1) > 0.5,
         MOST_VISCOUS if viscous.any() else MOST_PASSES,
     )
@@ -122,47 +123,12 @@ def steps_of(elements: Elements, dt: float) -> Steps:
 def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
     """Steps of `LANES` sets of elements that differ only in their properties, one for each lane."""
     each = [steps_of(one, dt) for one in elements]
-    of_lanes = ("move", "push", "relief", "post", "couple", "strength", "own")
+    of_lanes = ("move", "push", "relief", "post", "couple", "strength")
     columns: dict[str, Any] = {
         name: np.stack([getattr(steps, name) for steps in each], axis=-1) for name in of_lanes
     }
-    return each[0]._replace(**columns)
-
-
-@cache
-def law_of(middles: tuple[Any, ...]) -> Any:
-    """One function for elements with any of these laws, each given by its `law_middle`.
-
-    The laws are those of the kinds OTHER, OTHER + 1 and so on. The result is the address of a C
-    function, so that `storey_block` is not compiled again for other laws.
-    """
-    law = _unknown
-    for number, middle in enumerate(middles):
-        law = _either(OTHER + number, middle, law)
-
-    def end(kind, hyst, start, slope, half, own):
-        return law(kind, hyst, start, slope, half, own)
-
-    return end if UNCOMPILED else nb.cfunc(LAW)(end)
-
-
-@compiled
-def _unknown(kind, hyst, start, slope, half, own):
-    """The law of an unknown kind: NaN."""
-    return np.nan
-
-
-def _either(number: int, middle: Any, others: Any) -> Any:
-    """The function that takes ``middle`` for the kind ``number``, and ``others`` for other kinds."""
-
-    @compiled
-    def chosen(kind, hyst, start, slope, half, own):
-        if kind == number:
-            _, end = middle(hyst, start, slope, half, own)
-            return end
-        return others(kind, hyst, start, slope, half, own)
-
-    return chosen
+    own = np.stack([one.own for one in elements], axis=-1)
+    return each[0]._replace(**columns, own=own)
 
 
 @called_often
@@ -183,39 +149,32 @@ def multiply(matrix, i, rows, out):
             out[i, lane] += of_lane(a, lane) * rows[k, lane]
 
 
-def _own(own: Any, lane: int) -> Any:
-    """Parameters of the law in a lane."""
-    return own if own.ndim == 1 else own[:, lane].copy()
-
-
-@overload(_own, jit_options=OFTEN)
-def _own_of_lane(own, lane):
-    if own.ndim == 1:
-        return lambda own, lane: own
-    return lambda own, lane: own[:, lane].copy()
-
-
 @compiled
-def _by_function(law, steps, i, z, change, slip, more):
-    """`_more_slip` for the Bouc-Wen law and for laws given as functions."""
-    kind, of_all, half = steps.kind[i], steps.own[i], 0.5 * steps.dt
+def _by_law(law, steps, i, z, change, slip, work, more):
+    """Write `_more_slip` of an element whose law has rates to ``more``.
+
+    The slip that belongs to the increment of the drift changes that increment, by ``g``. With the share
+    of the increment that slips for a derivative, the next slip is that of Newton's method.
+    """
+    rate, before, new = work.rate, work.states, work.new_states
+    of_strength, own = steps.strength[i], steps.own[i]
     for lane in range(LANES):
-        g, uy = of_lane(steps.relief[i, i], lane), of_lane(steps.strength[i], lane)
-        ease = 1.0 / (1.0 - g)
-        rate, slope = ease / (steps.dt * uy), 2.0 * g * ease / steps.dt
-        own = _own(of_all, lane)
-        hyst, alone = z[i, lane] / uy, change[i, lane] - g * slip[i, lane]
-        start = alone * rate + slope * hyst
-        if kind == BOUC_WEN:
-            _, end = bouc_wen_middle(hyst, start, slope, half, own[0], own[1], own[2])
-        else:
-            end = law(kind, hyst, start, slope, half, own)
-        more[lane] = (alone - uy * (end - hyst)) * ease - slip[i, lane]
+        uy = of_lane(of_strength, lane)
+        rate[lane] = change[i, lane] / (steps.dt * uy)
+        before[0, lane] = z[i, lane] / uy
+    advance(law, steps.kind[i], rate, before, own, steps.dt, new)
+    relief = steps.relief[i, i]
+    for lane in range(LANES):
+        g, uy = of_lane(relief, lane), of_lane(of_strength, lane)
+        moved = change[i, lane]
+        slipped = moved - uy * (new[0, lane] - before[0, lane])
+        share = min(max(slipped / moved if moved != 0.0 else 0.0, 0.0), 1.0)
+        more[lane] = (slipped - slip[i, lane]) / (1.0 - g * share)
 
 
 @compiled
 def _dashpot(steps, i, change, slip, more):
-    """`_more_slip` for a dashpot with an exponent.
+    """Write `_more_slip` of a dashpot with an exponent to ``more``.
 
     Its rate ``x`` solves ``(1 - g) dt x + g y x^a = alone``, with ``y = 2 c/couple``, the relief ``g``
     by its own slip, and the increment ``alone`` of the drift without slip. It slips by
@@ -258,12 +217,12 @@ def _dashpot(steps, i, change, slip, more):
 
 
 @called_often
-def _more_slip(law, steps, i, d, z, change, slip, more):
-    """Write to ``more`` (LANES,) how much element ``i`` slips beyond ``slip``, for given other slips.
+def _more_slip(law, steps, i, d, z, change, slip, work, moving):
+    """Find how much element ``i``, not a bilinear one, slips beyond ``slip`` for given other slips.
 
-    The element is not a bilinear one.
+    It is written to ``work.more``, and is zero where ``moving`` is.
     """
-    kind, relief, strength = steps.kind[i], steps.relief[i, i], steps.strength[i]
+    kind, relief, strength, more = steps.kind[i], steps.relief[i, i], steps.strength[i], work.more
     if kind == SLACK:
         for lane in range(LANES):
             g, uy = of_lane(relief, lane), of_lane(strength, lane)
@@ -274,46 +233,53 @@ def _more_slip(law, steps, i, d, z, change, slip, more):
             more[lane] = min(at_end, 0.0) * ease - slack - slip[i, lane]
     elif kind == VISCOUS:
         _dashpot(steps, i, change, slip, more)
+        for lane in range(LANES):
+            alone = abs(change[i, lane] - of_lane(relief, lane) * slip[i, lane])
+            work.least[i, lane] = CLOSE * max(HARDLY * work.widest[lane], alone)
     else:
-        _by_function(law, steps, i, z, change, slip, more)
+        _by_law(law, steps, i, z, change, slip, work, more)
+    for lane in range(LANES):
+        more[lane] *= moving[lane]
 
 
 @called_often
-def _beyond(more, least):
-    """Whether the slip changes by more than ``least`` in any lane."""
+def _widest(steps, change, widest):
+    """Write the largest drift increment of all elements to ``widest``, if a dashpot needs it."""
+    if steps.passes == MOST_VISCOUS:
+        for lane in range(LANES):
+            widest[lane] = 0.0
+        for i in range(steps.kind.size):
+            for lane in range(LANES):
+                widest[lane] = max(widest[lane], abs(change[i, lane]))
+
+
+@called_often
+def _any(row):
+    """Whether a number of the row is not zero."""
     for lane in range(LANES):  # noqa: SIM110 - compiled
-        if abs(more[lane]) > least:
+        if row[lane] != 0.0:
             return True
     return False
 
 
 @called_often
-def _largest(change, slip, relief, most):
-    """Largest drift increment of any lane, if the element did not slip; at least ``most``."""
+def _fill(row, value):
+    """Set all lanes to a number."""
     for lane in range(LANES):
-        most = max(most, abs(change[lane] - of_lane(relief, lane) * slip[lane]))
-    return most
+        row[lane] = value
 
 
 @called_often
-def _widest(steps, change, slip):
-    """Largest drift increment of all elements; 0 if no dashpot needs it."""
-    widest = 0.0
-    if steps.passes == MOST_VISCOUS:
-        for i in range(steps.kind.size):
-            widest = _largest(change[i], slip[i], 0.0, widest)
-    return widest
-
-
-@called_often
-def _slips(law, steps, d, z, change, slip, more):
+def _slips(law, steps, d, z, change, slip, work):
     """Find the slips (e, LANES) of a step in passes over all elements.
 
     ``change`` (e, LANES), the increments of the drifts, is updated with the slips.
     """
-    e, widest = steps.kind.size, _widest(steps, change, slip)
+    e, more, least, moving, still = steps.kind.size, work.more, work.least, work.moving, work.still
+    _widest(steps, change, work.widest)
+    _fill(moving, 1.0)
     for _ in range(steps.passes):
-        moved = False
+        _fill(still, 0.0)
         for i in range(e):
             if steps.kind[i] == LINEAR:
                 continue
@@ -323,30 +289,40 @@ def _slips(law, steps, d, z, change, slip, more):
                     g, uy = of_lane(relief, lane), of_lane(strength, lane)
                     ease = 1.0 / (1.0 - g)
                     y = z[i, lane] + (change[i, lane] - g * slip[i, lane])
-                    more[lane] = (y - min(max(y, -uy), uy)) * ease - slip[i, lane]
+                    more[lane] = moving[lane] * ((y - min(max(y, -uy), uy)) * ease - slip[i, lane])
             else:
-                _more_slip(law, steps, i, d, z, change, slip, more)
-            if not _beyond(more, 0.0):
+                _more_slip(law, steps, i, d, z, change, slip, work, moving)
+            if not _any(more):
                 continue
-            least = max(smallest(strength), LEAST_SLACK if steps.kind[i] == SLACK else 0.0)
-            if steps.kind[i] == VISCOUS:
-                least = _largest(change[i], slip[i], relief, HARDLY * widest)
-            moved = moved or _beyond(more, CLOSE * least)
+            for lane in range(LANES):
+                beyond = 1.0 if abs(more[lane]) > least[i, lane] else 0.0
+                still[lane] = max(still[lane], beyond)
             for lane in range(LANES):
                 slip[i, lane] += more[lane]
             for k in range(e):
                 a = steps.relief[k, i]
                 for lane in range(LANES):
                     change[k, lane] += of_lane(a, lane) * more[lane]
-        if not moved:
+        if not _any(still):
             return
+        moving, still = still, moving
+
+
+@called_often
+def _tolerances(steps, least):
+    """Write the changes of the slips at which the passes end to ``least`` (e, LANES)."""
+    for i in range(steps.kind.size):
+        close = CLOSE if steps.kind[i] <= VISCOUS else CLOSE_BY_LAW
+        slack = LEAST_SLACK if steps.kind[i] == SLACK else 0.0
+        for lane in range(LANES):
+            least[i, lane] = close * max(of_lane(steps.strength[i], lane), slack)
 
 
 @called_often
 def _first_slips(steps, change, slip):
-    """Set the slips at the start of the passes: zero; for dashpots with an exponent, the last ones."""
+    """Set the slips at the start of the passes: zero; of dashpots and laws with rates the last ones."""
     for i in range(steps.kind.size):
-        if steps.kind[i] != VISCOUS:
+        if steps.kind[i] < VISCOUS:
             for lane in range(LANES):
                 slip[i, lane] = 0.0
             continue
@@ -363,11 +339,19 @@ def storey_block(f, steps, law, d, v, z, every, out, first):
     ``d``, ``v`` and ``z`` (e, LANES) are the drifts [m], their rates [m/s] and the hysteretic drifts
     [m]; they are updated. The displacements of the floors and the drifts of the links after every
     ``every``-th step [m] are written to the rows of ``out`` (samples, e or more, LANES) from ``first``
-    on. ``law`` is the result of `law_of`.
+    on. ``law`` is the result of `by_number`.
     """
     e, n = steps.kind.size, steps.lowest.size
     known, change, slip = np.empty((n + e, LANES)), np.empty((e, LANES)), np.zeros((e, LANES))
-    new, twice = np.empty(LANES), 2.0 / steps.dt
+    total, twice, state = np.empty(LANES), 2.0 / steps.dt, (1, LANES)
+    work = Work(
+        np.empty(LANES),
+        np.empty(state),
+        np.empty(state),
+        *(np.empty(LANES), np.empty((e, LANES)), np.empty(LANES)),
+        *(np.empty(LANES), np.empty(LANES)),
+    )
+    _tolerances(steps, work.least)
     sample = 0
     for s in range(f.shape[0]):
         for i in range(n):
@@ -383,7 +367,7 @@ def storey_block(f, steps, law, d, v, z, every, out, first):
         for i in range(e):
             multiply(steps.move, i, known, change)
         _first_slips(steps, change, slip)
-        _slips(law, steps, d, z, change, slip, new)
+        _slips(law, steps, d, z, change, slip, work)
         for i in range(e):
             for lane in range(LANES):
                 d[i, lane] += change[i, lane]
@@ -392,7 +376,7 @@ def storey_block(f, steps, law, d, v, z, every, out, first):
                 for lane in range(LANES):
                     z[i, lane] += change[i, lane] - slip[i, lane]
         if (s + 1) % every == 0:
-            _sample(steps.lowest, d, new, out[sample], first)
+            _sample(steps.lowest, d, total, out[sample], first)
             sample += 1
 
 

@@ -1,0 +1,119 @@
+"""Steps of hysteresis laws against adaptive integrators, and against each other."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from stochlin.kernels.basics.compiled import not_kept
+from stochlin.kernels.simulation.laws import BOUC_WEN, OTHER, advance, advance_of, bouc_wen, by_number
+from stochlin.kernels.simulation.stepping import LANES
+
+pytestmark = pytest.mark.oracle
+
+RNG = np.random.default_rng(5)
+RATES = RNG.normal(0, 3, LANES)
+BEFORE = RNG.uniform(-0.95, 0.95, (1, LANES))
+
+
+def lanes(*parameters):
+    return np.repeat(np.array(parameters, float)[:, None], LANES, axis=1)
+
+
+def after(step, dt, steps=1, *, own, rates=RATES, before=BEFORE):
+    new = before.copy()
+    for _ in range(steps):
+        found = np.empty_like(new)
+        step(rates, new, own, dt / steps, found)
+        new = found
+    return new
+
+
+@pytest.mark.parametrize("own", [(0.5, 0.5, 1.0), (0.7, -0.3, 2.5), (0.6, 0.4, 1.5)], ids=str)
+def test_bouc_wen_is_of_fourth_order(own):
+    beta, gamma, n = own
+
+    def law(t, z):
+        size = np.abs(z) ** n
+        return RATES - size * (beta * np.abs(RATES) * np.sign(z) + gamma * RATES)
+
+    away = np.where(RATES * BEFORE > 0, BEFORE, 0.1 * np.sign(RATES))  # sign z does not change
+    exact = solve_ivp(law, (0, 0.3), away[0], method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    errors = [
+        np.abs(after(bouc_wen, 0.3, steps, own=lanes(*own), before=away)[0] - exact).max()
+        for steps in (8, 16, 32)
+    ]
+    assert errors[0] < 2e-3
+    assert 3.5 < np.log2(errors[1] / errors[2]) < 4.4
+
+
+@pytest.mark.parametrize("n", [1.0, 4.0, 20.0])
+def test_long_steps_are_divided(n):
+    """A step in which the extension moves many times the yield extension ends at the strength."""
+    end = after(bouc_wen, 1.0, own=lanes(0.5, 0.5, n), rates=np.where(RATES > 0, 60.0, -60.0))
+    np.testing.assert_allclose(end[0], np.sign(RATES), rtol=0, atol=0.01)
+
+
+def test_no_lane_depends_on_another():
+    mixed = lanes(0.5, 0.5, 1.0)
+    mixed[2, ::3] = 2.5
+    rates = RATES * np.where(np.arange(LANES) % 2, 1.0, 30.0)  # every second lane needs shorter steps
+    whole = after(bouc_wen, 0.05, own=mixed, rates=rates)
+    for lane in range(LANES):
+        of_one = [np.repeat(x[..., lane : lane + 1], LANES, axis=-1) for x in (mixed, rates, BEFORE)]
+        alone = after(bouc_wen, 0.05, own=of_one[0], rates=of_one[1], before=of_one[2])
+        assert alone[0, 0] == whole[0, lane]
+
+
+def pinching(v, w, own, lane):
+    """Rates of z and of the energy E of the law of Baber and Noori, with Foliente's names."""
+    z, e = w
+    beta, gamma, n = own[0, lane], own[1, lane], own[2, lane]
+    d_nu, d_eta, zeta_s, p = own[3, lane], own[4, lane], own[5, lane], own[6, lane]
+    q, psi, d_psi, share = own[7, lane], own[8, lane], own[9, lane], own[10, lane]
+    nu, eta = 1 + d_nu * e, 1 + d_eta * e
+    zeta = zeta_s * (1 - np.exp(-p * e))
+    spread = (psi + d_psi * e) * (share + zeta)
+    most = (nu * (beta + gamma)) ** (-1 / n)
+    off = z * np.sign(v) - q * most
+    h = 1 - zeta * np.exp(-off * off / spread**2)
+    slip = nu * (beta * abs(v) * abs(z) ** (n - 1) * z + gamma * v * abs(z) ** n)
+    return h / eta * (v - slip), z * v
+
+
+def test_law_with_two_states_has_the_values_of_another_integrator():
+    """Degradation and pinching under mu = 2 t sin(2 pi t): z and E, of eighth order elsewhere."""
+    law = by_number((advance_of(pinching, 2),))
+    own = lanes(0.6, 0.4, 1.5, 0.02, 0.05, 0.9, 1.0, 0.15, 0.2, 0.01, 0.4)
+    expected = {1.1: (0.88180116, 1.64180666), 2.3: (0.78911271, 7.84019183)}
+    expected[3.9] = (-0.02266042, 19.36526975)
+
+    @not_kept
+    def run(law, extensions, dt, own):
+        states, rates = np.zeros((extensions.size, 2, LANES)), np.empty(LANES)
+        for s in range(1, extensions.size):
+            rates[:] = (extensions[s] - extensions[s - 1]) / dt
+            advance(law, OTHER, rates, states[s - 1], own, dt, states[s])
+        return states[:, :, 0]
+
+    errors = []
+    for steps in (16000, 32000):
+        t = np.linspace(0, 4, steps + 1)
+        found = run(law, 2 * t * np.sin(2 * np.pi * t), 4 / steps, own)
+        off = [found[round(at / 4 * steps)] - both for at, both in expected.items()]
+        errors.append(np.abs(off).max())
+    assert errors[1] < 1e-6
+    assert errors[1] < 0.7 * errors[0]
+
+
+def test_law_of_an_unknown_kind_gives_no_number():
+    law, new = by_number(()), np.zeros((1, LANES))
+
+    @not_kept
+    def run(law, kind, rates, before, own, new):
+        advance(law, kind, rates, before, own, 0.1, new)
+
+    own = lanes(0.5, 0.5, 1.0)
+    run(law, OTHER, RATES, BEFORE, own, new)
+    assert np.isnan(new).all()
+    run(law, BOUC_WEN, RATES, BEFORE, own, new)
+    np.testing.assert_array_equal(new, after(bouc_wen, 0.1, own=own))
