@@ -123,7 +123,7 @@ class Structure(Model):
         return xr.DataArray(False)
 
     def step(self) -> Any:
-        """The law in time steps: a kind of ``kernels.simulation.laws``, or what `advance_of` gives."""
+        """The law in time steps: a kind of ``kernels.simulation.laws``, or a `RateLaw` of it."""
         return self._compiled.step
 
     def law_parameters(self) -> list[xr.DataArray]:

@@ -67,8 +67,8 @@ class SymbolicLaw:
 
     @cached_property
     def step(self) -> Any:
-        """The law in time steps: what `kernels.simulation.laws.advance_of` gives."""
-        from stochlin.kernels.simulation.laws import advance_of
+        """The law in time steps, a `kernels.simulation.laws.RateLaw`."""
+        from stochlin.kernels.simulation.laws import RateLaw, advance_of
 
         v, z = sympy.symbols("v z", real=True)
         w, own = sympy.IndexedBase("w"), sympy.IndexedBase("own")
@@ -76,7 +76,8 @@ class SymbolicLaw:
         values = {sympy.Symbol(n, real=True): own[i, lane] for i, n in enumerate(self.parameters)}
         rates = sympy.Tuple(self._for_lanes().subs(values | {z: w[0]}))
         functions = [_VECTOR_FUNCTIONS, "math"]
-        return advance_of(sympy.lambdify((v, w, own, lane), rates, functions, cse=True), len(rates))
+        of_rates = sympy.lambdify((v, w, own, lane), rates, functions, cse=True)
+        return RateLaw(advance_of(of_rates, len(rates)), len(rates))
 
     def check(self, parameters: Array) -> None:
         """Raise a ValueError if the law is not odd, or not real and finite.

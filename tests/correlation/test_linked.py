@@ -12,7 +12,7 @@ import stochlin as sl
 from stochlin.analyses.correlation import linked
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.simulation.ensemble import Storeys
+from stochlin.kernels.simulation.ensemble import Structures
 from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, by_number
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.kernels.simulation.time_step import Elements
@@ -157,6 +157,7 @@ def test_motion_of_the_pair_is_that_of_an_ode_solver(hardening):
     elements = Elements(
         system,
         np.array([BILINEAR, BILINEAR, LINEAR]),
+        np.ones(3, int),
         np.empty((3, 0)),
     )
 
@@ -180,9 +181,9 @@ def test_motion_of_the_pair_is_that_of_an_ode_solver(hardening):
         dt = seconds / steps
         middle = dt * (np.arange(steps) + 0.5)
         f = np.repeat(force(middle)[:, None], LANES, axis=1)
-        u, v, z = np.zeros((3, 3, LANES))
-        Storeys(elements, by_number(())).block(dt)(f, u, v, z, steps, np.empty((1, 3, LANES)))
-        errors.append(np.abs(u[:2, 0] * scale - solved.y[:2, -1]).max() / np.abs(solved.y[:2]).max())
+        part, out = Structures(elements, by_number(())), np.empty((1, 2, LANES))
+        part.block(dt)(f, part.at_rest(), steps, out)
+        errors.append(np.abs(out[0, :, 0] * scale - solved.y[:2, -1]).max() / np.abs(solved.y[:2]).max())
     assert errors[1] < 2e-4
     assert errors[1] < 0.4 * errors[0] or errors[0] < 1e-5
     if hardening < 1:

@@ -20,11 +20,11 @@ def test_step_of_a_law_is_that_of_the_compiled_one():
     rng = np.random.default_rng(1)
     rates, before = rng.normal(0, 8, LANES), rng.uniform(-1, 1, (1, LANES))
     own = np.repeat([[0.7], [-0.2], [2.0]], LANES, axis=1)
-    written = sl.Hysteretic(1.0, 0.05, law=BOUC_WEN).step()
-    after = np.empty((2, 1, LANES))
-    for step, new in zip((written, bouc_wen), after, strict=True):
-        step(rates, before, own, 1 / 32, new)
-    np.testing.assert_allclose(*after, rtol=0, atol=1e-14)
+    written = sl.Hysteretic(1.0, 0.05, law=BOUC_WEN).step().advance
+    after = np.concatenate([rates[None], before, own, np.empty((2, LANES))])
+    for row, step in enumerate((written, bouc_wen), start=5):
+        step(LANES, after, 0, 1, 2, 1 / 32, row)
+    np.testing.assert_allclose(*after[5:], rtol=0, atol=1e-14)
 
 
 @pytest.mark.slow

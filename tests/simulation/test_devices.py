@@ -10,7 +10,7 @@ import scipy.integrate
 
 import stochlin as sl
 from stochlin.analyses.simulation.frames import all_frames
-from stochlin.kernels.simulation.ensemble import Storeys
+from stochlin.kernels.simulation.ensemble import Structures
 from stochlin.kernels.simulation.laws import VISCOUS, by_number
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.systems import arrangement_of
@@ -37,11 +37,11 @@ def force(t):
 
 
 def stepped(part, seconds, steps):
-    """Displacements of the rows of a frame after each step (steps, e), on the first lane."""
+    """Displacements of the floors of a frame after each step (steps, n), on the first lane."""
     dt = seconds / steps
     f = np.repeat(force(dt * (np.arange(steps) + 0.5))[:, None], LANES, axis=1)
     out = np.empty((steps, part.size, LANES))
-    part.block(dt)(f, *np.zeros((3, part.size, LANES)), 1, out)
+    part.block(dt)(f, part.at_rest(), 1, out)
     assert (out == out[..., :1]).all()  # equal motions, equal answers
     return out[..., 0]
 
@@ -137,13 +137,13 @@ BATCHES = {
 def test_a_motion_has_the_same_bits_alone_and_in_a_batch(law, links):
     tower = replace(TOWER, **YIELDING, **law)
     (frame, *_) = all_frames(arrangement_of([tower, OTHER_TOWER], links))
-    size, block = frame.part.size, frame.part.block(0.01)
+    part, block = frame.part, frame.part.block(0.01)
     f = np.random.default_rng(2).normal(0, np.geomspace(0.5, 20, LANES), (300, LANES))
-    together = np.empty((300, size, LANES))
-    block(f, *np.zeros((3, size, LANES)), 1, together)
+    together = np.empty((300, part.size, LANES))
+    block(f, part.at_rest(), 1, together)
     for lane in (0, LANES // 2, LANES - 1):
-        alone = np.empty_like(together)
-        block(np.repeat(f[:, lane : lane + 1], LANES, axis=1), *np.zeros((3, size, LANES)), 1, alone)
+        alone = np.empty((300, part.size, 1))
+        block(np.ascontiguousarray(f[:, lane : lane + 1]), part.at_rest(1), 1, alone)
         np.testing.assert_array_equal(alone[..., 0], together[..., lane])
     assert np.ptp(np.abs(together).max(axis=(0, 1))) > 0.05  # some hardly yield, others a lot
 
@@ -160,7 +160,7 @@ def test_exponent_one_is_a_linear_dashpot():
         (frame,) = all_frames(arrangement_of([TOWER], links))
         own = frame.part.elements.own.copy()
         own[frame.part.elements.kind == VISCOUS, 1:] = 1.0
-        part = Storeys(frame.part.elements._replace(own=own), by_number(()))
+        part = Structures(frame.part.elements._replace(own=own), by_number(()))
         found.append(stepped(part, 3.0, 300)[:, :4])
     np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-8 * np.abs(found[0]).max())
 

@@ -5,7 +5,15 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from stochlin.kernels.basics.compiled import not_kept
-from stochlin.kernels.simulation.laws import BOUC_WEN, OTHER, advance, advance_of, bouc_wen, by_number
+from stochlin.kernels.simulation.laws import (
+    BOUC_WEN,
+    OTHER,
+    RateLaw,
+    advance,
+    advance_of,
+    bouc_wen,
+    by_number,
+)
 from stochlin.kernels.simulation.stepping import LANES
 
 pytestmark = pytest.mark.oracle
@@ -19,12 +27,18 @@ def lanes(*parameters):
     return np.repeat(np.array(parameters, float)[:, None], LANES, axis=1)
 
 
+def stepped(step, rates, before, own, dt):
+    """States after one step; ``step`` takes rows of one array."""
+    k = len(before)
+    x = np.concatenate([rates[None], before, own, np.empty_like(before)])
+    step(LANES, x, 0, 1, 1 + k, dt, 1 + k + len(own))
+    return x[1 + k + len(own) :]
+
+
 def after(step, dt, steps=1, *, own, rates=RATES, before=BEFORE):
     new = before.copy()
     for _ in range(steps):
-        found = np.empty_like(new)
-        step(rates, new, own, dt / steps, found)
-        new = found
+        new = stepped(step, rates, new, own, dt / steps)
     return new
 
 
@@ -82,18 +96,21 @@ def pinching(v, w, own, lane):
 
 def test_law_with_two_states_has_the_values_of_another_integrator():
     """Degradation and pinching under mu = 2 t sin(2 pi t): z and E, of eighth order elsewhere."""
-    law = by_number((advance_of(pinching, 2),))
+    law = by_number((RateLaw(advance_of(pinching, 2), 2),))
     own = lanes(0.6, 0.4, 1.5, 0.02, 0.05, 0.9, 1.0, 0.15, 0.2, 0.01, 0.4)
     expected = {1.1: (0.88180116, 1.64180666), 2.3: (0.78911271, 7.84019183)}
     expected[3.9] = (-0.02266042, 19.36526975)
 
     @not_kept
     def run(law, extensions, dt, own):
-        states, rates = np.zeros((extensions.size, 2, LANES)), np.empty(LANES)
+        states, x = np.zeros((extensions.size, 2)), np.zeros((5 + len(own), LANES))
+        x[5:] = own
         for s in range(1, extensions.size):
-            rates[:] = (extensions[s] - extensions[s - 1]) / dt
-            advance(law, OTHER, rates, states[s - 1], own, dt, states[s])
-        return states[:, :, 0]
+            x[0] = (extensions[s] - extensions[s - 1]) / dt
+            advance(law, OTHER, LANES, x, 0, 1, 5, dt, 3)
+            x[1:3] = x[3:5]
+            states[s] = x[1:3, 0]
+        return states
 
     errors = []
     for steps in (16000, 32000):
@@ -106,14 +123,15 @@ def test_law_with_two_states_has_the_values_of_another_integrator():
 
 
 def test_law_of_an_unknown_kind_gives_no_number():
-    law, new = by_number(()), np.zeros((1, LANES))
+    law = by_number(())
 
-    @not_kept
-    def run(law, kind, rates, before, own, new):
-        advance(law, kind, rates, before, own, 0.1, new)
+    def of_kind(kind):
+        @not_kept
+        def run(lanes, x, v, w, own, dt, new):
+            advance(law, kind, lanes, x, v, w, own, dt, new)
+
+        return run
 
     own = lanes(0.5, 0.5, 1.0)
-    run(law, OTHER, RATES, BEFORE, own, new)
-    assert np.isnan(new).all()
-    run(law, BOUC_WEN, RATES, BEFORE, own, new)
-    np.testing.assert_array_equal(new, after(bouc_wen, 0.1, own=own))
+    assert np.isnan(after(of_kind(OTHER), 0.1, own=own)).all()
+    np.testing.assert_array_equal(after(of_kind(BOUC_WEN), 0.1, own=own), after(bouc_wen, 0.1, own=own))

@@ -11,7 +11,7 @@ import scipy.linalg
 from scipy.integrate import solve_ivp
 
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.simulation.ensemble import Storeys
+from stochlin.kernels.simulation.ensemble import Structures
 from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, by_number
 from stochlin.kernels.simulation.stepping import LANES, bilinear_block, filter_steps, ground_block
 from stochlin.kernels.simulation.time_step import Elements
@@ -54,11 +54,16 @@ def forcing(t, lane):
 def one_storey(kind):
     """A function with the arguments of `bilinear_block`, for a building of one storey of this kind."""
 
-    def block(f, dt, law, *rest):
+    def block(f, dt, law, u, v, z, *rest):
         (d, k, h, scale, *own), one = law[0], np.ones((1, 1))
         system = System(one[0], d * one, one, one, *map(np.atleast_1d, (k, h, 1.0)))
-        elements = Elements(system, np.array([kind]), np.array([own]))
-        Storeys(elements, by_number(())).block(dt)(scale * f, *rest)
+        part = Structures(
+            Elements(system, np.array([kind]), np.array([1]), np.array([own])), by_number(())
+        )
+        x, at = part.at_rest(), part.places
+        x[at.q], x[at.v], x[at.z] = u, v, z
+        part.block(dt)(scale * f, x, *rest)
+        u[:], v[:], z[:] = x[at.q], x[at.v], x[at.z]
 
     return block
 

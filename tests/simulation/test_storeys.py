@@ -176,11 +176,11 @@ def test_motion_is_that_of_linear_stretches(links, p_delta):
         f = np.repeat(force(middle)[:, None], LANES, axis=1)
         found = np.empty(n)
         for frame in frames:
-            part, size = frame.part, frame.part.size
-            out = np.empty((1, size, LANES))
-            part.block(dt)(f, *np.zeros((3, size, LANES)), steps, out)
+            part = frame.part
+            out = np.empty((1, part.size, LANES))
+            part.block(dt)(f, part.at_rest(), steps, out)
             assert (out == out[..., :1]).all()  # equal motions, equal answers
-            found[frame.floors] = out[0, : frame.floors.size, 0]
+            found[frame.floors] = out[0, :, 0]
         errors.append(np.abs(found - theirs[:, -1]).max() / np.abs(theirs).max())
     assert errors[1] < 2e-4
     assert errors[1] < 0.4 * errors[0] or errors[1] < 1e-5

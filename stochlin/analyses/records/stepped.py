@@ -16,7 +16,6 @@ from stochlin.analyses.tables.floors import ELEMENT, FLOOR, element_coordinates,
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.records.runs import SampledGround
-from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of
@@ -78,14 +77,13 @@ def states(frames: Sequence[Frame], ground: SampledGround, cuts: int) -> States:
     samples = ground.acceleration.size
     found = States(*(np.zeros((samples, _floors(frames))) for _ in States._fields))
     for frame in frames:
-        size, floors = frame.part.size, frame.floors
-        block, state, out = frame.part.block(dt), np.zeros((3, size, LANES)), np.empty((1, size, LANES))
-        heights = np.linalg.inv(frame.part.elements.system.extensions[: floors.size])
+        floors = frame.floors
+        block, x, out = frame.part.block(dt), frame.part.at_rest(1), np.empty((1, floors.size, 1))
+        at, n = frame.part.places, floors.size
         for sample in range(1, samples):
-            block(f[(sample - 1) * cuts : sample * cuts], *state, cuts, out)
-            d, v, z = state[:, : floors.size, 0]
-            for array, values in zip(found, (heights @ d, heights @ v, z), strict=True):
-                array[sample, floors] = values
+            block(f[(sample - 1) * cuts : sample * cuts], x, cuts, out)
+            for array, row in zip(found, (at.q, at.v, at.z), strict=True):
+                array[sample, floors] = x[row : row + n, 0]
     return found
 
 
@@ -232,19 +230,18 @@ def _forcing(ground: SampledGround, cuts: int) -> Array:
     share = (np.arange(cuts) + 0.5) / cuts
     rise = np.diff(ground.acceleration)
     f = -(ground.acceleration[:-1, None] + rise[:, None] * share).ravel()
-    return np.repeat(f[:, None], LANES, axis=1)
+    return f[:, None]
 
 
 def _values(frames: Sequence[Frame], weights: Array, ground: SampledGround, cuts: int) -> Array:
     f, dt = _forcing(ground, cuts), ground.dt / cuts
     values = np.zeros((len(f) + 1, len(weights)))
     for frame in frames:
-        size, floors = frame.part.size, frame.floors
-        block, state = frame.part.block(dt), np.zeros((3, size, LANES))
+        floors, block, state = frame.floors, frame.part.block(dt), frame.part.at_rest(1)
         for begin in range(0, len(f), AT_ONCE):
             part = f[begin : begin + AT_ONCE]
-            out = np.empty((len(part), size, LANES))
-            block(part, *state, 1, out)
-            moved = out[:, : floors.size, 0] @ weights[:, floors].T
+            out = np.empty((len(part), floors.size, 1))
+            block(part, state, 1, out)
+            moved = out[..., 0] @ weights[:, floors].T
             values[begin + 1 : begin + 1 + len(part)] += moved
     return values

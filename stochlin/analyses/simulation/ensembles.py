@@ -33,8 +33,7 @@ from stochlin.kernels.simulation.ensemble import (
     Oscillators,
     Plan,
     SampledGround,
-    SampledStoreys,
-    Storeys,
+    Structures,
 )
 from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, VISCOUS
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
@@ -223,7 +222,7 @@ def prepare(
     if moments:
         check_memory(count if cells is None or frames else int(cells.valid.sum()), paths)
     rows, scale, period = np.full(count, -1), np.full(count, np.nan), np.full(count, np.nan)
-    drift_time, parts = np.zeros(count), list[Oscillators | Storeys | SampledStoreys]()
+    drift_time, parts = np.zeros(count), list[Oscillators | Structures]()
     soil = ground.lone_filter()
     rates = -np.linalg.eigvals(soil.arrays.matrix).real if soil.states else np.array([np.inf])
     soils = [each.lone_filter() for each in grounds] or [soil]
@@ -243,7 +242,7 @@ def prepare(
         scale[frame.floors], period[frame.floors] = 1.0, frame.period
         periods.append(frame.shortest)
         memory = max(memory, frame.slowest)
-        parts.append(frame.samples or frame.part)
+        parts.append(frame.part)
     if drift_times is not None:
         drift_time = drift_times
     dt = step or min(periods) / steps_per_period
@@ -305,18 +304,18 @@ def seconds_of(run: Run, steps: float, pairs: float) -> float:
     return STEP * each * steps * run.plan.groups * LANES / cores()
 
 
-def _weight(part: Oscillators | Storeys | SampledStoreys) -> float:
+def _weight(part: Oscillators | Structures) -> float:
     """Estimated time of one step of these structures, over that of one bilinear structure."""
-    if isinstance(part, (Storeys, SampledStoreys)):
-        kind = (part.elements if isinstance(part, Storeys) else part.elements[0]).kind
+    if isinstance(part, Structures):
+        kind = part.elements.kind
         laws = np.where(kind == VISCOUS, DASHPOT, np.where(kind >= BOUC_WEN, OTHER_LAW, 1.0))
-        return float(laws.sum() + STOREY * part.size**2)
+        return float(laws.sum() + STOREY * kind.size**2)
     return float(part.size)
 
 
 def _oscillators(
     cells: SimulationCells, valid: Array
-) -> tuple[list[Oscillators | Storeys | SampledStoreys], Array, Array]:
+) -> tuple[list[Oscillators | Structures], Array, Array]:
     """The valid structures, bilinear ones together, the row of each, and its unit of displacement [m].
 
     Displacements of bilinear structures are computed in units of the yield displacement, others in m.
@@ -329,15 +328,16 @@ def _oscillators(
     step, law = cells.step[valid], cells.law[valid]
     bilinear = (step == BILINEAR) | ~yields
     together, others = np.flatnonzero(bilinear), np.flatnonzero(~bilinear)
-    parts: list[Oscillators | Storeys | SampledStoreys] = []
+    parts: list[Oscillators | Structures] = []
     if together.size:
         parts.append(Oscillators(np.stack([friction, post, couple, 1 / scale], axis=1)[together]))
     for n in others:
         spring = ([value] for value in (post[n], couple[n], scale[n]))
         one = np.ones((1, 1))
         system = System(one[0], friction[n] * one, one, one, *map(np.array, spring))
-        kinds, of_kinds = laws_of([step[n]])
-        parts.append(Storeys(Elements(system, kinds, law[n][None, np.isfinite(law[n])]), of_kinds))
+        kinds, states, of_kinds = laws_of([step[n]])
+        own = law[n][None, np.isfinite(law[n])]
+        parts.append(Structures(Elements(system, kinds, states, own), of_kinds))
     order = np.empty(w.size, int)
     order[np.concatenate([together, others])] = np.arange(w.size)
     return parts, order, np.where(bilinear, scale, 1.0)

@@ -11,8 +11,16 @@ import scipy.sparse.csgraph
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.simulation.ensemble import SampledStoreys, Storeys
-from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, OTHER, SLACK, VISCOUS, by_number
+from stochlin.kernels.simulation.ensemble import Structures
+from stochlin.kernels.simulation.laws import (
+    BILINEAR,
+    LINEAR,
+    OTHER,
+    SLACK,
+    VISCOUS,
+    RateLaw,
+    by_number,
+)
 from stochlin.kernels.simulation.time_step import Elements
 from stochlin.models.links import Link
 from stochlin.models.systems import Arrangement, Stack
@@ -24,12 +32,11 @@ LEAST_SHARE = 0.01
 class Frame(NamedTuple):
     """Structures that are linked to each other, or one building."""
 
-    part: Storeys
+    part: Structures
     floors: Array  # (n,) numbers of the floors in the system
     shortest: float  # [s], shortest elastic period that determines the time step
     slowest: float  # [s], longest decay time of the elastic vibrations
     period: float  # [s], longest elastic period
-    samples: SampledStoreys | None = None  # with uncertain parameters: a sample for each motion
 
 
 def frames_of(system: Arrangement) -> tuple[list[Frame], list[int]]:
@@ -65,8 +72,8 @@ def sampled_frames(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> l
         of_links = usual.system.damping - System.beside([stack.system for stack in stacks]).damping
         elements = _with_stacks(usual, of_links, [[sample[m] for m in members] for sample in samples])
         shortest = _frame(system._replace(stacks=tuple(stiffest)), members).shortest
-        own = SampledStoreys(elements, frame.part.law)
-        found.append(frame._replace(samples=own, shortest=shortest))
+        part = Structures(usual, frame.part.law, elements)
+        found.append(frame._replace(part=part, shortest=shortest))
     return found
 
 
@@ -133,10 +140,10 @@ def _frame(system: Arrangement, members: Array) -> Frame:
     post, couple, strength = np.array(force, float).T.copy()
     whole = System(mass, damping, np.ascontiguousarray(drifts), shapes, post, couple, strength)
     rows = [np.pad(row, (0, widest - row.size), constant_values=np.nan) for row in own]
-    numbers, law = laws_of(kinds)
+    numbers, states, law = laws_of(kinds)
     modes = [_modes(part) for part in (whole, *(stack.system for stack in stacks))]
     return Frame(
-        Storeys(Elements(whole, numbers, np.array(rows)), law),
+        Structures(Elements(whole, numbers, states, np.array(rows)), law),
         floors,
         shortest=min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes),
         slowest=1 / float(-np.linalg.eigvals(whole.state_matrix).real.max()),
@@ -161,11 +168,15 @@ def _kind(link: Link) -> int:
     return BILINEAR if link.yields else LINEAR if link.slack is None else SLACK
 
 
-def laws_of(steps: Sequence[Any]) -> tuple[Array, Any]:
-    """Kinds of elements with these laws, each as `Structure.step` gives it, and the function of all."""
-    of_users = list(dict.fromkeys(law for law in steps if not isinstance(law, int)))
-    kinds = [law if isinstance(law, int) else OTHER + of_users.index(law) for law in steps]
-    return np.array(kinds), by_number(tuple(of_users))
+def laws_of(steps: Sequence[int | RateLaw]) -> tuple[Array, Array, Any]:
+    """Kinds and numbers of states of elements with these laws, and the function of all their laws.
+
+    Each law is what `Structure.step` gives.
+    """
+    of_users = list(dict.fromkeys(law for law in steps if isinstance(law, RateLaw)))
+    kinds = [OTHER + of_users.index(law) if isinstance(law, RateLaw) else law for law in steps]
+    states = [law.states if isinstance(law, RateLaw) else 1 for law in steps]
+    return np.array(kinds), np.array(states), by_number(tuple(of_users))
 
 
 def relaxation_times(system: Arrangement, k_eq: Array) -> Array:

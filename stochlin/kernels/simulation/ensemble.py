@@ -31,10 +31,12 @@ from stochlin.kernels.simulation.stepping import (
 )
 from stochlin.kernels.simulation.time_step import (
     Elements,
+    Places,
     Steps,
+    lanes_at_rest,
     sampled_steps,
     steps_of,
-    storey_block,
+    system_block,
 )
 
 STRENGTHS = 1  # number of the stream, within that of a group, of the factors on the motions
@@ -50,69 +52,80 @@ class Oscillators(NamedTuple):
 
     @property
     def size(self) -> int:
-        """Number of rows of the state, and of displacements."""
+        """Number of displacements."""
         return len(self.parameters)
+
+    def at_rest(self, lanes: int = LANES, group: int = 0) -> Any:
+        """The state before a motion: ``u``, ``v`` and ``z`` (3, n, lanes)."""
+        return zeros_on_a_line(3, self.size, lanes)
 
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps of length ``dt`` [s].
 
-        It takes the forcing, the state ``u``, ``v``, ``z``, the number of steps from sample to sample,
-        the output, and the number of its first row to be written.
+        It takes the forcing, the state, which it updates, the number of steps from sample to sample, the
+        output, and the number of its first row to be written.
         """
 
-        def block(f: Array, u: Array, v: Array, z: Array, every: int, out: Array, at: int = 0) -> None:
-            bilinear_block(f, dt, self.parameters, u, v, z, every, out, at)
+        def block(f: Array, state: Any, every: int, out: Array, at: int = 0) -> None:
+            bilinear_block(f, dt, self.parameters, *state, every, out, at)
 
         return block
 
+    def plastic(self, state: Any) -> Array:
+        """The plastic parts of the displacements (n, lanes)."""
+        u, _, z = state
+        found: Array = u - z
+        return found
+
 
 @dataclass(frozen=True, eq=False)
-class Storeys:
-    """Buildings with storeys, and links; displacements are those of the floors, then of the links.
-
-    An oscillator is a building of one storey.
-    """
+class Structures:
+    """Buildings and oscillators with any laws, and links; displacements are those of the floors."""
 
     elements: Elements
     law: Any  # the result of `laws.by_number`
+    samples: Sequence[Elements] = ()  # with uncertain parameters: one for each motion, group after group
     _steps: dict[float, Steps] = field(default_factory=dict, init=False)
 
     @property
     def size(self) -> int:
-        """Number of rows of the state, and of displacements."""
-        return self.elements.kind.size
-
-    def block(self, dt: float, group: int = 0) -> Block:
-        """The function for blocks of time steps, as in `Oscillators`."""
-        if dt not in self._steps:
-            self._steps[dt] = steps_of(self.elements, dt)
-        return _storeys_by(self._steps[dt], self.law)
-
-
-class SampledStoreys(NamedTuple):
-    """The same as `Storeys`, with other properties of the elements in each motion."""
-
-    elements: Sequence[Elements]  # one for each motion, group after group
-    law: Any  # the result of `laws.by_number`
+        """Number of displacements."""
+        return len(self.elements.system.shapes)
 
     @property
-    def size(self) -> int:
-        """Number of rows of the state, and of displacements."""
-        return self.elements[0].kind.size
+    def places(self) -> Places:
+        """Where the numbers of a motion stand in its state."""
+        return Places.of(self.elements)
+
+    def at_rest(self, lanes: int = LANES, group: int = 0) -> Any:
+        """The state before a motion of this group (rows, lanes)."""
+        return lanes_at_rest(self.places, self._of(group) or [self.elements], lanes)
+
+    def _of(self, group: int) -> Sequence[Elements]:
+        """The samples of a group."""
+        return self.samples[group * LANES : (group + 1) * LANES]
 
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps of this group of motions, as in `Oscillators`."""
-        own = self.elements[group * LANES : (group + 1) * LANES]
-        return _storeys_by(sampled_steps(own, dt), self.law)
+        if self.samples:
+            steps = sampled_steps(self._of(group), dt)
+        else:
+            if dt not in self._steps:
+                self._steps[dt] = steps_of(self.elements, dt)
+            steps = self._steps[dt]
+        places = self.places
 
+        def block(f: Array, x: Any, every: int, out: Array, at: int = 0) -> None:
+            system_block(f, self.law, steps, places, x, every, out, at)
 
-def _storeys_by(steps: Steps, law: Any) -> Block:
-    """The function for blocks of these time steps, with the arguments of other blocks."""
+        return block
 
-    def block(f: Array, d: Array, v: Array, z: Array, every: int, out: Array, at: int = 0) -> None:
-        storey_block(f, steps, law, d, v, z, every, out, at)
-
-    return block
+    def plastic(self, x: Any) -> Array:
+        """The plastic parts of the drifts of the storeys (n, lanes), which are the first elements."""
+        n, at = self.size, self.places
+        extensions = self.elements.system.extensions[:n]
+        found: Array = extensions @ x[at.q : at.v] - x[at.z : at.z + n]
+        return found
 
 
 class SampledGround(NamedTuple):
@@ -135,11 +148,11 @@ AnyGround = FilterSteps | SampledGround
 class Crowd(NamedTuple):
     """All structures that are subjected to the same motions, in parts of one kind each."""
 
-    parts: tuple[Oscillators | Storeys | SampledStoreys, ...]
+    parts: tuple[Oscillators | Structures, ...]
 
     @property
     def size(self) -> int:
-        """Number of rows of the state, and of displacements, of all parts."""
+        """Number of displacements of all parts."""
         return sum(part.size for part in self.parts)
 
 
@@ -210,7 +223,7 @@ class Motion:
         fill_normal(self.random, start)
         self.q = zeros_on_a_line(len(root), LANES)
         self.q[:] = root @ start if root.ndim == 2 else (root * start).sum(axis=1)
-        self.state = zeros_on_a_line(3, crowd.size, LANES)
+        self.states = [part.at_rest(LANES, group) for part in crowd.parts]
         self.xi, self.f = zeros_on_a_line(2, plan.every * plan.samples, LANES)
         self.out = zeros_on_a_line(plan.samples, crowd.size, LANES)
         self.blocks = [part.block(plan.dt, group) for part in crowd.parts]
@@ -228,11 +241,15 @@ class Motion:
         if self.strength is not None:
             self.f *= self.strength
         begin = 0
-        for part, block in zip(self.crowd.parts, self.blocks, strict=True):
-            end = begin + part.size
-            block(self.f, *self.state[:, begin:end], plan.every, out, begin)
-            begin = end
+        for part, block, state in zip(self.crowd.parts, self.blocks, self.states, strict=True):
+            block(self.f, state, plan.every, out, begin)
+            begin += part.size
         return out
+
+    def plastic(self) -> Array:
+        """The plastic displacements and drifts of all structures (n, LANES)."""
+        pairs = zip(self.crowd.parts, self.states, strict=True)
+        return np.concatenate([part.plastic(state) for part, state in pairs])
 
 
 def strengths(plan: Plan, group: int) -> Array:
@@ -285,7 +302,7 @@ def stationary_sums(
 def plastic_displacements(
     crowd: Crowd, ground: AnyGround, root: Array, plan: Plan, stride: int
 ) -> Array:
-    """``u - z`` of all structures after every ``stride``-th recorded block, (times, n, motions)."""
+    """`Motion.plastic` after every ``stride``-th recorded block, (times, n, motions)."""
 
     def run(group: int) -> Array:
         """The plastic displacements in one group of motions."""
@@ -296,7 +313,7 @@ def plastic_displacements(
         for history in histories:
             for _ in range(stride):
                 motion.block()
-            np.subtract(motion.state[0], motion.state[2], out=history)
+            history[:] = motion.plastic()
         return histories
 
     return np.concatenate(list(in_order(run, plan.groups)), axis=2)

@@ -1,6 +1,6 @@
 """Hysteresis laws as rates of states, and their integration over one time step of all lanes.
 
-A law has the states ``w``. The first of them is ``z``, the hysteretic extension over the yield
+A law has any number of states ``w``. The first of them is ``z``, the hysteretic extension over the yield
 extension. In a time step the extension, over the yield extension, grows at a constant rate ``v`` [1/s],
 and ``w' = rates(v, w)`` is integrated by the classical Runge-Kutta rule of fourth order. The rule
 contains the midpoint rule, and the difference of both shows whether the step is too long for the law. If
@@ -9,6 +9,7 @@ so, the lane is integrated again in substeps. No lane depends on another, and st
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -17,24 +18,31 @@ import numpy as np
 
 from stochlin.kernels.basics.compiled import UNCOMPILED, called_often, compiled
 from stochlin.kernels.basics.powers import power
-from stochlin.kernels.simulation.stepping import LANES
 
 # Kinds of elements. Those from BOUC_WEN on have laws with rates; from OTHER on they are laws of users.
 KINDS = LINEAR, BILINEAR, SLACK, VISCOUS, BOUC_WEN, OTHER = range(6)
 ROUGH = 0.001  # difference of both rules in a state, over 1 + its size, that asks for substeps
 SIXTH = 1.0 / 6.0
 MOST_SUBSTEPS = 1024  # of a step
-_LANES, _ROWS = nb.types.Array(nb.float64, 1, "C"), nb.types.Array(nb.float64, 2, "C")
-ADVANCE = nb.void(nb.int64, _LANES, _ROWS, _ROWS, nb.float64, _ROWS)
+_ROWS = nb.types.Array(nb.float64, 2, "C")
+ADVANCE = nb.void(nb.int64, nb.int64, _ROWS, nb.int64, nb.int64, nb.int64, nb.float64, nb.int64)
+
+
+@dataclass(frozen=True)
+class RateLaw:
+    """A law with rates, in time steps."""
+
+    advance: Any  # the result of `advance_of`
+    states: int  # their number
 
 
 def advance_of(rates: Any, states: int) -> Any:
-    """The function ``advance(v, w, own, dt, new)`` that integrates a law over a time step ``dt`` [s].
+    """The function ``advance(lanes, x, v, w, own, dt, new)`` that integrates a law over ``dt`` [s].
 
-    ``rates(v, w, own, lane)`` gives the rates of the ``states`` of a law, a tuple as ``w`` is. For
-    ``advance`` ``v`` (LANES,) [1/s] are the rates of the extension over the yield extension, ``w``
-    (states, LANES) the states before, ``own`` (parameters, LANES) the parameters, and ``new`` (states,
-    LANES) takes the states after the step.
+    ``rates(v, w, own, lane)`` gives the rates of the ``states`` of a law, a tuple as ``w`` is, with the
+    parameters ``own`` (k, lanes). For ``advance`` ``v``, ``w``, ``own`` and ``new`` are rows of the
+    array ``x`` (rows, lanes): the rate of the extension over the yield extension [1/s], the first of the
+    states before, the first parameter, and the first of the states after the step, which are written.
     """
     rates_of = called_often(rates)
     read, write, moved, mean, apart = _with_states(states)
@@ -50,28 +58,44 @@ def advance_of(rates: Any, states: int) -> Any:
         return after, apart(after, moved(w, dt, second))
 
     @compiled
-    def advance(v, w, own, dt, new):
-        rough = 0
-        for lane in range(LANES):
-            after, differ = step(v[lane], read(w, lane), own, lane, dt)
-            write(new, lane, after)
+    def advance(lanes, x, v, w, own, dt, new):
+        parameters, rough = x[own:], 0
+        for lane in range(lanes):
+            after, differ = step(x[v, lane], read(x, w, lane), parameters, lane, dt)
+            write(x, new, lane, after)
             rough += differ > 0.0
         if rough:
-            for lane in range(LANES):
-                again(v, w, own, lane, dt, new)
+            again(lanes, x, v, w, parameters, dt, new)
 
     @compiled
-    def again(v, w, own, lane, dt, new):
-        """Integrate a lane in as many substeps as it needs."""
-        after, differ = step(v[lane], read(w, lane), own, lane, dt)
-        substeps = 1
-        while differ > 0.0 and substeps < MOST_SUBSTEPS:
-            substeps *= 2
-            after, differ = read(w, lane), 0.0
+    def again(lanes, x, v, w, parameters, dt, new):
+        """Integrate the lanes in which both rules differ, in as many substeps as each needs.
+
+        All lanes are integrated, which takes less time than to choose; the others are left as they are.
+        """
+        tried, apart, good = np.empty((states, lanes)), np.empty(lanes), np.zeros(lanes)
+        substeps, rough = 1, 1
+        while rough and substeps <= MOST_SUBSTEPS:
+            for lane in range(lanes):
+                apart[lane] = 0.0
+            for k in range(states):
+                for lane in range(lanes):
+                    tried[k, lane] = x[w + k, lane]
             for _ in range(substeps):
-                after, differs = step(v[lane], after, own, lane, dt / substeps)
-                differ = max(differ, differs)
-        write(new, lane, after)
+                for lane in range(lanes):
+                    after, differ = step(
+                        x[v, lane], read(tried, 0, lane), parameters, lane, dt / substeps
+                    )
+                    write(tried, 0, lane, after)
+                    apart[lane] = max(apart[lane], differ)
+            for k in range(states):
+                for lane in range(lanes):
+                    x[new + k, lane] = x[new + k, lane] if good[lane] > 0.0 else tried[k, lane]
+            rough = 0
+            for lane in range(lanes):
+                good[lane] = 1.0 if good[lane] > 0.0 or not apart[lane] > 0.0 else 0.0
+                rough += good[lane] == 0.0
+            substeps *= 2
 
     return advance
 
@@ -84,7 +108,7 @@ def _with_states(states: int) -> tuple[Any, ...]:
         return tuple(
             called_often(function)
             for function in (
-                lambda rows, lane: (rows[0, lane],),
+                lambda x, row, lane: (x[row, lane],),
                 _write_first,
                 lambda w, step, rates: (w[0] + step * rates[0],),
                 lambda a, b, c, d: (((a[0] + d[0]) + 2.0 * (b[0] + c[0])) * SIXTH,),
@@ -93,14 +117,14 @@ def _with_states(states: int) -> tuple[Any, ...]:
         )
     read, write, moved, mean, apart = _with_states(k)
 
-    def write_all(rows, lane, w):
-        write(rows, lane, w)
-        rows[k, lane] = w[k]
+    def write_all(x, row, lane, w):
+        write(x, row, lane, w)
+        x[row + k, lane] = w[k]
 
     return tuple(
         called_often(function)
         for function in (
-            lambda rows, lane: (*read(rows, lane), rows[k, lane]),
+            lambda x, row, lane: (*read(x, row, lane), x[row + k, lane]),
             write_all,
             lambda w, step, rates: (*moved(w, step, rates), w[k] + step * rates[k]),
             lambda a, b, c, d: (*mean(a, b, c, d), ((a[k] + d[k]) + 2.0 * (b[k] + c[k])) * SIXTH),
@@ -111,8 +135,8 @@ def _with_states(states: int) -> tuple[Any, ...]:
     )
 
 
-def _write_first(rows, lane, w):
-    rows[0, lane] = w[0]
+def _write_first(x, row, lane, w):
+    x[row, lane] = w[0]
 
 
 def _bouc_wen_linear(v, w, own, lane):
@@ -133,59 +157,58 @@ _without_powers, _with_powers = advance_of(_bouc_wen_linear, 1), advance_of(_bou
 
 
 @compiled
-def bouc_wen(v, w, own, dt, new):
+def bouc_wen(lanes, x, v, w, own, dt, new):
     """`advance_of` the Bouc-Wen law, which needs no power if ``n = 1`` in all lanes."""
     others = 0
-    for lane in range(LANES):
-        others += own[2, lane] != 1.0
+    for lane in range(lanes):
+        others += x[own + 2, lane] != 1.0
     if others:
-        _with_powers(v, w, own, dt, new)
+        _with_powers(lanes, x, v, w, own, dt, new)
     else:
-        _without_powers(v, w, own, dt, new)
+        _without_powers(lanes, x, v, w, own, dt, new)
 
 
 @compiled
-def advance(law, kind, v, w, own, dt, new):
+def advance(law, kind, lanes, x, v, w, own, dt, new):
     """Integrate the law of a kind of elements; ``law`` is the result of `by_number`."""
     if kind == BOUC_WEN:
-        bouc_wen(v, w, own, dt, new)
+        bouc_wen(lanes, x, v, w, own, dt, new)
     else:
-        law(kind, v, w, own, dt, new)
+        law(kind, lanes, x, v, w, own, dt, new)
 
 
 @cache
-def by_number(laws: tuple[Any, ...]) -> Any:
-    """One function ``law(kind, v, w, own, dt, new)`` for the laws of the kinds from OTHER on.
+def by_number(laws: tuple[RateLaw, ...]) -> Any:
+    """One function ``law(kind, lanes, x, v, w, own, dt, new)`` for the laws of the kinds from OTHER on.
 
-    ``laws`` are results of `advance_of`, of the kinds OTHER, OTHER + 1 and so on. The function is a C
-    function, so that a new law compiles no time step.
+    The ``laws`` have the kinds OTHER, OTHER + 1 and so on. The function is a C function, so that a new
+    law compiles no time step.
     """
     chosen = _no_law
     for number, law in enumerate(laws):
-        chosen = _either(OTHER + number, law, chosen)
+        chosen = _either(OTHER + number, law.advance, chosen)
 
-    def of_kind(kind, v, w, own, dt, new):
-        chosen(kind, v, w, own, dt, new)
+    def of_kind(kind, lanes, x, v, w, own, dt, new):
+        chosen(kind, lanes, x, v, w, own, dt, new)
 
     return of_kind if UNCOMPILED else nb.cfunc(ADVANCE, error_model="numpy")(of_kind)
 
 
 @compiled
-def _no_law(kind, v, w, own, dt, new):
-    """The states after a step of an unknown kind: NaN."""
-    for k in range(new.shape[0]):
-        for lane in range(LANES):
-            new[k, lane] = np.nan
+def _no_law(kind, lanes, x, v, w, own, dt, new):
+    """An unknown kind: the state z after the step is NaN."""
+    for lane in range(lanes):
+        x[new, lane] = np.nan
 
 
 def _either(number: int, law: Any, others: Any) -> Any:
     """The function that takes ``law`` for the kind ``number``, and ``others`` for other kinds."""
 
     @compiled
-    def chosen(kind, v, w, own, dt, new):
+    def chosen(kind, lanes, x, v, w, own, dt, new):
         if kind == number:
-            law(v, w, own, dt, new)
+            law(lanes, x, v, w, own, dt, new)
         else:
-            others(kind, v, w, own, dt, new)
+            others(kind, lanes, x, v, w, own, dt, new)
 
     return chosen

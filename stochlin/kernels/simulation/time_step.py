@@ -1,21 +1,24 @@
-"""Time steps of buildings with storeys and links between them, for `LANES` independent motions.
+"""One time step of a `System` of masses, springs and contacts, in any number of independent motions.
 
-The rule is the trapezoidal one of `stepping`, for elements (storeys and links) whose forces
-``post d + couple z`` act on common floors. In one step the drift of an element increases by ``dd``, its
-hysteretic drift by ``dz``, and its slip by ``p = dd - dz``. For given slips the step is linear:
+Each motion is a lane: the last axis of all arrays. The rule is the trapezoidal one. With the masses
+``M``, the damping ``C``, springs with the extensions ``e = E q`` and the forces
+``s = post e + couple z``, the increment ``dq`` of the coordinates in a step ``dt`` is
 
-    ``dd = P [d', s] + g f - P_s couple p/2``
+    ``(2 M/dt + C + dt/2 K) dq = 2 M q' - dt E' s + dt M 1 f + dt/2 E' couple p - dt W' F``
 
-with the drift rates ``d'`` and the element forces ``s`` at the beginning of the step, the forcing ``f``,
-and the part ``P_s`` of ``P`` that belongs to ``s``. The law of each element gives its slip, if those of
-the others are known, and this is repeated over the elements, in passes, until no slip changes. For the
-bilinear law it is the projected Gauss-Seidel method for a complementarity problem with a symmetric
-positive matrix, and converges.
+with the elastic stiffness ``K``, ``q'`` and ``s`` at the beginning of the step, the mean forcing ``f``,
+the slips ``p`` of the springs, which are the parts of their extensions that ``z`` does not follow, and
+the mean forces ``F`` of the contacts between floors, with the penetrations ``W q - gap``.
 
-A dashpot with an exponent, with the force ``c |x|^a sign(x)`` at the rate ``x = dd/dt``, is treated as a
-spring that exists during one step. It slips so much that its mean force, ``couple (dd - p)/2``, is that
-of the dashpot. Its stiffness has no effect on the result, only on the number of passes. The passes
-minimize a convex energy, element by element, and converge.
+A step first finds ``dq`` without slips and contact forces. It then passes over the springs and contacts.
+The law of each gives its slip or force, if those of the others are known, and the passes are repeated
+until none changes. For the bilinear law this is the projected Gauss-Seidel method for a complementarity
+problem with a symmetric positive matrix, and converges.
+
+A dashpot with an exponent, with the force ``c |x|^a sign(x)`` at the rate ``x`` of its extension, is
+treated as a spring that exists during one step. It slips so much that its mean force, ``couple (de -
+p)/2``, is that of the dashpot. Its stiffness has no effect on the result, only on the number of passes.
+The passes minimize a convex energy, element by element, and converge.
 """
 
 from __future__ import annotations
@@ -25,25 +28,43 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane
 from stochlin.kernels.basics.systems import System
+from stochlin.kernels.simulation.contacts import Contacts, no_contacts, solve_force
 from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, SLACK, VISCOUS, advance
-from stochlin.kernels.simulation.stepping import LANES
 
 MOST_PASSES = 60  # largest number of passes of a step
 MOST_VISCOUS = 600  # the same with dashpots with an exponent, whose forces can tie many floors together
 MOST_ROOTS = 60  # largest number of steps of Newton's method, which mostly needs four or five
 NEARLY = 1e-5  # relative change of a root after which the error of Newton's method is about its square
 SOFT = 0.1  # stiffness of a dashpot's spring over that with which the floors resist a step
-HARDLY = 1e-6  # drift of a dashpot, over the largest drift of the step, that may be rounding error
+HARDLY = 1e-6  # increment of a dashpot's extension, over the largest of the step, that may be rounding
 CLOSE = 1e-8  # change of a slip, over the strength of the element, at which the passes end
-CLOSE_BY_LAW = 1e-5  # the same for laws with rates: drifts then change by less than 1e-7 of their size
+CLOSE_BY_LAW = 1e-5  # the same for laws with rates; extensions change by less than 1e-7 of theirs
 LEAST_SLACK = 0.01  # [m]: smallest strength of an element with slack for this criterion
+POST, COUPLE, STRENGTH, RELIEF = range(4)  # columns of `Steps.spring`
+KIND, STATES, MEMORY, OWN = range(4)  # columns of `Steps.info`
+
+
+class Rows(NamedTuple):
+    """A matrix (m, n) by the numbers in each row that are not zero; zeros fill the shorter rows."""
+
+    column: Array  # (m, w)
+    weight: Array  # (m, w)
+
+    @classmethod
+    def of(cls, matrix: Array) -> Rows:
+        """The rows of a matrix."""
+        width = max(1, int((matrix != 0).sum(axis=1).max(initial=1)))
+        column = np.argsort(matrix == 0, axis=1, kind="stable")[:, :width]
+        return cls(
+            np.ascontiguousarray(column), np.take_along_axis(matrix, column, axis=1).astype(float)
+        )
 
 
 class Elements(NamedTuple):
-    """Storeys and links: the first ``n`` of the ``e`` elements are the storeys of the ``n`` floors.
+    """The masses and springs of a system, and the laws of the springs.
 
     A dashpot with an exponent (VISCOUS) has zeros in ``post`` and ``couple``, and as parameters ``own``
     its constant ``c`` [N (s/m)^a] and its exponent ``a``.
@@ -51,342 +72,511 @@ class Elements(NamedTuple):
 
     system: System  # its strength is infinite for a linear element, and the slack of a SLACK one
     kind: Array  # (e,): one of `laws.KINDS`, or a larger number
+    states: Array  # (e,): number of states of the law, of which the first is z
     own: Array  # (e, k): parameters of the law
 
 
-class Work(NamedTuple):
-    """Arrays for work with one element in one step."""
+class Places(NamedTuple):
+    """The rows of the array ``x`` (rows, lanes), where the numbers of every motion stand.
 
-    rate: Array  # (LANES,) of the extension, over the yield extension [1/s]
-    states: Array  # (1, LANES) at the beginning of the step
-    new_states: Array  # (1, LANES) at its end
-    more: Array  # (LANES,): change of the slip in a pass [m]
-    least: Array  # (e, LANES): the change at which the passes of a lane end [m]
-    widest: Array  # (LANES,): largest drift increment of all elements [m]
-    moving: Array  # (LANES,): 1 if the passes of the lane go on, else 0; no lane depends on another
-    still: Array  # (LANES,): the same for the next pass
+    Given are the first rows of n coordinates, e elements with m further states, and c contacts. The
+    state comes first. What follows ``work`` is of one step only.
+    """
+
+    q: int  # (n) coordinates [m]
+    v: int  # (n) their rates [m/s]
+    z: int  # (e) elastic parts of the extensions [m], first states of the laws
+    memory: int  # (m) further states of the laws
+    own: int  # (e k) parameters of the laws
+    slip: int  # (e) slips in the step [m]
+    force: int  # (c) mean forces in the step [N]
+    approach: int  # (c) rate of penetration at the beginning of the contact [m/s]
+    held: int  # (c) 1 if both sides move together, after a stereomechanical impact; else 0
+    slow: int  # rate of approach below which a contact is elastic [m/s]
+    f: int  # mean forcing of the step [m/s^2]
+    work: int
+    known: int  # (n + e) velocities and element forces at the beginning
+    dq: int  # (n) increments of the coordinates [m]
+    extension: int  # (e) at the beginning [m]
+    remembered: int  # (m) further states of the laws at the end
+    depth: int  # (c) penetrations at the beginning [m]
+    rate: int  # (c) rates of penetration at the beginning [m/s]
+    least: int  # (e) change of a slip at which the passes of a lane end [m]
+    change: int  # increment of an extension [m]
+    pace: int  # its rate, over the yield extension [1/s]
+    before: int  # (k) states of a law at the beginning
+    after: int  # (k) states of a law at the end
+    more: int  # change of a slip in a pass [m]
+    widest: int  # largest increment of an extension [m]
+    moving: int  # 1 if the passes of the lane go on, else 0; no lane depends on another
+    still: int  # the same for the next pass
+    rows: int  # number of rows
+
+    @classmethod
+    def of(cls, elements: Elements, contacts: int = 0) -> Places:
+        """The rows for these elements and so many contacts."""
+        n, e, c = elements.system.mass.size, elements.kind.size, contacts
+        most, m = int(elements.states.max(initial=1)), int((elements.states - 1).sum())
+        state = {"q": n, "v": n, "z": e, "memory": m}
+        kept = {"own": elements.own.size, "slip": e, "force": c, "approach": c, "held": c, "slow": 1}
+        step = {"f": 1, "work": 0, "known": n + e, "dq": n, "extension": e, "remembered": m}
+        step |= {"depth": c, "rate": c, "least": e, "change": 1, "pace": 1, "before": most}
+        step |= {"after": most, "more": 1, "widest": 1, "moving": 1, "still": 1, "rows": 0}
+        sizes = state | kept | step
+        firsts = np.cumsum([0, *sizes.values()]).tolist()
+        return cls(**dict(zip(sizes, firsts[:-1], strict=True)))
 
 
 class Steps(NamedTuple):
     """The elements for time steps of one length, and the matrices of the module's docstring.
 
-    If every lane has other elements, all arrays of real numbers have a last axis of `LANES`; the
-    parameters of laws always have it.
+    If every lane has other elements, ``move``, ``push``, ``ease`` and ``spring`` have a last axis of
+    lanes.
     """
 
     dt: float  # [s]
-    move: Array  # (e, n + e): P, the effect of drift rates and element forces on the increments dd
-    push: Array  # (e,): g, the effect of the forcing
-    relief: Array  # (e, e): the effect of the slips
-    post: Array
-    couple: Array  # as in `Elements`; of dashpots with an exponent, that of their springs
-    strength: Array
-    kind: Array
-    own: Array  # (e, k, LANES)
-    lowest: Array  # (n,): whether the storey is the lowest of a structure
+    move: Array  # (n, n + e): the effect of velocities and element forces on the increments dq
+    push: Array  # (n,): the effect of the forcing
+    ease: Array  # (n, e): the effect of the slips
+    # (e, 4): post, couple (of a dashpot with an exponent that of its spring), strength, and the effect
+    # of the slip on the extension of its own element
+    spring: Array
+    info: Array  # (e, 4): kind, number of states, and rows of its memory and parameters after the first
+    extensions: Rows
+    shapes: Rows
     passes: int  # largest number of passes
+    contacts: Contacts
+    apart: Array  # (n, c): the effect of the mean forces of contacts
+    yielding: Array  # (c,): the effect of each on the penetration of its own contact, not negative
+    meetings: Rows
 
 
-def steps_of(elements: Elements, dt: float) -> Steps:
-    """The elements for time steps ``dt`` [s].
-
-    The increments ``du`` of the displacements follow from
-    ``(2 M/dt + C + dt/2 K) du = 2 M v - dt B' s + dt M 1 f + dt/2 B' couple p``. The matrix ``B``
-    has the extensions.
-    """
-    system, kind, own = elements
-    mass, b, n = np.diag(system.mass), system.extensions, system.mass.size
-    floors = np.linalg.inv(b[:n])
+def steps_of(elements: Elements, dt: float, contacts: Contacts | None = None) -> Steps:
+    """The elements for time steps ``dt`` [s]."""
+    system, kind, states, own = elements
+    contacts = no_contacts(system.mass.size) if contacts is None else contacts
+    mass, b, w = np.diag(system.mass), system.extensions, contacts.weights
     resisting = 2 / dt * mass + system.damping + 0.5 * dt * system.stiffness
     couple, viscous = system.couple, kind == VISCOUS
     if viscous.any():
-        ease = np.einsum("en,nm,em->e", b, np.linalg.inv(resisting), b)
-        couple = np.where(viscous, SOFT * 2 / (dt * ease), couple)
+        soft = np.einsum("en,nm,em->e", b, np.linalg.inv(resisting), b)
+        couple = np.where(viscous, SOFT * 2 / (dt * soft), couple)
         resisting += 0.5 * dt * (b.T * np.where(viscous, couple, 0.0)) @ b
-    flexible = np.linalg.solve(resisting, np.eye(n))
-    of_forces = dt * b @ flexible @ b.T
+    flexible = np.linalg.inv(resisting)
+    of_forces, apart = dt * flexible @ b.T, -dt * flexible @ w.T
+    ease = 0.5 * of_forces * couple
+    relief = np.einsum("en,ne->e", b, ease)
+    memory, parameters = np.cumsum(states - 1) - (states - 1), own.shape[1] * np.arange(kind.size)
     return Steps(
         dt,
-        np.ascontiguousarray(np.hstack([2 * b @ flexible @ mass @ floors, -of_forces])),
-        dt * b @ flexible @ system.mass,
-        0.5 * of_forces * couple,
-        system.post,
-        couple,
-        system.strength,
-        kind,
-        np.repeat(own[..., None], LANES, axis=2),
-        b[:n].sum(axis=1) > 0.5,
+        np.hstack([2 * flexible @ mass, -of_forces]),
+        dt * flexible @ system.mass,
+        ease,
+        np.stack([system.post, couple, system.strength, relief], axis=1),
+        np.stack([kind, states, memory, parameters], axis=1),
+        Rows.of(b),
+        Rows.of(system.shapes),
         MOST_VISCOUS if viscous.any() else MOST_PASSES,
+        contacts,
+        apart,
+        -np.einsum("cn,nc->c", w, apart),
+        Rows.of(w),
     )
 
 
 def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
-    """Steps of `LANES` sets of elements that differ only in their properties, one for each lane."""
+    """Steps of sets of elements that differ only in their properties, one for each lane."""
     each = [steps_of(one, dt) for one in elements]
-    of_lanes = ("move", "push", "relief", "post", "couple", "strength")
     columns: dict[str, Any] = {
-        name: np.stack([getattr(steps, name) for steps in each], axis=-1) for name in of_lanes
+        name: np.stack([getattr(steps, name) for steps in each], axis=-1)
+        for name in ("move", "push", "ease", "spring")
     }
-    own = np.stack([one.own for one in elements], axis=-1)
-    return each[0]._replace(**columns, own=own)
+    return each[0]._replace(**columns)
+
+
+def lanes_at_rest(places: Places, elements: Sequence[Elements], lanes: int) -> Array:
+    """The array ``x`` (rows, lanes) before a motion.
+
+    ``elements`` are those of each lane, or one set of all lanes.
+    """
+    x = zeros_on_a_line(places.rows, lanes)
+    own = np.stack([each.own.ravel() for each in elements], axis=1)
+    x[places.own : places.own + len(own)] = own
+    return x
+
+
+# The functions below take arrays one by one: of a tuple of arrays that is passed on, numba would count
+# the references in every call and loop, which takes most of the time of a step.
 
 
 @called_often
-def multiply(matrix, i, rows, out):
-    """Add row ``i`` of a matrix times ``rows`` (m, LANES) to ``out[i]``, four columns at a time."""
+def times_row(column, weight, i, x, of, out, lanes):
+    """Write row ``i`` of `Rows` times the rows of ``x`` from ``of`` on to row ``out``."""
+    first, row = weight[i, 0], of + column[i, 0]
+    for lane in range(lanes):
+        x[out, lane] = first * x[row, lane]
+    for place in range(1, column.shape[1]):
+        more, row = weight[i, place], of + column[i, place]
+        for lane in range(lanes):
+            x[out, lane] += more * x[row, lane]
+
+
+@called_often
+def multiply(matrix, i, x, of, out, lanes):
+    """Add row ``i`` of a matrix times the rows of ``x`` from ``of`` on to row ``out``, by fours."""
     m = matrix.shape[1]
     j = 0
     while j + 4 <= m:
         a, b, c, d = matrix[i, j], matrix[i, j + 1], matrix[i, j + 2], matrix[i, j + 3]
-        for lane in range(LANES):
-            out[i, lane] += (of_lane(a, lane) * rows[j, lane] + of_lane(b, lane) * rows[j + 1, lane]) + (
-                of_lane(c, lane) * rows[j + 2, lane] + of_lane(d, lane) * rows[j + 3, lane]
+        r = of + j
+        for lane in range(lanes):
+            x[out, lane] += (of_lane(a, lane) * x[r, lane] + of_lane(b, lane) * x[r + 1, lane]) + (
+                of_lane(c, lane) * x[r + 2, lane] + of_lane(d, lane) * x[r + 3, lane]
             )
         j += 4
     for k in range(j, m):
-        a = matrix[i, k]
-        for lane in range(LANES):
-            out[i, lane] += of_lane(a, lane) * rows[k, lane]
-
-
-@compiled
-def _by_law(law, steps, i, z, change, slip, work, more):
-    """Write `_more_slip` of an element whose law has rates to ``more``.
-
-    The slip that belongs to the increment of the drift changes that increment, by ``g``. With the share
-    of the increment that slips for a derivative, the next slip is that of Newton's method.
-    """
-    rate, before, new = work.rate, work.states, work.new_states
-    of_strength, own = steps.strength[i], steps.own[i]
-    for lane in range(LANES):
-        uy = of_lane(of_strength, lane)
-        rate[lane] = change[i, lane] / (steps.dt * uy)
-        before[0, lane] = z[i, lane] / uy
-    advance(law, steps.kind[i], rate, before, own, steps.dt, new)
-    relief = steps.relief[i, i]
-    for lane in range(LANES):
-        g, uy = of_lane(relief, lane), of_lane(of_strength, lane)
-        moved = change[i, lane]
-        slipped = moved - uy * (new[0, lane] - before[0, lane])
-        share = min(max(slipped / moved if moved != 0.0 else 0.0, 0.0), 1.0)
-        more[lane] = (slipped - slip[i, lane]) / (1.0 - g * share)
-
-
-@compiled
-def _dashpot(steps, i, change, slip, more):
-    """Write `_more_slip` of a dashpot with an exponent to ``more``.
-
-    Its rate ``x`` solves ``(1 - g) dt x + g y x^a = alone``, with ``y = 2 c/couple``, the relief ``g``
-    by its own slip, and the increment ``alone`` of the drift without slip. It slips by
-    ``dt x - y x^a``. The unknown is the one of ``x`` and ``x^a`` of which the other is a power of at
-    least 1; Newton's method then approaches the root of a convex function from above.
-    """
-    for lane in range(LANES):
-        g, own = of_lane(steps.relief[i, i], lane), steps.own[i]
-        c, a = of_lane(own[0], lane), of_lane(own[1], lane)
-        of_rate, of_force = steps.dt, 2.0 * c / of_lane(steps.couple[i], lane)
-        slow = a <= 1.0
-        power = 1.0 / a if slow else a
-        first, second = g * of_force, (1.0 - g) * of_rate
-        if not slow:
-            first, second = second, first
-        drift, before = change[i, lane], slip[i, lane]
-        alone = drift - g * before
-        size = abs(alone)
-        x = 0.0
-        if before != 0.0:  # start from the root of the pass before, or of the step before
-            x = abs(drift - before) / of_force if slow else abs(drift) / of_rate
-        steep = x ** (power - 1.0)
-        less = (first * x + second * x * steep - size) / (first + power * second * steep)
-        if power * abs(less) < NEARLY * x:
-            steep *= 1.0 - (power - 1.0) * less / x
-            x -= less
-        else:
-            most = min(size / first, (size / second) ** (1.0 / power))
-            x = min(x - less, most)
-            for _ in range(MOST_ROOTS):
-                steep = x ** (power - 1.0)
-                less = (first * x + second * x * steep - size) / (first + power * second * steep)
-                x = min(x - less, most)
-                if not power * abs(less) > NEARLY * x:
-                    break
-            steep = x ** (power - 1.0)
-        rate, force = (x * steep, x) if slow else (x, x * steep)
-        total = of_rate * rate - of_force * force
-        more[lane] = (total if alone > 0.0 else -total) - slip[i, lane]
+        a, r = matrix[i, k], of + k
+        for lane in range(lanes):
+            x[out, lane] += of_lane(a, lane) * x[r, lane]
 
 
 @called_often
-def _more_slip(law, steps, i, d, z, change, slip, work, moving):
-    """Find how much element ``i``, not a bilinear one, slips beyond ``slip`` for given other slips.
-
-    It is written to ``work.more``, and is zero where ``moving`` is.
-    """
-    kind, relief, strength, more = steps.kind[i], steps.relief[i, i], steps.strength[i], work.more
-    if kind == SLACK:
-        for lane in range(LANES):
-            g, uy = of_lane(relief, lane), of_lane(strength, lane)
-            ease = 1.0 / (1.0 - g)
-            beyond = d[i, lane] - uy
-            slack = beyond - z[i, lane]
-            at_end = beyond + (change[i, lane] - g * slip[i, lane]) - g * slack
-            more[lane] = min(at_end, 0.0) * ease - slack - slip[i, lane]
-    elif kind == VISCOUS:
-        _dashpot(steps, i, change, slip, more)
-        for lane in range(LANES):
-            alone = abs(change[i, lane] - of_lane(relief, lane) * slip[i, lane])
-            work.least[i, lane] = CLOSE * max(HARDLY * work.widest[lane], alone)
-    else:
-        _by_law(law, steps, i, z, change, slip, work, more)
-    for lane in range(LANES):
-        more[lane] *= moving[lane]
+def fill(x, row, value, lanes):
+    """Set a row to a number in all lanes."""
+    for lane in range(lanes):
+        x[row, lane] = value
 
 
 @called_often
-def _widest(steps, change, widest):
-    """Write the largest drift increment of all elements to ``widest``, if a dashpot needs it."""
-    if steps.passes == MOST_VISCOUS:
-        for lane in range(LANES):
-            widest[lane] = 0.0
-        for i in range(steps.kind.size):
-            for lane in range(LANES):
-                widest[lane] = max(widest[lane], abs(change[i, lane]))
+def copy(x, row, to, lanes):
+    """Copy a row to another in all lanes."""
+    for lane in range(lanes):
+        x[to, lane] = x[row, lane]
 
 
 @called_often
-def _any(row):
+def any_of(x, row, lanes):
     """Whether a number of the row is not zero."""
-    for lane in range(LANES):  # noqa: SIM110 - compiled
-        if row[lane] != 0.0:
+    for lane in range(lanes):  # noqa: SIM110 - compiled
+        if x[row, lane] != 0.0:
             return True
     return False
 
 
 @called_often
-def _fill(row, value):
-    """Set all lanes to a number."""
-    for lane in range(LANES):
-        row[lane] = value
+def _add_slip(ease, i, row, at, x, lanes):
+    """Add the effect of a slip of element ``i``, or of a change of it, to the increments."""
+    for k in range(ease.shape[0]):
+        of_slip, dq = ease[k, i], at.dq + k
+        for lane in range(lanes):
+            x[dq, lane] += of_lane(of_slip, lane) * x[row, lane]
 
 
 @called_often
-def _slips(law, steps, d, z, change, slip, work):
-    """Find the slips (e, LANES) of a step in passes over all elements.
+def _bilinear(strength, relief, i, at, x, lanes):
+    """Write `_more_slip` of the bilinear law."""
+    z, slip, change, more = at.z + i, at.slip + i, at.change, at.more
+    for lane in range(lanes):
+        g, uy = of_lane(relief, lane), of_lane(strength, lane)
+        y = x[z, lane] + (x[change, lane] - g * x[slip, lane])
+        x[more, lane] = (y - min(max(y, -uy), uy)) * (1.0 / (1.0 - g)) - x[slip, lane]
 
-    ``change`` (e, LANES), the increments of the drifts, is updated with the slips.
+
+@called_often
+def _slack(strength, relief, i, at, x, lanes):
+    """Write `_more_slip` of a spring with slack, which only pulls."""
+    extension, z, slip, change, more = at.extension + i, at.z + i, at.slip + i, at.change, at.more
+    for lane in range(lanes):
+        g, uy = of_lane(relief, lane), of_lane(strength, lane)
+        beyond = x[extension, lane] - uy
+        slack = beyond - x[z, lane]
+        at_end = beyond + (x[change, lane] - g * x[slip, lane]) - g * slack
+        x[more, lane] = min(at_end, 0.0) * (1.0 / (1.0 - g)) - slack - x[slip, lane]
+
+
+@called_often
+def _by_law(law, info, strength, relief, dt, i, at, x, lanes):
+    """Write `_more_slip` of an element whose law has rates.
+
+    The slip that belongs to the increment of the extension changes that increment, by ``g``. With the
+    share of the increment that slips for a derivative, the next slip is that of Newton's method.
     """
-    e, more, least, moving, still = steps.kind.size, work.more, work.least, work.moving, work.still
-    _widest(steps, change, work.widest)
-    _fill(moving, 1.0)
-    for _ in range(steps.passes):
-        _fill(still, 0.0)
-        for i in range(e):
-            if steps.kind[i] == LINEAR:
-                continue
-            relief, strength = steps.relief[i, i], steps.strength[i]
-            if steps.kind[i] == BILINEAR:  # not in a function, for which references would be counted
-                for lane in range(LANES):
-                    g, uy = of_lane(relief, lane), of_lane(strength, lane)
-                    ease = 1.0 / (1.0 - g)
-                    y = z[i, lane] + (change[i, lane] - g * slip[i, lane])
-                    more[lane] = moving[lane] * ((y - min(max(y, -uy), uy)) * ease - slip[i, lane])
-            else:
-                _more_slip(law, steps, i, d, z, change, slip, work, moving)
-            if not _any(more):
-                continue
-            for lane in range(LANES):
-                beyond = 1.0 if abs(more[lane]) > least[i, lane] else 0.0
-                still[lane] = max(still[lane], beyond)
-            for lane in range(LANES):
-                slip[i, lane] += more[lane]
-            for k in range(e):
-                a = steps.relief[k, i]
-                for lane in range(LANES):
-                    change[k, lane] += of_lane(a, lane) * more[lane]
-        if not _any(still):
-            return
-        moving, still = still, moving
+    memory, change, pace, before, after, more = (
+        at.memory,
+        at.change,
+        at.pace,
+        at.before,
+        at.after,
+        at.more,
+    )
+    memory, remembered = at.memory + info[i, MEMORY], at.remembered + info[i, MEMORY]
+    for lane in range(lanes):
+        x[pace, lane] = x[change, lane] / (dt * of_lane(strength, lane))
+    for lane in range(lanes):
+        x[before, lane] = x[at.z + i, lane] / of_lane(strength, lane)
+    for k in range(1, info[i, STATES]):
+        copy(x, memory + k - 1, before + k, lanes)
+    advance(law, info[i, KIND], lanes, x, pace, before, at.own + info[i, OWN], dt, after)
+    for lane in range(lanes):
+        x[more, lane] = x[change, lane] - of_lane(strength, lane) * (x[after, lane] - x[before, lane])
+    for lane in range(lanes):
+        moved = x[change, lane]
+        share = min(max(x[more, lane] / moved if moved != 0.0 else 0.0, 0.0), 1.0)
+        x[pace, lane] = 1.0 / (1.0 - of_lane(relief, lane) * share)
+    for lane in range(lanes):
+        x[more, lane] = (x[more, lane] - x[at.slip + i, lane]) * x[pace, lane]
+    for k in range(1, info[i, STATES]):
+        for lane in range(lanes):
+            new, old = x[after + k, lane], x[remembered + k - 1, lane]
+            x[remembered + k - 1, lane] = new if x[at.moving, lane] != 0.0 else old
+
+
+@compiled
+def _dashpot(couple, relief, dt, i, own, at, x, lanes):
+    """Write `_more_slip` of a dashpot with an exponent, with its parameters from the row ``own`` on.
+
+    Its rate ``r`` solves ``(1 - g) dt r + g y r^a = alone``, with ``y = 2 c/couple``, the relief ``g``
+    by its own slip, and the increment ``alone`` of the extension without slip. It slips by
+    ``dt r - y r^a``. The unknown is the one of ``r`` and ``r^a`` of which the other is a power of at
+    least 1; Newton's method then approaches the root of a convex function from above.
+    """
+    for lane in range(lanes):
+        g, c, a = of_lane(relief, lane), x[own, lane], x[own + 1, lane]
+        of_rate, of_force = dt, 2.0 * c / of_lane(couple, lane)
+        slow = a <= 1.0
+        power = 1.0 / a if slow else a
+        first, second = g * of_force, (1.0 - g) * of_rate
+        if not slow:
+            first, second = second, first
+        moved, before = x[at.change, lane], x[at.slip + i, lane]
+        alone = moved - g * before
+        size = abs(alone)
+        root = 0.0
+        if before != 0.0:  # start from the root of the pass before, or of the step before
+            root = abs(moved - before) / of_force if slow else abs(moved) / of_rate
+        steep = root ** (power - 1.0)
+        less = (first * root + second * root * steep - size) / (first + power * second * steep)
+        if power * abs(less) < NEARLY * root:
+            steep *= 1.0 - (power - 1.0) * less / root
+            root -= less
+        else:
+            most = min(size / first, (size / second) ** (1.0 / power))
+            root = min(root - less, most)
+            for _ in range(MOST_ROOTS):
+                steep = root ** (power - 1.0)
+                less = (first * root + second * root * steep - size) / (first + power * second * steep)
+                root = min(root - less, most)
+                if not power * abs(less) > NEARLY * root:
+                    break
+            steep = root ** (power - 1.0)
+        rate, force = (root * steep, root) if slow else (root, root * steep)
+        total = of_rate * rate - of_force * force
+        x[at.more, lane] = (total if alone > 0.0 else -total) - before
+        x[at.least + i, lane] = CLOSE * max(HARDLY * x[at.widest, lane], size)
 
 
 @called_often
-def _tolerances(steps, least):
-    """Write the changes of the slips at which the passes end to ``least`` (e, LANES)."""
-    for i in range(steps.kind.size):
-        close = CLOSE if steps.kind[i] <= VISCOUS else CLOSE_BY_LAW
-        slack = LEAST_SLACK if steps.kind[i] == SLACK else 0.0
-        for lane in range(LANES):
-            least[i, lane] = close * max(of_lane(steps.strength[i], lane), slack)
+def _more_slip(law, spring, info, dt, i, at, x, lanes):
+    """Find how much element ``i`` slips beyond its slip, for given slips and forces of all others.
+
+    It is written to the row ``at.more``. The increment of its extension is in the row ``at.change``.
+    """
+    kind, strength, relief = info[i, KIND], spring[i, STRENGTH], spring[i, RELIEF]
+    if kind == BILINEAR:
+        _bilinear(strength, relief, i, at, x, lanes)
+    elif kind == SLACK:
+        _slack(strength, relief, i, at, x, lanes)
+    elif kind == VISCOUS:
+        _dashpot(spring[i, COUPLE], relief, dt, i, at.own + info[i, OWN], at, x, lanes)
+    else:
+        _by_law(law, info, strength, relief, dt, i, at, x, lanes)
 
 
 @called_often
-def _first_slips(steps, change, slip):
-    """Set the slips at the start of the passes: zero; of dashpots and laws with rates the last ones."""
-    for i in range(steps.kind.size):
-        if steps.kind[i] < VISCOUS:
-            for lane in range(LANES):
-                slip[i, lane] = 0.0
+def _pass_springs(law, column, weight, spring, ease, info, dt, at, x, lanes):
+    """One pass over all elements that can slip."""
+    more, moving, still = at.more, at.moving, at.still
+    for i in range(info.shape[0]):
+        if info[i, KIND] == LINEAR:
             continue
-        for k in range(steps.kind.size):
-            a = steps.relief[k, i]
-            for lane in range(LANES):
-                change[k, lane] += of_lane(a, lane) * slip[i, lane]
+        times_row(column, weight, i, x, at.dq, at.change, lanes)
+        _more_slip(law, spring, info, dt, i, at, x, lanes)
+        for lane in range(lanes):
+            x[more, lane] *= x[moving, lane]
+        if not any_of(x, more, lanes):
+            continue
+        for lane in range(lanes):
+            beyond = 1.0 if abs(x[more, lane]) > x[at.least + i, lane] else 0.0
+            x[still, lane] = max(x[still, lane], beyond)
+        for lane in range(lanes):
+            x[at.slip + i, lane] += x[more, lane]
+        _add_slip(ease, i, more, at, x, lanes)
+
+
+@called_often
+def _find_widest(column, weight, at, x, lanes):
+    """Write the largest increment of all extensions, which dashpots with an exponent need."""
+    fill(x, at.widest, 0.0, lanes)
+    for i in range(column.shape[0]):
+        times_row(column, weight, i, x, at.dq, at.change, lanes)
+        for lane in range(lanes):
+            x[at.widest, lane] = max(x[at.widest, lane], abs(x[at.change, lane]))
+
+
+@compiled
+def _pass_contacts(law, jumps, column, weight, apart, yielding, dt, at, x, lanes):
+    """One pass over all contacts, lane by lane: most have no force."""
+    for j in range(yielding.size):
+        times_row(column, weight, j, x, at.dq, at.change, lanes)
+        for lane in range(lanes):
+            if x[at.moving, lane] == 0.0:
+                continue
+            force, depth, g = x[at.force + j, lane], x[at.depth + j, lane], yielding[j]
+            alone = x[at.change, lane] + g * force
+            new = 0.0
+            if jumps:
+                if x[at.held + j, lane] != 0.0:  # the rate at the end is 0
+                    new = max((alone - 0.5 * dt * x[at.rate + j, lane]) / g, 0.0)
+            elif depth > 0.0 or depth + alone > 0.0:
+                new = solve_force(law[j], x[at.approach + j, lane], depth, alone, g, dt)
+            if new != force:
+                more = new - force
+                if g * abs(more) > CLOSE * (abs(depth) + abs(alone)):
+                    x[at.still, lane] = 1.0
+                x[at.force + j, lane] = new
+                for k in range(apart.shape[0]):
+                    x[at.dq + k, lane] += apart[k, j] * more
+
+
+@compiled
+def _begin_contacts(gap, column, weight, apart, dt, at, x, lanes):
+    """Penetrations and their rates at the beginning, and the rate of approach where a contact begins.
+
+    Forces start from those of the last step.
+    """
+    for j in range(gap.size):
+        times_row(column, weight, j, x, at.q, at.depth + j, lanes)
+        times_row(column, weight, j, x, at.v, at.rate + j, lanes)
+        times_row(column, weight, j, x, at.dq, at.change, lanes)
+        for lane in range(lanes):
+            x[at.depth + j, lane] -= gap[j]
+            depth, rate, change = x[at.depth + j, lane], x[at.rate + j, lane], x[at.change, lane]
+            if depth <= 0.0 < depth + change:  # in a step the rate changes linearly
+                touch = rate - depth / change * 2.0 * (change / dt - rate)
+                x[at.approach + j, lane] = touch if touch > x[at.slow, lane] else 0.0
+    for j in range(gap.size):
+        for lane in range(lanes):
+            force = x[at.force + j, lane]
+            if force != 0.0:
+                for k in range(apart.shape[0]):
+                    x[at.dq + k, lane] += apart[k, j] * force
+
+
+@called_often
+def _begin(column, weight, move, push, spring, ease, info, at, x, lanes):
+    """Find the increments without slips and contact forces, but for slips that start from the last step.
+
+    These are the slips of dashpots and of laws with rates.
+    """
+    n = push.shape[0]
+    for i in range(n):
+        of_forcing = push[i]
+        copy(x, at.v + i, at.known + i, lanes)
+        for lane in range(lanes):
+            x[at.dq + i, lane] = of_lane(of_forcing, lane) * x[at.f, lane]
+    for i in range(info.shape[0]):
+        post, couple, extension = spring[i, POST], spring[i, COUPLE], at.extension + i
+        times_row(column, weight, i, x, at.q, extension, lanes)
+        for lane in range(lanes):
+            x[at.known + n + i, lane] = (
+                of_lane(post, lane) * x[extension, lane] + of_lane(couple, lane) * x[at.z + i, lane]
+            )
+    for i in range(n):
+        multiply(move, i, x, at.known, at.dq + i, lanes)
+    for i in range(info.shape[0]):
+        if info[i, KIND] < VISCOUS:
+            fill(x, at.slip + i, 0.0, lanes)
+        else:
+            _add_slip(ease, i, at.slip + i, at, x, lanes)
+
+
+@called_often
+def _end(column, weight, info, n, dt, at, x, lanes):
+    """Change the state by the increments and slips."""
+    twice = 2.0 / dt
+    for i in range(n):
+        for lane in range(lanes):
+            x[at.q + i, lane] += x[at.dq + i, lane]
+        for lane in range(lanes):
+            x[at.v + i, lane] = twice * x[at.dq + i, lane] - x[at.v + i, lane]
+    for i in range(info.shape[0]):
+        if info[i, KIND] != VISCOUS:  # the spring of a dashpot exists for one step only
+            times_row(column, weight, i, x, at.dq, at.change, lanes)
+            for lane in range(lanes):
+                x[at.z + i, lane] += x[at.change, lane] - x[at.slip + i, lane]
+    for k in range(at.own - at.memory):
+        copy(x, at.remembered + k, at.memory + k, lanes)
+
+
+@called_often
+def take_step(law, steps, at, x, lanes):
+    """One time step of all lanes, under the mean forcing in the row ``at.f``; changes the state.
+
+    ``law`` is the result of `by_number`. The increments, slips and mean forces of contacts, and the
+    extensions and penetrations at the beginning of the step, can be read afterwards.
+    """
+    dt, contacts = steps.dt, steps.contacts
+    (column, weight), (facing, share) = steps.extensions, steps.meetings
+    spring, info, ease, yielding = steps.spring, steps.info, steps.ease, steps.yielding
+    _begin(column, weight, steps.move, steps.push, spring, ease, info, at, x, lanes)
+    if yielding.size > 0:
+        _begin_contacts(contacts.gap, facing, share, steps.apart, dt, at, x, lanes)
+    if steps.passes == MOST_VISCOUS:
+        _find_widest(column, weight, at, x, lanes)
+    fill(x, at.moving, 1.0, lanes)
+    for _ in range(steps.passes):
+        fill(x, at.still, 0.0, lanes)
+        _pass_springs(law, column, weight, spring, ease, info, dt, at, x, lanes)
+        if yielding.size > 0:
+            _pass_contacts(
+                contacts.law, contacts.jumps, facing, share, steps.apart, yielding, dt, at, x, lanes
+            )
+        if not any_of(x, at.still, lanes):
+            break
+        copy(x, at.still, at.moving, lanes)
+    _end(column, weight, info, ease.shape[0], dt, at, x, lanes)
+
+
+@called_often
+def tolerances(spring, info, at, x, lanes):
+    """Write the changes of the slips at which the passes of a lane end."""
+    for i in range(info.shape[0]):
+        kind, strength = info[i, KIND], spring[i, STRENGTH]
+        close = CLOSE if kind <= VISCOUS else CLOSE_BY_LAW
+        slack = LEAST_SLACK if kind == SLACK else 0.0
+        for lane in range(lanes):
+            x[at.least + i, lane] = close * max(of_lane(strength, lane), slack)
 
 
 @entry
-def storey_block(f, steps, law, d, v, z, every, out, first):
-    """Steps of the elements ``steps``, a `Steps`, under the forcing ``f`` (steps, LANES).
+def system_block(f, law, steps, at, x, every, out, first):
+    """Steps of a system under the forcing ``f`` (steps, lanes), from its state in ``x``; see `Places`.
 
-    ``d``, ``v`` and ``z`` (e, LANES) are the drifts [m], their rates [m/s] and the hysteretic drifts
-    [m]; they are updated. The displacements of the floors and the drifts of the links after every
-    ``every``-th step [m] are written to the rows of ``out`` (samples, e or more, LANES) from ``first``
-    on. ``law`` is the result of `by_number`.
+    The displacements of the floors after every ``every``-th step [m] are written to the rows of ``out``
+    (samples, rows, lanes) from ``first`` on.
     """
-    e, n = steps.kind.size, steps.lowest.size
-    known, change, slip = np.empty((n + e, LANES)), np.empty((e, LANES)), np.zeros((e, LANES))
-    total, twice, state = np.empty(LANES), 2.0 / steps.dt, (1, LANES)
-    work = Work(
-        np.empty(LANES),
-        np.empty(state),
-        np.empty(state),
-        *(np.empty(LANES), np.empty((e, LANES)), np.empty(LANES)),
-        *(np.empty(LANES), np.empty(LANES)),
-    )
-    _tolerances(steps, work.least)
+    lanes, (column, weight) = f.shape[1], steps.shapes
+    tolerances(steps.spring, steps.info, at, x, lanes)
+    for i in range(steps.info.shape[0]):
+        fill(x, at.slip + i, 0.0, lanes)
     sample = 0
     for s in range(f.shape[0]):
-        for i in range(n):
-            for lane in range(LANES):
-                known[i, lane] = v[i, lane]
-        for i in range(e):
-            post, couple, push = steps.post[i], steps.couple[i], steps.push[i]
-            for lane in range(LANES):
-                known[n + i, lane] = (
-                    of_lane(post, lane) * d[i, lane] + of_lane(couple, lane) * z[i, lane]
-                )
-                change[i, lane] = of_lane(push, lane) * f[s, lane]
-        for i in range(e):
-            multiply(steps.move, i, known, change)
-        _first_slips(steps, change, slip)
-        _slips(law, steps, d, z, change, slip, work)
-        for i in range(e):
-            for lane in range(LANES):
-                d[i, lane] += change[i, lane]
-                v[i, lane] = twice * change[i, lane] - v[i, lane]
-            if steps.kind[i] != VISCOUS:  # the spring of a dashpot exists for one step only
-                for lane in range(LANES):
-                    z[i, lane] += change[i, lane] - slip[i, lane]
+        for lane in range(lanes):
+            x[at.f, lane] = f[s, lane]
+        take_step(law, steps, at, x, lanes)
         if (s + 1) % every == 0:
-            _sample(steps.lowest, d, total, out[sample], first)
+            for i in range(column.shape[0]):
+                times_row(column, weight, i, x, at.q, at.change, lanes)
+                for lane in range(lanes):
+                    out[sample, first + i, lane] = x[at.change, lane]
             sample += 1
-
-
-@called_often
-def _sample(lowest, d, total, out, first):
-    """Write the displacements of the floors, sums of the drifts below them, and the drifts of links."""
-    for i in range(d.shape[0]):
-        if i >= lowest.size or lowest[i]:
-            for lane in range(LANES):
-                total[lane] = 0.0
-        for lane in range(LANES):
-            total[lane] += d[i, lane]
-            out[first + i, lane] = total[lane]
