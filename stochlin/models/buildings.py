@@ -17,6 +17,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.laws.hysteretic import Hysteretic, law_of
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
+from stochlin.models.states import in_words
 from stochlin.models.structures import DAMPING, HARDENING, Structure
 from stochlin.models.uncertain import takes_uncertain
 
@@ -81,9 +82,10 @@ class ShearBuilding(Model):
     dampers : float or array, optional
         Damping constant of the dampers in a storey [N s/m], not negative: one number for all storeys, or
         one for each.
-    law : str or sympy.Expr
+    law : str, sympy.Expr or mapping
         Hysteresis law of the storeys: ``"bilinear"``, ``"bouc_wen"`` or another registered law, or a
-        sympy expression as in `Hysteretic`. Its ``v`` is the rate of the drift over the yield drift.
+        sympy expression or a mapping of rates by state, as in `Hysteretic`. Its ``v`` is the rate of the
+        drift over the yield drift.
     law_parameters : mapping, optional
         Parameters that the law adds, for instance ``{"beta": 0.5, "gamma": 0.5}``: numbers, or arrays
         with one number for each storey.
@@ -126,7 +128,7 @@ class ShearBuilding(Model):
     yield_drifts: Parameter | None = parameter("m", "drift at yield", POSITIVE, None)
     _: KW_ONLY
     dampers: Parameter | None = parameter("N s/m", "damping constant of the storey", NOT_NEGATIVE, None)
-    law: str | sympy.Expr = "bilinear"
+    law: str | sympy.Expr | Mapping[str, sympy.Expr] = "bilinear"
     law_parameters: Mapping[str, Any] | None = None
     p_delta: bool = False
 
@@ -394,7 +396,7 @@ class ShearBuilding(Model):
 
     def describe(self) -> str:
         """The building with its parameters in one line."""
-        told = [] if self.law == "bilinear" else [f"law={self.law}"]
+        told = [] if self.law == "bilinear" else [f"law={in_words(self.law)}"]
         told += [f"{name}={brief(np.asarray(value).tolist())}" for name, value in self._own_parameters()]
         told += ["p_delta=True"] if self.p_delta else []
         return ", ".join([super().describe()[:-1], *told]) + ")"

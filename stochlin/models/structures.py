@@ -100,8 +100,11 @@ class Structure(Model):
         """Names that `linearize` accepts for this law."""
         return tuple(dict.fromkeys((GAUSSIAN, *cls.closures)))
 
-    def symbolic(self) -> sympy.Expr:
-        """``G`` of ``z' = G(v, z)`` as a sympy expression, in ``v``, ``z`` and the `own_parameters`."""
+    def symbolic(self) -> sympy.Expr | Mapping[str, sympy.Expr]:
+        """``G`` of ``z' = G(v, z)`` as a sympy expression, in ``v``, ``z`` and the `own_parameters`.
+
+        A law of several states gives a mapping of their rates by name.
+        """
         raise NotImplementedError
 
     def closure(self, name: str) -> Closure:

@@ -1,10 +1,11 @@
-"""Closure and time steps derived from the sympy expression of a hysteresis law ``z' = G(v, z)``."""
+"""Closure and time steps derived from the sympy expressions of a hysteresis law, one for each state."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import sympy
@@ -14,6 +15,10 @@ from stochlin.kernels.basics.powers import exponential, logarithm, power
 from stochlin.kernels.linearization.gaussian import ClosureValue, gaussian_covariance, regress_slip
 from stochlin.kernels.linearization.quadrature import SlipRate, slip_expectations
 from stochlin.messages import brief
+from stochlin.models.states import GIVE, MOST_STATES, in_words, rates_by_state
+
+if TYPE_CHECKING:
+    from stochlin.models.states import Rates
 
 ORDER = 52
 ACCURACY = 1e-9
@@ -31,33 +36,45 @@ _PARTS = (  # of expressions besides these functions
 )
 _POWER = sympy.Function("power")
 _VECTOR_FUNCTIONS = {"power": power, "exp": exponential, "log": logarithm}
-_SIDES = (1, 1), (-1, -1), (1, 0)  # of the probes: as they are, mirrored, and at z = 0
-_PROBES = np.random.default_rng(1996).uniform(-2.5, 2.5, (2, 400))
+# Of v, z and further states. These may be sums that only grow, such as energies, and are not negative.
+_PROBES = np.concatenate(
+    [
+        np.random.default_rng(1996).uniform(-2.5, 2.5, (2, 400)),
+        np.random.default_rng(1997).uniform(0.0, 2.5, (MOST_STATES - 1, 400)),
+    ]
+)
 
 
 class SymbolicLaw:
-    """Hysteresis law ``z' = G(v, z)``, compiled for Gaussian quadrature over many cells at once.
+    """Hysteresis law, compiled for time steps, and for Gaussian quadrature if it has one state.
 
-    The symbols of the expression are ``v`` (ductility rate) [1/s], ``z`` [-] and the names in
-    ``parameters``. Functions take the values of the parameters as rows of an array, in this order. The
-    law is odd: ``G(-v, -z) = -G(v, z)``.
+    ``law`` is ``G`` of ``z' = G(v, z)``, or a mapping of the rates of several states by name. Its
+    symbols are ``v`` (ductility rate) [1/s], the states, and the names in ``parameters``. Functions take
+    the values of the parameters as rows of an array, in this order. The law is the same in both
+    directions.
     """
 
-    def __init__(self, expression: sympy.Expr, parameters: tuple[str, ...] = ()) -> None:
-        self.expression, self.parameters = _with_plain_symbols(expression, parameters), parameters
-        law = self._function(self.expression, "numpy")
-
-        def slip(rate: Array, displacement: Array, values: Array) -> Array:
-            return rate - np.broadcast_to(law(rate, displacement, values), rate.shape)
-
-        self.slip_rate = SlipRate(slip, self._kinks(), False)
-        probes = np.random.default_rng(4).uniform(0.3, 1.7, (len(parameters), _PROBES.shape[1]))
-        self.slip_rate = self.slip_rate._replace(rate_independent=self._is_rate_independent(probes))
+    def __init__(
+        self, law: sympy.Expr | Mapping[str, sympy.Expr] | Rates, parameters: tuple[str, ...] = ()
+    ) -> None:
+        self.rates, self.parameters = _with_plain_symbols(law, parameters), parameters
+        self._rates = self._function(sympy.Tuple(*dict(self.rates).values()), "numpy")
         self._good: set[tuple[str, bytes]] = set()
 
-    def __reduce__(self) -> tuple[Callable[..., SymbolicLaw], tuple[sympy.Expr, tuple[str, ...]]]:
-        """Pickle the expression and the parameter names: compiled functions cannot be pickled."""
-        return compiled, (self.expression, self.parameters)
+    def __reduce__(self) -> tuple[Callable[..., SymbolicLaw], tuple[Rates, tuple[str, ...]]]:
+        """Pickle the expressions and the parameter names: compiled functions cannot be pickled."""
+        return compiled, (self.rates, self.parameters)
+
+    @cached_property
+    def slip_rate(self) -> SlipRate:
+        """``v - G(v, z)`` of a law with one state."""
+
+        def slip(rate: Array, displacement: Array, values: Array) -> Array:
+            return rate - self._values(rate, (displacement,), values)[0]
+
+        probes = np.random.default_rng(4).uniform(0.3, 1.7, (len(self.parameters), _PROBES.shape[1]))
+        found = SlipRate(slip, self._kinks(), False)
+        return found._replace(rate_independent=_is_rate_independent(found, probes))
 
     def gaussian(self, latent: Array, parameters: Array) -> ClosureValue:
         """Gaussian closure by quadrature: equivalent coefficients, with their derivatives."""
@@ -70,24 +87,31 @@ class SymbolicLaw:
         """The law in time steps, a `kernels.simulation.laws.RateLaw`."""
         from stochlin.kernels.simulation.laws import RateLaw, advance_of
 
-        v, z = sympy.symbols("v z", real=True)
-        w, own = sympy.IndexedBase("w"), sympy.IndexedBase("own")
+        v, w, own = sympy.Symbol("v", real=True), sympy.IndexedBase("w"), sympy.IndexedBase("own")
         lane = sympy.Symbol("lane", integer=True)
-        values = {sympy.Symbol(n, real=True): own[i, lane] for i, n in enumerate(self.parameters)}
-        rates = sympy.Tuple(self._for_lanes().subs(values | {z: w[0]}))
+        values = {n: own[i, lane] for i, n in enumerate(self.parameters)}
+        values |= {name: w[i] for i, (name, _) in enumerate(self.rates)}
+        numbers = {sympy.Symbol(name, real=True): value for name, value in values.items()}
+        rates = sympy.Tuple(*(_for_lanes(rate).subs(numbers) for _, rate in self.rates))
         functions = [_VECTOR_FUNCTIONS, "math"]
         of_rates = sympy.lambdify((v, w, own, lane), rates, functions, cse=True)
         return RateLaw(advance_of(of_rates, len(rates)), len(rates))
 
     def check(self, parameters: Array) -> None:
-        """Raise a ValueError if the law is not odd, or not real and finite.
+        """Raise a ValueError if the law differs in both directions, or is not real and finite.
 
         ``parameters`` (m, n) holds the m parameters of the law, one set in each of its n columns.
         """
-        self._check_each(parameters, self._check_odd)
+        self._check_each(parameters, self._check_directions)
 
     def check_expectations(self, parameters: Array) -> None:
         """Raise an ArithmeticError if `gaussian` is not accurate; parameters as for `check`."""
+        if len(self.rates) > 1:
+            raise ArithmeticError(
+                f"law = {in_words(self.rates)} cannot be linearized: a law with more than one state has "
+                "no stationary closure here; follow it in time, by simulate with a duration, "
+                "separation, respond or recorded_gap"
+            )
         self._check_each(parameters, self._check_quadrature)
 
     def _check_each(self, parameters: Array, check: Callable[[Array], None]) -> None:
@@ -97,22 +121,31 @@ class SymbolicLaw:
                 check(column)
                 self._good.add(key)
 
-    def _function(self, expression: sympy.Expr, module: Any) -> Callable[..., Array]:
-        """The expression as a function of ``v``, ``z`` and one array with the rows of parameters."""
-        v, z = sympy.symbols("v z", real=True)
-        rows = sympy.DeferredVector("parameters")
-        values = {sympy.Symbol(n, real=True): rows[i] for i, n in enumerate(self.parameters)}
-        return sympy.lambdify((v, z, rows), expression.subs(values), module, cse=True)
+    def _function(self, expression: sympy.Basic, module: Any) -> Callable[..., Any]:
+        """The expression as a function of ``v``, the states and the parameters, both as rows."""
+        rows = {"states": [name for name, _ in self.rates], "parameters": self.parameters}
+        v, vectors = sympy.Symbol("v", real=True), [sympy.DeferredVector(name) for name in rows]
+        values = {
+            sympy.Symbol(name, real=True): vector[i]
+            for vector, names in zip(vectors, rows.values(), strict=True)
+            for i, name in enumerate(names)
+        }
+        return sympy.lambdify((v, *vectors), expression.subs(values), module, cse=True)
+
+    def _values(self, v: Array, states: Sequence[Array] | Array, parameters: Array) -> Array:
+        """Rates of all states, (states, ...) as ``v``."""
+        found = self._rates(v, states, parameters)
+        return np.array([np.broadcast_to(rate, v.shape) for rate in found])
 
     def _kinks(self) -> Callable[[Array], Sequence[Array | float]]:
         """A function of the parameters: the ``z`` besides 0 where the law may jump or bend."""
-        kinks = _kinks(self.expression) - {sympy.S.Zero}
+        kinks = _kinks(self.rates[0][1]) - {sympy.S.Zero}
         fixed = sorted(float(kink) for kink in kinks if kink.is_number)
         moving = self._function(sympy.Tuple(*(k for k in kinks if not k.is_number)), "numpy")
 
         def at(parameters: Array) -> Sequence[Array | float]:
             with np.errstate(all="ignore"):
-                found = moving(0.0, 0.0, parameters)
+                found = moving(0.0, (0.0,), parameters)
             return [*fixed, *(np.where(np.isfinite(kink), kink, 0.0) for kink in found)]
 
         return at
@@ -120,37 +153,31 @@ class SymbolicLaw:
     def _named(self, column: Array) -> str:
         """The law as messages name it, with the values of the parameters for which it was checked."""
         told = ", ".join(f"{n} = {x:g}" for n, x in zip(self.parameters, column, strict=True))
-        return f"law = {self.expression}" + (f" with {told}" if told else "")
-
-    def _for_lanes(self) -> sympy.Expr:
-        """The law with powers as `_POWER`, and steps as Piecewise, which plain Python code has."""
-        law = self.expression.replace(
-            sympy.Heaviside, lambda *x: sympy.Heaviside(*x).rewrite(sympy.Piecewise)
-        )
-        return law.replace(
-            lambda node: node.is_Pow and not (2 * node.exp).is_integer, lambda node: _POWER(*node.args)
-        )
+        return f"law = {in_words(self.rates)}" + (f" with {told}" if told else "")
 
     @np.errstate(all="ignore")
-    def _check_odd(self, column: Array) -> None:
-        v, z = _PROBES
-        value, mirrored, start = (self.slip_rate.function(n * v, m * z, column) for n, m in _SIDES)
-        if np.iscomplexobj(value) or not np.isfinite([value, start]).all():
+    def _check_directions(self, column: Array) -> None:
+        v, w = _PROBES[0], _PROBES[1 : 1 + len(self.rates)]
+        rates, start = self._values(v, w, column), self._values(v, 0 * w, column)
+        more = ", further states from 0 to 2.5" if len(w) > 1 else ""
+        if np.iscomplexobj(rates) or not np.isfinite([rates, start]).all():
             raise ValueError(
-                f"{self._named(column)} is not real and finite in |v|, |z| < 2.5 and at z = 0, where "
-                "motions start; take powers of Abs(z) instead of z, and write a limit as Piecewise"
+                f"{self._named(column)} is not real and finite in |v|, |z| < 2.5{more} and at "
+                f"{' = '.join(name for name, _ in self.rates)} = 0, where motions start; take powers of "
+                "Abs(z) instead of z, and write a limit as Piecewise"
             )
-        if np.abs(value + mirrored).max() > 1e-9 * (1 + np.abs(value).max()):
-            raise ValueError(
-                f"{self._named(column)} is not odd; allowed: G(-v, -z) = -G(v, z), the same "
-                "behaviour in both directions"
+        allowed = 1e-9 * (1 + np.abs(rates).max(axis=1, keepdims=True))
+        for further in itertools.product((1, -1), repeat=len(w) - 1):
+            signs = np.array([-1, *further])[:, None]
+            if (np.abs(self._values(-v, signs * w, column) - signs * rates) <= allowed).all():
+                return
+        odd = "is not odd; allowed: G(-v, -z) = -G(v, z)"
+        if len(w) > 1:
+            odd = (
+                "differs with the direction; allowed: if v and z are reversed, so is the rate of z, and "
+                "every further state keeps its sign and that of its rate, or both are reversed"
             )
-
-    @np.errstate(all="ignore")
-    def _is_rate_independent(self, parameters: Array) -> bool:
-        v, z = np.abs(_PROBES[0]) + 0.01, _PROBES[1]
-        whole, double = (self.slip_rate.function(n * v, z, parameters) for n in (1, 2))
-        return bool(np.abs(double - 2 * whole).max() <= 1e-11 * (1 + np.abs(whole).max()))
+        raise ValueError(f"{self._named(column)} {odd}, the same behaviour in both directions")
 
     @np.errstate(all="ignore")
     def _check_quadrature(self, column: Array) -> None:
@@ -173,25 +200,42 @@ class SymbolicLaw:
 
 
 @cache
-def _compiled(expression: sympy.Expr, parameters: tuple[str, ...]) -> SymbolicLaw:
-    return SymbolicLaw(expression, parameters)
+def _compiled(rates: Rates, parameters: tuple[str, ...]) -> SymbolicLaw:
+    return SymbolicLaw(rates, parameters)
 
 
-def compiled(expression: sympy.Expr, parameters: tuple[str, ...]) -> SymbolicLaw:
-    """The compiled law of a sympy expression; equal expressions are compiled only once."""
-    return _compiled(_with_plain_symbols(expression, parameters), parameters)
+def compiled(
+    law: sympy.Expr | Mapping[str, sympy.Expr] | Rates, parameters: tuple[str, ...]
+) -> SymbolicLaw:
+    """The compiled law of sympy expressions; equal expressions are compiled only once."""
+    return _compiled(_with_plain_symbols(law, parameters), parameters)
 
 
-def _with_plain_symbols(expression: sympy.Expr, parameters: tuple[str, ...]) -> sympy.Expr:
-    """The expression with real-valued symbols of the same names in place of the user's symbols."""
+def _with_plain_symbols(law: Any, parameters: tuple[str, ...]) -> Rates:
+    """The rates with real-valued symbols of the same names in place of the user's symbols."""
+    rates = rates_by_state(law)
+    names = [name for name, _ in rates]
+    return tuple((name, _plain(name, rate, names, parameters)) for name, rate in rates)
+
+
+def _plain(
+    state: str, expression: sympy.Expr, states: Sequence[str], parameters: tuple[str, ...]
+) -> sympy.Expr:
     if not isinstance(expression, sympy.Expr):
-        raise TypeError(f"law = {brief(expression)} is not allowed; give a sympy expression")
+        raise TypeError(f"law = {brief(expression)} is not allowed; {GIVE}")
     names = {symbol.name for symbol in expression.free_symbols}
-    if "v" not in names or not names <= {"v", "z", *parameters}:
-        allowed = "'v' and 'z' only, with numbers in place of any parameter"
+    known = ["v", *states]
+    if (state == "z" and "v" not in names) or not names <= {*known, *parameters}:
+        quoted = [f"'{name}'" for name in known]
+        allowed = (
+            f"{', '.join(quoted[:-1])} and {quoted[-1]} only, with numbers in place of any parameter"
+        )
         if parameters:
-            allowed = f"'v', 'z' and its parameters {', '.join(parameters)}"
-        raise ValueError(f"law = {expression} has the symbols {sorted(names)}; allowed: {allowed}")
+            allowed = f"{', '.join(quoted)} and its parameters {', '.join(parameters)}"
+        of_state = f" of {state}" if len(states) > 1 else ""
+        raise ValueError(
+            f"law{of_state} = {expression} has the symbols {sorted(names)}; allowed: {allowed}"
+        )
     _check_parts(expression)
     return expression.subs({s: sympy.Symbol(s.name, real=True) for s in expression.free_symbols})
 
@@ -210,6 +254,21 @@ def _check_parts(expression: sympy.Expr) -> None:
                 f"law = {brief(str(expression))} has the number {brief(str(node))}; allowed: numbers "
                 f"below {LARGEST:.0e}"
             )
+
+
+def _for_lanes(law: sympy.Expr) -> sympy.Expr:
+    """The law with powers as `_POWER`, and steps as Piecewise, which plain Python code has."""
+    law = law.replace(sympy.Heaviside, lambda *x: sympy.Heaviside(*x).rewrite(sympy.Piecewise))
+    return law.replace(
+        lambda node: node.is_Pow and not (2 * node.exp).is_integer, lambda node: _POWER(*node.args)
+    )
+
+
+@np.errstate(all="ignore")
+def _is_rate_independent(law: SlipRate, parameters: Array) -> bool:
+    v, z = np.abs(_PROBES[0]) + 0.01, _PROBES[1]
+    whole, double = (law.function(n * v, z, parameters) for n in (1, 2))
+    return bool(np.abs(double - 2 * whole).max() <= 1e-11 * (1 + np.abs(whole).max()))
 
 
 def _kinks(expression: sympy.Expr) -> set[sympy.Expr]:

@@ -8,9 +8,7 @@ from stochlin.kernels.basics.compiled import not_kept
 from stochlin.kernels.simulation.laws import (
     BOUC_WEN,
     OTHER,
-    RateLaw,
     advance,
-    advance_of,
     bouc_wen,
     by_number,
 )
@@ -76,50 +74,6 @@ def test_no_lane_depends_on_another():
         of_one = [np.repeat(x[..., lane : lane + 1], LANES, axis=-1) for x in (mixed, rates, BEFORE)]
         alone = after(bouc_wen, 0.05, own=of_one[0], rates=of_one[1], before=of_one[2])
         assert alone[0, 0] == whole[0, lane]
-
-
-def pinching(v, w, own, lane):
-    """Rates of z and of the energy E of the law of Baber and Noori, with Foliente's names."""
-    z, e = w
-    beta, gamma, n = own[0, lane], own[1, lane], own[2, lane]
-    d_nu, d_eta, zeta_s, p = own[3, lane], own[4, lane], own[5, lane], own[6, lane]
-    q, psi, d_psi, share = own[7, lane], own[8, lane], own[9, lane], own[10, lane]
-    nu, eta = 1 + d_nu * e, 1 + d_eta * e
-    zeta = zeta_s * (1 - np.exp(-p * e))
-    spread = (psi + d_psi * e) * (share + zeta)
-    most = (nu * (beta + gamma)) ** (-1 / n)
-    off = z * np.sign(v) - q * most
-    h = 1 - zeta * np.exp(-off * off / spread**2)
-    slip = nu * (beta * abs(v) * abs(z) ** (n - 1) * z + gamma * v * abs(z) ** n)
-    return h / eta * (v - slip), z * v
-
-
-def test_law_with_two_states_has_the_values_of_another_integrator():
-    """Degradation and pinching under mu = 2 t sin(2 pi t): z and E, of eighth order elsewhere."""
-    law = by_number((RateLaw(advance_of(pinching, 2), 2),))
-    own = lanes(0.6, 0.4, 1.5, 0.02, 0.05, 0.9, 1.0, 0.15, 0.2, 0.01, 0.4)
-    expected = {1.1: (0.88180116, 1.64180666), 2.3: (0.78911271, 7.84019183)}
-    expected[3.9] = (-0.02266042, 19.36526975)
-
-    @not_kept
-    def run(law, extensions, dt, own):
-        states, x = np.zeros((extensions.size, 2)), np.zeros((5 + len(own), LANES))
-        x[5:] = own
-        for s in range(1, extensions.size):
-            x[0] = (extensions[s] - extensions[s - 1]) / dt
-            advance(law, OTHER, LANES, x, 0, 1, 5, dt, 3)
-            x[1:3] = x[3:5]
-            states[s] = x[1:3, 0]
-        return states
-
-    errors = []
-    for steps in (16000, 32000):
-        t = np.linspace(0, 4, steps + 1)
-        found = run(law, 2 * t * np.sin(2 * np.pi * t), 4 / steps, own)
-        off = [found[round(at / 4 * steps)] - both for at, both in expected.items()]
-        errors.append(np.abs(off).max())
-    assert errors[1] < 1e-6
-    assert errors[1] < 0.7 * errors[0]
 
 
 def test_law_of_an_unknown_kind_gives_no_number():

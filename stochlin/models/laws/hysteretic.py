@@ -1,45 +1,58 @@
-"""Structures with an odd hysteresis law that the user gives as a sympy expression."""
+"""Structures with a hysteresis law that the user gives as sympy expressions."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, Any
 
 from stochlin.messages import brief, listed
+from stochlin.models.states import in_words, rates_by_state
 from stochlin.models.structures import LAWS, Structure
 
 if TYPE_CHECKING:
     import sympy
 
+    from stochlin.models.states import Rates
+
 
 @LAWS.register("hysteretic", place=3)
 @dataclass(frozen=True)
 class Hysteretic(Structure):
-    """Oscillator with any odd hysteresis law ``z' = G(v, z)``, given as a sympy expression.
+    """Oscillator with any hysteresis law ``z' = G(v, z)``, or one of more states, in sympy expressions.
 
     Parameters
     ----------
     period, damping, hardening, yield_displacement, reduction_factor, peak_factor
         As in `Bilinear`.
-    law : sympy.Expr
+    law : sympy.Expr or mapping
         ``G`` [1/s] in symbols named ``v``, the ductility rate [1/s], and ``z`` [-]. The law is odd:
         ``G(-v, -z) = -G(v, z)``. It may contain sums, products, powers, ``Abs``, ``sign``, ``Max``,
         ``Min``, ``Heaviside``, ``Piecewise``, ``exp``, ``log``, and trigonometric and hyperbolic
         functions and their inverses.
+
+        A law with memory has further states, such as the energy that it has dissipated. It is a mapping
+        of the names of all states, among them ``"z"``, to their rates in ``v`` and the states. All
+        states are 0 before a motion. If ``v`` and ``z`` are reversed, so is the rate of ``z``. Each
+        further state then keeps its sign and that of its rate, as an energy does, or both are reversed,
+        as in a displacement. The law is kept as pairs of names and rates.
     mass : float, optional
         As in `Bilinear`.
+    states : sequence of str, optional
+        Names of the states, at most 8, with ``"z"`` first; by default those of ``law``.
 
     Raises
     ------
     ValueError, TypeError
-        As in `Bilinear`; also if the law is not given, has other symbols or functions, is not odd, or
-        is not finite. What linearizes raises an ArithmeticError if the law has kinks that cannot be
-        located, or powers of ``Abs(z)`` below 1/2.
+        As in `Bilinear`; also if the law is not given, has other symbols or functions, differs in both
+        directions, or is not finite with ``z`` between -2.5 and 2.5 and further states from 0 to 2.5.
+        What linearizes raises an ArithmeticError if the law has more than one state, kinks that cannot
+        be located, or powers of ``Abs(z)`` below 1/2.
 
     References
     ----------
-    Roberts, J. B. and Spanos, P. D. (1990), Random vibration and statistical linearization.
+    Roberts, J. B. and Spanos, P. D. (1990), Random vibration and statistical linearization. Baber, T. T.
+    and Wen, Y. K. (1981), J. Eng. Mech. Div. ASCE 107, for laws that degrade with the energy.
 
     Examples
     --------
@@ -48,25 +61,41 @@ class Hysteretic(Structure):
     >>> friction = sl.Hysteretic(1.0, 0.05, 0.1, reduction_factor=2, law=v - abs(v) * z)
     >>> friction.closure_names()
     ('gaussian',)
+
+    The stiffness decreases as the energy ``e`` grows:
+
+    >>> e = sympy.Symbol("e")
+    >>> rates = {"z": (v - abs(v) * z) / (1 + 0.05 * e), "e": z * v}
+    >>> wearing = sl.Hysteretic(1.0, 0.05, 0.1, yield_displacement=0.02, law=rates)
+    >>> ground = sl.KanaiTajimi(0.4, 0.6, 0.02)
+    >>> sl.simulate([wearing], ground, paths=32, duration=10.0).sizes["path"]
+    32
     """
 
-    law: sympy.Expr | None = None
+    law: sympy.Expr | Mapping[str, sympy.Expr] | Rates | None = None
+    _: KW_ONLY
+    states: Sequence[str] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        rates = rates_by_state(self.law, self.states)
+        object.__setattr__(self, "law", rates if len(rates) > 1 else rates[0][1])
+        object.__setattr__(self, "states", tuple(name for name, _ in rates))
         _ = self._compiled
 
-    def symbolic(self) -> sympy.Expr:
-        """The sympy expression that was given as ``law``."""
-        return self.law
+    def symbolic(self) -> sympy.Expr | Mapping[str, sympy.Expr]:
+        """The sympy expression that was given as ``law``, or the rates of several states by name."""
+        return dict(self.law) if isinstance(self.law, tuple) else self.law
 
     def describe(self) -> str:
         """The structure in one line, with its parameters and its law."""
-        return f"{super().describe()[:-1]}, law={self.law})"
+        return f"{super().describe()[:-1]}, law={in_words(self.law)})"
 
 
-def law_of(law: str | sympy.Expr, common: Mapping[str, Any], own: Mapping[str, Any]) -> Structure:
-    """A structure with a law that is given by its name or as a sympy expression.
+def law_of(
+    law: str | sympy.Expr | Mapping[str, sympy.Expr], common: Mapping[str, Any], own: Mapping[str, Any]
+) -> Structure:
+    """A structure with a law that is given by its name, as a sympy expression, or by several.
 
     ``common`` are parameters of every structure, ``own`` those that this law adds, both by name.
 

@@ -1,0 +1,60 @@
+"""The states of a hysteresis law that a user gives in sympy: their names and rates."""
+
+from __future__ import annotations
+
+import keyword
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from stochlin.messages import brief, listed
+
+if TYPE_CHECKING:
+    import sympy
+
+    Rates = tuple[tuple[str, sympy.Expr], ...]
+    """Names and rates of all states of a law, of which the first is z."""
+
+MOST_STATES = 8
+GIVE = "give a sympy expression, or a mapping of sympy expressions by state"
+
+
+def rates_by_state(law: Any, states: Any = None) -> Rates:
+    """The rates of a law, which is an expression for z or a mapping of expressions by state.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If names of states are not allowed, or a rate is missing or not of a state.
+    """
+    rates = {"z": law}
+    if isinstance(law, (Mapping, tuple)):
+        try:
+            rates = dict(law)
+        except (TypeError, ValueError) as error:
+            raise TypeError(f"law = {brief(law)} is not allowed; {GIVE}") from error
+    names = ("z", *(name for name in rates if name != "z")) if states is None else states
+    if not isinstance(names, (list, tuple)) or not all(isinstance(name, str) for name in names):
+        raise TypeError(
+            f"states = {brief(names)}; allowed: a list or tuple of names, such as ('z', 'e')"
+        )
+    words = all(name.isidentifier() and not keyword.iskeyword(name) for name in names)
+    fit = "v" not in names and len({*names}) == len(names) <= MOST_STATES
+    if not (words and fit and [*names[:1]] == ["z"]):
+        raise ValueError(
+            f"states = {brief(tuple(names))}; allowed: at most {MOST_STATES} different names of letters "
+            "and digits, of which 'z' is the first, and none is 'v', the ductility rate"
+        )
+    if {*names} != {*rates}:
+        raise ValueError(
+            f"law = {brief(in_words(law))} has rates of {listed(rates)}; allowed: one for each of the "
+            f"states {listed(names)}, and no more"
+        )
+    return tuple((name, rates[name]) for name in names)
+
+
+def in_words(law: Any) -> str:
+    """A law in messages and descriptions: the name or expression, or the expressions by state."""
+    rates = dict(law) if isinstance(law, (Mapping, tuple)) else {"z": law}
+    if list(rates) == ["z"]:
+        return str(rates["z"])
+    return f"{{{', '.join(f'{name}: {rate}' for name, rate in rates.items())}}}"
