@@ -175,21 +175,18 @@ def numpy_storeys(building: sl.ShearBuilding, dt: float, rng: np.random.Generato
     """The same building in plain numpy, vectorized over paths; slips by as many passes as they take."""
     elements = frames_of(arrangement_of([building]))[0][0].part.elements
     steps, n = steps_of(elements, dt), building.storeys
-    d, v, z = np.zeros((3, n, NUMPY_PATHS))
-    uy = elements.system.strength[:, None]
-    own = np.diag(steps.relief)[:, None]
+    q, v, z = np.zeros((3, n, NUMPY_PATHS))
+    post, couple, uy, own = steps.spring.T[:, :, None]
+    extensions = elements.system.extensions
     for _ in range(NUMPY_STEPS):
         f = 3 * rng.standard_normal(NUMPY_PATHS)
-        known = np.concatenate(
-            [v, elements.system.post[:, None] * d + elements.system.couple[:, None] * z]
-        )
+        known = np.concatenate([v, post * (extensions @ q) + couple * z])
         trial, slip = steps.move @ known + steps.push[:, None] * f, np.zeros((n, NUMPY_PATHS))
         for _ in range(PASSES):
-            change = trial + steps.relief @ slip
-            y = z + change - own * slip
+            y = z + extensions @ (trial + steps.ease @ slip) - own * slip
             slip = (y - np.clip(y, -uy, uy)) / (1 - own)
-        change = trial + steps.relief @ slip
-        d, z, v = d + change, z + change - slip, 2 / dt * change - v
+        dq = trial + steps.ease @ slip
+        q, z, v = q + dq, z + extensions @ dq - slip, 2 / dt * dq - v
 
 
 def storeys() -> None:
@@ -223,16 +220,15 @@ def storeys() -> None:
 
 def products_a_second() -> float:
     """Of a matrix with rows of LANES numbers, as the storeys' kernel makes them, on one core."""
-    matrix, rows, out = np.ones((8, 16)), np.ones((16, LANES)), np.zeros((8, LANES))
-    count = 20_000
-    return matrix.size * LANES * count / seconds(lambda: _multiplied(matrix, rows, out, count), 3)
+    matrix, x, count = np.ones((8, 16)), np.ones((24, LANES)), 20_000
+    return matrix.size * LANES * count / seconds(lambda: _multiplied(matrix, x, count), 3)
 
 
 @nb.njit
-def _multiplied(matrix: Array, rows: Array, out: Array, count: int) -> None:
+def _multiplied(matrix: Array, x: Array, count: int) -> None:
     for _ in range(count):
         for i in range(len(matrix)):
-            multiply(matrix, i, rows, out)
+            multiply(matrix, i, x, 8, i, x.shape[1])
 
 
 def main() -> None:

@@ -110,7 +110,7 @@ class SymbolicLaw:
             raise ArithmeticError(
                 f"law = {in_words(self.rates)} cannot be linearized: a law with more than one state has "
                 "no stationary closure here; follow it in time, by simulate with a duration, "
-                "separation, respond or recorded_gap"
+                "separation, respond, recorded_gap or pound"
             )
         self._check_each(parameters, self._check_quadrature)
 

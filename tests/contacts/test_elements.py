@@ -11,7 +11,7 @@ from hypothesis import given
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.kernels.pounding import contact as kernel
+from stochlin.kernels.simulation import contacts as kernel
 
 pytestmark = pytest.mark.oracle
 

@@ -12,7 +12,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.kernels.pounding.contact import ForceLaw
+from stochlin.kernels.simulation.contacts import ForceLaw
 from stochlin.models.contacts.base import Element
 
 pytestmark = pytest.mark.oracle

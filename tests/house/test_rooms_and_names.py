@@ -123,9 +123,6 @@ def test_kernels_know_no_labels(path: Path) -> None:
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_only_public_names_of_numba_are_used(path: Path) -> None:
-    """Pounding alone hands named tuples on by address, for which numba has no public name."""
-    if path.relative_to(ROOT).parts[:2] == ("kernels", "pounding"):
-        return
     private = re.compile(r"llvmlite\b|numba\.(?!$|extending\b|(njit|config)\.$)")
     assert not [name for name in imports(path) if private.match(f"{name}.")]
     assert not re.search(r"\b(nb|numba)\.(core|_)", path.read_text(encoding="utf-8"))

@@ -135,17 +135,19 @@ def test_the_critical_gap_is_the_least_without_contact(kind):
     pair = oscillators(kind)
     for motion in MANY[:4]:
         gap = float(sl.recorded_gap(*pair, motion).separation)
-        open_, closed = (sl.pound(pair, share * gap, HARD, motion) for share in (1.0001, 0.9999))
+        open_, closed = (
+            sl.pound(pair, share * gap, HARD, motion, steps_per_contact=64) for share in (1.0004, 0.9996)
+        )
         assert open_.sizes["impact"] == 0
         assert closed.sizes["impact"] == 1
-        assert float(closed.approach_velocity[0]) < 0.02 * 2 * np.pi / 0.5 * gap
+        assert float(closed.approach_velocity[0]) < 0.04 * 2 * np.pi / 0.5 * gap
 
 
 @pytest.mark.parametrize(
     ("kind", "mean", "falls"),
     [
         ("elastic", [1.35, 1.18, 0.99], 0.92),
-        pytest.param("yielding", [1.27, 1.20, 1.10], 0.75, marks=pytest.mark.slow),
+        pytest.param("yielding", [1.265, 1.20, 1.10], 0.75, marks=pytest.mark.slow),
     ],
 )
 def test_oscillators_are_amplified_less_with_less_restitution(kind, mean, falls):

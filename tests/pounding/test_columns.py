@@ -11,6 +11,7 @@ from hypothesis import given, settings
 import stochlin as sl
 from stochlin.analyses.pounding.rows import build_row
 from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 
 pytestmark = pytest.mark.oracle
 
@@ -83,19 +84,27 @@ def test_energy_balances_where_slabs_meet_columns(name):
 def test_a_column_met_at_its_floor_is_that_floor(name):
     """As the place on the column comes to the floor above, slab to slab is left."""
     pair, record = [building([3.0] * 3), building([3.0] * 2, 5e8)], shaking(200).to_numpy()
-    row, places = build_row(pair, np.array([0.005]), CONTACTS[name], record, ())
-    ends = np.arange(record.size - 1)
-    motion = kernel.SampledMotion(record, 0.02, ends, np.full(ends.size, 0.02))
-    slabs = kernel.run(row, motion)
-    assert [m.kind for m in places] == ["slab to slab"] * 2
-    assert len(slabs.impacts) > 3
-    for share in (1e-7, 1e-9):
-        weight = np.array([[1.0, -1.0, 0.0], [1.0, share - 1.0, -share]])
-        column = kernel.run(row._replace(lower=np.array([3, 3]), weight=weight), motion)
-        size = np.abs(slabs.states[:, :5]).max()
-        np.testing.assert_allclose(
-            column.states[:, :5], slabs.states[:, :5], rtol=0, atol=1e3 * share * size
-        )
+    standing = build_row(pair, np.array([0.005]), CONTACTS[name], ())
+    motions = kernel.Motions(record[:, None], 0.02, np.array([record.size - 1]), np.zeros(1))
+    at, _ = standing.row.places
+    assert [m.kind for m in standing.places] == ["slab to slab"] * 2
+
+    def run(row):
+        found = kernel.run(row, motions, kernel.Pace(10, 4), kernel.SAMPLES)
+        return found.history[:, at.q : at.v], len(found.impacts)
+
+    slabs, impacts = run(standing.row)
+    assert impacts > 3
+    known = standing.row.contacts
+    laws = [ForceLaw(*(row[field] for field in ForceLaw._fields)) for row in known.law]
+    for share in (1e-7, 1e-9):  # of the floor below, floor 3, in the place of the second contact
+        right = np.minimum(known.weights, 0.0)
+        right[1, 3:] = -share, share - 1.0
+        left = np.maximum(known.weights, 0.0)
+        met = Contacts.of(laws, 5, left, right, known.gap)
+        columns, _ = run(standing.row._replace(contacts=met))
+        size = np.abs(slabs).max()
+        np.testing.assert_allclose(columns, slabs, rtol=0, atol=1e3 * share * size)
 
 
 def test_two_columns_met_beside_two_floors_are_slabs_that_meet():

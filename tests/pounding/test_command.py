@@ -427,8 +427,9 @@ def test_energy_of_any_case_is_balanced(model: str, data: st.DataObject) -> None
             kinds = ("kinetic", "elastic", "viscous", "hysteretic")
             kept = sum(table[f"{kind}_energy"].sum("structure") for kind in kinds)
             kept = kept + table.contact_stored_energy + table.contact_lost_energy
-            assert float(np.abs(given_energy - kept).max()) < 1e-6 * float(given_energy.max())
-            assert float(table.energy_share.sum()) == pytest.approx(1.0, abs=1e-6)
+            close = 1e-3 if model == "stereomechanical" else 1e-6  # blows take place within a step
+            assert float(np.abs(given_energy - kept).max()) < close * float(given_energy.max())
+            assert float(table.energy_share.sum()) == pytest.approx(1.0, abs=close)
             lost = table.energy_lost.sum() if table.sizes["impact"] else 0.0
             assert float(table.contact_energy.sum()) == pytest.approx(float(lost), rel=1e-9)
             for variable in ("viscous_energy", "contact_lost_energy"):

@@ -1,4 +1,13 @@
-"""The integrator of pounding rows on free masses: restitution and contact time in closed form."""
+"""Time steps of pounding rows on free masses: restitution and contact time in closed form.
+
+Steps are a share of a half-period of the contact: ``h = pi/steps`` in units of its time scale, or of the
+time ``m/c`` of its dashpot, if shorter. For linear elements the trapezoidal rule solves the modified
+equation ``x' = A' x`` with ``A' = A + h^2/12 A^3``. Since ``A^2 = -2 xi A - 1``, this is
+``A' = (1 + (4 xi^2 - 1) h^2/12) A + 2 xi h^2/12``: another pace, and a growth of all by
+``exp(xi t h^2/6)``. Masses therefore part at ``1 + xi h^2 T/6`` times their velocity, ``T`` being the
+time in which the dashpot acts, after ``1 + (1 - 4 xi^2) h^2/12`` times the time. Nonlinear elements have
+similar expressions, which are derived where they are used. The tolerances are of the next order.
+"""
 
 from __future__ import annotations
 
@@ -6,194 +15,535 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 import scipy.integrate
+import scipy.optimize
 from hypothesis import given
+from scipy.special import beta
 
 import stochlin as sl
-from stochlin.kernels.basics.linear_branch import evaluate
-from stochlin.kernels.pounding import contact as forces
+from stochlin.kernels.basics.rows import Rows
+from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding import run as kernel
-from stochlin.kernels.pounding import steps
-from stochlin.kernels.pounding.contact import CLOSED, OPENING
 from stochlin.kernels.pounding.impacts import (
-    AFTER,
     APPROACH,
-    BEFORE,
     BEGIN,
     CONTACT,
+    DEEPEST,
     END,
     HANDED,
+    LANE,
     LARGEST,
+    LOST,
+    REST,
+    STORED,
 )
-from stochlin.kernels.pounding.rates import STRAIN_RATE
+from stochlin.kernels.simulation import contacts as forces
+from stochlin.kernels.simulation.account import Parts
+from stochlin.kernels.simulation.laws import LINEAR, by_number
+from stochlin.kernels.simulation.time_step import CLOSE, Elements, lanes_at_rest, steps_of
 
 pytestmark = pytest.mark.oracle
 
-EXACT = 1e-8  # what is asked for; measured: 4e-10 in restitutions, 4e-9 in times
 RATIOS = [0.001, 0.01, 0.1, 0.3, 0.5, 0.9, 0.999999, 1.0, 1.000001, 1.5, 3.0]
 KINDS = [sl.Kelvin, sl.NoTensionKelvin, sl.ImpactKelvin]
-LINEAR = [(kind, xi) for kind in KINDS for xi in RATIOS if kind is not sl.Kelvin or xi < 0.99]
+LINEARS = [(kind, xi) for kind in KINDS for xi in RATIOS if kind is not sl.Kelvin or xi < 0.99]
 STIFFNESS = 5e7
+PAIR, SPEED = (2e5, 3e5), 0.8
+PHASES = 16  # collisions at once, which begin at as many places within a step
+STEPS = [32, 64, 128]  # in half a period
+ROUNDING = 1e-10  # of forces and of differences of penetrations, over many steps
 
 
-def free_row(masses, contact, gap=0.0):
-    """Masses without springs in a row."""
-    n = len(masses)
-    left, right = np.arange(n - 1), np.arange(1, n)
+def free_row(masses, contact, gap=0.0, sides=None, owners=None, springs=0.0):
+    """Masses in a row, each tied to the ground by a spring or none; ``sides`` are weights on either."""
     mass = np.array(masses, float)
-    jumps = isinstance(contact, sl.Stereomechanical)
-    laws = [
-        forces.ForceLaw() if jumps else contact.force_law(forces.reduced_mass(mass[i], mass[i + 1]))
-        for i in range(n - 1)
-    ]
-    return kernel.Row(
-        first=np.arange(n + 1),
-        below=np.full(n, -1),
-        mass=mass,
-        per_mass=1 / mass,
-        post=np.zeros(n),
-        couple=np.zeros(n),
-        strength=np.full(n, np.inf),
-        law=np.zeros(n, np.int64),
-        shape=np.ones((n, 3)),
-        damping=np.zeros((n, n)),
-        left=left,
-        right=right,
-        lower=right,
-        weight=np.tile([1.0, -1.0, 0.0], (n - 1, 1)),
-        meeting=forces.reduced_mass(mass[:-1], mass[1:]),
-        gap=np.full(n - 1, gap),
-        element=forces.law_table(laws),
-        jumps=jumps,
-        restitution=contact.e,
-        slow=0.0,
-        tied=np.zeros((0, 2), np.int64),
-        tie=np.zeros((0, 4)),
-        tie_law=np.zeros(0, np.int64),
+    n, zero = mass.size, np.zeros(mass.size)
+    left, right = (np.eye(n)[:-1], -np.eye(n)[1:]) if sides is None else sides
+    space, structure = np.full(len(left), gap), np.arange(n) if owners is None else np.array(owners)
+    if isinstance(contact, sl.Stereomechanical):
+        laws, e = [forces.ForceLaw()] * len(left), contact.e
+    else:
+        laws, e = [contact.force_law(float(1 / (w**2 @ (1 / mass)))) for w in left + right], None
+    post = zero + springs
+    system = System(mass, np.zeros((n, n)), np.eye(n), np.eye(n), post, zero, np.full(n, np.inf))
+    elements = Elements(system, np.full(n, LINEAR), np.ones(n, np.int64), np.zeros((n, 0)))
+    none = np.zeros(0, np.int64)
+    parts = Parts(
+        *(mass, structure, structure, Rows.of(np.zeros((n, n))), np.full(n, np.inf)),
+        *(none, none, np.zeros(0)),
     )
+    contacts = forces.Contacts.of(laws, n, left, right, space, e)
+    return kernel.Row(elements, by_number(()), contacts, parts, int(structure.max()) + 1)
 
 
-def fly(masses, velocities, contact, duration, gap=0.0, samples=17, push=0.0, places=0.0):
-    """The run of free masses for ``duration`` under a ground acceleration ``push``."""
-    n, dt = len(masses), duration / (samples - 1)
-    row = free_row(masses, contact, gap)
-    start = np.zeros(3 * n + 3 * n + n - 1)
-    start[:n], start[n : 2 * n] = places, velocities
-    ends = np.arange(samples - 1)
-    motion = kernel.SampledMotion(np.full(samples, push), dt, ends, np.full(samples - 1, dt))
-    return kernel.run(row, motion, start)
+class Flight:
+    """The run of masses (n,), or of many lanes of them (n, lanes), from places and velocities."""
+
+    def __init__(self, row, velocities, dt, duration, places=0.0, substeps=1, slow=0.0):
+        at, to = row.places
+        mass, n = row.parts.mass, row.parts.mass.size
+        v = np.array(velocities, float).reshape(n, -1)
+        lanes, intervals = v.shape[1], int(np.ceil(duration / (dt * substeps)))
+        x = np.zeros((to.rows, lanes))
+        x[: at.rows] = lanes_at_rest(at, [row.elements], lanes)
+        x[at.slow], x[to.failed], x[to.begin : to.end] = slow, np.inf, np.nan
+        x[at.v : at.v + n] = v
+        x[at.q : at.q + n] = np.broadcast_to(np.array(places, float).T, v.T.shape).T
+
+        def energies():
+            springs = row.elements.system.post[:, None] * x[at.q : at.q + n] ** 2
+            return 0.5 * mass[:, None] * x[at.v : at.v + n] ** 2 + 0.5 * springs
+
+        start = energies()
+        np.add.at(x, to.entering + row.parts.structure, start)  # as if the ground had done it
+        ground = np.zeros((intervals + 1, lanes))
+        motions = kernel.Motions(ground, substeps * dt, np.full(lanes, intervals), np.full(lanes, slow))
+        long = steps_of(row.elements, substeps * dt)
+        short = steps_of(row.elements, dt, row.contacts)
+        table, *_ = kernel._run(
+            *(row.law, long, short, row.parts, at, to, x, motions, 1, substeps, kernel.NOTHING),
+            np.empty((1, to.rows)),
+        )
+        self.impacts = table[np.argsort(table[:, LANE], kind="stable")]
+        self.q, self.v = x[at.q : at.q + n], x[at.v : at.v + n]
+        self.imbalance, self.duration = x[to.imbalance], intervals * substeps * dt
+        self.gained = energies() - start
 
 
-def collide(contact, masses=(2e5, 3e5), v0=0.8, gap=0.013):
-    """Restitution and contact time of one collision; and the run."""
-    mass = forces.reduced_mass(*masses)
-    scale = contact.time_scale(mass, v0)
-    velocities = (0.3 * v0, -0.7 * v0)
-    run = fly(masses, velocities, contact, gap / v0 + 40 * scale, gap)
-    assert run.completed
-    assert len(run.impacts) == 1
-    n = len(masses)
-    v = run.last[n : 2 * n]
-    [line] = run.impacts
-    assert line[BEGIN] == pytest.approx(gap / v0, rel=1e-9)
-    assert line[APPROACH] == pytest.approx(v0, rel=1e-9)
-    return (v[1] - v[0]) / v0, (line[END] - line[BEGIN]) / scale, run
+class Collisions:
+    """Collisions of a pair in steps of one length, which begin at `PHASES` places within a step."""
+
+    def __init__(self, contact, steps, masses=PAIR, v0=SPEED):
+        self.masses, self.v0, self.mass = np.array(masses), v0, forces.reduced_mass(*masses)
+        law, self.scale = contact.force_law(self.mass), contact.time_scale(self.mass, v0)
+        stopped = np.inf if law.over_approach or not law.damping else self.mass / law.damping
+        self.dt = np.pi * min(self.scale, stopped) / steps
+        self.h = self.dt / self.scale  # the step in units of the contact
+        self.touch = np.arange(PHASES) / PHASES * self.dt
+        places = np.stack([np.zeros(PHASES), v0 * self.touch])
+        velocities = np.repeat([[0.3 * v0], [-0.7 * v0]], PHASES, axis=1)
+        self.before = velocities
+        self.run = run = Flight(free_row(masses, contact), velocities, self.dt, 40 * self.scale, places)
+        np.testing.assert_array_equal(run.impacts[:, LANE], np.arange(PHASES))  # one each
+        self.e = (run.v[1] - run.v[0]) / v0
+        self.late = (run.impacts[:, BEGIN] - self.touch) / self.scale
+        self.time = (run.impacts[:, END] - run.impacts[:, BEGIN]) / self.scale
+
+    def check_conservation(self):
+        """Momentum, and the energies of the table, all to rounding in whatever steps."""
+        run, lost, size = self.run, self.run.impacts[:, LOST], self.mass * self.v0**2
+        # A free mass keeps its velocity but for some rounding in each step, which may add up.
+        drift = 1e-15 * run.duration / self.dt
+        momentum, all_of_it = self.masses @ self.before, self.masses @ abs(self.before)
+        np.testing.assert_allclose(self.masses @ run.v, momentum, rtol=0, atol=drift * all_of_it[0])
+        allowed = ROUNDING * size + 2 * drift * self.masses @ self.before[:, 0] ** 2
+        np.testing.assert_allclose(lost, 0.5 * size * (1 - self.e**2), rtol=0, atol=allowed)
+        np.testing.assert_allclose(lost, -run.gained.sum(axis=0), rtol=0, atol=allowed)
+        np.testing.assert_allclose(run.impacts[:, HANDED], run.gained[1], rtol=0, atol=allowed)
+        np.testing.assert_allclose(run.impacts[:, APPROACH], self.v0, rtol=1e-12)
+        np.testing.assert_array_equal(run.impacts[:, STORED], 0)  # nothing is left in it
+        assert (run.imbalance < ROUNDING).all()
 
 
-def check_conservation(run, masses, v0, e):
-    n, masses = len(masses), np.array(masses)
-    before, after = np.array([0.3 * v0, -0.7 * v0]), run.last[n : 2 * n]
-    size = masses @ np.abs(before)
-    assert masses @ after == pytest.approx(masses @ before, abs=1e-12 * size)
-    loss = 0.5 * forces.reduced_mass(*masses) * v0**2 * (1 - e**2)
-    [line] = run.impacts
-    # Energies are right to 1e-10 of all there is, a few steps long; velocities to EXACT of v0.
-    allowed = EXACT * forces.reduced_mass(*masses) * v0**2 + 1e-9 * masses @ before**2
-    assert line[AFTER] - line[BEFORE] == pytest.approx(loss, abs=allowed)
-    assert 0.5 * masses @ (before**2 - after**2) == pytest.approx(loss, abs=allowed)
+def collide(contact, **others):
+    """Collisions in steps that are halved twice."""
+    return [Collisions(contact, steps, **others) for steps in STEPS]
 
 
-@pytest.mark.parametrize(("kind", "xi"), LINEAR)
+def check_order(values, exact, near, ratio=4):
+    """Errors fall by 4 when steps are halved, and the extrapolated value is the exact one."""
+    errors = np.array(values) - exact
+    assert errors[:-1] / errors[1:] == pytest.approx(ratio, rel=0.25)  # the first order would be 2
+    assert (ratio * values[-1] - values[-2]) / (ratio - 1) == pytest.approx(exact, abs=near)
+
+
+def free_motion(xi, t):
+    """Penetration and rate of a linear element at the time ``t``, in its units, from touch."""
+    root = np.sqrt(complex(1 - xi * xi))
+    shape = np.sin(root * t) / root if xi != 1 else t
+    d = (np.exp(-xi * t) * shape).real
+    return d, (np.exp(-xi * t) * (np.cos(root * t) - xi * shape)).real
+
+
+@pytest.mark.parametrize(("kind", "xi"), LINEARS)
 def test_linear_elements_deliver_their_restitution_and_contact_time(kind, xi):
-    e, time, run = collide(kind(STIFFNESS, damping_ratio=xi))
-    assert e == pytest.approx(kind.restitution(xi), abs=EXACT)
-    assert time == pytest.approx(kind.contact_time(xi), abs=EXACT * max(1, kind.contact_time(xi)))
-    check_conservation(run, (2e5, 3e5), 0.8, kind.restitution(xi))
+    e, time = kind.restitution(xi), kind.contact_time(xi)
+    damped, free = (time - np.pi / 2, np.pi / 2) if kind is sl.ImpactKelvin else (time, 0.0)
+    runs = collide(kind(STIFFNESS, damping_ratio=xi))
+    for one in runs:
+        square = one.h**2
+        # what follows from the modified equation, to the next order: steps in which contact begins and
+        # ends, h^3; measured, 7 % of it in the coarsest steps
+        grown = xi * damped / 6
+        np.testing.assert_allclose(one.e / e, 1 + grown * square, rtol=0, atol=0.1 * grown * square)
+        # Touch is found with the mean rate of the step, too small by xi h (1 - s), after the share s:
+        # up to xi h^2/4 too late. The end of no tension is found with the mean rate too: xi h^2/2.
+        paced = (damped * (1 - 4 * xi * xi) + free) / 12
+        allowed = 0.02 * square + 0.02 * abs(paced) * square
+        off = one.time - time - paced * square
+        assert ((-allowed <= off) & (off <= 0.5 * xi * square + allowed)).all()
+        assert ((one.late >= -1e-12) & (one.late <= 0.25 * xi * square + 0.01 * square)).all()
+        one.check_conservation()
+        # the force and the penetration, at which the dashpot has acted for less than the whole time
+        d, v = free_motion(xi, np.linspace(0, min(time, 20), 100_001))
+        pushes = d + 2 * xi * (np.maximum(v, 0) if kind is sl.ImpactKelvin else v)
+        unit = SPEED * one.scale
+        largest, deepest = (
+            one.run.impacts[:, LARGEST] / unit / STIFFNESS,
+            one.run.impacts[:, DEEPEST] / unit,
+        )
+        np.testing.assert_allclose(deepest, d.max(), rtol=0, atol=0.07 * square)
+        np.testing.assert_allclose(largest, pushes.max(), rtol=0, atol=0.07 * square)
+    check_order([one.e[0] for one in runs], e, 1e-6)  # measured: 5e-7
+    exactly_half = kind is sl.Kelvin and xi == 0.5  # the pace is then right to the fourth order
+    # The end within a step scatters the times, the less the more places they are the mean of.
+    check_order([one.time.mean() for one in runs], time, 1e-5, 16 if exactly_half else 4)
 
 
 @pytest.mark.parametrize("xi", [1.0, 1.5, 3.0])
 def test_kelvin_of_critical_damping_holds_on(xi):
-    scale = np.sqrt(forces.reduced_mass(2e5, 3e5) / STIFFNESS)
-    run = fly((2e5, 3e5), (0.24, -0.56), sl.Kelvin(STIFFNESS, damping_ratio=xi), 10 * scale)
-    [line] = run.impacts
-    assert line[END] == run.time
-    # d'' + 2 xi d' + d = 0 from d = 0, d' = 1, in units of the contact
-    root, t = np.sqrt(complex(xi * xi - 1)), 10.0
-    wanted = t * np.exp(-t) if xi == 1 else (np.exp(-xi * t) * np.sinh(root * t) / root).real
-    assert (run.last[0] - run.last[1]) / (0.8 * scale) == pytest.approx(wanted, abs=1e-8)
+    unit = np.sqrt(forces.reduced_mass(*PAIR) / STIFFNESS)
+    d, v = free_motion(xi, 10.0)
+    errors = []
+    for steps in (200, 400):
+        row = free_row(PAIR, sl.Kelvin(STIFFNESS, damping_ratio=xi))
+        run = Flight(row, (0.3 * SPEED, -0.7 * SPEED), 10 * unit / steps, 10 * unit)
+        [line] = run.impacts
+        assert line[END] == pytest.approx(run.duration, rel=1e-12)
+        depth = run.q[0, 0] - run.q[1, 0]
+        assert line[STORED] == pytest.approx(0.5 * STIFFNESS * depth**2, rel=1e-12)
+        # eigenvalues l change by l^3 h^2/12, of up to 10 (6 xi)^3 h^2/12 of what is left
+        errors.append([depth / (SPEED * unit) - d, (run.v[0, 0] - run.v[1, 0]) / SPEED - v])
+        rest = 0.5 * forces.reduced_mass(*PAIR) * (SPEED**2 - (run.v[0, 0] - run.v[1, 0]) ** 2)
+        assert line[LOST] == pytest.approx(rest - line[STORED], rel=1e-9)
+    coarse, fine = abs(np.array(errors))
+    assert (fine < 1e-3 * abs(np.array([d, v]))).all()
+    np.testing.assert_allclose(coarse / fine, 4, rtol=0.05)
+
+
+def hertz_damp_growth(a, e, n):
+    """Change of the restitution of `HertzDamp` over ``h^2``.
+
+    A step satisfies ``g(v) dv = -dE`` with the mean rate ``v``, the elastic energy ``E`` and
+    ``g = v/(1 + a v)``, exactly: the rule of the middle for the integral of ``g`` over ``v``. Its error
+    in a step ``dv = -h d^n (1 + a v)`` is ``-g'' dv^3/24``, with ``g'' = -2 a/(1 + a v)^3``.
+    """
+
+    def energy(v):  # integral of g from v to 1
+        return max((1 - v) / a - np.log((1 + a) / (1 + a * v)) / a**2, 0.0)
+
+    def error(v):
+        squared = ((n + 1) * energy(v)) ** (2 * n / (n + 1))
+        return squared * 2 * a / (1 + a * v)
+
+    return scipy.integrate.quad(error, -e, 1, limit=200)[0] / 24 * (1 - a * e) / e
+
+
+def jankowski_growth(e):
+    """Change of the restitution of `Jankowski` over ``h^2``.
+
+    A step is the trapezoidal rule for the linear element of its docstring, with ``y`` for the
+    penetration and steps that are ``dy/dd`` times longer.
+    """
+    z = sl.ImpactKelvin.damping_ratio(e)
+    longest = sl.ImpactKelvin.contact_time(z) - np.pi / 2
+
+    def square(t):
+        y = free_motion(z, t)[0] / np.sqrt(0.8)
+        return 0.8 * (1.25 * max(y, 0.0) ** 0.2) ** 2
+
+    return e * z / 6 * scipy.integrate.quad(square, 0, longest)[0]
 
 
 @pytest.mark.parametrize("kind", [sl.HertzDamp, sl.Jankowski])
 @pytest.mark.parametrize("e", [0.05, 0.3, 0.65, 0.95, 1.0])
 def test_damped_hertz_contacts_deliver_their_restitution(kind, e):
-    found, _, run = collide(kind(2e9, restitution=e))
-    assert found == pytest.approx(e, abs=EXACT)
-    check_conservation(run, (2e5, 3e5), 0.8, e)
+    contact = kind(2e9, restitution=e)
+    runs = collide(contact)
+    for one in runs:
+        one.check_conservation()
+    if e == 1.0:
+        np.testing.assert_allclose([one.e for one in runs], 1, rtol=0, atol=ROUNDING)
+        return
+    is_damp = kind is sl.HertzDamp
+    growth = hertz_damp_growth(contact.damping, e, 1.5) if is_damp else jankowski_growth(e)
+    for one in runs:
+        share = 0.1 if e > 0.05 else 0.5  # with 0.05 the dashpot stops the masses in few steps
+        np.testing.assert_allclose(one.e, e + growth * one.h**2, rtol=0, atol=share * growth * one.h**2)
+    if e > 0.05:
+        check_order([one.e.mean() for one in runs], e, 1e-7)
 
 
-@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.2])
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.2, 3.0])
 def test_hertz_contact_takes_its_time(exponent):
+    """The modified equation of the mean force has the pace ``1 - n d^(n-1) h^2/12``."""
     contact = sl.Hertz(2e9, exponent=exponent)
-    e, time, run = collide(contact)
-    assert e == pytest.approx(1, abs=EXACT)
-    assert time == pytest.approx(contact.contact_time(exponent), abs=EXACT)
-    [line] = run.impacts
-    m = forces.reduced_mass(2e5, 3e5)
-    deepest = (0.5 * (exponent + 1) * m * 0.8**2 / 2e9) ** (1 / (exponent + 1))
-    assert line[LARGEST] == pytest.approx(2e9 * deepest**exponent, rel=1e-4)
+    time, n = contact.contact_time(exponent), exponent
+    deepest = (0.5 * (n + 1)) ** (1 / (n + 1))
+    slower = 2 * n * deepest**n / (n + 1) * beta(n / (n + 1), 0.5) / 12
+    runs = collide(contact)
+    for one in runs:
+        one.check_conservation()
+        np.testing.assert_allclose(one.e, 1, rtol=0, atol=ROUNDING)
+        np.testing.assert_allclose(one.time, time + slower * one.h**2, rtol=0, atol=0.05 * one.h**2)
+        depths = one.run.impacts[:, DEEPEST] / (SPEED * one.scale)
+        pushes = one.run.impacts[:, LARGEST] / (2e9 * (SPEED * one.scale) ** n)
+        # the energy is exact, and so would be the peaks at the ends of steps; between them are parabolas
+        np.testing.assert_allclose(depths, deepest, rtol=0, atol=0.1 * one.h**3)
+        np.testing.assert_allclose(pushes, deepest**n, rtol=0, atol=0.5 * n * one.h**3)
+    check_order([one.time.mean() for one in runs], time, 1e-5)
 
 
 @given(
     masses=st.tuples(*2 * [st.floats(1e3, 1e7)]),
     v0=st.floats(1e-3, 5.0),
-    e=st.floats(0.02, 1.0),
+    e=st.floats(0.05, 1.0),
     kind=st.sampled_from([*KINDS, sl.HertzDamp, sl.Jankowski]),
 )
 def test_any_masses_velocities_and_restitutions(masses, v0, e, kind):
     contact = kind(1e8, restitution=e)
-    found, time, run = collide(contact, masses, v0, 0.01 * v0)
-    assert found == pytest.approx(e, abs=EXACT)
+    one = Collisions(contact, 64, masses, v0)
+    one.check_conservation()
+    # e grows by at most e xi T/6, which is -e log(e)/6 or a quarter of it, and with xi > 1 as 1/(4 xi^2)
+    np.testing.assert_allclose(one.e, e, rtol=0, atol=0.1 * (np.pi / 64) ** 2)
     if kind in KINDS:
-        assert time == pytest.approx(contact.contact_time(contact.damping), rel=1e-7)
-    check_conservation(run, masses, v0, e)
+        xi, time = contact.damping, contact.contact_time(contact.damping)
+        allowed = (time * abs(1 - 4 * xi * xi) / 12 + np.pi / 24 + 0.5 * xi + 0.05) * one.h**2
+        np.testing.assert_allclose(one.time, time, rtol=0, atol=allowed)
 
 
-@given(masses=st.tuples(*2 * [st.floats(1e3, 1e7)]), v0=st.floats(1e-3, 5.0), e=st.floats(0.0, 1.0))
+def test_steps_near_contact_are_all_that_count():
+    """Free flight is exact in steps of any length, and no contact is missed from long steps."""
+    contact = sl.Kelvin(STIFFNESS, restitution=0.6)
+    fine, coarse = (
+        Flight(free_row(PAIR, contact, 0.05), (0.3, -0.5), 2e-4, 0.256, substeps=substeps)
+        for substeps in (1, 16)
+    )
+    np.testing.assert_allclose(coarse.v, fine.v, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(coarse.impacts, fine.impacts, rtol=1e-9, atol=1e-9)
+
+
+def test_a_slow_approach_is_elastic():
+    """The dashpot over the velocity of approach has no use below the one that counts as zero."""
+    row = free_row(PAIR, sl.HertzDamp(2e9, restitution=0.3))
+    for slow, e in ((0.79, 0.3), (0.81, 1.0)):
+        run = Flight(row, (0.3 * SPEED, -0.7 * SPEED), 1e-3, 1.0, slow=slow)
+        assert (run.v[1, 0] - run.v[0, 0]) / SPEED == pytest.approx(e, abs=1e-3)
+        assert run.impacts[0, APPROACH] == pytest.approx(SPEED, rel=1e-12)
+
+
+def test_a_lane_has_the_same_bits_alone():
+    row = free_row((2e5, 3e5, 1e5), sl.Kelvin(STIFFNESS, restitution=0.6), 0.01)
+    velocities = np.random.default_rng(3).uniform(-1, 1, (3, 7))
+    many = Flight(row, velocities, 1e-3, 0.5, substeps=8)
+    assert len(many.impacts) > 5
+    for lane in range(7):
+        one = Flight(row, velocities[:, lane], 1e-3, 0.5, substeps=8)
+        np.testing.assert_array_equal(one.v[:, 0], many.v[:, lane])
+        of_lane = many.impacts[many.impacts[:, LANE] == lane]
+        np.testing.assert_array_equal(one.impacts[:, CONTACT:], of_lane[:, CONTACT:])
+
+
+# --- Stereomechanical impacts -----------------------------------------------------------------------
+
+
+@given(
+    masses=st.tuples(*2 * [st.floats(1e3, 1e7)]),
+    v0=st.floats(1e-3, 5.0),
+    e=st.just(0.0) | st.floats(1e-3, 1.0),
+)
 def test_stereomechanical_impact_is_eq_13(masses, v0, e):
-    contact = sl.Stereomechanical(e)
-    run = fly(masses, (0.3 * v0, -0.7 * v0), contact, 1.0, 0.1 * v0)
-    wanted = contact.velocities_after(0.3 * v0, -0.7 * v0, *masses)
-    np.testing.assert_allclose(run.last[2:4], [float(v) for v in wanted], rtol=0, atol=1e-12 * v0)
-    check_conservation(run, masses, v0, e)
+    contact, mass, both = sl.Stereomechanical(e), np.array(masses), forces.reduced_mass(*masses)
+    before = np.array([0.3 * v0, -0.7 * v0])
+    run = Flight(free_row(masses, contact, 0.1 * v0), before, 1 / 16, 1.0)
+    wanted = np.array([float(v) for v in contact.velocities_after(*before, *masses)])
+    np.testing.assert_allclose(run.v[:, 0], wanted, rtol=0, atol=1e-12 * v0)
+    exact = 0.1 * before + 0.9 * wanted  # the rebound begins at the time of touch
+    np.testing.assert_allclose(run.q[:, 0], exact, rtol=0, atol=1e-12 * v0)
+    line, *more = run.impacts
+    # Masses that part at no more than rounding may meet again at that.
+    assert all(each[APPROACH] < 1e-12 * v0 for each in more)
+    assert line[[BEGIN, APPROACH]] == pytest.approx([0.1, v0], rel=1e-9)
+    assert np.isnan(line[LARGEST])
+    energies = mass * before**2
+    lost = 0.5 * both * v0**2 * (1 - e * e)
+    allowed = 1e-12 * energies.sum() + 1e-12 * both * v0**2
+    assert line[LOST] == pytest.approx(lost, abs=allowed)
+    assert -run.gained.sum() == pytest.approx(lost, abs=allowed)
+    assert line[HANDED] == pytest.approx(0.5 * mass[1] * (wanted[1] ** 2 - before[1] ** 2), abs=allowed)
+    if e > 0:
+        assert line[END] == line[BEGIN]
+    assert run.imbalance[0] < 1e-12
 
 
-def test_three_equal_masses_hand_their_velocity_on():
-    run = fly((1e5, 1e5, 1e5), (1.0, 0.0, 0.0), sl.Stereomechanical(1.0), 1.0, gap=0.1)
-    np.testing.assert_allclose(run.last[3:6], [0.0, 0.0, 1.0], atol=1e-12)
-    assert len(run.impacts) == 2
+@pytest.mark.parametrize("count", [3, 5])
+@pytest.mark.parametrize("gap", [0.0, 0.05])
+def test_equal_masses_hand_their_velocity_on(count, gap):
+    row = free_row([1e5] * count, sl.Stereomechanical(1.0), gap)
+    run = Flight(row, [1.0] + [0.0] * (count - 1), 1 / 16, 1.0, [-0.3] + [0.0] * (count - 1))
+    np.testing.assert_allclose(run.v[:, 0], [0.0] * (count - 1) + [1.0], atol=1e-12)
+    np.testing.assert_array_equal(run.impacts[:, CONTACT], np.arange(count - 1))
+    np.testing.assert_allclose(run.impacts[:, [LOST, HANDED]], [[0, 5e4]] * (count - 1), atol=1e-6)
+    if gap:  # otherwise the others are struck at the end of the step
+        wanted = 0.3 + gap * np.arange(1, count)
+        np.testing.assert_allclose(run.impacts[:, BEGIN], wanted, rtol=1e-12)
 
 
-def test_simultaneous_blows_on_both_sides_are_symmetric():
-    run = fly((1e5, 4e5, 1e5), (1.0, 0.0, -1.0), sl.Stereomechanical(0.5), 0.3, gap=0.1)
-    v = run.last[3:6]
-    assert run.completed
-    assert 1e5 * v[0] + 4e5 * v[1] + 1e5 * v[2] == pytest.approx(0, abs=1e-7)
-    assert (np.diff(v) >= -1e-12).all()  # they all part, or stay
+def test_newtons_cradle_with_elements_is_that_of_another_integrator():
+    """With springs of Hertz most of the velocity goes to the last mass, not all of it."""
+    n, mass, stiffness = 5, 1e5, 2e9
+
+    def rates(_, state):
+        pushes = np.concatenate([[0], stiffness * np.maximum(-np.diff(state[:n]), 0) ** 1.5, [0]])
+        return [*state[n:], *(-np.diff(pushes) / mass)]
+
+    first = np.append(1.0, np.zeros(n - 1))
+    exact = scipy.integrate.solve_ivp(
+        rates, (0, 0.5), np.concatenate([np.zeros(n), first]), rtol=1e-11, atol=1e-13, max_step=1e-3
+    ).y[n:, -1]
+    assert 0.98 < exact[-1] < 0.99
+    errors = []
+    for steps in (1, 2, 4):
+        run = Flight(free_row([mass] * n, sl.Hertz(stiffness)), first, 1e-3 / steps, 0.6, -0.1 * first)
+        assert run.v.sum() == pytest.approx(1, abs=1e-12)
+        assert (run.v**2).sum() == pytest.approx(1, abs=CLOSE)  # forces of several contacts need passes
+        assert run.imbalance[0] < CLOSE
+        assert run.impacts[:, LOST] == pytest.approx(0, abs=1e-9)  # of 5e4 J
+        assert run.impacts[run.impacts[:, CONTACT] == n - 2, HANDED].sum() == pytest.approx(
+            0.5 * mass * run.v[-1, 0] ** 2, rel=CLOSE
+        )
+        errors.append(abs(run.v[:, 0] - exact).max())
+    assert errors[0] < 1e-3  # measured: 6.4e-4, with some 30 steps in a contact
+    assert np.divide(errors[:-1], errors[1:]) == pytest.approx(4, rel=0.1)
+
+
+def test_simultaneous_blows_on_both_sides_are_one_after_the_other():
+    """The blow on the left is computed first, since both are equal; the other one knows of it."""
+    contact = sl.Stereomechanical(0.5)
+    run = Flight(free_row((1e5, 4e5, 1e5), contact, 0.1), (1.0, 0.0, -1.0), 0.3 / 16, 0.3)
+    one, middle = (float(v) for v in contact.velocities_after(1.0, 0.0, 1e5, 4e5))
+    middle, two = (float(v) for v in contact.velocities_after(middle, -1.0, 4e5, 1e5))
+    assert one <= middle <= two  # they all part
+    np.testing.assert_allclose(run.v[:, 0], [one, middle, two], rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(run.impacts[:, CONTACT], [0, 1])
+    np.testing.assert_allclose(run.impacts[:, APPROACH], [1.0, 1.3], rtol=1e-12)
+    assert run.impacts[:, LOST].sum() == pytest.approx(-run.gained.sum(), rel=1e-12)
+
+
+@given(
+    masses=st.tuples(*4 * [st.floats(1e5, 3e5)]),
+    velocities=st.tuples(*4 * [st.floats(-1, 1)]),
+    spaces=st.tuples(*3 * [st.floats(0.001, 0.1)]),
+    e=st.floats(0.7, 1.0),
+)
+def test_any_blows_conserve_momentum_and_account_for_the_energy(masses, velocities, spaces, e):
+    """In long steps, so that many blows take place in one; from masses that are driven together.
+
+    With a light mass between heavy ones, or much damping, there would be blows without end, and rest.
+    """
+    mass, v0 = np.array(masses), np.add(velocities, [1.0, 0.5, -0.5, -1.0])
+    row = free_row(masses, sl.Stereomechanical(e))
+    run = Flight(row, v0, 0.1, 2.0, np.append(0.0, np.cumsum(spaces)))
+    size, energy = mass @ abs(v0), 0.5 * mass @ v0**2
+    assert mass @ run.v[:, 0] == pytest.approx(mass @ v0, rel=0, abs=1e-11 * size)
+    lost = run.impacts[:, LOST].sum()
+    assert lost == pytest.approx(-run.gained.sum(), rel=0, abs=1e-11 * energy)
+    handed = np.bincount(run.impacts[:, CONTACT].astype(int), run.impacts[:, HANDED], minlength=3)
+    assert handed[2] == pytest.approx(run.gained[3, 0], rel=0, abs=1e-11 * energy)
+    assert (run.impacts[:, LOST] >= -1e-11 * energy).all()
 
 
 def test_plastic_impact_without_pressure_leaves_the_masses_side_by_side():
-    run = fly((1e5, 2e5), (1.0, 0.0), sl.Stereomechanical(0.0), 1.0, gap=0.1)
-    np.testing.assert_allclose(run.last[2:4], 1 / 3, atol=1e-12)
-    assert run.last[0] - run.last[1] == pytest.approx(0.1, abs=1e-11)
+    run = Flight(free_row((1e5, 2e5), sl.Stereomechanical(0.0), 0.1), (1.0, 0.0), 0.01, 1.0)
+    np.testing.assert_allclose(run.v, 1 / 3, atol=1e-12)
+    assert run.q[0, 0] - run.q[1, 0] == pytest.approx(0.1, abs=1e-11)
+    [line] = run.impacts
+    assert line[LOST] == pytest.approx(0.5 * 1e5 * 2 / 3, rel=1e-12)
+
+
+def test_masses_that_go_together_account_for_the_energy_when_they_are_struck():
+    """The first and second mass go together, and meet the third: all three then do."""
+    run = Flight(
+        free_row([1e5] * 3, sl.Stereomechanical(0.0)), (1.0, 0.0, -0.5), 0.01, 1.0, (-0.1, 0, 0.2)
+    )
+    np.testing.assert_allclose(run.v, 1 / 6, atol=1e-12)
+    first, second = 0.5 * 1e5 * 0.5, 0.5 * 1e5 * 2 / 3 * 1.0**2  # of two masses, then of two with one
+    lost = run.impacts[:, LOST].sum()
+    assert -run.gained.sum() == pytest.approx(first + second, rel=1e-9)
+    assert lost == pytest.approx(first + second, rel=1e-9)
+    assert run.imbalance[0] < CLOSE
+
+
+@pytest.mark.parametrize("contact", [sl.Stereomechanical(0.5), sl.Kelvin(STIFFNESS, restitution=0.5)])
+def test_masses_that_rest_side_by_side_have_no_impact(contact):
+    run = Flight(free_row(PAIR, contact), (0.3, 0.3), 0.01, 1.0)
+    assert len(run.impacts) == 0
+    np.testing.assert_allclose(run.v, 0.3, rtol=1e-12)
+
+
+WALL, SPRING, LIGHT, PRESS = 1e22, 1e6, 1e5, 0.1
+
+
+@pytest.mark.parametrize("e", [0.0, 0.3, 0.6])
+def test_a_mass_bounces_on_a_wall_and_rests_until_it_is_pulled_away(e):
+    """A spring presses the mass against a wall, 0.1 m before its place; the wall moves away at 0.05 m/s.
+
+    Between blows the motion is harmonic, about the place of the spring; rebounds become shorter and end.
+    The mass then goes with the wall, and is left at the place of its spring, where it is not pressed.
+    """
+    row = free_row((LIGHT, WALL), sl.Stereomechanical(e), -PRESS, springs=np.array([SPRING, 0.0]))
+    u, drop, dt, w = 0.05, 0.02, 1e-3, np.sqrt(SPRING / LIGHT)
+    run = Flight(row, (0.0, u), dt, 4.0, (-PRESS - drop, 0.0))
+    t, place, speed, touches, speeds = 0.0, -PRESS - drop, 0.0, [], []
+    while True:  # from one touch to the next: the place less that of the wall is zero again
+
+        def beyond(s, t=t, place=place, speed=speed):
+            return place * np.cos(w * s) + speed / w * np.sin(w * s) + PRESS - u * (t + s)
+
+        ahead = np.linspace(1e-6, 0.5, 100_001)
+        first = ahead[np.argmax(beyond(ahead) > 0)]
+        after = scipy.optimize.brentq(beyond, first - 5e-6, first)
+        if touches and after < REST * dt:
+            break
+        approach = speed * np.cos(w * after) - place * w * np.sin(w * after) - u
+        t += after
+        place, speed = u * t - PRESS, u - e * approach
+        touches.append(t)
+        speeds.append(approach)
+        if e == 0:
+            break
+    np.testing.assert_allclose(run.impacts[:, BEGIN], touches, rtol=0, atol=1e-5)
+    np.testing.assert_allclose(run.impacts[:, APPROACH], speeds, rtol=0, atol=2e-5)
+    assert run.impacts[-1, END] == pytest.approx(PRESS / u, abs=2 * dt)
+    np.testing.assert_array_equal(run.impacts[:-1, END], run.impacts[:-1, BEGIN])
+    swing = run.q[0, 0] / u * w, run.v[0, 0] / u
+    assert np.hypot(*swing) == pytest.approx(1, abs=1e-3)  # it was left with the velocity of the wall
+    lost = (
+        0.5
+        * LIGHT
+        * run.impacts[:, APPROACH] ** 2
+        * (1 - np.append(np.full(len(touches) - 1, e), 0) ** 2)
+    )
+    # The last one goes on pressing for the rest of its step, with the velocity of so much time.
+    pressing = 0.5 * LIGHT * (dt * w**2 * PRESS) ** 2
+    np.testing.assert_allclose(run.impacts[:-1, LOST], lost[:-1], rtol=1e-9)
+    np.testing.assert_allclose(run.impacts[-1, LOST], lost[-1], rtol=1e-9, atol=pressing)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_mass_comes_to_rest_on_an_element(kind):
+    """It is pressed by 1e5 N, and its penetration ends as that over the stiffness."""
+    contact = kind(STIFFNESS, damping_ratio=0.5)
+    row = free_row((LIGHT, WALL), contact, -PRESS, springs=np.array([SPRING, 0.0]))
+    run = Flight(row, (0.0, 0.0), 5e-3, 10.0, (-PRESS, 0.0))
+    [line] = run.impacts
+    assert run.q[0, 0] == pytest.approx(-STIFFNESS * PRESS / (STIFFNESS + SPRING), rel=1e-9)
+    assert run.v[0, 0] == pytest.approx(0, abs=1e-9)
+    assert line[END] == pytest.approx(run.duration, rel=1e-12)
+    assert line[STORED] == pytest.approx(0.5 * STIFFNESS * (run.q[0, 0] + PRESS) ** 2, rel=1e-9)
+    assert line[LOST] == pytest.approx(-run.gained.sum() - line[STORED], rel=1e-9)
+
+
+# --- More than two masses ---------------------------------------------------------------------------
 
 
 @given(
@@ -205,44 +555,31 @@ def test_plastic_impact_without_pressure_leaves_the_masses_side_by_side():
 def test_a_hit_on_a_free_column_moves_both_its_floors(masses, share, e, side):
     """Floor 0 meets the column between the floors 1, below, and 2: the impulse goes by the shares."""
     mass, v0 = np.array(masses), 0.8
-    sides = (0, 2) if side > 0 else (2, 0)
-    weight = side * np.array([1.0, -share, share - 1.0])
+    alone, column = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1 - share, share]])
+    sides = (alone, -column) if side > 0 else (column, -alone)
     meeting = 1 / (1 / mass[0] + share**2 / mass[2] + (1 - share) ** 2 / mass[1])
     contact = sl.Kelvin(1e8, restitution=e)
-    row = free_row(masses, contact)._replace(
-        first=np.array([0, 1, 3]) if side > 0 else np.array([0, 2, 3]),
-        left=np.array(sides[:1]),
-        right=np.array(sides[1:]),
-        lower=np.array([1]),
-        weight=weight[[0, 1, 2] if side > 0 else [1, 0, 2]].reshape(1, 3),
-        meeting=np.array([meeting]),
-        gap=np.array([0.0]),
-        element=forces.law_table([contact.force_law(meeting)]),
-    )
-    start = np.zeros(9 + 6 + 1)
-    start[3] = side * v0
-    duration = 40 * contact.time_scale(meeting, v0)
-    motion = kernel.SampledMotion(np.zeros(17), duration / 16, np.array([0]), np.array([0.0]))
-    run = kernel.run(row, motion, start)
+    row = free_row(masses, contact, sides=sides, owners=[0, 1, 1] if side > 0 else [1, 0, 0])
+    scale = contact.time_scale(meeting, v0)
+    start, h = np.array([side * v0, 0, 0]), np.pi / 64
+    run = Flight(row, start, h * scale, 20 * scale)
     [line] = run.impacts
-    v = run.last[3:6]
-    impulse = side * (1 + e) * meeting * v0
-    np.testing.assert_allclose(
-        v - start[3:6], impulse * np.array([-1, 1 - share, share]) / mass, rtol=0, atol=10 * EXACT * v0
-    )
-    assert mass @ v == pytest.approx(mass[0] * side * v0, rel=1e-10)
-    lost = 0.5 * (1 - e * e) * meeting * v0**2
-    energies = 0.5 * mass * (v**2 - start[3:6] ** 2)
-    size = 0.5 * mass[0] * v0**2
-    assert line[AFTER] - line[BEFORE] == pytest.approx(lost, abs=1e-7 * size)
-    right = energies[1:].sum() if side > 0 else energies[0]
-    assert line[HANDED] == pytest.approx(right, abs=1e-7 * size)
+    grown = e * (1 - np.log(e) * h**2 / 6)  # the restitution of these steps, see the top of this file
+    impulse = side * (1 + grown) * meeting * v0
+    wanted = start + impulse * np.array([-1, 1 - share, share]) / mass
+    np.testing.assert_allclose(run.v[:, 0], wanted, rtol=0, atol=0.05 * h**2 * v0)
+    assert mass @ run.v[:, 0] == pytest.approx(mass @ start, rel=1e-12)
+    right = run.gained[1:].sum() if side > 0 else run.gained[0, 0]
+    size = mass[0] * v0**2
+    assert line[LOST] == pytest.approx(-run.gained.sum(), abs=ROUNDING * size)
+    assert line[LOST] == pytest.approx(0.5 * (1 - grown**2) * meeting * v0**2, abs=0.05 * h**2 * size)
+    assert line[HANDED] == pytest.approx(right, abs=ROUNDING * size)
 
 
 def test_an_element_without_tension_pushes_again_while_it_is_still_compressed():
     """It lets go at 0.089 s; a third mass throws the second back, and it pushes at 0.122 s, at 7.7 mm.
 
-    Against ``max(k d + c v, 0)`` for ``d > 0`` by scipy; steps of 1e-4 s there leave 1e-8 m/s.
+    Against ``max(k d + c v, 0)`` for ``d > 0`` by scipy.
     """
     mass, places, velocities, duration = 2e5, [0.0, 0.0, 0.3], [1.0, 0.0, -2.0], 0.4
     damping = 2 * np.sqrt(STIFFNESS * mass / 2)  # of critical of the reduced mass
@@ -263,61 +600,10 @@ def test_an_element_without_tension_pushes_again_while_it_is_still_compressed():
     assert exact.t[changes] == pytest.approx([0.0, 0.0894, 0.1224, 0.2635], abs=2e-4)
     assert exact.y[0, changes[2]] - exact.y[1, changes[2]] == pytest.approx(7.7e-3, abs=1e-4)
     contact = sl.NoTensionKelvin(STIFFNESS, damping_ratio=1.0)
-    run = fly([mass] * 3, velocities, contact, duration, places=places)
-    np.testing.assert_allclose(run.last[3:6], exact.y[3:, -1], atol=1e-7)
-    of_first = run.impacts[run.impacts[:, CONTACT] == 0]
-    assert len(of_first) == 1  # both pushes are one impact
-    assert of_first[0, END] == pytest.approx(exact.t[changes[3]], abs=2e-4)
-
-
-@given(d=st.floats(1e-6, 0.1), v=st.floats(-0.5, 0.5), v0=st.floats(0.01, 1))
-def test_forces_on_branches_are_those_of_the_elements(d, v, v0):
-    mass = 1.2e5
-    for kind in (*KINDS, sl.HertzDamp, sl.Jankowski):
-        contact = kind(3e7, restitution=0.5)
-        law = contact.force_law(mass)
-        branch = OPENING if v < 0 and kind in (sl.ImpactKelvin, sl.Jankowski) else CLOSED
-        found, elastic = forces.branch_force(law, branch, d, v, v0)
-        assert elastic == pytest.approx(3e7 * d**law.exponent, rel=1e-14)
-        if kind is sl.NoTensionKelvin:
-            found = max(found, 0.0)  # this branch ends where it would pull
-        wanted = forces.force(law, d, v, v0)
-        assert found == pytest.approx(wanted, rel=1e-14, abs=1e-9)
-
-
-# --- Polynomials within a step: all forms of one have its values -----------------------------------
-
-TWO = free_row([1.0, 2.0], sl.Kelvin(1e6, damping_ratio=0.1))
-SHARES = np.linspace(0, 1, 41)
-
-
-def test_interpolated_states_are_their_polynomials_in_powers_of_time():
-    random, space = np.random.default_rng(1), steps.Space.of(TWO)
-    x = random.standard_normal(space.new.size)
-    space.shapes[:] = random.standard_normal(space.shapes.shape)
-    states = np.empty((SHARES.size, x.size))
-    for share, state in zip(SHARES, states, strict=True):
-        steps.state_within(x, share, space, state)
-    np.testing.assert_array_equal(states[[0, -1]], [x, x + space.shapes[0]])
-    for i in range(x.size):
-        steps.component_polynomial(i, -1, x, space)
-        values = [evaluate(space.line, share)[0] for share in SHARES]
-        np.testing.assert_allclose(values, -states[:, i], atol=1e-13)
-    for i in range(2):
-        steps.polynomial(TWO, STRAIN_RATE, i, 0.7, x, space)
-        values = [evaluate(space.line, share)[0] for share in SHARES]
-        np.testing.assert_allclose(values, states[:, 2 + i] - 0.7, atol=1e-13)
-
-
-def test_what_is_known_at_nodes_is_interpolated_and_integrated_exactly():
-    """Up to the degree of a polynomial through all nodes."""
-    space = steps.Space.of(TWO)
-    known = np.polynomial.Polynomial(np.random.default_rng(2).standard_normal(steps.NODES))
-    for values in (space.nodes, space.depths, space.powers):
-        values[:, 0] = known(np.linspace(0, 1, steps.NODES))
-    steps.force_polynomial(0, space)
-    np.testing.assert_allclose([evaluate(space.line, t)[0] for t in SHARES], known(SHARES), atol=1e-10)
-    depths = [steps.depth_within(0, share, space) for share in SHARES]
-    np.testing.assert_allclose(depths, known(SHARES), atol=1e-10)
-    works = [steps.work_within(0, share, space) for share in SHARES]
-    np.testing.assert_allclose(works, known.integ()(SHARES), atol=1e-10)
+    for steps in (500, 1000, 2000):
+        run = Flight(free_row([mass] * 3, contact), velocities, duration / steps, duration, places)
+        of_first = run.impacts[run.impacts[:, CONTACT] == 0]
+        assert len(of_first) == 1  # both pushes are one impact
+        assert of_first[0, END] == pytest.approx(exact.t[changes[3]], abs=2e-4 + duration / steps / 10)
+        square = (duration / steps) ** 2 * STIFFNESS / (mass / 2)
+        assert abs(run.v[:, 0] - exact.y[3:, -1]).max() < 0.15 * square  # measured: 0.06 at most

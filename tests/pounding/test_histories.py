@@ -8,13 +8,14 @@ from pathlib import Path
 import hypothesis.strategies as st
 import numpy as np
 import pytest
+import sympy
 import xarray as xr
 from cases import with_slow
 from hypothesis import given, settings
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.kernels.pounding import contact as forces
+from stochlin.kernels.simulation import contacts as forces
 
 pytestmark = pytest.mark.oracle
 
@@ -64,8 +65,10 @@ def stiff(**other):
 # --- Energy -----------------------------------------------------------------------------------------
 
 
-def check_energy(table):
-    assert float(table.energy_balance_error.max()) < BALANCE
+def check_energy(table, of_blows=1e-3):
+    # After a blow within a step, the forces on the way to its end are taken to be those at its end.
+    blows = "Stereomechanical" in table.attrs.get("contact", "")
+    assert float(table.energy_balance_error.max()) < (of_blows if blows else BALANCE)
     lost = table.contact_lost_energy
     assert float(lost.min()) >= -1e-9 * float(abs(table.input_energy).max())
     if table.sizes["impact"]:
@@ -168,21 +171,30 @@ def test_bouc_wen_pair_moves_as_by_another_integrator(name):
         sl.BoucWen(0.5, 0.05, hardening=0.1, yield_displacement=0.015, mass=3e5),
     ]
     record = synthetic(100, size=3.0)
-    table = sl.pound(pair, 0.002, CONTACTS[name], record)
-    assert table.sizes["impact"] >= 2
     wanted = by_scipy(pair, 0.002, CONTACTS[name], record)
-    # scipy steps over kinks and, for Kelvin elements, over jumps of the force
-    np.testing.assert_allclose(table.displacement.T, wanted, rtol=0, atol=2e-6 * abs(wanted).max())
+    check_convergence(pair, 0.002, CONTACTS[name], record, wanted)
+
+
+def check_convergence(pair, gap, contact, record, wanted):
+    """Displacements with steps halved again and again: of second order, and by extrapolation to 1e-5."""
+    size, errors, found = abs(wanted).max(), [], []
+    for steps in (16, 32, 64, 128):
+        table = sl.pound(pair, gap, contact, record, steps_per_contact=steps, estimate_error=False)
+        assert table.sizes["impact"] >= 2
+        found.append(table.displacement.T.values)
+        errors.append(abs(found[-1] - wanted).max() / size)
+    assert errors[0] < 1e-3
+    assert errors[2] < errors[0] / 8  # 16 in the mean: where contact begins in a step is by chance
+    extrapolated = (4 * found[3] - found[2]) / 3
+    assert abs(extrapolated - wanted).max() < 1e-5 * size
 
 
 def test_bilinear_pair_moves_as_by_another_integrator_with_events():
     pair, gap, contact = [soft(), stiff()], 0.002, CONTACTS["kelvin"]
     record = synthetic(200, size=3.0)
     table = sl.pound(pair, gap, contact, record)
-    assert table.sizes["impact"] >= 2
     assert float(table.hysteretic_energy[-1].min()) > 0
-    wanted = by_events(pair, gap, contact, record)
-    np.testing.assert_allclose(table.displacement.T, wanted, rtol=0, atol=1e-8 * abs(wanted).max())
+    check_convergence(pair, gap, contact, record, by_events(pair, gap, contact, record))
 
 
 def by_events(pair, gap, contact, record):
@@ -254,14 +266,14 @@ def by_events(pair, gap, contact, record):
 def test_far_apart_each_moves_as_alone():
     record = synthetic()
     pair = [soft(), stiff()]
-    table = sl.pound(pair, 10.0, CONTACTS["kelvin"], record)
+    table = sl.pound(pair, 10.0, CONTACTS["kelvin"], record, steps_per_contact=128)
     assert table.sizes["impact"] == 0
     np.testing.assert_array_equal(table.amplification, 1.0)
     for n, structure in enumerate(pair):
         alone = sl.respond(structure, record)
         for name in ("displacement", "velocity"):
             size = float(abs(alone[name]).max())
-            np.testing.assert_allclose(table[name][:, n], alone[name], rtol=0, atol=1e-8 * size)
+            np.testing.assert_allclose(table[name][:, n], alone[name], rtol=0, atol=2e-5 * size)
         spectrum = sl.response_spectrum(
             record,
             structure.period,
@@ -304,7 +316,7 @@ def test_scale_of_the_masses_does_not_matter():
 
 def test_a_heavy_neighbour_is_a_moving_wall():
     record, wall = synthetic(300), stiff(mass=1e12)
-    table = sl.pound([soft(), wall], 0.005, sl.Stereomechanical(0.5), record)
+    table = sl.pound([soft(), wall], 0.005, sl.Stereomechanical(0.5), record, steps_per_contact=128)
     assert table.sizes["impact"] >= 2
     size = float(table.peak[1])
     np.testing.assert_allclose(
@@ -322,9 +334,10 @@ def test_output_step_changes_nothing():
             for variable in ("impact_time", "largest_force", "energy_lost", "peak"):
                 np.testing.assert_array_equal(other[variable], table[variable])
         for variable in HISTORY:
-            np.testing.assert_array_equal(fine[variable][::4], table[variable])
+            size = float(np.abs(table[variable]).max())  # times of outputs are rounded
+            np.testing.assert_allclose(fine[variable][::4], table[variable], rtol=0, atol=1e-11 * size)
         assert odd.sizes["time"] == int(299 * 0.02 / 0.0173) + 1
-        assert float(odd.energy_balance_error.max()) < BALANCE
+        check_energy(odd)
 
 
 def test_floors_that_meet_do_not_overlap_beyond_their_contact():
@@ -332,7 +345,7 @@ def test_floors_that_meet_do_not_overlap_beyond_their_contact():
         table = sl.pound([soft(), stiff()], 0.01, CONTACTS[name], synthetic(), output_step=0.002)
         u = table.displacement
         depth = float((u.sel(structure=1) - u.sel(structure=2)).max()) - 0.01
-        most = 1e-9 if name == "stereomechanical" else float(table.largest_force.max()) / 5e7 * 1.01
+        most = 1e-6 if name == "stereomechanical" else float(table.largest_force.max()) / 5e7 * 1.01
         assert depth <= most
 
 
@@ -352,8 +365,8 @@ def test_chattering_ends_in_contact(e):
     k1, k2 = (s.mass * (2 * np.pi / s.period) ** 2 for s in (one, two))
     u2 = (5e5 * 1.0 - k1 * 0.01) / (k1 + k2)  # at rest side by side
     last = table.isel(time=-1)
-    assert float(last.displacement[1]) == pytest.approx(u2, rel=1e-6)
-    assert float(last.displacement[0] - last.displacement[1]) == pytest.approx(0.01, abs=1e-9)
+    assert float(last.displacement[1]) == pytest.approx(u2, rel=1e-5)
+    assert float(last.displacement[0] - last.displacement[1]) == pytest.approx(0.01, abs=1e-6)
     assert float(last.contact_force[0]) == pytest.approx(2e5 * 1.0 - k1 * (u2 + 0.01), rel=1e-5)
     assert float(table.impact_duration[-1]) > 20
     check_energy(table)
@@ -390,14 +403,15 @@ def test_three_in_contact_carry_the_force_along():
 )
 def test_rows_that_touch_do_not_chatter_without_end(periods, masses, e, seed):
     row = [sl.Bilinear(t, 0.1, mass=m) for t, m in zip(periods, masses, strict=False)]
-    table = sl.pound(row, [0.0] * (len(row) - 1), sl.Stereomechanical(e), synthetic(150, seed=seed))
-    check_energy(table)
+    touching, contact = [0.0] * (len(row) - 1), sl.Stereomechanical(e)
+    table = sl.pound(row, touching, contact, synthetic(150, seed=seed), steps_per_contact=64)
+    check_energy(table, 3e-3)  # measured: 1e-3, of thousands of blows that are hardly apart
     # Measured: some hundreds, at e = 0.9 some thousands; a cycle without end would be millions.
     assert table.sizes["impact"] < 50_000
     u, floors = table.displacement, len(row)
     for left in range(1, floors):
         overlap = (u.sel(structure=left) - u.sel(structure=left + 1)).max()
-        assert float(overlap) < 1e-8 * float(table.peak.max())
+        assert float(overlap) < 1e-3 * float(table.peak.max())
 
 
 def moved(record, structures=None, gap=0.005, name="kelvin"):
@@ -426,7 +440,10 @@ def test_silence_in_the_middle_and_at_the_end_is_free_vibration():
     coarse, dense = moved(motion(quiet)), moved(motion(fine, 0.01))
     check_energy(coarse)
     assert coarse.sizes["impact"] == dense.sizes["impact"] > 0
-    np.testing.assert_allclose(coarse.displacement, dense.displacement[::2], rtol=0, atol=1e-8)
+    size = float(coarse.peak.max())  # the steps are not the same
+    np.testing.assert_allclose(
+        coarse.displacement, dense.displacement[::2], rtol=0, atol=4 * float(coarse.step_error) * size
+    )
 
 
 @pytest.mark.parametrize("name", CONTACTS)
@@ -453,7 +470,9 @@ def test_rows_storeys_and_links_may_begin_in_silence():
 
 
 def test_a_motion_that_overflows_is_named():
-    with pytest.raises(ArithmeticError, match=r"the step from .* could not be completed.*displacements"):
+    with pytest.raises(
+        ArithmeticError, match=r"no longer finite .* s after the beginning.*steps_per_contact"
+    ):
         sl.pound([soft(), stiff()], 0.01, CONTACTS["kelvin"], synthetic(60) * 1e180)
 
 
@@ -504,14 +523,14 @@ def test_row_of_three_towers(name):
 
 def test_elastic_tower_alone_follows_its_modes():
     record, building = synthetic(300), tower(3, hardening=None, yield_drifts=None)
-    table = sl.pound([building, tower(2)], 5.0, CONTACTS["kelvin"], record)
+    table = sl.pound([building, tower(2)], 5.0, CONTACTS["kelvin"], record, steps_per_contact=128)
     wanted = np.zeros((record.size, 3))
     mass, shapes = 2e5, building._modes()[1]
     for period, shape in zip(building.periods().values, shapes.T, strict=True):
         alone = sl.respond(sl.Bilinear(period, 0.05), record).displacement.to_numpy()
         wanted += np.outer(alone, shape) * (shape.sum() * mass)
     found = table.displacement.sel(structure=1)
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-8 * abs(wanted).max())
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-5 * abs(wanted).max())
 
 
 # --- The estimate -----------------------------------------------------------------------------------
@@ -552,3 +571,34 @@ def test_structures_that_cannot_reach_each_other_are_not_amplified():
     hit = sl.pounding_estimate(soft(), stiff(), [0.2, 0.05], sl.Stereomechanical(0.5), 0.05, 0.05)
     assert float(hit.largest_radius_amplification_1[0]) == 1
     assert float(hit.largest_radius_amplification_1[1]) > 1
+
+
+# --- Laws of users ----------------------------------------------------------------------------------
+
+
+def test_a_law_with_memory_pounds_and_forgets_nothing():
+    """Without wear it is the law of Bouc and Wen; with it, the energy is accounted for, too."""
+    v, z, e = sympy.symbols("v z e")
+
+    def worn(wear):
+        rate = v - (1 + wear * e) * (sympy.Abs(v) * z / 2 + v * sympy.Abs(z) / 2)
+        law = {"z": rate / (1 + wear * e), "e": z * v}
+        return [
+            sl.Hysteretic(1.1, 0.05, 0.05, yield_displacement=0.03, mass=2e5, law=law),
+            sl.Hysteretic(0.5, 0.05, 0.1, yield_displacement=0.015, mass=3e5, law=law),
+        ]
+
+    plain = [
+        sl.BoucWen(1.1, 0.05, 0.05, yield_displacement=0.03, mass=2e5),
+        sl.BoucWen(0.5, 0.05, 0.1, yield_displacement=0.015, mass=3e5),
+    ]
+    record, contact = synthetic(300, size=3.0), CONTACTS["kelvin"]
+    known, same, less = (
+        sl.pound(each, 0.01, contact, record) for each in (plain, worn(0.0), worn(0.05))
+    )
+    assert known.sizes["impact"] == same.sizes["impact"] > 3
+    size = float(known.peak.max())
+    np.testing.assert_allclose(same.displacement, known.displacement, rtol=0, atol=1e-5 * size)
+    assert float(abs(less.displacement - known.displacement).max()) > 0.01 * size
+    for table in (same, less):
+        check_energy(table)

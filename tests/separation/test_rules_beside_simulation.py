@@ -161,7 +161,8 @@ def test_cells_of_a_table_are_those_of_single_calls():
     table = sl.separation(first, building(1.0), FIRM, 10.0, paths=64)
     assert set(table.gap.dims) == {"rule", "T", "R"}
     alone = sl.separation(building(0.8, reduction_factor=5.0), building(1.0), FIRM, 10.0, paths=64)
-    np.testing.assert_array_equal(table.gap.isel(T=2, R=1), alone.gap)
+    # numpy's exponential, which few cells take, may differ from that of compiled code in the last digit
+    np.testing.assert_allclose(table.gap.isel(T=2, R=1), alone.gap, rtol=1e-14)
     np.testing.assert_array_equal(table.verdict.isel(T=2, R=1), alone.verdict)
     assert np.isnan(table.gap.isel(T=1)).all()
     assert "invalid_input" in table.status.attrs["flag_meanings"].split()[int(table.status[0, 1, 0])]

@@ -20,7 +20,7 @@ from stochlin.analyses.charts.settings import ChartSettings, check_points
 from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding import contact as kernel
+from stochlin.kernels.simulation import contacts as kernel
 from stochlin.messages import hyphenated
 from stochlin.models.contacts import Element, HertzDamp, LinearSpring
 from stochlin.models.contacts.base import CONTACTS, RESTITUTION, checked

@@ -13,7 +13,7 @@ from stochlin.analyses.separation.added_damping import SIDES
 from stochlin.analyses.separation.existing_gap import DAMPINGS
 from stochlin.analyses.separation.searches import Required, least
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.contact import reduced_mass
+from stochlin.kernels.simulation.contacts import reduced_mass
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.systems import arrangement_of, first_mode

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.pounding.histories import course, floor_coords
-from stochlin.analyses.pounding.rows import Building, Meeting, shortest_period, slow_approach
-from stochlin.analyses.pounding.runs import alone, in_row
-from stochlin.analyses.pounding.summaries import labelled, summary
+from stochlin.analyses.pounding.histories import floor_coords
+from stochlin.analyses.pounding.rows import Building, Standing, shortest_period
+from stochlin.analyses.pounding.runs import Response, responses
+from stochlin.analyses.pounding.summaries import labelled, step_error, summary
 from stochlin.analyses.pounding.variables import STATISTICS
 from stochlin.analyses.records.cells import RECORD, Motions, Records, checked_motions
 from stochlin.analyses.simulation.finite_motions import (
@@ -22,12 +23,11 @@ from stochlin.analyses.simulation.finite_motions import (
 )
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.pounding.rows import Row
+from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.kernels.pounding.run import Pace
 
 PATH = "path"
 NEIGHBOURS = "neighbours"
-BALANCE = "energy_balance_error"
 ENDS = ("", "_lower", "_upper")  # endings of the names of a quantity and its 95 % interval
 # Variables that are NaN without an impact and then count as 0, with the variable that counts impacts.
 OF_IMPACTS = {
@@ -73,27 +73,33 @@ def checked_ensemble(motion: Records) -> Ensemble:
 
 def over_motions(
     structures: Sequence[Building],
-    row: Row,
-    places: Sequence[Meeting],
+    standing: Standing,
     ensemble: Ensemble,
+    paces: Sequence[Pace],
+    halved: bool,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """Summary of each motion; the results of one that fails are NaN, with the reason in ``missing``."""
-    motions, over = ensemble.motions, str(ensemble.over)
+    """Summary of each motion; the results of one that fails are NaN, with the reason in ``missing``.
+
+    With the errors of the time steps if ``halved``.
+    """
+    grounds, over = ensemble.motions.grounds, str(ensemble.over)
     shortest = shortest_period(structures)
-
-    def of(number: int) -> dict[str, Array] | ArithmeticError:
-        ground = motions.grounds[number]
-        own = row._replace(slow=slow_approach(shortest, ground.acceleration))
-        try:
-            done = in_row(structures, own, ground)
-            lone = alone(structures, own, ground)
-        except ArithmeticError as error:
-            return error
-        found = course(own, done)
-        return summary(own, places, found, done, lone) | {BALANCE: found.whole[BALANCE].max()}
-
-    found = list(in_order(of, len(motions.grounds), progress))
+    coarser = [pace._replace(cuts=pace.cuts // 2) for pace in paces]
+    runs = [(standing.row, paces), (standing.alone, paces), *[(standing.row, coarser)] * halved]
+    of_runs = [
+        responses(structures, row, grounds, each, shortest, progress=part_of(progress, *shares))
+        for (row, each), shares in zip(runs, pairwise(np.linspace(0, 1, len(runs) + 1)), strict=True)
+    ]
+    found: list[dict[str, Any] | ArithmeticError] = []
+    for of_motion in zip(*of_runs, strict=True):
+        errors = [each for each in of_motion if isinstance(each, ArithmeticError)]
+        if errors:
+            found.append(errors[0])
+            continue
+        one, lone, *coarse = (each for each in of_motion if isinstance(each, Response))
+        error = {"step_error": step_error(standing, coarse[0], one)} if coarse else {}
+        found.append(summary(standing, one, lone) | error)
     failed = [each for each in found if isinstance(each, ArithmeticError)]
     if len(failed) == len(found):
         raise ArithmeticError(
@@ -104,8 +110,8 @@ def over_motions(
     rows = [blank if isinstance(each, ArithmeticError) else each for each in found]
     values = {name: np.array([each[name] for each in rows], float) for name in like}
     good = xr.DataArray([isinstance(each, dict) for each in found], dims=over)
-    coords = floor_coords(row, structures)
-    table = xr.Dataset(labelled(values, row, structures, over), coords=coords)
+    coords = floor_coords(standing.first, structures)
+    table = xr.Dataset(labelled(values, standing.first, structures, over), coords=coords)
     table["status"] = labels.status_where(good, labels.NOT_CONVERGED)
     told = ["" if isinstance(each, dict) else str(each) for each in found]
     if ensemble.labels is not None:

@@ -13,15 +13,20 @@ from stochlin.analyses.pounding.ensembles import checked_ensemble
 from stochlin.analyses.pounding.estimates import pounding_estimate_row
 from stochlin.analyses.pounding.rows import (
     Building,
-    Meeting,
+    Standing,
     build_row,
     check_contact,
     checked_buildings,
     checked_gaps,
     shortest_period,
-    slow_approach,
 )
-from stochlin.analyses.pounding.runs import alone, check_runs, in_row
+from stochlin.analyses.pounding.runs import (
+    STEPS_PER_CONTACT,
+    Response,
+    check_runs,
+    pace_of,
+    responses,
+)
 from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.records.cells import Records
 from stochlin.analyses.simulation.finite_motions import share_interval
@@ -29,8 +34,7 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.pounding import impacts
-from stochlin.kernels.pounding import run as kernel
-from stochlin.kernels.pounding.rows import Row
+from stochlin.kernels.pounding.run import SAMPLES, Pace
 from stochlin.kernels.records.runs import SampledGround
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
@@ -153,9 +157,14 @@ def pounding_estimate_error(
             "motion: only one is given; allowed: two or more, over path or as a list of records, "
             "since an error needs many"
         )
-    row, places = build_row(row_of, spaces, contact, grounds[0].acceleration, ())
-    check_runs(row_of, row, grounds)
-    found = list(in_order(lambda n: _outcome(row_of, row, places, grounds[n]), len(grounds), progress))
+    standing = build_row(row_of, spaces, contact, ())
+    paces = [pace_of(row_of, standing, contact, each.dt, STEPS_PER_CONTACT) for each in grounds]
+    check_runs(standing, grounds, paces)
+
+    def outcome(number: int) -> _Outcome:
+        return _outcome(row_of, standing, grounds[number], paces[number])
+
+    found = list(in_order(outcome, len(grounds), progress))
     dims = over, "structure"
     values = {name: (dims, np.array([getattr(one, name) for one in found])) for name in _Outcome._fields}
     runs = xr.Dataset(values)
@@ -178,34 +187,37 @@ def pounding_estimate_error(
 
 
 def _outcome(
-    structures: Sequence[Building], row: Row, places: Sequence[Meeting], ground: SampledGround
+    structures: Sequence[Building], standing: Standing, ground: SampledGround, pace: Pace
 ) -> _Outcome:
     """Peaks, energy radii and numbers of impacts in one motion, with pounding and without."""
-    row = row._replace(slow=slow_approach(shortest_period(structures), ground.acceleration))
-    done, lone = in_row(structures, row, ground), alone(structures, row, ground, sampled=True)
-    first = row.first[:-1]
-    peak, peak_alone = (
-        np.maximum.reduceat(np.abs(run.peaks).max(axis=0), first) for run in (done, lone)
-    )
-    radius, radius_alone = (_radii(structures, row, run) for run in (done, lone))
-    left = np.array([place.building for place in places], np.int64)
-    where = left[done.impacts[:, impacts.CONTACT].astype(np.int64)]
+    shortest = shortest_period(structures)
+    both = []
+    for row in (standing.row, standing.alone):
+        (found,) = responses(structures, row, [ground], [pace], shortest, SAMPLES)
+        if isinstance(found, ArithmeticError):
+            raise found
+        both.append(found)
+    first = standing.first[:-1]
+    peak, peak_alone = (np.maximum.reduceat(each.peaks, first) for each in both)
+    radius, radius_alone = (_radii(structures, standing, each) for each in both)
+    left = np.array([place.building for place in standing.places], np.int64)
+    where = left[both[0].impacts[:, impacts.CONTACT].astype(np.int64)]
     hits = np.bincount(np.append(where, where + 1), minlength=first.size)
     return _Outcome(peak, peak_alone, radius, radius_alone, hits)
 
 
-def _radii(structures: Sequence[Building], row: Row, run: kernel.Run) -> Array:
+def _radii(structures: Sequence[Building], standing: Standing, response: Response) -> Array:
     """Largest energy radius of the first mode of each structure at the samples [m], (structures,)."""
-    n = row.mass.size
-    radii = []
+    at, mass, radii = response.at, standing.row.parts.mass, []
     for b, structure in enumerate(structures):
-        floors = slice(row.first[b], row.first[b + 1])
+        floors = slice(standing.first[b], standing.first[b + 1])
         moves = np.ones(1)
         if isinstance(structure, ShearBuilding):
             moves = structure.participation().to_numpy()
-        shares = row.mass[floors] * moves
+        shares = mass[floors] * moves
         shares = shares / (shares @ moves)
-        q, rate = (run.states[:, part : part + n][:, floors] @ shares for part in (0, n))
+        u, v = response.history[:, at.q : at.v], response.history[:, at.v : at.z]
+        q, rate = (values[:, floors] @ shares for values in (u, v))
         w = 2 * np.pi / float(first_mode(structure).arrays()["period"])
         radii.append(np.hypot(q, rate / w).max())
     return np.array(radii)

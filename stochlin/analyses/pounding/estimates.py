@@ -16,7 +16,7 @@ from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_whole
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.contact import impact_loss, velocities_after_impact
+from stochlin.kernels.simulation.contacts import impact_loss, velocities_after_impact
 from stochlin.messages import brief, sentence
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact

@@ -3,41 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.pounding.rows import COLUMN, Building, Meeting
+from stochlin.analyses.pounding.rows import COLUMN, Building, Meeting, Standing
+from stochlin.analyses.pounding.runs import Response
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
-from stochlin.kernels.pounding import run as kernel
-from stochlin.kernels.pounding.contact import stored_energy
-from stochlin.kernels.pounding.rows import SLACK, Row, creep_of
+from stochlin.kernels.simulation.contacts import ForceLaw, forces
+from stochlin.kernels.simulation.laws import SLACK
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.links import Link
 
 SIDES = "left", "right"  # sides of a contact
 
 
-def by_floor(values: Array, row: Row, structures: Sequence[Building], *over: str) -> xr.Variable:
+def by_floor(values: Array, first: Array, structures: Sequence[Building], *over: str) -> xr.Variable:
     """Values of all floors (..., n) over ``structure`` and, for shear buildings, ``floor``.
 
     Cells above the roof of a building are NaN. The coordinates are those of `floor_coords`; a dataset
     takes them once, since to align those of every array takes longer than all else.
     """
-    sizes = np.diff(row.first)
+    sizes = np.diff(first)
     wide = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
     for b, size in enumerate(sizes):
-        wide[..., b, :size] = values[..., row.first[b] : row.first[b + 1]]
+        wide[..., b, :size] = values[..., first[b] : first[b + 1]]
     if not _with_floors(structures):
         return xr.Variable((*over, "structure"), wide[..., 0])
     return xr.Variable((*over, "structure", "floor"), wide)
 
 
-def floor_coords(row: Row, structures: Sequence[Building]) -> dict[str, Any]:
+def floor_coords(first: Array, structures: Sequence[Building]) -> dict[str, Any]:
     """Coordinates of the numbers of the structures and, for shear buildings, of the floors."""
-    sizes = np.diff(row.first)
+    sizes = np.diff(first)
     coords = {"structure": ("structure", np.arange(1, sizes.size + 1), {"long_name": "structure"})}
     if _with_floors(structures):
         coords["floor"] = ("floor", np.arange(1, sizes.max() + 1), {"long_name": "floor"})
@@ -49,115 +50,153 @@ def _with_floors(structures: Sequence[Building]) -> bool:
 
 
 class Course(NamedTuple):
-    """Response histories of a row at the output times, by name: of floors, structures, links and all."""
+    """Response histories of a row by name: of floors, structures, links, the whole row and contacts."""
 
     floors: dict[str, Array]  # (times, n)
     structures: dict[str, Array]  # (times, s)
     links: dict[str, Array]  # (times, l)
     whole: dict[str, Array]  # (times,)
+    contacts: dict[str, Array]  # (times, c)
 
 
-def course(row: Row, run: kernel.Run) -> Course:
-    """Displacements, velocities, accelerations, forces and energies from the states of a run."""
-    n, s = row.mass.size, row.first.size - 1
-    c, ties = row.gap.size, len(row.tied)
-    u, v, slip, entering, viscous, hysteretic, lost, drained, creep = np.split(
-        run.states, np.cumsum([n, n, n, s, s, s, c, ties]), axis=1
-    )
-    drift = u - np.where(row.below >= 0, u[:, row.below], 0.0)
-    shear = row.post * drift + row.couple * (drift - slip)
-    stored = 0.5 * (row.post * drift**2 + row.couple * (drift - slip) ** 2)
+def course(standing: Standing, response: Response) -> Course:
+    """Displacements, velocities, accelerations, forces and energies in the history of a response."""
+    at, to, kept = response.at, response.to, response.history
+    row, first = standing.row, standing.first[:-1]
+    system, n = row.elements.system, int(standing.first[-1])
+    u, v, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
+    extension, rate = u @ system.extensions.T, v @ system.extensions.T
+    force = system.post * extension + system.couple * z
+    stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
+    drag = _drags(standing, rate)
+    pushed, squeezed = _contact_forces(standing, response, u, v)
+    load = v @ system.damping.T + (force + drag) @ system.extensions
+    shear = force[:, :n]
     energies = {
-        "input_energy": entering,
-        "kinetic_energy": np.add.reduceat(0.5 * row.mass * v**2, row.first[:-1], axis=1),
-        "elastic_energy": np.add.reduceat(stored, row.first[:-1], axis=1),
-        "viscous_energy": viscous,
-        "hysteretic_energy": hysteretic,
+        "input_energy": kept[:, to.entering : to.viscous],
+        "kinetic_energy": np.add.reduceat(0.5 * system.mass * v**2, first, axis=1),
+        "elastic_energy": np.add.reduceat(stored[:, :n], first, axis=1),
+        "viscous_energy": kept[:, to.viscous : to.hysteretic],
+        "hysteretic_energy": kept[:, to.hysteretic : to.drained],
     }
-    squeezed = np.zeros(len(u))
-    if not row.jumps:
-        one, two, low = row.weight.T
-        apart = one * u[:, row.left] + two * u[:, row.right] + low * u[:, row.lower]
-        squeezed = stored_energy(row.element, apart - row.gap).sum(axis=1)
-    one, two = row.tied.T
-    stretch, pace = (w[:, one] - np.where(two >= 0, w[:, two], 0.0) for w in (u, v))
-    post, dashpot, couple, limit, exponent, _ = row.tie.T
-    slowest = np.array([creep_of(row, j) for j in range(len(row.tied))])
-    eased = np.maximum(np.abs(pace), slowest) ** (exponent - 1.0) * pace
-    held = np.where(row.tie_law == SLACK, np.minimum(stretch + limit, 0.0), stretch - creep)
-    strained = 0.5 * (post * stretch**2 + couple * held**2).sum(axis=1)
-    kept = [energy for name, energy in energies.items() if name != "input_energy"]
-    missing = entering.sum(1) - sum(energy.sum(1) for energy in kept) - squeezed - lost.sum(1)
-    missing -= strained + drained.sum(1)
-    most = np.maximum.accumulate(np.abs(entering.sum(axis=1)))
-    error = np.divide(np.abs(missing), most, out=np.zeros_like(most), where=most > 0)
+    most = kept[:, to.most]
+    missing = np.abs(kept[:, to.missing])
+    whole = {
+        "contact_stored_energy": squeezed,
+        "contact_lost_energy": kept[:, to.lost : to.missing].sum(axis=1),
+        "energy_balance_error": np.divide(missing, most, out=np.zeros_like(most), where=most > 0),
+    }
     floors = {
         "displacement": u,
         "velocity": v,
-        "acceleration": run.accelerations,
+        "acceleration": -(load + pushed @ row.contacts.weights) / system.mass,
         "storey_shear": shear,
     }
-    whole = {
-        "contact_stored_energy": squeezed,
-        "contact_lost_energy": lost.sum(axis=1),
-        "energy_balance_error": error,
-    }
-    if not ties:
-        return Course(floors, {"base_shear": shear[:, row.first[:-1]], **energies}, {}, whole)
-    whole |= {"link_stored_energy": strained, "link_lost_energy": drained.sum(axis=1)}
-    pulls = {"link_force": post * stretch + couple * held + dashpot * eased}
-    return Course(floors, {"base_shear": shear[:, row.first[:-1]], **energies}, pulls, whole)
+    pulls = {}
+    if row.parts.spring.size:
+        whole |= {
+            "link_stored_energy": stored[:, n:].sum(axis=1),
+            "link_lost_energy": kept[:, to.drained : to.lost].sum(axis=1),
+        }
+        pulls = {"link_force": _link_forces(standing, force, rate, drag)}
+    of_structures = {"base_shear": shear[:, first], **energies}
+    return Course(floors, of_structures, pulls, whole, {"contact_force": pushed})
+
+
+def _drags(standing: Standing, rate: Array) -> Array:
+    """Forces of the dashpots with an exponent among the elements [N] (times, e), zero of the others."""
+    elements, drag = standing.row.elements, np.zeros_like(rate)
+    for i in standing.row.parts.dashpot[standing.row.parts.dashpot >= 0]:
+        c, a = elements.own[i, :2]
+        drag[:, i] = c * np.abs(rate[:, i]) ** a * np.sign(rate[:, i])
+    return drag
+
+
+def _contact_forces(standing: Standing, response: Response, u: Array, v: Array) -> tuple[Array, Array]:
+    """Forces of the contacts [N] (times, c), and the energy stored in all of them [J] (times,)."""
+    at, contacts = response.at, standing.row.contacts
+    if contacts.jumps:
+        held = slice(at.held, at.held + contacts.gap.size)
+        mean = response.history[:, at.force : at.approach] * response.history[:, held]
+        return mean, np.zeros(len(u))
+    depth, rate = u @ contacts.weights.T - contacts.gap, v @ contacts.weights.T
+    approach = response.history[:, at.approach : at.held]
+    fields: dict[str, Any] = {name: contacts.law[name] for name in ForceLaw._fields}
+    law = ForceLaw(**fields)
+    slow = response.numbers[at.slow]
+    pushed = forces(law, depth, rate, np.where(approach > slow, approach, 0.0))
+    power = law.exponent + 1.0
+    return pushed, (law.stiffness * np.maximum(depth, 0.0) ** power / power).sum(axis=1)
+
+
+def _link_forces(standing: Standing, force: Array, rate: Array, drag: Array) -> Array:
+    """Forces of the links against their first floor [N] (times, l)."""
+    parts, kind = standing.row.parts, standing.row.elements.kind
+    sign = np.where(kind[parts.spring] == SLACK, -1.0, 1.0)
+    power = np.where(parts.dashpot >= 0, drag[:, parts.dashpot], 0.0)
+    found: Array = sign * (force[:, parts.spring] + parts.constant * rate[:, parts.spring] + power)
+    return found
 
 
 def histories(
     found: Course,
-    row: Row,
+    standing: Standing,
     structures: Sequence[Building],
-    run: kernel.Run,
+    response: Response,
     start: float,
     time: Array,
+    times: Array | None,
 ) -> xr.Dataset:
-    """Dataset of the histories of a run at the times ``time`` [s], and of its impacts."""
-    line = run.impacts.T
+    """Dataset of the histories of a response, over ``time`` [s], and of its impacts.
+
+    ``times`` are those since the beginning [s] at which it is asked for; None at the samples, which the
+    response has.
+    """
+    line, first = response.impacts.T, standing.first
+
+    def asked(values: Array) -> Array:
+        return values if times is None else _interpolated(values, response.time, times)
+
     return xr.Dataset(
         {
-            **{name: by_floor(values, row, structures, "time") for name, values in found.floors.items()},
-            **{name: (("time", "structure"), values) for name, values in found.structures.items()},
-            **{name: (("time", "link"), values) for name, values in found.links.items()},
-            **{name: ("time", values) for name, values in found.whole.items()},
-            "contact_force": (("time", "contact"), run.forces),
+            **{
+                name: by_floor(asked(values), first, structures, "time")
+                for name, values in found.floors.items()
+            },
+            **{n: (("time", "structure"), asked(values)) for n, values in found.structures.items()},
+            **{name: (("time", "link"), asked(values)) for name, values in found.links.items()},
+            **{name: ("time", asked(values)) for name, values in found.whole.items()},
+            **{name: (("time", "contact"), asked(values)) for name, values in found.contacts.items()},
             "impact_time": ("impact", start + line[impacts.BEGIN]),
             "impact_contact": ("impact", line[impacts.CONTACT].astype(np.int64) + 1),
             "approach_velocity": ("impact", line[impacts.APPROACH]),
-            "largest_force": ("impact", largest_force(run)),
+            "largest_force": ("impact", line[impacts.LARGEST]),
             "impact_duration": ("impact", line[impacts.END] - line[impacts.BEGIN]),
-            "energy_lost": ("impact", energy_lost(run)),
-            "energy_transferred": (("impact", "side"), energy_transferred(run)),
+            "energy_lost": ("impact", line[impacts.LOST]),
+            "energy_transferred": (("impact", "side"), energy_transferred(response)),
         },
         coords={
             "time": ("time", time, {"units": "s", "long_name": "time"}),
-            **floor_coords(row, structures),
+            **floor_coords(first, structures),
             "side": ("side", list(SIDES), {"long_name": "side of the contact"}),
         },
     )
 
 
-def largest_force(run: kernel.Run) -> Array:
-    """Largest force of each impact [N]; NaN for stereomechanical impacts."""
-    force = run.impacts[:, impacts.LARGEST]
-    return np.where(np.isfinite(force), force, np.nan)
+def _interpolated(values: Array, known: Array, time: Array) -> Array:
+    """Values over ``known`` times, interpolated linearly to others along the first axis."""
+    place = np.clip(np.searchsorted(known, time, side="right") - 1, 0, known.size - 2)
+    share = np.clip((time - known[place]) / (known[place + 1] - known[place]), 0.0, 1.0)
+    share = share.reshape(-1, *[1] * (values.ndim - 1))
+    found: Array = (1 - share) * values[place] + share * values[place + 1]
+    return found
 
 
-def energy_lost(run: kernel.Run) -> Array:
-    """Energy lost in each impact [J]."""
-    lost: Array = run.impacts[:, impacts.AFTER] - run.impacts[:, impacts.BEFORE]
-    return lost
-
-
-def energy_transferred(run: kernel.Run) -> Array:
+def energy_transferred(response: Response) -> Array:
     """Work of each impact on the structures on its left and right [J], (impacts, 2)."""
-    right = run.impacts[:, impacts.HANDED]
-    return np.stack([-right - energy_lost(run) - run.impacts[:, impacts.STORED], right], axis=-1)
+    columns = impacts.HANDED, impacts.LOST, impacts.STORED
+    right, lost, stored = (response.impacts[:, column] for column in columns)
+    return np.stack([-right - lost - stored, right], axis=-1)
 
 
 def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Dataset:

@@ -13,22 +13,30 @@ from stochlin.analyses.pounding.estimates import largest_by_one_impact
 from stochlin.analyses.pounding.histories import contacts, course, histories
 from stochlin.analyses.pounding.rows import (
     Building,
-    Meeting,
+    Standing,
     build_row,
     check_contact,
     checked_buildings,
     checked_gaps,
     checked_links,
+    shortest_period,
 )
-from stochlin.analyses.pounding.runs import ON_GRID, alone, check_runs, in_row
-from stochlin.analyses.pounding.summaries import labelled, summary
+from stochlin.analyses.pounding.runs import (
+    ON_GRID,
+    STEPS_PER_CONTACT,
+    Response,
+    check_runs,
+    pace_of,
+    responses,
+)
+from stochlin.analyses.pounding.summaries import labelled, step_error, summary
 from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.records.cells import SHORTEST, Records
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import checked_quantiles, is_number
+from stochlin.analyses.tables.checks import check_truth, check_whole, checked_quantiles, is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.pounding.rows import Row
+from stochlin.kernels.pounding.run import NOTHING, SAMPLES, STEPS, Pace
 from stochlin.kernels.records.oscillator import RADIUS
 from stochlin.kernels.records.runs import SampledGround, peaks_on_records
 from stochlin.messages import brief
@@ -39,9 +47,11 @@ from stochlin.models.parameters import Model
 
 OF_CONTACTS = "contact", "impact", "side", "neighbours"  # dimensions dropped for one building alone
 
+FEWEST_STEPS, MOST_STEPS = 4, 4096  # numbers of steps in half a period of a contact
+
 REFERENCES = (
-    f"{labels.PAPER} Hairer, E., Norsett, S. P. and Wanner, G. (1993), Solving Ordinary Differential "
-    "Equations I, section II.10."
+    f"{labels.PAPER} Newmark, N. M. (1959), J. Eng. Mech. Div. ASCE 85, for the time steps; Quispel, "
+    "G. R. W. and McLaren, D. I. (2008), J. Phys. A 41, for mean forces over a step."
 )
 
 
@@ -54,6 +64,8 @@ def pound(
     link: Link | Sequence[Link | None] | None = None,
     output_step: float | None = None,
     quantiles: Sequence[float] = (0.5, 0.84, 0.95),
+    steps_per_contact: int = STEPS_PER_CONTACT,
+    estimate_error: bool | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response of a row of buildings from rest, with all impacts, in one motion or in many.
@@ -64,11 +76,11 @@ def pound(
 
     Parameters
     ----------
-    structures : list of Bilinear or BoucWen with a mass, and of ShearBuilding
-        Buildings from left to right, or one building. Shear buildings have one of these two laws. They
-        can meet at every floor of either building up to the lower roof: slab to slab where the floors
-        are within 0.05 m of the same level, otherwise slab to column of the neighbour, between two of
-        its floors. An oscillator meets the roof of a shear building.
+    structures : list of Bilinear, BoucWen or Hysteretic with a mass, and of ShearBuilding
+        Buildings from left to right, or one building, with any hysteresis law. They can meet at every
+        floor of either building up to the lower roof: slab to slab where the floors are within 0.05 m of
+        the same level, otherwise slab to column of the neighbour, between two of its floors. An
+        oscillator meets the roof of a shear building.
     gaps : list of float
         Gaps between neighbours [m], not negative. For two structures one number is enough. One building
         alone has no gap.
@@ -90,9 +102,14 @@ def pound(
         does not depend on it.
     quantiles : sequence of float
         Probabilities, between 0 and 1, of the quantiles over several motions.
+    steps_per_contact : int
+        Number of time steps in half a period of the contact, from 4 to 4096; see Notes. All time steps
+        are shorter the larger it is, and the error falls with its square.
+    estimate_error : bool, optional
+        Whether the row is also computed with steps twice as long, which tells the error. By default it
+        is for one motion, and not for several.
     progress : callable, optional
-        Called with the share of the motions that is done. For one motion it is the share of the two runs
-        that are done, in the row and each building alone.
+        Called with the share of the work that is done.
 
     Returns
     -------
@@ -103,8 +120,8 @@ def pound(
         and ``structure``: ``base_shear`` [N], ``input_energy``, ``kinetic_energy``, ``elastic_energy``,
         ``viscous_energy`` and ``hysteretic_energy`` [J]. Over ``time`` and ``contact``:
         ``contact_force`` [N]. Over ``time``: ``contact_stored_energy`` and ``contact_lost_energy`` [J],
-        and ``energy_balance_error`` [-], the imbalance of the energies over the largest input energy so
-        far. With links also ``link_force`` [N] over ``time`` and ``link``, and
+        and ``energy_balance_error`` [-], the energy that the time steps did not account for over the
+        largest input energy so far. With links also ``link_force`` [N] over ``time`` and ``link``, and
         ``link_stored_energy`` and ``link_lost_energy`` [J] over ``time``.
 
         Over ``impact``: ``impact_time`` [s], ``impact_contact``, ``approach_velocity`` [m/s],
@@ -116,6 +133,9 @@ def pound(
         ``peak_alone`` [m] of each building alone, and ``amplification`` [-], their ratio;
         ``peak_acceleration`` [m/s^2], ``peak_storey_shear`` [N] and ``peak_base_shear`` [N], each also
         with the ending ``_alone``. With links also ``peak_link_force`` [N] over ``link``.
+
+        ``step_error`` [-]: the largest relative change of a peak displacement or of the largest force of
+        a contact, from steps twice as long. About a third of it remains.
 
         Over ``contact``: ``gap`` [m], the number of ``impacts``, ``hardest_force`` [N],
         ``fastest_approach`` [m/s], ``longest_impact`` [s], ``deepest_compression`` [m] (these four are
@@ -150,14 +170,14 @@ def pound(
     Raises
     ------
     ValueError, TypeError
-        If there is no structure, or a structure has another law, an array as parameter or no mass; if
+        If there is no structure, or a structure has an array as parameter or no mass; if
         the contact is missing for several structures, or is `Stereomechanical` where a slab meets a
         column; if a gap is negative, or the number of gaps or links is wrong; if a link names a floor or
         structure that does not exist; if the output step is not positive or is given with several
         motions; if there is no motion, or a motion is not a record, has NaN or only zeros; or if the
         computation would take too long.
     ArithmeticError
-        If a time step cannot be completed; the message gives the time and the state. Also if a building
+        If the response is no longer finite, since a law runs away. Also if a building
         with ``p_delta`` collapses under the weight. With several motions the results of such a motion
         are NaN; only if all motions fail, the error of the first is raised.
 
@@ -168,28 +188,32 @@ def pound(
     therefore too small.
 
     Displacements are positive to the right; structure 2 stands to the right of structure 1. The time
-    steps are those of the 8th-order method of Dormand and Prince, with an error of 1e-10 of the largest
-    displacement, velocity and energy so far. Steps end at the samples of the record and where a
-    structure yields or unloads and a contact begins, turns or ends. Peaks include values between
-    outputs: those of displacements are exact extremes of the interpolated response, the others are taken
-    at the ends of steps, and during contact at eight points of each step.
+    steps are those of the trapezoidal rule, which is of second order, with contacts as elements that
+    only push. There are at least ``12.5 steps_per_contact`` steps in the shortest of the first periods
+    and ``2.5 steps_per_contact`` in the shortest period of a mode with 1 % of the mass. While a contact
+    is closed, or may become so, they are divided further, so that ``steps_per_contact`` of them are in
+    half a period of every contact with the reduced mass of its floors; for a Hertz element it is that of
+    an approach at 1 m/s. A contact force is the mean over the step, in which the penetration grows
+    evenly. Outputs that are not at the end of a step are interpolated linearly.
 
-    An impact ends when the contact force vanishes. If a `NoTensionKelvin` pushes again before the gap
-    has opened, this continues the same impact. For `HertzDamp`, an approach velocity
-    below a thousandth of ``max |a| T/(2 pi)``, with the largest ground acceleration ``|a|`` and the
-    shortest period ``T``, counts as zero, and the contact is then elastic. Floors that a
-    `Stereomechanical` impact would separate by less than 1e-10 of the largest displacement, while they
-    are pressed together, move together until the force between them vanishes.
+    Peaks of displacements include those within steps, and the largest force of an impact is that of a
+    parabola through forces at the ends of steps. Peaks of storey shears are those at the ends of steps,
+    peaks of accelerations and of link forces are means over steps.
 
-    A dashpot with an exponent is linear at velocities below a millionth of those that the motion can
-    cause. If it would bring its masses to rest in less than 5e-5 s, it is linear below the velocity at
-    which it no longer does; a strong dashpot with a small exponent is therefore somewhat too soft at low
-    velocities.
+    An impact ends when the gap opens again; its duration is until the contact force has vanished. If a
+    `NoTensionKelvin` pushes again before the gap has opened, this continues the same impact. For
+    `HertzDamp`, an approach velocity below a thousandth of ``max |a| T/(2 pi)``, with the largest ground
+    acceleration ``|a|`` and the shortest first period ``T``, counts as zero, and the contact is then
+    elastic. A `Stereomechanical` impact takes place at the time of touch within a step. If the floors
+    are pressed together so much that the rebound would take less than two steps, they move together, as
+    one impact, until they are pulled apart; smaller rebounds are not counted.
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (13) to (16); Hairer, Norsett and Wanner (1993), for the time
-    steps; Clopper and Pearson (1934), Biometrika 26, for the intervals of probabilities.
+    Valles-Mattox and Reinhorn (1996), eqs. (13) to (16); Newmark, N. M. (1959), J. Eng. Mech. Div. ASCE
+    85, with average acceleration, for the time steps; Quispel, G. R. W. and McLaren, D. I. (2008), J.
+    Phys. A 41, for mean forces over a step, which conserve energy; Clopper and Pearson (1934),
+    Biometrika 26, for the intervals of probabilities.
 
     Examples
     --------
@@ -224,8 +248,13 @@ def pound(
         raise type(error)(f"motion: {error}") from error
     links = checked_links(link, len(row_of))
     motions, over, _ = ensemble
-    row, places = build_row(row_of, spaces, contact, motions.grounds[0].acceleration, links)
-    check_runs(row_of, row, motions.grounds)
+    check_whole("steps_per_contact", steps_per_contact, FEWEST_STEPS, MOST_STEPS)
+    if estimate_error is not None:
+        check_truth("estimate_error", estimate_error)
+    standing = build_row(row_of, spaces, contact, links)
+    grounds = motions.grounds
+    paces = [pace_of(row_of, standing, contact, each.dt, steps_per_contact) for each in grounds]
+    check_runs(standing, grounds, paces)
     if over is not None and output_step is not None:
         raise ValueError(
             f"output_step = {brief(output_step)} is for one motion; allowed here: none, since "
@@ -233,21 +262,23 @@ def pound(
         )
     if progress is not None:
         progress(0.0)
-    lines, more = contacts(places, links), {"gap": ("contact", row.gap)}
+    lines, more = contacts(standing.places, links), {"gap": ("contact", standing.gap)}
+    halved = over is None if estimate_error is None else estimate_error
     if over is None:
         assert isinstance(motion, xr.DataArray)
-        ground = motions.grounds[0]
-        times = _output_times(output_step, ground)
-        table = _of_one(row_of, row, places, ground, motion["time"], times, progress).merge(lines)
+        times = _output_times(output_step, grounds[0])
+        table = _of_one(
+            row_of, standing, grounds[0], paces[0], motion["time"], times, halved, progress
+        ).merge(lines)
         oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
         if contact is not None and len(oscillators) == len(row_of) and not any(links):
-            worst = _estimates(oscillators, spaces, contact, ground)
+            worst = _estimates(oscillators, spaces, contact, grounds[0])
             more["largest_radius_amplification"] = ("structure", worst)
-        call = f"pound(output_step={output_step})"
+        call = f"pound(output_step={output_step}, steps_per_contact={steps_per_contact})"
     else:
-        table = over_motions(row_of, row, places, ensemble, progress).merge(lines)
+        table = over_motions(row_of, standing, ensemble, paces, halved, progress).merge(lines)
         table = with_statistics(table, over, levels)
-        call = f"pound(quantiles={levels.tolist()})"
+        call = f"pound(quantiles={levels.tolist()}, steps_per_contact={steps_per_contact})"
     table = labels.label(table.assign(more), VARIABLES).assign_attrs(motion=ensemble.describe())
     models: dict[str, Model] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
     models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
@@ -263,21 +294,38 @@ def pound(
 
 def _of_one(
     structures: Sequence[Building],
-    row: Row,
-    places: Sequence[Meeting],
+    standing: Standing,
     ground: SampledGround,
+    pace: Pace,
     time: xr.DataArray,
     times: Array | None,
+    halved: bool,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """Histories and summary of one motion."""
-    runs = (lambda: in_row(structures, row, ground, times)), (lambda: alone(structures, row, ground))
-    done, lone = in_order(lambda i: runs[i](), len(runs), progress)
-    start, found = float(time[0]), course(row, done)
+    """Histories and summary of one motion, with the error of its time steps if ``halved``."""
+    shortest = shortest_period(structures)
+    coarser = Pace(pace.cuts // 2, pace.substeps)
+    kept = SAMPLES if times is None else STEPS
+    tasks = [(standing.row, pace, kept), (standing.alone, pace, NOTHING)]
+    tasks += [(standing.row, coarser, NOTHING)] * halved
+
+    def task(number: int) -> Response:
+        row, steps, keep = tasks[number]
+        (found,) = responses(structures, row, [ground], [steps], shortest, keep)
+        if isinstance(found, ArithmeticError):
+            raise found
+        return found
+
+    done, alone, *coarse = in_order(task, len(tasks), progress)
+    start = float(time[0])
     at = time.to_numpy().astype(float) if times is None else start + times
-    table = histories(found, row, structures, done, start, at)
-    values = summary(row, places, found, done, lone)
-    return table.assign(labelled(values, row, structures)).assign_attrs(steps=done.steps)
+    table = histories(course(standing, done), standing, structures, done, start, at, times)
+    values = summary(standing, done, alone)
+    del values["energy_balance_error"]  # it has a history
+    table = table.assign(labelled(values, standing.first, structures))
+    if halved:
+        table["step_error"] = step_error(standing, coarse[0], done)
+    return table
 
 
 def _output_times(output_step: float | None, ground: SampledGround) -> Array | None:

@@ -2,29 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from stochlin.analyses.simulation.frames import LEAST_SHARE, elements_of, modes_of
 from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.contact import ForceLaw, law_table
-from stochlin.kernels.pounding.rows import BILINEAR, BOUC_WEN, ELASTIC, SLACK, Row
+from stochlin.kernels.basics.rows import Rows
+from stochlin.kernels.pounding.run import Row
+from stochlin.kernels.simulation.account import Parts
+from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact, Element
-from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import (
     LEVEL,
-    Stack,
-    Tie,
+    STRUCTURES,
+    Arrangement,
     arrangement_of,
     check_links,
     first_period,
@@ -34,13 +35,7 @@ from stochlin.models.systems import (
 
 Building = Structure | ShearBuilding
 
-# Hysteresis laws of the time steps, by exact class: a subclass may have another law.
-LAWS: Mapping[type, int] = {Bilinear: BILINEAR, BoucWen: BOUC_WEN}
-
-UNUSED = (0.0, 0.0, 1.0)  # Bouc-Wen parameters of a storey with another law, which are not used
 NUMBERS = "numbers, since a history is of one row"
-STEEPEST = 2e4  # [1/s], largest rate at which a dashpot with an exponent brings masses to rest
-TINY = 1e-300
 SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi), see `slow_approach`
 SLABS, COLUMN = "slab to slab", "slab to column"
 
@@ -78,22 +73,31 @@ class Meeting(NamedTuple):
         return self.floor_left if self.struck == "left" else self.floor_right
 
 
+class Standing(NamedTuple):
+    """Buildings in a row, and each of them alone, as kernels take them."""
+
+    row: Row
+    alone: Row  # the same buildings without contacts and without links between them
+    arrangement: Arrangement
+    places: list[Meeting]
+    gap: Array  # (c,) [m]
+    reduced: Array  # (c,) [kg]: reduced mass of both sides of each contact
+
+    @property
+    def first(self) -> Array:
+        """Number of the first floor of each building, and of all floors (s + 1,)."""
+        return self.arrangement.first
+
+
 def checked_buildings(structures: Sequence[Building]) -> list[Building]:
-    """The structures as a list, after a check that the time steps of pounding can be applied to each."""
+    """The structures as a list, after a check that each has what time steps need."""
     if not isinstance(structures, Sequence) or not structures:
         raise ValueError(
             f"structures = {brief(structures)}; allowed: a list of one or more, from left to right"
         )
     for number, structure in enumerate(structures, start=1):
         role = f"structures, number {number}"
-        law = structure.storey_law if isinstance(structure, ShearBuilding) else structure
-        if type(law) not in LAWS:
-            raise TypeError(
-                f"{role} = {brief(structure)} is of the wrong kind; allowed: "
-                f"{', '.join(kind.__name__ for kind in LAWS)}, {ShearBuilding.__name__}; the "
-                "event-driven time steps are only available for these laws; for other laws use "
-                "separation, simulate or recorded_gap"
-            )
+        expect(structure, STRUCTURES, role)
         if isinstance(structure, ShearBuilding):
             continue
         check_scalars(structure, role, NUMBERS)
@@ -172,55 +176,71 @@ def build_row(
     structures: Sequence[Building],
     gaps: Array,
     contact: Contact | None,
-    motion: Array,
     links: Sequence[Link | None],
-) -> tuple[Row, list[Meeting]]:
-    """The row of buildings as kernels take it, and its contacts."""
+) -> Standing:
+    """The row of buildings as kernels take it, with its contacts, and the buildings alone."""
     system = arrangement_of(structures, links)
-    first, storeys = system.first, system.storeys
-    mass = storeys.mass
     places = meetings([stack.levels for stack in system.stacks])
-    floors = np.array([_floors(m, first) for m in places], np.int64).reshape(-1, 3)
-    weight = np.array([m.weights for m in places], float).reshape(-1, 3)
-    shares = weight**2 / mass[floors]
-    meeting = 1.0 / (shares[:, 0] + shares[:, 1] + shares[:, 2])
-    element = contact if isinstance(contact, Element) else None
-    jumps = contact is not None and element is None
     columns = [m for m in places if m.struck]
-    if contact is not None and jumps and columns:
+    if contact is not None and not isinstance(contact, Element) and columns:
         raise ValueError(
             f"contact = {contact.describe()}: velocities jump only where slabs meet, and of the "
             f"structures {columns[0].building + 1} and {columns[0].building + 2} a floor meets a column "
             f"at {columns[0].level:g} m; allowed: a contact with a force, for instance "
             "Kelvin(stiffness, restitution=..)"
         )
-    laws = [element.force_law(float(m)) if element else ForceLaw() for m in meeting]
-    row = Row(
-        first=first,
-        below=system.below,
-        mass=mass,
-        per_mass=1 / mass,
-        post=storeys.post,
-        couple=storeys.couple,
-        strength=storeys.strength,
-        law=np.concatenate([_laws(stack) for stack in system.stacks]),
-        shape=np.ascontiguousarray(np.concatenate([_shapes(stack) for stack in system.stacks])),
-        damping=storeys.damping,
-        left=np.ascontiguousarray(floors[:, 0]),
-        right=np.ascontiguousarray(floors[:, 1]),
-        lower=np.ascontiguousarray(floors[:, 2]),
-        weight=weight,
-        meeting=meeting,
-        gap=np.array([gaps[m.building] for m in places], float),
-        element=law_table(laws),
-        jumps=jumps,
-        restitution=float(contact.e) if contact is not None and jumps else 1.0,
-        slow=slow_approach(shortest_period(structures), motion),
-        tied=np.array([(tie.one, tie.two) for tie in system.ties], np.int64).reshape(-1, 2),
-        tie=np.array([_tie(tie, 1 / mass) for tie in system.ties], float).reshape(-1, 6),
-        tie_law=np.array([_tie_law(tie.link) for tie in system.ties], np.int64),
+    left, right = _sides(places, system)
+    mass = system.storeys.mass
+    reduced = 1.0 / ((left + right) ** 2 @ (1.0 / mass))
+    space = np.array([gaps[m.building] for m in places], float)
+    if isinstance(contact, Element):
+        laws = [contact.force_law(float(m)) for m in reduced]
+        contacts = Contacts.of(laws, mass.size, left, right, space)
+    else:
+        e = 1.0 if contact is None else float(contact.e)
+        contacts = Contacts.of([ForceLaw()] * len(places), mass.size, left, right, space, e)
+    structure = _structure_of_floors(system)
+    own = (tie for tie in system.ties if tie.two < 0 or structure[tie.one] == structure[tie.two])
+    alone = _row_of(structures, system._replace(ties=tuple(own)), Contacts.of([], mass.size))
+    return Standing(_row_of(structures, system, contacts), alone, system, places, space, reduced)
+
+
+def _structure_of_floors(system: Arrangement) -> Array:
+    return np.repeat(np.arange(len(system.stacks)), np.diff(system.first))
+
+
+def _row_of(structures: Sequence[Building], system: Arrangement, contacts: Contacts) -> Row:
+    """Buildings with these links and contacts as kernels take them."""
+    elements, law = elements_of(system, np.arange(len(structures)))
+    storeys, structure, ties = system.storeys, _structure_of_floors(system), system.ties
+    n, others = structure.size, elements.kind.size - structure.size
+    powers = np.array([tie.link.is_power_law for tie in ties], bool)
+    dashpot = np.where(powers, n + len(ties) + np.cumsum(powers) - 1, -1)
+    constant = [0.0 if tie.link.is_power_law else tie.link.number("damping_constant") for tie in ties]
+    heights = [
+        each.arrays()["heights"].to_numpy()
+        if isinstance(each, ShearBuilding) and each.p_delta
+        else np.full(stack.levels.size, np.inf)
+        for each, stack in zip(structures, system.stacks, strict=True)
+    ]
+    parts = Parts(
+        mass=storeys.mass,
+        structure=structure,
+        owner=np.append(structure, np.full(others, -1)),
+        damping=Rows.of(storeys.damping),
+        limit=np.concatenate([*heights, np.full(others, np.inf)]),
+        spring=n + np.arange(len(ties)),
+        dashpot=dashpot.astype(np.int64),
+        constant=np.array(constant, float),
     )
-    return row, places
+    return Row(elements, law, contacts, parts, len(structures))
+
+
+def shortest_mode(standing: Standing) -> float:
+    """Shortest period of all modes with a share of the mass that matters [s]."""
+    systems = [standing.row.elements.system, *(stack.system for stack in standing.arrangement.stacks)]
+    modes = (modes_of(system) for system in systems)
+    return min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes)
 
 
 def shortest_period(structures: Sequence[Building]) -> float:
@@ -245,33 +265,15 @@ def _facing(b: int, one: Array, two: Array) -> list[Meeting]:
     return found
 
 
-def _floors(m: Meeting, first: Array) -> tuple[int, int, int]:
-    """Numbers, among all floors of the row, of the left, the right and the floor below the column."""
-    left, right = int(first[m.building]) + m.floor_left, int(first[m.building + 1]) + m.floor_right
-    upper = left if m.struck == "left" else right
-    return left, right, upper - 1 if m.struck and m.storey else upper
-
-
-def _laws(stack: Stack) -> Array:
-    return np.where(np.isfinite(stack.system.strength), LAWS[type(stack.law)], ELASTIC)
-
-
-def _shapes(stack: Stack) -> Array:
-    if type(stack.law) is BoucWen:
-        return stack.law_parameters
-    return np.tile(UNUSED, (stack.system.mass.size, 1))
-
-
-def _tie_law(link: Link) -> int:
-    return BILINEAR if link.yields else ELASTIC if link.slack is None else SLACK
-
-
-def _tie(tie: Tie, per_mass: Array) -> tuple[float, ...]:
-    """Parameters of a link as kernels take them, in the order of `Row.tie`."""
-    post, couple, strength = tie.link.spring
-    c, a = tie.link.number("damping_constant"), tie.link.exponent
-    easy = 0.0
-    if a < 1:  # the velocity at which c |v|^(a-1) over the mass equals STEEPEST
-        moved = per_mass[tie.one] + (per_mass[tie.two] if tie.two >= 0 else 0.0)
-        easy = float(np.exp(min(np.log(max(c * moved / STEEPEST, TINY)) / (1 - a), 0.0)))
-    return post, c, couple, strength, a, easy
+def _sides(places: Sequence[Meeting], system: Arrangement) -> tuple[Array, Array]:
+    """Weights (c, n) of the floors in the penetrations, those of the left and of the right side."""
+    left, right = np.zeros((2, len(places), int(system.first[-1])))
+    for j, m in enumerate(places):
+        one, two, below = m.weights
+        on_left, on_right = (int(system.first[m.building + k]) for k in range(2))
+        left[j, on_left + m.floor_left] = one
+        right[j, on_right + m.floor_right] = two
+        if m.struck and m.storey:
+            side, floor = (left, on_left) if m.struck == "left" else (right, on_right)
+            side[j, floor + m.storey - 1] = below
+    return left, right

@@ -1,110 +1,184 @@
-"""Response of a row of buildings to one motion, in the row and each alone, and its expected cost."""
+"""Responses of a row of buildings to motions, in the row and each alone, and their time steps."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.pounding.rows import Building
+from stochlin.analyses.pounding.rows import Building, Standing, shortest_mode, slow_approach
+from stochlin.analyses.simulation.frames import modes_of
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import cores
+from stochlin.kernels.basics.parallel import Progress, cores, in_order
+from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding import run as kernel
-from stochlin.kernels.pounding.rows import Row, sizes_of
 from stochlin.kernels.records.runs import SampledGround
+from stochlin.kernels.simulation.account import Account
+from stochlin.kernels.simulation.time_step import Places
 from stochlin.models.buildings import ShearBuilding
+from stochlin.models.contacts import Contact, Element
 
-STEP, STEPS_PER_PERIOD = 2.5e-6, 10.0  # computing time of a step and floor [s]; steps in a period
+STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
+# For each of them: steps in the shortest and in the first period, and, for stereomechanical impacts,
+# steps near contact in one without.
+OF_SHORTEST, OF_FIRST, AT_BLOWS = 2.5, 12.5, 1.0
+TYPICAL = 1.0  # [m/s]: rate of penetration for which the half-period of a Hertz contact is taken
 ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
-HISTORIES = 4  # memory of a running motion per sample, in states
-RUNS = 2  # number of runs for each motion, in the row and alone
+LANES = 64  # motions that are stepped together
+OF_LANE, OF_STEP = 1.5e-9, 3e-6  # [s], of an operation in one lane, and of a step without them
+OPERATIONS = 60.0  # in a step for each floor, besides those with every other floor
 
 
-def check_runs(structures: Sequence[Building], row: Row, grounds: Sequence[SampledGround]) -> None:
+class Response(NamedTuple):
+    """Response of a row of buildings to one motion."""
+
+    numbers: Array  # (rows,) at its end
+    impacts: Array  # (impacts, COLUMNS): the table of `kernels.pounding.impacts`
+    time: Array  # (times,) [s]: times of the history, from the beginning of the motion
+    history: Array  # (times, rows)
+    at: Places
+    to: Account
+
+    def of(self, first: int, last: int) -> Array:
+        """The numbers at the end, from the row ``first`` to ``last``."""
+        return self.numbers[first:last]
+
+    @property
+    def peaks(self) -> Array:
+        """Largest absolute displacement of each floor [m]."""
+        to = self.to
+        return np.maximum(self.of(to.highest, to.lowest), -self.of(to.lowest, to.acceleration))
+
+
+def pace_of(
+    structures: Sequence[Building],
+    standing: Standing,
+    contact: Contact | None,
+    dt: float,
+    steps_per_contact: int,
+) -> kernel.Pace:
+    """Time steps in an interval ``dt`` [s] of a motion, an even number, and near contact."""
+    first = min(float(modes_of(s.system)[0].max()) for s in standing.arrangement.stacks)
+    longest = min(first / OF_FIRST, shortest_mode(standing) / OF_SHORTEST) / steps_per_contact
+    cuts = 2 * max(1, int(np.ceil(0.5 * dt / longest * (1 - ON_GRID))))
+    if isinstance(contact, Element):
+        half = min(_half_period(contact, float(mass)) for mass in standing.reduced)
+        substeps = int(np.ceil(dt / cuts * steps_per_contact / half))
+    else:
+        substeps = int(np.ceil(AT_BLOWS * STEPS_PER_CONTACT))
+    return kernel.Pace(cuts, max(1, substeps))
+
+
+def _half_period(contact: Element, reduced: float) -> float:
+    """Half a period of a contact [s], or the time in which its dashpot stops both sides, if shorter."""
+    law = contact.force_law(reduced)
+    scale = float(contact.time_scale(reduced, TYPICAL))
+    if not law.over_approach and law.damping > 0:
+        scale = min(scale, reduced / float(law.damping))
+    return np.pi * scale
+
+
+def check_runs(
+    standing: Standing, grounds: Sequence[SampledGround], paces: Sequence[kernel.Pace]
+) -> None:
     """Raise a ValueError if the motions would take too much time or memory."""
-    modes = [
-        structure.periods() if isinstance(structure, ShearBuilding) else structure.arrays()["period"]
-        for structure in structures
-    ]
-    shortest = min(float(periods.min()) for periods in modes)
-    lengths = np.array([len(ground.acceleration) for ground in grounds])
-    seconds = float(sum(ground.dt * (len(ground.acceleration) - 1) for ground in grounds))
-    at_once = cores()
-    each = STEP * sum(periods.size for periods in modes) * STEPS_PER_PERIOD * seconds / shortest
+    n, lanes = int(standing.first[-1]), min(LANES, len(grounds))
+    samples = [len(ground.acceleration) for ground in grounds]
+    steps = float(sum(pace.cuts * many for pace, many in zip(paces, samples, strict=True)))
+    operations = 3.0 * n * n + OPERATIONS * n
     many = f"{len(grounds)} motions, " if len(grounds) > 1 else ""
+    seconds = sum(ground.dt * (size - 1) for ground, size in zip(grounds, samples, strict=True))
+    shortest = min(ground.dt / pace.cuts for ground, pace in zip(grounds, paces, strict=True))
     check_work(
-        f"{many}{seconds:g} s of motion, with a shortest period of {shortest:.3g} s, would take",
+        f"{many}{seconds:g} s of motion, in steps of {shortest:.3g} s, would take",
         f"take softer structures, or {'fewer motions' if many else 'a shorter record'}",
-        memory=8.0 * HISTORIES * sizes_of(row)[-1] * float(np.sort(lengths)[-at_once:].sum()),
-        seconds=each * max(1.0, RUNS / min(at_once, RUNS * len(grounds))),
+        memory=8.0 * (standing.row.places[1].rows + 2) * max(samples),
+        seconds=2 * steps * (operations * OF_LANE + OF_STEP / lanes) / min(cores(), len(grounds)),
     )
 
 
-def in_row(
-    structures: Sequence[Building], row: Row, ground: SampledGround, times: Array | None = None
-) -> kernel.Run:
-    """Response of the row to a motion, with states at ``times`` since its beginning [s].
+def responses(
+    structures: Sequence[Building],
+    row: kernel.Row,
+    grounds: Sequence[SampledGround],
+    paces: Sequence[kernel.Pace],
+    shortest: float,
+    keep: int = kernel.NOTHING,
+    progress: Progress | None = None,
+) -> list[Response | ArithmeticError]:
+    """Response of the row to each motion, or the error of one that could not be computed.
 
-    Without ``times`` the states are at the samples of the motion.
+    ``shortest`` is the shortest of the first periods [s]. Histories are kept of a single motion only.
     """
-    intervals = len(ground.acceleration) - 1
-    if times is None:
-        times = ground.dt * np.arange(intervals + 1)
-    asked = _intervals(times, ground.dt, intervals)
-    return _completed(structures, row, kernel.SampledMotion(*ground, *asked))
+    batches = list(_batches(grounds, paces))
+    at, to = row.places
+    found: dict[int, Response | ArithmeticError] = {}
+
+    def run(number: int) -> kernel.Run:
+        return kernel.run(row, *_motions(batches[number], grounds, paces, shortest), keep)
+
+    for batch, done in zip(batches, in_order(run, len(batches), progress), strict=True):
+        lanes = done.impacts[:, impacts.LANE]
+        for lane, number in enumerate(batch):
+            lines = done.impacts[lanes == lane]
+            one = Response(done.x[:, lane], lines, done.time, done.history, at, to)
+            found[number] = _failure(structures, one) or one
+    return [found[number] for number in range(len(grounds))]
 
 
-def alone(
-    structures: Sequence[Building], row: Row, ground: SampledGround, sampled: bool = False
-) -> kernel.Run:
-    """Response of the same structures, each without neighbours, with states at the samples or none."""
-    if sampled:
-        return in_row(structures, kernel.standing_alone(row), ground)
-    never = np.empty(0, np.int64), np.empty(0)
-    return _completed(structures, kernel.standing_alone(row), kernel.SampledMotion(*ground, *never))
+def _batches(grounds: Sequence[SampledGround], paces: Sequence[kernel.Pace]) -> Iterator[list[int]]:
+    """Numbers of motions that are stepped together: of one time step, the shortest first."""
+    alike: dict[tuple[float, kernel.Pace], list[int]] = {}
+    for number in np.argsort([len(ground.acceleration) for ground in grounds], kind="stable"):
+        alike.setdefault((grounds[number].dt, paces[number]), []).append(int(number))
+    for numbers in alike.values():
+        size = min(LANES, -(-len(numbers) // cores()))
+        for begin in range(0, len(numbers), size):
+            yield numbers[begin : begin + size]
 
 
-def _intervals(times: Array, dt: float, intervals: int) -> tuple[Array, Array]:
-    """Number of the interval between samples, and time since the start of this interval [s].
-
-    A time at a sample belongs to the interval that ends there.
-    """
-    scaled = times / dt
-    whole = np.rint(scaled)
-    scaled = np.where(np.abs(scaled - whole) < ON_GRID, whole, scaled)
-    number = np.clip(np.ceil(scaled).astype(np.int64) - 1, 0, intervals - 1)
-    share = np.clip(scaled - number, 0.0, 1.0)
-    return number, share * dt
-
-
-def _completed(structures: Sequence[Building], row: Row, motion: kernel.SampledMotion) -> kernel.Run:
-    run = kernel.run(row, motion)
-    _check_standing(structures, row, run)
-    if run.completed:
-        return run
-    n = row.mass.size
-    u, v = ([f"{value:.6g}" for value in run.last[part : part + n]] for part in (0, n))
-    raise ArithmeticError(
-        f"pound: the step from {run.time:.9g} s after the beginning could not be completed, after "
-        f"{run.steps} steps; displacements of the floors [{', '.join(u)}] m, velocities "
-        f"[{', '.join(v)}] m/s; use a softer or less damped contact or link, or a smaller restitution"
-    )
+def _motions(
+    batch: Sequence[int],
+    grounds: Sequence[SampledGround],
+    paces: Sequence[kernel.Pace],
+    shortest: float,
+) -> tuple[kernel.Motions, kernel.Pace]:
+    """The motions of a batch and their time steps."""
+    members = [grounds[number].acceleration for number in batch]
+    sizes = np.array([samples.size for samples in members])
+    acceleration = np.zeros((sizes.max(), len(batch)))
+    for lane, samples in enumerate(members):
+        acceleration[: samples.size, lane] = samples
+    slow = np.array([slow_approach(shortest, samples) for samples in members])
+    return kernel.Motions(acceleration, grounds[batch[0]].dt, sizes - 1, slow), paces[batch[0]]
 
 
-def _check_standing(structures: Sequence[Building], row: Row, run: kernel.Run) -> None:
-    """Raise an ArithmeticError if a storey with P-delta has drifted by more than its height."""
+def _failure(structures: Sequence[Building], response: Response) -> ArithmeticError | None:
+    """The error of a motion that was ended before its end, because a building falls or numbers do."""
+    failed = float(response.numbers[response.to.failed])
+    if failed == np.inf:
+        return None
+    first = 0
     for number, structure in enumerate(structures, start=1):
+        storeys = structure.storeys if isinstance(structure, ShearBuilding) else 1
+        u = response.numbers[response.at.q + first : response.at.q + first + storeys]
+        first += storeys
         if not isinstance(structure, ShearBuilding) or not structure.p_delta:
             continue
-        u = run.last[row.first[number - 1] : row.first[number]]
         heights = structure.arrays()["heights"].to_numpy()
-        excess = np.abs(np.diff(u, prepend=0.0)) / heights
-        if excess.max() > 1:
-            worst = int(np.argmax(excess))
-            raise ArithmeticError(
-                f"pound: structure {number} falls over: by {run.time:.4g} s after the beginning its "
+        share = np.nan_to_num(np.abs(np.diff(u, prepend=0.0)) / heights, nan=np.inf)
+        if share.max() > 1:
+            worst = int(np.argmax(share))
+            return ArithmeticError(
+                f"pound: structure {number} falls over: by {failed:.4g} s after the beginning its "
                 f"storey {worst + 1} has drifted by more than its height of {heights[worst]:g} m, "
                 "since after yield the weight above takes more stiffness than it has; give it more "
                 "hardening or strength, or a weaker motion"
             )
+    return ArithmeticError(
+        f"pound: the response is no longer finite {failed:.4g} s after the beginning; the law of a "
+        "structure, or a link or contact, is too stiff for the time steps: make it softer, or take "
+        "more steps_per_contact"
+    )

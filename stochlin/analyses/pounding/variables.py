@@ -30,6 +30,10 @@ _SINGLE: Variables = {
     "link_lost_energy": ("J", "energy dissipated by the links since the beginning"),
     "contact_lost_energy": ("J", "energy dissipated by the contacts since the beginning"),
     "energy_balance_error": ("1", "imbalance of the energies over the largest input energy so far"),
+    "step_error": (
+        "1",
+        "largest relative change of a peak or largest force from time steps twice as long",
+    ),
     "impact_time": ("s", "time at which the impact began"),
     "impact_contact": ("1", "contact of the impact"),
     "approach_velocity": ("m/s", "velocity of approach at the beginning of the impact"),

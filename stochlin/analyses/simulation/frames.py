@@ -111,8 +111,30 @@ def _tied(system: Arrangement) -> list[Array]:
 
 def _frame(system: Arrangement, members: Array) -> Frame:
     """Frame of the structures ``members`` (numbers from 0) and of the links between them."""
+    elements, law = elements_of(system, members)
+    whole, stacks = elements.system, [system.stacks[m] for m in members]
+    modes = [modes_of(part) for part in (whole, *(stack.system for stack in stacks))]
+    return Frame(
+        Structures(elements, law),
+        _floors(system, members),
+        shortest=min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes),
+        slowest=1 / float(-np.linalg.eigvals(whole.state_matrix).real.max()),
+        period=float(modes[0][0].max()),
+    )
+
+
+def _floors(system: Arrangement, members: Array) -> Array:
+    """Numbers of the floors of the structures ``members``."""
     first = system.first
-    floors = np.concatenate([np.arange(first[m], first[m + 1]) for m in members])
+    return np.concatenate([np.arange(first[m], first[m + 1]) for m in members])
+
+
+def elements_of(system: Arrangement, members: Array) -> tuple[Elements, Any]:
+    """Masses and springs of the structures ``members`` (numbers from 0), and their laws in time steps.
+
+    The elements are the storeys, the springs of the links, and then the dashpots with an exponent.
+    """
+    first, floors = system.first, _floors(system, members)
     springs = np.flatnonzero(np.abs(system.extensions[:, floors]).any(axis=1))
     drifts = system.extensions[np.ix_(springs, floors)]
     ties = [system.ties[spring - int(first[-1])] for spring in springs[floors.size :]]
@@ -141,17 +163,10 @@ def _frame(system: Arrangement, members: Array) -> Frame:
     whole = System(mass, damping, np.ascontiguousarray(drifts), shapes, post, couple, strength)
     rows = [np.pad(row, (0, widest - row.size), constant_values=np.nan) for row in own]
     numbers, states, law = laws_of(kinds)
-    modes = [_modes(part) for part in (whole, *(stack.system for stack in stacks))]
-    return Frame(
-        Structures(Elements(whole, numbers, states, np.array(rows)), law),
-        floors,
-        shortest=min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes),
-        slowest=1 / float(-np.linalg.eigvals(whole.state_matrix).real.max()),
-        period=float(modes[0][0].max()),
-    )
+    return Elements(whole, numbers, states, np.array(rows)), law
 
 
-def _modes(system: System) -> tuple[Array, Array]:
+def modes_of(system: System) -> tuple[Array, Array]:
     """Periods [s] and effective modal masses, as shares of the mass, of all modes."""
     mass, stiffness = system.mass, system.stiffness
     squares, shapes = scipy.linalg.eigh(stiffness, np.diag(mass))

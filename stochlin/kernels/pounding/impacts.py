@@ -1,188 +1,243 @@
-"""Stereomechanical impacts of buildings in a row, and the table of all impacts.
+"""Impacts in the lanes near contact: their table, and stereomechanical blows.
 
-Each impact has a line in the table, with these columns: time of its beginning [s], number of the
-contact, approach velocity [m/s], largest force [N], time of its end [s], energy dissipated in the
-contact before and after the impact [J], work of the impact on the structure on its right [J], elastic
-energy of the contact element at its end [J], and largest penetration [m].
+A contact has an impact from the time at which the penetration becomes positive until it is negative
+again. A stereomechanical blow multiplies the rate of penetration by ``-e`` at the time of touch, eq.
+(13). A rebound that would last less than `REST` time steps ends in rest: both sides then move together,
+as one impact, until they are pulled apart.
 """
+
+from __future__ import annotations
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import compiled
-from stochlin.kernels.pounding.contact import OPEN, TOGETHER, impact_loss, velocities_after_impact
-from stochlin.kernels.pounding.rates import CLOSING_RATE, PENETRATION, linked, measure, rates_at_times
-from stochlin.kernels.pounding.rows import sizes
-from stochlin.kernels.pounding.steps import greatest
+from stochlin.kernels.basics.compiled import called_often, compiled
+from stochlin.kernels.simulation.contacts import force as force_at
+from stochlin.kernels.simulation.contacts import mean_force, separation_margin, stored_in
+from stochlin.kernels.simulation.laws import VISCOUS
+from stochlin.kernels.simulation.time_step import KIND
 
-BEGIN, CONTACT, APPROACH, LARGEST, END, BEFORE, AFTER, HANDED, STORED, DEEPEST = range(10)
+LANE, CONTACT, BEGIN, APPROACH, LARGEST, END, LOST, HANDED, STORED, DEEPEST = range(10)
 COLUMNS = 10
 FIRST_LINES = 256  # initial length of the table
-TOUCH = 1e-12  # distance at which floors touch, over the largest displacement
-CALM = 1e-9  # approach velocity that is no impact, over the largest velocity
-HOP = 1e-10  # rebound distance below which floors move together, over the largest displacement
-MOST_BLOWS = 50  # largest number of impacts at one time; then all floors that touch move together
+REST = 2.0  # time steps that a rebound takes at least
+CALM = 1e-12  # rate of penetration that may be rounding, over the largest velocity
+MOST_BLOWS = 200  # of all contacts after one time step; then all sides that still approach rest
+
+
+@called_often
+def row_product(column, weight, i, x, of, lane):
+    """Row ``i`` of `Rows` times the rows of ``x`` from ``of`` on, in one lane."""
+    total = 0.0
+    for place in range(column.shape[1]):
+        total += weight[i, place] * x[of + column[i, place], lane]
+    return total
 
 
 @compiled
-def begin_entry(row, branch, j, velocity, time, x, table, used):
-    """Begin a line of the table for an impact at contact ``j``; returns the number of lines in use."""
-    lost = x[_account(row, j)]
+def _begin_impact(j, time, speed, largest, to, x, lane):
+    """Begin an impact of contact ``j``."""
+    x[to.begin + j, lane] = x[to.end + j, lane] = time
+    x[to.speed + j, lane], x[to.largest + j, lane] = speed, largest
+    x[to.last + j, lane], x[to.rise + j, lane], x[to.span + j, lane] = largest, 0.0, 0.0
+    x[to.before + j, lane] = x[to.lost + j, lane]
+    x[to.handed + j, lane] = x[to.deepest + j, lane] = 0.0
+
+
+@compiled
+def end_impact(j, number, stored, to, x, lane, table, used):
+    """End the impact of contact ``j`` and write its line; returns the table and its lines in use.
+
+    ``number`` is that of the motion in this lane.
+    """
+    if used == len(table):
+        longer = np.empty((2 * used, COLUMNS))
+        for row in range(used):
+            for column in range(COLUMNS):
+                longer[row, column] = table[row, column]
+        table = longer
     line = table[used]
-    line[BEGIN], line[CONTACT], line[APPROACH], line[LARGEST] = time, j, velocity, -np.inf
-    line[END], line[BEFORE], line[AFTER] = time, lost, lost
-    line[HANDED] = line[STORED] = line[DEEPEST] = 0.0
-    branch.entry[j] = used
-    return used + 1
+    line[LANE], line[CONTACT], line[BEGIN] = number, j, x[to.begin + j, lane]
+    line[APPROACH], line[LARGEST] = x[to.speed + j, lane], x[to.largest + j, lane]
+    line[END], line[LOST] = x[to.end + j, lane], x[to.lost + j, lane] - x[to.before + j, lane]
+    line[HANDED], line[STORED] = x[to.handed + j, lane], stored
+    line[DEEPEST] = x[to.deepest + j, lane]
+    x[to.begin + j, lane] = np.nan
+    return table, used + 1
 
 
-@compiled
-def end_entry(row, branch, j, time, x, table):
-    """Update the end of the present impact at contact ``j`` in its line of the table."""
-    line = table[branch.entry[j]]
-    line[END], line[AFTER] = time, x[_account(row, j)]
-    if not row.jumps:
-        d, n = measure(row, PENETRATION, j, x) - row.gap[j], row.element[j].exponent
-        line[STORED] = row.element[j].stiffness * max(d, 0.0) ** (n + 1.0) / (n + 1.0)
+@called_often
+def _watch_force(j, now, span, to, x, lane):
+    """Update the largest force by that at the end of a step, ``span`` [s] after the one before.
 
-
-@compiled
-def _account(row, j):
-    """Index of the energy dissipated in contact ``j`` in the state."""
-    n, s, _, _ = sizes(row)
-    return 3 * n + 3 * s + j
-
-
-@compiled
-def settle(row, branch, struck, ground, time, x, space, table, used):
-    """Velocities and branches after a stereomechanical impact at contact ``struck``, or a separation.
-
-    If its floors moved together, they separate. Otherwise eq. (13) is applied at all floors that touch,
-    the fastest approach first, until none approach any more. A light floor between heavy ones needs very
-    many such impacts; their number is limited by `MOST_BLOWS`. Floors that are pressed together so
-    strongly that they would hardly rebound then move together, which ends chattering. Returns the number
-    of lines of the table in use.
+    Between steps the force is a parabola through three of its values.
     """
-    touch, calm = TOUCH * greatest(space.reach[0]), CALM * greatest(space.reach[1])
-    if branch.contact[struck] == TOGETHER:
-        _let_go(row, branch, struck, time, x, table)
-        return used
-    used, exhausted = _blows(row, branch, struck, touch, calm, time, x, table, used)
-    for j in range(row.gap.size):
-        if exhausted and branch.contact[j] == OPEN and _touches(row, branch, j, touch, x):
-            if branch.entry[j] < 0:
-                used = begin_entry(row, branch, j, 0.0, time, x, table, used)
-            branch.contact[j] = TOGETHER
-            _join(row, branch, j, x, table)
-        if branch.contact[j] == TOGETHER:
-            if measure(row, CLOSING_RATE, j, x) < -calm:
-                _let_go(row, branch, j, time, x, table)
-            else:
-                _join(row, branch, j, x, table)
-    for _ in range(row.gap.size):  # floors that now move together can press on the next one
-        held = False
-        for j in range(row.gap.size):
-            if branch.contact[j] == OPEN and (j == struck or _touches(row, branch, j, touch, x)):
-                used = _press(row, branch, j, ground, time, calm, x, space, table, used)
-                held = held or branch.contact[j] == TOGETHER
-        if not held:
+    rise, largest = (now - x[to.last + j, lane]) / span, now
+    if x[to.rise + j, lane] > 0.0 > rise:
+        before = x[to.span + j, lane]
+        bend = (rise - x[to.rise + j, lane]) / (before + span)
+        slope = rise - bend * span
+        largest = x[to.last + j, lane] - 0.25 * slope * slope / bend
+    x[to.largest + j, lane] = max(x[to.largest + j, lane], largest)
+    x[to.last + j, lane], x[to.rise + j, lane], x[to.span + j, lane] = now, rise, span
+
+
+@compiled
+def watch_contact(contacts, j, dt, time, number, at, to, x, lane, table, used):
+    """Update the impact of an element ``j`` by a time step that began at ``time`` [s].
+
+    Returns the table of impacts and the number of its lines in use.
+    """
+    (column, weight), (right, share), law = contacts.rows, contacts.right, contacts.law[j]
+    change = row_product(column, weight, j, x, at.dq, lane)
+    before, force = x[at.depth + j, lane], x[at.force + j, lane]
+    after, speed = before + change, x[at.approach + j, lane]
+    if before <= 0.0 and after <= 0.0:
+        return table, used
+    if np.isnan(x[to.begin + j, lane]):
+        touch = time + (dt * -before / change if before < 0.0 else 0.0)
+        at_once = law.damping * speed if law.damping_exponent == 0.0 and not law.over_approach else 0.0
+        _begin_impact(j, touch, speed, at_once, to, x, lane)
+    v0 = speed if speed > x[at.slow, lane] else 0.0
+    total, elastic = mean_force(law, v0, before, change, dt)
+    x[to.lost + j, lane] += (total - elastic) * change
+    x[to.handed + j, lane] -= force * row_product(right, share, j, x, at.dq, lane)
+    rate = x[at.rate + j, lane]
+    now = force_at(law, after, 2.0 * change / dt - rate, v0)
+    _watch_force(j, now, dt * min(1.0, after / change) if before < 0.0 else dt, to, x, lane)
+    fall = 2.0 * (rate - change / dt)  # of the rate in the step
+    turn = before + 0.5 * dt * rate * rate / fall if rate > 0.0 and rate < fall else after
+    x[to.deepest + j, lane] = max(x[to.deepest + j, lane], after, turn)
+    if total != 0.0:
+        margin = separation_margin(law, before, change / dt)
+        left = separation_margin(law, after, change / dt)
+        x[to.end + j, lane] = time + dt * (margin / (margin - left) if left < 0.0 < margin else 1.0)
+    if after <= 0.0:
+        table, used = end_impact(j, number, 0.0, to, x, lane, table, used)
+    return table, used
+
+
+@compiled
+def strike(steps, parts, time, number, at, to, x, lane, table, used):
+    """Stereomechanical blows after a time step that began at ``time`` [s], until no sides approach.
+
+    Returns the table of impacts and the number of its lines in use.
+    """
+    contacts, dt = steps.contacts, steps.dt
+    for k in range(parts.mass.size):
+        x[to.gain + k, lane] = 2.0 * (x[at.v + k, lane] - x[at.dq + k, lane] / dt) / dt
+    for j in range(contacts.gap.size):
+        if x[at.held + j, lane] != 0.0:
+            x[to.end + j, lane] = time + dt
+            (column, weight), (right, share) = contacts.rows, contacts.right
+            force = x[at.force + j, lane]
+            x[to.handed + j, lane] -= force * row_product(right, share, j, x, at.dq, lane)
+            x[to.lost + j, lane] += force * row_product(column, weight, j, x, at.dq, lane)
+            if force == 0.0 and row_product(column, weight, j, x, at.v, lane) < 0.0:
+                x[at.held + j, lane] = 0.0
+                table, used = end_impact(j, number, 0.0, to, x, lane, table, used)
+    calm = 0.0
+    for k in range(parts.mass.size):
+        calm = max(calm, CALM * abs(x[at.v + k, lane]))
+    for blow in range(MOST_BLOWS):
+        struck, fastest = -1, calm
+        for j in range(contacts.gap.size):
+            column, weight = contacts.rows
+            rate = row_product(column, weight, j, x, at.v, lane)
+            depth = row_product(column, weight, j, x, at.q, lane) - contacts.gap[j]
+            if depth >= 0.0 and rate > fastest and x[at.held + j, lane] == 0.0:
+                struck, fastest = j, rate
+        if struck < 0:
             break
-    return used
+        rest = blow > MOST_BLOWS // 2
+        table, used = _blow(
+            steps, parts, struck, fastest, rest, time, number, at, to, x, lane, table, used
+        )
+    return table, used
 
 
 @compiled
-def _blows(row, branch, struck, touch, calm, time, x, table, used):
-    """Impacts by eq. (13), until no floors that touch approach each other, at most `MOST_BLOWS`.
+def _blow(steps, parts, j, rate, rest, time, number, at, to, x, lane, table, used):
+    """One blow of contact ``j``, with this rate of penetration at the end of the step.
 
-    Returns the number of lines of the table in use, and whether the limit was reached.
+    It takes place at the time of touch, from which velocities and displacements follow at the end of
+    the step. Returns the table of impacts and the number of its lines in use.
     """
-    for _ in range(MOST_BLOWS):
-        which, fastest = -1, calm
-        for j in range(row.gap.size):
-            v = measure(row, CLOSING_RATE, j, x)
-            if v > fastest and (j == struck or _touches(row, branch, j, touch, x)):
-                which, fastest = j, v
-        if which < 0:
-            return used, False
-        if branch.contact[which] == TOGETHER:
-            _let_go(row, branch, which, time, x, table)
-        used = begin_entry(row, branch, which, fastest, time, x, table, used)
-        if row.restitution == 0.0:
-            branch.contact[which] = TOGETHER
-            _join(row, branch, which, x, table)
-        else:
-            table[branch.entry[which], HANDED] += _strike(row, which, row.restitution, x)
-        end_entry(row, branch, which, time, x, table)
-    return used, True
-
-
-@compiled
-def _press(row, branch, j, ground, time, calm, x, space, table, used):
-    """Let the floors of contact ``j`` move together if they would rebound by less than `HOP`."""
-    n = row.mass.size
-    rates_at_times(row, branch, ground, x, space.rate, space.force)
-    pressed = space.rate[n + row.left[j]] - space.rate[n + row.right[j]]
-    v = measure(row, CLOSING_RATE, j, x)
-    if pressed > 0.0 and v * v <= 2.0 * pressed * HOP * greatest(space.reach[0]):
-        if branch.entry[j] < 0:
-            used = begin_entry(row, branch, j, max(v, 0.0), time, x, table, used)
-        branch.contact[j] = TOGETHER
-        _join(row, branch, j, x, table)
+    contacts, mass, dt = steps.contacts, parts.mass, steps.dt
+    (column, weight), (right, share) = contacts.rows, contacts.right
+    depth = row_product(column, weight, j, x, at.q, lane) - contacts.gap[j]
+    since, e, mobility = 0.0, contacts.restitution, 0.0
+    for place in range(column.shape[1]):
+        mobility += weight[j, place] ** 2 / mass[column[j, place]]
+    pressed = row_product(column, weight, j, x, to.gain, lane)
+    at_touch = np.sqrt(max(rate * rate - 2.0 * pressed * depth, 0.0))
+    if at_touch > 0.0:  # the penetration is a parabola
+        since = min(2.0 * depth / (rate + at_touch), dt)
+        rate -= since * pressed
+    rest = rest or e == 0.0 or 2.0 * e * rate < REST * dt * pressed
+    e = 0.0 if rest else e
+    impulse = (1.0 + e) * rate / mobility
+    _begin_impact(j, time + dt - since, rate, np.nan, to, x, lane)
+    moved = row_product(right, share, j, x, at.v, lane)
+    sped = row_product(right, share, j, x, to.gain, lane)
+    _watch_touch(steps, since, at, to, x, lane)
+    for k in range(mass.size):
+        x[to.way + k, lane] = 0.0
+    for place in range(column.shape[1]):
+        k = column[j, place]
+        jump = -weight[j, place] * impulse / mass[k]
+        x[at.v + k, lane] += jump
+        x[to.way + k, lane] = jump * since
+    moved = 0.5 * (moved + row_product(right, share, j, x, at.v, lane)) - since * sped
+    _displace(steps, parts, at, to, x, lane)
+    x[to.handed + j, lane] -= impulse * moved
+    x[to.lost + j, lane] += 0.5 * (1.0 - e) * (1.0 + e) * rate * rate / mobility
+    if rest:
+        x[at.held + j, lane] = 1.0
     else:
-        branch.entry[j] = -1
-        if abs(v) <= calm:  # set the velocities equal, so that rounding causes no further impact
-            _join(row, branch, j, x, table)
-    return used
+        table, used = end_impact(j, number, 0.0, to, x, lane, table, used)
+    return table, used
 
 
 @compiled
-def _touches(row, branch, j, touch, x):
-    """Whether the floors of contact ``j`` move together or are at most ``touch`` [m] apart."""
-    distance = measure(row, PENETRATION, j, x) - row.gap[j]
-    return branch.contact[j] == TOGETHER or distance >= -touch
+def _watch_touch(steps, since, at, to, x, lane):
+    """Update the largest and smallest displacements by those at a blow, ``since`` [s] before the end."""
+    column, weight = steps.shapes
+    for i in range(column.shape[0]):
+        end = row_product(column, weight, i, x, at.q, lane)
+        touch = end - since * row_product(column, weight, i, x, at.v, lane)
+        x[to.highest + i, lane] = max(x[to.highest + i, lane], touch)
+        x[to.lowest + i, lane] = min(x[to.lowest + i, lane], touch)
 
 
 @compiled
-def _let_go(row, branch, j, time, x, table):
-    """Separate the floors of contact ``j`` and end its impact."""
-    end_entry(row, branch, j, time, x, table)
-    branch.contact[j] = OPEN
-    branch.entry[j] = -1
+def _displace(steps, parts, at, to, x, lane):
+    """Displace the coordinates after a blow within the step, and the springs with them.
+
+    The works on this way are those of the forces at the end of the step.
+    """
+    (column, weight), (of_mass, damping) = steps.extensions, parts.damping
+    for i in range(column.shape[0]):
+        if steps.info[i, KIND] == VISCOUS:
+            continue
+        x[at.z + i, lane] += row_product(column, weight, i, x, to.way, lane)
+    for k in range(parts.mass.size):
+        moved, structure = x[to.way + k, lane], parts.structure[k]
+        if moved != 0.0:
+            x[at.q + k, lane] += moved
+            x[to.entering + structure, lane] += parts.mass[k] * x[at.f, lane] * moved
+            drag = row_product(of_mass, damping, k, x, at.v, lane)
+            x[to.viscous + structure, lane] += drag * moved
 
 
 @compiled
-def _strike(row, j, e, x):
-    """Apply one impact, eq. (13), to the velocities; returns its work on the right structure [J]."""
-    n, one, two = row.mass.size, row.left[j], row.right[j]
-    v1, v2, mass_1, mass_2 = x[n + one], x[n + two], row.mass[one], row.mass[two]
-    x[n + one], x[n + two] = velocities_after_impact(v1, v2, mass_1, mass_2, e)
-    x[_account(row, j)] += impact_loss(mass_1, mass_2, e) * (v1 - v2) * (v1 - v2)
-    return 0.5 * mass_2 * (x[n + two] - v2) * (x[n + two] + v2)
-
-
-@compiled
-def _join(row, branch, j, x, table):
-    """Give all floors that move together with those of contact ``j`` one velocity; momentum is kept."""
-    n, c = row.mass.size, row.gap.size
-    start, stop = j, j + 1
-    while linked(row, branch, start):
-        start -= 1
-    while stop < c and linked(row, branch, stop) and branch.contact[stop] == TOGETHER:
-        stop += 1
-    mass = row.mass[row.left[start]]
-    momentum = mass * x[n + row.left[start]]
-    energy = momentum * x[n + row.left[start]]
-    for i in range(start, stop):
-        other = row.right[i]
-        mass += row.mass[other]
-        momentum += row.mass[other] * x[n + other]
-        energy += row.mass[other] * x[n + other] ** 2
-    common = momentum / mass
-    x[_account(row, j)] += max(0.5 * (energy - momentum * common), 0.0)
-    impulse = row.mass[row.left[start]] * (x[n + row.left[start]] - common)
-    x[n + row.left[start]] = common
-    for i in range(start, stop):
-        other = row.right[i]
-        if branch.entry[i] >= 0:
-            table[branch.entry[i], HANDED] += 0.5 * impulse * (x[n + other] + common)
-        impulse -= row.mass[other] * (common - x[n + other])
-        x[n + other] = common
+def end_all(contacts, number, at, to, x, lane, table, used):
+    """End the impacts that go on at the end of the motion."""
+    for j in range(contacts.gap.size):
+        if not np.isnan(x[to.begin + j, lane]):
+            stored = 0.0
+            if not contacts.jumps:
+                column, weight = contacts.rows
+                depth = row_product(column, weight, j, x, at.q, lane) - contacts.gap[j]
+                stored = stored_in(contacts.law[j], depth)
+            table, used = end_impact(j, number, stored, to, x, lane, table, used)
+    return table, used

@@ -1,314 +1,266 @@
-"""Response of buildings in a row to a ground motion, with time steps that end at every event.
+"""Response of a row of buildings to motions, one or many at once, with impacts.
 
-The ground acceleration is linear between its samples, and time steps end at each of them. An event is
-the end of a branch, for instance yielding or the beginning of a contact. If it falls into a step, its
-time follows from the interpolating polynomials. The step is cut off there, and the next one begins on
-the new branch. The time steps do not depend on the times at which states are requested.
+Every step is first taken without contacts, in all motions. Those that are near contact in it are taken
+again, in shorter steps with contacts: their lanes are gathered, and scattered again afterwards. No lane
+depends on another, so that a motion has the same bits alone and among others.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, compiled, entry
-from stochlin.kernels.pounding.contact import (
-    CLOSED,
-    OPEN,
-    PARTED,
-    TOGETHER,
-    has_fractional_power,
+from stochlin.kernels.basics.compiled import compiled, entry
+from stochlin.kernels.pounding.impacts import (
+    BEGIN,
+    COLUMNS,
+    CONTACT,
+    FIRST_LINES,
+    LANE,
+    end_all,
+    strike,
+    watch_contact,
 )
-from stochlin.kernels.pounding.events import (
-    NOTHING,
-    first_event,
-    pass_event,
-    watch_forces,
-    watch_peaks,
-    watch_state,
-)
-from stochlin.kernels.pounding.impacts import COLUMNS, FIRST_LINES, MOST_BLOWS, begin_entry, end_entry
-from stochlin.kernels.pounding.lending import borrow
-from stochlin.kernels.pounding.rates import rates, rates_at_times, start
-from stochlin.kernels.pounding.rows import LAWS, Branches, Row, sizes_of
-from stochlin.kernels.pounding.steps import (
-    STAGES,
-    Space,
-    attempt,
-    copy,
-    grow_reach,
-    interpolate,
-    state_within,
+from stochlin.kernels.simulation.account import Account, Parts, balance, watch, watch_displacements
+from stochlin.kernels.simulation.contacts import Contacts
+from stochlin.kernels.simulation.time_step import (
+    Elements,
+    Places,
+    fill,
+    lanes_at_rest,
+    steps_of,
+    take_step,
+    times_row,
+    tolerances,
 )
 
-SAFETY, SHRINK, GROW, ORDER = 0.9, 0.2, 5.0, 8.0  # constants of the step size control
-OUTSET = 1e-3  # initial scale of the error control, over the velocity dt max |a| of one interval
-FIRST = 0.1  # first time step, over the interval of the record
-LEAST = 1e-12  # smallest advance past an event, over the interval of the record
-STUCK = 1e-14  # smallest time step, over the interval of the record; a smaller one ends the run
-MOST_STEPS = 500_000  # largest number of trial steps in one interval of the record
-ON_CONTACT = 0.3  # first time step in contact, over the time scale of the contact
-ON_HERTZ = 1e-4  # the same for a force with a fractional power of the penetration
+NOTHING, SAMPLES, STEPS = range(3)  # which states are kept: none, at samples of the motion, after steps
+FIRST_KEPT = 512  # initial length of a history that is kept after each step
 
 
-class SampledMotion(NamedTuple):
-    """A ground motion, and the output times at which the state is requested."""
+class Row(NamedTuple):
+    """Buildings in a row."""
 
-    acceleration: Array  # (samples,) [m/s^2]
+    elements: Elements
+    law: Any  # the result of `laws.by_number`
+    contacts: Contacts
+    parts: Parts
+    structures: int  # their number
+
+    @property
+    def places(self) -> tuple[Places, Account]:
+        """The rows of the array ``x`` of all numbers of every motion."""
+        c = self.contacts.gap.size
+        places = Places.of(self.elements, c)
+        links = self.parts.spring.size
+        return places, Account.of(places, self.elements, self.structures, links, c)
+
+
+class Pace(NamedTuple):
+    """The time steps of a run."""
+
+    cuts: int  # steps in an interval of the motion
+    substeps: int  # steps in each of them near contact
+
+
+class Motions(NamedTuple):
+    """Ground motions with one time step, linear between their samples."""
+
+    acceleration: Array  # (samples, lanes) [m/s^2]; zero after the end of a motion
     dt: float  # [s]
-    interval: Array  # (times,): number of the interval of the record with the output time, increasing
-    since: Array  # (times,) [s]: time since the beginning of this interval, from 0 to dt
-
-
-class Most(NamedTuple):
-    """Largest magnitudes at the ends of steps; accelerations in contact also at the nodes of steps."""
-
-    acceleration: Array  # (n,) [m/s^2]: absolute accelerations of the floors
-    shear: Array  # (n,) [N]: storey shears
-    pull: Array  # (l,) [N]: forces of the links
-
-
-class Asked(NamedTuple):
-    """Output times as in `SampledMotion`, and the arrays of `Run` that are written at them."""
-
-    interval: Array
-    since: Array
-    states: Array
-    forces: Array
-    accelerations: Array
-    peaks: Array
+    intervals: Array  # (lanes,): number of intervals of each motion
+    slow: Array  # (lanes,) [m/s]: rate of approach below which a contact is elastic
 
 
 class Run(NamedTuple):
-    """Response of a row of buildings to one motion."""
+    """Response of a row of buildings to motions."""
 
-    states: Array  # (times, k): states at the output times
-    forces: Array  # (times, c) [N]: contact forces
-    accelerations: Array  # (times, n) [m/s^2]: absolute accelerations of the floors
-    peaks: Array  # (2, n) [m]: highest and lowest displacement of each floor
-    most: Most
-    impacts: Array  # (impacts, COLUMNS): the table of `impacts`
-    steps: int  # number of trial steps
-    completed: bool  # the end of the motion was reached
-    time: float  # time reached [s]
-    last: Array  # (k,): state at this time
+    x: Array  # (rows, lanes): the numbers of every motion at its end, see `Row.places`
+    impacts: Array  # (impacts, COLUMNS): the table of `impacts`, lane by lane, as they begin
+    time: Array  # (times,) [s]: times of the history, which is of a single motion
+    history: Array  # (times, rows): its numbers at these times
 
 
 @compiled
-def _advance(row, branch, ground, slope, h, x, space):
-    """Compute one step, reduced until its error is within the tolerance.
+def _copy_lanes(source, of, target, to, count, first, last):
+    """Copy rows from ``first`` to ``last`` in the lanes ``of`` to another array, in the lanes ``to``."""
+    for row in range(first, last):
+        for k in range(count):
+            target[row, to[k]] = source[row, of[k]]
 
-    Returns its length [s] (0 if no length succeeded), the length to try next and the number of trials.
+
+@compiled
+def _near(contacts, dt, at, to, x, lanes, near):
+    """Find the lanes that are in contact in the step taken without it, or may be.
+
+    Within a step the penetration is a parabola, which rises above the ends by an eighth of the change of
+    the rate times ``dt`` at most. Lanes are written to ``near``, and do not count; returns their number.
     """
-    for trial in range(1, 60):
-        error = attempt(row, branch, ground, slope, h, x, space)
-        if error <= 1.0:
-            growth = GROW if error == 0.0 else min(GROW, SAFETY * error ** (-1.0 / ORDER))
-            now = ground + slope * h
-            rates(row, branch, now, space.new, space.stages[STAGES], space.force)
-            return h, h * growth, trial
-        # After overflow the error is not finite and gives no estimate of the right length.
-        h *= max(SHRINK, SAFETY * error ** (-1.0 / ORDER)) if error < np.inf else SHRINK
-    return 0.0, h, trial
+    count, gap, (column, weight) = 0, contacts.gap, contacts.rows
+    fill(x, to.three, -1.0, lanes)
+    for j in range(gap.size):
+        times_row(column, weight, j, x, at.q, to.one, lanes)
+        times_row(column, weight, j, x, at.dq, at.change, lanes)
+        times_row(column, weight, j, x, at.v, to.two, lanes)
+        for lane in range(lanes):
+            bulge = 0.25 * abs(dt * x[to.two, lane] - x[at.change, lane])
+            highest = x[to.one, lane] + max(-x[at.change, lane], 0.0) + bulge - gap[j]
+            open_now = np.isnan(x[to.begin + j, lane])
+            reach = highest if open_now else 1.0
+            x[to.three, lane] = max(x[to.three, lane], reach)
+    for lane in range(lanes):
+        if x[to.three, lane] > 0.0 and x[to.counts, lane] > 0.0:
+            x[to.counts, lane] = 0.0
+            near[count] = lane
+            count += 1
+    return count
 
 
 @compiled
-def _watch(row, branch, ground, slope, h, end, x, after, known, space, asked, most, table):
-    """Update peaks and largest forces by a step up to its share ``end``.
-
-    Returns whether the interpolating polynomials of the step have been computed.
-    """
-    needed = watch_peaks(row, end, h, x, after, space, asked.peaks, known)
-    if needed and not known:
-        interpolate(row, branch, ground, slope, h, x, space)
-        watch_peaks(row, end, h, x, after, space, asked.peaks, needed)
-        known = needed
-    watch_forces(branch, end, h, space, table, most.acceleration)
-    return known
+def _end_failed(steps, limit, time, at, to, x, lanes):
+    """End the motions in which an extension is beyond its limit, or not a number."""
+    column, weight = steps.extensions
+    for i in range(limit.size):
+        times_row(column, weight, i, x, at.q, to.one, lanes)
+        for lane in range(lanes):
+            if not abs(x[to.one, lane]) <= limit[i] and x[to.failed, lane] == np.inf:
+                x[to.failed, lane] = time
 
 
 @compiled
-def _report(row, branch, ground, slope, h, tau, last, x, after, known, space, asked, at, done):
-    """Write the states at output times from ``tau`` to ``last`` [s] of interval ``at`` of the record.
-
-    Returns the number of output times that are done.
-    """
-    while done < asked.since.size and asked.interval[done] == at and asked.since[done] <= last:
-        state, t = asked.states[done], (asked.since[done] - tau) / h
-        if asked.since[done] == last:
-            copy(after, state)
-        else:
-            if not known:
-                interpolate(row, branch, ground, slope, h, x, space)
-                known = True
-            state_within(x, t, space, state)
-        now = ground + slope * (t * h)
-        rates_at_times(row, branch, now, state, space.rate, asked.forces[done])
-        _keep_accelerations(row, now, space.rate, asked.accelerations[done])
-        done += 1
-    return done
-
-
-@called_often
-def _keep_accelerations(row, ground, rate, out):
-    """Write the absolute accelerations of the floors to ``out`` (n,)."""
-    for i in range(row.mass.size):
-        out[i] = rate[row.mass.size + i] + ground
-
-
-@compiled
-def _first_in_contact(row, branch, j):
-    """First time step in contact ``j`` [s], a share of the time scale of contact of two free masses."""
-    law = row.element[j]
-    k, n, c = law.stiffness, law.exponent, 0.0 if law.over_approach else law.damping
-    mass = row.meeting[j]
-    pace = (mass * branch.approach[j] ** (1.0 - n) / k) ** (1.0 / (n + 1.0))
-    if has_fractional_power(law):
-        return ON_HERTZ * pace
-    return ON_CONTACT * (min(pace, mass / c) if c > 0.0 else pace)
-
-
-@compiled
-def _pass(row, branch, event, way, ground, time, planned, x, space, table, used):
-    """Change to the branch after an event.
-
-    Returns the table of impacts, extended if necessary, the number of its lines in use, and the length
-    of the next step.
-    """
-    before = branch.contact.copy()
-    if used + MOST_BLOWS + 2 * before.size > len(table):
-        longer = np.empty((2 * len(table), COLUMNS))
+def _keep(x, time, kept):
+    """Add the numbers of the first lane to what is kept: times, history, and the number of its lines."""
+    times, history, used = kept
+    if used == times.size:
+        longer, later = np.empty((2 * used, history.shape[1])), np.empty(2 * used)
         for line in range(used):
-            copy(table[line], longer[line])
-        table = longer
-    used = pass_event(row, branch, event, way, ground, time, x, space, table, used)
-    for j in range(before.size):
-        if before[j] == OPEN and branch.contact[j] == CLOSED:
-            planned = min(planned, _first_in_contact(row, branch, j))
-    rates_at_times(row, branch, ground, x, space.stages[0], space.force)
-    return table, used, planned
+            later[line] = times[line]
+            for row in range(history.shape[1]):
+                longer[line, row] = history[line, row]
+        times, history = later, longer
+    times[used] = time
+    for row in range(history.shape[1]):
+        history[used, row] = x[row, 0]
+    return times, history, used + 1
 
 
 @compiled
-def _interval(row, branch, begin, slope, dt, at, planned, x, space, asked, most, done, table, used):
-    """All steps in interval ``at`` of the record, with the ground acceleration ``begin + slope tau``.
+def _set_forcing(ground, sample, share, of, f, x, lanes):
+    """Write the forcing at a share of an interval of the motion, in the lanes ``of``."""
+    for k in range(lanes):
+        lane = of[k]
+        rise = ground[sample + 1, lane] - ground[sample, lane]
+        x[f, k] = -(ground[sample, lane] + share * rise)
 
-    Returns the time reached in the interval, the number of trial steps, the length of the next step, the
-    number of output times done, the table of impacts and the number of its lines in use.
-    """
-    tau, count, after = 0.0, 0, space.after
-    while tau < dt:
-        ground, left = begin + slope * tau, dt - tau
-        h = left if planned >= left else min(planned, 0.5 * left)
-        taken, following, trials = _advance(row, branch, ground, slope, h, x, space)
-        count += trials
-        if count > MOST_STEPS or taken < min(STUCK * dt, left):
-            break
-        planned = max(following, planned) if taken == h else following
-        end, event, way, known = first_event(row, branch, ground, slope, taken, x, space)
-        if event != NOTHING:
-            end = min(1.0, max(end, LEAST * dt / taken))
-        if end < 1.0:
-            state_within(x, end, space, after)
+
+@compiled
+def _count_going(intervals, sample, to, x, lanes):
+    """Mark the motions that go on, in which steps count; returns their number."""
+    going = 0
+    for lane in range(lanes):
+        goes = sample < intervals[lane] and x[to.failed, lane] == np.inf
+        x[to.counts, lane] = 1.0 if goes else 0.0
+        going += goes
+    return going
+
+
+@compiled
+def _keep_ended(old, at, to, x, lanes, ended):
+    """Leave motions that have ended as they were before the step."""
+    count = 0
+    for lane in range(lanes):
+        if x[to.counts, lane] == 0.0:
+            ended[count] = lane
+            count += 1
+    _copy_lanes(old, ended, x, ended, count, 0, at.work)
+
+
+@compiled
+def _watch_impacts(short, parts, time, near, count, at, to, y, table, used):
+    """Update the impacts in all lanes near contact by a step; returns the table and its lines in use."""
+    for k in range(count):
+        if short.contacts.jumps:
+            table, used = strike(short, parts, time, near[k], at, to, y, k, table, used)
         else:
-            copy(space.new, after)
-        last = dt if taken == left and end == 1.0 else tau + end * taken
-        known = _watch(
-            row, branch, ground, slope, taken, end, x, after, known, space, asked, most, table
-        )
-        done = _report(
-            row, branch, ground, slope, taken, tau, last, x, after, known, space, asked, at, done
-        )
-        copy(after, x)
-        tau = last
-        grow_reach(row, x, space.reach)
-        if event == NOTHING:
-            copy(space.stages[STAGES], space.stages[0])
-        else:
-            now, time = begin + slope * tau, at * dt + tau
-            rates_at_times(row, branch, now, x, space.rate, space.force)
-            watch_state(row, branch, now, x, space.rate, most)
-            table, used, planned = _pass(
-                row, branch, event, way, now, time, planned, x, space, table, used
-            )
-        watch_state(row, branch, begin + slope * tau, x, space.stages[0], most)
-    return tau, count, planned, done, table, used
+            for j in range(short.contacts.gap.size):
+                table, used = watch_contact(
+                    short.contacts, j, short.dt, time, near[k], at, to, y, k, table, used
+                )
+    return table, used
 
 
 @entry
-def _run(row_, branch_, space_, asked_, most_, acceleration, dt, speed, x):
-    """The whole motion, from the state ``x``, which is changed to the last one.
-
-    Returns the table of impacts, the number of trial steps, whether the end was reached, and the time
-    reached.
-    """
-    row, branch, space = borrow(row_), borrow(branch_), borrow(space_)
-    asked, most = borrow(asked_), borrow(most_)
-    start(row, branch, x)
-    table = np.empty((FIRST_LINES + 4 * row.gap.size, COLUMNS))
-    used = steps = done = 0
-    for peaks in asked.peaks:
-        copy(x[: row.mass.size], peaks)
-    for b in range(row.first.size - 1):
-        space.reach[0, b], space.reach[1, b] = speed * dt, speed
-    grow_reach(row, x, space.reach)
-    rates_at_times(row, branch, acceleration[0], x, space.stages[0], space.force)
-    for j in range(row.gap.size):
-        if branch.contact[j] == TOGETHER:
-            used = begin_entry(row, branch, j, 0.0, 0.0, x, table, used)
-    while done < asked.since.size and asked.interval[done] == 0 and asked.since[done] <= 0.0:
-        copy(x, asked.states[done])
-        copy(space.force, asked.forces[done])
-        _keep_accelerations(row, acceleration[0], space.stages[0], asked.accelerations[done])
-        done += 1
-    watch_state(row, branch, acceleration[0], x, space.stages[0], most)
-    planned, time, completed = FIRST * dt, 0.0, True
-    for at in range(acceleration.size - 1):
-        begin, slope = acceleration[at], (acceleration[at + 1] - acceleration[at]) / dt
-        tau, count, planned, done, table, used = _interval(
-            row, branch, begin, slope, dt, at, planned, x, space, asked, most, done, table, used
-        )
-        steps, time, completed = steps + count, at * dt + tau, tau >= dt
-        if not completed:
+def _run(law, steps, short, parts, at, to, x, motions, cuts, substeps, keep, history):
+    """All motions from their beginning, see `run`; ``steps`` are without contacts, ``short`` with."""
+    ground, dt, contacts = motions.acceleration, steps.dt, short.contacts
+    lanes = ground.shape[1]
+    old, y = np.empty((at.work, lanes)), np.zeros(x.shape)
+    every, near = np.arange(lanes), np.empty(lanes, np.int64)
+    kept = np.empty(len(history)), history, 0
+    table, used = np.empty((FIRST_LINES, COLUMNS)), 0
+    tolerances(steps.spring, steps.info, at, x, lanes)
+    tolerances(short.spring, short.info, at, y, lanes)
+    if keep != NOTHING:
+        kept = _keep(x, 0.0, kept)
+    for s in range(cuts * (len(ground) - 1)):
+        sample, cut, time = s // cuts, s % cuts, s * dt
+        going = _count_going(motions.intervals, sample, to, x, lanes)
+        if going == 0:
             break
-    for j in range(row.gap.size):
-        if completed and branch.contact[j] not in (OPEN, PARTED):
-            end_entry(row, branch, j, time, x, table)
-    return table[:used], steps, completed, time
+        _copy_lanes(x, every, old, every, lanes, 0, at.work)
+        _set_forcing(ground, sample, (cut + 0.5) / cuts, every, at.f, x, lanes)
+        take_step(law, steps, at, x, lanes)
+        if going < lanes:
+            _keep_ended(old, at, to, x, lanes, near)
+        count = _near(contacts, dt, at, to, x, lanes, near)
+        watch(steps, parts, at, to, x, lanes)
+        watch_displacements(steps, at, to, x, lanes)
+        if count > 0:
+            _copy_lanes(old, near, y, every, count, 0, at.work)
+            _copy_lanes(x, near, y, every, count, to.first, to.work)
+            fill(y, to.counts, 1.0, count)
+            for part in range(substeps):
+                now = time + part * short.dt
+                within = (cut + (part + 0.5) / substeps) / cuts
+                _set_forcing(ground, sample, within, near, at.f, y, count)
+                take_step(law, short, at, y, count)
+                watch(short, parts, at, to, y, count)
+                table, used = _watch_impacts(short, parts, now, near, count, at, to, y, table, used)
+                watch_displacements(short, at, to, y, count)
+                if keep == STEPS and part < substeps - 1:
+                    balance(short, contacts, parts, at, to, y, count)
+                    kept = _keep(y, now + short.dt, kept)
+            _copy_lanes(y, every, x, near, count, 0, at.work)
+            _copy_lanes(y, every, x, near, count, to.first, to.work)
+            for k in range(count):
+                x[to.counts, near[k]] = 1.0
+        if cut == cuts - 1 or keep == STEPS:
+            balance(steps, contacts, parts, at, to, x, lanes)
+            _end_failed(steps, parts.limit, time + dt, at, to, x, lanes)
+            if keep != NOTHING:
+                kept = _keep(x, time + dt, kept)
+    for lane in range(lanes):
+        table, used = end_all(contacts, lane, at, to, x, lane, table, used)
+    times, history, lines = kept
+    return table[:used], times[:lines], history[:lines]
 
 
-def run(row: Row, motion: SampledMotion, start: Array | None = None) -> Run:
-    """Response of a row of buildings to a motion, from rest or from the state ``start`` (k,).
-
-    If a time step cannot be completed the run ends: ``completed`` is then false, and ``time`` and
-    ``last`` give the time and the state reached.
-    """
-    if not np.isin(row.law, LAWS).all():
-        raise ValueError(f"law = {row.law} has one that is not known; allowed: {list(LAWS)}")
-    n, _, c, k = sizes_of(row)
-    state = np.zeros(k) if start is None else np.array(start, float)
-    times = motion.since.size
-    states, forces, accelerations = (np.zeros((times, size)) for size in (k, c, n))
-    asked = Asked(motion.interval, motion.since, states, forces, accelerations, np.zeros((2, n)))
-    most = Most(np.zeros(n), np.zeros(n), np.zeros(len(row.tied)))
-    speed = OUTSET * motion.dt * np.abs(motion.acceleration).max()
-    table, steps, completed, time = _run(
-        row, Branches.of(row), Space.of(row), asked, most, motion.acceleration, motion.dt, speed, state
+def run(row: Row, motions: Motions, pace: Pace, keep: int = NOTHING) -> Run:
+    """Response of a row of buildings to motions from rest; states are kept of a single motion only."""
+    at, to = row.places
+    lanes = motions.acceleration.shape[1]
+    x = np.concatenate([lanes_at_rest(at, [row.elements], lanes), np.zeros((to.rows - at.rows, lanes))])
+    x[at.slow], x[to.failed] = motions.slow, np.inf
+    x[to.begin : to.end] = np.nan
+    dt = motions.dt / pace.cuts
+    steps = steps_of(row.elements, dt)
+    short = steps_of(row.elements, dt / pace.substeps, row.contacts)
+    length = {NOTHING: 1, SAMPLES: len(motions.acceleration), STEPS: FIRST_KEPT}[keep]
+    table, times, history = _run(
+        *(row.law, steps, short, row.parts, at, to, x, motions, pace.cuts, pace.substeps, keep),
+        np.empty((length, to.rows)),
     )
-    kept = asked.states, asked.forces, asked.accelerations, asked.peaks, most
-    return Run(*kept, table, steps, completed, time, state)
-
-
-def standing_alone(row: Row) -> Row:
-    """The same buildings without contacts and without links between buildings.
-
-    Links between two floors of one building, or between a floor and the ground, remain.
-    """
-    of = np.searchsorted(row.first, row.tied, side="right")
-    own = (row.tied[:, 1] < 0) | (of[:, 0] == of[:, 1])
-    none, nothing = np.zeros(0, np.int64), np.zeros(0)
-    alone = row._replace(left=none, right=none, lower=none, gap=nothing, element=row.element[:0])
-    alone = alone._replace(weight=row.weight[:0], meeting=nothing)
-    return alone._replace(tied=row.tied[own], tie=row.tie[own], tie_law=row.tie_law[own])
+    order = np.lexsort((table[:, CONTACT], table[:, BEGIN], table[:, LANE]))
+    return Run(x, table[order], times, history)

@@ -11,13 +11,14 @@ work of its elastic part is the change of the stored energy, to rounding.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, compiled
+from stochlin.kernels.basics.compiled import called_often, compiled, entry
+from stochlin.kernels.basics.rows import Rows
 
 STILL = 1e-6  # change of a penetration, over its size, below which the mean is the value in the middle
 CLOSE_FORCE = 1e-11  # residual of a mean force, over its bound, at which its search ends
@@ -54,15 +55,99 @@ class Contacts(NamedTuple):
     """Contacts between floors, with the penetrations ``weights q - gap``."""
 
     weights: Array  # (c, n)
+    rows: Rows  # the same
+    right: Rows  # (c, n): that part of the weights which belongs to the structure on the right
     gap: Array  # (c,) [m]
     law: Array  # (c,): a `law_table`
     jumps: bool  # impacts are stereomechanical: velocities jump, and ``law`` has no use
     restitution: float  # coefficient of restitution of stereomechanical impacts [-]
 
+    @classmethod
+    def of(
+        cls,
+        laws: Sequence[ForceLaw],
+        coordinates: int,
+        left: Array | None = None,
+        right: Array | None = None,
+        gap: Array | None = None,
+        restitution: float | None = None,
+    ) -> Contacts:
+        """Contacts with these laws, or stereomechanical ones, between so many coordinates.
 
-def no_contacts(coordinates: int) -> Contacts:
-    """No contacts between so many coordinates."""
-    return Contacts(np.zeros((0, coordinates)), np.zeros(0), law_table([]), False, 1.0)
+        ``left`` and ``right`` (c, n) are the parts of the weights that belong to either side.
+        """
+        none = np.zeros((len(laws), coordinates))
+        one, two = (none if part is None else part for part in (left, right))
+        space = np.zeros(len(laws)) if gap is None else gap
+        jumps = restitution is not None
+        e = 1.0 if restitution is None else float(restitution)
+        return cls(one + two, Rows.of(one + two), Rows.of(two), space, law_table(laws), jumps, e)
+
+
+@called_often
+def force(law, d, v, v0):
+    """Force [N] of one element at an instant; zero where there is no contact, ``d <= 0``."""
+    if d <= 0.0:
+        return 0.0
+    elastic = law.stiffness * d**law.exponent
+    if law.approach_only and v < 0.0:
+        return elastic
+    if law.over_approach:  # v0 is 0 if the contact began without an approach velocity
+        return elastic * (1.0 + law.damping * v / v0) if v0 > 0.0 else elastic
+    total = elastic + law.damping * d**law.damping_exponent * v
+    return total if law.tension or law.approach_only else max(total, 0.0)
+
+
+def forces(law: ForceLaw, d: Any, v: Any, v0: Any) -> Array:
+    """`force` [N] for fields of the law and for ``d``, ``v`` and ``v0`` that broadcast."""
+    given = np.broadcast_arrays(*law, d, v, v0)
+    result = np.empty(given[-1].shape)
+    _forces(*(np.ascontiguousarray(array).ravel() for array in given), result.reshape(-1))
+    return result
+
+
+@entry
+def _forces(k, n, c, p, approach_only, over_approach, tension, d, v, v0, out):
+    for i in range(out.size):
+        law = ForceLaw(k[i], n[i], c[i], p[i], approach_only[i], over_approach[i], tension[i])
+        out[i] = force(law, d[i], v[i], v0[i])
+
+
+@called_often
+def separation_margin(law, d, v):
+    """Quantity that falls to zero when the force of a contact ends [m].
+
+    It is the penetration for an element that can pull. Otherwise it is the force over ``k d^(n-1)``,
+    which is zero earlier: the element then lets go while it is still compressed.
+    """
+    return d if law.tension or law.approach_only else d + law.damping * v / law.stiffness
+
+
+@called_often
+def stored_in(law: Any, d: Any) -> Any:
+    """Elastic energy of an element at the penetration ``d`` [J]."""
+    return law.stiffness * max(d, 0.0) ** (law.exponent + 1.0) / (law.exponent + 1.0)
+
+
+@called_often
+def reduced_mass(mass_1: Any, mass_2: Any) -> Any:
+    """Reduced mass ``m1 m2/(m1 + m2)`` [kg]; an infinite mass is a rigid wall. Scalars or arrays."""
+    return 1.0 / (1.0 / mass_1 + 1.0 / mass_2)
+
+
+@called_often
+def velocities_after_impact(
+    velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any, restitution: Any
+) -> tuple[Any, Any]:
+    """Eq. (13): velocities of both structures after a stereomechanical impact. Scalars or arrays."""
+    jump = (1.0 + restitution) * (velocity_1 - velocity_2)
+    return velocity_1 - jump / (1.0 + mass_1 / mass_2), velocity_2 + jump / (1.0 + mass_2 / mass_1)
+
+
+@called_often
+def impact_loss(mass_1: Any, mass_2: Any, restitution: Any) -> Any:
+    """Energy lost in a stereomechanical impact, over ``(u1' - u2')^2`` [kg]. Scalars or arrays."""
+    return 0.5 * (1.0 - restitution) * (1.0 + restitution) * reduced_mass(mass_1, mass_2)
 
 
 @called_often
@@ -89,9 +174,9 @@ def mean_force(law, v0, before, change, dt):
         return elastic, elastic
     if law.over_approach:  # v0 is 0 if the contact began without an approach velocity
         return (elastic * (1.0 + c * v / v0) if v0 > 0.0 else elastic), elastic
-    if law.tension or law.approach_only or v >= 0.0:
+    least = -c * v / k  # the penetration at which an element without tension lets go
+    if law.tension or law.approach_only or v >= 0.0 or least <= before + change:
         return elastic + c * v * _mean_power(p, before, change), elastic
-    least = -c * v / k  # the penetration at which the element lets go
     low, high = max(before, least), max(before + change, least)
     if low == high:
         return (0.0 if low == least else k * low**n + c * v * low**p), elastic

@@ -30,8 +30,9 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane
+from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.simulation.contacts import Contacts, no_contacts, solve_force
+from stochlin.kernels.simulation.contacts import Contacts, solve_force
 from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, SLACK, VISCOUS, advance
 
 MOST_PASSES = 60  # largest number of passes of a step
@@ -45,22 +46,6 @@ CLOSE_BY_LAW = 1e-5  # the same for laws with rates; extensions change by less t
 LEAST_SLACK = 0.01  # [m]: smallest strength of an element with slack for this criterion
 POST, COUPLE, STRENGTH, RELIEF = range(4)  # columns of `Steps.spring`
 KIND, STATES, MEMORY, OWN = range(4)  # columns of `Steps.info`
-
-
-class Rows(NamedTuple):
-    """A matrix (m, n) by the numbers in each row that are not zero; zeros fill the shorter rows."""
-
-    column: Array  # (m, w)
-    weight: Array  # (m, w)
-
-    @classmethod
-    def of(cls, matrix: Array) -> Rows:
-        """The rows of a matrix."""
-        width = max(1, int((matrix != 0).sum(axis=1).max(initial=1)))
-        column = np.argsort(matrix == 0, axis=1, kind="stable")[:, :width]
-        return cls(
-            np.ascontiguousarray(column), np.take_along_axis(matrix, column, axis=1).astype(float)
-        )
 
 
 class Elements(NamedTuple):
@@ -90,7 +75,7 @@ class Places(NamedTuple):
     own: int  # (e k) parameters of the laws
     slip: int  # (e) slips in the step [m]
     force: int  # (c) mean forces in the step [N]
-    approach: int  # (c) rate of penetration at the beginning of the contact [m/s]
+    approach: int  # (c) rate of penetration at the beginning of the present contact [m/s]
     held: int  # (c) 1 if both sides move together, after a stereomechanical impact; else 0
     slow: int  # rate of approach below which a contact is elastic [m/s]
     f: int  # mean forcing of the step [m/s^2]
@@ -147,14 +132,13 @@ class Steps(NamedTuple):
     passes: int  # largest number of passes
     contacts: Contacts
     apart: Array  # (n, c): the effect of the mean forces of contacts
-    yielding: Array  # (c,): the effect of each on the penetration of its own contact, not negative
-    meetings: Rows
+    parting: Array  # (c,): by how much each lessens the penetration of its own contact
 
 
 def steps_of(elements: Elements, dt: float, contacts: Contacts | None = None) -> Steps:
     """The elements for time steps ``dt`` [s]."""
     system, kind, states, own = elements
-    contacts = no_contacts(system.mass.size) if contacts is None else contacts
+    contacts = Contacts.of([], system.mass.size) if contacts is None else contacts
     mass, b, w = np.diag(system.mass), system.extensions, contacts.weights
     resisting = 2 / dt * mass + system.damping + 0.5 * dt * system.stiffness
     couple, viscous = system.couple, kind == VISCOUS
@@ -180,7 +164,6 @@ def steps_of(elements: Elements, dt: float, contacts: Contacts | None = None) ->
         contacts,
         apart,
         -np.einsum("cn,nc->c", w, apart),
-        Rows.of(w),
     )
 
 
@@ -294,7 +277,7 @@ def _slack(strength, relief, i, at, x, lanes):
         x[more, lane] = min(at_end, 0.0) * (1.0 / (1.0 - g)) - slack - x[slip, lane]
 
 
-@called_often
+@compiled
 def _by_law(law, info, strength, relief, dt, i, at, x, lanes):
     """Write `_more_slip` of an element whose law has rates.
 
@@ -392,7 +375,7 @@ def _more_slip(law, spring, info, dt, i, at, x, lanes):
         _by_law(law, info, strength, relief, dt, i, at, x, lanes)
 
 
-@called_often
+@compiled
 def _pass_springs(law, column, weight, spring, ease, info, dt, at, x, lanes):
     """One pass over all elements that can slip."""
     more, moving, still = at.more, at.moving, at.still
@@ -413,7 +396,7 @@ def _pass_springs(law, column, weight, spring, ease, info, dt, at, x, lanes):
         _add_slip(ease, i, more, at, x, lanes)
 
 
-@called_often
+@compiled
 def _find_widest(column, weight, at, x, lanes):
     """Write the largest increment of all extensions, which dashpots with an exponent need."""
     fill(x, at.widest, 0.0, lanes)
@@ -424,21 +407,23 @@ def _find_widest(column, weight, at, x, lanes):
 
 
 @compiled
-def _pass_contacts(law, jumps, column, weight, apart, yielding, dt, at, x, lanes):
+def _pass_contacts(law, jumps, column, weight, apart, parting, dt, at, x, lanes):
     """One pass over all contacts, lane by lane: most have no force."""
-    for j in range(yielding.size):
+    for j in range(parting.size):
         times_row(column, weight, j, x, at.dq, at.change, lanes)
         for lane in range(lanes):
             if x[at.moving, lane] == 0.0:
                 continue
-            force, depth, g = x[at.force + j, lane], x[at.depth + j, lane], yielding[j]
+            force, depth, g = x[at.force + j, lane], x[at.depth + j, lane], parting[j]
             alone = x[at.change, lane] + g * force
             new = 0.0
             if jumps:
                 if x[at.held + j, lane] != 0.0:  # the rate at the end is 0
                     new = max((alone - 0.5 * dt * x[at.rate + j, lane]) / g, 0.0)
             elif depth > 0.0 or depth + alone > 0.0:
-                new = solve_force(law[j], x[at.approach + j, lane], depth, alone, g, dt)
+                v0 = x[at.approach + j, lane]
+                v0 = v0 if v0 > x[at.slow, lane] else 0.0
+                new = solve_force(law[j], v0, depth, alone, g, dt)
             if new != force:
                 more = new - force
                 if g * abs(more) > CLOSE * (abs(depth) + abs(alone)):
@@ -463,7 +448,7 @@ def _begin_contacts(gap, column, weight, apart, dt, at, x, lanes):
             depth, rate, change = x[at.depth + j, lane], x[at.rate + j, lane], x[at.change, lane]
             if depth <= 0.0 < depth + change:  # in a step the rate changes linearly
                 touch = rate - depth / change * 2.0 * (change / dt - rate)
-                x[at.approach + j, lane] = touch if touch > x[at.slow, lane] else 0.0
+                x[at.approach + j, lane] = max(touch, 0.0)
     for j in range(gap.size):
         for lane in range(lanes):
             force = x[at.force + j, lane]
@@ -472,7 +457,7 @@ def _begin_contacts(gap, column, weight, apart, dt, at, x, lanes):
                     x[at.dq + k, lane] += apart[k, j] * force
 
 
-@called_often
+@compiled
 def _begin(column, weight, move, push, spring, ease, info, at, x, lanes):
     """Find the increments without slips and contact forces, but for slips that start from the last step.
 
@@ -500,7 +485,7 @@ def _begin(column, weight, move, push, spring, ease, info, at, x, lanes):
             _add_slip(ease, i, at.slip + i, at, x, lanes)
 
 
-@called_often
+@compiled
 def _end(column, weight, info, n, dt, at, x, lanes):
     """Change the state by the increments and slips."""
     twice = 2.0 / dt
@@ -518,7 +503,7 @@ def _end(column, weight, info, n, dt, at, x, lanes):
         copy(x, at.remembered + k, at.memory + k, lanes)
 
 
-@called_often
+@compiled
 def take_step(law, steps, at, x, lanes):
     """One time step of all lanes, under the mean forcing in the row ``at.f``; changes the state.
 
@@ -526,10 +511,10 @@ def take_step(law, steps, at, x, lanes):
     extensions and penetrations at the beginning of the step, can be read afterwards.
     """
     dt, contacts = steps.dt, steps.contacts
-    (column, weight), (facing, share) = steps.extensions, steps.meetings
-    spring, info, ease, yielding = steps.spring, steps.info, steps.ease, steps.yielding
+    (column, weight), (facing, share) = steps.extensions, contacts.rows
+    spring, info, ease, parting = steps.spring, steps.info, steps.ease, steps.parting
     _begin(column, weight, steps.move, steps.push, spring, ease, info, at, x, lanes)
-    if yielding.size > 0:
+    if parting.size > 0:
         _begin_contacts(contacts.gap, facing, share, steps.apart, dt, at, x, lanes)
     if steps.passes == MOST_VISCOUS:
         _find_widest(column, weight, at, x, lanes)
@@ -537,9 +522,9 @@ def take_step(law, steps, at, x, lanes):
     for _ in range(steps.passes):
         fill(x, at.still, 0.0, lanes)
         _pass_springs(law, column, weight, spring, ease, info, dt, at, x, lanes)
-        if yielding.size > 0:
+        if parting.size > 0:
             _pass_contacts(
-                contacts.law, contacts.jumps, facing, share, steps.apart, yielding, dt, at, x, lanes
+                contacts.law, contacts.jumps, facing, share, steps.apart, parting, dt, at, x, lanes
             )
         if not any_of(x, at.still, lanes):
             break
@@ -547,7 +532,7 @@ def take_step(law, steps, at, x, lanes):
     _end(column, weight, info, ease.shape[0], dt, at, x, lanes)
 
 
-@called_often
+@compiled
 def tolerances(spring, info, at, x, lanes):
     """Write the changes of the slips at which the passes of a lane end."""
     for i in range(info.shape[0]):

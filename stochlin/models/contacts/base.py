@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.contact import ForceLaw, forces
+from stochlin.kernels.simulation.contacts import ForceLaw, forces
 from stochlin.messages import brief
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, check, parameter
 from stochlin.registry import Registry

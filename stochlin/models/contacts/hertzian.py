@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from scipy.special import gamma
 
-from stochlin.kernels.pounding.contact import ForceLaw
+from stochlin.kernels.simulation.contacts import ForceLaw
 from stochlin.models.contacts import restitution as closed_forms
 from stochlin.models.contacts.base import CONTACTS, DAMPING, Form, Undamped, elementwise
 from stochlin.models.contacts.damped import EXACT, Damped, WithRatio

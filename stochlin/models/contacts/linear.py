@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from stochlin.kernels.pounding.contact import ForceLaw
+from stochlin.kernels.simulation.contacts import ForceLaw
 from stochlin.models.contacts import restitution as closed_forms
 from stochlin.models.contacts.base import CONTACTS, DAMPING, Form, Undamped, elementwise
 from stochlin.models.contacts.damped import EXACT, WithRatio

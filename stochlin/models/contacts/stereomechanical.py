@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from stochlin.kernels.pounding import contact as kernel
+from stochlin.kernels.simulation import contacts as kernel
 from stochlin.models.contacts.base import ANY, CONTACTS, Contact, checked
 from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
 

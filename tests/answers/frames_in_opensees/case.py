@@ -24,6 +24,6 @@ eight = sl.ShearBuilding(
     hardening=0.03,
     yield_drifts=[0.012, 0.011, 0.011, 0.01, 0.01, 0.009, 0.009, 0.008],
 )
-table = sl.pound([five, eight], 0.01, sl.LinearSpring(5e8), motion)
+table = sl.pound([five, eight], 0.01, sl.LinearSpring(5e8), motion, steps_per_contact=128)
 table = table.assign_coords(impact=np.arange(table.sizes["impact"]) + 1)
 table[["impact_time", "peak", "peak_alone"]].to_netcdf("answer.nc")

@@ -10,7 +10,8 @@ shaking = 2.5 * np.sin(2 * np.pi * time * (0.6 + 0.1 * time)) * np.sin(np.pi * t
 motion = xr.DataArray(shaking, dims="time", coords={"time": time})
 soft = sl.Bilinear(1.1, 0.05, 0.05, yield_displacement=0.04, mass=2e5)
 stiff = sl.Bilinear(0.5, 0.03, 0.1, yield_displacement=0.015, mass=3e5)
-table = sl.pound([soft, stiff], 0.02, sl.HertzDamp(3e8, damping_factor=0.6), motion)
+contact = sl.HertzDamp(3e8, damping_factor=0.6)
+table = sl.pound([soft, stiff], 0.02, contact, motion, steps_per_contact=128)
 table = table.assign_coords(impact=np.arange(table.sizes["impact"]) + 1)
 impacts = ["impact_time", "approach_velocity", "largest_force", "impact_duration", "energy_lost"]
 table[[*impacts, "peak"]].to_netcdf("answer.nc")

@@ -1,0 +1,260 @@
+"""What is watched in a motion: peaks, forces and energies, taken from every time step in one way.
+
+In a step the velocities are constant, ``dq/dt``, and forces have their means. The works of the ground,
+of dashpots and of slips therefore have no error of quadrature: with the energies at both ends, they
+balance to the tolerance of the passes. What a step does not account for is kept as ``missing``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.compiled import compiled
+from stochlin.kernels.basics.rows import Rows
+from stochlin.kernels.simulation.contacts import stored_in
+from stochlin.kernels.simulation.laws import SLACK, VISCOUS
+from stochlin.kernels.simulation.time_step import (
+    COUPLE,
+    KIND,
+    POST,
+    Elements,
+    Places,
+    fill,
+    times_row,
+)
+
+# Rows of the present impact of each contact, in the order of `Account`.
+IMPACT = (
+    *("begin", "end", "speed", "largest", "last", "rise", "span"),
+    *("before", "handed", "deepest"),
+)
+
+
+class Parts(NamedTuple):
+    """To which structure or link masses, elements and dashpots belong."""
+
+    mass: Array  # (n,) [kg]
+    structure: Array  # (n,): number of the structure of each coordinate
+    owner: Array  # (e,): number of the structure of each element; -1 for those of links
+    damping: Rows  # (n, n) [N s/m]: the damping matrix of the structures, without links
+    limit: Array  # (e,) [m]: extension at which a structure falls; infinite where it cannot
+    spring: Array  # (l,): number of the element that is the spring of each link
+    dashpot: Array  # (l,): number of the element that is its dashpot with an exponent, or -1
+    constant: Array  # (l,) [N s/m]: its linear dashpot
+
+
+class Account(NamedTuple):
+    """The rows of ``x``, after those of `Places`, where what is watched stands.
+
+    Given are the first rows for f floors, s structures, e elements, l links and c contacts.
+    """
+
+    first: int
+    highest: int  # (f) largest displacement [m]
+    lowest: int  # (f) smallest displacement [m]
+    acceleration: int  # (f) largest absolute acceleration [m/s^2], as means of steps
+    force: int  # (e) largest force of each spring [N]
+    pull: int  # (l) largest force of each link [N], as means of steps
+    entering: int  # (s) energy put in by the ground so far [J]
+    viscous: int  # (s) energy dissipated by the dashpots of the structure so far [J]
+    hysteretic: int  # (s) energy dissipated by slips so far [J]
+    drained: int  # (l) energy dissipated in each link so far [J]
+    lost: int  # (c) energy dissipated in each contact so far [J]
+    missing: int  # energy that the steps did not account for [J]
+    most: int  # largest energy put in so far [J]
+    imbalance: int  # largest ratio of both
+    failed: int  # time at which the motion was ended, before its end [s]; else infinite
+    begin: int  # (c) time at which the present impact began [s]; NaN if there is none
+    end: int  # (c) time at which its force ended [s]
+    speed: int  # (c) rate of penetration at its beginning [m/s]
+    largest: int  # (c) its largest force [N]
+    last: int  # (c) its force at the end of the last step [N]
+    rise: int  # (c) rate at which the force grew in that step [N/s]
+    span: int  # (c) duration of contact in that step [s]
+    before: int  # (c) energy dissipated in the contact before it [J]
+    handed: int  # (c) its work on the structure on its right [J]
+    deepest: int  # (c) its largest penetration [m]
+    work: int
+    way: int  # (n) displacements by a blow within a step [m]
+    gain: int  # (n) accelerations in the step without blows [m/s^2]
+    counts: int  # 1 if the step counts in this lane; 0 if it is taken again, or the motion has ended
+    one: int
+    two: int
+    three: int  # work of one floor, element or link
+    rows: int  # number of rows of ``x``
+
+    @classmethod
+    def of(
+        cls, places: Places, elements: Elements, structures: int, links: int, contacts: int
+    ) -> Account:
+        """The rows after ``places``."""
+        f, s, e, c = len(elements.system.shapes), structures, elements.kind.size, contacts
+        n = elements.system.mass.size
+        sizes = {"highest": f, "lowest": f, "acceleration": f, "force": e, "pull": links}
+        sizes |= {"entering": s, "viscous": s, "hysteretic": s, "drained": links, "lost": c}
+        sizes |= {"missing": 1, "most": 1, "imbalance": 1, "failed": 1}
+        sizes |= dict.fromkeys(IMPACT, c)
+        sizes |= {"work": 0, "way": n, "gain": n, "counts": 1}
+        sizes |= {"one": 1, "two": 1, "three": 1, "rows": 0}
+        firsts = np.cumsum([places.rows, *sizes.values()]).tolist()
+        return cls(places.rows, **dict(zip(sizes, firsts[:-1], strict=True)))
+
+
+@compiled
+def _watch_accelerations(column, weight, dt, at, to, x, lanes):
+    """Largest absolute accelerations, from the change of the velocities in the step."""
+    change, v = to.one, to.two
+    for i in range(column.shape[0]):
+        most = to.acceleration + i
+        times_row(column, weight, i, x, at.dq, change, lanes)
+        times_row(column, weight, i, x, at.v, v, lanes)
+        for lane in range(lanes):
+            mean = abs(2.0 * (x[v, lane] - x[change, lane] / dt) / dt - x[at.f, lane])
+            x[most, lane] = max(x[most, lane], x[to.counts, lane] * mean)
+
+
+@compiled
+def watch_displacements(steps, at, to, x, lanes):
+    """Largest and smallest displacements, at the end of the step and where they turn within it."""
+    (column, weight), dt = steps.shapes, steps.dt
+    u, change, turn = to.one, to.two, to.three
+    for i in range(column.shape[0]):
+        highest, lowest = to.highest + i, to.lowest + i
+        times_row(column, weight, i, x, at.q, u, lanes)
+        times_row(column, weight, i, x, at.dq, change, lanes)
+        times_row(column, weight, i, x, at.known, turn, lanes)
+        for lane in range(lanes):  # the way is a parabola; the known velocity is that at the beginning
+            v0, v1 = x[turn, lane], 2.0 * x[change, lane] / dt - x[turn, lane]
+            rise = 0.5 * dt * v0 * v0 / (v0 - v1) if v0 * v1 < 0.0 else x[change, lane]
+            x[turn, lane] = x[u, lane] - x[change, lane] + rise
+        for lane in range(lanes):
+            most = max(x[u, lane], x[turn, lane]) if x[to.counts, lane] > 0.0 else 0.0
+            x[highest, lane] = max(x[highest, lane], most)
+        for lane in range(lanes):
+            least = min(x[u, lane], x[turn, lane]) if x[to.counts, lane] > 0.0 else 0.0
+            x[lowest, lane] = min(x[lowest, lane], least)
+
+
+@compiled
+def _watch_springs(column, weight, spring, info, owner, at, to, x, lanes):
+    """Largest forces of springs at the ends of steps, and energies dissipated by their slips."""
+    end, change, slipped = to.one, to.two, to.three
+    for i in range(info.shape[0]):
+        if info[i, KIND] == VISCOUS:
+            continue
+        post, couple, z, slip = spring[i, POST], spring[i, COUPLE], at.z + i, at.slip + i
+        times_row(column, weight, i, x, at.q, end, lanes)
+        for lane in range(lanes):
+            force = abs(post * x[end, lane] + couple * x[z, lane])
+            x[to.force + i, lane] = max(x[to.force + i, lane], x[to.counts, lane] * force)
+        if couple == 0.0 or owner[i] < 0:
+            continue
+        times_row(column, weight, i, x, at.dq, change, lanes)
+        for lane in range(lanes):
+            middle = x[z, lane] - 0.5 * (x[change, lane] - x[slip, lane])
+            x[slipped, lane] = couple * middle * x[slip, lane]
+        add = to.hysteretic + owner[i]
+        for lane in range(lanes):
+            x[add, lane] += x[to.counts, lane] * x[slipped, lane]
+
+
+@compiled
+def _watch_masses(column, weight, mass, structure, dt, at, to, x, lanes):
+    """Energies put in by the ground, and dissipated by the dashpots of the structures."""
+    drag = to.one
+    for i in range(mass.size):
+        dq, entering, viscous = at.dq + i, to.entering + structure[i], to.viscous + structure[i]
+        for lane in range(lanes):
+            put_in = mass[i] * x[at.f, lane] * x[dq, lane]
+            x[entering, lane] += x[to.counts, lane] * put_in
+        times_row(column, weight, i, x, at.dq, drag, lanes)
+        for lane in range(lanes):
+            x[viscous, lane] += x[to.counts, lane] * (x[drag, lane] * x[dq, lane] / dt)
+
+
+@compiled
+def _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, to, x, lanes):
+    """Largest forces of links, as means of steps, and the energies dissipated in them."""
+    change, force, lost = to.one, to.two, to.three
+    for tie in range(ties.size):
+        i, other, c = ties[tie], dashpot[tie], constant[tie]
+        post, couple, z, slip = spring[i, POST], spring[i, COUPLE], at.z + i, at.slip + i
+        sign = -1.0 if info[i, KIND] == SLACK else 1.0
+        times_row(column, weight, i, x, at.dq, change, lanes)
+        for lane in range(lanes):
+            held = couple * (x[z, lane] - 0.5 * (x[change, lane] - x[slip, lane]))
+            mean = post * (x[at.extension + i, lane] + 0.5 * x[change, lane]) + held
+            drag = c * x[change, lane] / dt
+            x[force, lane] = sign * mean + sign * drag
+            x[lost, lane] = drag * x[change, lane] + (held * x[slip, lane] if sign > 0.0 else 0.0)
+        if other >= 0:
+            own, slip = spring[other, COUPLE], at.slip + other
+            times_row(column, weight, other, x, at.dq, change, lanes)
+            for lane in range(lanes):
+                drag = 0.5 * own * (x[change, lane] - x[slip, lane])
+                x[force, lane] += sign * drag
+                x[lost, lane] += drag * x[change, lane]
+        for lane in range(lanes):
+            most = max(x[to.pull + tie, lane], x[to.counts, lane] * abs(x[force, lane]))
+            x[to.pull + tie, lane] = most
+        for lane in range(lanes):
+            x[to.drained + tie, lane] += x[to.counts, lane] * x[lost, lane]
+
+
+@compiled
+def watch(steps, parts, at, to, x, lanes):
+    """Update forces, accelerations and energies by a time step that has been taken, where it counts."""
+    dt, (column, weight), info = steps.dt, steps.extensions, steps.info
+    (of_floor, share), (of_mass, damping) = steps.shapes, parts.damping
+    _watch_accelerations(of_floor, share, dt, at, to, x, lanes)
+    _watch_springs(column, weight, steps.spring, info, parts.owner, at, to, x, lanes)
+    _watch_masses(of_mass, damping, parts.mass, parts.structure, dt, at, to, x, lanes)
+    if parts.spring.size > 0:
+        spring, ties, dashpot, constant = steps.spring, parts.spring, parts.dashpot, parts.constant
+        _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, to, x, lanes)
+
+
+@compiled
+def _take_stored(steps, contacts, at, to, x, lanes):
+    """Subtract the energies stored in springs and contacts from the row ``to.one``."""
+    (column, weight), (facing, share), stored = steps.extensions, contacts.rows, to.two
+    for i in range(column.shape[0]):
+        if steps.info[i, KIND] != VISCOUS:
+            post, couple, z = steps.spring[i, POST], steps.spring[i, COUPLE], at.z + i
+            times_row(column, weight, i, x, at.q, stored, lanes)
+            for lane in range(lanes):
+                elastic = post * x[stored, lane] * x[stored, lane] + couple * x[z, lane] * x[z, lane]
+                x[to.one, lane] -= 0.5 * elastic
+    if not contacts.jumps:
+        for j in range(contacts.gap.size):
+            times_row(facing, share, j, x, at.q, stored, lanes)
+            for lane in range(lanes):
+                x[to.one, lane] -= stored_in(contacts.law[j], x[stored, lane] - contacts.gap[j])
+
+
+@compiled
+def balance(steps, contacts, parts, at, to, x, lanes):
+    """Update the energy that is missing in the balance of all structures, and its largest share."""
+    whole = to.one
+    fill(x, whole, 0.0, lanes)
+    for row in range(to.entering, to.viscous):
+        for lane in range(lanes):
+            x[whole, lane] += x[row, lane]
+    for lane in range(lanes):
+        x[to.most, lane] = max(x[to.most, lane], abs(x[whole, lane]))
+    for row in range(to.viscous, to.missing):
+        for lane in range(lanes):
+            x[whole, lane] -= x[row, lane]
+    for i in range(parts.mass.size):
+        for lane in range(lanes):
+            x[whole, lane] -= 0.5 * parts.mass[i] * x[at.v + i, lane] * x[at.v + i, lane]
+    _take_stored(steps, contacts, at, to, x, lanes)
+    for lane in range(lanes):
+        most = x[to.most, lane]
+        if x[to.counts, lane] > 0.0:
+            x[to.missing, lane] = x[whole, lane]
+            ratio = abs(x[whole, lane]) / most if most > 0.0 else 0.0
+            x[to.imbalance, lane] = max(x[to.imbalance, lane], ratio)
