@@ -21,10 +21,9 @@ from stochlin.analyses.pounding.rows import (
     shortest_period,
 )
 from stochlin.analyses.pounding.runs import (
-    STEPS_PER_CONTACT,
     Response,
     check_runs,
-    pace_of,
+    paces_of,
     responses,
 )
 from stochlin.analyses.pounding.variables import VARIABLES
@@ -158,7 +157,7 @@ def pounding_estimate_error(
             "since an error needs many"
         )
     standing = build_row(row_of, spaces, contact, ())
-    paces = [pace_of(row_of, standing, contact, each.dt, STEPS_PER_CONTACT) for each in grounds]
+    paces = paces_of(standing, contact, grounds)
     check_runs(standing, grounds, paces)
 
     def outcome(number: int) -> _Outcome:

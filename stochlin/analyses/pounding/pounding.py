@@ -26,7 +26,7 @@ from stochlin.analyses.pounding.runs import (
     STEPS_PER_CONTACT,
     Response,
     check_runs,
-    pace_of,
+    paces_of,
     responses,
 )
 from stochlin.analyses.pounding.summaries import labelled, step_error, summary
@@ -253,7 +253,7 @@ def pound(
         check_truth("estimate_error", estimate_error)
     standing = build_row(row_of, spaces, contact, links)
     grounds = motions.grounds
-    paces = [pace_of(row_of, standing, contact, each.dt, steps_per_contact) for each in grounds]
+    paces = paces_of(standing, contact, grounds, steps_per_contact)
     check_runs(standing, grounds, paces)
     if over is not None and output_step is not None:
         raise ValueError(

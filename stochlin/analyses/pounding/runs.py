@@ -52,23 +52,27 @@ class Response(NamedTuple):
         return np.maximum(self.of(to.highest, to.lowest), -self.of(to.lowest, to.acceleration))
 
 
-def pace_of(
-    structures: Sequence[Building],
+def paces_of(
     standing: Standing,
     contact: Contact | None,
-    dt: float,
-    steps_per_contact: int,
-) -> kernel.Pace:
-    """Time steps in an interval ``dt`` [s] of a motion, an even number, and near contact."""
+    grounds: Sequence[SampledGround],
+    steps_per_contact: int = STEPS_PER_CONTACT,
+) -> list[kernel.Pace]:
+    """Time steps in an interval of each motion, an even number, and near contact."""
     first = min(float(modes_of(s.system)[0].max()) for s in standing.arrangement.stacks)
     longest = min(first / OF_FIRST, shortest_mode(standing) / OF_SHORTEST) / steps_per_contact
-    cuts = 2 * max(1, int(np.ceil(0.5 * dt / longest * (1 - ON_GRID))))
+    half = np.inf
     if isinstance(contact, Element):
         half = min(_half_period(contact, float(mass)) for mass in standing.reduced)
-        substeps = int(np.ceil(dt / cuts * steps_per_contact / half))
-    else:
-        substeps = int(np.ceil(AT_BLOWS * STEPS_PER_CONTACT))
-    return kernel.Pace(cuts, max(1, substeps))
+
+    def pace(dt: float) -> kernel.Pace:
+        cuts = 2 * max(1, int(np.ceil(0.5 * dt / longest * (1 - ON_GRID))))
+        substeps = np.ceil(dt / cuts * steps_per_contact / half)
+        if not isinstance(contact, Element):
+            substeps = np.ceil(AT_BLOWS * STEPS_PER_CONTACT)
+        return kernel.Pace(cuts, max(1, int(substeps)))
+
+    return [pace(ground.dt) for ground in grounds]
 
 
 def _half_period(contact: Element, reduced: float) -> float:

@@ -284,14 +284,7 @@ def _by_law(law, info, strength, relief, dt, i, at, x, lanes):
     The slip that belongs to the increment of the extension changes that increment, by ``g``. With the
     share of the increment that slips for a derivative, the next slip is that of Newton's method.
     """
-    memory, change, pace, before, after, more = (
-        at.memory,
-        at.change,
-        at.pace,
-        at.before,
-        at.after,
-        at.more,
-    )
+    change, pace, before, after, more = at.change, at.pace, at.before, at.after, at.more
     memory, remembered = at.memory + info[i, MEMORY], at.remembered + info[i, MEMORY]
     for lane in range(lanes):
         x[pace, lane] = x[change, lane] / (dt * of_lane(strength, lane))
