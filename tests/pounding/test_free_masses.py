@@ -20,7 +20,6 @@ from hypothesis import given
 from scipy.special import beta
 
 import stochlin as sl
-from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.impacts import (
@@ -68,7 +67,7 @@ def free_row(masses, contact, gap=0.0, sides=None, owners=None, springs=0.0):
     elements = Elements(system, np.full(n, LINEAR), np.ones(n, np.int64), np.zeros((n, 0)))
     none = np.zeros(0, np.int64)
     parts = Parts(
-        *(mass, structure, structure, Rows.of(np.zeros((n, n))), np.full(n, np.inf)),
+        *(mass, structure, structure, np.zeros((n, n)), np.full(n, np.inf)),
         *(none, none, np.zeros(0)),
     )
     contacts = forces.Contacts.of(laws, n, left, right, space, e)
@@ -96,7 +95,9 @@ class Flight:
         start = energies()
         np.add.at(x, to.entering + row.parts.structure, start)  # as if the ground had done it
         ground = np.zeros((intervals + 1, lanes))
-        motions = kernel.Motions(ground, substeps * dt, np.full(lanes, intervals), np.full(lanes, slow))
+        counts, rates = np.full(lanes, intervals), np.full(lanes, slow)
+        motions = kernel.Motions(ground, substeps * dt, counts, rates, np.ones(lanes))
+        x[at.meets] = 1.0
         long = steps_of(row.elements, substeps * dt)
         short = steps_of(row.elements, dt, row.contacts)
         table, *_ = kernel._run(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.pounding.histories import floor_coords
 from stochlin.analyses.pounding.rows import Building, Standing, shortest_period
-from stochlin.analyses.pounding.runs import Response, responses
+from stochlin.analyses.pounding.runs import Outcome, Response, responses, with_and_without
 from stochlin.analyses.pounding.summaries import labelled, step_error, summary
 from stochlin.analyses.pounding.variables import STATISTICS
 from stochlin.analyses.records.cells import RECORD, Motions, Records, checked_motions
@@ -26,6 +25,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.pounding.run import Pace
 
+OF_COARSER = 0.8  # share of the work of a run with its error up to the run in coarser steps
 PATH = "path"
 NEIGHBOURS = "neighbours"
 ENDS = ("", "_lower", "_upper")  # endings of the names of a quantity and its 95 % interval
@@ -86,13 +86,17 @@ def over_motions(
     grounds, over = ensemble.motions.grounds, str(ensemble.over)
     shortest = shortest_period(structures)
     coarser = [pace._replace(cuts=pace.cuts // 2) for pace in paces]
-    runs = [(standing.row, paces), (standing.alone, paces), *[(standing.row, coarser)] * halved]
-    of_runs = [
-        responses(structures, row, grounds, each, shortest, progress=part_of(progress, *shares))
-        for (row, each), shares in zip(runs, pairwise(np.linspace(0, 1, len(runs) + 1)), strict=True)
-    ]
+    share = OF_COARSER if halved else 1.0
+    both = with_and_without(
+        structures, standing, grounds, paces, shortest, progress=part_of(progress, 0, share)
+    )
+    of_motions: list[tuple[Outcome, ...]] = list(both)
+    if halved:
+        rest = part_of(progress, share, 1)
+        more = responses(structures, standing.row, grounds, coarser, shortest, progress=rest)
+        of_motions = [(*pair, one) for pair, one in zip(both, more, strict=True)]
     found: list[dict[str, Any] | ArithmeticError] = []
-    for of_motion in zip(*of_runs, strict=True):
+    for of_motion in of_motions:
         errors = [each for each in of_motion if isinstance(each, ArithmeticError)]
         if errors:
             found.append(errors[0])

@@ -191,8 +191,10 @@ def _outcome(
     """Peaks, energy radii and numbers of impacts in one motion, with pounding and without."""
     shortest = shortest_period(structures)
     both = []
-    for row in (standing.row, standing.alone):
-        (found,) = responses(structures, row, [ground], [pace], shortest, SAMPLES)
+    for meets in (True, False):
+        (found,) = responses(
+            structures, standing.row, [ground], [pace], shortest, SAMPLES, meets=[meets]
+        )
         if isinstance(found, ArithmeticError):
             raise found
         both.append(found)

@@ -65,12 +65,12 @@ def course(standing: Standing, response: Response) -> Course:
     row, first = standing.row, standing.first[:-1]
     system, n = row.elements.system, int(standing.first[-1])
     u, v, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
-    extension, rate = u @ system.extensions.T, v @ system.extensions.T
+    extension, rate = _products(u, system.extensions), _products(v, system.extensions)
     force = system.post * extension + system.couple * z
     stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
     drag = _drags(standing, rate)
     pushed, squeezed = _contact_forces(standing, response, u, v)
-    load = v @ system.damping.T + (force + drag) @ system.extensions
+    load = _products(v, system.damping) + _products(force + drag, system.extensions.T)
     shear = force[:, :n]
     energies = {
         "input_energy": kept[:, to.entering : to.viscous],
@@ -89,7 +89,7 @@ def course(standing: Standing, response: Response) -> Course:
     floors = {
         "displacement": u,
         "velocity": v,
-        "acceleration": -(load + pushed @ row.contacts.weights) / system.mass,
+        "acceleration": -(load + _products(pushed, row.contacts.weights.T)) / system.mass,
         "storey_shear": shear,
     }
     pulls = {}
@@ -101,6 +101,15 @@ def course(standing: Standing, response: Response) -> Course:
         pulls = {"link_force": _link_forces(standing, force, rate, drag)}
     of_structures = {"base_shear": shear[:, first], **energies}
     return Course(floors, of_structures, pulls, whole, {"contact_force": pushed})
+
+
+def _products(values: Array, matrix: Array) -> Array:
+    """Products (times, m) of a matrix (m, n) with values (times, n).
+
+    BLAS is not used, because its threads would take the time of those in which motions are stepped.
+    """
+    found: Array = np.einsum("tn,mn->tm", values, matrix)
+    return found
 
 
 def _drags(standing: Standing, rate: Array) -> Array:
@@ -119,7 +128,7 @@ def _contact_forces(standing: Standing, response: Response, u: Array, v: Array) 
         held = slice(at.held, at.held + contacts.gap.size)
         mean = response.history[:, at.force : at.approach] * response.history[:, held]
         return mean, np.zeros(len(u))
-    depth, rate = u @ contacts.weights.T - contacts.gap, v @ contacts.weights.T
+    depth, rate = _products(u, contacts.weights) - contacts.gap, _products(v, contacts.weights)
     approach = response.history[:, at.approach : at.held]
     fields: dict[str, Any] = {name: contacts.law[name] for name in ForceLaw._fields}
     law = ForceLaw(**fields)

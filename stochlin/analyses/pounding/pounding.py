@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
@@ -24,10 +25,12 @@ from stochlin.analyses.pounding.rows import (
 from stochlin.analyses.pounding.runs import (
     ON_GRID,
     STEPS_PER_CONTACT,
+    Outcome,
     Response,
     check_runs,
     paces_of,
     responses,
+    with_and_without,
 )
 from stochlin.analyses.pounding.summaries import labelled, step_error, summary
 from stochlin.analyses.pounding.variables import VARIABLES
@@ -36,7 +39,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_truth, check_whole, checked_quantiles, is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.pounding.run import NOTHING, SAMPLES, STEPS, Pace
+from stochlin.kernels.pounding.run import SAMPLES, STEPS, Pace
 from stochlin.kernels.records.oscillator import RADIUS
 from stochlin.kernels.records.runs import SampledGround, peaks_on_records
 from stochlin.messages import brief
@@ -306,17 +309,18 @@ def _of_one(
     shortest = shortest_period(structures)
     coarser = Pace(pace.cuts // 2, pace.substeps)
     kept = SAMPLES if times is None else STEPS
-    tasks = [(standing.row, pace, kept), (standing.alone, pace, NOTHING)]
-    tasks += [(standing.row, coarser, NOTHING)] * halved
 
-    def task(number: int) -> Response:
-        row, steps, keep = tasks[number]
-        (found,) = responses(structures, row, [ground], [steps], shortest, keep)
-        if isinstance(found, ArithmeticError):
-            raise found
-        return found
+    def task(number: int) -> Sequence[Outcome]:
+        if number == 0:
+            return with_and_without(structures, standing, [ground], [pace], shortest, kept)[0]
+        return responses(structures, standing.row, [ground], [coarser], shortest)
 
-    done, alone, *coarse = in_order(task, len(tasks), progress)
+    found: list[Response] = []
+    for each in chain.from_iterable(in_order(task, 1 + halved, progress)):
+        if isinstance(each, ArithmeticError):
+            raise each
+        found.append(each)
+    done, alone, *coarse = found
     start = float(time[0])
     at = time.to_numpy().astype(float) if times is None else start + times
     table = histories(course(standing, done), standing, structures, done, start, at, times)

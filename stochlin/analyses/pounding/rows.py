@@ -12,7 +12,6 @@ import numpy.typing as npt
 from stochlin.analyses.simulation.frames import LEAST_SHARE, elements_of, modes_of
 from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.pounding.run import Row
 from stochlin.kernels.simulation.account import Parts
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
@@ -77,7 +76,7 @@ class Standing(NamedTuple):
     """Buildings in a row, and each of them alone, as kernels take them."""
 
     row: Row
-    alone: Row  # the same buildings without contacts and without links between them
+    alone: Row  # the same buildings without links between them; the row itself, if there are none
     arrangement: Arrangement
     places: list[Meeting]
     gap: Array  # (c,) [m]
@@ -200,9 +199,11 @@ def build_row(
         e = 1.0 if contact is None else float(contact.e)
         contacts = Contacts.of([ForceLaw()] * len(places), mass.size, left, right, space, e)
     structure = _structure_of_floors(system)
-    own = (tie for tie in system.ties if tie.two < 0 or structure[tie.one] == structure[tie.two])
-    alone = _row_of(structures, system._replace(ties=tuple(own)), Contacts.of([], mass.size))
-    return Standing(_row_of(structures, system, contacts), alone, system, places, space, reduced)
+    own = tuple(t for t in system.ties if t.two < 0 or structure[t.one] == structure[t.two])
+    row = alone = _row_of(structures, system, contacts)
+    if own != system.ties:
+        alone = _row_of(structures, system._replace(ties=own), Contacts.of([], mass.size))
+    return Standing(row, alone, system, places, space, reduced)
 
 
 def _structure_of_floors(system: Arrangement) -> Array:
@@ -227,7 +228,7 @@ def _row_of(structures: Sequence[Building], system: Arrangement, contacts: Conta
         mass=storeys.mass,
         structure=structure,
         owner=np.append(structure, np.full(others, -1)),
-        damping=Rows.of(storeys.damping),
+        damping=storeys.damping,
         limit=np.concatenate([*heights, np.full(others, np.inf)]),
         spring=n + np.arange(len(ties)),
         dashpot=dashpot.astype(np.int64),

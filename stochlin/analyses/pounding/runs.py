@@ -27,6 +27,7 @@ OF_SHORTEST, OF_FIRST, AT_BLOWS = 2.5, 12.5, 1.0
 TYPICAL = 1.0  # [m/s]: rate of penetration for which the half-period of a Hertz contact is taken
 ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
 LANES = 64  # motions that are stepped together
+FEW = 4  # motions that take hardly more time than one
 OF_LANE, OF_STEP = 1.5e-9, 3e-6  # [s], of an operation in one lane, and of a step without them
 OPERATIONS = 60.0  # in a step for each floor, besides those with every other floor
 
@@ -50,6 +51,9 @@ class Response(NamedTuple):
         """Largest absolute displacement of each floor [m]."""
         to = self.to
         return np.maximum(self.of(to.highest, to.lowest), -self.of(to.lowest, to.acceleration))
+
+
+Outcome = Response | ArithmeticError
 
 
 def paces_of(
@@ -111,17 +115,22 @@ def responses(
     shortest: float,
     keep: int = kernel.NOTHING,
     progress: Progress | None = None,
-) -> list[Response | ArithmeticError]:
+    meets: Sequence[bool] | None = None,
+) -> list[Outcome]:
     """Response of the row to each motion, or the error of one that could not be computed.
 
-    ``shortest`` is the shortest of the first periods [s]. Histories are kept of a single motion only.
+    ``shortest`` is the shortest of the first periods [s]. In motions where ``meets`` is false no contact
+    acts. Histories are kept of the first motion only.
     """
+    acts = np.ones(len(grounds), bool) if meets is None else np.array(meets)
     batches = list(_batches(grounds, paces))
     at, to = row.places
-    found: dict[int, Response | ArithmeticError] = {}
+    found: dict[int, Outcome] = {}
 
     def run(number: int) -> kernel.Run:
-        return kernel.run(row, *_motions(batches[number], grounds, paces, shortest), keep)
+        batch = batches[number]
+        motions = _motions(batch, grounds, acts, shortest)
+        return kernel.run(row, motions, paces[batch[0]], keep)
 
     for batch, done in zip(batches, in_order(run, len(batches), progress), strict=True):
         lanes = done.impacts[:, impacts.LANE]
@@ -132,31 +141,54 @@ def responses(
     return [found[number] for number in range(len(grounds))]
 
 
+def with_and_without(
+    structures: Sequence[Building],
+    standing: Standing,
+    grounds: Sequence[SampledGround],
+    paces: Sequence[kernel.Pace],
+    shortest: float,
+    keep: int = kernel.NOTHING,
+    progress: Progress | None = None,
+) -> list[tuple[Outcome, Outcome]]:
+    """Responses of the buildings in the row and of each alone, as in `responses`."""
+    count = len(grounds)
+    if standing.alone.elements is standing.row.elements:
+        twice, steps = [*grounds, *grounds], [*paces, *paces]
+        meets = [True] * count + [False] * count
+        both = responses(structures, standing.row, twice, steps, shortest, keep, progress, meets)
+        return list(zip(both[:count], both[count:], strict=True))
+    rows = standing.row, standing.alone  # which differ by the links between buildings
+
+    def of_row(number: int) -> list[Outcome]:
+        return responses(structures, rows[number], grounds, paces, shortest, keep)
+
+    return list(zip(*in_order(of_row, len(rows), progress), strict=True))
+
+
 def _batches(grounds: Sequence[SampledGround], paces: Sequence[kernel.Pace]) -> Iterator[list[int]]:
     """Numbers of motions that are stepped together: of one time step, the shortest first."""
     alike: dict[tuple[float, kernel.Pace], list[int]] = {}
     for number in np.argsort([len(ground.acceleration) for ground in grounds], kind="stable"):
         alike.setdefault((grounds[number].dt, paces[number]), []).append(int(number))
     for numbers in alike.values():
-        size = min(LANES, -(-len(numbers) // cores()))
+        size = min(LANES, max(FEW, -(-len(numbers) // cores())))
         for begin in range(0, len(numbers), size):
             yield numbers[begin : begin + size]
 
 
 def _motions(
-    batch: Sequence[int],
-    grounds: Sequence[SampledGround],
-    paces: Sequence[kernel.Pace],
-    shortest: float,
-) -> tuple[kernel.Motions, kernel.Pace]:
-    """The motions of a batch and their time steps."""
+    batch: Sequence[int], grounds: Sequence[SampledGround], meets: Array, shortest: float
+) -> kernel.Motions:
+    """The motions of a batch."""
     members = [grounds[number].acceleration for number in batch]
     sizes = np.array([samples.size for samples in members])
     acceleration = np.zeros((sizes.max(), len(batch)))
     for lane, samples in enumerate(members):
         acceleration[: samples.size, lane] = samples
     slow = np.array([slow_approach(shortest, samples) for samples in members])
-    return kernel.Motions(acceleration, grounds[batch[0]].dt, sizes - 1, slow), paces[batch[0]]
+    return kernel.Motions(
+        acceleration, grounds[batch[0]].dt, sizes - 1, slow, meets[batch].astype(float)
+    )
 
 
 def _failure(structures: Sequence[Building], response: Response) -> ArithmeticError | None:

@@ -215,7 +215,7 @@ def _displace(steps, parts, at, to, x, lane):
 
     The works on this way are those of the forces at the end of the step.
     """
-    (column, weight), (of_mass, damping) = steps.extensions, parts.damping
+    column, weight = steps.extensions
     for i in range(column.shape[0]):
         if steps.info[i, KIND] == VISCOUS:
             continue
@@ -225,7 +225,9 @@ def _displace(steps, parts, at, to, x, lane):
         if moved != 0.0:
             x[at.q + k, lane] += moved
             x[to.entering + structure, lane] += parts.mass[k] * x[at.f, lane] * moved
-            drag = row_product(of_mass, damping, k, x, at.v, lane)
+            drag = 0.0
+            for m in range(parts.mass.size):
+                drag += parts.damping[k, m] * x[at.v + m, lane]
             x[to.viscous + structure, lane] += drag * moved
 
 

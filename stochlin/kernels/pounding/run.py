@@ -2,7 +2,8 @@
 
 Every step is first taken without contacts, in all motions. Those that are near contact in it are taken
 again, in shorter steps with contacts: their lanes are gathered, and scattered again afterwards. No lane
-depends on another, so that a motion has the same bits alone and among others.
+depends on another, so that a motion has the same bits alone and among others. In lanes without contacts
+the same buildings move each alone.
 """
 
 from __future__ import annotations
@@ -72,6 +73,7 @@ class Motions(NamedTuple):
     dt: float  # [s]
     intervals: Array  # (lanes,): number of intervals of each motion
     slow: Array  # (lanes,) [m/s]: rate of approach below which a contact is elastic
+    meets: Array  # (lanes,): whether contacts act
 
 
 class Run(NamedTuple):
@@ -111,7 +113,7 @@ def _near(contacts, dt, at, to, x, lanes, near):
             reach = highest if open_now else 1.0
             x[to.three, lane] = max(x[to.three, lane], reach)
     for lane in range(lanes):
-        if x[to.three, lane] > 0.0 and x[to.counts, lane] > 0.0:
+        if x[to.three, lane] > 0.0 and x[to.counts, lane] * x[at.meets, lane] > 0.0:
             x[to.counts, lane] = 0.0
             near[count] = lane
             count += 1
@@ -252,7 +254,7 @@ def run(row: Row, motions: Motions, pace: Pace, keep: int = NOTHING) -> Run:
     at, to = row.places
     lanes = motions.acceleration.shape[1]
     x = np.concatenate([lanes_at_rest(at, [row.elements], lanes), np.zeros((to.rows - at.rows, lanes))])
-    x[at.slow], x[to.failed] = motions.slow, np.inf
+    x[at.slow], x[at.meets], x[to.failed] = motions.slow, motions.meets, np.inf
     x[to.begin : to.end] = np.nan
     dt = motions.dt / pace.cuts
     steps = steps_of(row.elements, dt)

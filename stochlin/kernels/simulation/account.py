@@ -13,7 +13,6 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import compiled
-from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.simulation.contacts import stored_in
 from stochlin.kernels.simulation.laws import SLACK, VISCOUS
 from stochlin.kernels.simulation.time_step import (
@@ -23,6 +22,7 @@ from stochlin.kernels.simulation.time_step import (
     Elements,
     Places,
     fill,
+    multiply,
     times_row,
 )
 
@@ -39,7 +39,7 @@ class Parts(NamedTuple):
     mass: Array  # (n,) [kg]
     structure: Array  # (n,): number of the structure of each coordinate
     owner: Array  # (e,): number of the structure of each element; -1 for those of links
-    damping: Rows  # (n, n) [N s/m]: the damping matrix of the structures, without links
+    damping: Array  # (n, n) [N s/m]: the damping matrix of the structures, without links
     limit: Array  # (e,) [m]: extension at which a structure falls; infinite where it cannot
     spring: Array  # (l,): number of the element that is the spring of each link
     dashpot: Array  # (l,): number of the element that is its dashpot with an exponent, or -1
@@ -162,7 +162,7 @@ def _watch_springs(column, weight, spring, info, owner, at, to, x, lanes):
 
 
 @compiled
-def _watch_masses(column, weight, mass, structure, dt, at, to, x, lanes):
+def _watch_masses(damping, mass, structure, dt, at, to, x, lanes):
     """Energies put in by the ground, and dissipated by the dashpots of the structures."""
     drag = to.one
     for i in range(mass.size):
@@ -170,7 +170,8 @@ def _watch_masses(column, weight, mass, structure, dt, at, to, x, lanes):
         for lane in range(lanes):
             put_in = mass[i] * x[at.f, lane] * x[dq, lane]
             x[entering, lane] += x[to.counts, lane] * put_in
-        times_row(column, weight, i, x, at.dq, drag, lanes)
+        fill(x, drag, 0.0, lanes)
+        multiply(damping, i, x, at.dq, drag, lanes)
         for lane in range(lanes):
             x[viscous, lane] += x[to.counts, lane] * (x[drag, lane] * x[dq, lane] / dt)
 
@@ -208,10 +209,10 @@ def _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, 
 def watch(steps, parts, at, to, x, lanes):
     """Update forces, accelerations and energies by a time step that has been taken, where it counts."""
     dt, (column, weight), info = steps.dt, steps.extensions, steps.info
-    (of_floor, share), (of_mass, damping) = steps.shapes, parts.damping
+    of_floor, share = steps.shapes
     _watch_accelerations(of_floor, share, dt, at, to, x, lanes)
     _watch_springs(column, weight, steps.spring, info, parts.owner, at, to, x, lanes)
-    _watch_masses(of_mass, damping, parts.mass, parts.structure, dt, at, to, x, lanes)
+    _watch_masses(parts.damping, parts.mass, parts.structure, dt, at, to, x, lanes)
     if parts.spring.size > 0:
         spring, ties, dashpot, constant = steps.spring, parts.spring, parts.dashpot, parts.constant
         _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, to, x, lanes)
@@ -232,7 +233,8 @@ def _take_stored(steps, contacts, at, to, x, lanes):
         for j in range(contacts.gap.size):
             times_row(facing, share, j, x, at.q, stored, lanes)
             for lane in range(lanes):
-                x[to.one, lane] -= stored_in(contacts.law[j], x[stored, lane] - contacts.gap[j])
+                energy = stored_in(contacts.law[j], x[stored, lane] - contacts.gap[j])
+                x[to.one, lane] -= x[at.meets, lane] * energy
 
 
 @compiled

@@ -78,6 +78,7 @@ class Places(NamedTuple):
     approach: int  # (c) rate of penetration at the beginning of the present contact [m/s]
     held: int  # (c) 1 if both sides move together, after a stereomechanical impact; else 0
     slow: int  # rate of approach below which a contact is elastic [m/s]
+    meets: int  # 1 if contacts act in this motion; 0 if each structure moves alone
     f: int  # mean forcing of the step [m/s^2]
     work: int
     known: int  # (n + e) velocities and element forces at the beginning
@@ -103,7 +104,15 @@ class Places(NamedTuple):
         n, e, c = elements.system.mass.size, elements.kind.size, contacts
         most, m = int(elements.states.max(initial=1)), int((elements.states - 1).sum())
         state = {"q": n, "v": n, "z": e, "memory": m}
-        kept = {"own": elements.own.size, "slip": e, "force": c, "approach": c, "held": c, "slow": 1}
+        kept = {
+            "own": elements.own.size,
+            "slip": e,
+            "force": c,
+            "approach": c,
+            "held": c,
+            "slow": 1,
+            "meets": 1,
+        }
         step = {"f": 1, "work": 0, "known": n + e, "dq": n, "extension": e, "remembered": m}
         step |= {"depth": c, "rate": c, "least": e, "change": 1, "pace": 1, "before": most}
         step |= {"after": most, "more": 1, "widest": 1, "moving": 1, "still": 1, "rows": 0}
