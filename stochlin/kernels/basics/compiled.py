@@ -53,6 +53,13 @@ def worth_compiling(function: Any, cells: int, few: int = FEW) -> bool:
     return not UNCOMPILED and (function.kinds > 0 or _met[function] > few)
 
 
+def compiled_or_not(function: Any, cells: int, few: int) -> Any:
+    """An `entry`, or the same in plain Python if it would have to be compiled for few cells."""
+    if UNCOMPILED or function.kept or worth_compiling(function, cells, few):
+        return function
+    return np.errstate(all="ignore")(function.py_func)
+
+
 def of_lane(value: Any, lane: int) -> Any:
     """Element ``lane`` of an array over lanes, or the number itself if all lanes share one."""
     return value[lane] if np.ndim(value) else value

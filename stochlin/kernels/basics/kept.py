@@ -118,6 +118,11 @@ class Kept:
         """Number of kinds of arguments for which the function is compiled in this process."""
         return len(self.dispatcher.overloads)
 
+    @property
+    def kept(self) -> bool:
+        """Whether the function has an archive, from which it is ready in a tenth of a second."""
+        return self._archive is not None and self._archive.exists()
+
     def __call__(self, *args: Any) -> Any:
         """The function, compiled."""
         if not self._fetched:
