@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from stochlin.analyses.simulation.frames import LEAST_SHARE, elements_of, modes_of
+from stochlin.analyses.simulation.frames import LEAST_SHARE, modes_of
+from stochlin.analyses.simulation.rows import row_of, structure_of_floors
 from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.run import Row
-from stochlin.kernels.simulation.account import Parts
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
@@ -198,43 +198,12 @@ def build_row(
     else:
         e = 1.0 if contact is None else float(contact.e)
         contacts = Contacts.of([ForceLaw()] * len(places), mass.size, left, right, space, e)
-    structure = _structure_of_floors(system)
+    structure = structure_of_floors(system)
     own = tuple(t for t in system.ties if t.two < 0 or structure[t.one] == structure[t.two])
-    row = alone = _row_of(structures, system, contacts)
+    row = alone = row_of(structures, system, contacts)
     if own != system.ties:
-        alone = _row_of(structures, system._replace(ties=own), Contacts.of([], mass.size))
+        alone = row_of(structures, system._replace(ties=own), Contacts.of([], mass.size))
     return Standing(row, alone, system, places, space, reduced)
-
-
-def _structure_of_floors(system: Arrangement) -> Array:
-    return np.repeat(np.arange(len(system.stacks)), np.diff(system.first))
-
-
-def _row_of(structures: Sequence[Building], system: Arrangement, contacts: Contacts) -> Row:
-    """Buildings with these links and contacts as kernels take them."""
-    elements, law = elements_of(system, np.arange(len(structures)))
-    storeys, structure, ties = system.storeys, _structure_of_floors(system), system.ties
-    n, others = structure.size, elements.kind.size - structure.size
-    powers = np.array([tie.link.is_power_law for tie in ties], bool)
-    dashpot = np.where(powers, n + len(ties) + np.cumsum(powers) - 1, -1)
-    constant = [0.0 if tie.link.is_power_law else tie.link.number("damping_constant") for tie in ties]
-    heights = [
-        each.arrays()["heights"].to_numpy()
-        if isinstance(each, ShearBuilding) and each.p_delta
-        else np.full(stack.levels.size, np.inf)
-        for each, stack in zip(structures, system.stacks, strict=True)
-    ]
-    parts = Parts(
-        mass=storeys.mass,
-        structure=structure,
-        owner=np.append(structure, np.full(others, -1)),
-        damping=storeys.damping,
-        limit=np.concatenate([*heights, np.full(others, np.inf)]),
-        spring=n + np.arange(len(ties)),
-        dashpot=dashpot.astype(np.int64),
-        constant=np.array(constant, float),
-    )
-    return Row(elements, law, contacts, parts, len(structures))
 
 
 def shortest_mode(standing: Standing) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -10,12 +11,17 @@ import xarray as xr
 
 from stochlin.analyses.records.cells import RECORD, Motions
 from stochlin.analyses.simulation.frames import Frame, all_frames
+from stochlin.analyses.simulation.rows import row_of
 from stochlin.analyses.simulation.views import Terms, apart, displacements, drifts_of, pairs_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR, element_coordinates, floor_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.pounding.run import SAMPLES, Pace, run
+from stochlin.kernels.pounding.run import Motions as GroundMotions
 from stochlin.kernels.records.runs import SampledGround
+from stochlin.kernels.simulation.account import Account
+from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of
@@ -32,14 +38,6 @@ class Ridden(NamedTuple):
     values: Array  # (steps + 1, m) [m]
     cuts: int  # number of steps in an interval of the record
     error: float  # largest relative change of a peak when the step was halved for the last time
-
-
-class States(NamedTuple):
-    """Response of the floors and storeys of a system at the samples of a record (samples, n)."""
-
-    displacement: Array  # [m]
-    velocity: Array  # [m/s]
-    z: Array  # [m], of the storeys
 
 
 def ridden(frames: Sequence[Frame], ground: SampledGround, functions: Sequence[Terms]) -> Ridden:
@@ -71,22 +69,6 @@ def ridden(frames: Sequence[Frame], ground: SampledGround, functions: Sequence[T
     return Ridden(values, cuts, change)
 
 
-def states(frames: Sequence[Frame], ground: SampledGround, cuts: int) -> States:
-    """Displacements, velocities and ``z`` at the samples, with ``cuts`` steps in each interval."""
-    f, dt = _forcing(ground, cuts), ground.dt / cuts
-    samples = ground.acceleration.size
-    found = States(*(np.zeros((samples, _floors(frames))) for _ in States._fields))
-    for frame in frames:
-        floors = frame.floors
-        block, x, out = frame.part.block(dt), frame.part.at_rest(1), np.empty((1, floors.size, 1))
-        at, n = frame.part.places, floors.size
-        for sample in range(1, samples):
-            block(f[(sample - 1) * cuts : sample * cuts], x, cuts, out)
-            for array, row in zip(found, (at.q, at.v, at.z), strict=True):
-                array[sample, floors] = x[row : row + n, 0]
-    return found
-
-
 def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int) -> xr.Dataset:
     """The response history for `respond`, with ``refine`` points in an interval; without times."""
     system = arrangement_of([structure])
@@ -95,51 +77,42 @@ def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int)
     finer = SampledGround(np.interp(between, samples, ground.acceleration), ground.dt / refine)
     frames = all_frames(system)
     first = ridden(frames, finer, [{floor: 1.0} for floor in range(_floors(frames))])
-    u, v, z = states(frames, finer, first.cuts)
-    strength = system.storeys.strength
+    row = row_of([structure], system, Contacts.of([], _floors(frames)))
+    at, to = row.places
+    one, none = np.array([between.size - 1]), np.zeros(1)
+    motion = GroundMotions(finer.acceleration[:, None], finer.dt, one, none, none)
+    kept = run(row, motion, Pace(first.cuts, 1), SAMPLES).history
+    u, v, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
+    strength, drift = system.storeys.strength, u @ system.extensions.T
+    energies = _energies(system, kept, to, v, drift, z).assign(step_error=first.error)
     over = ("time", FLOOR)
-    energies = _energies(system, finer, first, u, v, z)
     if not isinstance(structure, ShearBuilding):
         radius = np.hypot(u[:, 0], v[:, 0] * float(structure.arrays()["period"]) / (2 * np.pi))
         table = xr.Dataset({"displacement": ("time", u[:, 0]), "velocity": ("time", v[:, 0])})
         table["radius"] = ("time", radius)
         if structure.yields:
             table["z"] = ("time", z[:, 0] / strength[0])
-        return table.merge(energies).assign(step_error=first.error)
-    below = np.where(system.below >= 0, u[:, system.below], 0.0)
+        return table.merge(energies)
     table = xr.Dataset({"displacement": (over, u), "velocity": (over, v)})
-    table["storey_drift"] = (("time", ELEMENT), u - below)
+    table["storey_drift"] = (("time", ELEMENT), drift)
     if structure.yields:
         table["z"] = (("time", ELEMENT), z / strength)
-    table = table.merge(energies).assign(step_error=first.error)
-    return table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
+    return table.merge(energies).assign_coords(
+        {**floor_coordinates(system), **element_coordinates(system)}
+    )
 
 
 def _energies(
-    system: Arrangement, ground: SampledGround, motion: Ridden, u: Array, v: Array, z: Array
+    system: Arrangement, kept: Array, to: Account, v: Array, drift: Array, z: Array
 ) -> xr.Dataset:
-    """Energies per unit mass of the whole structure at the samples [m^2/s^2].
-
-    In the time stepping, the velocity within a step is the change of the displacement over the step.
-    With it, input energy and viscous energy have no error of quadrature. The hysteretic energy is the
-    rest of the energy balance.
-    """
-    mass, moved, dt = system.storeys.mass, np.diff(motion.values, axis=0), ground.dt / motion.cuts
-    whole = mass.sum()
-
-    def so_far(each: Array) -> Array:
-        found: Array = np.concatenate([[0.0], np.cumsum(each)])[:: motion.cuts] / whole
-        return found
-
-    put_in = so_far(_forcing(ground, motion.cuts)[:, 0] * (moved @ mass))
-    viscous = so_far(np.einsum("si,ij,sj->s", moved, system.storeys.damping, moved) / dt)
-    kinetic = 0.5 * v**2 @ mass / whole
-    drift = u @ system.extensions.T
-    elastic = 0.5 * (drift**2 @ system.storeys.post + z**2 @ system.storeys.couple) / whole
-    spent = {"input_energy_per_mass": put_in, "viscous_energy_per_mass": viscous}
-    spent["hysteretic_energy_per_mass"] = put_in - viscous - kinetic - elastic
-    inside = {"kinetic_energy_per_mass": kinetic, "elastic_energy_per_mass": elastic}
-    return xr.Dataset({name: ("time", values) for name, values in (spent | inside).items()})
+    """Energies per unit mass of the whole structure at the samples [m^2/s^2]."""
+    mass, storeys = system.storeys.mass, system.storeys
+    rows = {"input": to.entering, "viscous": to.viscous, "hysteretic": to.hysteretic}
+    energies = {name: kept[:, row] for name, row in rows.items()}
+    energies["kinetic"] = 0.5 * v**2 @ mass
+    energies["elastic"] = 0.5 * (drift**2 @ storeys.post + z**2 @ storeys.couple)
+    found = {f"{name}_energy_per_mass": ("time", e / mass.sum()) for name, e in energies.items()}
+    return xr.Dataset(found)
 
 
 def stepped_gap(structures: Sequence[AnyStructure], motions: Motions) -> xr.Dataset:

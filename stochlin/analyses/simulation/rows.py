@@ -1,0 +1,47 @@
+"""Buildings in a row, with all that is watched in their motions, as kernels take them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stochlin.analyses.simulation.frames import elements_of
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.pounding.run import Row
+from stochlin.kernels.simulation.account import Parts
+from stochlin.kernels.simulation.contacts import Contacts
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.systems import AnyStructure, Arrangement
+
+
+def structure_of_floors(system: Arrangement) -> Array:
+    """Number of the structure of each floor, from 0."""
+    return np.repeat(np.arange(len(system.stacks)), np.diff(system.first))
+
+
+def row_of(structures: Sequence[AnyStructure], system: Arrangement, contacts: Contacts) -> Row:
+    """Buildings with these links and contacts as kernels take them."""
+    elements, law = elements_of(system, np.arange(len(structures)))
+    storeys, structure, ties = system.storeys, structure_of_floors(system), system.ties
+    n, others = structure.size, elements.kind.size - structure.size
+    powers = np.array([tie.link.is_power_law for tie in ties], bool)
+    dashpot = np.where(powers, n + len(ties) + np.cumsum(powers) - 1, -1)
+    constant = [0.0 if tie.link.is_power_law else tie.link.number("damping_constant") for tie in ties]
+    heights = [
+        each.arrays()["heights"].to_numpy()
+        if isinstance(each, ShearBuilding) and each.p_delta
+        else np.full(stack.levels.size, np.inf)
+        for each, stack in zip(structures, system.stacks, strict=True)
+    ]
+    parts = Parts(
+        mass=storeys.mass,
+        structure=structure,
+        owner=np.append(structure, np.full(others, -1)),
+        damping=storeys.damping,
+        limit=np.concatenate([*heights, np.full(others, np.inf)]),
+        spring=n + np.arange(len(ties)),
+        dashpot=dashpot.astype(np.int64),
+        constant=np.array(constant, float),
+    )
+    return Row(elements, law, contacts, parts, len(structures))
