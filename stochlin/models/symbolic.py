@@ -14,7 +14,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.powers import exponential, logarithm, power
 from stochlin.kernels.linearization.gaussian import ClosureValue, gaussian_covariance, regress_slip
 from stochlin.kernels.linearization.quadrature import SlipRate, slip_expectations
-from stochlin.messages import brief
+from stochlin.messages import brief, listed
 from stochlin.models.states import GIVE, MOST_STATES, in_words, rates_by_state
 
 if TYPE_CHECKING:
@@ -114,6 +114,10 @@ class SymbolicLaw:
             )
         self._check_each(parameters, self._check_quadrature)
 
+    def check_stationary(self, parameters: Array) -> None:
+        """Raise a ValueError if z depends on a state that is like an energy; parameters as for `check`."""
+        self._check_each(parameters, self._check_growth)
+
     def _check_each(self, parameters: Array, check: Callable[[Array], None]) -> None:
         for column in np.ascontiguousarray(parameters.T):
             key = check.__name__, column.tobytes()
@@ -150,6 +154,21 @@ class SymbolicLaw:
 
         return at
 
+    def _check_growth(self, column: Array) -> None:
+        rates, acting, more = dict(self.rates), set[str](), {"z"}
+        while more:
+            acting |= more
+            more = {symbol.name for name in more for symbol in rates[name].free_symbols}
+            more = (more & {*rates}) - acting
+        signs = zip(rates, self._signs(column) or (), strict=True)
+        growing = [name for name, sign in signs if sign > 0 and name in acting]
+        if growing:
+            raise ValueError(
+                f"{self._named(column)} has no stationary response: it depends on {listed(growing)}, which "
+                "keeps its sign when the motion turns, as an energy does, and grows for ever; follow it in "
+                "motions of finite length, by simulate with a duration, or separation"
+            )
+
     def _named(self, column: Array) -> str:
         """The law as messages name it, with the values of the parameters for which it was checked."""
         told = ", ".join(f"{n} = {x:g}" for n, x in zip(self.parameters, column, strict=True))
@@ -166,11 +185,8 @@ class SymbolicLaw:
                 f"{' = '.join(name for name, _ in self.rates)} = 0, where motions start; take powers of "
                 "Abs(z) instead of z, and write a limit as Piecewise"
             )
-        allowed = 1e-9 * (1 + np.abs(rates).max(axis=1, keepdims=True))
-        for further in itertools.product((1, -1), repeat=len(w) - 1):
-            signs = np.array([-1, *further])[:, None]
-            if (np.abs(self._values(-v, signs * w, column) - signs * rates) <= allowed).all():
-                return
+        if self._signs(column) is not None:
+            return
         odd = "is not odd; allowed: G(-v, -z) = -G(v, z)"
         if len(w) > 1:
             odd = (
@@ -178,6 +194,18 @@ class SymbolicLaw:
                 "every further state keeps its sign and that of its rate, or both are reversed"
             )
         raise ValueError(f"{self._named(column)} {odd}, the same behaviour in both directions")
+
+    @np.errstate(all="ignore")
+    def _signs(self, column: Array) -> tuple[int, ...] | None:
+        """Signs of all states, and of their rates, when the motion is reversed; None without such signs."""
+        v, w = _PROBES[0], _PROBES[1 : 1 + len(self.rates)]
+        rates = self._values(v, w, column)
+        allowed = 1e-9 * (1 + np.abs(rates).max(axis=1, keepdims=True))
+        for further in itertools.product((1, -1), repeat=len(w) - 1):
+            signs = np.array([-1, *further])[:, None]
+            if (np.abs(self._values(-v, signs * w, column) - signs * rates) <= allowed).all():
+                return -1, *further
+        return None
 
     @np.errstate(all="ignore")
     def _check_quadrature(self, column: Array) -> None:
