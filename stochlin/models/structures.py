@@ -149,6 +149,7 @@ class Structure(Model):
 
         law = compiled(self.symbolic(), self.own_parameters())
         law.check(self._examples)
+        law.doubt(self._examples)
         return law
 
     @cached_property

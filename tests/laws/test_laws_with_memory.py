@@ -184,7 +184,10 @@ def test_what_linearizes_refuses_it_with_the_cure(linearizing):
 @pytest.mark.parametrize(
     ("stationary", "role"),
     [
-        (lambda one: sl.simulate([sl.Bilinear(0.7, 0.05), one], GROUND, paths=32), "structures, number 2"),
+        (
+            lambda one: sl.simulate([sl.Bilinear(0.7, 0.05), one], GROUND, paths=32),
+            "structures, number 2",
+        ),
         (lambda one: sl.simulate([building(one.law)], GROUND, paths=32), "structures, number 1"),
         (lambda one: sl.correlate(sl.Bilinear(0.7, 0.05), one, GROUND, method="simulation"), "second"),
     ],

@@ -139,7 +139,7 @@ def test_an_envelope_whose_slope_is_infinite_at_the_start_is_followed():
 
 
 def test_a_panel_whose_iteration_runs_away_is_divided():
-    """In the first panels of this weak structure V grows to 1e256, so that it is singular by rounding."""
+    """In the first panel tried, V of this weak structure grows to 1e256, singular by rounding."""
     weak = sl.BoucWen(0.9, 0.1, 0.3, yield_displacement=2.887e-4, exponent=2.5)
     ground = sl.WhiteNoise(0.01)
     found = sl.transient_response(weak, ground, duration=1.0, points=21).displacement_std
