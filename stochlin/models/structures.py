@@ -125,6 +125,14 @@ class Structure(Model):
         """
         return xr.DataArray(False)
 
+    def check_stationary(self, role: str) -> None:
+        """Raise a ValueError if a state of the law grows for ever, so that none is stationary."""
+        if self.yields and getattr(self.step(), "states", 1) > 1:
+            try:
+                self._compiled.check_stationary(self._examples)
+            except ValueError as error:
+                raise ValueError(f"{role}: {error}") from None
+
     def step(self) -> Any:
         """The law in time steps: a kind of ``kernels.simulation.laws``, or a `RateLaw` of it."""
         return self._compiled.step
@@ -141,6 +149,7 @@ class Structure(Model):
 
         law = compiled(self.symbolic(), self.own_parameters())
         law.check(self._examples)
+        law.doubt(self._examples)
         return law
 
     @cached_property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
@@ -14,7 +15,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.powers import exponential, logarithm, power
 from stochlin.kernels.linearization.gaussian import ClosureValue, gaussian_covariance, regress_slip
 from stochlin.kernels.linearization.quadrature import SlipRate, slip_expectations
-from stochlin.messages import brief
+from stochlin.messages import DoubtfulInput, brief, listed
 from stochlin.models.states import GIVE, MOST_STATES, in_words, rates_by_state
 
 if TYPE_CHECKING:
@@ -42,6 +43,15 @@ _PROBES = np.concatenate(
         np.random.default_rng(1996).uniform(-2.5, 2.5, (2, 400)),
         np.random.default_rng(1997).uniform(0.0, 2.5, (MOST_STATES - 1, 400)),
     ]
+)
+
+# States to which a law is followed for `SymbolicLaw.doubt`, and the place of half of the last of them.
+_FAR = np.concatenate([np.linspace(0.0, 2.5, 251), np.geomspace(2.5, 1000.0, 251)[1:]])
+_HALF = int(np.searchsorted(_FAR, 0.5 * _FAR[-1]))
+FAST = 0.5  # rate of a state of 1 at rest [1/s], above which it is doubted
+SLOW = 1e-3  # rate of a state at 1/s of the extension, below which it does not grow
+SUDDEN = (
+    1.2  # extension for twice as large a state, over that for the state, which is 2 if it grows evenly
 )
 
 
@@ -104,6 +114,10 @@ class SymbolicLaw:
         """
         self._check_each(parameters, self._check_directions)
 
+    def doubt(self, parameters: Array) -> None:
+        """Warn once of a law whose states run away; parameters as for `check`."""
+        self._check_each(parameters, self._doubt_growth)
+
     def check_expectations(self, parameters: Array) -> None:
         """Raise an ArithmeticError if `gaussian` is not accurate; parameters as for `check`."""
         if len(self.rates) > 1:
@@ -113,6 +127,10 @@ class SymbolicLaw:
                 "separation, respond, recorded_gap or pound"
             )
         self._check_each(parameters, self._check_quadrature)
+
+    def check_stationary(self, parameters: Array) -> None:
+        """Raise a ValueError if z depends on a state like an energy; parameters as for `check`."""
+        self._check_each(parameters, self._check_growth)
 
     def _check_each(self, parameters: Array, check: Callable[[Array], None]) -> None:
         for column in np.ascontiguousarray(parameters.T):
@@ -150,6 +168,45 @@ class SymbolicLaw:
 
         return at
 
+    @np.errstate(all="ignore")
+    def _doubt_growth(self, column: Array) -> None:
+        """Warn if a state grows without motion, or ever faster when pulled at a steady rate."""
+        names, one = [name for name, _ in self.rates], np.ones(_FAR.size)
+        at_rest = self._values(np.zeros(1), np.ones((len(names), 1)), column)[:, 0]
+        told = [
+            f"{name} grows at rest" for name, rate in zip(names, at_rest, strict=True) if rate > FAST
+        ]
+        for k, name in enumerate(names):
+            states = np.zeros((len(names), _FAR.size))
+            states[0], states[k] = 1.0, _FAR
+            rate = self._values(one, states, column)[k]
+            pulled = np.cumsum(np.diff(_FAR) / rate[1:])
+            if (rate > SLOW).all() and pulled[-1] < SUDDEN * pulled[_HALF]:
+                place = f"{_FAR[-1]:g} at {pulled[-1]:.3g} times the yield extension"
+                told.append(f"{name} grows ever faster, to {place}")
+        if told:
+            warnings.warn(
+                f"{self._named(column)}: {'; '.join(told)}. A restoring force has a limit or grows "
+                "about as the extension does: check the signs, as in v - abs(v)*z",
+                DoubtfulInput,
+                stacklevel=2,
+            )
+
+    def _check_growth(self, column: Array) -> None:
+        rates, acting, more = dict(self.rates), set[str](), {"z"}
+        while more:
+            acting |= more
+            more = {symbol.name for name in more for symbol in rates[name].free_symbols}
+            more = (more & {*rates}) - acting
+        signs = zip(rates, self._signs(column) or (), strict=True)
+        growing = [name for name, sign in signs if sign > 0 and name in acting]
+        if growing:
+            raise ValueError(
+                f"{self._named(column)} has no stationary response: it depends on {listed(growing)}, "
+                "which keeps its sign when the motion turns, as an energy does, and grows for ever; "
+                "follow it in motions of finite length, by simulate with a duration, or separation"
+            )
+
     def _named(self, column: Array) -> str:
         """The law as messages name it, with the values of the parameters for which it was checked."""
         told = ", ".join(f"{n} = {x:g}" for n, x in zip(self.parameters, column, strict=True))
@@ -166,11 +223,8 @@ class SymbolicLaw:
                 f"{' = '.join(name for name, _ in self.rates)} = 0, where motions start; take powers of "
                 "Abs(z) instead of z, and write a limit as Piecewise"
             )
-        allowed = 1e-9 * (1 + np.abs(rates).max(axis=1, keepdims=True))
-        for further in itertools.product((1, -1), repeat=len(w) - 1):
-            signs = np.array([-1, *further])[:, None]
-            if (np.abs(self._values(-v, signs * w, column) - signs * rates) <= allowed).all():
-                return
+        if self._signs(column) is not None:
+            return
         odd = "is not odd; allowed: G(-v, -z) = -G(v, z)"
         if len(w) > 1:
             odd = (
@@ -178,6 +232,18 @@ class SymbolicLaw:
                 "every further state keeps its sign and that of its rate, or both are reversed"
             )
         raise ValueError(f"{self._named(column)} {odd}, the same behaviour in both directions")
+
+    @np.errstate(all="ignore")
+    def _signs(self, column: Array) -> tuple[int, ...] | None:
+        """Signs of all states, and of their rates, in the reversed motion; None if there are none."""
+        v, w = _PROBES[0], _PROBES[1 : 1 + len(self.rates)]
+        rates = self._values(v, w, column)
+        allowed = 1e-9 * (1 + np.abs(rates).max(axis=1, keepdims=True))
+        for further in itertools.product((1, -1), repeat=len(w) - 1):
+            signs = np.array([-1, *further])[:, None]
+            if (np.abs(self._values(-v, signs * w, column) - signs * rates) <= allowed).all():
+                return -1, *further
+        return None
 
     @np.errstate(all="ignore")
     def _check_quadrature(self, column: Array) -> None:

@@ -181,6 +181,35 @@ def test_what_linearizes_refuses_it_with_the_cure(linearizing):
         linearizing(hysteretic())
 
 
+@pytest.mark.parametrize(
+    ("stationary", "role"),
+    [
+        (
+            lambda one: sl.simulate([sl.Bilinear(0.7, 0.05), one], GROUND, paths=32),
+            "structures, number 2",
+        ),
+        (lambda one: sl.simulate([building(one.law)], GROUND, paths=32), "structures, number 1"),
+        (lambda one: sl.correlate(sl.Bilinear(0.7, 0.05), one, GROUND, method="simulation"), "second"),
+    ],
+    ids=["oscillator", "storeys", "correlate"],
+)
+def test_what_wears_has_no_stationary_response(stationary, role):
+    message = rf"{role}: law = .* no stationary response: it depends on e, .*simulate with a duration"
+    with pytest.raises(ValueError, match=message):
+        stationary(hysteretic())
+
+
+@pytest.mark.parametrize(
+    "further",
+    [{"e": Z * V}, {"d": V - abs(V) * D / 3, "z": V - abs(V) * (0.9 * Z + D / 30)}],
+    ids=["an energy that z does not feel", "a state that is reversed with the motion"],
+)
+def test_further_states_that_do_not_wear_have_a_stationary_response(further):
+    law = {"z": V - abs(V) * Z} | further
+    table = sl.simulate([hysteretic(law)], GROUND, paths=32, relaxation_times=1.0)
+    assert float(table.displacement_std[0]) > 0
+
+
 def test_rules_that_linearize_are_missing_with_the_reason():
     second = sl.Bilinear(0.8, 0.05, 0.1, yield_displacement=0.02)
     table = sl.separation(hysteretic(), second, GROUND, 5.0, paths=32)

@@ -1,5 +1,7 @@
 """Simulation of laws written in sympy, against compiled laws and an exact linear case."""
 
+import warnings
+
 import numpy as np
 import pytest
 import sympy
@@ -7,6 +9,7 @@ import sympy
 import stochlin as sl
 from stochlin.kernels.simulation.laws import bouc_wen
 from stochlin.kernels.simulation.stepping import LANES
+from stochlin.messages import DoubtfulInput
 from stochlin.models.laws import bilinear
 
 pytestmark = pytest.mark.oracle
@@ -123,3 +126,86 @@ def test_law_with_jumps_moves_as_the_return_map(steps):
     options = {"steps_per_period": steps, "paths": 32, "relaxation_times": 10}
     sigma = sl.simulate([written, mapped], GROUND, **options).displacement_std.values
     assert sigma[0] == pytest.approx(sigma[1], rel=1e-3)
+
+
+STEEP = V - 1e4 * abs(V) * Z * abs(Z) ** 20
+GIVEN = {"period": 0.5, "damping": 0.05, "hardening": 0.1, "yield_displacement": 0.005, "mass": 1e5}
+
+
+def test_a_step_in_which_a_stage_overflows_is_divided():
+    """Powers of 21 of a stage beyond z = 1 are not finite; the solution ends at its limit."""
+    x = np.zeros((3, 4))
+    x[0], x[1] = [40.0, -300.0, 1e3, -2e3], [0.0, 0.5, -0.6, 0.64]
+    with np.errstate(all="ignore"):
+        sl.Hysteretic(**GIVEN, law=STEEP).step().advance(4, x, 0, 1, 3, 0.02, 2)
+    np.testing.assert_allclose(x[2], np.sign(x[0]) * 1e-4 ** (1 / 21), atol=5e-4)
+
+
+def test_peaks_of_a_steep_law_are_those_of_shorter_steps():
+    structure = sl.Hysteretic(**GIVEN, law=STEEP)
+    ground = sl.KanaiTajimi(0.4, 0.6, 0.02)
+    usual, shorter = (
+        sl.simulate([structure], ground, paths=32, duration=4.0, steps_per_period=steps).peak_mean[0]
+        for steps in (32, 128)
+    )
+    assert float(usual) == pytest.approx(float(shorter), rel=0.1)  # the motions differ, too
+
+
+RUNAWAY = V + abs(V) * Z
+FINITE_MOTION = sl.KanaiTajimi(0.4, 0.6, 0.02)
+
+
+@pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")
+@pytest.mark.parametrize(
+    "verb",
+    [
+        lambda one, _: sl.simulate([sl.Bilinear(0.7, 0.05), one], FINITE_MOTION, paths=32, duration=8.0),
+        lambda one, _: sl.simulate([sl.Bilinear(0.7, 0.05), one], FINITE_MOTION, paths=32),
+        lambda one, _: sl.separation(sl.Bilinear(0.7, 0.05), one, FINITE_MOTION, 8.0, paths=32),
+        sl.respond,
+        lambda one, record: sl.recorded_gap(sl.Bilinear(0.7, 0.05), one, record),
+        lambda one, record: sl.pound([one], motion=record),
+    ],
+    ids=["simulate", "stationary", "separation", "respond", "recorded_gap", "pound"],
+)
+def test_a_law_that_runs_away_has_no_peaks(verb):
+    record = sl.simulated_motions(FINITE_MOTION, 8.0, paths=2, seed=3)[0]
+    cure = r"no longer finite.*law.* grow without end.*states stay bounded"
+    with pytest.raises(ArithmeticError, match=cure):
+        verb(sl.Hysteretic(**GIVEN, law=RUNAWAY), record)
+
+
+E = sympy.Symbol("e")
+
+
+@pytest.mark.parametrize(
+    ("law", "told"),
+    [
+        (V + 0.9 * abs(V) * Z, "z grows ever faster, to 1000 at 7.4. times the yield extension"),
+        (V * (1 + Z**2), "z grows ever faster, to 1000 at 1.5. times"),
+        (V - abs(V) * Z + 3 * Z, "z grows at rest; z grows ever faster"),
+        ({"z": V - abs(V) * Z * sympy.exp(-E), "e": abs(V) * (1 + E)}, "e grows ever faster"),
+    ],
+)
+def test_laws_that_run_away_are_doubted(law, told):
+    with pytest.warns(DoubtfulInput, match=rf"law = .*{told}.*check the signs"):
+        sl.Hysteretic(1.0, 0.05, 0.07, yield_displacement=0.011, law=law)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        V + 0 * Z,
+        V * (1 + 0.2 * sympy.tanh(abs(Z))),
+        V * (2 + sympy.cos(Z)) / 3,
+        V * (1 - Z**2) ** 2,
+        V * sympy.exp(-abs(Z)),
+        V - 1e3 * Z,
+        {"z": V - abs(V) * Z, "e": 1e5 * Z * V},
+    ],
+    ids=str,
+)
+def test_laws_that_stiffen_within_bounds_are_not(law):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        sl.Hysteretic(1.0, 0.05, 0.07, yield_displacement=0.011, law=law)

@@ -138,6 +138,16 @@ def test_an_envelope_whose_slope_is_infinite_at_the_start_is_followed():
         assert std == pytest.approx(np.sqrt(variance), rel=1e-6, abs=1e-12)
 
 
+def test_a_panel_whose_iteration_runs_away_is_divided():
+    """In the first panel tried, V of this weak structure grows to 1e256, singular by rounding."""
+    weak = sl.BoucWen(0.9, 0.1, 0.3, yield_displacement=2.887e-4, exponent=2.5)
+    ground = sl.WhiteNoise(0.01)
+    found = sl.transient_response(weak, ground, duration=1.0, points=21).displacement_std
+    longer = sl.transient_response(weak, ground, duration=1.3, points=27).displacement_std
+    assert found[-1] > 20 * weak.yield_displacement
+    np.testing.assert_allclose(found, longer[:21], rtol=1e-6, atol=1e-9)
+
+
 def test_panels_that_become_too_short_are_refused(monkeypatch):
     monkeypatch.setattr(transient, "MOST_PANELS", 40)
     monkeypatch.setattr(transient, "WINDOW", 25)

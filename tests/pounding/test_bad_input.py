@@ -40,6 +40,11 @@ def tower(heights, **other):
         ({"structures": [ONE, 3]}, TypeError, "number 2 = 3.*allowed: Bilinear"),
         ({"steps_per_contact": 3}, ValueError, "steps_per_contact = 3; allowed: a whole number from 4"),
         ({"steps_per_contact": 16.5}, ValueError, "steps_per_contact = 16.5; allowed: a whole number"),
+        (
+            {"contact": sl.Kelvin(1e26, restitution=0.65)},
+            ValueError,
+            r"near contact of 6.* s, would take about .* hours; .*softer contact",
+        ),
         ({"estimate_error": "yes"}, TypeError, "estimate_error = 'yes'; allowed: True or False"),
         ({"structures": [ONE, sl.Bilinear(1.0, 0.05)]}, ValueError, "number 2: mass is not given"),
         (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 import tempfile
 from pathlib import Path
@@ -16,6 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
+from stochlin.analyses.pounding.pounding import FEWEST_STEPS, MOST_STEPS
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.views.command import main
 from stochlin.views.pounding.floors import draw_floors
@@ -89,6 +91,39 @@ def test_it_says_what_the_library_says(two: tuple[Path, Result]) -> None:
     assert f"contacts {100 * float(table.contact_lost_energy[-1]) / given_energy:.1f} %" in shown
     assert "weak: no pounding. At least " in shown
     assert "the ground of the file, firm, Clough-Penzien ground, not to the records" in shown
+
+
+def test_the_error_by_time_steps_is_told_with_the_cure_where_it_is_large(tmp_path: Path) -> None:
+    path = case_file(tmp_path, ("Strong", 0.5))
+    errors = []
+    for steps in (4, 64):
+        done = run(path, "--out", tmp_path / "p.nc", "--steps-per-contact", steps)
+        with xr.open_dataset(tmp_path / "p.nc") as table:
+            errors.append(float(table.step_error))
+        shown = " ".join(done.output.split())
+        told = f"Error by time steps: at most {100 * errors[-1]:.1g} % of a peak or largest force."
+        caution = "CAUTION: more than 1 %; take more --steps-per-contact."
+        assert (f"{told} {caution}" if steps == 4 else told) in shown
+        assert ("CAUTION" in shown) == (steps == 4)
+    assert errors[0] > 0.01 > 20 * errors[1]
+
+
+def test_the_command_has_the_steps_of_the_function() -> None:
+    (option,) = (each for each in main.commands["pound"].params if each.name == "steps_per_contact")
+    default = inspect.signature(sl.pound).parameters["steps_per_contact"].default
+    assert (option.default, option.type.min, option.type.max) == (default, FEWEST_STEPS, MOST_STEPS)
+
+
+def test_many_motions_take_the_steps(tmp_path: Path) -> None:
+    path = case_file(tmp_path, ("Strong", 0.5))
+    forces = []
+    for steps in (4, 16):
+        done = run(path, "--motions", 8, "--steps-per-contact", steps, "--out", tmp_path / "p.nc")
+        assert done.exit_code == 0, done.output
+        with xr.open_dataset(tmp_path / "p.nc") as table:
+            forces.append(table.hardest_force.values)
+            assert f"steps_per_contact={steps}" in table.attrs["history"]
+    assert np.nanmax(np.abs(forces[0] / forces[1] - 1)) > 1e-4
 
 
 def least_clearance(table: xr.Dataset) -> float:

@@ -12,6 +12,7 @@ from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.cases.variables import VARIABLES
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.pounding.pounding import pound
+from stochlin.analyses.pounding.runs import STEPS_PER_CONTACT
 from stochlin.analyses.records.cells import Records
 from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.tables import labels
@@ -31,7 +32,9 @@ ENERGIES = {
 OF_MOTIONS = ("ground", "envelope", "scatter")  # attributes of simulated motions that are kept
 
 
-def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dataset]:
+def pound_case(
+    case: Case, progress: Progress | None = None, *, steps_per_contact: int = STEPS_PER_CONTACT
+) -> dict[str, xr.Dataset]:
     """Response of the buildings of a case to each of its records, with all impacts.
 
     Parameters
@@ -41,6 +44,8 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
         building; a case of one building alone needs no gap and no contact.
     progress : callable, optional
         Called with the share of the work that is done.
+    steps_per_contact : int
+        As in `stochlin.pound`.
 
     Returns
     -------
@@ -72,7 +77,11 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
 
     for name, record in case.records.items():
         try:
-            table = pound(structures, list(case.gaps), contact, record, progress=of_all)
+            table = pound(
+                *(structures, list(case.gaps), contact, record),
+                steps_per_contact=steps_per_contact,
+                progress=of_all,
+            )
         except (ValueError, TypeError, ArithmeticError) as error:
             raise type(error)(f"{case.file}, record {name}: {error}") from error
         periods = [building.period for building in case.buildings]
@@ -84,7 +93,11 @@ def pound_case(case: Case, progress: Progress | None = None) -> dict[str, xr.Dat
 
 
 def pound_motions(
-    case: Case, motions: int | None = None, progress: Progress | None = None
+    case: Case,
+    motions: int | None = None,
+    progress: Progress | None = None,
+    *,
+    steps_per_contact: int = STEPS_PER_CONTACT,
 ) -> xr.Dataset:
     """Response of the buildings of a case to many motions, with means and quantiles.
 
@@ -97,6 +110,8 @@ def pound_motions(
         the records of the case.
     progress : callable, optional
         Called with the share of the motions that is done.
+    steps_per_contact : int
+        As in `stochlin.pound`.
 
     Returns
     -------
@@ -118,7 +133,11 @@ def pound_motions(
         told = {name: shaking.attrs[name] for name in OF_MOTIONS if name in shaking.attrs}
         told["title"] = f"{case.title}: {_what(case)} in {motions} simulated motions"
     try:
-        table = pound(structures, list(case.gaps), contact, shaking, progress=progress)
+        table = pound(
+            *(structures, list(case.gaps), contact, shaking),
+            steps_per_contact=steps_per_contact,
+            progress=progress,
+        )
     except (ValueError, TypeError, ArithmeticError) as error:
         raise type(error)(f"{case.file}: {error}") from error
     if motions is None:

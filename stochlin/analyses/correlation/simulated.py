@@ -73,6 +73,8 @@ def simulate_pairs(
     the duration are found beforehand for the whole table, so that all chunks have the same motions.
     """
     models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
+    first.check_stationary("first")
+    second.check_stationary("second")
     if not is_lazy(*(array for model in models.values() for array in model.arrays().values())):
         if any(array.size > 1 for array in ground.arrays().values()):
             _check_grounds(first, second, ground, settings)

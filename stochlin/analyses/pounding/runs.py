@@ -30,6 +30,7 @@ LANES = 64  # motions that are stepped together
 FEW = 4  # motions that take hardly more time than one
 OF_LANE, OF_STEP = 1.5e-9, 3e-6  # [s], of an operation in one lane, and of a step without them
 OPERATIONS = 60.0  # in a step for each floor, besides those with every other floor
+NEAR = 0.03  # share of the steps that are taken for divided near contact
 
 
 class Response(NamedTuple):
@@ -94,14 +95,19 @@ def check_runs(
     """Raise a ValueError if the motions would take too much time or memory."""
     n, lanes = int(standing.first[-1]), min(LANES, len(grounds))
     samples = [len(ground.acceleration) for ground in grounds]
-    steps = float(sum(pace.cuts * many for pace, many in zip(paces, samples, strict=True)))
+    steps = sum(
+        p.cuts * (1.0 + NEAR * (p.substeps - 1)) * many for p, many in zip(paces, samples, strict=True)
+    )
     operations = 3.0 * n * n + OPERATIONS * n
     many = f"{len(grounds)} motions, " if len(grounds) > 1 else ""
     seconds = sum(ground.dt * (size - 1) for ground, size in zip(grounds, samples, strict=True))
     shortest = min(ground.dt / pace.cuts for ground, pace in zip(grounds, paces, strict=True))
+    closed = min(ground.dt / p.cuts / p.substeps for ground, p in zip(grounds, paces, strict=True))
     check_work(
-        f"{many}{seconds:g} s of motion, in steps of {shortest:.3g} s, would take",
-        f"take softer structures, or {'fewer motions' if many else 'a shorter record'}",
+        f"{many}{seconds:g} s of motion, in steps of {shortest:.3g} s, near contact of {closed:.3g} s, "
+        "would take",
+        "take softer structures, a softer contact, or "
+        f"{'fewer motions' if many else 'a shorter record'}",
         memory=8.0 * (standing.row.places[1].rows + 2) * max(samples),
         seconds=2 * steps * (operations * OF_LANE + OF_STEP / lanes) / min(cores(), len(grounds)),
     )
@@ -214,7 +220,7 @@ def _failure(structures: Sequence[Building], response: Response) -> ArithmeticEr
                 "hardening or strength, or a weaker motion"
             )
     return ArithmeticError(
-        f"pound: the response is no longer finite {failed:.4g} s after the beginning; the law of a "
-        "structure, or a link or contact, is too stiff for the time steps: make it softer, or take "
-        "more steps_per_contact"
+        f"pound: the response is no longer finite {failed:.4g} s after the beginning; the rates of a "
+        "law grow without end, or a structure, link or contact is too stiff for the time steps: give a "
+        "law in which all states stay bounded, make it softer, or take more steps_per_contact"
     )

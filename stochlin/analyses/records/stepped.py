@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.cells import RECORD, Motions
+from stochlin.analyses.simulation.finite_motions import RUNS_AWAY
 from stochlin.analyses.simulation.frames import Frame, all_frames
 from stochlin.analyses.simulation.rows import row_of
 from stochlin.analyses.simulation.views import Terms, apart, displacements, drifts_of, pairs_of
@@ -66,6 +67,10 @@ def ridden(frames: Sequence[Frame], ground: SampledGround, functions: Sequence[T
         change = float(np.max(np.abs(fine - coarse) / np.where(fine > 0, fine, 1.0)))
         if change <= CLOSE:
             break
+    if not np.isfinite(change):
+        raise ArithmeticError(
+            f"the response is no longer finite, with steps of {ground.dt / cuts:.2g} s; {RUNS_AWAY}"
+        )
     return Ridden(values, cuts, change)
 
 

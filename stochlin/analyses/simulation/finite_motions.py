@@ -37,6 +37,10 @@ from stochlin.models.systems import AnyStructure, Arrangement
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
 BLOCK = 256  # time steps that are computed at once
 HEIGHT = "height above the ground"
+RUNS_AWAY = (
+    "the rates of its law grow without end: give a law in which z and all other states stay bounded, "
+    "such as v - abs(v)*z, or weaker motions"
+)
 Column = tuple[Sequence[str], Array]  # dimensions, and values over them
 Columns = dict[str, Column]
 ENVELOPES, RESULTS = 6, 6  # numbers that are in memory at once for each step, and for each peak
@@ -80,6 +84,17 @@ def check_finite(run: Run, duration: float, functions: int, times: int = 1) -> N
     )
 
 
+def check_response(system: Arrangement, finite: Array) -> None:
+    """Raise an ArithmeticError if a floor (motions, floors) has a response that is not ``finite``."""
+    lost = ~np.logical_and.reduceat(finite, system.first[:-1], axis=1)
+    if lost.any():
+        worst = int(np.argmax(lost.sum(axis=0)))
+        motions = f" in {lost[:, worst].sum()} of {len(lost)} motions" if len(lost) > 1 else ""
+        raise ArithmeticError(
+            f"structures, number {worst + 1}: its response is no longer finite{motions}; {RUNS_AWAY}"
+        )
+
+
 def finite_steps(run: Run, duration: float, envelope: Envelope | None) -> tuple[Plan, Array]:
     """Plan of a finite motion, which samples each step, and the envelope in the middle of the steps."""
     plan = run.plan._replace(every=1, samples=BLOCK)
@@ -109,6 +124,7 @@ def simulate_finite(
         *(apart(system, pair) for pair in pairs),
     ]
     highest, lowest = _extremes(run, functions, duration, envelope, progress)
+    check_response(system, np.isfinite(highest[:, :n]))
     either = np.maximum(highest, -lowest)
     samples: Columns = {
         "peak_positive": (("path", riders.floor), highest[:, :n]),

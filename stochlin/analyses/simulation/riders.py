@@ -118,6 +118,8 @@ def riders_of(
     system = arrangement_of(in_metres, links)
     if stationary:
         check_stationary(system)
+        for n, stack in enumerate(system.stacks, start=1):
+            stack.law.check_stationary(f"structures, number {n}")
     frames, alone = frames_of(system) if samples is None else (sampled_frames(system, samples), [])
     floors = [int(system.first[n]) for n in alone]
     strength = system.storeys.strength

@@ -13,6 +13,7 @@ from stochlin.analyses.simulation.ensembles import Run, check_memory, check_sett
 from stochlin.analyses.simulation.finite_motions import (
     check_finite,
     check_motion,
+    check_response,
     pair_separation,
     simulate_finite,
 )
@@ -282,6 +283,7 @@ def _stationary(riders: Riders, run: Run, progress: Progress | None) -> xr.Datas
         view = view_of([*floors, *storeys], run.order, run.scale)
     moments = simulate_moments(run, progress, view)
     n, over = run.valid.size, riders.floor
+    check_response(riders.system, np.isfinite(moments.displacement_std[None, :n]) | ~run.valid)
     table = xr.Dataset(
         {
             "displacement_std": (over, moments.displacement_std[:n]),

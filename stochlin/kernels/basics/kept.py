@@ -49,7 +49,8 @@ def warn_once(why: str) -> None:
 def digest_of(sources: Path) -> str:
     """Digest of all modules below a folder, and of what else compiled code depends on."""
     versions = sources, platform.python_version(), [version(name) for name in BUILT_WITH]
-    digest = hashlib.sha256(repr(versions).encode())
+    checked = nb.config.BOUNDSCHECK  # type: ignore[attr-defined]
+    digest = hashlib.sha256(repr((versions, checked)).encode())
     for file in sorted(sources.rglob("*.py")):
         digest.update(file.read_bytes())
     return digest.hexdigest()[:16]

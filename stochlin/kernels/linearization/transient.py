@@ -383,10 +383,13 @@ class Transient:
             return paths
         for _ in range(SWEEPS):
             before, held = paths, self.coefficients([path.squares for path in paths])
-            paths = [
-                group.next(frame, envelope, path, own, *begin)
-                for (group, frame, *begin), path, own in zip(parts, before, held, strict=True)
-            ]
+            try:
+                paths = [
+                    group.next(frame, envelope, path, own, *begin)
+                    for (group, frame, *begin), path, own in zip(parts, before, held, strict=True)
+                ]
+            except np.linalg.LinAlgError:  # they have run away so far that V is singular by rounding
+                return None
             squares = [path.squares for path in paths]
             change = (one - path.squares for one, path in zip(squares, before, strict=True))
             if self._over_tolerance(change, squares, (0, 1, 3)) <= SETTLED:

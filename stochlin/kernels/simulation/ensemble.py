@@ -189,7 +189,10 @@ class Plan(NamedTuple):
 
 
 class Extremes(NamedTuple):
-    """Largest and smallest value of each sum of a `View` in each motion, including 0 at the start."""
+    """Largest and smallest value of each sum of a `View` in each motion, including 0 at the start.
+
+    Both are NaN where the sum is not finite at the end, since a law has run away.
+    """
 
     highest: Array  # (motions, m)
     lowest: Array  # (motions, m)
@@ -343,7 +346,8 @@ def finite_extremes(
             shape = np.concatenate([part, np.zeros(plan.samples - part.size)])
             out = motion.block(shape)
             keep_extremes(out[: part.size], *view, *extremes)
-        return extremes
+        lost = ~np.isfinite(view.of(out[part.size - 1 : part.size])[0])
+        return Extremes(*(np.where(lost, np.nan, values) for values in extremes))
 
     groups = in_order(run, plan.groups, progress)
     return Extremes(*(np.concatenate(field, axis=1).T for field in zip(*groups, strict=True)))

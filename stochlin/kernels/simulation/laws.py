@@ -65,7 +65,7 @@ def advance_of(rates: Any, states: int, quick: bool = False) -> Any:
         for lane in range(lanes):
             after, differ = step(x[v, lane], read(x, w, lane), parameters, lane, dt)
             write(x, new, lane, after)
-            rough += differ > 0.0
+            rough += not differ <= 0.0  # also where a stage has overflowed, which gives NaN
         if rough:
             again(lanes, x, v, w, parameters, dt, new)
 
@@ -86,7 +86,7 @@ def advance_of(rates: Any, states: int, quick: bool = False) -> Any:
             fourth = rates_of(x[v, lane], moved(before, dt, third), parameters, lane)
             after = moved(before, dt, mean(first, second, third, fourth))
             write(x, new, lane, after)
-            rough += apart(after, moved(before, dt, second)) > 0.0
+            rough += not apart(after, moved(before, dt, second)) <= 0.0
         if rough:
             again(lanes, x, v, w, parameters, dt, new)
 
@@ -96,7 +96,11 @@ def advance_of(rates: Any, states: int, quick: bool = False) -> Any:
 
         All lanes are integrated, which takes less time than to choose; the others are left as they are.
         """
-        tried, apart, good = np.empty((states, lanes)), np.empty(lanes), np.zeros(lanes)
+        tried, apart, good = np.empty((states, lanes)), np.empty(lanes), np.empty(lanes)
+        for lane in range(lanes):  # a lane that is lost stays as it is
+            good[lane] = 0.0 if np.isfinite(x[v, lane]) else 1.0
+            for k in range(states):
+                good[lane] = good[lane] if np.isfinite(x[w + k, lane]) else 1.0
         substeps, rough = 1, 1
         while rough and substeps <= MOST_SUBSTEPS:
             for lane in range(lanes):
@@ -110,7 +114,7 @@ def advance_of(rates: Any, states: int, quick: bool = False) -> Any:
                         x[v, lane], read(tried, 0, lane), parameters, lane, dt / substeps
                     )
                     write(tried, 0, lane, after)
-                    apart[lane] = max(apart[lane], differ)
+                    apart[lane] = apart[lane] if differ <= 0.0 else 1.0
             for k in range(states):
                 for lane in range(lanes):
                     x[new + k, lane] = x[new + k, lane] if good[lane] > 0.0 else tried[k, lane]
@@ -151,8 +155,10 @@ def _with_states(states: int) -> tuple[Any, ...]:
             write_all,
             lambda w, step, rates: (*moved(w, step, rates), w[k] + step * rates[k]),
             lambda a, b, c, d: (*mean(a, b, c, d), ((a[k] + d[k]) + 2.0 * (b[k] + c[k])) * SIXTH),
-            lambda after, other: max(
-                apart(after, other), abs(after[k] - other[k]) - ROUGH * (1.0 + abs(after[k]))
+            lambda after, other: (
+                apart(after, other)
+                if abs(after[k] - other[k]) - ROUGH * (1.0 + abs(after[k])) <= 0.0
+                else 1.0
             ),
         )
     )

@@ -48,7 +48,17 @@ TABLES = (".nc",)
     help="Simulate this number of motions of the site in place of its records, and print one table of "
     "their results.",
 )
-def pound(case: Path, out: Path | None, picture: Path | None, motions: int | None) -> None:
+@click.option(
+    "--steps-per-contact",
+    type=click.IntRange(4, 4096),
+    default=16,
+    show_default=True,
+    help="Time steps in half a period of the contact. All time steps become shorter with it; the error "
+    "falls with its square.",
+)
+def pound(
+    case: Path, out: Path | None, picture: Path | None, motions: int | None, steps_per_contact: int
+) -> None:
     """Compute the impacts of neighbouring buildings in a recorded motion, or in many motions.
 
     CASE is a file like that of 'stochlin gap --example', with one record or more, the mass of every
@@ -76,7 +86,7 @@ def pound(case: Path, out: Path | None, picture: Path | None, motions: int | Non
 
         described = read_case(case)
         if motions is not None or len(described.records) > MOST_RECORDS:
-            _together(described, motions, out, picture)
+            _together(described, motions, out, picture, steps_per_contact)
             return
         data = out if out or not picture else picture.with_suffix(TABLES[0])
         drawn = _by_record("--picture", picture, PICTURES, described)
@@ -85,14 +95,16 @@ def pound(case: Path, out: Path | None, picture: Path | None, motions: int | Non
         storeys = _by_record("--picture", of_storeys, PICTURES, described, "-storeys")
         saved = _by_record("--out" if out else "--picture", data, TABLES, described)
         with progress_bar("pounding") as progress:
-            tables = pound_case(described, progress)
+            tables = pound_case(described, progress, steps_per_contact=steps_per_contact)
         show(answer_lines(described, tables))
         for record, table in tables.items():
             write(table, saved.get(record), drawn.get(record), draw_pound)
             write(table, None, storeys.get(record), draw_floors)
 
 
-def _together(case: Case, motions: int | None, out: Path | None, picture: Path | None) -> None:
+def _together(
+    case: Case, motions: int | None, out: Path | None, picture: Path | None, steps_per_contact: int
+) -> None:
     """Show and save the results of many motions."""
     from stochlin.analyses.cases.pounding import by_motion, pound_motions
     from stochlin.analyses.tables.storage import FORMATS
@@ -102,7 +114,7 @@ def _together(case: Case, motions: int | None, out: Path | None, picture: Path |
     check_target("--out" if out else "--picture", data, FORMATS, case.inputs)
     check_target("--picture", picture, PICTURES, case.inputs)
     with progress_bar("pounding") as progress:
-        table = pound_motions(case, motions, progress)
+        table = pound_motions(case, motions, progress, steps_per_contact=steps_per_contact)
     show(ensemble_lines(case, table))
     sheet = data is not None and data.suffix.lower() not in TABLES
     write(by_motion(table) if sheet else table, data, None, draw_ensemble)

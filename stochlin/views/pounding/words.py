@@ -16,6 +16,7 @@ from stochlin.views.shared.screen import columns, cut, paragraph
 from stochlin.views.shared.uncertain import at_medians
 from stochlin.views.shared.words import (
     MISSING,
+    SPACE,
     centimetres,
     doubted,
     floors,
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
 
 LONGEST_NAME, SHORTER_NAME = 26, 20
+LARGE_ERROR = 0.01  # by time steps, above which a caution is given
 BASE = "Base: largest base shear."
 SINKS = {"viscous": "damping dissipated", "hysteretic": "yielding", "contacts": "contacts"}
 ALONE = "one building alone, without a neighbour."
@@ -72,6 +74,7 @@ def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
         for each in (_buildings, _borne, _contacts) if "contact" in table.dims else (_alone,):
             lines += [*columns(*each(table)), ""]
         lines += paragraph(energies(table))
+        lines += paragraph(step_error(table))
     return [*lines, "", *paragraph(_notes(case, next(iter(tables.values()))))]
 
 
@@ -128,6 +131,15 @@ def energies(table: xr.Dataset) -> str:
         f"Of the {given} kJ from the ground, {', '.join(parts)}; {per_cent(share['remaining'], 1)} are "
         f"left at the end. The balance is off by {float(table.energy_balance_error.max()):.0e} at most."
     )
+
+
+def step_error(table: xr.Dataset) -> str:
+    """The error by time steps, with a caution and the cure if it is large."""
+    error = float(table.step_error)
+    told = f"Error by time steps: at most {100 * error:.1g}{SPACE}% of a peak or largest force."
+    if error <= LARGE_ERROR:
+        return told
+    return f"{told} CAUTION: more than {per_cent(LARGE_ERROR)}; take more --steps-per-contact."
 
 
 def _alone(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
