@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.stats
+import sympy
 import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.pounding import runs
 from stochlin.analyses.simulation.finite_motions import quantile_intervals
 
 pytestmark = pytest.mark.invariant
@@ -65,6 +67,45 @@ def test_each_motion_is_what_it_is_alone_to_the_bit(case: str) -> None:
                 np.testing.assert_array_equal(one.values, alone[name].values, err_msg=str(name))
             worst = float(table.energy_balance_error[number])
             assert worst == float(alone.energy_balance_error.max()) < (1e-3 if "blows" in case else 1e-6)
+
+
+V, Z, E = sympy.symbols("v z e")
+LAWS: dict[str, list[Any]] = {
+    "bilinear": [SOFT, STIFF],
+    "Bouc-Wen with powers, and storeys": [
+        replace(TOWER, law="bouc_wen", law_parameters={"exponent": 1.7}),
+        ANNEX,
+    ],
+    "two states in sympy": [
+        sl.Hysteretic(
+            *(1.2, 0.05, 0.05),
+            yield_displacement=0.05,
+            mass=2e5,
+            law={
+                "z": V - (1 + 0.02 * E) * (V * abs(Z) ** 1.3 + abs(V) * abs(Z) ** 0.3 * Z) / 2,
+                "e": Z * V,
+            },
+        ),
+        STIFF,
+    ],
+}
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_neither_threads_nor_batches_change_a_bit(law: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One thread takes all motions at once; two take halves of them, and other ones together."""
+    shaking = motions(7)
+    mixed = {"a": shaking[2], "b": sl.simulated_motions(GROUND, 5.0, paths=2, step=0.02)[1]}
+    mixed |= {f"c{number}": motion for number, motion in enumerate(shaking)}
+    tables = []
+    for cores, lanes in ((1, 64), (2, 64), (2, 1), (1, 3)):
+        monkeypatch.setattr("os.sched_getaffinity", lambda _, n=cores: range(n), raising=False)
+        monkeypatch.setattr(runs, "LANES", lanes)
+        tables.append(sl.pound(LAWS[law], 0.005, BUMPER, mixed))
+    assert int(tables[0].impacts.sum()) > 10
+    for table in tables[1:]:
+        for name, values in tables[0].data_vars.items():
+            np.testing.assert_array_equal(table[name].values, values.values, err_msg=str(name))
 
 
 def test_summaries_are_those_of_the_impacts() -> None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.integrate
+import sympy
 
 import stochlin as sl
 from stochlin.analyses.simulation.frames import all_frames
@@ -125,9 +126,16 @@ def test_what_the_ground_puts_in_is_stored_or_dissipated(exponent):
 
 YIELDING = {"hardening": 0.1, "yield_drifts": 0.004}
 OTHER_TOWER = sl.ShearBuilding([3e5] * 2, [3e8] * 2, [3.0] * 2, 0.05, **YIELDING)
+V, Z, E = sympy.symbols("v z e")
+WEARING = {
+    "z": (V - (1 + 0.02 * E) * (V * abs(Z) ** 1.3 + abs(V) * abs(Z) ** 0.3 * Z) / 2)
+    * sympy.exp(-E / 50),
+    "e": Z * V,
+}
 BATCHES = {
     "bilinear": ({}, []),
     "Bouc-Wen with powers": ({"law": "bouc_wen", "law_parameters": {"exponent": 1.7}}, []),
+    "two states with powers and exponentials": ({"law": WEARING}, []),
     "dashpots with an exponent": ({}, in_every_storey(1e6, 0.5)),
     "slack": ({}, [sl.Link(3e8, 1e5, slack=0.01, floors=(2, 2))]),
 }

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.integrate
 import scipy.stats
+import sympy
 import xarray as xr
 
 import stochlin as sl
@@ -195,3 +196,49 @@ def test_too_many_paths_are_refused_by_their_number():
         ValueError, match=r"duration = 20 s, in steps of .* and on 1000000000 paths, would"
     ):
         sl.simulate([sl.Bilinear(1.0, 0.05)], sl.WhiteNoise(0.01), paths=10**9, duration=20)
+
+
+V, Z = sympy.symbols("v z")
+GIVEN = {"hardening": 0.1, "yield_displacement": 0.02}
+OF_ALL_LAWS = [
+    sl.Bilinear(0.7, 0.05, **GIVEN),
+    sl.BoucWen(1.1, 0.05, **GIVEN, exponent=1.7),
+    sl.Hysteretic(0.9, 0.05, **GIVEN, law=V - (abs(V) * abs(Z) ** 0.4 * Z + V * abs(Z) ** 1.4) / 2),
+]
+
+
+@pytest.fixture
+def of_cores(monkeypatch):
+    """Results of a function by one thread, and by two."""
+
+    def each(function):
+        found = []
+        for count in (1, 2):
+            monkeypatch.setattr("os.sched_getaffinity", lambda _, n=count: range(n), raising=False)
+            found.append(function())
+        return found
+
+    return each
+
+
+def test_peaks_have_the_same_bits_by_one_thread_and_by_two(of_cores):
+    one, two = of_cores(lambda: sl.simulate(OF_ALL_LAWS, FIRM, paths=96, duration=6.0, seed=4))
+    for name in ("peak", "separation"):
+        np.testing.assert_array_equal(one[name], two[name])
+    assert (one.peak.max("path") > 0.02).all()  # each yields
+
+
+def test_a_motion_has_the_same_bits_among_few_and_many_and_beside_other_structures():
+    many = sl.simulate(OF_ALL_LAWS, FIRM, paths=96, duration=6.0, seed=4, steps_per_period=40)
+    few = sl.simulate(OF_ALL_LAWS, FIRM, paths=32, duration=6.0, seed=4, steps_per_period=40)
+    np.testing.assert_array_equal(few.separation, many.separation[:32])
+    turned = sl.simulate(OF_ALL_LAWS[::-1], FIRM, paths=32, duration=6.0, seed=4, steps_per_period=40)
+    np.testing.assert_array_equal(turned.peak[:, ::-1], few.peak)
+    np.testing.assert_array_equal(turned.separation[:, 2, 0], few.separation[:, 0, 2])
+
+
+def test_gaps_have_the_same_bits_by_one_thread_and_by_two(of_cores):
+    pair = OF_ALL_LAWS[:2]
+    one, two = of_cores(lambda: sl.separation(*pair, FIRM, 6.0, paths=96, seed=4))
+    assert float(one.gap.sel(rule="simulation")) == float(two.gap.sel(rule="simulation"))
+    assert float(one.gap.sel(rule="simulation")) > 0.01
