@@ -5,12 +5,13 @@ unexport PYTHONDONTWRITEBYTECODE
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+INSTALL = $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check
 # A process for every core, at most four; one that has no more tests takes from the others. Threads of
 # linear algebra in each would wait for one another.
 PARALLEL = -n auto --maxprocesses 4 --dist worksteal
 PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL)
 
-.PHONY: charts test test-all check lint sets fuzz mutants answers takes bench bias reality docs links oldest newest dist clean
+.PHONY: charts test test-all check lint sets fuzz coverage mutants answers takes bench bias reality docs links oldest newest dist clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -34,6 +35,11 @@ lint: $(VENV)/.dev
 fuzz: $(VENV)/.dev
 	FUZZ_TIMES=60 $(BIN)/python -m pytest tests/fuzz
 
+# The lines of the uncompiled code that `make test` reaches.
+coverage: $(VENV)/.dev
+	$(INSTALL) --group coverage
+	$(PYTEST) -m "not slow" --cov=stochlin --cov-report=term:skip-covered
+
 # Changes the code at 60 random places, one at a time, and lists what no test notices: half an hour to an hour.
 SEED ?= 1
 mutants: $(VENV)/.dev
@@ -49,7 +55,7 @@ takes: $(VENV)/.dev
 	PYTHONPATH=tests $(BIN)/python -m house.what_takes_what
 
 bench: $(VENV)/.dev
-	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e ".[bench]"
+	$(INSTALL) --group bench -e .
 	$(BIN)/python benchmarks/tables.py build/bench.md
 	$(BIN)/python benchmarks/simulation.py
 	$(BIN)/python benchmarks/pounding.py
@@ -94,7 +100,7 @@ $(VENV)/oldest/.ready: OF_SET = $(PYTHON) lowest-direct
 $(VENV)/newest/.ready: OF_SET = $(NEWEST) highest
 $(VENV)/oldest/.ready $(VENV)/newest/.ready: pyproject.toml | $(VENV)/.dev
 	$(BIN)/uv venv --quiet --clear --python $(firstword $(OF_SET)) $(@D)
-	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --resolution $(lastword $(OF_SET)) -e ".[dev]"
+	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --resolution $(lastword $(OF_SET)) --group dev -e ".[scale,app]"
 	$(BIN)/uv pip freeze --quiet --python $(@D)/bin/python | grep -E "^(numpy|scipy|sympy|xarray|matplotlib|numba|click)="
 	$(@D)/bin/stochlin warmup
 	touch $@
@@ -102,7 +108,7 @@ $(VENV)/oldest/.ready $(VENV)/newest/.ready: pyproject.toml | $(VENV)/.dev
 # The wheel and the source archive in dist/, their contents compared with the repository; then the wheel
 # answers the example, in an environment of its own.
 dist: $(VENV)/.dev
-	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e ".[dist]"
+	$(INSTALL) --group dist -e .
 	rm -rf dist build/wheel
 	$(BIN)/python -m build --outdir dist
 	$(BIN)/twine check --strict dist/*
@@ -113,18 +119,20 @@ dist: $(VENV)/.dev
 
 $(VENV)/.run: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e .
+	$(INSTALL) -e .
 	touch $@
 
 $(VENV)/.dev: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e ".[dev]"
+	$(INSTALL) "pip>=25.1"  # which knows the groups of pyproject.toml
+	$(INSTALL) --group dev -e ".[scale,app]"
 	$(BIN)/stochlin warmup
 	touch $@ $(VENV)/.run
 
 $(VENV)/.docs: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e ".[docs]"
+	$(INSTALL) "pip>=25.1"  # which knows the groups of pyproject.toml
+	$(INSTALL) --group docs -e .
 	touch $@ $(VENV)/.run
 
 clean:

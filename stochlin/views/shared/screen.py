@@ -59,7 +59,7 @@ def bad_input() -> Iterator[None]:
         raise click.UsageError(sentence(error, LONGEST_MESSAGE)) from error
     except MemoryError as error:
         raise click.UsageError(
-            f"this machine has too little memory ({error or 'none is left'}); take fewer cells or "
+            f"this machine has too little memory ({str(error) or 'none is left'}); take fewer cells or "
             "paths, or a shorter motion"
         ) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
