@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import wraps
@@ -14,7 +15,7 @@ import xarray as xr
 from scipy.special import ndtri
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief
+from stochlin.messages import ImplausibleInput, brief
 
 One = TypeVar("One")
 KINDS = "lognormal", "uniform"
@@ -202,7 +203,11 @@ def median_of(model: Any) -> Any:
     """A model with its uncertain parameters at their medians; for a parameter, its median."""
     if isinstance(model, Uncertain):
         return model.median
-    return model.median() if isinstance(model, UncertainModel) else model
+    if not isinstance(model, UncertainModel):
+        return model
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ImplausibleInput)  # was told when the uncertain model was made
+        return model.median()
 
 
 def applied(change: Callable[[Any], Any], model: Any) -> Any:

@@ -310,8 +310,8 @@ WRONG = {
     "path of Windows": (
         'name = "Annex"',
         r'name = "C:\annex"',
-        "name",
-        ['name = "C:\\annex"', "'single quotes', or with /"],
+        'name = "C:',
+        [r'name = "C:\annex"', "'single quotes', or with /"],
     ),
     "path of Windows with a tab": (
         'name = "Annex"',
@@ -329,7 +329,7 @@ WRONG = {
         "[building_2]",
         "[building_two]",
         "[building_two]",
-        ["did you mean building_2?"],
+        ["is not a key that is known here", "did you mean building_2?"],
     ),
     "building twice": (
         "[building_2]",
@@ -344,7 +344,7 @@ WRONG = {
         ["'storeys' is already given in line 119", "each key once"],
     ),
     "dotted key": ("[contact]", "[contact]\na.b.c = 3", "a.b.c", ["contact.a is not a key"]),
-    "dotted table": ("[site]", 'site.a = "b"', "site.a", ["site.a = 'b' is not a key"]),
+    "dotted table": ("title =", "mitigations.a = 1\ntitle =", "mitigations.a", ["mitigations is not a"]),
     "nothing to fit to": (GROUND, 'ground = "fitted"', "intensity", ["site.intensity", "estimator"]),
 }
 
@@ -364,6 +364,38 @@ def test_what_is_wrong_is_said_with_file_line_and_key(what: str, tmp_path: Path)
         assert part in message
     assert message.isprintable()
     assert len(message) < 500
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('"90 %"', '"90"'),
+        ('"90 %"', '"0.9"'),
+        ('"90 %"', "90"),
+        ('damping = "5 %"', 'damping = "5"'),
+        ('damping = "5 %"', "damping = 5"),
+        ('damping = "5 %"', 'damping = "2,5 %"'),
+        ("= 4\nheight", '= "4"\nheight'),
+        ('"5 cm"', "0.05"),
+        ('"5 cm"', "5"),
+        ('"5 cm"', '"5"'),
+        ('"5 cm"', '"5,5 cm"'),
+        ('"0.6 s"', "600"),
+        ('"3200 t"', "3200"),
+        ('\nintensity = "0.01 m^2/s^3"', "\nintensity = 0.01"),
+        ('\nintensity = "0.01 m^2/s^3"', "\nintensity = 100"),
+    ],
+)
+def test_the_first_cure_of_a_number_works(old: str, new: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"case\.toml, line") as caught:
+        read(tmp_path, changed(old, new))
+    cure = re.search(
+        r'(?:mean|units,|allowed:|quotation marks,|point, as) ("[^"]+"|[\d.]+)(?: or|,|\?|$)',
+        str(caught.value),
+    )
+    wrong = new.replace("\nheight", "").rpartition("= ")[2]
+    assert cure is not None, str(caught.value)
+    read(tmp_path, changed(old, new.replace(wrong, cure[1])))  # without a warning
 
 
 # What to change, and what is said of it: the key, words, and what may be meant instead.

@@ -303,7 +303,7 @@ def test_a_full_disk_is_no_wrong_option(tmp_path: Path, monkeypatch: pytest.Monk
 @pytest.mark.parametrize(
     ("told", "says"),
     [
-        ("dt is missing; give dt=", "--dt is missing; give dt="),
+        ("dt is missing; give dt= in seconds", "--dt is missing; give --dt in seconds"),
         ("dt = 0 is out of range", "--dt 0 is out of range"),
         ("a.txt needs dt=0.01, units=g", "a.txt needs --dt 0.01, --units g"),
         ("raise max_iterations", "raise --max-iterations"),

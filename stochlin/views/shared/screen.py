@@ -86,11 +86,11 @@ def as_options(told: str, options: Mapping[str, str]) -> str:
     if re.match(r"\S+, line \d+: ", told):
         return told  # its names are those of a file
     for name, option in options.items():
-        given = rf"(?<![\w.'-]){name}(?: = |=(?=\w))"
-        told = re.sub(given, f"{option} ", told)
-        # A name of one word may be a word of the sentence.
-        alone = r"\b" if "_" in name else r"(?= (?:is|are) )"
-        start = r"(?<![\w.'-])" if "_" in name else r"(?:^|(?<=[:;] ))"
+        before = r"(?<![\w.'-])"
+        told = re.sub(rf"{before}{name}(?: = |=(?=[\w'\"]))", f"{option} ", told)
+        alone, start = r"(?:=|\b)", before
+        if "_" not in name:  # it may be a word of the sentence
+            alone, start = r"(?:=|(?= (?:is|are) ))", rf"(?:^|(?<=[:;] )|{before}(?=\w+=))"
         told = re.sub(f"{start}{name}{alone}", option, told)
     return told
 
