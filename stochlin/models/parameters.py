@@ -108,10 +108,10 @@ class Model:
             if value is not None or field.default is not None:
                 checked = check(prefix, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
-                if isinstance(checked, xr.DataArray):
-                    several.append(checked)
-                elif field.name in IN_PYTHON and (doubt := PLAUSIBLE[field.name].doubt(checked)):
-                    told = f"{prefix}{field.name} = {checked:g}: {doubt}"
+                several += [checked] if isinstance(checked, xr.DataArray) else []
+                written = field.name in IN_PYTHON and type(value) in (int, float)  # and not computed
+                if written and (doubt := PLAUSIBLE[field.name].doubt(value)):
+                    told = f"{prefix}{field.name} = {value:g}: {doubt}"
                     warnings.warn(told, ImplausibleInput, stacklevel=4)
         try:
             if len(several) > 1 and not _plainly_alike(several):

@@ -30,10 +30,11 @@ _MASS = Plausible(5e3, 2e9, "a floor has 20 t and more", "the heaviest buildings
 _STOREY = Plausible(0.5, 50.0, "storeys are 2 to 6 m high", "storeys are 2 to 6 m high")
 _INTENSITY = "an S0 of 0.01 m^2/s^3 gives peaks of about 0.3 g"
 # Limits of values in files and of numbers in Python, by the names of keys and parameters, well beyond
-# what there is: the shortest and longest periods of buildings and of soils are 0.05 and 20 s,
-# floors of houses weigh 20 t and more, towers yield at a drift of their roof of 2 m at most, S0 of 2e-6
-# m^2/s^3 gives peaks of 0.005 g and 5 m^2/s^3 of 7 g on firm ground, and the largest response
-# accelerations of records are about 7 g.
+# what there is: the shortest and longest periods of buildings and of soils are 0.05 and 20 s, floors of
+# houses weigh 20 t and more, towers yield at a drift of their roof of 2 m at most, a reduction factor of
+# 0.6 leaves the strength at five standard deviations of the response, S0 of 2e-6 m^2/s^3 gives peaks of
+# 0.005 g and 5 m^2/s^3 of 7 g on firm ground, and the largest response accelerations of records are
+# about 7 g.
 PLAUSIBLE: Mapping[str, Plausible] = {
     "period": Plausible(0.01, 60.0, "periods are 0.05 s and longer", "periods are 20 s at most"),
     "mass": _MASS,
@@ -44,14 +45,9 @@ PLAUSIBLE: Mapping[str, Plausible] = {
     "existing": Plausible(
         1e-3, 3.0, "0 stands for buildings that touch", "buildings this far apart hardly pound"
     ),
-    "yield_displacement": Plausible(
-        1e-5, 3.0, "nothing yields as early", "buildings yield at less than 3 m"
-    ),
+    "yield_displacement": Plausible(0.0, 3.0, "", "buildings yield at less than 3 m"),
     "reduction_factor": Plausible(
-        1.0,
-        100.0,
-        "it is the elastic over the yield strength, 1 or more for what yields",
-        "usual are 2 to 8",
+        0.6, 100.0, "a building as strong as this does not yield; is it the inverse?", "usual are 2 to 8"
     ),
     "base_shear_coefficient": Plausible(
         0.0,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import wraps
@@ -15,7 +14,7 @@ import xarray as xr
 from scipy.special import ndtri
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import ImplausibleInput, brief
+from stochlin.messages import brief
 
 One = TypeVar("One")
 KINDS = "lognormal", "uniform"
@@ -203,11 +202,7 @@ def median_of(model: Any) -> Any:
     """A model with its uncertain parameters at their medians; for a parameter, its median."""
     if isinstance(model, Uncertain):
         return model.median
-    if not isinstance(model, UncertainModel):
-        return model
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ImplausibleInput)  # was told when the uncertain model was made
-        return model.median()
+    return model.median() if isinstance(model, UncertainModel) else model
 
 
 def applied(change: Callable[[Any], Any], model: Any) -> Any:

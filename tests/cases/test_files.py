@@ -296,6 +296,7 @@ WRONG = {
     "share in marks": ('"90 %"', '"0.9"', "confidence", ["without quotation marks, 0.9"]),
     "percentage for a share": ('"90 %"', "90", "confidence", ['did you mean "90 %" or 0.9?']),
     "decimal comma": ('"0.6 s"', '"0,6 s"', 'period = "0,6 s"', ['a decimal point, as "0.6 s"']),
+    "sign between thousands": ('"3200 t"', '"3,200 t"', "mass", ['as "3.200 t", or no', 'as "3200 t"']),
     "bare decimal comma": ('"0.6 s"', "0,6", "period = 0,6", ["write a decimal point"]),
     "no digit before the point": ("= 4\nheight", "= .5\nheight", "reduction_factor = .5", ["as 0.5"]),
     "gap in metres": ('"5 cm"', "0.05", "existing", ['one of its units, "0.05 m", ']),
@@ -402,8 +403,13 @@ def test_the_first_cure_of_a_number_works(old: str, new: str, tmp_path: Path) ->
 DOUBTED = {
     "gap in metres": ('"5 cm"', '"5 m"', "separation.existing", 'hardly pound; did you mean "5 cm"?'),
     "mass in kilograms": ('"3200 t"', '"3200 kg"', "building_1.mass", 'did you mean "3200 t"?'),
-    "light storeys": ('"3200 t"', '"20 t"', "building_1.mass", "2.5e+03 kg for each of 8 storeys"),
-    "strength below the demand": ("= 4\nheight", "= 0.5\nheight", "reduction_factor", "1 or more"),
+    "light storeys": ('"3200 t"', '"20 t"', "building_1.mass", "2500 kg for each of 8 storeys"),
+    "strength below the demand": (
+        "= 4\nheight",
+        "= 0.5\nheight",
+        "reduction_factor",
+        "is it the inverse?",
+    ),
     "late yield": (
         "\nreduction_factor = 4\nheight",
         '\nyield_displacement = "4 m"\nheight',

@@ -281,7 +281,7 @@ def test_models_cannot_be_changed_behind_the_checks():
         structure.damping = 5.0
 
 
-@pytest.mark.parametrize("displacement", [4, 1e-6])
+@pytest.mark.parametrize("displacement", [4, 200.0])
 def test_a_yield_displacement_that_no_building_has_is_asked_about(displacement):
     with pytest.warns(DoubtfulInput, match=f"^Bilinear: yield_displacement = {displacement:g}: "):
         sl.Bilinear(1, 0.05, 0.05, displacement)

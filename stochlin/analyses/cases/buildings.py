@@ -157,7 +157,7 @@ def _oscillator(one: Section, number: int, ground: Ground) -> Building:
     mass, plausible = structure.mass, PLAUSIBLE["mass"]
     if mass and storeys and plausible.holds(mass) and (doubt := plausible.doubt(mass / storeys)):
         one.doubt(
-            "mass", f"is doubtful: it is {mass / storeys:.3g} kg for each of {storeys} storeys; {doubt}"
+            "mass", f"is doubtful: it is {mass / storeys:.6g} kg for each of {storeys} storeys; {doubt}"
         )
     return Building(
         name=one.text("name", default=f"Building {number}"),

@@ -280,10 +280,10 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     -----
     UserWarning
         If a value is allowed but implausible: a gap above 3 m, floors lighter than 5 t, a reduction
-        factor below 1, a base shear coefficient above 1, a yield displacement above 3 m or a yield drift
-        above a tenth of the storey height, shaking that is not felt or was never recorded, a hazard that
-        exceeds a PGA of 1 g once in 150 years, an allowed risk above 0.01 per year, or floors that are
-        stated to align and do not.
+        factor below 0.6, a base shear coefficient above 1, a yield displacement above 3 m, a yield
+        drift above a tenth of the storey height, shaking that is not felt or was never recorded, a
+        hazard that exceeds a PGA of 1 g once in 150 years, an allowed risk above 0.01 per year, or
+        floors that are stated to align and do not.
 
     Examples
     --------

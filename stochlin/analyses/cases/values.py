@@ -48,7 +48,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "1": {"%": 1e-2},
 }
 _OF_POWER = ("N/m^", "N (s/m)^")  # units of nonlinear springs and dashpots, with any exponent
-_COMMA = re.compile(r",\s*\d")
+_COMMA, _THOUSANDS = re.compile(r",\s*\d"), re.compile(r",\d{3}(?!\d)")
 _OTHER_SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": " "})
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SPREAD = re.compile(r"\s*(.+?)\s*(?:\+-|\+/-|±)\s*(\d+\.?\d*|\.\d+)\s*%\s*", re.DOTALL)
@@ -275,9 +275,7 @@ class Section:
         """The model with these parameters; a ValueError at the table if they cannot be combined."""
         try:
             with warnings.catch_warnings():
-                warnings.simplefilter(
-                    "ignore", ImplausibleInput
-                )  # was told with its line when it was read
+                warnings.simplefilter("ignore", ImplausibleInput)  # was told when it was read
                 return kind(**values)
         except ValueError as error:
             raise self.error("", f"does not fit: {error}") from error
@@ -350,8 +348,9 @@ def in_si(given: Any, quantity: Quantity) -> float:
     value, unit = _split(given, quantity)
     known = quantity.spellings
     if _COMMA.match(unit):
-        pointed = plain(given.strip().replace(",", ".", 1), 40)
-        raise ValueError(f'has a comma in its number; allowed: a decimal point, as "{pointed}"')
+        pointed, whole = (plain(given.strip().replace(",", sign), 40) for sign in (".", ""))
+        thousands = f', or no sign between thousands, as "{whole}"' if _THOUSANDS.match(unit) else ""
+        raise ValueError(f'has a comma; allowed: a decimal point, as "{pointed}"{thousands}')
     if unit and unit not in known:
         raise ValueError(f"has the unknown unit {brief(unit)}; allowed: {', '.join(known)}")
     return value * known[unit] if unit else value

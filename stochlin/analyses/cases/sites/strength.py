@@ -105,9 +105,10 @@ def doubtful_hazard(hazard: Hazard) -> str:
     if rate * OFTEN < 1:
         return ""
     unit, size = ("m^2/s^3", 1.0) if hazard.measure == INTENSITY else ("g", METRES["g"])
+    units = "is it in m/s^2 where it says g?" if unit == "g" else "are its units right?"
     return (
         f"it exceeds {hazard.measure} = {strong / size:.3g} {unit} once in {1 / rate:.3g} years, and no "
-        f"site does so in less than {OFTEN:g}; is it in m/s^2 where it says g?"
+        f"site does so in less than {OFTEN:g}; {units}"
     )
 
 
