@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import difflib
+import errno
 import re
 import reprlib
 from collections.abc import Callable, Iterable
 
+FULL = (errno.ENOSPC, errno.EDQUOT)
+REASONS = {errno.ENOENT: "there is no such file; check its name and its folder"}
+REASONS |= dict.fromkeys(FULL, "the disk is full; make room on it, or write to another one")
 LONGEST = 80  # of a value that is shown
 LONGEST_MESSAGE = 2000  # on a terminal, with all names that are allowed
 # Called before a function is compiled, which takes up to seconds, and then kept.
@@ -14,6 +19,10 @@ WHEN_COMPILING: list[Callable[[], None]] = []
 
 class DoubtfulInput(UserWarning):
     """What is allowed, but looks like a mistake."""
+
+
+class ImplausibleInput(DoubtfulInput):
+    """A number beyond the limits of `stochlin.models.plausible`."""
 
 
 class _Short(reprlib.Repr):
@@ -59,7 +68,30 @@ def plain(text: object, longest: int = LONGEST) -> str:
 
 def sentence(error: BaseException, longest: int = 160) -> str:
     """What another error says, on one line."""
-    return plain(" ".join(str(error).split()), longest)
+    told = str(error)
+    if isinstance(error, OSError) and error.strerror:  # told by the system, with a number
+        name = "" if error.filename is None else f"{error.filename}: "
+        told = f"{name}{REASONS.get(error.errno or 0, error.strerror)}"
+    return plain(" ".join(told.split()), longest)
+
+
+def nearest(given: str, known: Iterable[str]) -> str:
+    """The known name that was probably meant, or an empty text: spelled alike, begun, or abbreviated."""
+    mine, names = _letters(given[:LONGEST]), [*known]
+    letters = {_letters(name): name for name in reversed(names)}
+    begun = [one for one in map(_letters, names) if len(mine) > 2 and one.startswith(mine)]
+    alike = difflib.get_close_matches(mine, letters, 1)
+    abbreviated = [one for one in letters if len(mine) > 2 and _is_abbreviated(one, mine)]
+    return next((letters[one] for one in (mine, *begun, *alike, *abbreviated) if one in letters), "")
+
+
+def _is_abbreviated(name: str, by: str) -> bool:
+    rest = iter(name)
+    return name[:1] == by[0] and all(letter in rest for letter in by)
+
+
+def _letters(name: str) -> str:
+    return re.sub("[^a-z0-9]", "", name.lower())
 
 
 def listed(names: Iterable[object], most: int = 12) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import cached_property
@@ -14,7 +13,7 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import DoubtfulInput, brief
+from stochlin.messages import brief
 from stochlin.models.laws.hysteretic import Hysteretic, law_of
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.states import in_words
@@ -28,8 +27,6 @@ STOREY, MODE, FLOOR = "storey", "mode", "floor"
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
 ONE_FOR_ALL = ("yield_drifts", "dampers")  # one number may stand for all storeys
 SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
-PLAUSIBLE_COEFFICIENT = 1.0  # largest plausible base shear at yield over the weight
-IMPLAUSIBLE = "the building resists more than its weight; is it a percentage, or a force for a ratio?"
 MOST_STOREYS = 200
 GRAVITY = scipy.constants.g
 
@@ -231,12 +228,6 @@ class ShearBuilding(Model):
         if not whole or not 1 <= storeys <= MOST_STOREYS:
             raise ValueError(
                 f"storeys = {brief(storeys)}; allowed: a whole number from 1 to {MOST_STOREYS}"
-            )
-        if base_shear_coefficient is not None and base_shear_coefficient > PLAUSIBLE_COEFFICIENT:
-            warnings.warn(
-                f"base_shear_coefficient = {base_shear_coefficient:g}: {IMPLAUSIBLE}",
-                DoubtfulInput,
-                stacklevel=2,
             )
         values = {name: np.asarray(value) for name, value in known.cells().items()}
         heights = values["storey_height"]

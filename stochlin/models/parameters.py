@@ -7,6 +7,7 @@ import dataclasses
 import functools
 import inspect
 import operator
+import warnings
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, ClassVar, Self
 
@@ -14,10 +15,14 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from stochlin.messages import brief, sentence
+from stochlin.messages import ImplausibleInput, brief, sentence
+from stochlin.models.plausible import IN_PYTHON, PLAUSIBLE
 from stochlin.models.uncertain import TAKEN, Uncertain, UncertainModel
 
-Parameter = float | xr.DataArray | npt.ArrayLike
+_Number = float | np.floating | np.integer
+Parameter = (
+    _Number | xr.DataArray | Sequence[_Number] | npt.NDArray[np.floating | np.integer] | Uncertain
+)
 """A number, a DataArray (broadcast by dimension name) or a 1-D array (dimension ``case``)."""
 
 CASE = "case"
@@ -104,6 +109,10 @@ class Model:
                 checked = check(prefix, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
                 several += [checked] if isinstance(checked, xr.DataArray) else []
+                written = field.name in IN_PYTHON and type(value) in (int, float)  # and not computed
+                if written and (doubt := PLAUSIBLE[field.name].doubt(value)):
+                    told = f"{prefix}{field.name} = {value:g}: {doubt}"
+                    warnings.warn(told, ImplausibleInput, stacklevel=4)
         try:
             if len(several) > 1 and not _plainly_alike(several):
                 xr.align(*several, join="exact", copy=False)

@@ -224,7 +224,12 @@ class SymbolicLaw:
                 "Abs(z) instead of z, and write a limit as Piecewise"
             )
         if self._signs(column) is not None:
-            return
+            if (np.abs(start[0]) > 1e-9 * np.abs(v)).any():
+                return
+            raise ValueError(
+                f"{self._named(column)} leaves z at 0, where motions start, so that no force develops; "
+                "allowed: G(v, 0) = v, as in v - abs(v)*z"
+            )
         odd = "is not odd; allowed: G(-v, -z) = -G(v, z)"
         if len(w) > 1:
             odd = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from stochlin.analyses.cases.probability import judge_gap
 from stochlin.analyses.cases.separation import answer_case, rms_acceleration
 from stochlin.analyses.cases.values import UNITS, Quantity, Section, key_lines
 from stochlin.analyses.explorer.case_scene import scene_of
+from stochlin.messages import DoubtfulInput
 from stochlin.models.parameters import Range
 
 pytestmark = pytest.mark.invariant
@@ -290,6 +292,60 @@ WRONG = {
         '[measures." "]',
         ["name that cannot be shown"],
     ),
+    "number in marks for a share": ('"90 %"', '"90"', "confidence", ['"90 %" or 0.9']),
+    "share in marks": ('"90 %"', '"0.9"', "confidence", ["without quotation marks, 0.9"]),
+    "percentage for a share": ('"90 %"', "90", "confidence", ['did you mean "90 %" or 0.9?']),
+    "decimal comma": ('"0.6 s"', '"0,6 s"', 'period = "0,6 s"', ['a decimal point, as "0.6 s"']),
+    "sign between thousands": ('"3200 t"', '"3,200 t"', "mass", ['as "3.200 t", or no', 'as "3200 t"']),
+    "bare decimal comma": ('"0.6 s"', "0,6", "period = 0,6", ["write a decimal point"]),
+    "no digit before the point": ("= 4\nheight", "= .5\nheight", "reduction_factor = .5", ["as 0.5"]),
+    "gap in metres": ('"5 cm"', "0.05", "existing", ['one of its units, "0.05 m", ']),
+    "gap in centimetres": ('"5 cm"', "5", "existing", ['one of its units, "5 cm", ']),
+    "mass in tons": ('"3200 t"', "3200", "mass", ['one of its units, "3200 t", ']),
+    "begun key": (
+        "link_damping_constant =",
+        "link_damping =",
+        "link_damping",
+        ["did you mean link_damping_constant?"],
+    ),
+    "path of Windows": (
+        'name = "Annex"',
+        r'name = "C:\annex"',
+        'name = "C:',
+        [r'name = "C:\annex"', "'single quotes', or with /"],
+    ),
+    "path of Windows with a tab": (
+        'name = "Annex"',
+        r'name = "C:\taft"',
+        'name = "C:',
+        ["no line of text", "'single quotes', or with /"],
+    ),
+    "first building misspelt": (
+        "[building_1]",
+        "[building1]",
+        "[building1]",
+        ["did you mean building_1?"],
+    ),
+    "second building misspelt": (
+        "[building_2]",
+        "[building_two]",
+        "[building_two]",
+        ["is not a key that is known here", "did you mean building_2?"],
+    ),
+    "building twice": (
+        "[building_2]",
+        "[building_1]  # again",
+        "[building_1]  # again",
+        ["'[building_1]' is already given in line 104", "such as [building_2]"],
+    ),
+    "key twice": (
+        "storeys = 8",
+        "storeys = 8\nstoreys  = 8",
+        "storeys  =",
+        ["'storeys' is already given in line 119", "each key once"],
+    ),
+    "dotted key": ("[contact]", "[contact]\na.b.c = 3", "a.b.c", ["contact.a is not a key"]),
+    "dotted table": ("title =", "mitigations.a = 1\ntitle =", "mitigations.a", ["mitigations is not a"]),
     "nothing to fit to": (GROUND, 'ground = "fitted"', "intensity", ["site.intensity", "estimator"]),
 }
 
@@ -309,6 +365,91 @@ def test_what_is_wrong_is_said_with_file_line_and_key(what: str, tmp_path: Path)
         assert part in message
     assert message.isprintable()
     assert len(message) < 500
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('"90 %"', '"90"'),
+        ('"90 %"', '"0.9"'),
+        ('"90 %"', "90"),
+        ('damping = "5 %"', 'damping = "5"'),
+        ('damping = "5 %"', "damping = 5"),
+        ('damping = "5 %"', 'damping = "2,5 %"'),
+        ("= 4\nheight", '= "4"\nheight'),
+        ('"5 cm"', "0.05"),
+        ('"5 cm"', "5"),
+        ('"5 cm"', '"5"'),
+        ('"5 cm"', '"5,5 cm"'),
+        ('"0.6 s"', "600"),
+        ('"3200 t"', "3200"),
+        ('\nintensity = "0.01 m^2/s^3"', "\nintensity = 0.01"),
+        ('\nintensity = "0.01 m^2/s^3"', "\nintensity = 100"),
+    ],
+)
+def test_the_first_cure_of_a_number_works(old: str, new: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"case\.toml, line") as caught:
+        read(tmp_path, changed(old, new))
+    cure = re.search(
+        r'(?:mean|units,|allowed:|quotation marks,|point, as) ("[^"]+"|[\d.]+)(?: or|,|\?|$)',
+        str(caught.value),
+    )
+    wrong = new.replace("\nheight", "").rpartition("= ")[2]
+    assert cure is not None, str(caught.value)
+    read(tmp_path, changed(old, new.replace(wrong, cure[1])))  # without a warning
+
+
+# What to change, and what is said of it: the key, words, and what may be meant instead.
+DOUBTED = {
+    "gap in metres": ('"5 cm"', '"5 m"', "separation.existing", 'hardly pound; did you mean "5 cm"?'),
+    "mass in kilograms": ('"3200 t"', '"3200 kg"', "building_1.mass", 'did you mean "3200 t"?'),
+    "light storeys": ('"3200 t"', '"20 t"', "building_1.mass", "2500 kg for each of 8 storeys"),
+    "strength below the demand": (
+        "= 4\nheight",
+        "= 0.5\nheight",
+        "reduction_factor",
+        "is it the inverse?",
+    ),
+    "late yield": (
+        "\nreduction_factor = 4\nheight",
+        '\nyield_displacement = "4 m"\nheight',
+        "building_1.yield_displacement",
+        'did you mean "4 cm"?',
+    ),
+    "late yield, uncertain": (
+        "\nreduction_factor = 4\nheight",
+        '\nyield_displacement = "4 m +- 10 %"\nheight',
+        "building_1.yield_displacement",
+        "less than 3 m",
+    ),
+    "weak shaking": (
+        '\nintensity = "0.01 m^2/s^3"',
+        '\nintensity = "0.01 cm^2/s^3"',
+        "site.intensity",
+        'not felt; did you mean "0.01 m^2/s^3"?',
+    ),
+    "long period": ('"0.6 s"', '"600 s"', "building_2.period", 'did you mean "600 ms"?'),
+    "low building": ('"24 m"', '"24 cm"', "building_1.height", 'did you mean "24 m"?'),
+}
+
+
+@pytest.mark.parametrize("what", DOUBTED)
+def test_what_is_implausible_is_asked_about_once_with_its_line(what: str, tmp_path: Path) -> None:
+    old, new, key, says = DOUBTED[what]
+    with pytest.warns(DoubtfulInput) as told:
+        read(tmp_path, changed(old, new))
+    (message,) = (str(one.message) for one in told)
+    assert re.match(rf"case\.toml, line \d+: \S*{key} = .* is doubtful: ", message)
+    assert says in message
+
+
+def test_no_message_lists_two_thousand_buildings(tmp_path: Path) -> None:
+    one = 'period = "0.6 s"\ndamping = 0.05\nelastic = true\n'
+    more = "".join(f"[building_{n}]\n{one}" for n in range(3, 2003))
+    for old, new in (("[separation]", f"{more}[separation]"), ("[motion]", f"{more}[motions]")):
+        with pytest.raises(ValueError, match=r"case\.toml, line \d+: ") as caught:
+            read(tmp_path, changed(old, new))
+        assert len(str(caught.value)) < 1000
 
 
 def test_a_name_that_clears_the_screen_is_refused(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from click.testing import CliRunner
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.separation import answer_case
+from stochlin.messages import DoubtfulInput
 from stochlin.views.command import main
 from stochlin.views.separation.risk import risk_figure, risk_lines, risk_words
 
@@ -146,7 +147,7 @@ def test_a_return_period_by_intensity(tmp_path):
         ("intensities = [0.1, 0.2]\nfrequencies = [0.01, 0.001]\n", 'has no unit; .*"0.1 g"'),
         (f"{TWO}frequencies = [0.01, 0.001]\nk0 = 1\n", "k0 = 1 is not a key that is known here"),
         ("", r'has no numbers; allowed: one of file = "hazard.csv"; intensities = .*; k0, k and units'),
-        ('file = "none.csv"\n', ".file = 'none.csv' cannot be used: .*No such file"),
+        ('file = "none.csv"\n', ".file = 'none.csv' cannot be used: .*there is no such file"),
         (
             'k0 = 1e-4\nk = 400\nunits = "g"\n',
             r"k = 400 is too large: with units = 'g'.*usual are 2 to 4",
@@ -166,11 +167,37 @@ def test_a_hazard_that_is_none_is_named_with_its_line(lines, told, tmp_path):
         read(tmp_path, f"{HAZARD}{lines}")
 
 
+@pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # a gap of 0.1 mm
 def test_a_hazard_too_steep_for_its_motions_is_named(tmp_path):
     steep = f'{HAZARD}k0 = 1e-4\nk = 400\nunits = "m/s^2"\n'
     case = read(tmp_path, steep, 'existing = "0.1 mm"\n')
     with pytest.raises(ValueError, match=r"case.toml: site.hazard cannot be used: .*k=400.*a smaller k"):
         answer_case(case)
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        'intensities = ["0.98 g", "1.96 g"]\nfrequencies = [0.01, 0.0021]\n',
+        'intensities = ["2 g", "4 g"]\nreturn_periods = ["100 yr", "475 yr"]\n',
+        'k0 = 0.01\nk = 2.5\nunits = "g"\n',
+    ],
+)
+def test_a_hazard_in_another_unit_is_asked_about(tmp_path, lines):
+    with pytest.warns(
+        DoubtfulInput, match=r"line 4: site.hazard is doubtful: .*is it in m/s\^2"
+    ) as told:
+        read(tmp_path, HAZARD + lines)
+    assert len(told) == 1
+
+
+def test_a_risk_of_a_year_is_said_to_be_one(tmp_path):
+    with pytest.warns(
+        DoubtfulInput, match=r"separation.risk = 0.02 is .* per year, here once in 50 years"
+    ):
+        case = read(tmp_path, HAZARD + POINTS, "risk = 0.02\n")
+    words = " ".join(risk_words(answer_case(case)).sentences)
+    assert "For the risk allowed, 0.02 per year (once in 50\N{NO-BREAK SPACE}years)" in words
 
 
 def test_a_hazard_beside_the_site_is_sent_there(tmp_path):
@@ -246,6 +273,7 @@ def test_words_and_picture_of_a_risk(answered):
     ]
 
 
+@pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # 1 g in 100 years
 def test_a_hazard_that_leaves_much_out_says_so(tmp_path):
     lines = 'intensities = ["1 g", "2 g"]\nfrequencies = [0.01, 0.001]\n'
     told = risk_words(answer_case(read(tmp_path, HAZARD + lines))).sentences

@@ -79,5 +79,5 @@ def test_the_command_draws_for_print(tmp_path):
     assert f'width="{points:.6g}'[:10] in (tmp_path / "fig3a.svg").read_text()
     refused = CliRunner().invoke(main, [*command, "--print-width", "84cm"])
     assert refused.exit_code == 2
-    assert "print_width = 0.84 is out of range" in refused.output
+    assert "--print-width 0.84 is out of range" in refused.output
     assert mpl.rcParams["font.size"] == mpl.rcParamsDefault["font.size"]

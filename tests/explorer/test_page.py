@@ -58,7 +58,7 @@ def test_a_bad_case_file_is_told(tmp_path):
     done = run("--case", path)
     assert done.exit_code == 2
     assert "period_1 = 40 is out of range; allowed: 0.02 <= value <= 20" in done.output
-    assert "No such file" in run("--case", tmp_path / "none.toml").output
+    assert "there is no such file" in run("--case", tmp_path / "none.toml").output
 
 
 @pytest.mark.parametrize(

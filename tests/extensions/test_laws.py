@@ -120,7 +120,7 @@ def test_a_case_that_says_it_wrong(toy, tmp_path, before, after, says):
         (("--law", "pinced"), "'bilinear', 'bouc_wen', 'pinched'"),
         (("--law", "pinched", "--exponent", 2), "--exponent does not apply to --law pinched"),
         (("--law-2", "pinched", "--limit-1", 1), "--limit-1 does not apply to --law bilinear"),
-        (("--law", "pinched", "--limit", 0), "limit = 0 is out of range; allowed: 0 < value"),
+        (("--law", "pinched", "--limit", 0), "--limit 0 is out of range; allowed: 0 < value"),
         (("--law", "pinched", "--closure", "drift"), "not available for Pinched; allowed: gaussian"),
         (("--help",), "z beyond which it softens once more, of pinched, 1 if not given"),
     ],

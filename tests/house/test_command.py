@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -20,6 +21,7 @@ import stochlin as sl
 from stochlin.analyses.tables import storage
 from stochlin.models.laws import closure_names
 from stochlin.views.command import main
+from stochlin.views.shared.screen import as_options
 
 pytestmark = pytest.mark.cli
 
@@ -162,21 +164,36 @@ def test_named_ground_and_white_noise_method() -> None:
     ("arguments", "says"),
     [
         (("--period-2", "1s"), "--period-1"),
-        (("--period", "-1s"), "period = -1"),
+        (("--period", "-1s"), "Bilinear: --period -1 is out"),
+        (("--period", "1s", "--period-2", "-1s"), "Bilinear: --period-2 -1 is out"),
         (("--period", "nan"), "has no unit"),
         (("--period", "one"), "'one' is no number"),
         (("--period", "1s:2s"), "start:stop:count"),
         (("--period", "1s:2s:1"), "count >= 2"),
-        (("--period", "1s", "--damping", "5"), "damping = 5"),
+        (("--period", "1s", "--damping", "5"), "--damping 5 is out of range"),
         (("--period", "1s", "--hardening", "0", "--reduction-factor", "4"), "stationary displacement"),
-        (("--period", "1s", "--reduction-factor", "4"), "hardening is not given"),
+        (("--period", "1s", "--reduction-factor", "4"), "--hardening is not given"),
+        (
+            (
+                "--period",
+                "1s",
+                "--ground",
+                "kanai-tajimi",
+                "--ground-period",
+                "-2s",
+                "--ground-damping",
+                "1",
+            ),
+            "KanaiTajimi: --ground-period -2 is out",
+        ),
+        (("--period", "1s", "--closure", "clipped", "--law", "bouc_wen"), "--closure 'clipped' is not"),
         (("--period", "1s", "--ground", "moon"), "firm"),
         (("--period", "1s", "--ground", "kanai-tajimi"), "--ground-period, --ground-damping"),
         (("--period", "1s", "--ground-period", "2s"), "does not apply"),
         (("--period", "1s", "--out", "table.xlsx"), "allowed: .nc or .csv"),
         (("--period", "1s", "--out", "no/such/folder/t.nc"), "no/such/folder"),
         (("--period", "1s", "--closure", "drifting"), "drifting"),
-        (("--period", "1s", "--record", "nowhere.txt"), "nowhere.txt"),
+        (("--period", "1s", "--record", "nowhere.txt"), "nowhere.txt: there is no such file"),
     ],
 )
 def test_bad_input_exits_with_2_and_says_what(arguments: tuple[str, ...], says: str) -> None:
@@ -269,6 +286,36 @@ def test_a_command_that_is_not_there_brings_the_nearest_to_mind() -> None:
     assert "No such command 'gaps'." in result.output
     if hasattr(click.exceptions, "NoSuchCommand"):  # older ones suggest nothing
         assert "Did you mean 'gap'?" in result.output
+
+
+def test_a_full_disk_is_no_wrong_option(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    result = run("rho", "--period", "1s", "--out", tmp_path / "table.nc")
+    assert result.exit_code == 1
+    assert "table.nc could not be written: the disk is full; make room on it" in result.output
+    assert "Usage" not in result.output
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("told", "says"),
+    [
+        ("dt is missing; give dt= in seconds", "--dt is missing; give --dt in seconds"),
+        ("dt = 0 is out of range", "--dt 0 is out of range"),
+        ("a.txt needs dt=0.01, units=g", "a.txt needs --dt 0.01, --units g"),
+        ("raise max_iterations", "raise --max-iterations"),
+        ("the column is wide; units are g", "the column is wide; --units are g"),
+        ("case.toml, line 3: site.dt = 0; dt is missing", None),
+    ],
+)
+def test_arguments_of_functions_are_told_as_options(told: str, says: str | None) -> None:
+    options = {
+        name: f"--{name.replace('_', '-')}" for name in ("dt", "units", "max_iterations", "column")
+    }
+    assert as_options(told, options) == (says or told)
 
 
 def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:

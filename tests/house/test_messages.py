@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.messages import LONGEST, brief, listed, plain, sentence
+from stochlin.messages import LONGEST, brief, listed, nearest, plain, sentence
 
 pytestmark = pytest.mark.invariant
 
@@ -63,3 +63,22 @@ def test_texts_without_quotation_marks() -> None:
     assert listed(["one", "two"]) == "one, two"
     assert listed(map(str, range(100))) == "0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 and 88 more"
     assert sentence(ValueError("two\n  lines")) == "two lines"
+    assert sentence(FileNotFoundError(2, "No such file", "a.at2")).startswith(
+        "a.at2: there is no such file"
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [
+        ("Link Damping", "link_damping_constant"),
+        ("EC8", "eurocode_8"),
+        ("linkstiffnes", "link_stiffness"),
+        ("x" * 200_000, ""),
+        ("", ""),
+        ("\u00e9", ""),
+    ],
+)
+def test_the_name_that_was_probably_meant(given: str, meant: str) -> None:
+    known = ["link_stiffness", "link_damping_constant", "link_damping_exponent", "eurocode_8"]
+    assert nearest(given, known) == meant

@@ -131,6 +131,6 @@ def test_a_full_disk_is_told_with_the_file_and_leaves_nothing(
     table = sl.rho_white_noise(1.0, 2.0, 0.05, 0.05)
     monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
     monkeypatch.setattr("pandas.DataFrame.to_csv", full)
-    with pytest.raises(OSError, match=rf"{name} could not be written: No space left on device"):
+    with pytest.raises(OSError, match=rf"{name} could not be written: the disk is full"):
         save_table(table, tmp_path / name)
     assert not list(tmp_path.iterdir())

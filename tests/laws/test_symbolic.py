@@ -180,7 +180,7 @@ LIMITED = V * sympy.Max(abs(Z) - 0.7, 0)
         (V + HIDDEN, "v = 0 and z = 0, has"),
         (V - LIMITED - 0.1 * HIDDEN, "v = 0 and z = -0.7, 0, 0.7, has"),
         (V - V * abs(Z) ** 0.1, "a power below 1/2 there"),
-        (V - V * sympy.exp(Z**4), "error inf, allowed 1e-09, .* or grows too fast"),
+        (2 * V - V * sympy.exp(Z**4), "error inf, allowed 1e-09, .* or grows too fast"),
     ],
     ids=str,
 )

@@ -118,6 +118,7 @@ def test_grounds_have_the_same_bits_in_plain_python(monkeypatch, oscillators):
     assert np.array_equal(*found)
 
 
+@pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # hardly yields
 @pytest.mark.invariant
 @pytest.mark.parametrize("closure", ["gaussian", "clipped"])
 @pytest.mark.parametrize(("ground", "numbers"), GROUNDS)

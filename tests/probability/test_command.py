@@ -120,7 +120,7 @@ def test_records_are_in_the_table_and_the_picture(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--gap", "-1m"), "gap = -1"),
+        (("--gap", "-1m"), "--gap -1 is out"),
         (("--out", "p.xls"), "ends in '.xls'"),
         (("--picture", "nowhere/p.png"), "no folder nowhere"),
     ],

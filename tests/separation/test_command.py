@@ -471,7 +471,7 @@ WRONG = [
         "[motion]",
         '[[site.records]]\npath = "no.txt"\nunits = "g"\n[motion]',
         'path = "no.txt"',
-        ["site.records.path = 'no.txt'", "No such file"],
+        ["site.records.path = 'no.txt'", "there is no such file"],
     ),
 ]
 

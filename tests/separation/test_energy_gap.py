@@ -58,6 +58,7 @@ def test_yielding_pair_takes_rho_by_the_rule_or_of_a_ground():
         assert float(on_ground.pseudo_energy_radius_1) == float(table.pseudo_energy_radius_1)
 
 
+@pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # hardly yields
 @pytest.mark.invariant
 def test_effective_properties_of_what_stays_elastic_are_its_own():
     strong = [replace(one, yield_displacement=10.0) for one in WEAK]

@@ -74,7 +74,7 @@ def test_a_table_of_records_that_were_measured():
     ("rows", "message"),
     [
         ("path\none.AT2", "has the columns path; allowed: a table with a column 'file'"),
-        ("file\nnone.at2", "suite.csv, line 2, none.at2: .*No such file"),
+        ("file\nnone.at2", "suite.csv, line 2, none.at2: .*there is no such file"),
         ("file\none.AT2\none.AT2", "line 3, one.AT2 is listed twice"),
         ("file,dt\nplain.txt,soon", "line 2, plain.txt: dt = 'soon' is no number"),
         ("file,units\nplain.txt,feet", "line 2, plain.txt: units = 'feet' is not a unit"),

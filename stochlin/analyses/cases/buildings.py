@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import Any
 
 from stochlin.analyses.cases.storeys import (
@@ -19,11 +21,14 @@ from stochlin.analyses.linearization.strength import DuctilityTarget, strength_f
 from stochlin.models.grounds import Ground
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import Structure
 from stochlin.models.uncertain import UncertainModel, applied, median_of
 
 STRENGTHS = ("reduction_factor", "yield_displacement", "ductility", "elastic")
-LENGTH, OPEN_OR_TOUCHING = Quantity("m", POSITIVE), Quantity("m", NOT_NEGATIVE)
+LENGTH = Quantity("m", POSITIVE, PLAUSIBLE["height"])
+OPEN_OR_TOUCHING = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["existing"])
+MOST_SHOWN = 5  # gaps in an example
 _NUMBERED = re.compile(r"building_([1-9]\d*)")
 
 
@@ -67,9 +72,11 @@ class Building:
 AnyBuilding = Building | StoreyBuilding
 
 
-def building_keys(whole: Section) -> tuple[str, ...]:
-    """The keys ``building_1``, ``building_2`` and so on, checked for completeness."""
+def building_keys(whole: Section, *others: str) -> list[str]:
+    """The keys ``building_1``, ``building_2`` and so on, beside which there are only ``others``."""
     given = [key for key in whole.values if _NUMBERED.fullmatch(key)]
+    missing = next(key for n in count(1) if (key := f"building_{n}") not in given)
+    whole.only(*others, *given, missing)
     for number, key in enumerate(sorted(given, key=lambda key: int(key.partition("_")[2])), start=1):
         expected = f"building_{number}"
         if key != expected:
@@ -78,18 +85,17 @@ def building_keys(whole: Section) -> tuple[str, ...]:
                 f"is given, but {expected} is missing; did you mean {expected}? allowed: building_1, "
                 "building_2 and so on, from left to right, none left out",
             )
-    return tuple(f"building_{number}" for number in range(1, max(1, len(given)) + 1))
+    return [f"building_{number}" for number in range(1, max(1, len(given)) + 1)]
 
 
-def read_buildings(whole: Section, ground: Ground) -> tuple[AnyBuilding, ...]:
+def read_buildings(whole: Section, keys: Sequence[str], ground: Ground) -> tuple[AnyBuilding, ...]:
     """All buildings; strengths by reduction factor and by ductility refer to this ground.
 
     A building with any key of `OF_STOREYS` has storeys; any other is an oscillator.
     """
-    sections = [whole.section(key) for key in building_keys(whole)]
     return tuple(
         read_storeys(one, number) if storey_keys(one) else _oscillator(one, number, ground)
-        for number, one in enumerate(sections, start=1)
+        for number, one in enumerate(map(whole.section, keys), start=1)
     )
 
 
@@ -110,7 +116,7 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
                 f"has {len(gaps)} gaps, but there is only one building; allowed: its distance from its "
                 f'property line, as {key} = "5 cm"',
             )
-        each = ", ".join(['"5 cm"'] * (count - 1))
+        each = ", ".join(['"5 cm"'] * min(count - 1, MOST_SHOWN)) + ", ..." * (count - 1 > MOST_SHOWN)
         example = each if count == 2 else f"[{each}]"
         raise wanted.error(
             key,
@@ -147,11 +153,17 @@ def _oscillator(one: Section, number: int, ground: Ground) -> Building:
         factor = float(found.reduction_factor)
         described = applied(lambda s: dataclasses.replace(s, reduction_factor=factor), described)
         structure = median_of(described)
+    storeys = one.whole("storeys", 1) if "storeys" in one else None
+    mass, plausible = structure.mass, PLAUSIBLE["mass"]
+    if mass and storeys and plausible.holds(mass) and (doubt := plausible.doubt(mass / storeys)):
+        one.doubt(
+            "mass", f"is doubtful: it is {mass / storeys:.6g} kg for each of {storeys} storeys; {doubt}"
+        )
     return Building(
         name=one.text("name", default=f"Building {number}"),
         structure=structure,
         uncertain=described if isinstance(described, UncertainModel) else None,
         strength=strength,
         height=one.number("height", LENGTH) if "height" in one else None,
-        storeys=one.whole("storeys", 1) if "storeys" in one else None,
+        storeys=storeys,
     )

@@ -38,8 +38,10 @@ from stochlin.analyses.cases.sites.design_spectrum import (
 )
 from stochlin.analyses.cases.sites.records import read_suite, recorded_motions
 from stochlin.analyses.cases.sites.strength import (
+    HAZARD,
     HAZARD_EXAMPLE,
     as_strong_as_asked,
+    doubtful_hazard,
     hazard_file,
     read_hazard_of,
 )
@@ -53,6 +55,7 @@ from stochlin.models.grounds import Ground
 from stochlin.models.hazards import Hazard
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import POSITIVE, Range
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.rules.codes import CODE_RULES, IN_COMMON, ZONES
 from stochlin.models.rules.codes.families import Numbered
 from stochlin.models.uncertain import UncertainModel, median_of
@@ -276,8 +279,11 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     Warns
     -----
     UserWarning
-        If a value is allowed but implausible: a base shear coefficient above 1, a yield drift above a
-        tenth of the storey height, or floors that are stated to align and do not.
+        If a value is allowed but implausible: a gap above 3 m, floors lighter than 5 t, a reduction
+        factor below 0.6, a base shear coefficient above 1, a yield displacement above 3 m, a yield
+        drift above a tenth of the storey height, shaking that is not felt or was never recorded, a
+        hazard that exceeds a PGA of 1 g once in 150 years, an allowed risk above 0.01 per year, or
+        floors that are stated to align and do not.
 
     Examples
     --------
@@ -290,10 +296,9 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     """
     path = input_path("path", path)
     whole = read_sections(path)
-    keys = building_keys(whole)
     if "hazard" in whole:
         raise whole.error("hazard", "is of the site; write [site.hazard], below all else of the site")
-    whole.only("title", *TABLES[:2], *keys, *TABLES[2:])
+    keys = building_keys(whole, "title", *TABLES)
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
     wanted.only("confidence", "existing", "risk", *IN_COMMON, "zone", "numbers", "unverified")
     records = recorded_motions(site, path.parent)
@@ -311,13 +316,15 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         if site.values.get("ground") == FITTED:
             check_energy(motion, next(iter(records.values())), ground, envelope, duration)
     hazard = read_hazard_of(site, path.parent)
+    if hazard is not None and (doubt := doubtful_hazard(hazard)):
+        site.doubt(HAZARD, f"is doubtful: {doubt}")
     given = ground
     ground, spectrum = as_strong_as_asked(site, path.parent, ground, spectrum, duration, envelope)
     if isinstance(described, UncertainModel):
         described = described.changed(partial(_as_strong, given=given, wanted=ground))
     records, of_suite = read_suite(site, path.parent, records, spectrum)
     of_site = site.text("ground" if spectrum is None else SPECTRUM)
-    buildings = read_buildings(whole, ground)
+    buildings = read_buildings(whole, keys, ground)
     align = wanted.truth("floors_align")
     slabs = slabs_of_row(buildings)
     if align and slabs:
@@ -372,7 +379,12 @@ def _risk(wanted: Section, hazard: Hazard | None) -> str | float | None:
         raise wanted.error("risk", f"needs a hazard; {HAZARD_EXAMPLE}")
     with wanted.naming("risk"):
         check_target(hazard, risk)
-    return risk
+    if not isinstance(risk, str) and (doubt := PLAUSIBLE["risk"].doubt(risk)):
+        once = f"a number is a frequency per year, here once in {1 / risk:.3g} years"
+        wanted.doubt(
+            "risk", f'is doubtful: {doubt}; {once}; or write, for instance, risk = "2 % in 50 years"'
+        )
+    return risk if isinstance(risk, str) else float(risk)
 
 
 def _numbers(section: Section) -> dict[str, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -11,15 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.analyses.cases.values import Quantity, Section
-from stochlin.messages import DoubtfulInput, listed
-from stochlin.models.buildings import (
-    IMPLAUSIBLE,
-    MOST_STOREYS,
-    PLAUSIBLE_COEFFICIENT,
-    RegularBuilding,
-    ShearBuilding,
-)
+from stochlin.messages import listed
+from stochlin.models.buildings import MOST_STOREYS, RegularBuilding, ShearBuilding
 from stochlin.models.laws import laws_in_numbers
+from stochlin.models.plausible import ANY
 from stochlin.models.systems import slabs_on_columns
 from stochlin.models.uncertain import UncertainModel, median_of
 
@@ -184,12 +178,9 @@ def _regular(one: Section, strength: str, values: dict[str, Any]) -> Any:
         if isinstance(heights, list)
         else one.whole("storeys", 1, highest=MOST_STOREYS),
     }
-    if strength == "elastic":
-        return one.made(ShearBuilding.regular, values)
-    values[strength] = one.parameter(strength, COEFFICIENT)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DoubtfulInput)  # `_doubt_strength` warns with the line number
-        return one.made(ShearBuilding.regular, values)
+    if strength != "elastic":
+        values[strength] = one.parameter(strength, COEFFICIENT)
+    return one.made(ShearBuilding.regular, values)
 
 
 def _singly(one: Section, strength: str, values: dict[str, Any]) -> Any:
@@ -257,9 +248,11 @@ def _check_counts(one: Section, keys: Sequence[str]) -> None:
 
 
 def _doubt_strength(one: Section, strength: str, structure: ShearBuilding) -> None:
-    """Warn of an implausible base shear coefficient or yield drift."""
-    if strength in REGULAR and median_of(one.parameter(strength, COEFFICIENT)) > PLAUSIBLE_COEFFICIENT:
-        one.doubt(strength, f"is doubtful: {IMPLAUSIBLE}")
+    """Warn of an implausible yield drift."""
+    plain = COEFFICIENT._replace(plausible=ANY)  # a doubtful coefficient was told when it was read
+    if strength in REGULAR and not COEFFICIENT.plausible.holds(
+        median_of(one.parameter(strength, plain))
+    ):
         return
     values = structure.arrays()
     heights = values["heights"].to_numpy()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
 import warnings
@@ -15,15 +14,26 @@ from typing import Any, NamedTuple, TypeGuard, TypeVar
 import numpy as np
 
 from stochlin.analyses.tables.checks import A_LABEL, LARGEST_WHOLE, is_label, is_number, is_whole
-from stochlin.analyses.tables.toml import read_toml
-from stochlin.messages import DoubtfulInput, brief, plain
+from stochlin.analyses.tables.toml import BACKSLASH, read_toml
+from stochlin.messages import (
+    LONGEST_MESSAGE,
+    DoubtfulInput,
+    ImplausibleInput,
+    brief,
+    listed,
+    nearest,
+    plain,
+    sentence,
+)
 from stochlin.models.parameters import Model, Range
+from stochlin.models.plausible import ANY, PLAUSIBLE, Plausible
 from stochlin.models.uncertain import Uncertain
 
 One = TypeVar("One", bound=Model)
 Place = tuple[str | int, ...]
 """Names of the tables that contain a key, and the key; numbers count tables of the same name."""
 
+MOST_LISTED = 32  # of the keys that are allowed
 # Allowed units for each SI unit, with their values in it; the first one is shown in examples.
 UNITS: Mapping[str, Mapping[str, float]] = {
     "s": {"s": 1.0, "ms": 1e-3},
@@ -38,6 +48,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "1": {"%": 1e-2},
 }
 _OF_POWER = ("N/m^", "N (s/m)^")  # units of nonlinear springs and dashpots, with any exponent
+_COMMA, _THOUSANDS = re.compile(r",\s*\d"), re.compile(r",\d{3}(?!\d)")
 _OTHER_SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": " "})
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SPREAD = re.compile(r"\s*(.+?)\s*(?:\+-|\+/-|±)\s*(\d+\.?\d*|\.\d+)\s*%\s*", re.DOTALL)
@@ -50,15 +61,16 @@ _KEY = re.compile(rf"\s*({_DOTTED})\s*=")
 
 
 class Quantity(NamedTuple):
-    """SI unit and allowed range of a value, as declared by the parameters of models."""
+    """SI unit, allowed and plausible range of a value, as declared by the parameters of models."""
 
     units: str
     allowed: Range
+    plausible: Plausible = ANY
 
     @classmethod
     def declared(cls, kind: type[Model], name: str) -> Quantity:
         """The quantity of a declared parameter of a model."""
-        return cls(kind.units(name), kind.allowed(name))
+        return cls(kind.units(name), kind.allowed(name), PLAUSIBLE.get(name, ANY))
 
     @property
     def spellings(self) -> Mapping[str, float]:
@@ -71,6 +83,23 @@ class Quantity(NamedTuple):
     def example(self) -> str:
         """An example of a value as it is written in a file."""
         return "0.05" if self.units == "1" else f'"1 {next(iter(self.spellings))}"'
+
+    def ways(self, number: float, shown: str) -> dict[str, float]:
+        """Ways to write a number in a file, with their values in SI; the plausible ones come first."""
+        found = {f'"{shown} {unit}"': size * number for unit, size in self.spellings.items()}
+        if self.units == "1":
+            found = {shown: number, f'"{shown} %" or {number / 100:g}': number / 100}
+        allowed = {text: value for text, value in found.items() if self.allowed.contains(value)} or found
+        return dict(sorted(allowed.items(), key=lambda way: not self.plausible.holds(way[1])))
+
+    def meant(self, given: Any, value: float) -> str:
+        """Another way to write a number, which is allowed and plausible and may be meant; or nothing."""
+        number, _ = _split(given, self)
+        for text, other in self.ways(number, f"{number:g}").items():
+            fits = self.allowed.contains(other) and self.plausible.holds(other)
+            if fits and not math.isclose(other, value):
+                return f"; did you mean {text}?"
+        return ""
 
 
 @dataclass(frozen=True)
@@ -113,7 +142,7 @@ class Section:
         except (OSError, ValueError) as error:
             if str(error).startswith(self.file):
                 raise
-            raise self.error(key, f"{what}: {error}") from error
+            raise self.error(key, f"{what}: {sentence(error, LONGEST_MESSAGE)}") from error
         for one in caught:
             if issubclass(one.category, DoubtfulInput):
                 self.doubt(key, f"is doubtful: {one.message}")
@@ -124,10 +153,11 @@ class Section:
         """Raise a ValueError for a key that is not allowed, and suggest the nearest known one."""
         for key in self.values:
             if key not in allowed:
-                near = difflib.get_close_matches(key, (*allowed, *elsewhere), 1)
-                hint = f"did you mean {near[0]}? " if near else ""
+                near = nearest(key, (one for one in (*allowed, *elsewhere) if one not in self))
+                hint = f"did you mean {near}? " if near else ""
                 raise self.error(
-                    key, f"is not a key that is known here; {hint}allowed: {', '.join(allowed)}"
+                    key,
+                    f"is not a key that is known here; {hint}allowed: {listed(allowed, MOST_LISTED)}",
                 )
 
     def need(self, key: str, example: str) -> Any:
@@ -223,8 +253,10 @@ class Section:
         except ValueError as error:
             raise self.error(key, f"{which}{error}") from error
         if not quantity.allowed.contains(value):
-            shown = "" if quantity.units == "1" else f", in {quantity.units}"
+            shown = quantity.meant(given, value) if quantity.units == "1" else f", in {quantity.units}"
             raise self.error(key, f"{which}is out of range; allowed: {quantity.allowed}{shown}")
+        if doubt := quantity.plausible.doubt(value):
+            self.doubt(key, f"{which}is doubtful: {doubt}{quantity.meant(given, value)}")
         return value
 
     def model(self, kind: type[One], names: Sequence[str]) -> One:
@@ -242,7 +274,9 @@ class Section:
     def made(self, kind: Callable[..., One], values: Mapping[str, Any]) -> One:
         """The model with these parameters; a ValueError at the table if they cannot be combined."""
         try:
-            return kind(**values)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", ImplausibleInput)  # was told when it was read
+                return kind(**values)
         except ValueError as error:
             raise self.error("", f"does not fit: {error}") from error
 
@@ -252,10 +286,11 @@ class Section:
             return default
         value = self.need(key, f'"{choices[0]}"' if choices else '"..."')
         if not is_label(value):
-            raise self.error(key, f"is not a line of text; allowed: {A_LABEL}, in quotation marks")
+            of_path = f"; {BACKSLASH}" if isinstance(value, str) and not value.isprintable() else ""
+            raise self.error(key, f"is no line of text; allowed: {A_LABEL}, in quotation marks{of_path}")
         if choices and value not in choices:
-            near = difflib.get_close_matches(value, choices, 1)
-            hint = f"did you mean {near[0]!r}? " if near else ""
+            near = nearest(value, choices)
+            hint = f"did you mean {near!r}? " if near else ""
             raise self.error(key, f"is not known; {hint}allowed: {', '.join(choices)}")
         return value
 
@@ -278,8 +313,10 @@ class Section:
             return default
         value = self.need(key, str(lowest))
         if not is_whole(value) or not lowest <= value <= highest:
-            allowed = f"{lowest} or more" if highest == LARGEST_WHOLE else f"{lowest} to {highest}"
-            raise self.error(key, f"is no whole number from {lowest} on; allowed: {allowed}")
+            up = "on" if highest == LARGEST_WHOLE else f"to {highest}"
+            allowed = f"{lowest} or more" if up == "on" else f"{lowest} to {highest}"
+            allowed = f"{lowest} or {highest}" if highest == lowest + 1 else allowed
+            raise self.error(key, f"is no whole number from {lowest} {up}; allowed: {allowed}")
         return value
 
     def section(self, key: str, needed: bool = True) -> Section:
@@ -310,6 +347,10 @@ def in_si(given: Any, quantity: Quantity) -> float:
     """A number in SI from a value of a file or an option; a ValueError if it is not valid."""
     value, unit = _split(given, quantity)
     known = quantity.spellings
+    if _COMMA.match(unit):
+        pointed, whole = (plain(given.strip().replace(",", sign), 40) for sign in (".", ""))
+        thousands = f', or no sign between thousands, as "{whole}"' if _THOUSANDS.match(unit) else ""
+        raise ValueError(f'has a comma; allowed: a decimal point, as "{pointed}"{thousands}')
     if unit and unit not in known:
         raise ValueError(f"has the unknown unit {brief(unit)}; allowed: {', '.join(known)}")
     return value * known[unit] if unit else value
@@ -318,9 +359,11 @@ def in_si(given: Any, quantity: Quantity) -> float:
 def _with_unit(text: str, quantity: Quantity) -> float:
     """A number in SI from a text with a unit; for a ratio the unit is not needed."""
     found = _NUMBER.fullmatch(text)
-    if quantity.units == "1" and found and not found[2].strip():
-        return float(found[1])
-    return in_si(text, quantity)
+    bare = quantity.units == "1" and found and not found[2].strip()
+    value = float(text) if bare else in_si(text, quantity)
+    if doubt := quantity.plausible.doubt(value):
+        warnings.warn(doubt, ImplausibleInput, stacklevel=2)
+    return value
 
 
 def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
@@ -336,12 +379,13 @@ def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
     unit = "" if found is None else found[2].strip().translate(_OTHER_SIGNS)
     if not unit and not ratio:
         number = plain(found[1], 20) if found else f"{given:g}" if is_number(given) else brief(given)
-        suggested = ", ".join(f'"{number} {name}"' for name in quantity.spellings)
+        value = float(found[1]) if found else float(given) if is_number(given) else math.nan
+        suggested = ", ".join(quantity.ways(value, number))
         raise ValueError(f"has no unit; allowed: a text with one of its units, {suggested}")
     if found and ratio and not unit:
-        raise ValueError(
-            f"is a text; allowed: the number without quotation marks, {plain(found[1], 20)}"
-        )
+        way = next(iter(quantity.ways(float(found[1]), plain(found[1], 20))))
+        bare = "the number without quotation marks, " * (not way.startswith('"'))
+        raise ValueError(f"is a text without a unit; allowed: {bare}{way}")
     return float(found[1]) if found else float(given), unit
 
 
@@ -357,6 +401,7 @@ def key_lines(text: str) -> dict[Place, int]:
     The TOML parser does not provide line numbers. Messages omit a line number that is not found here.
     """
     lines: dict[Place, int] = {}
+    implied: dict[Place, int] = {}  # tables that dotted names open
     counts: dict[Place, int] = {}
     table: Place = ()
     within = False  # inside of a text of several lines
@@ -369,11 +414,14 @@ def key_lines(text: str) -> dict[Place, int]:
                 lines.setdefault(table, number)
                 table = (*table, counts[table])
             lines.setdefault(table, number)
+            implied |= {table[:n]: number for n in range(1, len(table)) if table[:n] not in implied}
         elif not within and key:
-            lines.setdefault((*table, *_parts(key[1])), number)
+            place = (*table, *_parts(key[1]))
+            lines.setdefault(place, number)
+            implied |= {place[:n]: number for n in range(1, len(place)) if place[:n] not in implied}
         if (line.count('"""') + line.count("'''")) % 2:
             within = not within
-    return lines
+    return implied | lines
 
 
 def _parts(dotted: str) -> Place:

@@ -33,7 +33,6 @@ from stochlin.analyses.explorer.sites import PGA, SA, Measured, spectrum_of
 from stochlin.analyses.sites.suites import table_rows
 from stochlin.analyses.tables.inputs import only_within
 from stochlin.messages import DoubtfulInput, brief, listed
-from stochlin.models.buildings import PLAUSIBLE_COEFFICIENT
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
 from stochlin.models.laws.bilinear import Bilinear
@@ -270,7 +269,7 @@ def _plainly_regular(told: Mapping[str, Any]) -> bool:
         and told["law"] == "bilinear"
         and not told["p_delta"]
         and not np.any(told.get("dampers", 0.0))
-        and bool(COEFFICIENT.contains(told.get("base_shear_coefficient", PLAUSIBLE_COEFFICIENT)))
+        and bool(COEFFICIENT.contains(told.get("base_shear_coefficient", COEFFICIENT.upper)))
     )
 
 

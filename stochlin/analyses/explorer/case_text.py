@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from stochlin.analyses.cases.buildings import read_buildings
+from stochlin.analyses.cases.buildings import building_keys, read_buildings
 from stochlin.analyses.cases.contacts import read_measures
 from stochlin.analyses.cases.site import PARALLEL
 from stochlin.analyses.cases.sites.records import SCALE_TO, SUITE
@@ -137,7 +137,7 @@ def _unfit(scene: Scene) -> str:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DoubtfulInput)  # the warning was shown when the file was read
         try:
-            read_measures(whole, read_buildings(whole, scene.ground()))
+            read_measures(whole, read_buildings(whole, building_keys(whole, "measures"), scene.ground()))
         except ValueError as error:
             return str(error)
     return ""

@@ -45,12 +45,13 @@ from stochlin.analyses.sites.spectra import USUAL_DAMPING
 from stochlin.analyses.tables.checks import check_confidence, check_duration, check_scatter, check_whole
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
-from stochlin.models.buildings import PLAUSIBLE_COEFFICIENT, ShearBuilding
+from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import ENVELOPES, AminAng, Envelope, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi, ParallelGround
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import POSITIVE, Model, Range, parameter
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.rules.codes import Neighbours
 from stochlin.models.structures import DAMPING, HARDENING
 from stochlin.models.systems import AnyStructure
@@ -65,7 +66,9 @@ MOST_PATHS, MOST_STOREYS = 20_000, 60
 PERIOD = Range(0.02, 20.0, True, True)
 FACTOR = Range(upper=100.0, include_upper=True)
 STOREY_HEIGHT = Range(1.0, 20.0, True, True)
-COEFFICIENT = Range(upper=PLAUSIBLE_COEFFICIENT, include_upper=True, reason="a share of the weight")
+COEFFICIENT = Range(
+    upper=PLAUSIBLE["base_shear_coefficient"].high, include_upper=True, reason="a share of the weight"
+)
 WHOLE = {
     "paths": (FEWEST_PATHS, MOST_PATHS),
     "storey_count_1": (1, MOST_STOREYS),

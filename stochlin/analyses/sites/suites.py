@@ -25,7 +25,7 @@ from stochlin.analyses.sites.spectra import (
 from stochlin.analyses.tables.checks import check_truth, check_two_numbers
 from stochlin.analyses.tables.inputs import input_path, read_text
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import DoubtfulInput, brief, plain
+from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, plain, sentence
 
 ENDINGS = {".at2", ".txt", ".csv", ".dat", ".acc"}
 FILE = "file"  # name of the table column with the paths of the records
@@ -102,8 +102,10 @@ def read_records(
             suite[name] = read_record(folder / name, **usual | own)
         except (OSError, ValueError) as error:
             if not skip_unreadable:
-                raise ValueError(f"{where}: {error}") from error
-            warnings.warn(f"{where} is left out: {error}", DoubtfulInput, stacklevel=2)
+                raise ValueError(f"{where}: {sentence(error, LONGEST_MESSAGE)}") from error
+            warnings.warn(
+                f"{where} is left out: {sentence(error, LONGEST_MESSAGE)}", DoubtfulInput, stacklevel=2
+            )
     if not suite:
         raise ValueError(f"{plain(path.name)} holds no record that can be read; allowed: one at least")
     return suite

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from stochlin.messages import brief
+from stochlin.messages import REASONS, brief
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,7 +61,11 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         temporary.chmod(stat.S_IMODE(mode))
         temporary.replace(target)
     except OSError as error:  # its text has no file name, or the temporary one
-        raise OSError(f"{path} could not be written: {error.strerror or error}") from error
+        failed = OSError(
+            f"{path} could not be written: {REASONS.get(error.errno or 0, error.strerror or error)}"
+        )
+        failed.errno = error.errno
+        raise failed from error
     finally:
         temporary.unlink(missing_ok=True)
 

@@ -4,12 +4,30 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Sequence
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from stochlin.analyses.tables.inputs import read_input
 from stochlin.messages import brief, plain
 
+BACKSLASH = (
+    "a backslash begins a special sign in \"double quotes\": write a path in 'single quotes', or with /"
+)
+_NAME = re.compile(r"\s*(\[+[^]]*\]+|[^=\[]+=)")  # a table, or a key with its equals sign
+_CURES = (  # of lines that are no TOML, as they are written, and what to do
+    (re.compile(r'"[^"]*\\'), BACKSLASH),
+    (
+        re.compile(r"=\s*[-+]?\d+,\d"),
+        'write a decimal point, and a unit within quotation marks: "1.0 s"',
+    ),
+    (re.compile(r"=\s*[-+]?\.\d"), "write a digit before the decimal point, such as 0.5"),
+    (
+        re.compile(r""),
+        'a value with a unit and any other text stand in quotation marks, such as period = "0.6 s"',
+    ),
+)
 MOST_BYTES = 2**20  # of a case file or a specification, which a person writes
 
 
@@ -34,7 +52,25 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
         endless = (n for n, one in enumerate(lines, 1) if re.search(r"[\d_]{1000}", one))
         line = int(found[1]) if found else next(endless, len(lines))
         given = lines[line - 1].strip() if 0 < line <= len(lines) else ""
+        if re.search("twice|overwrite|mutate|redefine", str(error)):
+            raise ValueError(f"{name}, line {line}: {_twice(lines, line)}") from error
+        cure = next(told for pattern, told in _CURES if pattern.search(given))
         raise ValueError(
-            f"{name}, line {line}: {brief(given)} is no TOML file's text ({plain(error)}); a value "
-            'with a unit and any other text stand in quotation marks, such as period = "0.6 s"'
+            f"{name}, line {line}: '{plain(given)}' is no TOML file's text ({plain(error)}); {cure}"
         ) from error
+
+
+def _twice(lines: Sequence[str], number: int) -> str:
+    """What is said of a table or a key that is there twice, and the next free name if it is numbered."""
+    names = [re.sub(r"[\s\"']", "", one[1]) if (one := _NAME.match(line)) else "" for line in lines]
+    again = names[number - 1]
+    before = names[: number - 1]
+    first = "" if again not in before else f" in line {len(before) - before[::-1].index(again)}"
+    numbered = re.fullmatch(r"(\[.*_)\d+(\])", again)
+    tries = (f"{numbered[1]}{n}{numbered[2]}" for n in count(1)) if numbered else ()
+    free = next((one for one in tries if one not in names), "")
+    other = f", such as {free}" if free else ""
+    return (
+        f"{brief(again.rstrip('='))} is already given{first}; allowed: each table and each key once, so "
+        f"leave one out, or give it another name{other}"
+    )

@@ -43,7 +43,8 @@ class Bilinear(Structure):
         Hardening ratio ``alpha``, post-yield over elastic stiffness [-], in (0, 1]. It is required if a
         strength is given.
     yield_displacement : float or array, optional
-        Yield displacement ``uy`` [m], positive, as the strength of the structure.
+        Yield displacement ``uy`` [m], positive, as the strength of the structure. One number above
+        3 m gives a warning.
     reduction_factor : float or array, optional
         Reduction factor ``R = p sigma_el / uy`` [-], positive, as the strength of the structure:
         the peak ``p sigma_el`` of the elastic structure on the given ground over ``uy``. If neither

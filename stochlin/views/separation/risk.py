@@ -149,7 +149,7 @@ def _sentences(answer: CaseAnswer, table: xr.Dataset) -> list[str]:
 
 def _allowed(answer: CaseAnswer) -> str:
     risk = answer.case.risk
-    return risk if isinstance(risk, str) else f"{risk:g} a year"
+    return f"{risk:g} per year (once in {_years(risk)})" if isinstance(risk, float) else str(risk)
 
 
 def _left_out(answer: CaseAnswer, one: xr.Dataset) -> list[str]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stochlin.messages import brief
-from stochlin.views.shared.screen import FILE, bad_input
+from stochlin.views.shared.screen import FILE, bad_input, naming_options
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -298,7 +298,8 @@ def structures(options: dict[str, Any]) -> tuple[Structure, Structure]:
         }
         if "period" not in values:
             raise click.UsageError(f"Missing option '--period-{number}' (or '--period' for both).")
-        pair.append(kind(**values))
+        with naming_options(given):
+            pair.append(kind(**values))
     return pair[0], pair[1]
 
 
@@ -327,7 +328,8 @@ def ground(options: dict[str, Any]) -> Ground:
     missing = [n for n, model in own.items() if n not in given and fields[model].default is MISSING]
     if missing:
         raise click.UsageError(f"--ground {chosen} needs {_flags(missing)}.")
-    return kind(**values)
+    with naming_options({model: option for option, model in own.items()}):
+        return kind(**values)
 
 
 def _flags(names: Iterable[str]) -> str:

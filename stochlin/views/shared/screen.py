@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import codecs
 import math
+import re
 import sys
 import textwrap
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import cache
 from pathlib import Path
@@ -15,7 +16,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stochlin.messages import LONGEST_MESSAGE, WHEN_COMPILING, DoubtfulInput, brief, plain, sentence
+from stochlin.messages import (
+    FULL,
+    LONGEST_MESSAGE,
+    WHEN_COMPILING,
+    DoubtfulInput,
+    brief,
+    plain,
+    sentence,
+)
 from stochlin.registry import Registry
 from stochlin.views.shared.symbols import LETTERS
 
@@ -56,7 +65,13 @@ def bad_input() -> Iterator[None]:
     except BrokenPipeError:
         raise  # whoever reads has seen enough; click ends quietly
     except (ValueError, TypeError, OSError) as error:
-        raise click.UsageError(sentence(error, LONGEST_MESSAGE)) from error
+        told = sentence(error, LONGEST_MESSAGE)
+        if isinstance(error, OSError) and error.errno in FULL:
+            raise click.ClickException(told) from error
+        context = click.get_current_context(silent=True)
+        given = context.command.params if context else ()
+        options = {str(one.name): one.opts[0] for one in given if isinstance(one, click.Option)}
+        raise click.UsageError(as_options(told, options)) from error
     except MemoryError as error:
         raise click.UsageError(
             f"this machine has too little memory ({str(error) or 'none is left'}); take fewer cells or "
@@ -64,6 +79,30 @@ def bad_input() -> Iterator[None]:
         ) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
         raise click.ClickException(sentence(error, LONGEST_MESSAGE)) from error
+
+
+def as_options(told: str, options: Mapping[str, str]) -> str:
+    """A message with options, ``--dt``, in place of the arguments of functions that they give."""
+    if re.match(r"\S+, line \d+: ", told):
+        return told  # its names are those of a file
+    for name, option in options.items():
+        before = r"(?<![\w.'-])"
+        told = re.sub(rf"{before}{name}(?: = |=(?=[\w'\"]))", f"{option} ", told)
+        alone, start = r"(?:=|\b)", before
+        if "_" not in name:  # it may be a word of the sentence
+            alone, start = r"(?:=|(?= (?:is|are) ))", rf"(?:^|(?<=[:;] )|{before}(?=\w+=))"
+        told = re.sub(f"{start}{name}{alone}", option, told)
+    return told
+
+
+@contextmanager
+def naming_options(options: Mapping[str, str]) -> Iterator[None]:
+    """Name options in errors, in place of the arguments that they give."""
+    try:
+        yield
+    except (ValueError, TypeError) as error:
+        flags = {name: f"--{option.replace('_', '-')}" for name, option in options.items()}
+        raise ValueError(as_options(str(error), flags)) from error
 
 
 @contextmanager

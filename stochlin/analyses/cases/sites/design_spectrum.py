@@ -8,13 +8,14 @@ from typing import Any
 import xarray as xr
 
 from stochlin.analyses.cases.sites.records import SUITE
-from stochlin.analyses.cases.sites.strength import ACCELERATION, GOALS, HAZARD, INTENSITY, TIME
+from stochlin.analyses.cases.sites.strength import GOALS, HAZARD, INTENSITY, PEAK, RESPONSE, TIME
 from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.sites.design_spectra import asce_7, eurocode_8
 from stochlin.analyses.sites.ground_fit import fit_ground
 from stochlin.analyses.sites.spectrum_files import read_spectrum
 from stochlin.analyses.sites.spectrum_fit import MOST_FILTERS
-from stochlin.messages import brief
+from stochlin.analyses.tables.inputs import input_path
+from stochlin.messages import brief, nearest
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import POSITIVE, Range
@@ -56,16 +57,24 @@ def _eurocode_8(site: Section, folder: Path) -> xr.DataArray:
     options: dict[str, Any] = {"type": site.whole("type", 1, 1, 2)}
     if "damping" in site:
         options["damping"] = site.number("damping", DAMPING)
-    return eurocode_8(site.number("ag", ACCELERATION), site.text("soil", tuple("ABCDE")), **options)
+    return eurocode_8(site.number("ag", PEAK), site.text("soil", tuple("ABCDE")), **options)
 
 
 def _asce_7(site: Section, folder: Path) -> xr.DataArray:
     _check_keys(site, ("sds", "sd1", "tl"), strength="sds and sd1")
-    sds, sd1 = (site.number(name, ACCELERATION) for name in ("sds", "sd1"))
+    sds, sd1 = (site.number(name, RESPONSE) for name in ("sds", "sd1"))
     return asce_7(sds, sd1, site.number("tl", TIME))
 
 
 def _of_file(site: Section, folder: Path) -> xr.DataArray:
+    path = input_path("path", folder / site.text(SPECTRUM))
+    try:
+        path.stat()
+    except FileNotFoundError as error:
+        near = nearest(path.name, _CODES)
+        hint = f"did you mean {near}? " if near else ""
+        allowed = f"{hint}allowed: {', '.join(_CODES)}, or such a file"
+        raise site.error(SPECTRUM, f"is neither a code nor a file beside this one; {allowed}") from error
     _check_keys(site, (*_OF_FILES, *GOALS), strength="the file and scale, or pga, sa and return_period")
     options: dict[str, Any] = {}
     if "units" in site:
@@ -75,14 +84,7 @@ def _of_file(site: Section, folder: Path) -> xr.DataArray:
     for key in ("column", "period_column"):
         if key in site:
             options[key] = site.column(key)
-    try:
-        spectrum = read_spectrum(folder / site.text(SPECTRUM), **options)
-    except FileNotFoundError as error:
-        raise site.error(
-            SPECTRUM,
-            "is neither a code nor a file beside this one; allowed: "
-            f"{', '.join(_CODES)}, or such a file",
-        ) from error
+    spectrum = read_spectrum(path, **options)
     if "scale" not in site:
         return spectrum
     return (site.number("scale", SCALE) * spectrum).assign_attrs(spectrum.attrs)

@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from stochlin.analyses.cases.sites.strength import ACCELERATION, TIME, chosen_key
+from stochlin.analyses.cases.sites.strength import PEAK, RESPONSE, TIME, chosen_key
 from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.records.records import read_record
 from stochlin.analyses.sites.suites import (
@@ -72,9 +72,9 @@ def _goal(one: Section, spectrum: xr.DataArray | None) -> dict[str, Any]:
     """Arguments of `scale_records` for the suite; empty if it is not scaled."""
     key = chosen_key(one, _GOALS, {"sa_period": "sa", "band": SCALE_TO})
     if key == "pga":
-        return {key: one.number(key, ACCELERATION)}
+        return {key: one.number(key, PEAK)}
     if key == "sa":
-        return {key: one.number(key, ACCELERATION), "period": one.number("sa_period", TIME)}
+        return {key: one.number(key, RESPONSE), "period": one.number("sa_period", TIME)}
     if key == SCALE_TO:
         one.text(key, ("spectrum",))
         if spectrum is None:

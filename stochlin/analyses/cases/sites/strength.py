@@ -19,10 +19,12 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.hazards import MEASURES, Hazard, HazardCurve, PowerLawHazard, check_curve
 from stochlin.models.parameters import POSITIVE
+from stochlin.models.plausible import OFTEN, PLAUSIBLE, STRONG
 
 INTENSITY, RETURN_PERIOD, HAZARD = "intensity", "return_period", "hazard"
 GOALS = ("pga", "sa", "sa_period", RETURN_PERIOD, HAZARD)  # keys besides or in place of an intensity
 ACCELERATION, TIME = Quantity("m/s^2", POSITIVE), Quantity("s", POSITIVE)
+PEAK, RESPONSE = (ACCELERATION._replace(plausible=PLAUSIBLE[name]) for name in ("pga", "sa"))
 YEARS, NUMBER = Quantity("yr", POSITIVE), Quantity("1", POSITIVE)
 SPECTRAL_DENSITY = Quantity("m^2/s^3", POSITIVE)
 WAYS = {  # kinds of hazard, by the key that distinguishes them, with all keys of each kind
@@ -35,7 +37,6 @@ HAZARD_EXAMPLES = (
     'return_periods = ["100 yr", "1000 yr"]; k0, k and units'
 )
 HAZARD_EXAMPLE = f'write [site.hazard], and below it measure = "pga" and one of {HAZARD_EXAMPLES}'
-STRONGEST, WEAKEST = 3.0, 1e-3  # range of plausible peak ground accelerations [g]
 EXAMPLE = '"0.01 m^2/s^3", or pga = "0.3 g", or sa = "0.8 g" with sa_period = "1 s"'
 
 
@@ -50,12 +51,9 @@ def read_goal(site: Section, folder: Path) -> Goal | None:
     """The wanted intensity by PGA, Sa or a return period; None if the site has none of these."""
     key = chosen_key(site, (INTENSITY, "pga", "sa", RETURN_PERIOD), {"sa_period": "sa"})
     if key == "pga":
-        pga = site.number(key, ACCELERATION)
-        if doubt := doubtful_peak(pga):
-            site.doubt(key, f"is doubtful: {doubt}")
-        return Goal(key, {"pga": pga})
+        return Goal(key, {key: site.number(key, PEAK)})
     if key == "sa":
-        return Goal(key, _sa(site.number(key, ACCELERATION), site.number("sa_period", TIME)))
+        return Goal(key, _sa(site.number(key, RESPONSE), site.number("sa_period", TIME)))
     if key != RETURN_PERIOD:
         return None
     years = site.number(key, YEARS)
@@ -92,15 +90,26 @@ def chosen_key(one: Section, keys: Sequence[str], companions: Mapping[str, str])
 
 def doubtful_peak(pga: float) -> str:
     """Text of a warning on an implausible peak ground acceleration [m/s^2]; empty if plausible."""
-    shown = f"{pga / METRES['g']:.3g} g"
-    if pga > STRONGEST * METRES["g"]:
-        return (
-            f"{shown}, and more than 3 g has hardly been recorded: an acceleration in gal may have "
-            "been given as one in m/s^2 or g"
-        )
-    if pga < WEAKEST * METRES["g"]:
-        return f"{shown} is hardly felt: an acceleration in g or m/s^2 may have been given as one in gal"
-    return ""
+    doubt = PLAUSIBLE["pga"].doubt(pga)
+    return f"{pga / METRES['g']:.3g} g, and {doubt}" if doubt else ""
+
+
+def doubtful_hazard(hazard: Hazard) -> str:
+    """Text of a warning on a hazard of a strength that no site has; empty if it is plausible."""
+    strong = STRONG[hazard.measure]
+    if isinstance(hazard, HazardCurve):  # not beyond its ends
+        strong = max(strong, hazard.intensities[0])
+    if isinstance(hazard, HazardCurve) and strong > hazard.intensities[-1]:
+        return ""
+    rate = float(hazard.frequency(strong))
+    if rate * OFTEN < 1:
+        return ""
+    unit, size = ("m^2/s^3", 1.0) if hazard.measure == INTENSITY else ("g", METRES["g"])
+    units = "is it in m/s^2 where it says g?" if unit == "g" else "are its units right?"
+    return (
+        f"it exceeds {hazard.measure} = {strong / size:.3g} {unit} once in {1 / rate:.3g} years, and no "
+        f"site does so in less than {OFTEN:g}; {units}"
+    )
 
 
 def as_strong_as_asked(
