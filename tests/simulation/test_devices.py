@@ -10,7 +10,7 @@ import scipy.integrate
 
 import stochlin as sl
 from stochlin.analyses.simulation.frames import all_frames
-from stochlin.kernels.simulation.ensemble import Structures
+from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import VISCOUS, by_number
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.systems import arrangement_of
@@ -160,7 +160,7 @@ def test_exponent_one_is_a_linear_dashpot():
         (frame,) = all_frames(arrangement_of([TOWER], links))
         own = frame.part.elements.own.copy()
         own[frame.part.elements.kind == VISCOUS, 1:] = 1.0
-        part = Structures(frame.part.elements._replace(own=own), by_number(()))
+        part = SteppedStructures(frame.part.elements._replace(own=own), by_number(()))
         found.append(stepped(part, 3.0, 300)[:, :4])
     np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-8 * np.abs(found[0]).max())
 

@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.simulation.ensembles import (
-    Run,
     SimulationCells,
+    SimulationRun,
     cells_of,
     check_settings,
     join_cells,
@@ -131,7 +131,7 @@ class _Pairs(NamedTuple):
         (cells_1, index_1), (cells_2, index_2) = cells_of(first, ground), cells_of(second, ground)
         return cls(join_cells([cells_1, cells_2]), (index_1, index_2 + cells_1.valid.size))
 
-    def run(self, ground: Ground, settings: SimulationSettings, **options: Any) -> Run:
+    def run(self, ground: Ground, settings: SimulationSettings, **options: Any) -> SimulationRun:
         return prepare(
             self.cells,
             ground,

@@ -10,10 +10,10 @@ import xarray as xr
 
 from stochlin.analyses.pounding.histories import floor_coords
 from stochlin.analyses.pounding.rows import Building, Standing, shortest_period
-from stochlin.analyses.pounding.runs import Outcome, Response, responses, with_and_without
+from stochlin.analyses.pounding.runs import Outcome, RowResponse, responses, with_and_without
 from stochlin.analyses.pounding.summaries import labelled, step_error, summary
 from stochlin.analyses.pounding.variables import STATISTICS
-from stochlin.analyses.records.cells import RECORD, Motions, Records, checked_motions
+from stochlin.analyses.records.cells import RECORD, RecordedMotions, Records, checked_motions
 from stochlin.analyses.simulation.finite_motions import (
     Columns,
     exceedance,
@@ -23,7 +23,7 @@ from stochlin.analyses.simulation.finite_motions import (
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.kernels.pounding.run import Pace
+from stochlin.kernels.pounding.run import StepCounts
 
 OF_COARSER = 0.8  # share of the work of a run with its error up to the run in coarser steps
 PATH = "path"
@@ -46,7 +46,7 @@ BETWEEN: Mapping[str, Any] = {
 class Ensemble(NamedTuple):
     """Motions and their dimension, ``path`` or ``record``, which is None for one motion."""
 
-    motions: Motions
+    motions: RecordedMotions
     over: str | None
     labels: xr.DataArray | None = None  # coordinate along the dimension
 
@@ -75,7 +75,7 @@ def over_motions(
     structures: Sequence[Building],
     standing: Standing,
     ensemble: Ensemble,
-    paces: Sequence[Pace],
+    paces: Sequence[StepCounts],
     halved: bool,
     progress: Progress | None,
 ) -> xr.Dataset:
@@ -101,7 +101,7 @@ def over_motions(
         if errors:
             found.append(errors[0])
             continue
-        one, lone, *coarse = (each for each in of_motion if isinstance(each, Response))
+        one, lone, *coarse = (each for each in of_motion if isinstance(each, RowResponse))
         error = {"step_error": step_error(standing, coarse[0], one)} if coarse else {}
         found.append(summary(standing, one, lone) | error)
     failed = [each for each in found if isinstance(each, ArithmeticError)]

@@ -21,7 +21,7 @@ from stochlin.analyses.pounding.rows import (
     shortest_period,
 )
 from stochlin.analyses.pounding.runs import (
-    Response,
+    RowResponse,
     check_runs,
     paces_of,
     responses,
@@ -33,8 +33,8 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.pounding import impacts
-from stochlin.kernels.pounding.run import SAMPLES, Pace
-from stochlin.kernels.records.runs import SampledGround
+from stochlin.kernels.pounding.run import SAMPLES, StepCounts
+from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.parameters import Model
@@ -186,7 +186,7 @@ def pounding_estimate_error(
 
 
 def _outcome(
-    structures: Sequence[Building], standing: Standing, ground: SampledGround, pace: Pace
+    structures: Sequence[Building], standing: Standing, ground: SampledMotion, pace: StepCounts
 ) -> _Outcome:
     """Peaks, energy radii and numbers of impacts in one motion, with pounding and without."""
     shortest = shortest_period(structures)
@@ -207,7 +207,7 @@ def _outcome(
     return _Outcome(peak, peak_alone, radius, radius_alone, hits)
 
 
-def _radii(structures: Sequence[Building], standing: Standing, response: Response) -> Array:
+def _radii(structures: Sequence[Building], standing: Standing, response: RowResponse) -> Array:
     """Largest energy radius of the first mode of each structure at the samples [m], (structures,)."""
     at, mass, radii = response.at, standing.row.parts.mass, []
     for b, structure in enumerate(structures):

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.pounding.rows import COLUMN, Building, Meeting, Standing
-from stochlin.analyses.pounding.runs import Response
+from stochlin.analyses.pounding.runs import RowResponse
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.simulation.contacts import ForceLaw, forces
@@ -49,7 +49,7 @@ def _with_floors(structures: Sequence[Building]) -> bool:
     return any(isinstance(structure, ShearBuilding) for structure in structures)
 
 
-class Course(NamedTuple):
+class ResponseHistories(NamedTuple):
     """Response histories of a row by name: of floors, structures, links, the whole row and contacts."""
 
     floors: dict[str, Array]  # (times, n)
@@ -59,7 +59,7 @@ class Course(NamedTuple):
     contacts: dict[str, Array]  # (times, c)
 
 
-def course(standing: Standing, response: Response) -> Course:
+def course(standing: Standing, response: RowResponse) -> ResponseHistories:
     """Displacements, velocities, accelerations, forces and energies in the history of a response."""
     at, to, kept = response.at, response.to, response.history
     row, first = standing.row, standing.first[:-1]
@@ -100,7 +100,7 @@ def course(standing: Standing, response: Response) -> Course:
         }
         pulls = {"link_force": _link_forces(standing, force, rate, drag)}
     of_structures = {"base_shear": shear[:, first], **energies}
-    return Course(floors, of_structures, pulls, whole, {"contact_force": pushed})
+    return ResponseHistories(floors, of_structures, pulls, whole, {"contact_force": pushed})
 
 
 def _products(values: Array, matrix: Array) -> Array:
@@ -121,7 +121,9 @@ def _drags(standing: Standing, rate: Array) -> Array:
     return drag
 
 
-def _contact_forces(standing: Standing, response: Response, u: Array, v: Array) -> tuple[Array, Array]:
+def _contact_forces(
+    standing: Standing, response: RowResponse, u: Array, v: Array
+) -> tuple[Array, Array]:
     """Forces of the contacts [N] (times, c), and the energy stored in all of them [J] (times,)."""
     at, contacts = response.at, standing.row.contacts
     if contacts.jumps:
@@ -148,10 +150,10 @@ def _link_forces(standing: Standing, force: Array, rate: Array, drag: Array) -> 
 
 
 def histories(
-    found: Course,
+    found: ResponseHistories,
     standing: Standing,
     structures: Sequence[Building],
-    response: Response,
+    response: RowResponse,
     start: float,
     time: Array,
     times: Array | None,
@@ -201,7 +203,7 @@ def _interpolated(values: Array, known: Array, time: Array) -> Array:
     return found
 
 
-def energy_transferred(response: Response) -> Array:
+def energy_transferred(response: RowResponse) -> Array:
     """Work of each impact on the structures on its left and right [J], (impacts, 2)."""
     columns = impacts.HANDED, impacts.LOST, impacts.STORED
     right, lost, stored = (response.impacts[:, column] for column in columns)

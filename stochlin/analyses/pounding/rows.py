@@ -13,7 +13,7 @@ from stochlin.analyses.simulation.frames import LEAST_SHARE, modes_of
 from stochlin.analyses.simulation.rows import row_of, structure_of_floors
 from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.run import Row
+from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
@@ -75,8 +75,8 @@ class Meeting(NamedTuple):
 class Standing(NamedTuple):
     """Buildings in a row, and each of them alone, as kernels take them."""
 
-    row: Row
-    alone: Row  # the same buildings without links between them; the row itself, if there are none
+    row: BuildingRow
+    alone: BuildingRow  # the same without links between buildings; the row itself, if there are none
     arrangement: Arrangement
     places: list[Meeting]
     gap: Array  # (c,) [m]
@@ -219,7 +219,7 @@ def shortest_period(structures: Sequence[Building]) -> float:
 
 
 def slow_approach(shortest: float, motion: Array) -> float:
-    """Approach velocity [m/s] below which a contact counts as elastic in this motion, `Row.slow`."""
+    """Approach velocity [m/s] below which a contact counts as elastic, `GroundMotions.slow`."""
     return SLOW * float(np.abs(motion).max()) * shortest / (2 * np.pi)
 
 

@@ -9,7 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.pounding.histories import by_floor, energy_transferred
 from stochlin.analyses.pounding.rows import Building, Standing
-from stochlin.analyses.pounding.runs import Response
+from stochlin.analyses.pounding.runs import RowResponse
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 
@@ -40,13 +40,13 @@ DIMENSIONS: Mapping[str, str] = {
 }
 
 
-def summary(standing: Standing, response: Response, alone: Response) -> dict[str, Array]:
+def summary(standing: Standing, response: RowResponse, alone: RowResponse) -> dict[str, Array]:
     """Summary of one motion, arrays by name, see `DIMENSIONS`."""
     values = _peaks(standing, response, alone) | _tallies(standing, response)
     return values | _columns(standing, response)
 
 
-def step_error(standing: Standing, response: Response, finer: Response) -> float:
+def step_error(standing: Standing, response: RowResponse, finer: RowResponse) -> float:
     """Largest relative change of a peak displacement or largest force from steps twice as long [-].
 
     The steps are of second order, so that the error that remains in the finer response is about a third
@@ -76,7 +76,7 @@ def labelled(
     }
 
 
-def _peaks(standing: Standing, response: Response, alone: Response) -> dict[str, Array]:
+def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> dict[str, Array]:
     """Largest absolute values in the row and of each building alone."""
     values: dict[str, Array] = {}
     first = standing.first
@@ -97,7 +97,7 @@ def _peaks(standing: Standing, response: Response, alone: Response) -> dict[str,
     return values | {"energy_balance_error": response.numbers[response.to.imbalance]}
 
 
-def _tallies(standing: Standing, response: Response) -> dict[str, Array]:
+def _tallies(standing: Standing, response: RowResponse) -> dict[str, Array]:
     """Number, extremes and lost energy of the impacts of each contact, and energy received."""
     line, contacts = response.impacts.T, standing.row.contacts
     where = line[impacts.CONTACT].astype(np.int64)
@@ -121,7 +121,7 @@ def _tallies(standing: Standing, response: Response) -> dict[str, Array]:
     return values
 
 
-def _columns(standing: Standing, response: Response) -> dict[str, Array]:
+def _columns(standing: Standing, response: RowResponse) -> dict[str, Array]:
     """Largest force on columns that a slab meets [N], also over the storey shear at yield [-].
 
     Contacts slab to slab are NaN.

@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.linearization.transient_systems import (
-    Moments,
+    TransientMoments,
     ground_of,
     grounds_of,
     oscillators_of,
@@ -17,7 +17,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
 from stochlin.kernels.linearization.spectral_moments import SpectralMoments, difference_moments
-from stochlin.kernels.linearization.systems.response import Response
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import Arrangement
 
@@ -26,7 +26,7 @@ NO_SLIP = 1e-12  # equivalent coefficients below which a structure counts as ela
 
 
 def bandwidths(
-    moments: Moments, pairs: Array, ground: Ground, progress: Progress | None = None
+    moments: TransientMoments, pairs: Array, ground: Ground, progress: Progress | None = None
 ) -> Array:
     """Bandwidth [-] of ``u_1 - u_2`` over (times, pairs h), with h heights.
 
@@ -60,7 +60,7 @@ def bandwidths(
 Spectrum = Callable[[Array, Array], SpectralMoments]
 
 
-def _of_oscillators(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
+def _of_oscillators(moments: TransientMoments, pairs: Array, ground: Ground) -> Spectrum:
     """Spectral moments of all pairs of oscillators at once, in closed form."""
     period, damping, hardening, uy = oscillators_of(moments.sides)
     below = ground.filter(grounds_of(moments.sides))
@@ -83,7 +83,7 @@ def _of_oscillators(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
     return spectrum
 
 
-def _of_storeys(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
+def _of_storeys(moments: TransientMoments, pairs: Array, ground: Ground) -> Spectrum:
     """Spectral moments of pairs with storeys, at all heights; NaN without a stationary response."""
     one, two = moments.sides
     seen, cells = np.hstack([one.seen, -two.seen]), one.period.size
@@ -100,7 +100,7 @@ def _of_storeys(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
         found = np.full((3, pairs.shape[1], len(seen)), np.nan)
         for number, (equations, storeys, least) in enumerate(systems):
             c, k = slip[storeys], relaxation[storeys]
-            response = Response(equations.state_space(c - 1, k, (c > NO_SLIP) & (k > least)))
+            response = StationaryResponse(equations.state_space(c - 1, k, (c > NO_SLIP) & (k > least)))
             found[:, number] = np.stack(response.spectral_moments(seen))[:, 0]
         return SpectralMoments(*found.reshape(3, -1))
 

@@ -12,9 +12,9 @@ from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.linearization.linearization import linearize
 from stochlin.analyses.linearization.transient_systems import (
     TIME,
-    Course,
-    Moments,
-    Side,
+    StructureCells,
+    TimeGrid,
+    TransientMoments,
     check_names,
     course_of,
     numbered,
@@ -60,7 +60,7 @@ SAMPLES = "separation_samples"  # variable from which a fragility is fitted
 class Solved(NamedTuple):
     """What linearization finds for pairs: it does not depend on gaps."""
 
-    moments: Moments
+    moments: TransientMoments
     bandwidth: Array  # (times, pairs h) bandwidth of ``u_1 - u_2`` [-]
 
 
@@ -73,8 +73,8 @@ class PairTable(NamedTuple):
     weights: Array  # (k,) of the strengths of the motion
     every_pair: xr.DataArray  # number of each pair and strength, strength by strength
     structures_of_pair: Array  # (2, k p) numbers of both structures
-    sides: tuple[Side, Side]
-    course: Course
+    sides: tuple[StructureCells, StructureCells]
+    course: TimeGrid
     pair_number: xr.DataArray  # number of each pair and height, -1 where invalid
     cell_number: xr.DataArray  # number of each pair, height and gap, -1 where invalid
     gap: Array  # (c,) [m]
@@ -144,7 +144,9 @@ class PairTable(NamedTuple):
         return Solved(moments, bandwidths(moments, pairs, ground, rest))
 
 
-def _where_they_meet(one: Side, two: Side) -> tuple[tuple[Side, Side], xr.DataArray]:
+def _where_they_meet(
+    one: StructureCells, two: StructureCells
+) -> tuple[tuple[StructureCells, StructureCells], xr.DataArray]:
     """Both structures with displacements at the heights of contact, and numbers of the heights."""
     if not (one.has_storeys or two.has_storeys):
         return (one, two), xr.DataArray(0)
@@ -297,7 +299,7 @@ def _simulated_gaps(largest: Array, pair: xr.DataArray, confidence: float) -> di
     }
 
 
-def _drift(pairs: PairTable, moments: Moments, ground: Ground) -> tuple[Array, Array]:
+def _drift(pairs: PairTable, moments: TransientMoments, ground: Ground) -> tuple[Array, Array]:
     """Variances [m^2] of the plastic drifts and of their difference; NaN outside the map of the bias."""
     own, both, sides, course = moments
     first, second = (side.structure for side in sides)

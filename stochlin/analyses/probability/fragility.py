@@ -12,7 +12,12 @@ from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.probability.cells import SAMPLES
 from stochlin.analyses.probability.probability import REFERENCES, with_samples
 from stochlin.analyses.probability.variables import VARIABLES
-from stochlin.analyses.risk.rates import NOT_SIMULATED, Fragility, Motions, lognormal_fragility
+from stochlin.analyses.risk.rates import (
+    NOT_SIMULATED,
+    Fragility,
+    SeparationsByIntensity,
+    lognormal_fragility,
+)
 from stochlin.analyses.risk.variables import labelled_fragility
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
@@ -166,7 +171,7 @@ def _lognormal(samples: xr.DataArray, gap: Any, intensity: Any) -> dict[str, xr.
 
     def fitted(largest: Array, gap: float) -> tuple[float, ...]:
         if np.isfinite(largest).all() and 0 < gap < np.inf:
-            return lognormal_fragility(Motions(levels, largest, 0.5), gap)
+            return lognormal_fragility(SeparationsByIntensity(levels, largest, 0.5), gap)
         return Fragility.none(NOT_SIMULATED)
 
     found = xr.apply_ufunc(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.transient_systems import Course, numbered, of_cells
+from stochlin.analyses.linearization.transient_systems import TimeGrid, numbered, of_cells
 from stochlin.analyses.probability.cells import height_numbers, simulated_table
 from stochlin.analyses.probability.simulated import STEPS_PER_PERIOD, Draws, histories_of
 from stochlin.analyses.simulation.draws import Draw
@@ -24,7 +24,7 @@ def storeys_in_motion(
     second: AnyStructure,
     ground: Ground,
     distance: Gap,
-    course: Course,
+    course: TimeGrid,
     confidence: float,
     draws: Draws,
     progress: Progress | None,

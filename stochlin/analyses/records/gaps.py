@@ -7,7 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.records.cells import (
     RECORD,
-    Motions,
+    RecordedMotions,
     Records,
     cells_of,
     check_run,
@@ -126,7 +126,7 @@ def _over_records(separation: xr.DataArray) -> dict[str, xr.DataArray]:
     }
 
 
-def _exactly(structures: list[Bilinear], motions: Motions) -> xr.Dataset:
+def _exactly(structures: list[Bilinear], motions: RecordedMotions) -> xr.Dataset:
     """Exact results for bilinear structures in all cells, without labels."""
     like = dims_of(*structures)
     cells = [cells_of(structure, like, motions) for structure in structures]

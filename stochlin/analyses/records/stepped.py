@@ -9,18 +9,17 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.cells import RECORD, Motions
+from stochlin.analyses.records.cells import RECORD, RecordedMotions
 from stochlin.analyses.simulation.finite_motions import RUNS_AWAY
-from stochlin.analyses.simulation.frames import Frame, all_frames
+from stochlin.analyses.simulation.frames import ConnectedStructures, all_frames
 from stochlin.analyses.simulation.rows import row_of
 from stochlin.analyses.simulation.views import Terms, apart, displacements, drifts_of, pairs_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR, element_coordinates, floor_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.run import SAMPLES, Pace, run
-from stochlin.kernels.pounding.run import Motions as GroundMotions
-from stochlin.kernels.records.runs import SampledGround
+from stochlin.kernels.pounding.run import SAMPLES, GroundMotions, StepCounts, run
+from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.account import Account
 from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.models.buildings import ShearBuilding
@@ -41,7 +40,9 @@ class Ridden(NamedTuple):
     error: float  # largest relative change of a peak when the step was halved for the last time
 
 
-def ridden(frames: Sequence[Frame], ground: SampledGround, functions: Sequence[Terms]) -> Ridden:
+def ridden(
+    frames: Sequence[ConnectedStructures], ground: SampledMotion, functions: Sequence[Terms]
+) -> Ridden:
     """Functions of the floor displacements, from rest, with steps halved until their peaks converge.
 
     The steps are of second order, so that the remaining error is about a third of the last change.
@@ -74,19 +75,19 @@ def ridden(frames: Sequence[Frame], ground: SampledGround, functions: Sequence[T
     return Ridden(values, cuts, change)
 
 
-def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int) -> xr.Dataset:
+def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int) -> xr.Dataset:
     """The response history for `respond`, with ``refine`` points in an interval; without times."""
     system = arrangement_of([structure])
     samples = np.arange(ground.acceleration.size)
     between = np.arange(refine * samples[-1] + 1) / refine
-    finer = SampledGround(np.interp(between, samples, ground.acceleration), ground.dt / refine)
+    finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
     frames = all_frames(system)
     first = ridden(frames, finer, [{floor: 1.0} for floor in range(_floors(frames))])
     row = row_of([structure], system, Contacts.of([], _floors(frames)))
     at, to = row.places
     one, none = np.array([between.size - 1]), np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, one, none, none)
-    kept = run(row, motion, Pace(first.cuts, 1), SAMPLES).history
+    kept = run(row, motion, StepCounts(first.cuts, 1), SAMPLES).history
     u, v, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
     strength, drift = system.storeys.strength, u @ system.extensions.T
     energies = _energies(system, kept, to, v, drift, z).assign(step_error=first.error)
@@ -120,7 +121,7 @@ def _energies(
     return xr.Dataset(found)
 
 
-def stepped_gap(structures: Sequence[AnyStructure], motions: Motions) -> xr.Dataset:
+def stepped_gap(structures: Sequence[AnyStructure], motions: RecordedMotions) -> xr.Dataset:
     """The result of `recorded_gap` for structures with scalar parameters, without labels."""
     system = arrangement_of(structures)
     if len(structures) == 1:
@@ -199,11 +200,11 @@ def peaks_of(values: Array) -> Array:
     return np.maximum(np.concatenate([values.max(axis=0), -values.min(axis=0)]), 0.0)
 
 
-def _floors(frames: Sequence[Frame]) -> int:
+def _floors(frames: Sequence[ConnectedStructures]) -> int:
     return sum(frame.floors.size for frame in frames)
 
 
-def _forcing(ground: SampledGround, cuts: int) -> Array:
+def _forcing(ground: SampledMotion, cuts: int) -> Array:
     """Mean over each step of the negative ground acceleration, which is linear between samples."""
     share = (np.arange(cuts) + 0.5) / cuts
     rise = np.diff(ground.acceleration)
@@ -211,7 +212,9 @@ def _forcing(ground: SampledGround, cuts: int) -> Array:
     return f[:, None]
 
 
-def _values(frames: Sequence[Frame], weights: Array, ground: SampledGround, cuts: int) -> Array:
+def _values(
+    frames: Sequence[ConnectedStructures], weights: Array, ground: SampledMotion, cuts: int
+) -> Array:
     f, dt = _forcing(ground, cuts), ground.dt / cuts
     values = np.zeros((len(f) + 1, len(weights)))
     for frame in frames:

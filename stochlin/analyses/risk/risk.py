@@ -19,7 +19,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.risk.rates import (
-    Motions,
+    SeparationsByIntensity,
     lognormal_fragility,
     lognormal_rate,
     rates,
@@ -357,7 +357,7 @@ class RiskAsked(NamedTuple):
             if progress is not None:
                 progress((n + 1) / POINTS)
         power = 0.5 if self.hazard.measure == "intensity" else 1.0
-        motions = Motions(simulated_at(self.hazard), np.stack(found, axis=1), power)
+        motions = SeparationsByIntensity(simulated_at(self.hazard), np.stack(found, axis=1), power)
         return SimulatedRisk(self, motions)
 
     def _power(self, intensity: float) -> float:
@@ -401,7 +401,7 @@ class SimulatedRisk(NamedTuple):
     """A computation of risk and its simulated motions, from which results for any gap follow."""
 
     asked: RiskAsked
-    motions: Motions
+    motions: SeparationsByIntensity
 
     def of_gap(self, gap: float, years: float) -> xr.Dataset:
         """The result of `pounding_risk`."""
@@ -477,7 +477,7 @@ def _times(ground: Any, factor: float) -> Any:
 
 
 def _by_intensity(
-    motions: Motions, by_path: Array, gap: float, asked: RiskAsked
+    motions: SeparationsByIntensity, by_path: Array, gap: float, asked: RiskAsked
 ) -> dict[str, xr.DataArray]:
     """Pounding probability and hazard at each intensity, and the part of the rate of each interval."""
     attrs = {"units": UNITS[asked.hazard.measure], "long_name": f"intensity, {asked.hazard.measure}"}
@@ -494,7 +494,7 @@ def _by_intensity(
     return found | {"annual_rate_by_intensity": by_interval}
 
 
-def _unseen(motions: Motions, gap: float, frequency: Callable[[Array], Array]) -> float:
+def _unseen(motions: SeparationsByIntensity, gap: float, frequency: Callable[[Array], Array]) -> float:
     """Largest contribution of intensities beyond the highest, from motions without pounding [1/yr]."""
     spared = float((motions.separation[:, -1] <= gap).mean())
     return spared * float(frequency(motions.intensity[-1:])[0])

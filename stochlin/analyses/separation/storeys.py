@@ -19,7 +19,7 @@ from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.simulation.views import at_height, meeting_heights
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.linearization.systems.response import Response
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
@@ -105,7 +105,7 @@ class StoreysInMotion(PairInMotion):
         raise ValueError(NO_AMPLIFICATION)
 
     @cached_property
-    def linearized(self) -> Response:
+    def linearized(self) -> StationaryResponse:
         """Stationary response of the structures by linearization."""
         return linearized_motion(self.structures, self.ground)
 
@@ -167,7 +167,7 @@ def linearized_at_roof(
     return float(correlation_of(motion, one, two)[0]), float(motion.std(one - two)[0, 0])
 
 
-def correlation_of(motion: Response, one: Array, two: Array) -> Array:
+def correlation_of(motion: StationaryResponse, one: Array, two: Array) -> Array:
     """Correlation of two displacements with these weights of the floors (k, floors), linearized."""
     first, second, apart = (motion.std(row)[0] for row in (one, two, one - two))
     rho: Array = (first**2 + second**2 - apart**2) / (2 * first * second)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import bdtrik, betaincinv
 
-from stochlin.analyses.simulation.ensembles import Run, seconds_of
+from stochlin.analyses.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.analyses.simulation.riders import STRUCTURE, Riders
 from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.simulation.views import (
@@ -70,7 +70,7 @@ def check_motion(
         expect(envelope, Envelope, "envelope")
 
 
-def check_finite(run: Run, duration: float, functions: int, times: int = 1) -> None:
+def check_finite(run: SimulationRun, duration: float, functions: int, times: int = 1) -> None:
     """Raise a ValueError if simulations of finite motions would take too much memory or time.
 
     ``functions`` is the number of quantities with a peak, ``times`` the number of simulations.
@@ -95,7 +95,7 @@ def check_response(system: Arrangement, finite: Array) -> None:
         )
 
 
-def finite_steps(run: Run, duration: float, envelope: Envelope | None) -> tuple[Plan, Array]:
+def finite_steps(run: SimulationRun, duration: float, envelope: Envelope | None) -> tuple[Plan, Array]:
     """Plan of a finite motion, which samples each step, and the envelope in the middle of the steps."""
     plan = run.plan._replace(every=1, samples=BLOCK)
     middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
@@ -104,7 +104,7 @@ def finite_steps(run: Run, duration: float, envelope: Envelope | None) -> tuple[
 
 def simulate_finite(
     riders: Riders,
-    run: Run,
+    run: SimulationRun,
     duration: float,
     envelope: Envelope | None,
     quantiles: Sequence[float],
@@ -170,7 +170,7 @@ def _means(samples: Columns) -> Columns:
 
 
 def finite_attributes(
-    run: Run, duration: float, envelope: Envelope | None
+    run: SimulationRun, duration: float, envelope: Envelope | None
 ) -> dict[str, float | int | str]:
     """Attributes of a dataset that describe its simulation of finite motions."""
     return {
@@ -183,7 +183,9 @@ def finite_attributes(
     }
 
 
-def largest_displacements(run: Run, duration: float, envelope: Envelope | None, times: int = 1) -> Array:
+def largest_displacements(
+    run: SimulationRun, duration: float, envelope: Envelope | None, times: int = 1
+) -> Array:
     """Peaks ``max |u|`` [m] (paths, valid floors), one of ``times`` simulations of the same size."""
     floors = [{floor: 1.0} for floor in range(run.order.size)]
     check_finite(run, duration, len(floors), times)
@@ -192,7 +194,7 @@ def largest_displacements(run: Run, duration: float, envelope: Envelope | None, 
 
 
 def _extremes(
-    run: Run,
+    run: SimulationRun,
     functions: list[Terms],
     duration: float,
     envelope: Envelope | None,

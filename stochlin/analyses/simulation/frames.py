@@ -11,7 +11,7 @@ import scipy.sparse.csgraph
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.simulation.ensemble import Structures
+from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import (
     BILINEAR,
     LINEAR,
@@ -29,17 +29,17 @@ from stochlin.models.systems import Arrangement, Stack
 LEAST_SHARE = 0.01
 
 
-class Frame(NamedTuple):
+class ConnectedStructures(NamedTuple):
     """Structures that are linked to each other, or one building."""
 
-    part: Structures
+    part: SteppedStructures
     floors: Array  # (n,) numbers of the floors in the system
     shortest: float  # [s], shortest elastic period that determines the time step
     slowest: float  # [s], longest decay time of the elastic vibrations
     period: float  # [s], longest elastic period
 
 
-def frames_of(system: Arrangement) -> tuple[list[Frame], list[int]]:
+def frames_of(system: Arrangement) -> tuple[list[ConnectedStructures], list[int]]:
     """Frames of a system, and the numbers of the oscillators without links."""
     frames, alone = [], []
     with_device = {tie.one for tie in system.ties if tie.link.within_one}
@@ -53,12 +53,12 @@ def frames_of(system: Arrangement) -> tuple[list[Frame], list[int]]:
     return frames, alone
 
 
-def all_frames(system: Arrangement) -> list[Frame]:
+def all_frames(system: Arrangement) -> list[ConnectedStructures]:
     """Frames of a system, with oscillators without links as buildings of one storey."""
     return [_frame(system, members) for members in _tied(system)]
 
 
-def sampled_frames(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> list[Frame]:
+def sampled_frames(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> list[ConnectedStructures]:
     """Frames of a system with uncertain parameters; ``samples`` are the structures of each motion.
 
     The time step is short enough for the stiffest sample of each structure.
@@ -72,7 +72,7 @@ def sampled_frames(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> l
         of_links = usual.system.damping - System.beside([stack.system for stack in stacks]).damping
         elements = _with_stacks(usual, of_links, [[sample[m] for m in members] for sample in samples])
         shortest = _frame(system._replace(stacks=tuple(stiffest)), members).shortest
-        part = Structures(usual, frame.part.law, elements)
+        part = SteppedStructures(usual, frame.part.law, elements)
         found.append(frame._replace(part=part, shortest=shortest))
     return found
 
@@ -109,13 +109,13 @@ def _tied(system: Arrangement) -> list[Array]:
     return [np.flatnonzero(group == number) for number in dict.fromkeys(group)]
 
 
-def _frame(system: Arrangement, members: Array) -> Frame:
-    """Frame of the structures ``members`` (numbers from 0) and of the links between them."""
+def _frame(system: Arrangement, members: Array) -> ConnectedStructures:
+    """The structures ``members`` (numbers from 0) and the links between them."""
     elements, law = elements_of(system, members)
     whole, stacks = elements.system, [system.stacks[m] for m in members]
     modes = [modes_of(part) for part in (whole, *(stack.system for stack in stacks))]
-    return Frame(
-        Structures(elements, law),
+    return ConnectedStructures(
+        SteppedStructures(elements, law),
         _floors(system, members),
         shortest=min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes),
         slowest=1 / float(-np.linalg.eigvals(whole.state_matrix).real.max()),

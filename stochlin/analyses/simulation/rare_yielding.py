@@ -24,7 +24,7 @@ from stochlin.analyses.linearization.equivalent_systems import (
     system_and_forcing,
 )
 from stochlin.analyses.linearization.tolerance import USUAL
-from stochlin.analyses.simulation.ensembles import Run
+from stochlin.analyses.simulation.ensembles import SimulationRun
 from stochlin.analyses.simulation.run_lengths import BURN_IN
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.drift import drift_correlation, innovation_coherence
@@ -45,7 +45,7 @@ Mask = npt.NDArray[np.bool_]
 
 
 def rarely_yielding(
-    structures: Sequence[AnyStructure], ground: Ground, run: Run, relaxation_times: float
+    structures: Sequence[AnyStructure], ground: Ground, run: SimulationRun, relaxation_times: float
 ) -> Mask:
     """For each structure, whether it yields too rarely to be simulated; all are oscillators.
 

@@ -9,8 +9,13 @@ import numpy as np
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.systems.systems import linearize_system
-from stochlin.analyses.simulation.ensembles import Run, SimulationCells, cells_of_all, prepare
-from stochlin.analyses.simulation.frames import Frame, frames_of, relaxation_times, sampled_frames
+from stochlin.analyses.simulation.ensembles import SimulationCells, SimulationRun, cells_of_all, prepare
+from stochlin.analyses.simulation.frames import (
+    ConnectedStructures,
+    frames_of,
+    relaxation_times,
+    sampled_frames,
+)
 from stochlin.analyses.simulation.views import pairs_of
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR, floor_coordinates
 from stochlin.kernels.basics.arrays import Array
@@ -35,7 +40,7 @@ class Riders(NamedTuple):
     system: Arrangement
     cells: SimulationCells | None  # oscillators without links
     alone: list[int]  # numbers of their floors
-    frames: list[Frame]
+    frames: list[ConnectedStructures]
     links: tuple[Link | None, ...]
     strength: Array  # (n,) yield drift [m] of the storey below each floor
     drift_times: Array  # (n,) relaxation time [s] of its plastic drift; 0 for finite motions
@@ -79,7 +84,7 @@ class Riders(NamedTuple):
         scatter: float = 0.0,
         grounds: Sequence[Ground] = (),
         step: float | None = None,
-    ) -> Run:
+    ) -> SimulationRun:
         """Ensemble of the structures, without a duration."""
         return prepare(
             self.cells,

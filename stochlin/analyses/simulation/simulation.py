@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.simulation.draws import Draw, draw
-from stochlin.analyses.simulation.ensembles import Run, check_memory, check_settings
+from stochlin.analyses.simulation.ensembles import SimulationRun, check_memory, check_settings
 from stochlin.analyses.simulation.finite_motions import (
     check_finite,
     check_motion,
@@ -246,7 +246,7 @@ def _settled(
     structures: Sequence[AnyStructure],
     ground: Ground,
     riders: Riders,
-    run: Run,
+    run: SimulationRun,
     options: dict[str, Any],
     relaxation_times: float,
     progress: Progress | None,
@@ -274,7 +274,7 @@ def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure
     return drawn.medians
 
 
-def _stationary(riders: Riders, run: Run, progress: Progress | None) -> xr.Dataset:
+def _stationary(riders: Riders, run: SimulationRun, progress: Progress | None) -> xr.Dataset:
     """Stationary second moments of all floors, and of the drifts of storeys."""
     storeys = drifts_of(riders.system) if riders.has_storeys else []
     view = None
@@ -337,7 +337,9 @@ def check_repeated(
     check_finite(run, duration, riders.functions, times)
 
 
-def simulate_moments(run: Run, progress: Progress | None, view: View | None = None) -> MomentEstimates:
+def simulate_moments(
+    run: SimulationRun, progress: Progress | None, view: View | None = None
+) -> MomentEstimates:
     """Second moments with standard errors, of all floors or of the displacements in ``view``."""
     sums = stationary_sums(run.crowd, view, run.ground, run.root, run.plan, progress)
     variance, variance_error, rho, rho_error, drift = _estimates(sums, run.plan.groups * LANES)
@@ -388,7 +390,7 @@ def _estimates(sums: Sums, paths: int) -> tuple[Array, Array, Array, Array, Arra
     return variance, variance_error, rho, rho_error, change / change_error
 
 
-def run_attributes(run: Run) -> dict[str, float | int]:
+def run_attributes(run: SimulationRun) -> dict[str, float | int]:
     """Attributes of a dataset that describe its stationary simulation."""
     plan = run.plan
     return {

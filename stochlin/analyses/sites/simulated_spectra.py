@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.simulation.ensembles import Run, cells_of_all, check_settings, prepare
+from stochlin.analyses.simulation.ensembles import SimulationRun, cells_of_all, check_settings, prepare
 from stochlin.analyses.simulation.finite_motions import check_finite, finite_steps, mean_with_error
 from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.views import view_of
@@ -205,7 +205,9 @@ def peak_accelerations(
     return found
 
 
-def _peaks(run: Run, duration: float, envelope: Envelope | None, progress: Progress | None) -> Array:
+def _peaks(
+    run: SimulationRun, duration: float, envelope: Envelope | None, progress: Progress | None
+) -> Array:
     plan, shape = finite_steps(run, duration, envelope)
     each = view_of([{n: 1.0} for n in range(run.order.size)], run.order, run.scale)
     extremes = finite_extremes(run.crowd, each, run.ground, run.root, plan, shape, progress)

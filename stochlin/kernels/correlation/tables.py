@@ -35,7 +35,7 @@ KINDS = (float, np.int8, float, np.int8)  # data types of the arrays of a `RhoTa
 NOWHERE = (np.full((6, 2), np.inf), np.full(6, 2), np.zeros(64))  # an empty map of the bias
 
 
-class Side(NamedTuple):
+class PairSide(NamedTuple):
     """The first or the second structures of all pairs, ``n`` of them, and their place in the table."""
 
     parameters: Array  # (PARAMETERS, n): results of `pair_parameters`
@@ -93,8 +93,8 @@ def parameters_of(system: Any, forcing: Any, chosen: Any, displacement_std: Any)
 
 
 def pair_table(
-    first: Side,
-    second: Side,
+    first: PairSide,
+    second: PairSide,
     shape: tuple[int, ...],
     grid: Grid | None,
     codes: Codes,
@@ -121,7 +121,7 @@ def pair_table(
     return result
 
 
-def _lone_pair(first: Side, second: Side, grid: Grid | None, codes: Codes) -> RhoTable:
+def _lone_pair(first: PairSide, second: PairSide, grid: Grid | None, codes: Codes) -> RhoTable:
     """A table of one cell, as `_fill` finds it, in plain Python: to compile that takes seconds."""
 
     def rho(one: Array, two: Array) -> Any:

@@ -19,7 +19,7 @@ from stochlin.kernels.linearization.cells.fixed_points import (
     settle,
     settle_cells,
 )
-from stochlin.kernels.linearization.cells.steps import Pace, advance_cells
+from stochlin.kernels.linearization.cells.steps import StepControl, advance_cells
 from stochlin.kernels.linearization.covariance import EquivalentSystem
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import Closure, clipped, gaussian
@@ -65,7 +65,7 @@ class SingleStructures(NamedTuple):
         """The cells under other shaking."""
         return self._replace(level=level)
 
-    def settle(self, unknowns: Array, most: int, pace: Pace) -> FixedPoint:
+    def settle(self, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
         """All iterations of a cell in compiled code, if there is any; a few cells in plain Python."""
         if self.closure not in CLIPPED or self.ground.oscillators is None:
             return iterate(self, unknowns, most, pace)
@@ -89,7 +89,7 @@ class SingleStructures(NamedTuple):
                     settle_cells(*kind, *one, *rule, found[:, column], iterations[column])
         return FixedPoint(found[2:5], found[:2], iterations, found[5], found[6] > 0)
 
-    def advance(self, state: State, pace: Pace) -> State:
+    def advance(self, state: State, pace: StepControl) -> State:
         """One step with a closure or a ground that is not compiled."""
         latent = moments_of(state.unknowns)
         value = self.closure(latent, self.law)

@@ -57,7 +57,7 @@ AT_ONCE = 64  # times whose moments are computed together
 ROUNDING = 1e-9  # relative variance of the difference below which it is rounding error
 
 
-class Structures(NamedTuple):
+class StoreyChains(NamedTuple):
     """Structures of ``m`` storeys, ``d'' = -damping d' - stiffness d + coupling y + f e_1``.
 
     ``e_1`` is 1 in the first storey.
@@ -108,7 +108,7 @@ class Covariances(NamedTuple):
     both: Array  # X12 (p, 3 m, 3 m)
 
 
-class Frame(NamedTuple):
+class PanelExponentials(NamedTuple):
     """Matrix exponentials at the nodes, the same for all panels of one length with the same ``A*``."""
 
     length: float  # of the panel [s]
@@ -137,7 +137,7 @@ class Path(NamedTuple):
         found: Array = self.half @ self.transition.swapaxes(-1, -2)
         return found
 
-    def soil_at_end(self, frame: Frame) -> Array:
+    def soil_at_end(self, frame: PanelExponentials) -> Array:
         """``C`` (n, 3 m, k) at the end of the panel."""
         found: Array = self.transition[-1] @ self.soil[-1] @ frame.filters.swapaxes(-1, -2)
         return found
@@ -148,10 +148,10 @@ Envelope = Callable[[Array], Array]
 Coefficients = Callable[[Array], Array]
 
 
-class Group:
+class ChainEquations:
     """The equations of structures with the same number of storeys."""
 
-    def __init__(self, structures: Structures, filters: Filters, nodes: Nodes) -> None:
+    def __init__(self, structures: StoreyChains, filters: Filters, nodes: Nodes) -> None:
         self.structures, self.filters, self.nodes = structures, filters, nodes
         w, s, k = structures.frequency, structures.scale, filters.output.shape[1]
         n, m = s.shape
@@ -176,7 +176,7 @@ class Group:
         structures = np.sqrt(np.abs(self.structures.stiffness).sum(axis=-1).max())
         return float(max(structures, np.abs(self.filters.matrix).sum(axis=-1).max(initial=0)))
 
-    def frame(self, length: float, held: Array, old: Frame | None) -> Frame:
+    def frame(self, length: float, held: Array, old: PanelExponentials | None) -> PanelExponentials:
         """The old frame if its length and coefficients are still valid, else a new one for ``held``."""
         w, d, v, y = self.structures.frequency, *self.parts
         if old is not None and old.length == length:
@@ -189,7 +189,7 @@ class Group:
         _diagonal(a[:, y, v])[...] = slip * w[:, None]
         times = length * self.nodes.at
         back, soil = exponentials(-a, times), exponentials(f.matrix, times)
-        return Frame(
+        return PanelExponentials(
             length,
             held,
             exponentials(a, times),
@@ -200,14 +200,14 @@ class Group:
             soil[-1],
         )
 
-    def first(self, frame: Frame, envelope: Array, soil: Array, own: Array) -> Path:
+    def first(self, frame: PanelExponentials, envelope: Array, soil: Array, own: Array) -> Path:
         """The path from covariances ``C`` and ``X`` on with the coefficients of the frame."""
         one = np.broadcast_to(np.eye(frame.forward.shape[-1]), frame.forward.shape)
         push = frame.push * envelope[:, None, None]
         return self._at_nodes(frame, frame.forward, one, push, soil, own)
 
     def next(
-        self, frame: Frame, envelope: Array, path: Path, held: Array, soil: Array, own: Array
+        self, frame: PanelExponentials, envelope: Array, path: Path, held: Array, soil: Array, own: Array
     ) -> Path:
         """The path with other coefficients ``held`` (2, q, n, m) than that of the last iteration."""
         slip, relaxation = held - frame.held[:, None]
@@ -234,7 +234,13 @@ class Group:
         return self._at_nodes(frame, frame.forward @ turn, inverse, push, soil, own)
 
     def _at_nodes(
-        self, frame: Frame, transition: Array, inverse: Array, push: Array, soil: Array, own: Array
+        self,
+        frame: PanelExponentials,
+        transition: Array,
+        inverse: Array,
+        push: Array,
+        soil: Array,
+        own: Array,
     ) -> Path:
         """The path with ``Phi``, ``U`` and ``beta``, which is ``push``."""
         soil = self.nodes.integrate(push[..., None] * frame.soil[..., None, :], frame.length) + soil
@@ -283,7 +289,7 @@ class Transient:
 
     def __init__(
         self,
-        groups: Sequence[Group],
+        groups: Sequence[ChainEquations],
         pairs: Array,
         closure: Coefficients | None,
         envelope: Envelope,
@@ -335,7 +341,7 @@ class Transient:
         """
         fastest = max(group.fastest() for group in self.groups)
         begin, length, now = 0.0, FIRST / fastest, self._at_rest()
-        frames: Sequence[Frame] = ()
+        frames: Sequence[PanelExponentials] = ()
         for end in ends:
             left, tried, mark = 0, 0, begin  # ``left``: number of panels of this length to the end
             while begin < end:
@@ -365,16 +371,18 @@ class Transient:
                 if factor > WORTH_IT:
                     length, left = length * min(factor, LONGER), 0
 
-    def _frames(self, length: float, own: Sequence[Array], old: Sequence[Frame]) -> Sequence[Frame]:
+    def _frames(
+        self, length: float, own: Sequence[Array], old: Sequence[PanelExponentials]
+    ) -> Sequence[PanelExponentials]:
         """Frames of all groups for a panel of this length, from ``X`` and those of the last one."""
         squares = [group.squares_of(x) for group, x in zip(self.groups, own, strict=True)]
-        before: Sequence[Frame | None] = old or [None for _ in self.groups]
+        before: Sequence[PanelExponentials | None] = old or [None for _ in self.groups]
         parts = zip(self.groups, self.coefficients(squares), before, strict=True)
         return [group.frame(length, held, frame) for group, held, frame in parts]
 
     @np.errstate(over="ignore", invalid="ignore")  # too long a panel may overflow, and is repeated
     def _paths(
-        self, frames: Sequence[Frame], envelope: Array, now: Covariances
+        self, frames: Sequence[PanelExponentials], envelope: Array, now: Covariances
     ) -> Sequence[Path] | None:
         """All structures over a panel from ``now`` on; None if the iteration does not converge."""
         parts = [*zip(self.groups, frames, now.soil, now.own, strict=True)]

@@ -41,7 +41,7 @@ NOTHING, SAMPLES, STEPS = range(3)  # which states are kept: none, at samples of
 FIRST_KEPT = 512  # initial length of a history that is kept after each step
 
 
-class Row(NamedTuple):
+class BuildingRow(NamedTuple):
     """Buildings in a row."""
 
     elements: Elements
@@ -59,14 +59,14 @@ class Row(NamedTuple):
         return places, Account.of(places, self.elements, self.structures, links, c)
 
 
-class Pace(NamedTuple):
+class StepCounts(NamedTuple):
     """The time steps of a run."""
 
     cuts: int  # steps in an interval of the motion
     substeps: int  # steps in each of them near contact
 
 
-class Motions(NamedTuple):
+class GroundMotions(NamedTuple):
     """Ground motions with one time step, linear between their samples."""
 
     acceleration: Array  # (samples, lanes) [m/s^2]; zero after the end of a motion
@@ -76,10 +76,10 @@ class Motions(NamedTuple):
     meets: Array  # (lanes,): whether contacts act
 
 
-class Run(NamedTuple):
+class RunResult(NamedTuple):
     """Response of a row of buildings to motions."""
 
-    x: Array  # (rows, lanes): the numbers of every motion at its end, see `Row.places`
+    x: Array  # (rows, lanes): the numbers of every motion at its end, see `BuildingRow.places`
     impacts: Array  # (impacts, COLUMNS): the table of `impacts`, lane by lane, as they begin
     time: Array  # (times,) [s]: times of the history, which is of a single motion
     history: Array  # (times, rows): its numbers at these times
@@ -249,7 +249,7 @@ def _run(law, steps, short, parts, at, to, x, motions, cuts, substeps, keep, his
     return table[:used], times[:lines], history[:lines]
 
 
-def run(row: Row, motions: Motions, pace: Pace, keep: int = NOTHING) -> Run:
+def run(row: BuildingRow, motions: GroundMotions, pace: StepCounts, keep: int = NOTHING) -> RunResult:
     """Response of a row of buildings to motions from rest; states are kept of a single motion only."""
     at, to = row.places
     lanes = motions.acceleration.shape[1]
@@ -265,4 +265,4 @@ def run(row: Row, motions: Motions, pace: Pace, keep: int = NOTHING) -> Run:
         np.empty((length, to.rows)),
     )
     order = np.lexsort((table[:, CONTACT], table[:, BEGIN], table[:, LANE]))
-    return Run(x, table[order], times, history)
+    return RunResult(x, table[order], times, history)

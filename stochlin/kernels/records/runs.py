@@ -17,7 +17,7 @@ FEW_STEPS = 50_000  # which take less than a second in plain Python, a third of 
 PAIR = 2.0  # number of sub-steps of a pair over that of its stiffer structure alone
 
 
-class SampledGround(NamedTuple):
+class SampledMotion(NamedTuple):
     """The samples of a ground motion, which is linear between them."""
 
     acceleration: Array  # (samples,) [m/s^2], finite
@@ -63,12 +63,12 @@ def _history(ground, dt, parameters, refine, out):
     run(parameters, ground, dt, each * refine, np.empty(PEAKS), each, out, workspace())
 
 
-def peaks_on_records(grounds: Sequence[SampledGround], parameters: Array) -> Array:
+def peaks_on_records(grounds: Sequence[SampledMotion], parameters: Array) -> Array:
     """Peaks (records, n, PEAKS) on each record of structures with ``parameters`` (n, 4) as in `run`."""
     return _spread(_all_peaks, PEAKS, grounds, parameters)
 
 
-def gaps_on_records(grounds: Sequence[SampledGround], first: Array, second: Array) -> Array:
+def gaps_on_records(grounds: Sequence[SampledMotion], first: Array, second: Array) -> Array:
     """Response of pairs to each record, (records, n, 2 PEAKS + 2).
 
     The columns are the peaks of both structures, the largest ``u1 - u2`` [m], and the correlation of the
@@ -77,7 +77,7 @@ def gaps_on_records(grounds: Sequence[SampledGround], first: Array, second: Arra
     return _spread(_all_gaps, 2 * PEAKS + 2, grounds, first, second)
 
 
-def history(ground: SampledGround, parameters: Array, refine: int) -> Array:
+def history(ground: SampledMotion, parameters: Array, refine: int) -> Array:
     """States (STATE, times) of one structure, at ``refine`` times in each interval of the record."""
     out = np.empty((STATE, refine * (len(ground.acceleration) - 1) + 1))
     steps = len(out[0])
@@ -86,7 +86,7 @@ def history(ground: SampledGround, parameters: Array, refine: int) -> Array:
 
 
 def _spread(
-    fill: Callable[..., None], columns: int, grounds: Sequence[SampledGround], *structures: Array
+    fill: Callable[..., None], columns: int, grounds: Sequence[SampledMotion], *structures: Array
 ) -> Array:
     """Results (records, n, columns) of ``fill`` for all records and structures, on all cores.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.simulation.ensemble import AnyGround, Crowd, Motion, Plan, View
+from stochlin.kernels.simulation.ensemble import AnyGround, Crowd, MotionGroup, Plan, View
 from stochlin.kernels.simulation.stepping import LANES
 
 AT_ONCE = 1 << 18  # displacements that are compared with gaps at once
@@ -65,7 +65,7 @@ def separation_histories(
 
     def run(group: int) -> Histories:
         """The histories of one group of motions."""
-        motion = Motion(crowd, ground, root, plan, plan.first_group + group)
+        motion = MotionGroup(crowd, ground, root, plan, plan.first_group + group)
         survivors, beyond = np.full((instants.size, cells), LANES), np.zeros((instants.size, cells), int)
         squares, fourths = np.zeros((2, instants.size, 3, rows))
         largest, last = np.zeros((rows, LANES)), np.zeros((2, 1, rows, LANES))

@@ -22,7 +22,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
-from stochlin.kernels.linearization.systems.response import Response
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.state_space import (
     Mechanics,
     Order,
@@ -387,7 +387,7 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
         space.extension.values[:, u],
         space.stiffness.values[None],
     )
-    response = Response(system)
+    response = StationaryResponse(system)
     if not np.isfinite(response.covariance).all():
         raise ArithmeticError(INACCURATE if response.stable[0] else UNSTABLE)
     return xr.DataArray(

@@ -36,7 +36,7 @@ LEAST_DELTA = 0.05  # smallest pseudo-time step
 LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
 
 
-class Pace(NamedTuple):
+class StepControl(NamedTuple):
     """Control of the pseudo-time step: its first value and how it changes, see `next_delta`."""
 
     first: float  # first pseudo-time step
@@ -204,7 +204,7 @@ def slope_of_unknowns(vv: Any, zz: Any, root: Any, r: Any, slope: Any) -> Any:
     return of_v, of_z, (slope[2] / root - r * (of_v + of_z)) / (1 - r * r)
 
 
-def next_delta(delta: Any, before: Any, now: Any, pace: Pace) -> Any:
+def next_delta(delta: Any, before: Any, now: Any, pace: StepControl) -> Any:
     """Next pseudo-time step, by switched evolution relaxation: longer if the mismatch has fallen."""
     ratio = 1.0 if math.isinf(before) or now == 0 else before / now
     shorter = max(pace.shorter * min(delta, pace.restart), LEAST_DELTA)

@@ -62,7 +62,7 @@ def alike(system: StateSpace) -> Iterator[tuple[Array, StateSpace]]:
             yield part, system.at(part)
 
 
-class Response:
+class StationaryResponse:
     """The stationary response of systems that are `alike`; NaN where there is none."""
 
     def __init__(self, system: StateSpace) -> None:
