@@ -61,9 +61,9 @@ def informed_correlation(derived: Array, first: Insight, second: Insight) -> Arr
 
     For structures without a correction it is equal to the derived correlation.
     """
-    one = np.concatenate([first.known, first.derived])
-    other = np.concatenate([second.known, -second.derived])
-    rho = first.unseen * second.unseen * (derived + LEFT) - LEFT + _products(one, other)
+    vector_1 = np.concatenate([first.known, first.derived])
+    vector_2 = np.concatenate([second.known, -second.derived])
+    rho = first.unseen * second.unseen * (derived + LEFT) - LEFT + _products(vector_1, vector_2)
     return np.asarray(np.where(np.isnan(rho), derived, np.clip(rho, -1, 1)))
 
 

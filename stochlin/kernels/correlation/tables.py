@@ -124,8 +124,8 @@ def pair_table(
 def _lone_pair(first: PairSide, second: PairSide, grid: Grid | None, codes: Codes) -> RhoTable:
     """A table of one cell, as `_fill` finds it, in plain Python: to compile that takes seconds."""
 
-    def rho(one: Array, two: Array) -> Any:
-        a, b = one[:, 0], two[:, 0]
+    def rho(left: Array, right: Array) -> Any:
+        a, b = left[:, 0], right[:, 0]
         stiff, soft = (a, b) if a[STIFFNESS] >= b[STIFFNESS] else (b, a)
         return correlation(stiff, soft, 0, 1)
 
@@ -133,8 +133,8 @@ def _lone_pair(first: PairSide, second: PairSide, grid: Grid | None, codes: Code
     cell, known = np.zeros(1, int), np.empty(1)
     bias_of_tile(first.place, cell, second.place, cell, 1, *map_, new_memory(sizes), known)
     value, base = rho(first.parameters, second.parameters), rho(first.gaussian, second.gaussian)
-    found = _judged(value, base, known[0], first.flags[0], second.flags[0], *codes)
-    return RhoTable(*(np.array([one], kind) for one, kind in zip(found, KINDS, strict=True)))
+    fields = _judged(value, base, known[0], first.flags[0], second.flags[0], *codes)
+    return RhoTable(*(np.array([entry], kind) for entry, kind in zip(fields, KINDS, strict=True)))
 
 
 @called_often

@@ -166,10 +166,10 @@ def solve(problem: Problem, elastic: Array, one_solution: Array, max_iterations:
         if cells.size and most > 0:
             part = problem.at(cells)
             if pace:
-                found = part.settle(yielding[:, cells], most, pace)
+                fixed_point = part.settle(yielding[:, cells], most, pace)
             else:
-                found = _follow(part, elastic[:, cells], most)
-            _add(solution, cells, found)
+                fixed_point = _follow(part, elastic[:, cells], most)
+            _add(solution, cells, fixed_point)
     return solution
 
 
@@ -199,10 +199,10 @@ def _follow(problem: Problem, elastic: Array, most_levels: int) -> FixedPoint:
     for _ in range(most_levels):
         at = np.minimum(0.0, level[cells] + rise[cells])
         guess = y[:, cells] + slope[:, cells] * (at - level[cells])
-        found = problem.at(cells).shaken(at).settle(guess, AT_LEVEL, BOLD)
-        reached = found.unknowns
-        good = found.converged & (np.abs(reached - guess).max(axis=0) <= near[cells])
-        _add(solution, cells, found._replace(converged=good & (at == 0)))
+        fixed_point = problem.at(cells).shaken(at).settle(guess, AT_LEVEL, BOLD)
+        reached = fixed_point.unknowns
+        good = fixed_point.converged & (np.abs(reached - guess).max(axis=0) <= near[cells])
+        _add(solution, cells, fixed_point._replace(converged=good & (at == 0)))
         on, known = cells[good], np.isfinite(near[cells[good]])
         found_slope = (reached[:, good] - y[:, on]) / (at[good] - level[on])
         slope[:, on] = np.where(known, found_slope, slope[:, on])

@@ -73,21 +73,21 @@ class SingleStructures(NamedTuple):
         cells, ground = np.array([*self.structure, self.level]), np.ones((OF_GROUND, n))
         for row, entry in enumerate(soil):
             ground[row] = entry
-        found, iterations = np.empty((FOUND, n)), np.zeros(n, np.int32)
+        results, iterations = np.empty((FOUND, n)), np.zeros(n, np.int32)
         kind = CLIPPED[self.closure], len(soil) // 2
         rule = pace, float(self.rtol), float(self.atol), most
         if worth_compiling(settle_cells, n):
-            settle_cells(*kind, cells, ground, unknowns.copy(), *rule, found, iterations)
+            settle_cells(*kind, cells, ground, unknowns.copy(), *rule, results, iterations)
         else:
             for at in range(n):
                 column = slice(at, at + 1)
-                given = [rows[:, at].tolist() for rows in (cells, ground, unknowns)]
+                entries = [rows[:, at].tolist() for rows in (cells, ground, unknowns)]
                 try:
-                    found[:, at], iterations[at] = settle(*kind, *given, *rule)
+                    results[:, at], iterations[at] = settle(*kind, *entries, *rule)
                 except (ArithmeticError, ValueError):  # compiled code goes on with infinity or NaN
-                    one = (rows[:, column].copy() for rows in (cells, ground, unknowns))
-                    settle_cells(*kind, *one, *rule, found[:, column], iterations[column])
-        return FixedPoint(found[2:5], found[:2], iterations, found[5], found[6] > 0)
+                    arrays = (rows[:, column].copy() for rows in (cells, ground, unknowns))
+                    settle_cells(*kind, *arrays, *rule, results[:, column], iterations[column])
+        return FixedPoint(results[2:5], results[:2], iterations, results[5], results[6] > 0)
 
     def advance(self, state: State, pace: StepControl) -> State:
         """One step with a closure or a ground that is not compiled."""

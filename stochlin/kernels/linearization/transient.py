@@ -134,13 +134,13 @@ class Path(NamedTuple):
 
     def own(self) -> Array:
         """``X`` (q, n, 3 m, 3 m)."""
-        found: Array = self.half @ self.transition.swapaxes(-1, -2)
-        return found
+        covariances: Array = self.half @ self.transition.swapaxes(-1, -2)
+        return covariances
 
     def soil_at_end(self, frame: PanelExponentials) -> Array:
         """``C`` (n, 3 m, k) at the end of the panel."""
-        found: Array = self.transition[-1] @ self.soil[-1] @ frame.filters.swapaxes(-1, -2)
-        return found
+        covariances: Array = self.transition[-1] @ self.soil[-1] @ frame.filters.swapaxes(-1, -2)
+        return covariances
 
 
 Envelope = Callable[[Array], Array]
@@ -202,9 +202,9 @@ class ChainEquations:
 
     def first(self, frame: PanelExponentials, envelope: Array, soil: Array, own: Array) -> Path:
         """The path from covariances ``C`` and ``X`` on with the coefficients of the frame."""
-        one = np.broadcast_to(np.eye(frame.forward.shape[-1]), frame.forward.shape)
+        identity = np.broadcast_to(np.eye(frame.forward.shape[-1]), frame.forward.shape)
         push = frame.push * envelope[:, None, None]
-        return self._at_nodes(frame, frame.forward, one, push, soil, own)
+        return self._at_nodes(frame, frame.forward, identity, push, soil, own)
 
     def next(
         self, frame: PanelExponentials, envelope: Array, path: Path, held: Array, soil: Array, own: Array
@@ -216,19 +216,19 @@ class ChainEquations:
         def rates(transition: Array) -> Array:
             """Rates of the slips by the difference of the coefficients."""
             by_drift, by_rate, by_slip = (transition[..., part, :] for part in self.parts)
-            found: Array = by_drift - by_slip
-            found *= relaxation[..., None]
-            found += slip[..., None] * by_rate
-            return found
+            slip_rates: Array = by_drift - by_slip
+            slip_rates *= relaxation[..., None]
+            slip_rates += slip[..., None] * by_rate
+            return slip_rates
 
-        one = np.eye(frame.forward.shape[-1])
-        turn = self.nodes.integrate(frame.slips @ rates(path.transition), frame.length) + one
+        identity = np.eye(frame.forward.shape[-1])
+        turn = self.nodes.integrate(frame.slips @ rates(path.transition), frame.length) + identity
         push = frame.push[..., None]
         if self.structures.scale.shape[1] == 1:  # matrices so small are solved with faster
             inverse, push = path.inverse, np.linalg.solve(turn, push)
         else:
             back = (path.inverse @ frame.slips) @ rates(frame.forward)
-            inverse = one - self.nodes.integrate(back, frame.length)
+            inverse = identity - self.nodes.integrate(back, frame.length)
             push = inverse @ push
         push = push[..., 0] * envelope[:, None, None]
         return self._at_nodes(frame, frame.forward @ turn, inverse, push, soil, own)
@@ -250,14 +250,13 @@ class ChainEquations:
         forced += forced.swapaxes(-1, -2).copy()
         half = transition @ (self.nodes.integrate(forced, frame.length) + own)
         squares = [
-            np.einsum("qnij,qnij->qni", half[..., one, :], transition[..., two, :])
-            for one, two in self.squares
+            np.einsum("qnij,qnij->qni", half[..., i, :], transition[..., j, :]) for i, j in self.squares
         ]
         return Path(transition, inverse, push, pull, soil, half, np.stack(squares))
 
     def squares_of(self, own: Array) -> Array:
         """The moments (6, ..., n, m) in ``X`` (..., n, 3 m, 3 m) that give those of z."""
-        return np.stack([np.einsum("...ii->...i", own[..., one, two]) for one, two in self.squares])
+        return np.stack([np.einsum("...ii->...i", own[..., i, j]) for i, j in self.squares])
 
     def seen_in(self, own: Array) -> tuple[Array, Array, Array]:
         """``E[u u]``, ``E[u u']`` and ``E[u' u']`` (..., n, h) of the displacements, in ``X``."""
@@ -310,7 +309,7 @@ class Transient:
         """
         ends = (*sorted({kink for kink in kinks if 0 < kink < times[-1]}), times[-1])
         _, own, both = self._at_rest()
-        seen, reached, found = [([x[None] for x in own], both[None])], 1, []
+        seen, reached, moments = [([x[None] for x in own], both[None])], 1, []
         for begin, end, over in self._panels(ends):
             until = int(np.searchsorted(times, end, side="right"))
             shares = (times[reached:until] - begin) / (end - begin)
@@ -321,9 +320,9 @@ class Transient:
                 progress(float(end / times[-1]))
             if sum(len(both) for _, both in seen) >= AT_ONCE or until == times.size:
                 own = [np.concatenate(parts) for parts in zip(*(own for own, _ in seen), strict=True)]
-                found.append(self._moments(own, np.concatenate([both for _, both in seen])))
+                moments.append(self._moments(own, np.concatenate([both for _, both in seen])))
                 seen = []
-        structures, pairs = zip(*found, strict=True)
+        structures, pairs = zip(*moments, strict=True)
         return (
             Own(*(np.concatenate(column) for column in zip(*structures, strict=True))),
             Difference(*(np.concatenate(column) for column in zip(*pairs, strict=True))),
@@ -399,7 +398,7 @@ class Transient:
             except np.linalg.LinAlgError:  # they have run away so far that V is singular by rounding
                 return None
             squares = [path.squares for path in paths]
-            change = (one - path.squares for one, path in zip(squares, before, strict=True))
+            change = (newer - path.squares for newer, path in zip(squares, before, strict=True))
             if self._over_tolerance(change, squares, (0, 1, 3)) <= SETTLED:
                 return paths
         return None
@@ -411,20 +410,20 @@ class Transient:
 
         ``axes`` are those of the arrays that are not over structures.
         """
-        found = []
+        ratios = []
         for both in zip(differences, moments, strict=True):
             error, size = (np.abs(array).max(axis=axes) for array in both)
-            found.append((error / (self.tolerance * size + ATOL)).max())
-        return float(np.max(found))
+            ratios.append((error / (self.tolerance * size + ATOL)).max())
+        return float(np.max(ratios))
 
     def _pairs(self, paths: Sequence[Path], length: float, both: Array) -> Array:
         """``X12`` of all pairs at the nodes, from ``both`` at the start of the panel on."""
-        (one, two), first, second = self.pairs, paths[0], paths[-1]
-        forced = first.push[:, one, :, None] * second.pull[:, two, None, :]
-        forced += first.pull[:, one, :, None] * second.push[:, two, None, :]
+        (i, j), first, second = self.pairs, paths[0], paths[-1]
+        forced = first.push[:, i, :, None] * second.pull[:, j, None, :]
+        forced += first.pull[:, i, :, None] * second.push[:, j, None, :]
         both = self.nodes.integrate(forced, length) + both
-        found: Array = first.transition[:, one] @ both @ second.transition[:, two].swapaxes(-1, -2)
-        return found
+        covariances: Array = first.transition[:, i] @ both @ second.transition[:, j].swapaxes(-1, -2)
+        return covariances
 
     @np.errstate(under="ignore", invalid="ignore", divide="ignore")
     def coefficients(self, squares: Sequence[Array]) -> Sequence[Array]:
@@ -434,10 +433,10 @@ class Transient:
             return values
         parts = [group.latent(moments) for group, moments in zip(self.groups, squares, strict=True)]
         latent, moving = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
-        found = np.where(moving, self.closure(latent), 0.0)
+        coefficients = np.where(moving, self.closure(latent), 0.0)
         ends = np.cumsum([group.unit.size for group in self.groups])
         for group, value, of_group in zip(
-            self.groups, values, np.split(found, ends[:-1], axis=-1), strict=True
+            self.groups, values, np.split(coefficients, ends[:-1], axis=-1), strict=True
         ):
             value[..., group.yields] = of_group
         return values
@@ -468,17 +467,17 @@ class Transient:
         self, first: Sequence[Array], second: Sequence[Array], both: Array
     ) -> tuple[Array, Array, Array, Array]:
         """Moments of ``u_1 - u_2`` (times, p, h), from those of the structures of each group."""
-        (one, two), left, right = self.pairs, self.groups[0], self.groups[-1]
-        seen, with_seen = left.seen[one], right.seen[two]
+        (i, j), left, right = self.pairs, self.groups[0], self.groups[-1]
+        seen, with_seen = left.seen[i], right.seen[j]
         rate, other = (
-            group.structures.frequency[which, None] for group, which in ((left, one), (right, two))
+            group.structures.frequency[which, None] for group, which in ((left, i), (right, j))
         )
         (d_1, v_1, _), (d_2, v_2, _) = left.parts, right.parts
         product = _weighted(seen, both[..., d_1, d_2], with_seen)
         crossed = other * _weighted(seen, both[..., d_1, v_2], with_seen)
         crossed += rate * _weighted(seen, both[..., v_1, d_2], with_seen)
         velocities = rate * other * _weighted(seen, both[..., v_1, v_2], with_seen)
-        squares, turning, moving = (a[:, one] + b[:, two] for a, b in zip(first, second, strict=True))
+        squares, turning, moving = (a[:, i] + b[:, j] for a, b in zip(first, second, strict=True))
         d_d = squares - 2 * product
         d_d = np.where(d_d > ROUNDING * squares, d_d, 0.0)
         return d_d, turning - crossed, moving - 2 * velocities, product
@@ -486,8 +485,8 @@ class Transient:
 
 def _weighted(left: Array, blocks: Array, right: Array) -> Array:
     """Covariances of weighted sums of drifts, from blocks of covariances of the drifts."""
-    found: Array = ((left @ blocks) * right).sum(axis=-1)
-    return found
+    covariances: Array = ((left @ blocks) * right).sum(axis=-1)
+    return covariances
 
 
 def _check_pace(passed: float, length: float, begin: float, end: float) -> None:

@@ -101,19 +101,19 @@ def _near(contacts, dt, at, to, x, lanes, near):
     the rate times ``dt`` at most. Lanes are written to ``near``, and do not count; returns their number.
     """
     count, gap, (column, weight) = 0, contacts.gap, contacts.rows
-    fill(x, to.three, -1.0, lanes)
+    fill(x, to.scratch_3, -1.0, lanes)
     for j in range(gap.size):
-        times_row(column, weight, j, x, at.q, to.one, lanes)
+        times_row(column, weight, j, x, at.q, to.scratch_1, lanes)
         times_row(column, weight, j, x, at.dq, at.change, lanes)
-        times_row(column, weight, j, x, at.v, to.two, lanes)
+        times_row(column, weight, j, x, at.v, to.scratch_2, lanes)
         for lane in range(lanes):
-            bulge = 0.25 * abs(dt * x[to.two, lane] - x[at.change, lane])
-            highest = x[to.one, lane] + max(-x[at.change, lane], 0.0) + bulge - gap[j]
+            bulge = 0.25 * abs(dt * x[to.scratch_2, lane] - x[at.change, lane])
+            highest = x[to.scratch_1, lane] + max(-x[at.change, lane], 0.0) + bulge - gap[j]
             open_now = np.isnan(x[to.begin + j, lane])
             reach = highest if open_now else 1.0
-            x[to.three, lane] = max(x[to.three, lane], reach)
+            x[to.scratch_3, lane] = max(x[to.scratch_3, lane], reach)
     for lane in range(lanes):
-        if x[to.three, lane] > 0.0 and x[to.counts, lane] * x[at.meets, lane] > 0.0:
+        if x[to.scratch_3, lane] > 0.0 and x[to.counts, lane] * x[at.meets, lane] > 0.0:
             x[to.counts, lane] = 0.0
             near[count] = lane
             count += 1
@@ -125,9 +125,9 @@ def _end_failed(steps, limit, time, at, to, x, lanes):
     """End the motions in which an extension is beyond its limit, or not a number."""
     column, weight = steps.extensions
     for i in range(limit.size):
-        times_row(column, weight, i, x, at.q, to.one, lanes)
+        times_row(column, weight, i, x, at.q, to.scratch_1, lanes)
         for lane in range(lanes):
-            if not abs(x[to.one, lane]) <= limit[i] and x[to.failed, lane] == np.inf:
+            if not abs(x[to.scratch_1, lane]) <= limit[i] and x[to.failed, lane] == np.inf:
                 x[to.failed, lane] = time
 
 

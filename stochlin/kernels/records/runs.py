@@ -40,18 +40,18 @@ def _all_gaps(ground, dt, first, second, out):
     for i in range(first.shape[0]):
         cuts = substeps(max(first[i, 0], second[i, 0]), dt, PAIR)
         size = cuts * (ground.size - 1) + 1
-        one, two = np.empty((STATE, size)), np.empty((STATE, size))
-        run(first[i], ground, dt, cuts, out[i, :PEAKS], 1, one, space)
-        run(second[i], ground, dt, cuts, out[i, PEAKS : 2 * PEAKS], 1, two, space)
+        path_1, path_2 = np.empty((STATE, size)), np.empty((STATE, size))
+        run(first[i], ground, dt, cuts, out[i, :PEAKS], 1, path_1, space)
+        run(second[i], ground, dt, cuts, out[i, PEAKS : 2 * PEAKS], 1, path_2, space)
         apart, sum_11, sum_22, sum_12 = 0.0, 0.0, 0.0, 0.0
         for s in range(size - 1):
-            d, d1 = one[0, s] - two[0, s], one[0, s + 1] - two[0, s + 1]
-            rate, rate1 = one[1, s] - two[1, s], one[1, s + 1] - two[1, s + 1]
+            d, d1 = path_1[0, s] - path_2[0, s], path_1[0, s + 1] - path_2[0, s + 1]
+            rate, rate1 = path_1[1, s] - path_2[1, s], path_1[1, s + 1] - path_2[1, s + 1]
             apart = max(apart, top(dt / cuts, d, rate, d1, rate1))
             weight = 1.0 if s + 1 < size - 1 else 0.5  # trapezoidal rule; the first value is 0
-            sum_11 += weight * one[0, s + 1] ** 2
-            sum_22 += weight * two[0, s + 1] ** 2
-            sum_12 += weight * one[0, s + 1] * two[0, s + 1]
+            sum_11 += weight * path_1[0, s + 1] ** 2
+            sum_22 += weight * path_2[0, s + 1] ** 2
+            sum_12 += weight * path_1[0, s + 1] * path_2[0, s + 1]
         out[i, 2 * PEAKS] = apart
         out[i, 2 * PEAKS + 1] = sum_12 / np.sqrt(sum_11 * sum_22)
 

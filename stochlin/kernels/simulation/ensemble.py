@@ -74,8 +74,8 @@ class Oscillators(NamedTuple):
     def plastic(self, state: Any) -> Array:
         """The plastic parts of the displacements (n, lanes)."""
         u, _, z = state
-        found: Array = u - z
-        return found
+        plastic: Array = u - z
+        return plastic
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,8 +124,8 @@ class SteppedStructures:
         """The plastic parts of the drifts of the storeys (n, lanes), which are the first elements."""
         n, at = self.size, self.places
         extensions = self.elements.system.extensions[:n]
-        found: Array = extensions @ x[at.q : at.v] - x[at.z : at.z + n]
-        return found
+        plastic: Array = extensions @ x[at.q : at.v] - x[at.z : at.z + n]
+        return plastic
 
 
 class UncertainGround(NamedTuple):

@@ -220,13 +220,13 @@ def kanai_tajimi(rows, found):
     their derivatives ``found`` has the covariances of ``mu``, ``mu'`` and ``y`` with the filter's
     states.
     """
-    given, made = np.empty(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
-    fill(given, 1.0)
+    tile, made = np.empty(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
+    fill(tile, 1.0)
     for start in range(0, rows.shape[1], LANES):
-        load(rows, start, given, 0)
+        load(rows, start, tile, 0)
         for lane in range(LANES):
-            ground = read3(given, SYSTEM, lane)
-            forcing, by_slip, by_relaxation, of_soil = _kanai_tajimi(_system(given, lane), ground)
+            ground = read3(tile, SYSTEM, lane)
+            forcing, by_slip, by_relaxation, of_soil = _kanai_tajimi(_system(tile, lane), ground)
             write3(made, 0, lane, forcing)
             write3(made, 3, lane, by_slip)
             write3(made, 6, lane, by_relaxation)
@@ -240,15 +240,15 @@ def clough_penzien(rows, found):
 
     ``rows`` (10, n) also has ``wf^2`` and ``2 xif wf`` of the high-pass oscillator.
     """
-    given, made = np.empty(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
-    fill(given, 1.0)
+    tile, made = np.empty(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
+    fill(tile, 1.0)
     for start in range(0, rows.shape[1], LANES):
-        load(rows, start, given, 0)
+        load(rows, start, tile, 0)
         for lane in range(LANES):
             ground = (
-                *read3(given, SYSTEM, lane), given[8 * LANES + lane], given[9 * LANES + lane]
+                *read3(tile, SYSTEM, lane), tile[8 * LANES + lane], tile[9 * LANES + lane]
             )  # fmt: skip
-            found_here = _clough_penzien(_system(given, lane), ground)
+            found_here = _clough_penzien(_system(tile, lane), ground)
             forcing, by_slip, by_relaxation, of_soil, of_layer = found_here
             write3(made, 0, lane, forcing)
             write3(made, 3, lane, by_slip)

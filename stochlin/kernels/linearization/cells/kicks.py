@@ -80,16 +80,16 @@ def add_powers(memory, found, lanes=LANES):
     negative.
     """
     cycles, orders = memory.shape[0], found.shape[0]
-    sums, given = np.empty(orders * lanes), np.empty(cycles * lanes)
+    sums, tile = np.empty(orders * lanes), np.empty(cycles * lanes)
     power, square = np.empty(lanes), np.empty(lanes)
-    fill(given, 0.0)
+    fill(tile, 0.0)
     for start in range(0, memory.shape[1], lanes):
-        load(memory, start, given, 0, lanes)
+        load(memory, start, tile, 0, lanes)
         fill(sums, 1.0)
         for n in range(cycles):
             window = 2 * (1 - (n + 1) / cycles)
             for lane in range(lanes):
-                value = given[n * lanes + lane]
+                value = tile[n * lanes + lane]
                 power[lane], square[lane] = window * value, value * value
             for order in range(orders):
                 for lane in range(lanes):
@@ -150,15 +150,15 @@ def _exponential(part, doublings, size, total, other, lanes):
     ``part`` is the scaled matrix, ``doublings`` the numbers of squarings, ``total`` the result.
     """
     for i in range(size * size):
-        one = 1.0 if i % (size + 1) == 0 else 0.0
+        identity = 1.0 if i % (size + 1) == 0 else 0.0
         for lane in range(lanes):
-            total[i * lanes + lane] = one + part[i * lanes + lane] / TERMS
+            total[i * lanes + lane] = identity + part[i * lanes + lane] / TERMS
     for order in range(TERMS - 1, 0, -1):
         _multiply(part, total, size, other, lanes)
         for i in range(size * size):
-            one = 1.0 if i % (size + 1) == 0 else 0.0
+            identity = 1.0 if i % (size + 1) == 0 else 0.0
             for lane in range(lanes):
-                total[i * lanes + lane] = one + other[i * lanes + lane] / order
+                total[i * lanes + lane] = identity + other[i * lanes + lane] / order
     most = 0.0
     for lane in range(lanes):
         most = max(most, doublings[lane])

@@ -190,9 +190,9 @@ def _newton_step(columns, mismatch, damping):
     """``(damping - J)^-1 F``, limited to `LARGEST_STEP`; Newton's step for ``damping = 0``."""
     (a, d, g), (b, e, h), (c, f, i) = columns
     matrix = (damping - a, -b, -c), (-d, damping - e, -f), (-g, -h, damping - i)
-    one, two, three = solve_3x3(matrix, mismatch)
-    shorter = max(1.0, max(abs(one), abs(two), abs(three)) / LARGEST_STEP)
-    return one / shorter, two / shorter, three / shorter
+    step_1, step_2, step_3 = solve_3x3(matrix, mismatch)
+    shorter = max(1.0, max(abs(step_1), abs(step_2), abs(step_3)) / LARGEST_STEP)
+    return step_1 / shorter, step_2 / shorter, step_3 / shorter
 
 
 def slope_of_unknowns(vv: Any, zz: Any, root: Any, r: Any, slope: Any) -> Any:

@@ -295,12 +295,12 @@ def solve_springs(
     tried = np.flatnonzero(np.isfinite(elastic).all(axis=0))
     part, start = problem.at(tried), elastic[:, tried]
     if relaxation is None:
-        found = solve(part, start, one_solution[tried], max_iterations)
+        fixed_point = solve(part, start, one_solution[tried], max_iterations)
     else:
         begin = part.coefficients(elastic_limit(start, m))
-        found = iterate(Substitution(part, relaxation), begin, max_iterations, BOLD)
-    rows, done = np.full((problem.size, count), np.nan), tried[found.converged]
-    rows[:, done] = found.coefficients[:, found.converged]
+        fixed_point = iterate(Substitution(part, relaxation), begin, max_iterations, BOLD)
+    rows, done = np.full((problem.size, count), np.nan), tried[fixed_point.converged]
+    rows[:, done] = fixed_point.coefficients[:, fixed_point.converged]
     demand = np.exp(elastic[m : 2 * m].max(axis=0, initial=-np.inf))
     return SpringSolution(
         Linear.of(problem, rows), problem.idle, np.isin(np.arange(count), done), demand
@@ -441,10 +441,10 @@ def _linear(problem: Springs, unknowns: Array) -> tuple[Linear, ClosureValue]:
 def _renewed(problem: Springs, moments: ResponseMoments) -> Linear:
     """Equivalent linear systems for the moments of the response."""
     vv, zz, vz = moments.springs
-    found = np.stack([np.sqrt(vv), np.sqrt(zz), vz / np.sqrt(vv * zz)])
-    latent = np.empty_like(found)
+    statistics = np.stack([np.sqrt(vv), np.sqrt(zz), vz / np.sqrt(vv * zz)])
+    latent = np.empty_like(statistics)
     for law in problem.laws:
-        latent[..., law.springs] = law.assumed(found)
+        latent[..., law.springs] = law.assumed(statistics)
     rates = np.where(problem.idle, 0.0, 0.5 * np.log(moments.rates))
     slip, relaxation = coefficients_of(problem, latent).coefficients
     return Linear(slip, relaxation, _dashpots(problem, rates))
@@ -477,9 +477,9 @@ def _solve_each(matrices: Array, right: Array) -> Array:
         return np.linalg.solve(matrices, right[..., None])[..., 0]
     except np.linalg.LinAlgError:
         regular = np.linalg.matrix_rank(matrices) == right.shape[1]
-        found = np.full_like(right, np.nan)
-        found[regular] = np.linalg.solve(matrices[regular], right[regular, :, None])[..., 0]
-        return found
+        solutions = np.full_like(right, np.nan)
+        solutions[regular] = np.linalg.solve(matrices[regular], right[regular, :, None])[..., 0]
+        return solutions
 
 
 def to_unknowns(covariance: Array) -> tuple[Array, Array]:
