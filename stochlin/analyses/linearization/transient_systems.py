@@ -161,8 +161,8 @@ def side_of(
 
     period, damping, hardening, uy, std = (row(array)[:, None] for array in own)
     w, share = 2 * np.pi / period, np.where(np.isinf(uy), 1.0, hardening)
-    mass, friction, one = np.ones_like(w), (2 * damping * w)[..., None], np.ones((1, 1))
-    system = System(mass, friction, one, one, share * w**2, (1 - share) * w**2, uy)
+    mass, friction, unit = np.ones_like(w), (2 * damping * w)[..., None], np.ones((1, 1))
+    system = System(mass, friction, unit, unit, share * w**2, (1 - share) * w**2, uy)
     law = [row(array) for array in structure.law_parameters()]
     return StructureCells(
         structure,
@@ -321,14 +321,14 @@ def over_time(table: xr.Dataset, course: TimeGrid) -> xr.Dataset:
 
 def _groups(sides: Sequence[StructureCells], ground: Ground) -> list[ChainEquations]:
     """Equations of all cells; sides with the same number of storeys are one group."""
-    found = []
+    groups = []
     nodes = NODES_OF_STOREYS if any(side.storeys > 1 for side in sides) else NODES
     for _, members in groupby(sides, lambda side: side.storeys):
         alike = list(members)
         parts = zip(*map(_structures, alike), strict=True)
         structures = StoreyChains(*map(np.concatenate, parts))
-        found.append(ChainEquations(structures, _filters(ground, grounds_of(alike)), nodes))
-    return found
+        groups.append(ChainEquations(structures, _filters(ground, grounds_of(alike)), nodes))
+    return groups
 
 
 def _structures(side: StructureCells) -> StoreyChains:
@@ -364,12 +364,12 @@ def _coefficients(sides: Sequence[StructureCells]) -> Coefficients:
     ends = np.cumsum([law.shape[1] for _, law in groups])
 
     def coefficients(latent: Array) -> Array:
-        found, states = [], latent[0, ..., 0].size
+        parts, states = [], latent[0, ..., 0].size
         for (closure, law), end in zip(groups, ends, strict=True):
             part = latent[..., end - law.shape[1] : end]
             of_all = law if states == 1 else np.tile(law, states)
-            found.append(closure(part.reshape(3, -1), of_all).coefficients.reshape(2, *part.shape[1:]))
-        return np.concatenate(found, axis=-1)
+            parts.append(closure(part.reshape(3, -1), of_all).coefficients.reshape(2, *part.shape[1:]))
+        return np.concatenate(parts, axis=-1)
 
     return coefficients
 
@@ -380,13 +380,13 @@ def _filters(ground: Ground, values: Mapping[str, Array]) -> Filters:
     shape = {name: row for name, row in values.items() if name != "intensity"}
     table = np.stack([np.zeros_like(intensity), *shape.values()])
     alike, which = np.unique(table, axis=1, return_inverse=True)
-    found = [
+    filters = [
         _in_standard_deviations(
             ground.filter({"intensity": 1.0, **dict(zip(shape, column.tolist(), strict=True))}).arrays
         )
         for column in alike[1:].T
     ]
-    matrix, output, covariance = (np.stack(parts)[which.ravel()] for parts in zip(*found, strict=True))
+    matrix, output, covariance = (np.stack(parts)[which.ravel()] for parts in zip(*filters, strict=True))
     white = np.zeros_like(intensity) if output.size else intensity
     return Filters(matrix, output * np.sqrt(intensity)[:, None], covariance, white)
 

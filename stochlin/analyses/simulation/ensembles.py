@@ -333,8 +333,8 @@ def _oscillators(
         parts.append(Oscillators(np.stack([friction, post, couple, 1 / scale], axis=1)[together]))
     for n in others:
         spring = ([value] for value in (post[n], couple[n], scale[n]))
-        one = np.ones((1, 1))
-        system = System(one[0], friction[n] * one, one, one, *map(np.array, spring))
+        unit = np.ones((1, 1))
+        system = System(unit[0], friction[n] * unit, unit, unit, *map(np.array, spring))
         kinds, states, of_kinds = laws_of([step[n]])
         own = law[n][None, np.isfinite(law[n])]
         parts.append(SteppedStructures(Elements(system, kinds, states, own), of_kinds))

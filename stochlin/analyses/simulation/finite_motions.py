@@ -160,13 +160,13 @@ def simulate_finite(
 
 def _means(samples: Columns) -> Columns:
     """Means over the motions, and their standard errors."""
-    found: Columns = {}
+    means: Columns = {}
     for name in ("peak", "peak_positive", "peak_drift", "separation"):
         if name in samples:
             (_, *over), values = samples[name]
             mean, error = mean_with_error(values)
-            found |= {f"{name}_mean": (over, mean), f"{name}_mean_standard_error": (over, error)}
-    return found
+            means |= {f"{name}_mean": (over, mean), f"{name}_mean_standard_error": (over, error)}
+    return means
 
 
 def finite_attributes(
@@ -229,10 +229,10 @@ def _separations(
             whole[:, i, j] = np.maximum(whole[:, i, j], value)
             if not np.isnan(pair.height):
                 at_height[:, i, j, np.searchsorted(heights, pair.height)] = value
-    found: Columns = {"separation": (over, whole)}
+    columns: Columns = {"separation": (over, whole)}
     if heights.size:
-        found["separation_at_height"] = (*over, "height"), at_height
-    return found
+        columns["separation_at_height"] = (*over, "height"), at_height
+    return columns
 
 
 def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
@@ -317,8 +317,8 @@ def pair_peaks(motions: xr.Dataset) -> Array:
 
 def required_gaps(motions: xr.Dataset) -> tuple[float, float, float]:
     """First quantile of `pair_separation` [m], with the lower and upper end of its 95 % interval."""
-    found = quantile_intervals(pair_separation(motions).values, motions["quantile"].values[:1])
-    required, lower, upper = (float(one[0]) for one in found)
+    intervals = quantile_intervals(pair_separation(motions).values, motions["quantile"].values[:1])
+    required, lower, upper = (float(column[0]) for column in intervals)
     return required, lower, upper
 
 

@@ -44,10 +44,10 @@ def frames_of(system: Arrangement) -> tuple[list[ConnectedStructures], list[int]
     frames, alone = [], []
     with_device = {tie.one for tie in system.ties if tie.link.within_one}
     for members in _tied(system):
-        one = members[0]
-        lone = members.size == 1 and system.stacks[one].is_oscillator
-        if lone and int(system.first[one]) not in with_device:
-            alone.append(int(one))
+        number = members[0]
+        lone = members.size == 1 and system.stacks[number].is_oscillator
+        if lone and int(system.first[number]) not in with_device:
+            alone.append(int(number))
         else:
             frames.append(_frame(system, members))
     return frames, alone
@@ -65,7 +65,7 @@ def sampled_frames(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> l
     """
     count = len(system.stacks)
     stiffest = [max((sample[s] for sample in samples), key=_stiffness) for s in range(count)]
-    found = []
+    sampled = []
     for members in _tied(system):
         frame = _frame(system, members)
         usual, stacks = frame.part.elements, [system.stacks[m] for m in members]
@@ -73,8 +73,8 @@ def sampled_frames(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> l
         elements = _with_stacks(usual, of_links, [[sample[m] for m in members] for sample in samples])
         shortest = _frame(system._replace(stacks=tuple(stiffest)), members).shortest
         part = SteppedStructures(usual, frame.part.law, elements)
-        found.append(frame._replace(part=part, shortest=shortest))
-    return found
+        sampled.append(frame._replace(part=part, shortest=shortest))
+    return sampled
 
 
 def _stiffness(stack: Stack) -> float:
@@ -83,7 +83,7 @@ def _stiffness(stack: Stack) -> float:
 
 def _with_stacks(usual: Elements, of_links: Array, samples: Sequence[Sequence[Stack]]) -> list[Elements]:
     """Elements with the same links and other storeys, those of each sample."""
-    found = []
+    elements = []
     for stacks in samples:
         mass, damping, _, shapes, *storeys = System.beside([stack.system for stack in stacks])
         own, first = usual.own.copy(), 0
@@ -94,8 +94,8 @@ def _with_stacks(usual: Elements, of_links: Array, samples: Sequence[Sequence[St
         pairs = zip(storeys, usual.system[4:], strict=True)
         springs = (np.concatenate([part, whole[mass.size :]]) for part, whole in pairs)
         system = System(mass, damping + of_links, usual.system.extensions, shapes, *springs)
-        found.append(usual._replace(system=system, own=own))
-    return found
+        elements.append(usual._replace(system=system, own=own))
+    return elements
 
 
 def _tied(system: Arrangement) -> list[Array]:

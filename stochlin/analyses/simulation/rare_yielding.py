@@ -54,16 +54,16 @@ def rarely_yielding(
     longest = MOST_STEPS * run.plan.dt / (BURN_IN + relaxation_times)
     slow = np.zeros(run.valid.size, bool)
     slow[run.valid] = run.drift_time > longest
-    return slow & np.array([_drifts(one, ground) for one in structures])
+    return slow & np.array([_drifts(structure, ground) for structure in structures])
 
 
 def elastic(structures: Sequence[AnyStructure], rare: Mask) -> list[AnyStructure]:
     """The same structures, but those that yield rarely (``rare``) have no strength and stay elastic."""
     return [
-        replace(one, yield_displacement=None, reduction_factor=None)
-        if out and isinstance(one, Structure)
-        else one
-        for one, out in zip(structures, rare, strict=True)
+        replace(structure, yield_displacement=None, reduction_factor=None)
+        if out and isinstance(structure, Structure)
+        else structure
+        for structure, out in zip(structures, rare, strict=True)
     ]
 
 
@@ -77,7 +77,11 @@ def with_drift(
     structure and the vibration of the other are taken as uncorrelated, because the vibration is much
     faster.
     """
-    solved = {n: _solved(one, ground) for n, one in enumerate(structures) if _drifts(one, ground)}
+    solved = {
+        n: _solved(structure, ground)
+        for n, structure in enumerate(structures)
+        if _drifts(structure, ground)
+    }
     chosen = [n for n, out in enumerate(rare) if out]
     whole = table.displacement_std.values.copy()
     error, strength = table.displacement_std_standard_error.values.copy(), np.full(whole.size, np.inf)

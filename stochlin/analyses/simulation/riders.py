@@ -114,11 +114,13 @@ def riders_of(
     the medians.
     """
     links = check_links("link", link, len(structures))
-    tied = {s for n, one in enumerate(links, 1) if one is not None for s in one.structures or (n, n + 1)}
+    tied = {s for n, tie in enumerate(links, 1) if tie is not None for s in tie.structures or (n, n + 1)}
     sampled = samples is not None
     in_metres: list[AnyStructure] = [
-        strength_in_metres(one, ground) if sampled or (n in tied and isinstance(one, Structure)) else one
-        for n, one in enumerate(structures, start=1)
+        strength_in_metres(structure, ground)
+        if sampled or (n in tied and isinstance(structure, Structure))
+        else structure
+        for n, structure in enumerate(structures, start=1)
     ]
     system = arrangement_of(in_metres, links)
     if stationary:

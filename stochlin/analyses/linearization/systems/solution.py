@@ -51,8 +51,8 @@ def solve_equations(
     problem = springs_of(equations, closure, tolerance.rtol)
     power = problem.power
     weak = (s.law for s in stacks if not np.isposinf(s.system.strength).all())
-    one = (law.has_one_solution().to_numpy() for law in weak)
-    one_solution = np.broadcast_to(reduce(and_, one, np.array(True)), equations.cells)
+    unique = (law.has_one_solution().to_numpy() for law in weak)
+    one_solution = np.broadcast_to(reduce(and_, unique, np.array(True)), equations.cells)
     solved = solve_springs(problem, one_solution, tolerance.max_iterations, relaxation)
     slip, k, linear = solved.linear
     still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.mechanics.frequency)

@@ -175,8 +175,8 @@ def linearize_system(
     equations = equations_of_cells(cells, links)
     solution = solve_equations(equations, closure, tolerance, factor)
     table = labels.label(solution_table(cells, equations, solution), VARIABLES)
-    given = ", ".join(structure.describe() for structure in structures)
-    labels.raise_if_lone_failure(table, f"linearize_system([{given}], {ground.describe()})")
+    described = ", ".join(structure.describe() for structure in structures)
+    labels.raise_if_lone_failure(table, f"linearize_system([{described}], {ground.describe()})")
     if any(structure.yields for structure in structures):
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
     how = "" if factor is None else f", iteration='substitution', relaxation={factor:g}"
@@ -278,30 +278,30 @@ def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) 
     """Dataset of `linearize_system` from a solution, without labels."""
     system, own = equations.arrangement, equations.yields
     n, count = len(system.floors), equations.cells
-    found = _responses(equations, solution)
-    finite = np.isfinite(found["covariance"]).all(axis=(1, 2))
+    results = _responses(equations, solution)
+    finite = np.isfinite(results["covariance"]).all(axis=(1, 2))
     status = np.where(
         finite | (solution.status >= labels.NOT_CONVERGED), solution.status, labels.NOT_PHYSICAL
     )
     failed = status >= labels.NOT_CONVERGED
-    found |= {"c_eq": solution.c_eq.copy(), "k_eq": solution.k_eq.copy()}
-    for values in found.values():
+    results |= {"c_eq": solution.c_eq.copy(), "k_eq": solution.k_eq.copy()}
+    for values in results.values():
         values[failed] = np.nan
-    strength, std = equations.strength, found["displacement_std"]
+    strength, std = equations.strength, results["displacement_std"]
     z, corr = np.zeros((2, *strength.shape))
-    _, velocity, of_z, velocity_z = np.moveaxis(found.pop("moments"), 1, 0)
+    _, velocity, of_z, velocity_z = np.moveaxis(results.pop("moments"), 1, 0)
     z[:, own] = np.sqrt(of_z) / strength[:, own]
     corr[:, own] = velocity_z / np.sqrt(velocity * of_z)
     q, floors = equations.order(own).coordinates, equations.system.shapes
-    of_floors = floors @ found["covariance"][:, q[:, None], q] @ floors.T
+    of_floors = floors @ results["covariance"][:, q[:, None], q] @ floors.T
     rho = np.clip(of_floors / (std[:, :, None] * std[:, None]), -1, 1)
-    found |= {"z_std": z, "velocity_z_corr": corr, "rho": rho, "yield_drift": strength}
-    found["ductility_std"] = found["drift_std"] / strength
-    apart = found["relative_displacement_std"]
-    found["relative_displacement_std"] = apart.reshape(count, n, n)
+    results |= {"z_std": z, "velocity_z_corr": corr, "rho": rho, "yield_drift": strength}
+    results["ductility_std"] = results["drift_std"] / strength
+    apart = results["relative_displacement_std"]
+    results["relative_displacement_std"] = apart.reshape(count, n, n)
     if any(tie.link.damping_exponent is not None for tie in system.ties):
-        found["equivalent_damping_constant"] = np.where(failed[:, None], np.nan, solution.dashpots)
-    variables = {name: cells.table(found[name], DIMS[name]) for name in DIMS if name in found}
+        results["equivalent_damping_constant"] = np.where(failed[:, None], np.nan, solution.dashpots)
+    variables = {name: cells.table(results[name], DIMS[name]) for name in DIMS if name in results}
     for row, name in enumerate(("covariance_change", "coefficient_change")):
         changes = cells.table(solution.changes[:, row].T, ("iteration",))
         variables[name] = changes.transpose("iteration", ...)
