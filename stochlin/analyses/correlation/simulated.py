@@ -79,13 +79,13 @@ def simulate_pairs(
         if any(array.size > 1 for array in ground.arrays().values()):
             _check_grounds(first, second, ground, settings)
         return over_grounds(partial(_on_one_ground, settings=settings), (first, second), ground)
-    one, two = (side.with_arrays(computed(side)) for side in (first, second))
+    computed_1, computed_2 = (side.with_arrays(computed(side)) for side in (first, second))
     soil = ground.with_arrays(computed(ground))
     settings = replace(settings, progress=None)
-    lengths = over_grounds(partial(_lengths, settings=settings), (one, two), soil)
+    lengths = over_grounds(partial(_lengths, settings=settings), (computed_1, computed_2), soil)
     dims = {
         number: xr.broadcast(*side.arrays().values(), *soil.arrays().values())[0].dims
-        for number, side in ((1, one), (2, two))
+        for number, side in ((1, computed_1), (2, computed_2))
     }
     dims[BOTH] = tuple(dict.fromkeys((*dims[1], *dims[2])))
     kinds: Kinds = {name: (dims[number], float) for name, number in VARIABLES.items()}
@@ -108,7 +108,9 @@ def over_grounds(
     parts = []
     for n in range(size):
         part = {str(dim): slice(n, n + 1)}
-        parts.append(over_grounds(function, [one.isel(part) for one in structures], ground.isel(part)))
+        parts.append(
+            over_grounds(function, [structure.isel(part) for structure in structures], ground.isel(part))
+        )
     return xr.concat(
         parts,
         dim,

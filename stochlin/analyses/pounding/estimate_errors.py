@@ -163,9 +163,12 @@ def pounding_estimate_error(
     def outcome(number: int) -> _Outcome:
         return _outcome(row_of, standing, grounds[number], paces[number])
 
-    found = list(in_order(outcome, len(grounds), progress))
+    outcomes = list(in_order(outcome, len(grounds), progress))
     dims = over, "structure"
-    values = {name: (dims, np.array([getattr(one, name) for one in found])) for name in _Outcome._fields}
+    values = {
+        name: (dims, np.array([getattr(result, name) for result in outcomes]))
+        for name in _Outcome._fields
+    }
     runs = xr.Dataset(values)
     table = runs[["hits", "radius_alone"]]
     table["peak_amplification"] = runs.peak / runs.peak_alone
@@ -192,12 +195,12 @@ def _outcome(
     shortest = shortest_period(structures)
     both = []
     for meets in (True, False):
-        (found,) = responses(
+        (response,) = responses(
             structures, standing.row, [ground], [pace], shortest, SAMPLES, meets=[meets]
         )
-        if isinstance(found, ArithmeticError):
-            raise found
-        both.append(found)
+        if isinstance(response, ArithmeticError):
+            raise response
+        both.append(response)
     first = standing.first[:-1]
     peak, peak_alone = (np.maximum.reduceat(each.peaks, first) for each in both)
     radius, radius_alone = (_radii(structures, standing, each) for each in both)
@@ -229,8 +232,10 @@ def _statistics(table: xr.Dataset, over: str) -> xr.Dataset:
     of = xr.DataArray(list(TRUTHS), dims="of", attrs={"long_name": "what grows by pounding"})
     by = xr.DataArray(list(ESTIMATES), dims="estimate", attrs={"long_name": "estimate from energies"})
     truth = xr.concat([table[name] for name in TRUTHS.values()], "of").assign_coords(of=of)
-    told = xr.concat([table[name] for name in ESTIMATES.values()], "estimate").assign_coords(estimate=by)
-    ratio = xr.ufuncs.log(told / truth).where(table.hits > 0)
+    estimate = xr.concat([table[name] for name in ESTIMATES.values()], "estimate").assign_coords(
+        estimate=by
+    )
+    ratio = xr.ufuncs.log(estimate / truth).where(table.hits > 0)
     count = (table.hits > 0).sum(over)
     bias = ratio.mean(over)
     freedom = (count - 1).where(count >= FEWEST)  # `std` warns of cells with fewer motions

@@ -108,8 +108,8 @@ def _products(values: Array, matrix: Array) -> Array:
 
     BLAS is not used, because its threads would take the time of those in which motions are stepped.
     """
-    found: Array = np.einsum("tn,mn->tm", values, matrix)
-    return found
+    products: Array = np.einsum("tn,mn->tm", values, matrix)
+    return products
 
 
 def _drags(standing: Standing, rate: Array) -> Array:
@@ -145,8 +145,8 @@ def _link_forces(standing: Standing, force: Array, rate: Array, drag: Array) -> 
     parts, kind = standing.row.parts, standing.row.elements.kind
     sign = np.where(kind[parts.spring] == SLACK, -1.0, 1.0)
     power = np.where(parts.dashpot >= 0, drag[:, parts.dashpot], 0.0)
-    found: Array = sign * (force[:, parts.spring] + parts.constant * rate[:, parts.spring] + power)
-    return found
+    link_forces: Array = sign * (force[:, parts.spring] + parts.constant * rate[:, parts.spring] + power)
+    return link_forces
 
 
 def histories(
@@ -199,8 +199,8 @@ def _interpolated(values: Array, known: Array, time: Array) -> Array:
     place = np.clip(np.searchsorted(known, time, side="right") - 1, 0, known.size - 2)
     share = np.clip((time - known[place]) / (known[place + 1] - known[place]), 0.0, 1.0)
     share = share.reshape(-1, *[1] * (values.ndim - 1))
-    found: Array = (1 - share) * values[place] + share * values[place + 1]
-    return found
+    interpolated: Array = (1 - share) * values[place] + share * values[place + 1]
+    return interpolated
 
 
 def energy_transferred(response: RowResponse) -> Array:

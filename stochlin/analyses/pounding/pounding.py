@@ -315,12 +315,12 @@ def _of_one(
             return with_and_without(structures, standing, [ground], [pace], shortest, kept)[0]
         return responses(structures, standing.row, [ground], [coarser], shortest)
 
-    found: list[RowResponse] = []
+    runs: list[RowResponse] = []
     for each in chain.from_iterable(in_order(task, 1 + halved, progress)):
         if isinstance(each, ArithmeticError):
             raise each
-        found.append(each)
-    done, alone, *coarse = found
+        runs.append(each)
+    done, alone, *coarse = runs
     start = float(time[0])
     at = time.to_numpy().astype(float) if times is None else start + times
     table = histories(course(standing, done), standing, structures, done, start, at, times)

@@ -131,7 +131,7 @@ def responses(
     acts = np.ones(len(grounds), bool) if meets is None else np.array(meets)
     batches = list(_batches(grounds, paces))
     at, to = row.places
-    found: dict[int, Outcome] = {}
+    outcomes: dict[int, Outcome] = {}
 
     def run(number: int) -> kernel.RunResult:
         batch = batches[number]
@@ -142,9 +142,9 @@ def responses(
         lanes = done.impacts[:, impacts.LANE]
         for lane, number in enumerate(batch):
             lines = done.impacts[lanes == lane]
-            one = RowResponse(done.x[:, lane], lines, done.time, done.history, at, to)
-            found[number] = _failure(structures, one) or one
-    return [found[number] for number in range(len(grounds))]
+            response = RowResponse(done.x[:, lane], lines, done.time, done.history, at, to)
+            outcomes[number] = _failure(structures, response) or response
+    return [outcomes[number] for number in range(len(grounds))]
 
 
 def with_and_without(

@@ -80,12 +80,12 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> dic
     """Largest absolute values in the row and of each building alone."""
     values: dict[str, Array] = {}
     first = standing.first
-    for ending, one in (("", response), ("_alone", alone)):
-        to = one.to
-        shear = one.of(to.force, to.force + first[-1])
+    for ending, own in (("", response), ("_alone", alone)):
+        to = own.to
+        shear = own.of(to.force, to.force + first[-1])
         values |= {
-            f"peak{ending}": one.peaks,
-            f"peak_acceleration{ending}": one.of(to.acceleration, to.force),
+            f"peak{ending}": own.peaks,
+            f"peak_acceleration{ending}": own.of(to.acceleration, to.force),
             f"peak_storey_shear{ending}": shear,
             f"peak_base_shear{ending}": shear[first[:-1]],
         }
@@ -115,8 +115,8 @@ def _tallies(standing: Standing, response: RowResponse) -> dict[str, Array]:
     values["contact_energy"] = hit @ line[impacts.LOST]
     received = np.zeros(standing.first.size - 1)
     left = np.array([place.building for place in standing.places], np.int64)[where]
-    for side, given in enumerate(energy_transferred(response).T):
-        np.add.at(received, left + side, given)
+    for side, energy in enumerate(energy_transferred(response).T):
+        np.add.at(received, left + side, energy)
     values["energy_received"] = received
     return values
 

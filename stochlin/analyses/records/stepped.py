@@ -85,8 +85,8 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     first = ridden(frames, finer, [{floor: 1.0} for floor in range(_floors(frames))])
     row = row_of([structure], system, Contacts.of([], _floors(frames)))
     at, to = row.places
-    one, none = np.array([between.size - 1]), np.zeros(1)
-    motion = GroundMotions(finer.acceleration[:, None], finer.dt, one, none, none)
+    intervals, none = np.array([between.size - 1]), np.zeros(1)
+    motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
     kept = run(row, motion, StepCounts(first.cuts, 1), SAMPLES).history
     u, v, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
     strength, drift = system.storeys.strength, u @ system.extensions.T
@@ -117,8 +117,8 @@ def _energies(
     energies = {name: kept[:, row] for name, row in rows.items()}
     energies["kinetic"] = 0.5 * v**2 @ mass
     energies["elastic"] = 0.5 * (drift**2 @ storeys.post + z**2 @ storeys.couple)
-    found = {f"{name}_energy_per_mass": ("time", e / mass.sum()) for name, e in energies.items()}
-    return xr.Dataset(found)
+    columns = {f"{name}_energy_per_mass": ("time", e / mass.sum()) for name, e in energies.items()}
+    return xr.Dataset(columns)
 
 
 def stepped_gap(structures: Sequence[AnyStructure], motions: RecordedMotions) -> xr.Dataset:
@@ -135,7 +135,11 @@ def stepped_gap(structures: Sequence[AnyStructure], motions: RecordedMotions) ->
             *(apart(system, pair) for pair in pairs),
         ]
     frames = all_frames(system)
-    periods = [float(one.arrays()["period"]) for one in structures if isinstance(one, Structure)]
+    periods = [
+        float(structure.arrays()["period"])
+        for structure in structures
+        if isinstance(structure, Structure)
+    ]
     tables = []
     for ground in motions.grounds:
         motion = ridden(frames, ground, functions)
@@ -163,11 +167,11 @@ def _in_one(system: Arrangement, motion: Ridden) -> xr.Dataset:
     columns = {"separation": at_height.max()}
     columns |= {f"peak_{number}": peak for number, peak in enumerate(peaks, start=1)}
     if count == 2:
-        one, two = values[:, 0], values[:, 1]
+        u_1, u_2 = values[:, 0], values[:, 1]
         srss = np.hypot(*peaks)
         with np.errstate(invalid="ignore", divide="ignore"):
-            power = np.sqrt(np.trapezoid(one**2) * np.trapezoid(two**2))
-            columns["rho"] = np.trapezoid(one * two) / power
+            power = np.sqrt(np.trapezoid(u_1**2) * np.trapezoid(u_2**2))
+            columns["rho"] = np.trapezoid(u_1 * u_2) / power
             columns |= {"srss": srss, "separation_over_srss": at_height.max() / srss}
     table = xr.Dataset(columns).assign(
         step_error=motion.error, status=np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
