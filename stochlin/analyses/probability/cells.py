@@ -94,20 +94,23 @@ class PairTable(NamedTuple):
         weights: Array = ALONE,
     ) -> PairTable:
         """Table of checked pairs; with several weights the ground is over `STRENGTH`."""
-        one = side_of(first, ground, duration, "first", 0)
-        two = side_of(second, ground, duration, "second", one.period.size)
+        side_1 = side_of(first, ground, duration, "first", 0)
+        side_2 = side_of(second, ground, duration, "second", side_1.period.size)
         gap = distance.arrays()["gap"]
         try:
-            xr.align(one.position, two.position, gap, join="exact", copy=False)
+            xr.align(side_1.position, side_2.position, gap, join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
             raise ValueError(
                 "first, second, ground and gap share a dimension that differs in coordinates or "
                 f"length: {sentence(error)}; give them different dimension names for a table"
             ) from error
-        left, right = xr.broadcast(one.position, two.position)
-        own = (TIME, HEIGHT) if one.has_storeys or two.has_storeys else (TIME,)
+        left, right = xr.broadcast(side_1.position, side_2.position)
+        own = (TIME, HEIGHT) if side_1.has_storeys or side_2.has_storeys else (TIME,)
         check_names("first, second, ground and gap", {*left.dims, *gap.dims}, own)
-        both, status = (left >= 0) & (right >= 0), xr.apply_ufunc(np.maximum, one.status, two.status)
+        both, status = (
+            (left >= 0) & (right >= 0),
+            xr.apply_ufunc(np.maximum, side_1.status, side_2.status),
+        )
         every_pair = pair_number = numbered(both)
         if weights.size > 1:
             both, status = both.all(STRENGTH), status.max(STRENGTH)
@@ -119,7 +122,7 @@ class PairTable(NamedTuple):
         structures = np.stack([of_cells(side, every_pair) for side in (left, right)])
         if not good.any():
             raise ValueError("no pair has valid parameters; correct those that are out of range")
-        sides, heights = _where_they_meet(one, two)
+        sides, heights = _where_they_meet(side_1, side_2)
         at_height = (pair_number * heights.size + heights).where(pair_number >= 0, -1).astype(int)
         cell_number = numbered(xr.broadcast(good, heights)[0])
         return cls(
@@ -145,12 +148,12 @@ class PairTable(NamedTuple):
 
 
 def _where_they_meet(
-    one: StructureCells, two: StructureCells
+    side_1: StructureCells, side_2: StructureCells
 ) -> tuple[tuple[StructureCells, StructureCells], xr.DataArray]:
     """Both structures with displacements at the heights of contact, and numbers of the heights."""
-    if not (one.has_storeys or two.has_storeys):
-        return (one, two), xr.DataArray(0)
-    stacks = one.stack, two.stack
+    if not (side_1.has_storeys or side_2.has_storeys):
+        return (side_1, side_2), xr.DataArray(0)
+    stacks = side_1.stack, side_2.stack
     heights = meeting_heights(*stacks)
     seen = tuple(np.zeros((heights.size, stack.levels.size)) for stack in stacks)
     for row, height in enumerate(heights):
@@ -158,7 +161,7 @@ def _where_they_meet(
             terms = displacement_at(stack, float(height))
             displacements[row, list(terms)] = list(terms.values())
     first, second = (at @ stack.system.shapes for at, stack in zip(seen, stacks, strict=True))
-    sides = one._replace(seen=first), two._replace(seen=second)
+    sides = side_1._replace(seen=first), side_2._replace(seen=second)
     return sides, height_numbers(heights)
 
 
@@ -179,12 +182,16 @@ def by_formula(pairs: PairTable, solved: Solved, ground: Ground, confidence: flo
     for ending, (drift, apart) in (("", nothing), ("_corrected", _drift(pairs, moments, ground))):
         if required is None or np.isnan(apart).any() or apart.any():
             cells = pairs.gap, pairs.pair_of_cell
-            found = chances(both, bandwidth, apart, *cells, course, weights)
+            probabilities = chances(both, bandwidth, apart, *cells, course, weights)
             required = gap_for(both, bandwidth, apart, confidence, course, weights)
-        table[f"instantaneous_probability{ending}"] = spread_over(found.now, pairs.cell_number)
-        table[f"confidence_of_no_pounding{ending}"] = spread_over(found.vanmarcke, pairs.cell_number)
+        table[f"instantaneous_probability{ending}"] = spread_over(probabilities.now, pairs.cell_number)
+        table[f"confidence_of_no_pounding{ending}"] = spread_over(
+            probabilities.vanmarcke, pairs.cell_number
+        )
         if not ending:
-            table["confidence_of_no_pounding_poisson"] = spread_over(found.poisson, pairs.cell_number)
+            table["confidence_of_no_pounding_poisson"] = spread_over(
+                probabilities.poisson, pairs.cell_number
+            )
         shown = np.maximum((own + drift)[course.shown], 0)[:, heights - 1 :: heights]
         for number, side in enumerate(moments.sides, start=1):
             variance = spread_over(shown, side.position)
@@ -194,10 +201,10 @@ def by_formula(pairs: PairTable, solved: Solved, ground: Ground, confidence: flo
         spread = np.sqrt(_mean((both.d_d + apart)[course.shown], weights))
         table[f"difference_std{ending}"] = spread_over(spread, pairs.pair_number)
         table[f"required_gap{ending}"] = spread_over(required, pairs.pair_number)
-    one, two = (np.sqrt(_mean(own[course.shown][:, side.ravel()], weights)) for side in of_pair)
+    std_1, std_2 = (np.sqrt(_mean(own[course.shown][:, side.ravel()], weights)) for side in of_pair)
     with np.errstate(invalid="ignore", divide="ignore"):
-        rho = _mean(both.product[course.shown], weights) / (one * two)
-    table["rho"] = spread_over(np.where(one * two > 0, rho, np.nan), pairs.pair_number)
+        rho = _mean(both.product[course.shown], weights) / (std_1 * std_2)
+    table["rho"] = spread_over(np.where(std_1 * std_2 > 0, rho, np.nan), pairs.pair_number)
     return _bounds(table) if HEIGHT in pairs.pair_number.dims else table
 
 
@@ -247,10 +254,10 @@ def by_simulation(
 ) -> xr.Dataset:
     """Variables of the table by simulation, with errors; ``pairs`` has one strength of the motion."""
     cells = pairs.gap, pairs.pair_of_cell
-    found = simulate_course(
+    histories = simulate_course(
         pairs.sides, pairs.structures_of_pair, cells, ground, pairs.course, draws, progress
     )
-    return simulated_table(found, pairs.cell_number, pairs.pair_number, confidence, draws.seed)
+    return simulated_table(histories, pairs.cell_number, pairs.pair_number, confidence, draws.seed)
 
 
 def simulated_table(

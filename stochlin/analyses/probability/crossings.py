@@ -111,8 +111,8 @@ def gap_for(
     def off(level: Array, pair: Array) -> Array:
         which = pair.astype(int)
         gap = (level * widest[which]).ravel()
-        found = chances(both, bandwidth, drift, gap, which.ravel(), last, weights)
-        return (found.vanmarcke[0] - confidence).reshape(level.shape)
+        probabilities = chances(both, bandwidth, drift, gap, which.ravel(), last, weights)
+        return (probabilities.vanmarcke[0] - confidence).reshape(level.shape)
 
     root = elementwise.find_root(
         off,

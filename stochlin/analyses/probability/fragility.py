@@ -122,7 +122,7 @@ def pounding_fragility(
     named_gap = _named(Gap(gap).gap, "gap", "m", "gap")
     named_intensity = _named(WhiteNoise(intensity).intensity, "intensity", "m^2/s^3", "intensity S0")
     changed: dict[str, Any] = {"intensity": named_intensity}
-    found = with_samples(
+    results = with_samples(
         strength_in_metres(first, ground),
         strength_in_metres(second, ground),
         replace(ground, **changed),
@@ -139,15 +139,15 @@ def pounding_fragility(
     table = xr.Dataset()
     for ending in ENDINGS:
         confident = f"confidence_of_no_pounding{OPPOSITE.get(ending, ending)}"
-        if confident in found:
-            table[f"pounding_probability{ending}"] = 1 - found[confident]
+        if confident in results:
+            table[f"pounding_probability{ending}"] = 1 - results[confident]
     for ending in ENDINGS:
-        if f"required_gap{ending}" in found:
-            table[f"required_gap{ending}"] = found[f"required_gap{ending}"]
-    if SAMPLES in found:
-        table = table.assign(_lognormal(found[SAMPLES], named_gap, named_intensity))
-    kept = found[["status", "caution", "caution_corrected"]]
-    table = labels.label(table.assign(kept), VARIABLES).assign_attrs(found.attrs)
+        if f"required_gap{ending}" in results:
+            table[f"required_gap{ending}"] = results[f"required_gap{ending}"]
+    if SAMPLES in results:
+        table = table.assign(_lognormal(results[SAMPLES], named_gap, named_intensity))
+    kept = results[["status", "caution", "caution_corrected"]]
+    table = labels.label(table.assign(kept), VARIABLES).assign_attrs(results.attrs)
     table = labelled_fragility(table, "m^2/s^3")
     return labels.with_run_information(
         table,
@@ -174,7 +174,7 @@ def _lognormal(samples: xr.DataArray, gap: Any, intensity: Any) -> dict[str, xr.
             return lognormal_fragility(SeparationsByIntensity(levels, largest, 0.5), gap)
         return Fragility.none(NOT_SIMULATED)
 
-    found = xr.apply_ufunc(
+    fits = xr.apply_ufunc(
         fitted,
         samples,
         gap,
@@ -182,7 +182,7 @@ def _lognormal(samples: xr.DataArray, gap: Any, intensity: Any) -> dict[str, xr.
         output_core_dims=[[]] * len(Fragility._fields),
         vectorize=True,
     )
-    return Fragility(*found).named()
+    return Fragility(*fits).named()
 
 
 def _named(value: Any, name: str, units: str, long_name: str) -> Any:

@@ -48,19 +48,21 @@ def hybrid_pounding(
     if ground is None:
         ground = ground_of_record(record)
     expect(ground, Ground, "ground")
-    one, two = (_rideable(s, ground, role) for s, role in ((first, "first"), (second, "second")))
-    rho = float(correlate(one, two, ground).rho)
-    period = min(float(one.arrays()["period"]), float(two.arrays()["period"]))
+    oscillator_1, oscillator_2 = (
+        _rideable(s, ground, role) for s, role in ((first, "first"), (second, "second"))
+    )
+    rho = float(correlate(oscillator_1, oscillator_2, ground).rho)
+    period = min(float(oscillator_1.arrays()["period"]), float(oscillator_2.arrays()["period"]))
     step = float(record["time"][1] - record["time"][0])
     refine = max(1, int(np.ceil(POINTS_PER_PERIOD * step / period)))
-    motions = [respond(structure, record, refine=refine) for structure in (one, two)]
+    motions = [respond(structure, record, refine=refine) for structure in (oscillator_1, oscillator_2)]
     radius_1, radius_2 = (motion.radius.to_numpy() for motion in motions)
     k = concentration(min(max(rho, -1.0), 1.0))
     gap = distance.arrays()["gap"]
     valid = distance.valid()
     cells = gap.where(valid, 1.0).to_numpy().ravel()
     seconds = np.gradient(motions[0].time.to_numpy())
-    cycles = seconds * 0.5 * sum(1 / float(s.arrays()["period"]) for s in (one, two))
+    cycles = seconds * 0.5 * sum(1 / float(s.arrays()["period"]) for s in (oscillator_1, oscillator_2))
     columns = [_of_gap(radius_1, radius_2, g, k, cycles) for g in cells]
     names = (
         "instantaneous_probability",
@@ -75,7 +77,7 @@ def hybrid_pounding(
         radius_1=motions[0].radius,
         radius_2=motions[1].radius,
         recorded_difference=motions[0].displacement - motions[1].displacement,
-        separation=recorded_gap(one, two, record).separation,
+        separation=recorded_gap(oscillator_1, oscillator_2, record).separation,
         required_gap=_required(radius_1, radius_2, k, confidence),
         rho=rho,
         status=labels.status_where(valid),
@@ -89,7 +91,7 @@ def hybrid_pounding(
         table,
         "Probability of pounding in a recorded motion, random phase",
         f"pounding_probability(method='hybrid', confidence={confidence:g})",
-        {"first": one, "second": two, "ground": ground, "gap": distance},
+        {"first": oscillator_1, "second": oscillator_2, "ground": ground, "gap": distance},
     )
 
 

@@ -80,8 +80,8 @@ def simulate_course(
     )
     run = prepare(cells, lone, steps_per_period=STEPS_PER_PERIOD, **draws._asdict())
     metres = run.scale * amplitude
-    one, two = (view_of([{int(n): 1.0} for n in side], run.order, metres) for side in pairs)
-    watched = Watched(one, two, np.arange(pairs.shape[1]), *gaps)
+    view_1, view_2 = (view_of([{int(n): 1.0} for n in side], run.order, metres) for side in pairs)
+    watched = Watched(view_1, view_2, np.arange(pairs.shape[1]), *gaps)
     return histories_of(run, course, watched, progress)
 
 

@@ -43,17 +43,17 @@ def storeys_in_motion(
         gap = distance.arrays()["gap"]
         cell = numbered((gap > 0) & np.isfinite(gap))
         pairs = pairs_of(riders.system)
-        one, two = (
+        view_1, view_2 = (
             view_of([displacements(riders.system, pair)[n] for pair in pairs], run.order, run.scale)
             for n in (0, 1)
         )
         gaps = of_cells(gap, cell).astype(float)
-        watched = Watched(one, two, np.zeros(1, int), gaps, np.zeros(gaps.size, int))
-        found = histories_of(run, course, watched, progress)
+        watched = Watched(view_1, view_2, np.zeros(1, int), gaps, np.zeros(gaps.size, int))
+        histories = histories_of(run, course, watched, progress)
         heights = xr.DataArray(0)
         if riders.has_storeys:
             heights = height_numbers([pair.height for pair in pairs])
-        return simulated_table(found, cell, heights, confidence, draws.seed)
+        return simulated_table(histories, cell, heights, confidence, draws.seed)
 
     models = {"first": first, "second": second, "ground": ground}
     return over_cells(of_cell, models, beside={"distance": distance})

@@ -77,10 +77,10 @@ class Fragility(NamedTuple):
 
     def named(self) -> dict[str, Any]:
         """The numbers of the fragility by the names of their variables."""
-        told = {
+        columns = {
             name.replace("_error", "_standard_error"): value for name, value in self._asdict().items()
         }
-        return {f"fragility_{name}": value for name, value in told.items()}
+        return {f"fragility_{name}": value for name, value in columns.items()}
 
 
 def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragility:
@@ -113,10 +113,10 @@ def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragilit
         b = float(np.exp(log_b))
         errors = b / np.sqrt(known.size), b / np.sqrt(2 * known.size)
     else:
-        found = scipy.optimize.minimize(surprise, start, method="BFGS", options={"gtol": 1e-6})
-        mean, log_b = found.x
+        fit = scipy.optimize.minimize(surprise, start, method="BFGS", options={"gtol": 1e-6})
+        mean, log_b = fit.x
         b = float(np.exp(log_b))
-        spread = np.sqrt(np.diag(_inverse_curvature(surprise, found.x)))
+        spread = np.sqrt(np.diag(_inverse_curvature(surprise, fit.x)))
         errors = float(spread[0]), float(b * spread[1])
     median = float(np.exp(mean))
     return Fragility(median, b, median * float(errors[0]), float(errors[1]))

@@ -78,14 +78,14 @@ class StoreysInMotion(PairInMotion):
     @cached_property
     def ductilities(self) -> Array:
         """Mean peak ductility of the first modes, from roof displacements; 0 if elastic."""
-        first, found = self.system.first, []
+        first, ductilities = self.system.first, []
         for number, (structure, mode) in enumerate(zip(self.structures, self.oscillators, strict=True)):
             roof = float(self.motions.peak_mean[first[number + 1] - 1])
             if isinstance(structure, ShearBuilding):
                 roof /= float(structure.participation()[-1])
             uy = mode.arrays().get("yield_displacement", xr.DataArray(np.inf))
-            found.append(roof / float(uy))
-        return np.array(found)
+            ductilities.append(roof / float(uy))
+        return np.array(ductilities)
 
     def simulated_rho(self) -> Array:
         """See `PairInMotion`."""
@@ -97,8 +97,8 @@ class StoreysInMotion(PairInMotion):
         """See `PairInMotion`."""
         if closure == DRIFT:
             raise ValueError(NO_DRIFT)
-        one, two = self._weights
-        return correlation_of(self.linearized, one, two)
+        weights_1, weights_2 = self._weights
+        return correlation_of(self.linearized, weights_1, weights_2)
 
     def amplified_peaks(self) -> Array:
         """See `PairInMotion`."""
@@ -115,8 +115,8 @@ class StoreysInMotion(PairInMotion):
 
     def relative_moments(self) -> tuple[Array, Array, Array]:
         """See `PairInMotion`."""
-        one, *others = self._weights
-        l0, l1, l2 = (m[0] for m in self.linearized.spectral_moments(one - sum(others)))
+        first, *others = self._weights
+        l0, l1, l2 = (m[0] for m in self.linearized.spectral_moments(first - sum(others)))
         return l0, l1, l2
 
     def quantities(self) -> dict[str, Any]:
@@ -150,10 +150,10 @@ class StoreysInMotion(PairInMotion):
 
 def weights(system: Arrangement, number: int, height: float) -> Array:
     """Displacement of structure ``number`` at a height [m], as weights of all floors of the system."""
-    found = np.zeros(int(system.first[-1]))
+    weights = np.zeros(int(system.first[-1]))
     for floor, share in at_height(system, number, height).items():
-        found[floor] = share
-    return found
+        weights[floor] = share
+    return weights
 
 
 def linearized_at_roof(
@@ -163,8 +163,10 @@ def linearized_at_roof(
     motion = linearized_motion(structures, ground, links)
     system = arrangement_of(structures)
     height = meeting_heights(*system.stacks)[-1]
-    one, two = (weights(system, number, height)[None] for number in (0, 1))
-    return float(correlation_of(motion, one, two)[0]), float(motion.std(one - two)[0, 0])
+    weights_1, weights_2 = (weights(system, number, height)[None] for number in (0, 1))
+    return float(correlation_of(motion, weights_1, weights_2)[0]), float(
+        motion.std(weights_1 - weights_2)[0, 0]
+    )
 
 
 def correlation_of(motion: StationaryResponse, one: Array, two: Array) -> Array:
@@ -239,7 +241,7 @@ def check_levels(
                     f"height_{n} = {height:g} m, but the storeys of that building add up to {roof:g} m; "
                     "leave it out"
                 )
-    levels = [one.levels() for one in structures if isinstance(one, ShearBuilding)]
+    levels = [structure.levels() for structure in structures if isinstance(structure, ShearBuilding)]
     if not floors_align or len(levels) < len(structures):
         return
     off = [levels[side][floor - 1] for side, floor in slabs_on_columns(*levels)]

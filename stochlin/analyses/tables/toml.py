@@ -29,12 +29,12 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
     except RecursionError as error:
         raise ValueError(f"{name} is nested too deeply; allowed: tables and their keys") from error
     except ValueError as error:  # TOML errors, and numbers with thousands of digits
-        found = re.search(r"line (\d+)", str(error))
+        match = re.search(r"line (\d+)", str(error))
         lines = text.splitlines()
-        endless = (n for n, one in enumerate(lines, 1) if re.search(r"[\d_]{1000}", one))
-        line = int(found[1]) if found else next(endless, len(lines))
-        given = lines[line - 1].strip() if 0 < line <= len(lines) else ""
+        endless = (n for n, entry in enumerate(lines, 1) if re.search(r"[\d_]{1000}", entry))
+        line = int(match[1]) if match else next(endless, len(lines))
+        excerpt = lines[line - 1].strip() if 0 < line <= len(lines) else ""
         raise ValueError(
-            f"{name}, line {line}: {brief(given)} is no TOML file's text ({plain(error)}); a value "
+            f"{name}, line {line}: {brief(excerpt)} is no TOML file's text ({plain(error)}); a value "
             'with a unit and any other text stand in quotation marks, such as period = "0.6 s"'
         ) from error
