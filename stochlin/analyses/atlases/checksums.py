@@ -196,9 +196,9 @@ class Checks:
         wrong = []
         for number in np.ndindex(self.counts):
             for key, (size, _) in self.of_block(number, self.rows[number]):
-                found = _bytes_of(self.root / key)
-                if found != size:
-                    has = "it is missing" if found is None else f"it has {found} of {size} bytes"
+                actual = _bytes_of(self.root / key)
+                if actual != size:
+                    has = "it is missing" if actual is None else f"it has {actual} of {size} bytes"
                     wrong.append((key, has))
         if wrong:
             raise DamagedError(self.root, *wrong[0], len(wrong) - 1)

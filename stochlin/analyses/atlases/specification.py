@@ -108,11 +108,11 @@ def specification(data: Mapping[str, Any]) -> AtlasSpecification:
     check_label("title", title)
     block = data.get("block_cells", BLOCK_CELLS)
     check_whole("block_cells", block, 1)
-    given = data.get("parameters")
-    if not isinstance(given, Mapping):
+    parameters = data.get("parameters")
+    if not isinstance(parameters, Mapping):
         raise ValueError("[parameters] is missing; it needs period_1, period_2 and damping at least")
-    _check_names(given, ground)
-    values = {name: _parameter(name, value) for name, value in given.items()}
+    _check_names(parameters, ground)
+    values = {name: _parameter(name, value) for name, value in parameters.items()}
     chosen = AtlasSpecification(title, ground, closure, block, values)
     if not chosen.axes:
         raise ValueError("no parameter is swept: an atlas needs a list or a sweep; see `correlate`")

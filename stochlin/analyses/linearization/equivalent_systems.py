@@ -129,7 +129,7 @@ def derived_together(
 
     The structures stay elastic if ``closure`` is None.
     """
-    problems = [_asked(structure, ground, closure, tolerance) for structure in structures]
+    problems = [_problem_of(structure, ground, closure, tolerance) for structure in structures]
     solver = problems[0][0]
     alike = len(problems) > 1 and all(other == solver for other, _ in problems)
     if not alike or any(is_labelled(*inputs) for _, inputs in problems):
@@ -141,7 +141,7 @@ def derived_together(
     ]
 
 
-def _asked(
+def _problem_of(
     structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
 ) -> tuple[_Solver, list[Cells]]:
     """Solver of a structure on its ground, and the arrays that it takes."""

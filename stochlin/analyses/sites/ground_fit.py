@@ -164,9 +164,11 @@ def fit_ground(
                 "spectrum"
             )
         others = {"duration": duration, "envelope": envelope, "filters": filters}
-        given = [name for name, value in others.items() if value is not None]
-        if given:
-            raise ValueError(f"{given[0]} goes with a spectrum; a record has its own, so leave it out")
+        misplaced = [name for name, value in others.items() if value is not None]
+        if misplaced:
+            raise ValueError(
+                f"{misplaced[0]} goes with a spectrum; a record has its own, so leave it out"
+            )
         return ground_of_record(
             target,
             model or "kanai_tajimi",
@@ -187,8 +189,8 @@ def fit_ground(
     if envelope is not None:
         expect(envelope, Envelope, "envelope")
     wanted = _wanted(target, duration, envelope)
-    found = deliver(wanted, filters, seed, progress)
-    return _with_source(found, wanted, str(target.attrs.get("source", "a spectrum")))
+    delivered = deliver(wanted, filters, seed, progress)
+    return _with_source(delivered, wanted, str(target.attrs.get("source", "a spectrum")))
 
 
 def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) -> Wanted:

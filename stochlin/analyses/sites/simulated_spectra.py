@@ -189,7 +189,7 @@ def peak_accelerations(
 
     Neighbouring periods have the same time step, ``steps_per_period`` in the shortest of them.
     """
-    found = np.empty((paths, periods.size))
+    accelerations = np.empty((paths, periods.size))
     order = np.argsort(periods)
     for mine in np.array_split(order, -(-periods.size // TOGETHER)):
         run = prepare(
@@ -201,8 +201,8 @@ def peak_accelerations(
         )
         check_finite(run, duration, mine.size)
         peaks = _peaks(run, duration, envelope, progress)
-        found[:, mine] = (2 * np.pi / periods[mine]) ** 2 * peaks[:paths]
-    return found
+        accelerations[:, mine] = (2 * np.pi / periods[mine]) ** 2 * peaks[:paths]
+    return accelerations
 
 
 def _peaks(

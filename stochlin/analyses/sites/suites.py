@@ -251,5 +251,7 @@ def scaled_record(record: xr.DataArray, factor: float) -> xr.DataArray:
 
 
 def _spectrum(record: xr.DataArray, periods: Array, damping: float) -> Array:
-    found: Array = response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy().ravel()
-    return found
+    accelerations: Array = (
+        response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy().ravel()
+    )
+    return accelerations
