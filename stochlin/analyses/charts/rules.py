@@ -115,7 +115,5 @@ def along_rules(tables: Sequence[xr.Dataset], rules: Sequence[EffectiveRule]) ->
 
 @CHARTS.register("fig3b", place=30)
 def _fig3b(settings: ChartSettings) -> xr.Dataset:
-    properties = settings.damping, settings.hardening, settings.ductilities
-    return effective_rules_chart(
-        *properties, settings.fine_points, settings.rules(effective_rule_names())
-    )
+    pair = settings.damping, settings.hardening, settings.ductilities
+    return effective_rules_chart(*pair, settings.fine_points, settings.rules(effective_rule_names()))

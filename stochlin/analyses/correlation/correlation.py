@@ -186,8 +186,8 @@ def correlate(
         check_closure(first, closure)
         check_closure(second, closure)
         check_table(DRIFTING if closure == DRIFT else BYTES[method], first, second, ground)
-        question = Question((first, second), ground, closure, solver, tolerance, rule, settings)
-        variables, details, attrs = METHODS[method](question)
+        query = Question((first, second), ground, closure, solver, tolerance, rule, settings)
+        variables, details, attrs = METHODS[method](query)
         table = xr.Dataset(variables | difference(variables), attrs=attrs)
     else:
         both = first, second
@@ -236,42 +236,38 @@ class Question(NamedTuple):
 Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 
 
-def _by_linearization(question: Question) -> Answer:
-    drifts, chained = question.closure == DRIFT, question.solver == LYAPUNOV
+def _by_linearization(query: Question) -> Answer:
+    drifts, chained = query.closure == DRIFT, query.solver == LYAPUNOV
     if chained:
-        variables = chained_pairs(question.pair, question.ground, question.closure, question.tolerance)
+        table = chained_pairs(query.pair, query.ground, query.closure, query.tolerance)
     elif drifts:
-        variables = drifting_pairs(*question.pair, question.ground, question.tolerance)
+        table = drifting_pairs(*query.pair, query.ground, query.tolerance)
     else:
-        variables = linearized_pairs(
-            *question.pair, question.ground, question.closure, question.tolerance
-        )
-    attrs = (
-        {"comment": labels.CAUTION_DRIFT if drifts else labels.CAUTION_PAIR} if question.yields else {}
-    )
+        table = linearized_pairs(*query.pair, query.ground, query.closure, query.tolerance)
+    attrs = {"comment": labels.CAUTION_DRIFT if drifts else labels.CAUTION_PAIR} if query.yields else {}
     how = f", solver={LYAPUNOV!r}" if chained else ""
-    return variables, f"closure={question.closure!r}{how}", attrs
+    return table, f"closure={query.closure!r}{how}", attrs
 
 
-def _by_white_noise(question: Question) -> Answer:
-    sides = derived_together(question.pair, question.ground)
-    inputs = [s.cells()[name] for name in ("period", "damping") for s in question.pair]
+def _by_white_noise(query: Question) -> Answer:
+    sides = derived_together(query.pair, query.ground)
+    inputs = [s.cells()[name] for name in ("period", "damping") for s in query.pair]
     return _shown(inputs, sides), "eq. (4)", {}
 
 
-def _by_effective_properties(question: Question) -> Answer:
-    rule = effective_rule(question.rule)
-    sides = solved_together(question.pair, question.ground, question.closure, question.tolerance)
-    effective = effective_pair(*question.pair, sides, rule)
+def _by_effective_properties(query: Question) -> Answer:
+    rule = effective_rule(query.rule)
+    sides = solved_together(query.pair, query.ground, query.closure, query.tolerance)
+    effective = effective_pair(*query.pair, sides, rule)
     comment = {"comment": f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"}
-    attrs = (comment if question.yields else {}) | {"rule": rule.describe()}
+    attrs = (comment if query.yields else {}) | {"rule": rule.describe()}
     of_eq_4 = [effective[name] for name in EQ_4]
-    return _shown(of_eq_4, sides) | effective, f"closure={question.closure!r}, rule={rule.name!r}", attrs
+    return _shown(of_eq_4, sides) | effective, f"closure={query.closure!r}, rule={rule.name!r}", attrs
 
 
-def _by_simulation(question: Question) -> Answer:
-    settings = question.settings()
-    table = simulate_pairs(*question.pair, question.ground, settings)
+def _by_simulation(query: Question) -> Answer:
+    settings = query.settings()
+    table = simulate_pairs(*query.pair, query.ground, settings)
     variables: dict[str, Cells] = {str(name): array for name, array in table.data_vars.items()}
     return variables, settings.history, table.attrs
 

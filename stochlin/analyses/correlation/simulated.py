@@ -108,9 +108,7 @@ def over_grounds(
     parts = []
     for n in range(size):
         part = {str(dim): slice(n, n + 1)}
-        parts.append(
-            over_grounds(function, [structure.isel(part) for structure in structures], ground.isel(part))
-        )
+        parts.append(over_grounds(function, [side.isel(part) for side in structures], ground.isel(part)))
     return xr.concat(
         parts,
         dim,

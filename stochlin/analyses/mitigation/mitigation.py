@@ -148,18 +148,16 @@ def mitigate(
     >>> table.measure.values[-1].item()
     'least dashpot between'
     """
-    structure_1, structure_2 = _checked(
-        first, second, ground, measures, contact, records, amplification_limit
-    )
+    left, right = _checked(first, second, ground, measures, contact, records, amplification_limit)
     check_confidence(confidence)
     check_scatter(scatter)
-    both = [median_of(structure) for structure in (structure_1, structure_2)]
+    both = [median_of(structure) for structure in (left, right)]
     check_existing(gap, duration, dict(zip(("first", "second"), both, strict=True)))
     check_repeated(both, median_of(ground), duration, paths, seed, len(measures) + SIMULATIONS)
     if progress is not None:
         progress(0.0)
     site = MitigatedPair(
-        structures=(structure_1, structure_2),
+        structures=(left, right),
         ground=ground,
         gap=float(gap),
         duration=duration,
@@ -179,10 +177,8 @@ def mitigate(
     lines = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
     for name, measure in measures.items():
         unseen = measure.contact is not None and not records
-        missing = (
-            "the effect of a contact is only computed in records, and none is given" if unseen else ""
-        )
-        lines.append(MeasureLine(name, "given", measure, missing=missing))
+        note = "the effect of a contact is only computed in records, and none is given" if unseen else ""
+        lines.append(MeasureLine(name, "given", measure, missing=note))
     wanted: list[MeasureLine | Search] = [*lines, *searches(site, amplification_limit)]
     rows, columns = [], []
     for done, each in enumerate(wanted, start=1):

@@ -107,10 +107,8 @@ class PairTable(NamedTuple):
         left, right = xr.broadcast(side_1.position, side_2.position)
         own = (TIME, HEIGHT) if side_1.has_storeys or side_2.has_storeys else (TIME,)
         check_names("first, second, ground and gap", {*left.dims, *gap.dims}, own)
-        both, status = (
-            (left >= 0) & (right >= 0),
-            xr.apply_ufunc(np.maximum, side_1.status, side_2.status),
-        )
+        both = (left >= 0) & (right >= 0)
+        status = xr.apply_ufunc(np.maximum, side_1.status, side_2.status)
         every_pair = pair_number = numbered(both)
         if weights.size > 1:
             both, status = both.all(STRENGTH), status.max(STRENGTH)
@@ -182,16 +180,12 @@ def by_formula(pairs: PairTable, solved: Solved, ground: Ground, confidence: flo
     for ending, (drift, apart) in (("", nothing), ("_corrected", _drift(pairs, moments, ground))):
         if required is None or np.isnan(apart).any() or apart.any():
             cells = pairs.gap, pairs.pair_of_cell
-            probabilities = chances(both, bandwidth, apart, *cells, course, weights)
+            chance = chances(both, bandwidth, apart, *cells, course, weights)
             required = gap_for(both, bandwidth, apart, confidence, course, weights)
-        table[f"instantaneous_probability{ending}"] = spread_over(probabilities.now, pairs.cell_number)
-        table[f"confidence_of_no_pounding{ending}"] = spread_over(
-            probabilities.vanmarcke, pairs.cell_number
-        )
+        table[f"instantaneous_probability{ending}"] = spread_over(chance.now, pairs.cell_number)
+        table[f"confidence_of_no_pounding{ending}"] = spread_over(chance.vanmarcke, pairs.cell_number)
         if not ending:
-            table["confidence_of_no_pounding_poisson"] = spread_over(
-                probabilities.poisson, pairs.cell_number
-            )
+            table["confidence_of_no_pounding_poisson"] = spread_over(chance.poisson, pairs.cell_number)
         shown = np.maximum((own + drift)[course.shown], 0)[:, heights - 1 :: heights]
         for number, side in enumerate(moments.sides, start=1):
             variance = spread_over(shown, side.position)

@@ -48,21 +48,19 @@ def hybrid_pounding(
     if ground is None:
         ground = ground_of_record(record)
     expect(ground, Ground, "ground")
-    oscillator_1, oscillator_2 = (
-        _rideable(s, ground, role) for s, role in ((first, "first"), (second, "second"))
-    )
-    rho = float(correlate(oscillator_1, oscillator_2, ground).rho)
-    period = min(float(oscillator_1.arrays()["period"]), float(oscillator_2.arrays()["period"]))
+    left, right = (_rideable(s, ground, role) for s, role in ((first, "first"), (second, "second")))
+    rho = float(correlate(left, right, ground).rho)
+    period = min(float(left.arrays()["period"]), float(right.arrays()["period"]))
     step = float(record["time"][1] - record["time"][0])
     refine = max(1, int(np.ceil(POINTS_PER_PERIOD * step / period)))
-    motions = [respond(structure, record, refine=refine) for structure in (oscillator_1, oscillator_2)]
+    motions = [respond(structure, record, refine=refine) for structure in (left, right)]
     radius_1, radius_2 = (motion.radius.to_numpy() for motion in motions)
     k = concentration(min(max(rho, -1.0), 1.0))
     gap = distance.arrays()["gap"]
     valid = distance.valid()
     cells = gap.where(valid, 1.0).to_numpy().ravel()
     seconds = np.gradient(motions[0].time.to_numpy())
-    cycles = seconds * 0.5 * sum(1 / float(s.arrays()["period"]) for s in (oscillator_1, oscillator_2))
+    cycles = seconds * 0.5 * sum(1 / float(s.arrays()["period"]) for s in (left, right))
     columns = [_of_gap(radius_1, radius_2, g, k, cycles) for g in cells]
     names = (
         "instantaneous_probability",
@@ -77,7 +75,7 @@ def hybrid_pounding(
         radius_1=motions[0].radius,
         radius_2=motions[1].radius,
         recorded_difference=motions[0].displacement - motions[1].displacement,
-        separation=recorded_gap(oscillator_1, oscillator_2, record).separation,
+        separation=recorded_gap(left, right, record).separation,
         required_gap=_required(radius_1, radius_2, k, confidence),
         rho=rho,
         status=labels.status_where(valid),
@@ -91,7 +89,7 @@ def hybrid_pounding(
         table,
         "Probability of pounding in a recorded motion, random phase",
         f"pounding_probability(method='hybrid', confidence={confidence:g})",
-        {"first": oscillator_1, "second": oscillator_2, "ground": ground, "gap": distance},
+        {"first": left, "second": right, "ground": ground, "gap": distance},
     )
 
 

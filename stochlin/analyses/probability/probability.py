@@ -258,12 +258,8 @@ def with_samples(
     if scatter and solve is not None:
         factors, weights = strengths(scatter)
         below = at_strengths(ground, factors)
-        structure_1, structure_2 = (
-            strength_in_metres(structure, ground) for structure in (first, second)
-        )
-        of_formula = PairTable.of(
-            structure_1, structure_2, below, distance, seconds, envelope, points, weights
-        )
+        left, right = (strength_in_metres(structure, ground) for structure in (first, second))
+        of_formula = PairTable.of(left, right, below, distance, seconds, envelope, points, weights)
     if solve is not None:
         solved = solve(of_formula, below, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
         table = by_formula(of_formula, solved, below, confidence)

@@ -93,16 +93,14 @@ def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Recor
     >>> float(sl.recorded_gap(soft, None, record).separation) <= float(table.peak_1)
     True
     """
-    structures = standing(first, second)
-    for role, structure in structures.items():
+    roles = standing(first, second)
+    for role, structure in roles.items():
         check_structure(structure, role)
     motions = checked_motions(record)
-    if all(isinstance(structure, Bilinear) for structure in structures.values()):
-        table = _exactly(list(structures.values()), motions)
+    if all(isinstance(structure, Bilinear) for structure in roles.values()):
+        table = _exactly(list(roles.values()), motions)
     else:
-        table = over_cells(
-            lambda **structures: stepped_gap(list(structures.values()), motions), structures
-        )
+        table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions), roles)
     if RECORD in table.dims:
         table = table.assign(_over_records(table.separation))
     return labels.with_run_information(
@@ -112,7 +110,7 @@ def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Recor
         ),
         "Gap of two structures in recorded motions" if second is not None else SET_BACK,
         "recorded_gap()",
-        structures,
+        roles,
     )
 
 

@@ -135,11 +135,7 @@ def stepped_gap(structures: Sequence[AnyStructure], motions: RecordedMotions) ->
             *(apart(system, pair) for pair in pairs),
         ]
     frames = all_frames(system)
-    periods = [
-        float(structure.arrays()["period"])
-        for structure in structures
-        if isinstance(structure, Structure)
-    ]
+    periods = [float(s.arrays()["period"]) for s in structures if isinstance(s, Structure)]
     tables = []
     for ground in motions.grounds:
         motion = ridden(frames, ground, functions)

@@ -175,23 +175,17 @@ def _of_one(
         def needed(added: float) -> float:
             if added in known:
                 return known[added]
-            damped_1, damped_2 = (
-                _damped(s, x * added) for s, x in zip((first, second), shares, strict=True)
-            )
-            return float(estimated_gap(damped_1, damped_2, record, estimate)[name])
+            left, right = (_damped(s, x * added) for s, x in zip((first, second), shares, strict=True))
+            return float(estimated_gap(left, right, record, estimate)[name])
 
         return least(Required(needed, gap), list(known)).value
 
-    dampings = [
+    added = [
         xr.DataArray([least_of(n, shares, name) for n, shares in enumerate(SIDES.values())], dims=DAMPED)
         for name in ("critical_gap", "separation")
     ]
     return scan[[*CURVES, "status"]].assign(
-        {
-            LEAST: dampings[0],
-            f"{LEAST}_recorded": dampings[1],
-            f"{LEAST}_difference": dampings[0] - dampings[1],
-        }
+        {LEAST: added[0], f"{LEAST}_recorded": added[1], f"{LEAST}_difference": added[0] - added[1]}
     )
 
 

@@ -163,10 +163,8 @@ def linearized_at_roof(
     motion = linearized_motion(structures, ground, links)
     system = arrangement_of(structures)
     height = meeting_heights(*system.stacks)[-1]
-    weights_1, weights_2 = (weights(system, number, height)[None] for number in (0, 1))
-    return float(correlation_of(motion, weights_1, weights_2)[0]), float(
-        motion.std(weights_1 - weights_2)[0, 0]
-    )
+    roof_1, roof_2 = (weights(system, number, height)[None] for number in (0, 1))
+    return float(correlation_of(motion, roof_1, roof_2)[0]), float(motion.std(roof_1 - roof_2)[0, 0])
 
 
 def correlation_of(motion: StationaryResponse, one: Array, two: Array) -> Array:

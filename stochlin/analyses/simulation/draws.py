@@ -99,10 +99,7 @@ def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int, number: 
     drawn = Draw(listed, ground, motions, {})
     random = np.random.default_rng([seed, STREAM, *([number] if number else [])])
     factors = {
-        role: {
-            name: quantity.factor(_stratified(random, motions))
-            for name, quantity in model.uncertain.items()
-        }
+        role: {name: own.factor(_stratified(random, motions)) for name, own in model.uncertain.items()}
         for role, model in drawn.models.items()
         if isinstance(model, UncertainModel)
     }

@@ -54,7 +54,7 @@ def rarely_yielding(
     longest = MOST_STEPS * run.plan.dt / (BURN_IN + relaxation_times)
     slow = np.zeros(run.valid.size, bool)
     slow[run.valid] = run.drift_time > longest
-    return slow & np.array([_drifts(structure, ground) for structure in structures])
+    return slow & np.array([_drifts(s, ground) for s in structures])
 
 
 def elastic(structures: Sequence[AnyStructure], rare: Mask) -> list[AnyStructure]:
@@ -77,11 +77,7 @@ def with_drift(
     structure and the vibration of the other are taken as uncorrelated, because the vibration is much
     faster.
     """
-    solved = {
-        n: _solved(structure, ground)
-        for n, structure in enumerate(structures)
-        if _drifts(structure, ground)
-    }
+    solved = {n: _solved(s, ground) for n, s in enumerate(structures) if _drifts(s, ground)}
     chosen = [n for n, out in enumerate(rare) if out]
     whole = table.displacement_std.values.copy()
     error, strength = table.displacement_std_standard_error.values.copy(), np.full(whole.size, np.inf)

@@ -117,10 +117,8 @@ def riders_of(
     tied = {s for n, tie in enumerate(links, 1) if tie is not None for s in tie.structures or (n, n + 1)}
     sampled = samples is not None
     in_metres: list[AnyStructure] = [
-        strength_in_metres(structure, ground)
-        if sampled or (n in tied and isinstance(structure, Structure))
-        else structure
-        for n, structure in enumerate(structures, start=1)
+        strength_in_metres(s, ground) if sampled or (n in tied and isinstance(s, Structure)) else s
+        for n, s in enumerate(structures, start=1)
     ]
     system = arrangement_of(in_metres, links)
     if stationary:

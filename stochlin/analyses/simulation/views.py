@@ -62,16 +62,14 @@ def at_height(system: Arrangement, number: int, height: float) -> Terms:
 
 def displacements(system: Arrangement, pair: Pair) -> tuple[Terms, Terms]:
     """Displacements of both structures of a pair."""
-    of_first, of_second = (
-        at_height(system, number, pair.height) for number in (pair.first, pair.second)
-    )
-    return of_first, of_second
+    first, second = (at_height(system, number, pair.height) for number in (pair.first, pair.second))
+    return first, second
 
 
 def apart(system: Arrangement, pair: Pair) -> Terms:
     """Relative displacement ``u_1 - u_2`` of a pair."""
-    of_first, of_second = displacements(system, pair)
-    return of_first | {floor: -share for floor, share in of_second.items()}
+    first, second = displacements(system, pair)
+    return first | {floor: -share for floor, share in second.items()}
 
 
 def at_heights(system: Arrangement) -> list[tuple[int, float, Terms]]:

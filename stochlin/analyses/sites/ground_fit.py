@@ -164,11 +164,9 @@ def fit_ground(
                 "spectrum"
             )
         others = {"duration": duration, "envelope": envelope, "filters": filters}
-        misplaced = [name for name, value in others.items() if value is not None]
-        if misplaced:
-            raise ValueError(
-                f"{misplaced[0]} goes with a spectrum; a record has its own, so leave it out"
-            )
+        wrong = [name for name, value in others.items() if value is not None]
+        if wrong:
+            raise ValueError(f"{wrong[0]} goes with a spectrum; a record has its own, so leave it out")
         return ground_of_record(
             target,
             model or "kanai_tajimi",

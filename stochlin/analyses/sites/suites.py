@@ -251,7 +251,5 @@ def scaled_record(record: xr.DataArray, factor: float) -> xr.DataArray:
 
 
 def _spectrum(record: xr.DataArray, periods: Array, damping: float) -> Array:
-    accelerations: Array = (
-        response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy().ravel()
-    )
-    return accelerations
+    sa: Array = response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy().ravel()
+    return sa

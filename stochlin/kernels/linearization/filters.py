@@ -205,17 +205,15 @@ def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices, sl
     soil_matrix = matrix * std[:, None, :] / std[..., None]
     right = np.zeros((w.size, 3, noise.shape[1], 1))
     right[:, 1, :, 0] = drive / w[:, None]
-    correlations = _sylvester_of_matrices(own, soil_matrix, right)
+    cross = _sylvester_of_matrices(own, soil_matrix, right)
     if slopes:
         gained = np.zeros((w.size, 3, noise.shape[1], 2))
-        gained[:, 2, :, 0] = w[:, None] * correlations[:, 1, :, 0]
-        gained[:, 2, :, 1] = correlations[:, 0, :, 0] - correlations[:, 2, :, 0]
-        correlations = np.concatenate(
-            [correlations, _sylvester_of_matrices(own, soil_matrix, gained)], axis=-1
-        )
-    correlations *= std[:, None, :, None]
-    correlations[:, 1] *= w[:, None, None]
-    return np.moveaxis(correlations, (3, 1), (0, 1))
+        gained[:, 2, :, 0] = w[:, None] * cross[:, 1, :, 0]
+        gained[:, 2, :, 1] = cross[:, 0, :, 0] - cross[:, 2, :, 0]
+        cross = np.concatenate([cross, _sylvester_of_matrices(own, soil_matrix, gained)], axis=-1)
+    cross *= std[:, None, :, None]
+    cross[:, 1] *= w[:, None, None]
+    return np.moveaxis(cross, (3, 1), (0, 1))
 
 
 def stationary(matrix: Array, noise: Array) -> Array:

@@ -108,7 +108,7 @@ class Covariances(NamedTuple):
     both: Array  # X12 (p, 3 m, 3 m)
 
 
-class PanelExponentials(NamedTuple):
+class PanelMatrices(NamedTuple):
     """Matrix exponentials at the nodes, the same for all panels of one length with the same ``A*``."""
 
     length: float  # of the panel [s]
@@ -137,7 +137,7 @@ class Path(NamedTuple):
         covariances: Array = self.half @ self.transition.swapaxes(-1, -2)
         return covariances
 
-    def soil_at_end(self, frame: PanelExponentials) -> Array:
+    def soil_at_end(self, frame: PanelMatrices) -> Array:
         """``C`` (n, 3 m, k) at the end of the panel."""
         covariances: Array = self.transition[-1] @ self.soil[-1] @ frame.filters.swapaxes(-1, -2)
         return covariances
@@ -176,7 +176,7 @@ class ChainEquations:
         structures = np.sqrt(np.abs(self.structures.stiffness).sum(axis=-1).max())
         return float(max(structures, np.abs(self.filters.matrix).sum(axis=-1).max(initial=0)))
 
-    def frame(self, length: float, held: Array, old: PanelExponentials | None) -> PanelExponentials:
+    def frame(self, length: float, held: Array, old: PanelMatrices | None) -> PanelMatrices:
         """The old frame if its length and coefficients are still valid, else a new one for ``held``."""
         w, d, v, y = self.structures.frequency, *self.parts
         if old is not None and old.length == length:
@@ -189,7 +189,7 @@ class ChainEquations:
         _diagonal(a[:, y, v])[...] = slip * w[:, None]
         times = length * self.nodes.at
         back, soil = exponentials(-a, times), exponentials(f.matrix, times)
-        return PanelExponentials(
+        return PanelMatrices(
             length,
             held,
             exponentials(a, times),
@@ -200,14 +200,14 @@ class ChainEquations:
             soil[-1],
         )
 
-    def first(self, frame: PanelExponentials, envelope: Array, soil: Array, own: Array) -> Path:
+    def first(self, frame: PanelMatrices, envelope: Array, soil: Array, own: Array) -> Path:
         """The path from covariances ``C`` and ``X`` on with the coefficients of the frame."""
         identity = np.broadcast_to(np.eye(frame.forward.shape[-1]), frame.forward.shape)
         push = frame.push * envelope[:, None, None]
         return self._at_nodes(frame, frame.forward, identity, push, soil, own)
 
     def next(
-        self, frame: PanelExponentials, envelope: Array, path: Path, held: Array, soil: Array, own: Array
+        self, frame: PanelMatrices, envelope: Array, path: Path, held: Array, soil: Array, own: Array
     ) -> Path:
         """The path with other coefficients ``held`` (2, q, n, m) than that of the last iteration."""
         slip, relaxation = held - frame.held[:, None]
@@ -235,7 +235,7 @@ class ChainEquations:
 
     def _at_nodes(
         self,
-        frame: PanelExponentials,
+        frame: PanelMatrices,
         transition: Array,
         inverse: Array,
         push: Array,
@@ -340,7 +340,7 @@ class Transient:
         """
         fastest = max(group.fastest() for group in self.groups)
         begin, length, now = 0.0, FIRST / fastest, self._at_rest()
-        frames: Sequence[PanelExponentials] = ()
+        frames: Sequence[PanelMatrices] = ()
         for end in ends:
             left, tried, mark = 0, 0, begin  # ``left``: number of panels of this length to the end
             while begin < end:
@@ -371,17 +371,17 @@ class Transient:
                     length, left = length * min(factor, LONGER), 0
 
     def _frames(
-        self, length: float, own: Sequence[Array], old: Sequence[PanelExponentials]
-    ) -> Sequence[PanelExponentials]:
+        self, length: float, own: Sequence[Array], old: Sequence[PanelMatrices]
+    ) -> Sequence[PanelMatrices]:
         """Frames of all groups for a panel of this length, from ``X`` and those of the last one."""
         squares = [group.squares_of(x) for group, x in zip(self.groups, own, strict=True)]
-        before: Sequence[PanelExponentials | None] = old or [None for _ in self.groups]
+        before: Sequence[PanelMatrices | None] = old or [None for _ in self.groups]
         parts = zip(self.groups, self.coefficients(squares), before, strict=True)
         return [group.frame(length, held, frame) for group, held, frame in parts]
 
     @np.errstate(over="ignore", invalid="ignore")  # too long a panel may overflow, and is repeated
     def _paths(
-        self, frames: Sequence[PanelExponentials], envelope: Array, now: Covariances
+        self, frames: Sequence[PanelMatrices], envelope: Array, now: Covariances
     ) -> Sequence[Path] | None:
         """All structures over a panel from ``now`` on; None if the iteration does not converge."""
         parts = [*zip(self.groups, frames, now.soil, now.own, strict=True)]

@@ -81,15 +81,8 @@ class Contacts(NamedTuple):
         space = np.zeros(len(laws)) if gap is None else gap
         jumps = restitution is not None
         e = 1.0 if restitution is None else float(restitution)
-        return cls(
-            on_left + on_right,
-            Rows.of(on_left + on_right),
-            Rows.of(on_right),
-            space,
-            law_table(laws),
-            jumps,
-            e,
-        )
+        both = on_left + on_right
+        return cls(both, Rows.of(both), Rows.of(on_right), space, law_table(laws), jumps, e)
 
 
 @called_often

@@ -130,15 +130,17 @@ def insights(
     if one_ground and not labelled:  # two single cells take hardly longer than one
         sides = {name: np.array([side[name] for side in solved])[:, None] for name in OF_A_SIDE}
         place: list[Cells] = [np.array(values) for values in zip(*points, strict=True)]
-        arrays = [
-            np.asarray(array) for array in _told(sides, place, *_plain_references(ground, tolerance))
+        rows = [
+            np.asarray(row) for row in _insight_of(sides, place, *_plain_references(ground, tolerance))
         ]
-        return [[array[n, ...] for array in arrays] for n in range(len(pairs))]
+        return [[row[n, ...] for row in rows] for n in range(len(pairs))]
     of_arrays = (_solved_once if one_ground else _solved_references)(ground, tolerance)
-    return [_told(side, point, *of_arrays) for point, side in zip(points, solved, strict=True)]
+    return [_insight_of(side, point, *of_arrays) for point, side in zip(points, solved, strict=True)]
 
 
-def _told(side: Solved, point: list[Cells], known: Solved, gram: xr.DataArray | Array) -> list[Cells]:
+def _insight_of(
+    side: Solved, point: list[Cells], known: Solved, gram: xr.DataArray | Array
+) -> list[Cells]:
     """Arrays of the `Insight`, then of the `Nearness`, from the references and their `derived_gram`."""
     (own,) = derived_signatures([side], known, gram)
     correction = hold_at_ends(SIGNATURE, point)
