@@ -16,8 +16,8 @@ import numpy as np
 from opensees_models import add_oscillators, new_model, opensees_or_none, shake
 
 import stochlin as sl
+from stochlin.analyses.simulation.connected_structures import connected_of
 from stochlin.analyses.simulation.ensembles import SimulationRun, cells_of_all, prepare
-from stochlin.analyses.simulation.frames import frames_of
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.parallel import cores
@@ -173,7 +173,7 @@ def chart(count: int = 60) -> None:
 
 def numpy_storeys(building: sl.ShearBuilding, dt: float, rng: np.random.Generator) -> None:
     """The same building in plain numpy, vectorized over paths; slips by as many passes as they take."""
-    elements = frames_of(arrangement_of([building]))[0][0].part.elements
+    elements = connected_of(arrangement_of([building]))[0][0].part.elements
     steps, n = steps_of(elements, dt), building.storeys
     q, v, z = np.zeros((3, n, NUMPY_PATHS))
     post, couple, uy, own = steps.spring.T[:, :, None]

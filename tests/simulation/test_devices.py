@@ -9,7 +9,7 @@ import pytest
 import scipy.integrate
 
 import stochlin as sl
-from stochlin.analyses.simulation.frames import all_frames
+from stochlin.analyses.simulation.connected_structures import all_connected
 from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import VISCOUS, by_number
 from stochlin.kernels.simulation.stepping import LANES
@@ -94,7 +94,7 @@ def test_motion_is_that_of_another_integrator(exponent, constant, where):
     theirs = solved(system, seconds)
     errors = []
     for steps in (300, 1200):
-        (frame,) = all_frames(system)
+        (frame,) = all_connected(system)
         off = stepped(frame.part, seconds, steps)[-1, : frame.floors.size] - theirs[:, -1]
         errors.append(np.abs(off).max() / np.abs(theirs).max())
     assert errors[1] < 3e-4
@@ -105,7 +105,7 @@ def test_motion_is_that_of_another_integrator(exponent, constant, where):
 def test_what_the_ground_puts_in_is_stored_or_dissipated(exponent):
     """By the trapezoidal rule to the rounding of the passes, whatever the step."""
     system = arrangement_of([TOWER], in_every_storey(2e6, exponent))
-    (frame,) = all_frames(system)
+    (frame,) = all_connected(system)
     n, seconds, steps = 4, 2.0, 200
     dt = seconds / steps
     u = np.vstack([np.zeros(n), stepped(frame.part, seconds, steps)[:, :n]])
@@ -136,7 +136,7 @@ BATCHES = {
 @pytest.mark.parametrize(("law", "links"), BATCHES.values(), ids=BATCHES.keys())
 def test_a_motion_has_the_same_bits_alone_and_in_a_batch(law, links):
     tower = replace(TOWER, **YIELDING, **law)
-    (frame, *_) = all_frames(arrangement_of([tower, OTHER_TOWER], links))
+    (frame, *_) = all_connected(arrangement_of([tower, OTHER_TOWER], links))
     part, block = frame.part, frame.part.block(0.01)
     f = np.random.default_rng(2).normal(0, np.geomspace(0.5, 20, LANES), (300, LANES))
     together = np.empty((300, part.size, LANES))
@@ -157,7 +157,7 @@ def test_exponent_one_is_a_linear_dashpot():
     np.testing.assert_array_equal(tables[0].peak, tables[1].peak)
     found = []
     for links in (linear, in_every_storey(3e6, 0.5)):
-        (frame,) = all_frames(arrangement_of([TOWER], links))
+        (frame,) = all_connected(arrangement_of([TOWER], links))
         own = frame.part.elements.own.copy()
         own[frame.part.elements.kind == VISCOUS, 1:] = 1.0
         part = SteppedStructures(frame.part.elements._replace(own=own), by_number(()))

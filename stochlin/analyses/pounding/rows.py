@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from stochlin.analyses.simulation.frames import LEAST_SHARE, modes_of
+from stochlin.analyses.simulation.connected_structures import LEAST_SHARE, modes_of
 from stochlin.analyses.simulation.rows import row_of, structure_of_floors
 from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.analyses.pounding.rows import Building, Standing, shortest_mode, slow_approach
-from stochlin.analyses.simulation.frames import modes_of
+from stochlin.analyses.simulation.connected_structures import modes_of
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores, in_order

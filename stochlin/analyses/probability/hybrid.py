@@ -48,7 +48,7 @@ def hybrid_pounding(
     if ground is None:
         ground = ground_of_record(record)
     expect(ground, Ground, "ground")
-    left, right = (_rideable(s, ground, role) for s, role in ((first, "first"), (second, "second")))
+    left, right = (_in_metres(s, ground, role) for s, role in ((first, "first"), (second, "second")))
     rho = float(correlate(left, right, ground).rho)
     period = min(float(left.arrays()["period"]), float(right.arrays()["period"]))
     step = float(record["time"][1] - record["time"][0])
@@ -93,7 +93,7 @@ def hybrid_pounding(
     )
 
 
-def _rideable(structure: Structure, ground: Ground, role: str) -> Bilinear:
+def _in_metres(structure: Structure, ground: Ground, role: str) -> Bilinear:
     """The structure with its strength in metres, checked for the response to a record."""
     structure = strength_in_metres(structure, ground)
     check_structure(structure, role)
@@ -101,27 +101,29 @@ def _rideable(structure: Structure, ground: Ground, role: str) -> Bilinear:
     return structure
 
 
-def _of_gap(one: Array, two: Array, gap: float, k: float, cycles: Array) -> tuple[Array, Array, Array]:
+def _of_gap(
+    radius_1: Array, radius_2: Array, gap: float, k: float, cycles: Array
+) -> tuple[Array, Array, Array]:
     """Probability of exceeding a gap at each instant, and of no pounding until then.
 
     The latter is for one phase during the whole record, and for a new phase in each cycle.
     """
-    level = np.full_like(one, gap)
-    phase = least_phase(one, two, level)
+    level = np.full_like(radius_1, gap)
+    phase = least_phase(radius_1, radius_2, level)
     reached = beyond_phase(phase, k)
     with np.errstate(divide="ignore"):
         fresh = np.exp(np.cumsum(cycles * np.log1p(-reached)))
     safe = 1 - beyond_phase(np.minimum.accumulate(phase), k)
     # Radii that are large for less than one cycle still have one phase, so that ``safe`` is a bound.
-    return exceeding(one, two, level, k), safe, np.minimum(fresh, safe)
+    return exceeding(radius_1, radius_2, level, k), safe, np.minimum(fresh, safe)
 
 
-def _required(one: Array, two: Array, k: float, confidence: float) -> float:
+def _required(radius_1: Array, radius_2: Array, k: float, confidence: float) -> float:
     """Gap [m] for a confidence over the record with one phase, by bisection."""
-    low, high = 0.0, float((one + two).max())
+    low, high = 0.0, float((radius_1 + radius_2).max())
     while high - low > CLOSE * high:
         middle = 0.5 * (low + high)
-        phase = least_phase(one, two, np.full_like(one, middle)).min(keepdims=True)
+        phase = least_phase(radius_1, radius_2, np.full_like(radius_1, middle)).min(keepdims=True)
         enough = 1 - float(beyond_phase(phase, k)[0]) >= confidence
         low, high = (low, middle) if enough else (middle, high)
     return high

@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.cells import RECORD, RecordedMotions
+from stochlin.analyses.simulation.connected_structures import ConnectedStructures, all_connected
 from stochlin.analyses.simulation.finite_motions import RUNS_AWAY
-from stochlin.analyses.simulation.frames import ConnectedStructures, all_frames
 from stochlin.analyses.simulation.rows import row_of
 from stochlin.analyses.simulation.views import Terms, apart, displacements, drifts_of, pairs_of
 from stochlin.analyses.tables import labels
@@ -32,7 +32,7 @@ STEP = 6e-7  # approximate computing time of a step of one storey on one core [s
 AT_ONCE = 4096  # steps computed at a time
 
 
-class Ridden(NamedTuple):
+class SteppedResponse(NamedTuple):
     """Response of a system to a record: m functions of its floor displacements after every step."""
 
     values: Array  # (steps + 1, m) [m]
@@ -40,17 +40,17 @@ class Ridden(NamedTuple):
     error: float  # largest relative change of a peak when the step was halved for the last time
 
 
-def ridden(
-    frames: Sequence[ConnectedStructures], ground: SampledMotion, functions: Sequence[Terms]
-) -> Ridden:
+def stepped_response(
+    connected: Sequence[ConnectedStructures], ground: SampledMotion, functions: Sequence[Terms]
+) -> SteppedResponse:
     """Functions of the floor displacements, from rest, with steps halved until their peaks converge.
 
     The steps are of second order, so that the remaining error is about a third of the last change.
     """
-    weights = np.zeros((len(functions), _floors(frames)))
+    weights = np.zeros((len(functions), _floors(connected)))
     for row, terms in zip(weights, functions, strict=True):
         row[list(terms)] = list(terms.values())
-    shortest = min(frame.shortest for frame in frames)
+    shortest = min(group.shortest for group in connected)
     cuts = max(1, int(np.ceil(ground.dt * STEPS_PER_PERIOD / shortest)))
     steps = float(cuts) * ground.acceleration.size
     check_work(
@@ -60,10 +60,10 @@ def ridden(
         seconds=2 * 2.0**2 * STEP * weights.shape[1] * steps,
         memory=8 * 2.0**2 * len(functions) * steps,
     )
-    values, change = _values(frames, weights, ground, cuts), np.inf
+    values, change = _values(connected, weights, ground, cuts), np.inf
     for _ in range(HALVINGS):
         coarse, cuts = peaks_of(values), 2 * cuts
-        values = _values(frames, weights, ground, cuts)
+        values = _values(connected, weights, ground, cuts)
         fine = peaks_of(values)
         change = float(np.max(np.abs(fine - coarse) / np.where(fine > 0, fine, 1.0)))
         if change <= CLOSE:
@@ -72,7 +72,7 @@ def ridden(
         raise ArithmeticError(
             f"the response is no longer finite, with steps of {ground.dt / cuts:.2g} s; {RUNS_AWAY}"
         )
-    return Ridden(values, cuts, change)
+    return SteppedResponse(values, cuts, change)
 
 
 def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int) -> xr.Dataset:
@@ -81,9 +81,9 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     samples = np.arange(ground.acceleration.size)
     between = np.arange(refine * samples[-1] + 1) / refine
     finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
-    frames = all_frames(system)
-    first = ridden(frames, finer, [{floor: 1.0} for floor in range(_floors(frames))])
-    row = row_of([structure], system, Contacts.of([], _floors(frames)))
+    connected = all_connected(system)
+    first = stepped_response(connected, finer, [{floor: 1.0} for floor in range(_floors(connected))])
+    row = row_of([structure], system, Contacts.of([], _floors(connected)))
     at, to = row.places
     intervals, none = np.array([between.size - 1]), np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
@@ -134,11 +134,11 @@ def stepped_gap(structures: Sequence[AnyStructure], motions: RecordedMotions) ->
             *drifts_of(system),
             *(apart(system, pair) for pair in pairs),
         ]
-    frames = all_frames(system)
+    connected = all_connected(system)
     periods = [float(s.arrays()["period"]) for s in structures if isinstance(s, Structure)]
     tables = []
     for ground in motions.grounds:
-        motion = ridden(frames, ground, functions)
+        motion = stepped_response(connected, ground, functions)
         table = _in_one(system, motion)
         if len(periods) == len(structures):
             table = table.assign(_radii(motion, periods, ground.dt / motion.cuts))
@@ -149,7 +149,7 @@ def stepped_gap(structures: Sequence[AnyStructure], motions: RecordedMotions) ->
     return xr.concat(tables, names.rename(RECORD), data_vars="all", coords="minimal", compat="equals")
 
 
-def _in_one(system: Arrangement, motion: Ridden) -> xr.Dataset:
+def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
     """Results for one record.
 
     The functions in ``motion`` are the displacement of each structure at the highest level where they
@@ -185,7 +185,7 @@ def _in_one(system: Arrangement, motion: Ridden) -> xr.Dataset:
     ).assign_coords({"height": ("height", heights, attrs), **element_coordinates(system)})
 
 
-def _radii(motion: Ridden, periods: Sequence[float], dt: float) -> dict[str, float]:
+def _radii(motion: SteppedResponse, periods: Sequence[float], dt: float) -> dict[str, float]:
     """Pseudo energy radii of oscillators [m], with velocities by central differences."""
     radii = {}
     for n, period in enumerate(periods):
@@ -200,8 +200,8 @@ def peaks_of(values: Array) -> Array:
     return np.maximum(np.concatenate([values.max(axis=0), -values.min(axis=0)]), 0.0)
 
 
-def _floors(frames: Sequence[ConnectedStructures]) -> int:
-    return sum(frame.floors.size for frame in frames)
+def _floors(connected: Sequence[ConnectedStructures]) -> int:
+    return sum(group.floors.size for group in connected)
 
 
 def _forcing(ground: SampledMotion, cuts: int) -> Array:
@@ -213,12 +213,12 @@ def _forcing(ground: SampledMotion, cuts: int) -> Array:
 
 
 def _values(
-    frames: Sequence[ConnectedStructures], weights: Array, ground: SampledMotion, cuts: int
+    connected: Sequence[ConnectedStructures], weights: Array, ground: SampledMotion, cuts: int
 ) -> Array:
     f, dt = _forcing(ground, cuts), ground.dt / cuts
     values = np.zeros((len(f) + 1, len(weights)))
-    for frame in frames:
-        floors, block, state = frame.floors, frame.part.block(dt), frame.part.at_rest(1)
+    for group in connected:
+        floors, block, state = group.floors, group.part.block(dt), group.part.at_rest(1)
         for begin in range(0, len(f), AT_ONCE):
             part = f[begin : begin + AT_ONCE]
             out = np.empty((len(part), floors.size, 1))

@@ -14,8 +14,8 @@ from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.systems.systems import linearized_motion
 from stochlin.analyses.separation.rules import PairInMotion, effective_arguments
 from stochlin.analyses.simulation.finite_motions import mean_with_error, pair_peaks
-from stochlin.analyses.simulation.riders import riders_of
 from stochlin.analyses.simulation.simulation import simulate
+from stochlin.analyses.simulation.structures_in_motion import structures_in_motion
 from stochlin.analyses.simulation.views import at_height, meeting_heights
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -185,7 +185,7 @@ def stationary_motions(
 
     Raises a ValueError if the drift of a storey relaxes far more slowly than the duration [s].
     """
-    slowest = float(riders_of(structures, ground, None, stationary=True).drift_times.max())
+    slowest = float(structures_in_motion(structures, ground, None, stationary=True).drift_times.max())
     if slowest > SLOWEST * duration:
         raise ValueError(
             f"a storey yields so rarely that its drift relaxes in {slowest:.3g} s: a stationary "

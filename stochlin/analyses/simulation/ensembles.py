@@ -18,7 +18,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import derived_together, solve_structure
 from stochlin.analyses.linearization.tolerance import Tolerance
-from stochlin.analyses.simulation.frames import ConnectedStructures, laws_of
+from stochlin.analyses.simulation.connected_structures import ConnectedStructures, laws_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_whole, is_number
@@ -177,7 +177,7 @@ def prepare(
     paths: int,
     seed: int,
     steps_per_period: int,
-    frames: Sequence[ConnectedStructures] = (),
+    connected: Sequence[ConnectedStructures] = (),
     floors: Sequence[int] | None = None,
     drift_times: Array | None = None,
     scatter: float = 0.0,
@@ -195,10 +195,10 @@ def prepare(
         The ground that acts on all structures.
     paths, seed, steps_per_period, scatter
         As in `simulate`.
-    frames : sequence of ConnectedStructures
+    connected : sequence of ConnectedStructures
         Buildings with storeys and linked structures.
     floors : sequence of int, optional
-        For each of the ``cells`` its number among the floors. Required if there are ``frames``.
+        For each of the ``cells`` its number among the floors. Required with ``connected`` ones.
     drift_times : Array, optional
         For each floor the time in which its plastic drift decays [s]. The default are the times of the
         ``cells``.
@@ -218,9 +218,9 @@ def prepare(
     if cells is not None and not cells.valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
     own = 0 if cells is None else cells.valid.size
-    count = own + sum(frame.floors.size for frame in frames)
+    count = own + sum(group.floors.size for group in connected)
     if moments:
-        check_memory(count if cells is None or frames else int(cells.valid.sum()), paths)
+        check_memory(count if cells is None or connected else int(cells.valid.sum()), paths)
     rows, scale, period = np.full(count, -1), np.full(count, np.nan), np.full(count, np.nan)
     drift_time, parts = np.zeros(count), list[Oscillators | SteppedStructures]()
     soil = ground.lone_filter()
@@ -236,13 +236,13 @@ def prepare(
         period[mine], drift_time[mine] = cells.period, cells.drift_time
         periods.append(float(cells.period[valid].min()))
         memory = max(memory, float(cells.damping_time[valid].max()))
-    for frame in frames:
+    for group in connected:
         begin = sum(part.size for part in parts)
-        rows[frame.floors] = begin + np.arange(frame.floors.size)
-        scale[frame.floors], period[frame.floors] = 1.0, frame.period
-        periods.append(frame.shortest)
-        memory = max(memory, frame.slowest)
-        parts.append(frame.part)
+        rows[group.floors] = begin + np.arange(group.floors.size)
+        scale[group.floors], period[group.floors] = 1.0, group.period
+        periods.append(group.shortest)
+        memory = max(memory, group.slowest)
+        parts.append(group.part)
     if drift_times is not None:
         drift_time = drift_times
     dt = step or min(periods) / steps_per_period

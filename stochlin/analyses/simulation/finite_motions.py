@@ -10,7 +10,7 @@ import xarray as xr
 from scipy.special import bdtrik, betaincinv
 
 from stochlin.analyses.simulation.ensembles import SimulationRun, seconds_of
-from stochlin.analyses.simulation.riders import STRUCTURE, Riders
+from stochlin.analyses.simulation.structures_in_motion import STRUCTURE, StructuresInMotion
 from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.simulation.views import (
     Pair,
@@ -103,7 +103,7 @@ def finite_steps(run: SimulationRun, duration: float, envelope: Envelope | None)
 
 
 def simulate_finite(
-    riders: Riders,
+    moving: StructuresInMotion,
     run: SimulationRun,
     duration: float,
     envelope: Envelope | None,
@@ -112,11 +112,11 @@ def simulate_finite(
 ) -> xr.Dataset:
     """Dataset of `simulate` for motions of finite duration, without labels."""
     levels = np.asarray(quantiles, float)
-    check_finite(run, duration, riders.functions)
-    system, pairs = riders.system, pairs_of(riders.system)
+    check_finite(run, duration, moving.functions)
+    system, pairs = moving.system, pairs_of(moving.system)
     n = run.valid.size
-    storeys = drifts_of(system) if riders.has_storeys else []
-    places = at_heights(system) if riders.has_storeys else []
+    storeys = drifts_of(system) if moving.has_storeys else []
+    places = at_heights(system) if moving.has_storeys else []
     functions = [
         *({floor: 1.0} for floor in range(n)),
         *storeys,
@@ -127,11 +127,11 @@ def simulate_finite(
     check_response(system, np.isfinite(highest[:, :n]))
     either = np.maximum(highest, -lowest)
     samples: Columns = {
-        "peak_positive": (("path", riders.floor), highest[:, :n]),
-        "peak_negative": (("path", riders.floor), -lowest[:, :n]),
-        "peak": (("path", riders.floor), either[:, :n]),
+        "peak_positive": (("path", moving.floor), highest[:, :n]),
+        "peak_negative": (("path", moving.floor), -lowest[:, :n]),
+        "peak": (("path", moving.floor), either[:, :n]),
     }
-    coords = {k: v for k, v in riders.floor_coords().items() if not k.endswith("_2")}
+    coords = {k: v for k, v in moving.floor_coords().items() if not k.endswith("_2")}
     if storeys:
         coords |= element_coordinates(system)
         samples["peak_drift"] = ("path", ELEMENT), either[:, n : n + len(storeys)]
@@ -146,7 +146,7 @@ def simulate_finite(
         coords["height"] = labels.axis("height", HEIGHT, heights, "m").height
     means = _means(samples)
     if storeys:
-        means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / riders.strength
+        means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength
     ends = quantile_intervals(samples["separation"][1], levels)
     over = "quantile", STRUCTURE, f"{STRUCTURE}_2"
     quantile: Columns = {

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stochlin.analyses.simulation.frames import elements_of
+from stochlin.analyses.simulation.connected_structures import elements_of
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.account import Parts

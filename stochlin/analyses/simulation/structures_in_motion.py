@@ -9,13 +9,13 @@ import numpy as np
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.systems.systems import linearize_system
-from stochlin.analyses.simulation.ensembles import SimulationCells, SimulationRun, cells_of_all, prepare
-from stochlin.analyses.simulation.frames import (
+from stochlin.analyses.simulation.connected_structures import (
     ConnectedStructures,
-    frames_of,
+    connected_of,
     relaxation_times,
-    sampled_frames,
+    sampled_connected,
 )
+from stochlin.analyses.simulation.ensembles import SimulationCells, SimulationRun, cells_of_all, prepare
 from stochlin.analyses.simulation.views import pairs_of
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR, floor_coordinates
 from stochlin.kernels.basics.arrays import Array
@@ -34,13 +34,13 @@ from stochlin.models.systems import (
 STRUCTURE = "structure"
 
 
-class Riders(NamedTuple):
+class StructuresInMotion(NamedTuple):
     """All structures that are simulated under the same motions."""
 
     system: Arrangement
     cells: SimulationCells | None  # oscillators without links
     alone: list[int]  # numbers of their floors
-    frames: list[ConnectedStructures]
+    connected: list[ConnectedStructures]
     links: tuple[Link | None, ...]
     strength: Array  # (n,) yield drift [m] of the storey below each floor
     drift_times: Array  # (n,) relaxation time [s] of its plastic drift; 0 for finite motions
@@ -92,7 +92,7 @@ class Riders(NamedTuple):
             paths=paths,
             seed=seed,
             steps_per_period=steps_per_period,
-            frames=self.frames,
+            connected=self.connected,
             floors=self.alone,
             drift_times=self.drift_times,
             scatter=scatter,
@@ -101,13 +101,13 @@ class Riders(NamedTuple):
         )
 
 
-def riders_of(
+def structures_in_motion(
     structures: Sequence[AnyStructure],
     ground: Ground,
     link: Link | Sequence[Link | None] | None,
     stationary: bool,
     samples: Sequence[Sequence[Stack]] | None = None,
-) -> Riders:
+) -> StructuresInMotion:
     """Structures of a simulation; for a stationary one with relaxation times by linearization.
 
     ``samples`` are the structures of each motion if parameters are uncertain; then ``structures`` are
@@ -125,7 +125,9 @@ def riders_of(
         check_stationary(system)
         for n, stack in enumerate(system.stacks, start=1):
             stack.law.check_stationary(f"structures, number {n}")
-    frames, alone = frames_of(system) if samples is None else (sampled_frames(system, samples), [])
+    connected, alone = (
+        connected_of(system) if samples is None else (sampled_connected(system, samples), [])
+    )
     floors = [int(system.first[n]) for n in alone]
     strength = system.storeys.strength
     drift_times = np.zeros(strength.size)
@@ -134,10 +136,10 @@ def riders_of(
         oscillators: list[Any] = [structures[n] for n in alone]
         cells = cells_of_all(oscillators, ground, stationary)
         strength[floors], drift_times[floors] = cells.yield_displacement, cells.drift_time
-    if stationary and frames:
-        among = np.concatenate([frame.floors for frame in frames])
+    if stationary and connected:
+        among = np.concatenate([group.floors for group in connected])
         drift_times[among] = _drift_times(structures, ground, links, system)[among]
-    return Riders(system, cells, floors, frames, links, strength, drift_times)
+    return StructuresInMotion(system, cells, floors, connected, links, strength, drift_times)
 
 
 def _drift_times(

@@ -39,9 +39,9 @@ class ConnectedStructures(NamedTuple):
     period: float  # [s], longest elastic period
 
 
-def frames_of(system: Arrangement) -> tuple[list[ConnectedStructures], list[int]]:
-    """Frames of a system, and the numbers of the oscillators without links."""
-    frames, alone = [], []
+def connected_of(system: Arrangement) -> tuple[list[ConnectedStructures], list[int]]:
+    """Connected structures of a system, and the numbers of the oscillators without links."""
+    connected, alone = [], []
     with_device = {tie.one for tie in system.ties if tie.link.within_one}
     for members in _tied(system):
         number = members[0]
@@ -49,17 +49,19 @@ def frames_of(system: Arrangement) -> tuple[list[ConnectedStructures], list[int]
         if lone and int(system.first[number]) not in with_device:
             alone.append(int(number))
         else:
-            frames.append(_frame(system, members))
-    return frames, alone
+            connected.append(_connected(system, members))
+    return connected, alone
 
 
-def all_frames(system: Arrangement) -> list[ConnectedStructures]:
-    """Frames of a system, with oscillators without links as buildings of one storey."""
-    return [_frame(system, members) for members in _tied(system)]
+def all_connected(system: Arrangement) -> list[ConnectedStructures]:
+    """Connected structures of a system, with oscillators without links as buildings of one storey."""
+    return [_connected(system, members) for members in _tied(system)]
 
 
-def sampled_frames(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> list[ConnectedStructures]:
-    """Frames of a system with uncertain parameters; ``samples`` are the structures of each motion.
+def sampled_connected(
+    system: Arrangement, samples: Sequence[Sequence[Stack]]
+) -> list[ConnectedStructures]:
+    """Those of a system with uncertain parameters; ``samples`` are the structures of each motion.
 
     The time step is short enough for the stiffest sample of each structure.
     """
@@ -67,13 +69,13 @@ def sampled_frames(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> l
     stiffest = [max((sample[s] for sample in samples), key=_stiffness) for s in range(count)]
     sampled = []
     for members in _tied(system):
-        frame = _frame(system, members)
-        usual, stacks = frame.part.elements, [system.stacks[m] for m in members]
+        group = _connected(system, members)
+        usual, stacks = group.part.elements, [system.stacks[m] for m in members]
         of_links = usual.system.damping - System.beside([stack.system for stack in stacks]).damping
         elements = _with_stacks(usual, of_links, [[sample[m] for m in members] for sample in samples])
-        shortest = _frame(system._replace(stacks=tuple(stiffest)), members).shortest
-        part = SteppedStructures(usual, frame.part.law, elements)
-        sampled.append(frame._replace(part=part, shortest=shortest))
+        shortest = _connected(system._replace(stacks=tuple(stiffest)), members).shortest
+        part = SteppedStructures(usual, group.part.law, elements)
+        sampled.append(group._replace(part=part, shortest=shortest))
     return sampled
 
 
@@ -109,7 +111,7 @@ def _tied(system: Arrangement) -> list[Array]:
     return [np.flatnonzero(group == number) for number in dict.fromkeys(group)]
 
 
-def _frame(system: Arrangement, members: Array) -> ConnectedStructures:
+def _connected(system: Arrangement, members: Array) -> ConnectedStructures:
     """The structures ``members`` (numbers from 0) and the links between them."""
     elements, law = elements_of(system, members)
     whole, stacks = elements.system, [system.stacks[m] for m in members]
