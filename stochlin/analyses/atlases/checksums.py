@@ -63,9 +63,9 @@ def rows_key(number: Number) -> str:
     return chunk_key(CHECKS, (*number, 0, 0))
 
 
-def rows_of_block(seed: int, number: Number, found: Sequence[Facts] | Array) -> Array:
+def rows_of_block(seed: int, number: Number, entries: Sequence[Facts] | Array) -> Array:
     """The checks of the chunks of a block, with a last row for the checks themselves."""
-    rows = np.array(found, "<i8")
+    rows = np.array(entries, "<i8")
     return np.vstack([rows, np.array([facts(seed, rows_key(number), rows.tobytes())], "<i8")])
 
 

@@ -150,7 +150,7 @@ def _link_forces(standing: Standing, force: Array, rate: Array, drag: Array) -> 
 
 
 def histories(
-    found: ResponseHistories,
+    motion: ResponseHistories,
     standing: Standing,
     structures: Sequence[Building],
     response: RowResponse,
@@ -165,19 +165,21 @@ def histories(
     """
     line, first = response.impacts.T, standing.first
 
-    def asked(values: Array) -> Array:
+    def at_times(values: Array) -> Array:
         return values if times is None else _interpolated(values, response.time, times)
 
     return xr.Dataset(
         {
             **{
-                name: by_floor(asked(values), first, structures, "time")
-                for name, values in found.floors.items()
+                name: by_floor(at_times(values), first, structures, "time")
+                for name, values in motion.floors.items()
             },
-            **{n: (("time", "structure"), asked(values)) for n, values in found.structures.items()},
-            **{name: (("time", "link"), asked(values)) for name, values in found.links.items()},
-            **{name: ("time", asked(values)) for name, values in found.whole.items()},
-            **{name: (("time", "contact"), asked(values)) for name, values in found.contacts.items()},
+            **{n: (("time", "structure"), at_times(values)) for n, values in motion.structures.items()},
+            **{name: (("time", "link"), at_times(values)) for name, values in motion.links.items()},
+            **{name: ("time", at_times(values)) for name, values in motion.whole.items()},
+            **{
+                name: (("time", "contact"), at_times(values)) for name, values in motion.contacts.items()
+            },
             "impact_time": ("impact", start + line[impacts.BEGIN]),
             "impact_contact": ("impact", line[impacts.CONTACT].astype(np.int64) + 1),
             "approach_velocity": ("impact", line[impacts.APPROACH]),

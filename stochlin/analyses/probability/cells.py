@@ -255,34 +255,34 @@ def by_simulation(
 
 
 def simulated_table(
-    found: Histories, cell: xr.DataArray, pair: xr.DataArray, confidence: float, seed: int
+    histories: Histories, cell: xr.DataArray, pair: xr.DataArray, confidence: float, seed: int
 ) -> xr.Dataset:
     """Simulated probabilities and standard deviations, with errors.
 
     ``cell`` and ``pair`` have the numbers of gaps and pairs. With several heights, the pairs are one
     pair at each height.
     """
-    n = len(found.largest)
-    alive = found.survivors
+    n = len(histories.largest)
+    alive = histories.survivors
     lower, upper = share_interval(alive, n)
     stem = "confidence_of_no_pounding_simulated"
     table = xr.Dataset(
         {
-            "instantaneous_probability_simulated": spread_over(found.beyond / n, cell),
+            "instantaneous_probability_simulated": spread_over(histories.beyond / n, cell),
             stem: spread_over(alive / n, cell),
             f"{stem}_lower": spread_over(lower, cell),
             f"{stem}_upper": spread_over(upper, cell),
         }
     )
-    mean = found.squares / n
-    error = np.sqrt(np.maximum(found.fourths / n - mean**2, 0) / n) / (
+    mean = histories.squares / n
+    error = np.sqrt(np.maximum(histories.fourths / n - mean**2, 0) / n) / (
         2 * np.sqrt(np.where(mean > 0, mean, 1.0))
     )
     names = ("displacement_std_simulated_1", "displacement_std_simulated_2", "difference_std_simulated")
     for row, name in enumerate(names):
         table[name] = spread_over(np.sqrt(mean[:, row]), pair)
     table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pair)
-    largest, place = found.largest, pair
+    largest, place = histories.largest, pair
     table = table.assign(_simulated_gaps(largest, pair, confidence))
     if HEIGHT in pair.dims:
         largest, place = largest.max(axis=1, keepdims=True), xr.DataArray(0)

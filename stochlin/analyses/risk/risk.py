@@ -224,14 +224,14 @@ def required_gap(
 
 
 def _over_cells(
-    of_cell: Callable[..., xr.Dataset], given: dict[str, Any], ground: Ground, duration: float
+    of_cell: Callable[..., xr.Dataset], structures: dict[str, Any], ground: Ground, duration: float
 ) -> xr.Dataset:
     """``of_cell`` for every cell of structures and ground; NaN if a period exceeds the duration."""
     expect(median_of(ground), Ground, "ground")
-    both = {role: median_of(structure) for role, structure in given.items()}
+    both = {role: median_of(structure) for role, structure in structures.items()}
     check_duration(duration, both)
     long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
-    return over_cells(of_cell, {**given, "ground": ground}, long_enough)
+    return over_cells(of_cell, {**structures, "ground": ground}, long_enough)
 
 
 class Target(NamedTuple):

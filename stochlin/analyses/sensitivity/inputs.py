@@ -95,12 +95,12 @@ class Inputs(NamedTuple):
         *structures, ground = models.values()
         return Draw(structures, ground, motions, factors)
 
-    def possible(self, one: Input, samples: Mapping[str, Array], factor: float) -> bool:
+    def possible(self, entry: Input, samples: Mapping[str, Array], factor: float) -> bool:
         """Whether all samples of an input times ``factor`` are allowed values."""
-        drawn = samples.get(one.name, np.ones(1))
+        drawn = samples.get(entry.name, np.ones(1))
         try:
             for end in (drawn.min(), drawn.max()):
-                self.models[one.role].at({one.key: factor * float(end)})
+                self.models[entry.role].at({entry.key: factor * float(end)})
         except ValueError:
             return False
         return True

@@ -167,9 +167,9 @@ def linearized_at_roof(
     return float(correlation_of(motion, roof_1, roof_2)[0]), float(motion.std(roof_1 - roof_2)[0, 0])
 
 
-def correlation_of(motion: StationaryResponse, one: Array, two: Array) -> Array:
+def correlation_of(motion: StationaryResponse, weights_1: Array, weights_2: Array) -> Array:
     """Correlation of two displacements with these weights of the floors (k, floors), linearized."""
-    first, second, apart = (motion.std(row)[0] for row in (one, two, one - two))
+    first, second, apart = (motion.std(row)[0] for row in (weights_1, weights_2, weights_1 - weights_2))
     rho: Array = (first**2 + second**2 - apart**2) / (2 * first * second)
     return rho
 
@@ -201,12 +201,12 @@ def stationary_motions(
     )
 
 
-def correlation_in(table: xr.Dataset, one: Array, two: Array) -> Array:
+def correlation_in(table: xr.Dataset, weights_1: Array, weights_2: Array) -> Array:
     """Correlation of two displacements with these weights of the floors, in a stationary simulation."""
     sigma = table.displacement_std.values
     covariance = table.rho.values * np.outer(sigma, sigma)
-    variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (one, two)]
-    shared = np.einsum("hi,ij,hj->h", one, covariance, two)
+    variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (weights_1, weights_2)]
+    shared = np.einsum("hi,ij,hj->h", weights_1, covariance, weights_2)
     rho: Array = shared / np.sqrt(variances[0] * variances[1])
     return rho
 

@@ -134,11 +134,11 @@ def _solved(structure: AnyStructure, ground: Ground) -> xr.Dataset:
     return solve_structure(structure, ground, DRIFT, USUAL)
 
 
-def _shared(one: xr.Dataset, other: xr.Dataset) -> float:
+def _shared(first: xr.Dataset, second: xr.Dataset) -> float:
     """Covariance of the plastic drifts of two structures [m^2]."""
-    systems = [system_and_forcing([side[n].values for n in INTERNAL])[0] for side in (one, other)]
-    shares = [np.array([side[n].values for n in SHARES]) for side in (one, other)]
-    rates: list[Array] = [side.drift_rate.values for side in (one, other)]
+    systems = [system_and_forcing([side[n].values for n in INTERNAL])[0] for side in (first, second)]
+    shares = [np.array([side[n].values for n in SHARES]) for side in (first, second)]
+    rates: list[Array] = [side.drift_rate.values for side in (first, second)]
     coherence = innovation_coherence(systems[0], systems[1])
     correlation = drift_correlation(coherence, shares[0], shares[1], rates[0], rates[1])
-    return float(correlation * one.drift_std.values * other.drift_std.values)
+    return float(correlation * first.drift_std.values * second.drift_std.values)

@@ -203,12 +203,12 @@ def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) 
     return Wanted(sought, interpolated(period, values, sought), damping, duration, envelope)
 
 
-def _with_source(found: Delivered, wanted: Wanted, source: str) -> Ground:
+def _with_source(delivered: Delivered, wanted: Wanted, source: str) -> Ground:
     under = "stationary" if wanted.envelope is None else wanted.envelope.describe()
     text = (
         f"fitted to {source}, damping {wanted.damping:g}, from {wanted.periods[0]:.3g} to "
         f"{wanted.periods[-1]:.3g} s; motions of {wanted.duration:g} s, {under}, have this spectrum in "
-        f"the mean with errors of {100 * found.rms:.1f} % (root mean square) and "
-        f"{100 * found.worst:.1f} % (largest)"
+        f"the mean with errors of {100 * delivered.rms:.1f} % (root mean square) and "
+        f"{100 * delivered.worst:.1f} % (largest)"
     )
-    return replace(found.ground, source=text)
+    return replace(delivered.ground, source=text)

@@ -192,14 +192,14 @@ class _Search:
             starts = [fit.logs]
         return fit
 
-    def corrected(self, found: _Filters, accelerations: Array) -> _Filters:
+    def corrected(self, fit: _Filters, accelerations: Array) -> _Filters:
         """The fit with the peak factors of a simulation, whose mean spectrum is ``accelerations``."""
         peaks = accelerations * (self.wanted.periods / (2 * np.pi)) ** 2
-        std = np.sqrt(self.oscillators.variance(self._psd(found)))
-        return self._best(peaks / std, [found.logs])
+        std = np.sqrt(self.oscillators.variance(self._psd(fit)))
+        return self._best(peaks / std, [fit.logs])
 
-    def _psd(self, found: _Filters) -> Array:
-        return _psd(found.logs, self.oscillators.frequency)[0]
+    def _psd(self, fit: _Filters) -> Array:
+        return _psd(fit.logs, self.oscillators.frequency)[0]
 
     def _best(self, factors: Array, starts: Iterable[Array]) -> _Filters:
         frequency, rows, weight = self.oscillators.frequency, self._rows, self._weight

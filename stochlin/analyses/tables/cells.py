@@ -243,16 +243,16 @@ def computed(model: Model) -> dict[str, xr.DataArray]:
     return {name: array.compute() for name, array in model.arrays().items() if is_lazy(array)}
 
 
-def _of_chunk(given: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
-    """One chunk of a lazy table; ``given`` has the parameters of its cells as ``model.parameter``."""
+def _of_chunk(arrays: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
+    """One chunk of a lazy table; ``arrays`` has the parameters of its cells as ``model.parameter``."""
     function, bare, dims = options
     models = {
         role: model.with_arrays(
-            {name: given[key] for name in model.arrays() if (key := f"{role}.{name}") in given}
+            {name: arrays[key] for name in model.arrays() if (key := f"{role}.{name}") in arrays}
         )
         for role, model in bare.items()
     }
-    table = function(models, given[[name for name in given if "." not in str(name)]])
+    table = function(models, arrays[[name for name in arrays if "." not in str(name)]])
     return table.assign({name: table[name].transpose(*own) for name, own in dims.items()})
 
 

@@ -79,10 +79,10 @@ def _flag(off):
 
 
 @entry
-def _fill(one, steps_1, two, steps_2, bias, steps, shape, rho, begin, end, std, off, flag):
+def _fill(std_1, steps_1, std_2, steps_2, bias, steps, shape, rho, begin, end, std, off, flag):
     """Compute the cells from ``begin`` to ``end``, tile by tile.
 
-    ``one`` and ``two`` (2, n) are the standard deviations as computed and as corrected by their bias.
+    ``std_1`` and ``std_2`` (2, n) are standard deviations as computed and as corrected by their bias.
     """
     cells_1, cells_2, cells = (
         np.empty(LANES, np.int64), np.empty(LANES, np.int64), np.empty(LANES, np.int64)
@@ -96,8 +96,8 @@ def _fill(one, steps_1, two, steps_2, bias, steps, shape, rho, begin, end, std, 
         cells_of_tile(start, count, shape, steps_2, cells_2)
         cells_of_tile(start, count, shape, steps, cells)
         for lane in range(LANES):
-            a[lane], b[lane] = one[0, cells_1[lane]], one[1, cells_1[lane]]
-            c[lane], d[lane] = two[0, cells_2[lane]], two[1, cells_2[lane]]
+            a[lane], b[lane] = std_1[0, cells_1[lane]], std_1[1, cells_1[lane]]
+            c[lane], d[lane] = std_2[0, cells_2[lane]], std_2[1, cells_2[lane]]
             e[lane] = bias[cells[lane]]
         for lane in range(count):
             r[lane] = rho[start + lane]

@@ -138,21 +138,22 @@ def _lone_pair(first: PairSide, second: PairSide, grid: Grid | None, codes: Code
 
 
 @called_often
-def _judged(value, base, known, one, two, not_converged, not_physical):
+def _judged(value, base, known, flags_1, flags_2, not_converged, not_physical):
     """``rho``, status, bias and caution of a pair; ``base`` is ``rho`` by the closure of ``known``."""
-    status = max(one[0], two[0])
+    status = max(flags_1[0], flags_2[0])
     if status < not_converged and not abs(value) <= 1.0 + ROUNDING:
         status = not_physical
-    off = 0.0 if one[2] and two[2] else known  # elastic: exact
+    off = 0.0 if flags_1[2] and flags_2[2] else known  # elastic: exact
     off += value - base  # NaN where rho is
     large = 2 if np.isnan(off) else int(abs(off) > OFF)
     rho = min(max(value, -1.0), 1.0) if status < not_converged else np.nan
-    return rho, status, off, max(large, one[1], two[1])
+    return rho, status, off, max(large, flags_1[1], flags_2[1])
 
 
 @entry
 def _fill(
-    one, gaussian_1, place_1, flags_1, strides_1, two, gaussian_2, place_2, flags_2, strides_2,
+    parameters_1, gaussian_1, place_1, flags_1, strides_1,
+    parameters_2, gaussian_2, place_2, flags_2, strides_2,
     shape, axes, sizes, values, other_closure, not_converged, not_physical,
     begin, end, rho, status, bias, caution,
 ):  # fmt: skip
@@ -169,7 +170,7 @@ def _fill(
         count = min(LANES, end - start)
         cells_of_tile(start, count, shape, strides_1, cells_1)
         cells_of_tile(start, count, shape, strides_2, cells_2)
-        rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, raw)
+        rho_of_tile(parameters_1, parameters_2, cells_1, cells_2, a, b, loaded, raw)
         if other_closure:
             rho_of_tile(gaussian_1, gaussian_2, cells_1, cells_2, c, d, loaded_too, base)
         bias_of_tile(place_1, cells_1, place_2, cells_2, count, axes, sizes, values, memory, known)

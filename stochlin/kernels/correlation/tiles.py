@@ -119,15 +119,15 @@ def _correlations(stiff, soft, out):
 
 
 @compiled
-def rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, out):
+def rho_of_tile(parameters_1, parameters_2, cells_1, cells_2, a, b, loaded, out):
     """Write ``rho`` of a tile to ``out``.
 
     The stiffer structure of each pair is taken first, for accuracy as in `covariance.pair_covariance`.
     ``a`` and ``b`` are working space for the two structures, and ``loaded`` are the numbers of those
     that are in it.
     """
-    _load(one, cells_1, a, loaded[0])
-    _load(two, cells_2, b, loaded[1])
+    _load(parameters_1, cells_1, a, loaded[0])
+    _load(parameters_2, cells_2, b, loaded[1])
     stiffer = 0
     for lane in range(LANES):
         stiffer += a[STIFFNESS * LANES + lane] >= b[STIFFNESS * LANES + lane]

@@ -221,8 +221,8 @@ def _nothing(problem: Problem, unknowns: Array) -> FixedPoint:
     return FixedPoint(0 * unknowns + np.nan, coefficients, np.zeros(n, np.int32), none, none > 0)
 
 
-def _add(solution: FixedPoint, cells: Array, found: FixedPoint) -> None:
+def _add(solution: FixedPoint, cells: Array, fixed_point: FixedPoint) -> None:
     """Write the results of some cells into those of all, and add their iterations."""
-    spent = found.iterations + solution.iterations[cells]
-    for field, value in zip(solution, found._replace(iterations=spent), strict=True):
+    spent = fixed_point.iterations + solution.iterations[cells]
+    for field, value in zip(solution, fixed_point._replace(iterations=spent), strict=True):
         field[..., cells] = value

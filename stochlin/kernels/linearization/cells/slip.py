@@ -175,14 +175,14 @@ def values(latent: Array, clipped: bool) -> Array:
 
 
 @entry
-def close_cells(clipped, latent, found):
-    """`values` of cells, written to ``found`` (20, n)."""
+def close_cells(clipped, latent, out):
+    """`values` of cells, written to ``out`` (20, n)."""
     tile = np.empty(CLOSED * LANES)
     fill(tile, 1.0)
-    for start in range(0, found.shape[1], LANES):
+    for start in range(0, out.shape[1], LANES):
         load(latent, start, tile, MOMENTS)
         close(tile, clipped)
-        store(tile, COEFFICIENTS, found, start)
+        store(tile, COEFFICIENTS, out, start)
 
 
 def quadrants(sz: Array, r: Array) -> Array:
@@ -201,12 +201,12 @@ def quadrants(sz: Array, r: Array) -> Array:
 
 
 @entry
-def find_quadrants(sz, r, found):
-    """`quadrants` of cells, written to ``found`` (7, n)."""
+def find_quadrants(sz, r, out):
+    """`quadrants` of cells, written to ``out`` (7, n)."""
     for cell in range(sz.size):
         here, _, _ = _quadrant(sz[cell], r[cell], _integral(sz[cell], r[cell]))
         for row in range(7):
-            found[row, cell] = here[row]
+            out[row, cell] = here[row]
 
 
 for _ in (gaussian_values, clipped_values, regressed):

@@ -93,10 +93,10 @@ def advance(cell, moments, value, forcings, state, pace, rtol, atol):
 
 
 @called_often
-def _either(first, one, other):
+def _either(first, x, y):
     """One triple of numbers or the other."""
     return (
-        one[0] if first else other[0], one[1] if first else other[1], one[2] if first else other[2]
+        x[0] if first else y[0], x[1] if first else y[1], x[2] if first else y[2]
     )  # fmt: skip
 
 

@@ -91,19 +91,21 @@ class Lyapunov:
         accurate &= self.stable & self.resolved & np.isfinite(covariance).all(axis=(1, 2))
         return np.where(accurate[:, None, None], covariance, np.nan)
 
-    def slopes(self, columns: Array, rows: Array, covariance: Array, one: Array, two: Array) -> Array:
-        """Derivatives (c, s, r) of ``one X two'`` by ``e`` if the matrix changes by ``e column row'``.
+    def slopes(
+        self, columns: Array, rows: Array, covariance: Array, out_1: Array, out_2: Array
+    ) -> Array:
+        """Derivatives (c, s, r) of ``out_1 X out_2'`` by ``e`` if the matrix gains ``e column row'``.
 
-        There are r changes, ``columns`` and ``rows`` (c, r, n), and s pairs of outputs, ``one`` and
-        ``two`` (c, s, n). None is of the last part: a change in one part moves outputs of this part
+        There are r changes, ``columns`` and ``rows`` (c, r, n), and s pairs of outputs, ``out_1`` and
+        ``out_2`` (c, s, n). None is of the last part: a change in one part moves outputs of this part
         only, so that it is solved for in the Schur basis of this part and the last.
         """
-        slopes = np.zeros((len(rows), one.shape[1], rows.shape[1]))
+        slopes = np.zeros((len(rows), out_1.shape[1], rows.shape[1]))
         drive = (columns / self.scale[:, None], rows @ covariance / self.scale[:, None])
-        seen = (one * self.scale[:, None], two * self.scale[:, None])
+        seen = (out_1 * self.scale[:, None], out_2 * self.scale[:, None])
         for part, place in zip(self.parts[:-1], self.places, strict=False):
             changes = np.flatnonzero(columns[..., part].any(axis=(0, 2)))
-            outputs = np.flatnonzero(one[..., part].any(axis=(0, 2)))
+            outputs = np.flatnonzero(out_1[..., part].any(axis=(0, 2)))
             states = np.concatenate([place, self.places[-1]])
             vectors, triangles = self.vectors[..., states], self.triangle[:, states[:, None], states]
             a, b = (factor[:, changes] @ vectors for factor in drive)
