@@ -28,7 +28,7 @@ LACKING = {NARROW_BAND: "has no z", DRIFT: "is only available for single structu
 
 
 @dataclass(frozen=True)
-class ElementMoments(Model):
+class Moments(Model):
     """Moments of the ductility rate and the hysteretic displacement ``z`` of an element."""
 
     of_arguments = True
@@ -102,7 +102,7 @@ def equivalent_coefficients(
     >>> bool(abs(again.k_eq / one.k_eq - 1) < 1e-9)
     True
     """
-    moments = ElementMoments(velocity_std, z_std, velocity_z_corr)
+    moments = Moments(velocity_std, z_std, velocity_z_corr)
     structure = law_of(law, {"period": 1.0, "damping": 0.05}, law_parameters)
     check_element_closure(structure, closure)
     of_law = structure.closure(closure)
