@@ -14,7 +14,7 @@ import numpy as np
 import stochlin as sl
 from stochlin.analyses.simulation.ensembles import cells_of_all, prepare
 from stochlin.analyses.simulation.run_lengths import with_length
-from stochlin.kernels.simulation.ensemble import Motion
+from stochlin.kernels.simulation.ensemble import MotionGroup
 from stochlin.kernels.simulation.stepping import LANES
 
 RATIO = 0.7  # of the periods of the pair
@@ -61,7 +61,10 @@ def second_moments(structures, ground):
     steps, gains = (np.array(part) for part in zip(*both, strict=True))
     moments = np.zeros((2, plan.groups, LANES, 2, 2))
     for group in range(plan.groups):
-        motion, state = Motion(run.crowd, run.ground, run.root, plan, group), np.zeros((2, 3, LANES))
+        motion, state = (
+            MotionGroup(run.crowd, run.ground, run.root, plan, group),
+            np.zeros((2, 3, LANES)),
+        )
         linear = np.empty((plan.samples, 2, LANES))
         for block in range(plan.burn_in + plan.recorded):
             out = motion.block()

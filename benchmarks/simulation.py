@@ -16,8 +16,8 @@ import numpy as np
 from opensees_models import add_oscillators, new_model, opensees_or_none, shake
 
 import stochlin as sl
-from stochlin.analyses.simulation.ensembles import Run, cells_of_all, prepare
-from stochlin.analyses.simulation.frames import frames_of
+from stochlin.analyses.simulation.connected_structures import connected_of
+from stochlin.analyses.simulation.ensembles import SimulationRun, cells_of_all, prepare
 from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.parallel import cores
@@ -44,14 +44,14 @@ def building(period: float) -> sl.Bilinear:
     return sl.Bilinear(period, damping=0.05, hardening=0.05, reduction_factor=4)
 
 
-def ready(count: int, paths: int = 256) -> Run:
+def ready(count: int, paths: int = 256) -> SimulationRun:
     """An ensemble of ``count`` structures, from half to twice the period of the ground."""
     structures = [building(period) for period in np.geomspace(1, 4, count)]
     cells = cells_of_all(structures, SOIL)
     return with_length(prepare(cells, SOIL, paths=paths, seed=0, steps_per_period=32), 20.0)
 
 
-def oscillators(run: Run) -> Array:
+def oscillators(run: SimulationRun) -> Array:
     """Parameters of the structures, which are of one law."""
     (part,) = run.crowd.parts
     assert isinstance(part, Oscillators)
@@ -69,7 +69,7 @@ def seconds(task: Callable[[], object], repeats: int = REPEATS) -> float:
     return float(np.median(times))
 
 
-def lane_steps(run: Run) -> int:
+def lane_steps(run: SimulationRun) -> int:
     plan = run.plan
     return plan.groups * LANES * plan.every * SAMPLES * (plan.burn_in + plan.recorded)
 
@@ -173,7 +173,7 @@ def chart(count: int = 60) -> None:
 
 def numpy_storeys(building: sl.ShearBuilding, dt: float, rng: np.random.Generator) -> None:
     """The same building in plain numpy, vectorized over paths; slips by as many passes as they take."""
-    elements = frames_of(arrangement_of([building]))[0][0].part.elements
+    elements = connected_of(arrangement_of([building]))[0][0].part.elements
     steps, n = steps_of(elements, dt), building.storeys
     q, v, z = np.zeros((3, n, NUMPY_PATHS))
     post, couple, uy, own = steps.spring.T[:, :, None]

@@ -12,7 +12,7 @@ import stochlin as sl
 from stochlin.analyses.correlation import linked
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.simulation.ensemble import Structures
+from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, by_number
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.kernels.simulation.time_step import Elements
@@ -181,7 +181,7 @@ def test_motion_of_the_pair_is_that_of_an_ode_solver(hardening):
         dt = seconds / steps
         middle = dt * (np.arange(steps) + 0.5)
         f = np.repeat(force(middle)[:, None], LANES, axis=1)
-        part, out = Structures(elements, by_number(())), np.empty((1, 2, LANES))
+        part, out = SteppedStructures(elements, by_number(())), np.empty((1, 2, LANES))
         part.block(dt)(f, part.at_rest(), steps, out)
         errors.append(np.abs(out[0, :, 0] * scale - solved.y[:2, -1]).max() / np.abs(solved.y[:2]).max())
     assert errors[1] < 2e-4

@@ -14,7 +14,7 @@ from stochlin.analyses.linearization.bias_map import bias_map
 from stochlin.kernels.basics.interpolation import Grid, interpolate
 from stochlin.kernels.correlation import tables as pair_tables
 from stochlin.kernels.correlation.differences import differences
-from stochlin.kernels.correlation.tables import OFF, Codes, Side, pair_parameters, pair_table
+from stochlin.kernels.correlation.tables import OFF, Codes, PairSide, pair_parameters, pair_table
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance, pair_covariance
 from stochlin.kernels.linearization.filters import KanaiTajimiFilter
 
@@ -42,7 +42,7 @@ def side(systems, soil, strides):
     parameters = pair_parameters(stacked, forcing, sigma)
     count = len(systems)
     place, flags = np.zeros((count, 6)), np.zeros((count, 3), np.int8)
-    return stacked, forcing, Side(parameters, parameters, place, flags, np.array(strides, int))
+    return stacked, forcing, PairSide(parameters, parameters, place, flags, np.array(strides, int))
 
 
 def table(first, second, shape, **options):

@@ -9,7 +9,7 @@ import sympy
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.analyses.simulation.frames import all_frames
+from stochlin.analyses.simulation.connected_structures import all_connected
 from stochlin.kernels.basics.compiled import not_kept
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.symbolic import SymbolicLaw
@@ -110,7 +110,7 @@ def test_an_oscillator_follows_an_ode_solver():
         return [v, forcing(t) - force, *rates_of(v / uy, z, e, **PINCHING)]
 
     exact = solve_ivp(slopes, (0, 3), np.zeros(4), rtol=1e-9, atol=1e-11, max_step=2e-3).y[:, -1]
-    part = all_frames(arrangement_of([structure]))[0].part
+    part = all_connected(arrangement_of([structure]))[0].part
     errors = []
     for steps in (600, 1200, 2400):
         t = np.linspace(0, 3, steps + 1)

@@ -12,7 +12,7 @@ import stochlin as sl
 from stochlin.analyses.linearization.systems.systems import equations_of, equivalent_systems, solved
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.linearization.systems.response import Response, alike
+from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
 
 pytestmark = pytest.mark.oracle
 
@@ -40,7 +40,7 @@ def motion(equations):
     """Coefficients of the elements, and standard deviations of floors, pairs of floors and springs."""
     solution, system = solved(equations), equations.system
     ((_, space),) = alike(equivalent_systems(equations, solution))
-    response, floors = Response(space), system.shapes
+    response, floors = StationaryResponse(space), system.shapes
     apart = (floors[:, None] - floors).reshape(-1, floors.shape[1])[1:]
     apart = apart[np.abs(apart).max(axis=1) > 0]
     assert response.residual.max() < USUAL.rtol

@@ -9,7 +9,7 @@ import scipy.linalg
 import stochlin as sl
 from stochlin.analyses.linearization.systems.solution import springs_of
 from stochlin.analyses.linearization.systems.systems import equations_of
-from stochlin.kernels.linearization.systems.response import Response
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.springs import Linear, respond
 from stochlin.kernels.linearization.systems.state_space import state_space
 
@@ -61,7 +61,7 @@ def test_covariance_is_that_of_scipy_for_the_whole_matrix(storeys, ground, linke
     problem = problem_of(storeys, ground, links)
     linear = coefficients(problem, 35)
     system = state_space(problem.mechanics, linear.slip - 1, linear.relaxation, linear.dashpots)
-    found = Response(system).covariance[0]
+    found = StationaryResponse(system).covariance[0]
     matrix, noise = system.matrix[0], system.noise[0]
     std = np.sqrt(np.diagonal(found))
     right = system.intensity[0] * np.outer(noise / std, noise / std)

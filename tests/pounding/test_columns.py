@@ -85,12 +85,14 @@ def test_a_column_met_at_its_floor_is_that_floor(name):
     """As the place on the column comes to the floor above, slab to slab is left."""
     pair, record = [building([3.0] * 3), building([3.0] * 2, 5e8)], shaking(200).to_numpy()
     standing = build_row(pair, np.array([0.005]), CONTACTS[name], ())
-    motions = kernel.Motions(record[:, None], 0.02, np.array([record.size - 1]), np.zeros(1), np.ones(1))
+    motions = kernel.GroundMotions(
+        record[:, None], 0.02, np.array([record.size - 1]), np.zeros(1), np.ones(1)
+    )
     at, _ = standing.row.places
     assert [m.kind for m in standing.places] == ["slab to slab"] * 2
 
     def run(row):
-        found = kernel.run(row, motions, kernel.Pace(10, 4), kernel.SAMPLES)
+        found = kernel.run(row, motions, kernel.StepCounts(10, 4), kernel.SAMPLES)
         return found.history[:, at.q : at.v], len(found.impacts)
 
     slabs, impacts = run(standing.row)

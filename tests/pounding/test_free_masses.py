@@ -71,7 +71,7 @@ def free_row(masses, contact, gap=0.0, sides=None, owners=None, springs=0.0):
         *(none, none, np.zeros(0)),
     )
     contacts = forces.Contacts.of(laws, n, left, right, space, e)
-    return kernel.Row(elements, by_number(()), contacts, parts, int(structure.max()) + 1)
+    return kernel.BuildingRow(elements, by_number(()), contacts, parts, int(structure.max()) + 1)
 
 
 class Flight:
@@ -96,7 +96,7 @@ class Flight:
         np.add.at(x, to.entering + row.parts.structure, start)  # as if the ground had done it
         ground = np.zeros((intervals + 1, lanes))
         counts, rates = np.full(lanes, intervals), np.full(lanes, slow)
-        motions = kernel.Motions(ground, substeps * dt, counts, rates, np.ones(lanes))
+        motions = kernel.GroundMotions(ground, substeps * dt, counts, rates, np.ones(lanes))
         x[at.meets] = 1.0
         long = steps_of(row.elements, substeps * dt)
         short = steps_of(row.elements, dt, row.contacts)

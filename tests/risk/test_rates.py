@@ -12,7 +12,7 @@ from stochlin.analyses.risk.rates import (
     TOO_FEW_INTENSITIES,
     TOO_FEW_POUND,
     Fragility,
-    Motions,
+    SeparationsByIntensity,
     lognormal_fragility,
     lognormal_rate,
     rates,
@@ -38,7 +38,7 @@ def lognormal_motions(count=4000, dispersion=0.4, highest=1e4):
     share = (np.arange(count) + 0.5) / count
     of_one = 0.1 * np.exp(dispersion * norm.ppf(share))
     intensity = np.geomspace(1e-3, highest, 9)
-    return Motions(intensity, of_one[:, None] * intensity)
+    return SeparationsByIntensity(intensity, of_one[:, None] * intensity)
 
 
 def test_sums_over_motions_are_the_integral():
@@ -68,7 +68,7 @@ def test_what_pounds_and_then_does_not_is_counted_where_it_does():
     separation = np.array([[0.5, 1.0, 1.0, 1.0, 2.0]])
     separation[0, 1:3] *= [1 + 1e-9, 1 + 1e-9]
     separation[0, 3] *= 1 - 1e-9
-    found = rates(Motions(intensity, separation), 1.0, power_law).sum()
+    found = rates(SeparationsByIntensity(intensity, separation), 1.0, power_law).sum()
     wanted = power_law(2.0) - power_law(np.sqrt(32.0)) + power_law(8.0)
     assert found == pytest.approx(wanted, rel=1e-6)
 
@@ -78,7 +78,7 @@ def test_fragility_is_found_again_also_where_half_of_the_motions_never_pound(hig
     rng = np.random.default_rng(3)
     of_one = 0.1 * np.exp(0.5 * rng.standard_normal(2000))
     intensity = np.geomspace(1e-2, highest, 7)
-    found = lognormal_fragility(Motions(intensity, of_one[:, None] * intensity), 0.3)
+    found = lognormal_fragility(SeparationsByIntensity(intensity, of_one[:, None] * intensity), 0.3)
     assert abs(np.log(found.median / 3)) < 4 * found.median_error / found.median
     assert abs(found.dispersion - 0.5) < 4 * found.dispersion_error
     assert 0.5 / np.sqrt(2000) * 0.8 < found.median_error / found.median < 0.03
@@ -96,7 +96,9 @@ def test_errors_of_the_fragility_are_those_of_repetitions(highest):
     intensity, found = np.geomspace(1e-2, highest, 7), []
     for _ in range(300):
         of_one = 0.1 * np.exp(0.5 * rng.standard_normal(200))
-        found.append(lognormal_fragility(Motions(intensity, of_one[:, None] * intensity), 0.3))
+        found.append(
+            lognormal_fragility(SeparationsByIntensity(intensity, of_one[:, None] * intensity), 0.3)
+        )
     median, dispersion, median_error, dispersion_error, _ = np.array(found).T
     for values, errors, exact in ((median, median_error, 3.0), (dispersion, dispersion_error, 0.5)):
         covered = (np.abs(values - exact) < 1.96 * errors).mean()
@@ -117,7 +119,9 @@ def test_errors_of_the_fragility_are_those_of_repetitions(highest):
     ],
 )
 def test_a_fragility_that_cannot_be_fitted_says_why(separation, status):
-    found = lognormal_fragility(Motions(np.arange(1.0, separation.shape[1] + 1), separation), 0.3)
+    found = lognormal_fragility(
+        SeparationsByIntensity(np.arange(1.0, separation.shape[1] + 1), separation), 0.3
+    )
     assert found.status == status
     assert np.isnan(found[:4]).all()
 
@@ -128,7 +132,7 @@ def test_below_the_lowest_intensity_separations_go_as_those_of_linear_structures
     for power in (1.0, 0.5):
         low, high = (np.geomspace(lowest, 1e3, 9) for lowest in (1e-3, 6.0))
         whole, cut = (
-            lognormal_fragility(Motions(im, of_one[:, None] * im**power, power), 0.3)
+            lognormal_fragility(SeparationsByIntensity(im, of_one[:, None] * im**power, power), 0.3)
             for im in (low, high)
         )
         np.testing.assert_allclose(cut[:4], whole[:4], rtol=1e-9)

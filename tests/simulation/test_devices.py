@@ -10,8 +10,8 @@ import scipy.integrate
 import sympy
 
 import stochlin as sl
-from stochlin.analyses.simulation.frames import all_frames
-from stochlin.kernels.simulation.ensemble import Structures
+from stochlin.analyses.simulation.connected_structures import all_connected
+from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import VISCOUS, by_number
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.systems import arrangement_of
@@ -95,7 +95,7 @@ def test_motion_is_that_of_another_integrator(exponent, constant, where):
     theirs = solved(system, seconds)
     errors = []
     for steps in (300, 1200):
-        (frame,) = all_frames(system)
+        (frame,) = all_connected(system)
         off = stepped(frame.part, seconds, steps)[-1, : frame.floors.size] - theirs[:, -1]
         errors.append(np.abs(off).max() / np.abs(theirs).max())
     assert errors[1] < 3e-4
@@ -106,7 +106,7 @@ def test_motion_is_that_of_another_integrator(exponent, constant, where):
 def test_what_the_ground_puts_in_is_stored_or_dissipated(exponent):
     """By the trapezoidal rule to the rounding of the passes, whatever the step."""
     system = arrangement_of([TOWER], in_every_storey(2e6, exponent))
-    (frame,) = all_frames(system)
+    (frame,) = all_connected(system)
     n, seconds, steps = 4, 2.0, 200
     dt = seconds / steps
     u = np.vstack([np.zeros(n), stepped(frame.part, seconds, steps)[:, :n]])
@@ -144,7 +144,7 @@ BATCHES = {
 @pytest.mark.parametrize(("law", "links"), BATCHES.values(), ids=BATCHES.keys())
 def test_a_motion_has_the_same_bits_alone_and_in_a_batch(law, links):
     tower = replace(TOWER, **YIELDING, **law)
-    (frame, *_) = all_frames(arrangement_of([tower, OTHER_TOWER], links))
+    (frame, *_) = all_connected(arrangement_of([tower, OTHER_TOWER], links))
     part, block = frame.part, frame.part.block(0.01)
     f = np.random.default_rng(2).normal(0, np.geomspace(0.5, 20, LANES), (300, LANES))
     together = np.empty((300, part.size, LANES))
@@ -165,10 +165,10 @@ def test_exponent_one_is_a_linear_dashpot():
     np.testing.assert_array_equal(tables[0].peak, tables[1].peak)
     found = []
     for links in (linear, in_every_storey(3e6, 0.5)):
-        (frame,) = all_frames(arrangement_of([TOWER], links))
+        (frame,) = all_connected(arrangement_of([TOWER], links))
         own = frame.part.elements.own.copy()
         own[frame.part.elements.kind == VISCOUS, 1:] = 1.0
-        part = Structures(frame.part.elements._replace(own=own), by_number(()))
+        part = SteppedStructures(frame.part.elements._replace(own=own), by_number(()))
         found.append(stepped(part, 3.0, 300)[:, :4])
     np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-8 * np.abs(found[0]).max())
 

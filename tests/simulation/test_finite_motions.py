@@ -11,7 +11,7 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.simulation.ensembles import cells_of, join_cells, prepare
-from stochlin.kernels.simulation.ensemble import Motion
+from stochlin.kernels.simulation.ensemble import MotionGroup
 
 pytestmark = pytest.mark.oracle
 
@@ -61,7 +61,7 @@ def test_variance_under_an_envelope_follows_the_lyapunov_equation():
     plan = run.plan._replace(every=1, samples=steps)
     envelope = QUAKE.at(plan.dt * (np.arange(steps) + 0.5))
     last = [
-        Motion(run.crowd, run.ground, run.root, plan, group).block(envelope)[-1, 0].copy()
+        MotionGroup(run.crowd, run.ground, run.root, plan, group).block(envelope)[-1, 0].copy()
         for group in range(plan.groups)
     ]
     sampled = np.concatenate(last) ** 2

@@ -344,7 +344,7 @@ def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypat
         raise AssertionError("work has begun")
 
     monkeypatch.setattr("stochlin.analyses.simulation.simulation.stationary_sums", never)
-    monkeypatch.setattr("stochlin.analyses.simulation.riders.cells_of_all", never)
+    monkeypatch.setattr("stochlin.analyses.simulation.structures_in_motion.cells_of_all", never)
     monkeypatch.setattr("stochlin.analyses.tables.work._installed", lambda: 16e9)
     with pytest.raises(
         ValueError, match=r"3000 structures on one ground need [\d.]+ GB; allowed: \d+ GB"

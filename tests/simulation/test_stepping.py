@@ -11,7 +11,7 @@ import scipy.linalg
 from scipy.integrate import solve_ivp
 
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.simulation.ensemble import Structures
+from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, by_number
 from stochlin.kernels.simulation.stepping import LANES, bilinear_block, filter_steps, ground_block
 from stochlin.kernels.simulation.time_step import Elements
@@ -57,7 +57,7 @@ def one_storey(kind):
     def block(f, dt, law, u, v, z, *rest):
         (d, k, h, scale, *own), one = law[0], np.ones((1, 1))
         system = System(one[0], d * one, one, one, *map(np.atleast_1d, (k, h, 1.0)))
-        part = Structures(
+        part = SteppedStructures(
             Elements(system, np.array([kind]), np.array([1]), np.array([own])), by_number(())
         )
         x, at = part.at_rest(), part.places

@@ -10,7 +10,7 @@ import scipy.linalg
 import sympy
 
 import stochlin as sl
-from stochlin.analyses.simulation.frames import frames_of
+from stochlin.analyses.simulation.connected_structures import connected_of
 from stochlin.analyses.simulation.views import displacement_at, meeting_heights
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.systems import arrangement_of, stack_of
@@ -166,7 +166,7 @@ def test_motion_is_that_of_linear_stretches(links, p_delta):
     theirs = solved(system, force, seconds, 32000).T
     drift = theirs - np.where(system.below[:, None] >= 0, theirs[system.below], 0.0)
     assert (np.abs(drift).max(axis=1) / system.storeys.strength).max() > 2
-    frames, alone = frames_of(system)
+    frames, alone = connected_of(system)
     assert len(frames) == (1 if system.ties else 2)
     assert not alone
     errors = []

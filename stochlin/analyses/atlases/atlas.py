@@ -89,7 +89,7 @@ def write_atlas(
     atlas_store.zarr_module()
     if scheduler is None:
         atlas_store.check_memory(chosen)
-    told = "none of it is written"
+    state = "none of it is written"
     if not target.exists():
         atlas_store.check_room(chosen, target)
     try:
@@ -98,12 +98,12 @@ def write_atlas(
         with atlas_store.held(target):
             checks = atlas_store.mend(target, chosen)
             for written, total in _blocks(checks, chosen, scheduler):
-                told = f"{written} of {total} blocks are written and stay"
+                state = f"{written} of {total} blocks are written and stay"
                 if progress is not None:
                     progress(written / total)
     except (OSError, MemoryError, _ClusterLostError) as error:
         raise RuntimeError(
-            f"{target} is not finished: {_reason(error)}; {told}; the same call goes on from there"
+            f"{target} is not finished: {_reason(error)}; {state}; the same call goes on from there"
         ) from error
     return open_atlas(target)
 
@@ -196,8 +196,8 @@ def _reason(error: BaseException) -> str:
     if isinstance(error, OSError) and error.errno is not None:
         file = error.filename2 or error.filename
         return os.strerror(error.errno) + (f" ({file})" if file else "")
-    told = str(error) or type(error).__name__
-    return f"not enough memory ({told})" if isinstance(error, MemoryError) else told
+    message = str(error) or type(error).__name__
+    return f"not enough memory ({message})" if isinstance(error, MemoryError) else message
 
 
 @contextmanager

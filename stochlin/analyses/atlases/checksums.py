@@ -63,9 +63,9 @@ def rows_key(number: Number) -> str:
     return chunk_key(CHECKS, (*number, 0, 0))
 
 
-def rows_of_block(seed: int, number: Number, found: Sequence[Facts] | Array) -> Array:
+def rows_of_block(seed: int, number: Number, entries: Sequence[Facts] | Array) -> Array:
     """The checks of the chunks of a block, with a last row for the checks themselves."""
-    rows = np.array(found, "<i8")
+    rows = np.array(entries, "<i8")
     return np.vstack([rows, np.array([facts(seed, rows_key(number), rows.tobytes())], "<i8")])
 
 
@@ -196,9 +196,9 @@ class Checks:
         wrong = []
         for number in np.ndindex(self.counts):
             for key, (size, _) in self.of_block(number, self.rows[number]):
-                found = _bytes_of(self.root / key)
-                if found != size:
-                    has = "it is missing" if found is None else f"it has {found} of {size} bytes"
+                actual = _bytes_of(self.root / key)
+                if actual != size:
+                    has = "it is missing" if actual is None else f"it has {actual} of {size} bytes"
                     wrong.append((key, has))
         if wrong:
             raise DamagedError(self.root, *wrong[0], len(wrong) - 1)

@@ -96,16 +96,16 @@ def _points(
     soil = GROUNDS.named(specification["ground"], "ground")
     times = {name for name, own in soil.beside_structures().items() if soil.units(own) == "s"}
     axes = [str(dim) for dim in atlas.rho.dims]
-    given = {name: _array(name, value) for name, value in _numbered(parameters, {*axes, *held}).items()}
-    unknown = [name for name in given if name not in (*axes, *held)]
-    missing = [name for name in axes if name not in given]
+    place = {name: _array(name, value) for name, value in _numbered(parameters, {*axes, *held}).items()}
+    unknown = [name for name in place if name not in (*axes, *held)]
+    missing = [name for name in axes if name not in place]
     if unknown or missing:
         what = f"{', '.join(unknown)} unknown" if unknown else f"{', '.join(missing)} missing"
         raise ValueError(f"{what}; this atlas needs {', '.join(axes)} and holds {held}")
     unit = _array("ground_period", ground_period)
     logs: dict[str, xr.DataArray] = {}
     with np.errstate(invalid="ignore", divide="ignore"):  # values <= 0 are outside of the atlas
-        for name, value in given.items():
+        for name, value in place.items():
             logs[name] = np.log(value / unit if name in times.union(PERIODS) else value)  # type: ignore[assignment]
     for name, number in held.items():
         if name in logs and bool((np.abs(logs[name] - np.log(number)) > ROUNDING).any()):

@@ -45,8 +45,8 @@ class CheckedFiles(WrapperStore[LocalStore]):
 
 async def _drop_other_reads() -> None:
     others = asyncio.all_tasks() - {asyncio.current_task()}
-    for one in others:
-        one.cancel()
+    for task in others:
+        task.cancel()
     if others:
         await asyncio.wait(others, timeout=1.0)
 

@@ -108,11 +108,11 @@ def specification(data: Mapping[str, Any]) -> AtlasSpecification:
     check_label("title", title)
     block = data.get("block_cells", BLOCK_CELLS)
     check_whole("block_cells", block, 1)
-    given = data.get("parameters")
-    if not isinstance(given, Mapping):
+    parameters = data.get("parameters")
+    if not isinstance(parameters, Mapping):
         raise ValueError("[parameters] is missing; it needs period_1, period_2 and damping at least")
-    _check_names(given, ground)
-    values = {name: _parameter(name, value) for name, value in given.items()}
+    _check_names(parameters, ground)
+    values = {name: _parameter(name, value) for name, value in parameters.items()}
     chosen = AtlasSpecification(title, ground, closure, block, values)
     if not chosen.axes:
         raise ValueError("no parameter is swept: an atlas needs a list or a sweep; see `correlate`")
@@ -125,20 +125,20 @@ def specification(data: Mapping[str, Any]) -> AtlasSpecification:
     return chosen
 
 
-def _check_names(given: Mapping[str, Any], ground: str) -> None:
+def _check_names(parameters: Mapping[str, Any], ground: str) -> None:
     of_ground = [name for name in GROUNDS[ground].beside_structures() if name not in UNITS]
     numbered = [f"{name}_{n}" for name in OF_STRUCTURES for n in (1, 2)]
-    _only(given, ("period_1", "period_2", *OF_STRUCTURES, *numbered, *of_ground), "[parameters]")
+    _only(parameters, ("period_1", "period_2", *OF_STRUCTURES, *numbered, *of_ground), "[parameters]")
     for name in OF_STRUCTURES:
-        own = [f"{name}_{n}" for n in (1, 2) if f"{name}_{n}" in given]
-        if own and name in given:
+        own = [f"{name}_{n}" for n in (1, 2) if f"{name}_{n}" in parameters]
+        if own and name in parameters:
             raise ValueError(
                 f"{name} and {' and '.join(own)} are given; allowed: {name} for both structures, or "
                 f"{name}_1 and {name}_2"
             )
-    missing = [name for name in ("period_1", "period_2", *of_ground) if name not in given]
-    if "damping" not in given:
-        missing += [f"damping_{n}" for n in (1, 2) if f"damping_{n}" not in given]
+    missing = [name for name in ("period_1", "period_2", *of_ground) if name not in parameters]
+    if "damping" not in parameters:
+        missing += [f"damping_{n}" for n in (1, 2) if f"damping_{n}" not in parameters]
     if missing:
         raise ValueError(f"[parameters]: {', '.join(missing)} missing")
 

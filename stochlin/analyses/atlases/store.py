@@ -122,16 +122,16 @@ def write_block(path: str, specification: AtlasSpecification, number: Number) ->
     group = zarr_module().open_group(path, mode="r+", use_consolidated=False)
     at = dict(zip(specification.axes, number, strict=True))
     seed = seed_of(specification.as_json(), code_version())
-    found = []
+    rows = []
     for name, variable in table.data_vars.items():
         if any(at[axis] for axis in at if axis not in variable.dims):
-            found.append((NONE, NONE))  # already written with the first block along this axis
+            rows.append((NONE, NONE))  # already written with the first block along this axis
             continue
         array = group[name].with_config({"write_empty_chunks": True})
         array[tuple(cells[str(dim)] for dim in variable.dims)] = variable.values
         key = chunk_key(str(name), [at[str(dim)] for dim in variable.dims])
-        found.append(facts(seed, key, (Path(path) / key).read_bytes()))
-    group[CHECKS][number] = rows_of_block(seed, number, found)
+        rows.append(facts(seed, key, (Path(path) / key).read_bytes()))
+    group[CHECKS][number] = rows_of_block(seed, number, rows)
 
 
 def largest_bytes(specification: AtlasSpecification) -> int:
@@ -272,8 +272,8 @@ def _fill(folder: Path, specification: AtlasSpecification) -> None:
     )
     seed = seed_of(specification.as_json(), code_version())
     names = sorted(file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file())
-    found = {name: facts(seed, name, (folder / name).read_bytes()) for name in names if name != METADATA}
-    group.attrs[CHECKSUMS] = json.dumps(found)
+    sums = {name: facts(seed, name, (folder / name).read_bytes()) for name in names if name != METADATA}
+    group.attrs[CHECKSUMS] = json.dumps(sums)
     group.attrs[CHECKSUM] = checksum_of_metadata(json.loads((folder / METADATA).read_bytes()))
 
 
@@ -285,17 +285,17 @@ def _counts(specification: AtlasSpecification) -> Number:
 
 def check_same(path: Path, specification: AtlasSpecification) -> Mapping[str, Any]:
     """Attributes of an existing atlas; a ValueError unless specification and code version are these."""
-    found = read_attributes(path)
+    attributes = read_attributes(path)
     cure = "write to another path, or remove what is there"
     wanted = specification.as_json()
-    if found["specification"] != wanted:
-        old, new = json.loads(found["specification"]), json.loads(wanted)
+    if attributes["specification"] != wanted:
+        old, new = json.loads(attributes["specification"]), json.loads(wanted)
         old, new = old | old.pop("parameters"), new | new.pop("parameters")
         changed = sorted(key for key in old.keys() | new.keys() if old.get(key) != new.get(key))
         raise ValueError(f"{path} has another specification ({', '.join(changed)} differ); {cure}")
-    if found["code"] != code_version():
-        raise ValueError(f"{path} was begun by {found['code']}, this is {code_version()}; {cure}")
-    return found
+    if attributes["code"] != code_version():
+        raise ValueError(f"{path} was begun by {attributes['code']}, this is {code_version()}; {cure}")
+    return attributes
 
 
 def mend(path: Path, specification: AtlasSpecification) -> Checks:
@@ -330,15 +330,15 @@ def read_attributes(path: str | os.PathLike[str]) -> Mapping[str, Any]:
         why = "no Zarr group is there"
     except (ValueError, RecursionError):
         why = "it is no JSON"
-    found = metadata.get("attributes") if isinstance(metadata, dict) else None
-    if not isinstance(found, dict) or "specification" not in found:
+    attributes = metadata.get("attributes") if isinstance(metadata, dict) else None
+    if not isinstance(attributes, dict) or "specification" not in attributes:
         why = why or "it has no specification"
         if (root / CHECKS).is_dir():
             raise DamagedError(root, METADATA, why)
         raise ValueError(f"{path} is no atlas: {why}")
-    if not is_unchecked(root) and found.get(CHECKSUM) != checksum_of_metadata(metadata):
+    if not is_unchecked(root) and attributes.get(CHECKSUM) != checksum_of_metadata(metadata):
         raise DamagedError(root, METADATA, "its checksum is wrong")
-    return found
+    return attributes
 
 
 def is_unchecked(path: Path) -> bool:

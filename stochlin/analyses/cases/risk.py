@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.case import FEWEST_PATHS, Case
-from stochlin.analyses.risk.risk import CERTAIN, RiskAsked, SimulatedRisk, Target
+from stochlin.analyses.risk.risk import CERTAIN, RiskInputs, SimulatedRisk, Target
 from stochlin.analyses.risk.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
@@ -30,7 +30,7 @@ def simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | Non
     structures = dict(zip(("first", "second"), sampled, strict=False))
     motion = case.duration, case.envelope, case.scatter
     paths = max(FEWEST_PATHS, case.paths // SHARE)
-    asked = RiskAsked(structures, case.sampled_ground, case.hazard, *motion, paths, case.seed)
+    asked = RiskInputs(structures, case.sampled_ground, case.hazard, *motion, paths, case.seed)
     with _of_hazard(case):
         asked.check()
         return asked.simulated(progress)
@@ -76,7 +76,7 @@ def risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | 
     table = labels.label(table, VARIABLES).rename(
         {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
     )
-    asked = found.asked
+    asked = found.inputs
     table.attrs = {
         "risk_hazard": asked.hazard.describe(),
         "risk_measure": asked.hazard.measure,

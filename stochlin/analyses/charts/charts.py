@@ -49,7 +49,7 @@ class ChartFunction:
     """
 
     compute: Callable[..., xr.Dataset]
-    given: Mapping[str, Any]
+    arguments: Mapping[str, Any]
     grounds: Mapping[str, Ground]
 
     def __call__(self, progress: Progress | None = None) -> xr.Dataset:
@@ -59,8 +59,8 @@ class ChartFunction:
         runs = [{"ground": ground} for ground in self.grounds.values()] or [{}]
         for number, own in enumerate(runs):
             part = part_of(progress, number / len(runs), (number + 1) / len(runs))
-            told = {"progress": part} if reports else {}
-            tables[[*self.grounds, ""][number]] = self.compute(**self.given, **own, **told)
+            options = {"progress": part} if reports else {}
+            tables[[*self.grounds, ""][number]] = self.compute(**self.arguments, **own, **options)
         return for_file(_joined(tables))
 
 
@@ -78,9 +78,9 @@ def _joined(tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
             lines = [line for same in zip(*texts, strict=False) for line in same]
             chart.attrs[key] = "\n".join(dict.fromkeys(lines))
     for key in ("comment", "plain_comment"):
-        told = {name: table.attrs[key] for name, table in tables.items() if key in table.attrs}
-        if told and key not in chart.attrs:
-            sentences = (f"{name[0].upper()}{name[1:]}: {text}" for name, text in told.items())
+        comments = {name: table.attrs[key] for name, table in tables.items() if key in table.attrs}
+        if comments and key not in chart.attrs:
+            sentences = (f"{name[0].upper()}{name[1:]}: {text}" for name, text in comments.items())
             chart.attrs[key] = " ".join(sentences)
     return chart
 
@@ -141,21 +141,21 @@ def chart_functions(
     ('damping', 'period_ratio')
     """
     grounds, ending = _model_grounds(settings), ""
-    given: dict[str, Any] = {"settings": settings}
+    arguments: dict[str, Any] = {"settings": settings}
     if record is not None and site is not None:
-        given |= {"record": record, "motion": record, "site": site}
+        arguments |= {"record": record, "motion": record, "site": site}
         grounds, ending = {"": site}, "_site"
     else:
         site = next(iter(grounds.values()))
-        given |= {"motion": _simulated_motion(site, settings.seed), "site": site}
+        arguments |= {"motion": _simulated_motion(site, settings.seed), "site": site}
     functions: dict[str, ChartFunction] = {}
     for name, compute in CHARTS.items():
-        asked = _asked(name)
-        on_ground, own = GROUND in asked, asked - {GROUND}
-        of_site = on_ground or not asked.isdisjoint({"record", "motion"})
-        if own <= set(given) and (of_site or not ending):
+        required = _required_parameters(name)
+        on_ground, own = GROUND in required, required - {GROUND}
+        of_site = on_ground or not required.isdisjoint({"record", "motion"})
+        if own <= set(arguments) and (of_site or not ending):
             ending_of = ending if on_ground else ""
-            chosen = {key: given[key] for key in own}
+            chosen = {key: arguments[key] for key in own}
             functions[f"{name}{ending_of}"] = ChartFunction(
                 compute, chosen, grounds if on_ground else {}
             )
@@ -197,11 +197,11 @@ def envelope_caption(duration: float, envelope: AminAng) -> str:
     )
 
 
-def _asked(name: str) -> set[str]:
+def _required_parameters(name: str) -> set[str]:
     """Names of the required parameters of a chart function."""
     parameters = signature(CHARTS[name]).parameters.values()
-    asked = {parameter.name for parameter in parameters if parameter.default is parameter.empty}
-    if not asked <= GIVEN:
-        wrong, allowed = ", ".join(sorted(asked - GIVEN)), ", ".join(sorted(GIVEN))
+    required = {parameter.name for parameter in parameters if parameter.default is parameter.empty}
+    if not required <= GIVEN:
+        wrong, allowed = ", ".join(sorted(required - GIVEN)), ", ".join(sorted(GIVEN))
         raise TypeError(f"chart {brief(name)} needs {wrong}; allowed: {allowed}")
-    return asked
+    return required

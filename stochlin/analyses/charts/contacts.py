@@ -88,8 +88,8 @@ def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Datas
     1.195
     """
     restitution = _number("restitution", restitution, RESTITUTION)
-    given: dict[str, Any] = {"stiffness": 1.0, "restitution": restitution}
-    models = [kind(**given) if issubclass(kind, Damped) else kind(1.0) for kind in _kinds(Element)]
+    parameters: dict[str, Any] = {"stiffness": 1.0, "restitution": restitution}
+    models = [kind(**parameters) if issubclass(kind, Damped) else kind(1.0) for kind in _kinds(Element)]
     title = f"Force and deformation of contact elements, e = {restitution:g}"
     call = f"contact_loop_chart(restitution={restitution:g})"
     return _histories("contact_loops", models, points, title, call)
@@ -124,8 +124,8 @@ def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.D
     [3.628, 2.78]
     """
     damping_ratio = _number("damping_ratio", damping_ratio, PARTING)
-    given: dict[str, Any] = {"stiffness": 1.0, "damping_ratio": damping_ratio}
-    models = [kind(**given) for kind in _kinds(WithRatio)]
+    parameters: dict[str, Any] = {"stiffness": 1.0, "damping_ratio": damping_ratio}
+    models = [kind(**parameters) for kind in _kinds(WithRatio)]
     title = f"Histories of deformation and contact force, ξ = {damping_ratio:g}"
     call = f"contact_history_chart(damping_ratio={damping_ratio:g})"
     return _histories("contact_histories", models, points, title, call)
@@ -209,17 +209,17 @@ def _histories(
     check_points(points)
     names = [type(model).__name__ for model in models]
     chart = xr.Dataset(coords={"element": _elements(names)})
-    found = [
+    histories = [
         _linear(m, points) if isinstance(m, LinearSpring | LinearDamped) else _integrated(m, points)
         for m in models
     ]
     over = ("element", "point")
-    chart["scaled_time"] = (over, np.stack([history.time for history in found]))
-    chart["scaled_deformation"] = (over, np.stack([history.deformation for history in found]))
-    chart["scaled_velocity"] = (over, np.stack([history.velocity for history in found]))
-    forces = [_force(model, history) for model, history in zip(models, found, strict=True)]
+    chart["scaled_time"] = (over, np.stack([history.time for history in histories]))
+    chart["scaled_deformation"] = (over, np.stack([history.deformation for history in histories]))
+    chart["scaled_velocity"] = (over, np.stack([history.velocity for history in histories]))
+    forces = [_force(model, history) for model, history in zip(models, histories, strict=True)]
     chart["scaled_force"] = (over, np.stack(forces))
-    chart["scaled_contact_time"] = ("element", [history.time[-1] for history in found])
+    chart["scaled_contact_time"] = ("element", [history.time[-1] for history in histories])
     chart["restitution"] = ("element", [model.e for model in models])
     chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
     described = dict(zip(names, models, strict=True))
@@ -233,8 +233,8 @@ def _exponents(models: Sequence[Element]) -> str:
     for model in models:
         if (exponent := model.force_law(1.0).exponent) != 1:
             curved.setdefault(exponent, []).append(hyphenated(type(model).__name__))
-    told = [f"n = {exponent:g} for {', '.join(names)}" for exponent, names in curved.items()]
-    return "; ".join([*told, "n = 1 for linear springs."])
+    exponents = [f"n = {exponent:g} for {', '.join(names)}" for exponent, names in curved.items()]
+    return "; ".join([*exponents, "n = 1 for linear springs."])
 
 
 def _force(model: Element, history: History) -> Array:

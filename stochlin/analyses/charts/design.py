@@ -281,11 +281,11 @@ def _simulated(
     for number, (name, rows, columns, options) in enumerate(runs):
         progress(number / len(runs))
         place = {"reduction_factor": rows, "period_ratio": columns}
-        found = amplification(structure.isel(place), ground, seed=settings.seed, **options)
+        simulated = amplification(structure.isel(place), ground, seed=settings.seed, **options)
         for end in ("", "_standard_error"):
             if name + end not in chart:
                 chart[name + end] = xr.full_like(chart.amplification, np.nan)
-            values = found[f"amplification{end}"].transpose(*chart.amplification.dims).values
+            values = simulated[f"amplification{end}"].transpose(*chart.amplification.dims).values
             chart[name + end][place] = values
     plain = f"{chart.attrs['caption']}\nMaxima: {envelope_caption(duration, envelope)}"
     return chart.assign_attrs(
@@ -298,12 +298,12 @@ def _simulated(
 
 def _simulation_errors(chart: xr.Dataset, simulated: Mapping[str, str]) -> str:
     """Text with the largest standard errors of the simulated variables, by their words."""
-    told = [
+    errors = [
         f"{text} {100 * float((chart[f'{name}_standard_error'] / chart[name]).max()):.2g} %"
         for name, text in simulated.items()
         if name in chart
     ]
-    return f"Largest standard error of the simulated {', '.join(told)}"
+    return f"Largest standard error of the simulated {', '.join(errors)}"
 
 
 def _errors_of_amplification(chart: xr.Dataset) -> str:

@@ -187,14 +187,14 @@ def energy_chart(
     refine = max(1, int(np.ceil(POINTS_PER_PERIOD / 2 * step / period)))
     tables = []
     for factor in (1.0, reduction_factor):
-        one, spectrum = Bilinear(period, damping), elastic
+        structure, spectrum = Bilinear(period, damping), elastic
         if factor > 1:
-            one = Bilinear(period, damping, hardening, yield_displacement=peak / factor)
+            structure = Bilinear(period, damping, hardening, yield_displacement=peak / factor)
             weak = elastic.displacement_max / factor
             spectrum = response_spectrum(
                 record, periods, damping, hardening=hardening, yield_displacement=weak
             )
-        motion = respond(one, record, refine=refine)
+        motion = respond(structure, record, refine=refine)
         table = motion[["radius"]].assign(pseudo_energy_radius=spectrum.pseudo_energy_radius)
         for kind in ENERGIES:
             for end, energies, of in (("", motion, period), ("_at_end", spectrum, periods)):
@@ -352,13 +352,13 @@ def added_damping_chart(
     else:
         chart = damping_for_gap(record, first, second, gap)
     pair = [structure.arrays() for structure in (first, second)]
-    told = [f"T{n} = {float(own['period']):.3g} s" for n, own in enumerate(pair, start=1)]
-    told += [f"ξ{n} = {float(own['damping']):.3g}" for n, own in enumerate(pair, start=1)]
+    entries = [f"T{n} = {float(own['period']):.3g} s" for n, own in enumerate(pair, start=1)]
+    entries += [f"ξ{n} = {float(own['damping']):.3g}" for n, own in enumerate(pair, start=1)]
     kind = "Structures" if first.yields or second.yields else "Elastic structures"
     return chart.assign_attrs(
         chart="added_damping",
         title=f"Gap over added damping in {_source(record)}",
-        caption=f"{kind}: {', '.join(told)} before damping is added"
+        caption=f"{kind}: {', '.join(entries)} before damping is added"
         + ("" if gap is None else "\nMarks: the least damping with which the gap is enough"),
     )
 

@@ -87,7 +87,7 @@ def effective_rules_chart(
         chart="curves",
         title="Correlation of bilinear structures by eq. (4) with effective properties",
         caption=f"White noise. Bilinear structures: ξ = {damping:g}, α = {hardening:g}, peak ductility "
-        f"{', '.join(f'{one:g}' for one in values)} of both; ratio of the elastic periods",
+        f"{', '.join(f'{value:g}' for value in values)} of both; ratio of the elastic periods",
         comment=" ".join(
             [
                 "Estimates, which do not depend on the ground. Compared with nonlinear simulation, "
@@ -108,12 +108,12 @@ def along_rules(tables: Sequence[xr.Dataset], rules: Sequence[EffectiveRule]) ->
     )
     table = xr.concat(tables, dim=axis, combine_attrs="drop_conflicts")
     for name, text in (("reference", "source of the rule"), ("mark", "how the rule was checked")):
-        found = [getattr(rule, name) for rule in rules]
-        table = table.assign_coords({name: ("rule", found, {"long_name": text})})
+        entries = [getattr(rule, name) for rule in rules]
+        table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
     return table
 
 
 @CHARTS.register("fig3b", place=30)
 def _fig3b(settings: ChartSettings) -> xr.Dataset:
-    given = settings.damping, settings.hardening, settings.ductilities
-    return effective_rules_chart(*given, settings.fine_points, settings.rules(effective_rule_names()))
+    pair = settings.damping, settings.hardening, settings.ductilities
+    return effective_rules_chart(*pair, settings.fine_points, settings.rules(effective_rule_names()))

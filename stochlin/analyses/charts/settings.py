@@ -139,26 +139,26 @@ class ChartSettings:
         if self.simulated_points == 1:
             raise ValueError("simulated_points = 1; allowed: at least 2, or 0 for none")
         object.__setattr__(self, "curves", _checked_curves(self.curves))
-        one = Bilinear.allowed
-        given = [
-            ("damping", self.damping, one("damping")),
-            ("hardening", self.hardening, one("hardening")),
+        range_of = Bilinear.allowed
+        checks = [
+            ("damping", self.damping, range_of("damping")),
+            ("hardening", self.hardening, range_of("hardening")),
         ]
-        given += [("plane_reduction_factor", self.plane_reduction_factor, one("reduction_factor"))]
+        checks += [("plane_reduction_factor", self.plane_reduction_factor, range_of("reduction_factor"))]
         for name in ("ground_period", "structure_period", "second_period"):
             if name == "ground_period" or getattr(self, name) is not None:
-                given.append((name, getattr(self, name), one("period")))
+                checks.append((name, getattr(self, name), range_of("period")))
         for name, allowed in (
-            ("reduction_factors", one("reduction_factor")),
-            ("ductilities", one("reduction_factor")),
+            ("reduction_factors", range_of("reduction_factor")),
+            ("ductilities", range_of("reduction_factor")),
             ("ground_dampings", KanaiTajimi.allowed("damping")),
         ):
             if not getattr(self, name):
                 raise ValueError(f"{name} is empty; allowed: at least one value")
-            given += [(name, value, allowed) for value in getattr(self, name)]
+            checks += [(name, value, allowed) for value in getattr(self, name)]
         if self.gap is not None:
             checked_gap(self.gap)
-        for name, value, allowed in given:
+        for name, value, allowed in checks:
             if not is_number(value) or not allowed.contains(value):
                 raise ValueError(f"{name} = {brief(value)} is out of range; allowed: {allowed}")
 

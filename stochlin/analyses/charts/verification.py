@@ -50,18 +50,18 @@ def with_rules(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSet
     for rule in rules:
         table = correlate(*pair, ground, "effective", closure=DRIFT, rule=rule)
         ductilities = [table[f"ductility_peak_{n}"] for n in (1, 2)]
-        fitted = [one <= rule.largest_ductility for one in ductilities]
+        fitted = [ductility <= rule.largest_ductility for ductility in ductilities]
         tables.append(table[["rho"]].where(fitted[0] & fitted[1]).rename(rho="rho_effective"))
-    found = along_rules(tables, rules)
-    chart = chart.assign(rho_effective=found.rho_effective.transpose("rule", *chart.rho.dims))
-    chart = chart.assign({str(one.name): one for one in ductilities})
+    effective = along_rules(tables, rules)
+    chart = chart.assign(rho_effective=effective.rho_effective.transpose("rule", *chart.rho.dims))
+    chart = chart.assign({str(ductility.name): ductility for ductility in ductilities})
     caption = (
         f"{chart.attrs['caption']}\nEffective properties: eq. (4) at the peak ductilities of the same "
         "R, 3 σu/uy by drift closure, as far as a rule was fitted"
     )
     sources = "; ".join([chart.attrs["references"], *(rule.reference for rule in rules)])
-    told = {"caption": caption, "plain_caption": chart.attrs["caption"], "references": sources}
-    return labels.label(chart.assign_attrs(told), VARIABLES)
+    attrs = {"caption": caption, "plain_caption": chart.attrs["caption"], "references": sources}
+    return labels.label(chart.assign_attrs(attrs), VARIABLES)
 
 
 def with_truth(
@@ -84,14 +84,14 @@ def with_truth(
         chart = chart.assign(rho_drift=drift.transpose(*chart.rho.dims))
         chart.attrs["comparison"] = f"compared_{chart.attrs['chart']}"
     progress(DRIFT_SHARE)
-    asked = settings.simulated_points if settings.draws(SIMULATION) else 0
-    if count := usual_points if asked is None else asked:
+    points = settings.simulated_points if settings.draws(SIMULATION) else 0
+    if count := usual_points if points is None else points:
         runs = part_of(progress, DRIFT_SHARE, 1.0)
         simulated, refused = _simulated(chart.rho, pair, ground, settings, count, runs)
         if bool(simulated.rho.notnull().any()):
             chart = beside(chart, simulated, "rho", settings.paths)
-            told = chart.attrs["comment"]
-            chart.attrs["plain_comment"] = " ".join([told, _errors(chart, plain=True), *refused])
+            comment = chart.attrs["comment"]
+            chart.attrs["plain_comment"] = " ".join([comment, _errors(chart, plain=True), *refused])
             refused = [_errors(chart), *refused]
         chart = chart.assign_attrs(comment=" ".join([chart.attrs["comment"], *refused]))
     return labels.label(chart, VARIABLES)
@@ -117,9 +117,9 @@ def beside(chart: xr.Dataset, simulated: xr.Dataset, shown: str, paths: int) -> 
     chart[error] = simulated[error]
     chart[f"{shown}_difference"] = chart[shown] - simulated[shown]
     largest = float(simulated[error].max())
-    told = f"Simulated on {paths} paths; standard error at most {largest:.2g}."
+    comment = f"Simulated on {paths} paths; standard error at most {largest:.2g}."
     kind = f"compared_{chart.attrs['chart']}"
-    return labels.label(chart, VARIABLES).assign_attrs(comparison=kind, comment=told)
+    return labels.label(chart, VARIABLES).assign_attrs(comparison=kind, comment=comment)
 
 
 def verify_chart(name: str, settings: ChartSettings, progress: Progress | None = None) -> xr.Dataset:
@@ -204,15 +204,15 @@ def _simulated(
         part = part_of(progress, number / len(runs), (number + 1) / len(runs))
         part(0.0)
         try:
-            found = correlate(first, second, ground, "simulation", **options, progress=part)
+            correlation = correlate(first, second, ground, "simulation", **options, progress=part)
         except ValueError as error:  # the arguments were checked before, so that it would take too long
             strength = rho.isel(place).coords.get("reduction_factor", [])
             where = "".join(f" at R = {factor:g}" for factor in np.asarray(strength))
             refused[where] = f"Not all is simulated{where}: {str(error).split(';')[0]}."
             continue
         for name in names:
-            table[name][place] = found[name].transpose(*rho.dims).values
-            table[name].attrs = found[name].attrs
+            table[name][place] = correlation[name].transpose(*rho.dims).values
+            table[name].attrs = correlation[name].attrs
     return table, list(refused.values())
 
 
@@ -235,7 +235,7 @@ def _runs(rho: xr.DataArray, count: int) -> Iterator[Place]:
             parts = [slice(0, middle, step), slice(middle, None, step)]
         axes.append([{dim: part} for part in parts])
     for chosen in product(*axes):
-        yield {dim: cells for one in chosen for dim, cells in one.items()}
+        yield {dim: cells for place in chosen for dim, cells in place.items()}
 
 
 def _errors(chart: xr.Dataset, *, plain: bool = False) -> str:
@@ -248,9 +248,9 @@ def _errors(chart: xr.Dataset, *, plain: bool = False) -> str:
             known = EFFECTIVE_RULES.get(name)
             curves[known.published_name() if known else name] = chart.rho_effective.sel(rule=name)
     off = {name: np.abs(curve - chart.rho_simulated) for name, curve in curves.items()}
-    told = [
-        f"{name} {float(one.mean()):.2g} ({float(one.max()):.2g})"
-        for name, one in off.items()
-        if bool(one.notnull().any())
+    errors = [
+        f"{name} {float(difference.mean()):.2g} ({float(difference.max()):.2g})"
+        for name, difference in off.items()
+        if bool(difference.notnull().any())
     ]
-    return f"Mean (largest) error: {'; '.join(told)}."
+    return f"Mean (largest) error: {'; '.join(errors)}."

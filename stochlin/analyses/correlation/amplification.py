@@ -230,8 +230,8 @@ def _on_one_ground(
 ) -> xr.Dataset:
     """Amplification of the peaks of single-storey structures, all cells under the same motions."""
     elastic = replace(structure, yield_displacement=None, reduction_factor=None)
-    sides = [cells_of(one, ground, stationary=False) for one in (structure, elastic)]
-    cells = join_cells([one for one, _ in sides])
+    sides = [cells_of(model, ground, stationary=False) for model in (structure, elastic)]
+    cells = join_cells([part for part, _ in sides])
     cells = cells._replace(valid=cells.valid & (cells.period <= duration))
     run = prepare(cells, ground, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
     peaks = np.full((run.plan.groups * LANES, cells.valid.size), np.nan)
@@ -239,13 +239,13 @@ def _on_one_ground(
     own, index = sides[0]
     inelastic = peaks[:, : own.valid.size]
     other = peaks[:, own.valid.size + row_of(sides[1][1], index)]
-    found = _ratios(inelastic, other)
+    ratios = _ratios(inelastic, other)
     stayed = (inelastic <= own.yield_displacement).all(axis=0)
     status = np.where(stayed, labels.ELASTIC_LIMIT, labels.CONVERGED)
-    known = np.isfinite(found["amplification"])
+    known = np.isfinite(ratios["amplification"])
     columns = {
-        **found,
-        "ductility": found["peak_mean"] / own.yield_displacement,
+        **ratios,
+        "ductility": ratios["peak_mean"] / own.yield_displacement,
         "status": np.where(known, status, labels.INVALID_INPUT).astype(np.int8),
     }
     table = {name: index.copy(data=values.reshape(index.shape)) for name, values in columns.items()}
@@ -268,8 +268,8 @@ def _of_storeys(building: ShearBuilding, ground: Ground, **motion: Any) -> xr.Da
     stayed = bool((own.peak_drift * own.ductility <= own.peak_drift_mean).all())
     table = xr.Dataset(columns, coords=own[["peak_mean", "ductility"]].coords)
     status = np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
-    told = {key: value for key, value in motions.attrs.items() if not key.startswith("structure_")}
-    return table.assign(ductility=own.ductility, status=status).assign_attrs(told)
+    attrs = {key: value for key, value in motions.attrs.items() if not key.startswith("structure_")}
+    return table.assign(ductility=own.ductility, status=status).assign_attrs(attrs)
 
 
 def _ratios(inelastic: Array, elastic: Array) -> dict[str, Array]:

@@ -88,7 +88,7 @@ def _solved(
     equations = equations_of_cells(cells, ())
     table = solution_table(cells.row, equations, solve_equations(equations, closure, tolerance))
     calm = ((table.c_eq == -1) & (table.k_eq == 0)).any("element") & (table.status == labels.CONVERGED)
-    found = (
+    parts = (
         table.rho[:, 0, -1],
         table.displacement_std[:, -1],
         table.ductility_std[:, -1],
@@ -96,7 +96,7 @@ def _solved(
         np.isposinf(table.yield_drift).all("element"),
     )
     values = {
-        name: cells.array(array.values.astype(float)) for name, array in zip(OF_PAIR, found, strict=True)
+        name: cells.array(array.values.astype(float)) for name, array in zip(OF_PAIR, parts, strict=True)
     }
     status = table.status.where(~calm, np.int8(labels.ELASTIC_LIMIT)).values
     return {**values, "status": cells.array(status, labels.INVALID_INPUT)}
@@ -114,12 +114,13 @@ def _rho_bias(*places: Array, grid: Grid | None) -> Array:
     if grid is None:
         return np.full(cells[0].shape, np.nan)
     half = len(cells) // 2
-    one, two = cells[:half], cells[half:]
+    place_1, place_2 = cells[:half], cells[half:]
     alike = np.all(
-        [np.abs(a - b) <= EQUAL for a, b in zip(one[:SHARED], two[:SHARED], strict=True)], axis=0
+        [np.abs(a - b) <= EQUAL for a, b in zip(place_1[:SHARED], place_2[:SHARED], strict=True)], axis=0
     )
-    longer, ratio = np.maximum(one[SHARED], two[SHARED]) - one[-1], -np.abs(one[SHARED] - two[SHARED])
-    return np.where(alike, between_points(grid, [*one[:SHARED], longer, ratio]), np.nan)
+    longer = np.maximum(place_1[SHARED], place_2[SHARED]) - place_1[-1]
+    ratio = -np.abs(place_1[SHARED] - place_2[SHARED])
+    return np.where(alike, between_points(grid, [*place_1[:SHARED], longer, ratio]), np.nan)
 
 
 def _largest(*arrays: Array) -> Array:

@@ -186,9 +186,9 @@ def correlate(
         check_closure(first, closure)
         check_closure(second, closure)
         check_table(DRIFTING if closure == DRIFT else BYTES[method], first, second, ground)
-        asked = Question((first, second), ground, closure, solver, tolerance, rule, settings)
-        found, details, attrs = METHODS[method](asked)
-        table = xr.Dataset(found | difference(found), attrs=attrs)
+        query = Question((first, second), ground, closure, solver, tolerance, rule, settings)
+        variables, details, attrs = METHODS[method](query)
+        table = xr.Dataset(variables | difference(variables), attrs=attrs)
     else:
         both = first, second
         table, details = floor_pairs(both, ground, method, closure, tolerance, settings)
@@ -236,40 +236,40 @@ class Question(NamedTuple):
 Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 
 
-def _by_linearization(asked: Question) -> Answer:
-    drifts, chained = asked.closure == DRIFT, asked.solver == LYAPUNOV
+def _by_linearization(query: Question) -> Answer:
+    drifts, chained = query.closure == DRIFT, query.solver == LYAPUNOV
     if chained:
-        found = chained_pairs(asked.pair, asked.ground, asked.closure, asked.tolerance)
+        table = chained_pairs(query.pair, query.ground, query.closure, query.tolerance)
     elif drifts:
-        found = drifting_pairs(*asked.pair, asked.ground, asked.tolerance)
+        table = drifting_pairs(*query.pair, query.ground, query.tolerance)
     else:
-        found = linearized_pairs(*asked.pair, asked.ground, asked.closure, asked.tolerance)
-    attrs = {"comment": labels.CAUTION_DRIFT if drifts else labels.CAUTION_PAIR} if asked.yields else {}
+        table = linearized_pairs(*query.pair, query.ground, query.closure, query.tolerance)
+    attrs = {"comment": labels.CAUTION_DRIFT if drifts else labels.CAUTION_PAIR} if query.yields else {}
     how = f", solver={LYAPUNOV!r}" if chained else ""
-    return found, f"closure={asked.closure!r}{how}", attrs
+    return table, f"closure={query.closure!r}{how}", attrs
 
 
-def _by_white_noise(asked: Question) -> Answer:
-    sides = derived_together(asked.pair, asked.ground)
-    inputs = [s.cells()[name] for name in ("period", "damping") for s in asked.pair]
+def _by_white_noise(query: Question) -> Answer:
+    sides = derived_together(query.pair, query.ground)
+    inputs = [s.cells()[name] for name in ("period", "damping") for s in query.pair]
     return _shown(inputs, sides), "eq. (4)", {}
 
 
-def _by_effective_properties(asked: Question) -> Answer:
-    rule = effective_rule(asked.rule)
-    sides = solved_together(asked.pair, asked.ground, asked.closure, asked.tolerance)
-    effective = effective_pair(*asked.pair, sides, rule)
+def _by_effective_properties(query: Question) -> Answer:
+    rule = effective_rule(query.rule)
+    sides = solved_together(query.pair, query.ground, query.closure, query.tolerance)
+    effective = effective_pair(*query.pair, sides, rule)
     comment = {"comment": f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"}
-    attrs = (comment if asked.yields else {}) | {"rule": rule.describe()}
+    attrs = (comment if query.yields else {}) | {"rule": rule.describe()}
     of_eq_4 = [effective[name] for name in EQ_4]
-    return _shown(of_eq_4, sides) | effective, f"closure={asked.closure!r}, rule={rule.name!r}", attrs
+    return _shown(of_eq_4, sides) | effective, f"closure={query.closure!r}, rule={rule.name!r}", attrs
 
 
-def _by_simulation(asked: Question) -> Answer:
-    settings = asked.settings()
-    table = simulate_pairs(*asked.pair, asked.ground, settings)
-    found: dict[str, Cells] = {str(name): array for name, array in table.data_vars.items()}
-    return found, settings.history, table.attrs
+def _by_simulation(query: Question) -> Answer:
+    settings = query.settings()
+    table = simulate_pairs(*query.pair, query.ground, settings)
+    variables: dict[str, Cells] = {str(name): array for name, array in table.data_vars.items()}
+    return variables, settings.history, table.attrs
 
 
 # Approximate memory [bytes] for each cell of a table, by method; DRIFTING is for the drift closure.

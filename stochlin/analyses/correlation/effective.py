@@ -108,7 +108,7 @@ def effective_properties(values: Solved, rule: EffectiveRule, valid: Cells = Tru
 
     ``values`` has the names of `YieldingPair`. Cells that are not ``valid`` are NaN.
     """
-    found: dict[str, Cells] = dict.fromkeys(EQ_4, np.nan)
+    properties: dict[str, Cells] = dict.fromkeys(EQ_4, np.nan)
 
     def piece(good: Array, *own: Array) -> tuple[Array, Array]:
         mu, alpha, period, xi = (np.where(good, value, np.nan) for value in own)
@@ -120,11 +120,11 @@ def effective_properties(values: Solved, rule: EffectiveRule, valid: Cells = Tru
         return in_slabs(piece, *inputs, kinds=(float, float))
 
     for n in (1, 2):
-        given = [values[f"{name}_{n}"] for name in ("ductility", "hardening", "period", "damping")]
-        found[f"period_eq_{n}"], found[f"damping_eq_{n}"] = cellwise(
-            effective, valid, *given, kinds=(float, float)
+        columns = [values[f"{name}_{n}"] for name in ("ductility", "hardening", "period", "damping")]
+        properties[f"period_eq_{n}"], properties[f"damping_eq_{n}"] = cellwise(
+            effective, valid, *columns, kinds=(float, float)
         )
-    return found
+    return properties
 
 
 def effective_pair(

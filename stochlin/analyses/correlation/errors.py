@@ -155,7 +155,7 @@ def relative_error(
     joint = std_1 * std_2 * _left(rho)
     square = (std_1 - std_2) ** 2 + 2 * joint
     shares = (std_1 * (std_1 - std_2) + joint, std_2 * (std_2 - std_1) + joint, joint)
-    parts = [one / square * off for one, off in zip(shares, (error_1, error_2, doubt), strict=True)]
+    parts = [slope / square * off for slope, off in zip(shares, (error_1, error_2, doubt), strict=True)]
     error, bias = np.sqrt(sum(part**2 for part in parts)), SAFE_SIDE * share * 2 * joint / square
     equal = np.isfinite(error_1) & np.isfinite(error_2) & (square == 0)
     return np.where(equal, 0.0, error), np.where(equal, 0.0, bias)

@@ -26,7 +26,7 @@ from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise_pair, is_l
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.correlation.differences import steps_of
-from stochlin.kernels.correlation.tables import Codes, Side, pair_parameters, pair_table
+from stochlin.kernels.correlation.tables import Codes, PairSide, pair_parameters, pair_table
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
@@ -92,7 +92,7 @@ def _cells(*inputs: Array, grid: Grid | None, other_closure: bool, threads: bool
     return tuple(array.reshape(shape) for array in table)
 
 
-def _side(arrays: tuple[Array, ...], dimensions: int, other_closure: bool) -> Side:
+def _side(arrays: tuple[Array, ...], dimensions: int, other_closure: bool) -> PairSide:
     """One structure of the pairs in the form of the compiled loop; ``dimensions`` of the table."""
     *systems, status, caution, elastic = in_one_shape(*arrays)
     shape, count = status.shape, len(SYSTEM)
@@ -106,4 +106,4 @@ def _side(arrays: tuple[Array, ...], dimensions: int, other_closure: bool) -> Si
     place = np.log(np.array(systems[2 * count if other_closure else count :]))
     flags = np.array((status, caution, elastic), np.int8)
     place, flags = (np.ascontiguousarray(rows.reshape(len(rows), -1).T) for rows in (place, flags))
-    return Side(own, gaussian, place, flags, steps_of(shape, dimensions))
+    return PairSide(own, gaussian, place, flags, steps_of(shape, dimensions))

@@ -157,10 +157,10 @@ def _linked(models: Mapping[str, Any], _: object = None, *, closure: str) -> xr.
         return xr.Dataset({**blank, "status": cells.array(np.empty(0, np.int8), labels.INVALID_INPUT)})
     equations = equations_of_cells(cells, [link])
     whole = solution_table(cells.row, equations, solve_equations(equations, closure, USUAL))
-    found = {"status": cells.array(whole.status.values, labels.INVALID_INPUT)}
+    columns = {"status": cells.array(whole.status.values, labels.INVALID_INPUT)}
     for name in _names(link):
         stem, _, number = name.rpartition("_")
         at = {OF_ONE[stem]: int(number) - 1} if stem in OF_ONE else {"floor": 0, "floor_2": 1, "link": 0}
         array = whole[stem if stem in OF_ONE else name].isel(at, missing_dims="ignore")
-        found[name] = cells.array(array.values)
-    return xr.Dataset(found)
+        columns[name] = cells.array(array.values)
+    return xr.Dataset(columns)

@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.simulation.ensembles import (
-    Run,
     SimulationCells,
+    SimulationRun,
     cells_of,
     check_settings,
     join_cells,
@@ -79,13 +79,13 @@ def simulate_pairs(
         if any(array.size > 1 for array in ground.arrays().values()):
             _check_grounds(first, second, ground, settings)
         return over_grounds(partial(_on_one_ground, settings=settings), (first, second), ground)
-    one, two = (side.with_arrays(computed(side)) for side in (first, second))
+    computed_1, computed_2 = (side.with_arrays(computed(side)) for side in (first, second))
     soil = ground.with_arrays(computed(ground))
     settings = replace(settings, progress=None)
-    lengths = over_grounds(partial(_lengths, settings=settings), (one, two), soil)
+    lengths = over_grounds(partial(_lengths, settings=settings), (computed_1, computed_2), soil)
     dims = {
         number: xr.broadcast(*side.arrays().values(), *soil.arrays().values())[0].dims
-        for number, side in ((1, one), (2, two))
+        for number, side in ((1, computed_1), (2, computed_2))
     }
     dims[BOTH] = tuple(dict.fromkeys((*dims[1], *dims[2])))
     kinds: Kinds = {name: (dims[number], float) for name, number in VARIABLES.items()}
@@ -108,7 +108,7 @@ def over_grounds(
     parts = []
     for n in range(size):
         part = {str(dim): slice(n, n + 1)}
-        parts.append(over_grounds(function, [one.isel(part) for one in structures], ground.isel(part)))
+        parts.append(over_grounds(function, [side.isel(part) for side in structures], ground.isel(part)))
     return xr.concat(
         parts,
         dim,
@@ -131,7 +131,7 @@ class _Pairs(NamedTuple):
         (cells_1, index_1), (cells_2, index_2) = cells_of(first, ground), cells_of(second, ground)
         return cls(join_cells([cells_1, cells_2]), (index_1, index_2 + cells_1.valid.size))
 
-    def run(self, ground: Ground, settings: SimulationSettings, **options: Any) -> Run:
+    def run(self, ground: Ground, settings: SimulationSettings, **options: Any) -> SimulationRun:
         return prepare(
             self.cells,
             ground,

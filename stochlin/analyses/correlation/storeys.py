@@ -46,24 +46,24 @@ def _between(table: xr.Dataset) -> xr.Dataset:
     owner = table.floor_structure.values
     sides = [np.flatnonzero(owner == n) for n in (1, 2)]
     dims = (FLOOR, f"{FLOOR}_2")
-    found = xr.Dataset(
+    pairs = xr.Dataset(
         {
             name: (dims, table[name].values[np.ix_(*sides)])
             for name in ("rho", "rho_standard_error", "relative_displacement_std")
             if name in table
         },
-        attrs={name: told for name, told in table.attrs.items() if not name.startswith("structure_")},
+        attrs={name: value for name, value in table.attrs.items() if not name.startswith("structure_")},
     )
     for number, (dim, own) in enumerate(zip(dims, sides, strict=True), start=1):
         for name in OF_FLOORS:
             if name in table:
-                found[f"{name}_{number}"] = (dim, table[name].values[own])
-        found[f"ductility_std_{number}"] = (dim, table.ductility_std.values[own])
+                pairs[f"{name}_{number}"] = (dim, table[name].values[own])
+        pairs[f"ductility_std_{number}"] = (dim, table.ductility_std.values[own])
         attrs = {"units": "m", "long_name": f"level of the floor, structure {number}"}
-        found = found.assign_coords(
+        pairs = pairs.assign_coords(
             {
                 dim: (dim, table.floor.values[own], {"long_name": f"floor of structure {number}"}),
                 dim.replace(FLOOR, "level"): (dim, table.level.values[own], attrs),
             }
         )
-    return found.assign(status=np.int8(table.status.values.max()))
+    return pairs.assign(status=np.int8(table.status.values.max()))

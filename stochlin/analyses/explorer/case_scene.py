@@ -29,7 +29,7 @@ from stochlin.analyses.explorer.scene import (
     CaseFile,
     Scene,
 )
-from stochlin.analyses.explorer.sites import PGA, SA, Measured, spectrum_of
+from stochlin.analyses.explorer.sites import PGA, SA, MeasuredAcceleration, spectrum_of
 from stochlin.analyses.sites.suites import table_rows
 from stochlin.analyses.tables.inputs import only_within
 from stochlin.messages import DoubtfulInput, brief, listed
@@ -192,7 +192,9 @@ def _as_measured(scene: Scene, site: Section) -> Scene:
     period = site.number("sa_period", TIME) if measure == SA else scene.sa_period
     given: dict[str, Any] = {key: value, "sa_period": period}
     scene = dataclasses.replace(scene, measure=measure, **given)
-    return dataclasses.replace(scene, measured=Measured(scene.motions, value / scene.intensity**0.5))
+    return dataclasses.replace(
+        scene, measured=MeasuredAcceleration(scene.motions, value / scene.intensity**0.5)
+    )
 
 
 def _kind_of(case: Case) -> str:

@@ -32,9 +32,9 @@ from stochlin.analyses.explorer.sites import (
     TYPES,
     Fitted,
     G,
-    Measured,
-    Motions,
+    MeasuredAcceleration,
     Shape,
+    SiteMotions,
     SpectrumOfFile,
     kind_of,
 )
@@ -141,7 +141,7 @@ class Scene(Model):
     spectrum_scale: float = parameter("1", "factor on the spectrum of the file", POSITIVE, 1.0)
     spectrum_damping: float = USUAL_DAMPING
     fitted: Fitted | None = None
-    measured: Measured | None = None
+    measured: MeasuredAcceleration | None = None
     case_file: CaseFile | None = None
     intensity: float = parameter("m^2/s^3", "intensity S0 of the ground", POSITIVE, 0.01)
     ground_period: float = parameter("s", "ground period", PERIOD, 1.0)
@@ -284,10 +284,10 @@ class Scene(Model):
         return Shape(self.site, kind, self.duration, self.motion_envelope())
 
     @property
-    def motions(self) -> Motions:
+    def motions(self) -> SiteMotions:
         """Motions of unit intensity, whose mean acceleration determines the intensity."""
         period = self.sa_period if self.measure == SA else None
-        return Motions(self._of_intensity(1.0), self.duration, self.motion_envelope(), period)
+        return SiteMotions(self._of_intensity(1.0), self.duration, self.motion_envelope(), period)
 
     @cached_property
     def settled(self) -> bool:

@@ -74,7 +74,7 @@ class Fitted(NamedTuple):
     ground: Ground
 
 
-class Motions(NamedTuple):
+class SiteMotions(NamedTuple):
     """Motions on a ground, and the period of their mean spectral acceleration; None: mean peak."""
 
     ground: Ground
@@ -82,7 +82,7 @@ class Motions(NamedTuple):
     envelope: Envelope | None
     period: float | None
 
-    def measured(self, seed: int, progress: Progress | None = None) -> Measured:
+    def measured(self, seed: int, progress: Progress | None = None) -> MeasuredAcceleration:
         """Mean acceleration of the motions by simulation."""
         if self.period is None and not np.isfinite(rms_acceleration(self.ground)):
             raise ValueError(
@@ -93,13 +93,13 @@ class Motions(NamedTuple):
         given = (self.duration, self.envelope)
         table = simulated_spectrum(self.ground, at, *given, paths=PATHS, seed=seed, progress=progress)
         found = table.peak_ground_acceleration if self.period is None else table.pseudo_acceleration
-        return Measured(self, float(found.item()))
+        return MeasuredAcceleration(self, float(found.item()))
 
 
-class Measured(NamedTuple):
+class MeasuredAcceleration(NamedTuple):
     """Mean peak or spectral acceleration of motions [m/s^2]."""
 
-    motions: Motions
+    motions: SiteMotions
     acceleration: float
 
 

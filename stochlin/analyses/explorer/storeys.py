@@ -11,7 +11,7 @@ import xarray as xr
 from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
 from stochlin.analyses.explorer.scene import Scene
-from stochlin.analyses.linearization.systems.solution import Solution
+from stochlin.analyses.linearization.systems.solution import SystemSolution
 from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.linearization.systems.systems import equations_of, solved
 from stochlin.analyses.separation.rules import (
@@ -33,7 +33,7 @@ from stochlin.analyses.simulation.views import meeting_heights
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.linearization.systems.response import Response
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.parameters import Parameter
 from stochlin.models.systems import AnyStructure
 
@@ -41,10 +41,10 @@ RATIO = "period_ratio", "ratio of the periods, T2/T1"
 LINEARIZED_PEAKS = "peaks of linearization, storey by storey"
 
 
-class Motion(NamedTuple):
+class ResponseAtContacts(NamedTuple):
     """Linearized response of both structures, and their displacements at the heights of contact."""
 
-    motion: Response
+    motion: StationaryResponse
     heights: Array  # [m], from the ground up to the lower roof
     one: Array  # (heights, floors) factors that give displacements from those of all floors
     two: Array  # (heights, floors)
@@ -54,11 +54,11 @@ class Alone(NamedTuple):
     """Linearized structure alone; without links it does not depend on its neighbour."""
 
     structure: AnyStructure
-    solution: Solution
+    solution: SystemSolution
 
 
 @lru_cache(maxsize=8)
-def in_motion(scene: Scene) -> Motion:
+def in_motion(scene: Scene) -> ResponseAtContacts:
     """Response of both structures with the periods of the scene."""
     equations_of(scene.structures(), scene.ground(), ())  # raises if a storey has no stationary response
     return _together(scene, _alone(scene, scene.structure(1)), _alone(scene, scene.structure(2)))
@@ -68,7 +68,7 @@ def _alone(scene: Scene, structure: AnyStructure) -> Alone:
     return Alone(structure, solved(equations_of([structure], scene.ground(), ())))
 
 
-def _together(scene: Scene, first: Alone, second: Alone) -> Motion:
+def _together(scene: Scene, first: Alone, second: Alone) -> ResponseAtContacts:
     both = first, second
     equations = equations_of([one.structure for one in both], scene.ground(), ())
     c_eq, k_eq = (
@@ -78,7 +78,9 @@ def _together(scene: Scene, first: Alone, second: Alone) -> Motion:
     own = equations.yields & ((c_eq != -1) | (k_eq != 0))[0]
     heights = meeting_heights(*equations.arrangement.stacks)
     one, two = (_weights(equations, number, heights) for number in (0, 1))
-    return Motion(Response(equations.state_space(c_eq, k_eq, own)), heights, one, two)
+    return ResponseAtContacts(
+        StationaryResponse(equations.state_space(c_eq, k_eq, own)), heights, one, two
+    )
 
 
 def _weights(equations: Equations, number: int, heights: Array) -> Array:

@@ -86,8 +86,8 @@ def with_correction(structure: Structure, ground: Ground, derived: Solved) -> So
         least = LEAST_CLOUGH_PENZIEN if isinstance(ground, CloughPenzien) else LEAST
         point = point_of(structure, ground, derived)
         inside = checked(ground, point)
-    found = cellwise(_corrected, *arrays, inside, *point, name=name, least=least, kinds=(float,) * 3)
-    return {**derived, **dict(zip((*shown, "displacement_error"), found, strict=True))}
+    corrected = cellwise(_corrected, *arrays, inside, *point, name=name, least=least, kinds=(float,) * 3)
+    return {**derived, **dict(zip((*shown, "displacement_error"), corrected, strict=True))}
 
 
 def _corrected(
@@ -175,7 +175,7 @@ def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
     inner, outer = (
         [array[dim].values.round(12) for dim in array.dims] for array in (refinement, coarse)
     )
-    points = [np.union1d(one, other) for one, other in zip(outer, inner, strict=True)]
+    points = [np.union1d(axis, finer) for axis, finer in zip(outer, inner, strict=True)]
     logarithms = [np.log(axis.astype(float)) for axis in outer]
     whole = [array.ravel() for array in np.meshgrid(*map(np.log, points), indexing="ij")]
     values = between_points(Grid.of(logarithms, coarse.values), whole)
@@ -188,8 +188,8 @@ def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
 def _held(*point: Array, name: str) -> Array | tuple[Array, ...]:
     grids = _grids(name)
     inside = _inside(grids[0], point)
-    found = tuple(between_points(grid, inside) for grid in grids)
-    return found if len(found) > 1 else found[0]
+    values = tuple(between_points(grid, inside) for grid in grids)
+    return values if len(values) > 1 else values[0]
 
 
 @np.errstate(divide="ignore", invalid="ignore")

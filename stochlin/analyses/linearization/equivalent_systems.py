@@ -104,7 +104,7 @@ def solved_together(
     if closure != DRIFT:
         return solved
     pairs = zip(structures, solved, strict=True)
-    return [with_correction(structure, ground, one) for structure, one in pairs]
+    return [with_correction(structure, ground, results) for structure, results in pairs]
 
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
@@ -129,19 +129,19 @@ def derived_together(
 
     The structures stay elastic if ``closure`` is None.
     """
-    asked = [_asked(structure, ground, closure, tolerance) for structure in structures]
-    solver = asked[0][0]
-    alike = len(asked) > 1 and all(other == solver for other, _ in asked)
-    if not alike or any(is_labelled(*inputs) for _, inputs in asked):
-        return [_solved_cells(*one) for one in asked]
-    found = solver.solve(*map(np.array, zip(*(inputs for _, inputs in asked), strict=True)))
+    problems = [_problem_of(structure, ground, closure, tolerance) for structure in structures]
+    solver = problems[0][0]
+    alike = len(problems) > 1 and all(other == solver for other, _ in problems)
+    if not alike or any(is_labelled(*inputs) for _, inputs in problems):
+        return [_solved_cells(*problem) for problem in problems]
+    rows = solver.solve(*map(np.array, zip(*(inputs for _, inputs in problems), strict=True)))
     return [
-        {name: row[n, ...] for name, row in zip(solver.names, found, strict=True)}
-        for n in range(len(asked))
+        {name: row[n, ...] for name, row in zip(solver.names, rows, strict=True)}
+        for n in range(len(problems))
     ]
 
 
-def _asked(
+def _problem_of(
     structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
 ) -> tuple[_Solver, list[Cells]]:
     """Solver of a structure on its ground, and the arrays that it takes."""
@@ -271,10 +271,10 @@ class _Solver(NamedTuple):
             return nothing
         cycles = half_cycles(solution.system, soil)
         drift = drift_of(solution.system, solution.latent, cycles)
-        found = uy * np.sqrt(drift.variance), drift.rate, *drift.shares
+        values = uy * np.sqrt(drift.variance), drift.rate, *drift.shares
         return {
             name: np.where(solution.still, nothing[name], value)
-            for name, value in zip(OF_DRIFT, found, strict=True)
+            for name, value in zip(OF_DRIFT, values, strict=True)
         }
 
     def _report(self, solution: _Solution, soil: Filter, uy: Array, ratio: Array) -> dict[str, Array]:

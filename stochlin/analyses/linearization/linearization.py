@@ -120,16 +120,16 @@ def linearize(
     expect(ground, Ground, "ground")
     tolerance = Tolerance(rtol, atol, max_iterations)
     (solved,) = solved_together((structure,), ground, closure, tolerance)
-    found = {name: solved[name] for name in PUBLIC}
-    found |= judged(structure, ground, closure, solved, tolerance)
+    variables = {name: solved[name] for name in PUBLIC}
+    variables |= judged(structure, ground, closure, solved, tolerance)
     if closure == NARROW_BAND:
         equivalent = np.sqrt(solved["system_stiffness"])
-        found["period_eq"] = 2 * np.pi / equivalent
-        found["damping_eq"] = solved["system_damping"] / (2 * equivalent)
+        variables["period_eq"] = 2 * np.pi / equivalent
+        variables["damping_eq"] = solved["system_damping"] / (2 * equivalent)
     if closure == DRIFT:
-        found |= {"displacement_error": known_error(solved), "drift_std": solved["drift_std"]}
-        (found["drift_time"],) = cellwise(_drift_time, solved["drift_std"], solved["drift_rate"])
-    table = labels.label(xr.Dataset(found), VARIABLES)
+        variables |= {"displacement_error": known_error(solved), "drift_std": solved["drift_std"]}
+        (variables["drift_time"],) = cellwise(_drift_time, solved["drift_std"], solved["drift_rate"])
+    table = labels.label(xr.Dataset(variables), VARIABLES)
     labels.raise_if_lone_failure(table, "linearize", structure, ground)
     if structure.yields:
         table = table.assign_attrs(comment=caution_in_words(closure))

@@ -152,8 +152,8 @@ def peak_response(
         )
     status = solved.status.where(~outside, labels.INVALID_INPUT)
     table = table.assign(status=status.astype(np.int8))
-    found = judged(structure, ground, closure, solved, USUAL)
-    table = table.assign(found | {"displacement_std": solved.displacement_std})
+    errors = judged(structure, ground, closure, solved, USUAL)
+    table = table.assign(errors | {"displacement_std": solved.displacement_std})
     table["caution"] = _caution(structure, ground, solved, table.caution)
     table = labels.label(table, VARIABLES if sides == 2 else {**VARIABLES, **ONE_SIDED})
     comment = f"{type(chosen).__name__} is defined for {domain}; NaN elsewhere."

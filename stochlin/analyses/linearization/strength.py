@@ -145,19 +145,19 @@ def strength_for_ductility(
             f"the ductility {float(target.arrays()['ductility']):g}; give another ductility, or less "
             "extreme parameters"
         )
-    found = replace(strong, reduction_factor=reduction)
-    solved = solve_structure(found, ground, closure, TOLERANCE)
+    yielding = replace(strong, reduction_factor=reduction)
+    solved = solve_structure(yielding, ground, closure, TOLERANCE)
     valid = strong.valid() & ground.valid() & target.valid()
-    peak = found.arrays()["peak_factor"] * solved.ductility_std
+    peak = yielding.arrays()["peak_factor"] * solved.ductility_std
     reached = np.abs(peak / target.arrays()["ductility"] - 1) < REACHED
     status = solved.status.where(reached, labels.NOT_CONVERGED).where(valid, labels.INVALID_INPUT)
     table = solved[list(SHOWN)].assign(reduction_factor=reduction, ductility_peak=peak).where(reached)
     table["status"] = status.astype(np.int8)
-    table = table.assign(judged(found, ground, closure, solved, TOLERANCE))
+    table = table.assign(judged(yielding, ground, closure, solved, TOLERANCE))
     table["bias"] = table.bias.where(reached)
     table = labels.label(table, VARIABLES)
-    given = f"{structure.describe()}, {ground.describe()}, ductility={brief(ductility)}"
-    case = f"strength_for_ductility({given})"
+    arguments = f"{structure.describe()}, {ground.describe()}, ductility={brief(ductility)}"
+    case = f"strength_for_ductility({arguments})"
     labels.raise_if_lone_failure(table, case)
     return labels.with_run_information(
         table.assign_attrs(closure=closure, comment=caution_in_words(closure)),
@@ -260,8 +260,8 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
             return {n: xr.DataArray(v[cells], dims=CELL) for (r, n), v in flat.items() if r == role}
 
         weaker = some("structure") | {"reduction_factor": xr.DataArray(np.exp(log_r), dims=CELL)}
-        one, shaken = replace(structure, **weaker), replace(ground, **some("ground"))
-        solved = solve_structure(one, shaken, closure, TOLERANCE)
+        yielding, shaken = replace(structure, **weaker), replace(ground, **some("ground"))
+        solved = solve_structure(yielding, shaken, closure, TOLERANCE)
         ratio: Array = (
             flat["structure", "peak_factor"][cells] * solved.ductility_std.values / wanted[cells]
         )

@@ -23,16 +23,16 @@ from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
-from stochlin.kernels.linearization.systems.response import Response, alike
+from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
 from stochlin.kernels.linearization.transient import (
     NODES,
     NODES_OF_STOREYS,
+    ChainEquations,
     Coefficients,
     Difference,
     Filters,
-    Group,
     Own,
-    Structures,
+    StoreyChains,
     Transient,
 )
 from stochlin.models.buildings import ShearBuilding
@@ -52,7 +52,7 @@ POINTS = 101  # instants of a result
 TIME = "time"
 
 
-class Side(NamedTuple):
+class StructureCells(NamedTuple):
     """One of the structures, with its n valid cells in a row."""
 
     structure: AnyStructure
@@ -80,7 +80,7 @@ class Side(NamedTuple):
         return self.stack._replace(system=self.stack.system.at(cell))
 
 
-class Course(NamedTuple):
+class TimeGrid(NamedTuple):
     """The instants of a finite motion."""
 
     envelope: Envelope | None
@@ -94,13 +94,13 @@ class Course(NamedTuple):
         return envelope_at(self.envelope, times)
 
 
-class Moments(NamedTuple):
+class TransientMoments(NamedTuple):
     """Second moments of all valid cells at the instants of the course."""
 
     own: Own
     difference: Difference
-    sides: tuple[Side, ...]
-    course: Course
+    sides: tuple[StructureCells, ...]
+    course: TimeGrid
 
 
 def check_course(duration: float | None, envelope: Envelope | None) -> float:
@@ -132,7 +132,9 @@ def check_names(roles: str, dims: Collection[Hashable], own: Sequence[str]) -> N
             )
 
 
-def side_of(structure: AnyStructure, ground: Ground, duration: float, role: str, first: int) -> Side:
+def side_of(
+    structure: AnyStructure, ground: Ground, duration: float, role: str, first: int
+) -> StructureCells:
     """Valid cells of a structure, numbered from ``first``; the displacement of a building is its roof's.
 
     Cells with a period longer than the motion are invalid.
@@ -159,10 +161,10 @@ def side_of(structure: AnyStructure, ground: Ground, duration: float, role: str,
 
     period, damping, hardening, uy, std = (row(array)[:, None] for array in own)
     w, share = 2 * np.pi / period, np.where(np.isinf(uy), 1.0, hardening)
-    mass, friction, one = np.ones_like(w), (2 * damping * w)[..., None], np.ones((1, 1))
-    system = System(mass, friction, one, one, share * w**2, (1 - share) * w**2, uy)
+    mass, friction, unit = np.ones_like(w), (2 * damping * w)[..., None], np.ones((1, 1))
+    system = System(mass, friction, unit, unit, share * w**2, (1 - share) * w**2, uy)
     law = [row(array) for array in structure.law_parameters()]
-    return Side(
+    return StructureCells(
         structure,
         Stack(system, np.full(1, np.nan), structure),
         period[:, 0],
@@ -175,7 +177,7 @@ def side_of(structure: AnyStructure, ground: Ground, duration: float, role: str,
     )
 
 
-def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -> Side:
+def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -> StructureCells:
     """`side_of` for a building with storeys."""
     valid = ground.valid()
     position = numbered(valid, first)
@@ -186,14 +188,14 @@ def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -
     equations = Equations(Arrangement((stack,), ()), ground.with_arrays(rows))
     drifts = np.empty((count, structure.storeys))
     for cells, part in alike(equations.state_space(elastic, none, none > 0)):
-        response = Response(part)
+        response = StationaryResponse(part)
         drifts[cells] = response.std(stack.system.extensions)
         if not np.isfinite(drifts[cells]).all():
             raise ArithmeticError(
                 f"{role}, elastic: {INACCURATE if response.stable.all() else UNSTABLE}; use storeys "
                 "whose stiffness over mass differs less"
             )
-    return Side(
+    return StructureCells(
         structure,
         stack._replace(system=equations.system),
         np.full(count, float(structure.periods()[0])),
@@ -224,7 +226,7 @@ def of_cells(array: xr.DataArray, at: xr.DataArray) -> Array:
     return row_of(array, at)[at.to_numpy().ravel() >= 0]
 
 
-def oscillators_of(sides: Sequence[Side]) -> tuple[Array, Array, Array, Array]:
+def oscillators_of(sides: Sequence[StructureCells]) -> tuple[Array, Array, Array, Array]:
     """Periods [s], damping and hardening ratios and yield displacements [m] (n,) of all structures.
 
     None of them is a building with storeys.
@@ -238,17 +240,17 @@ def oscillators_of(sides: Sequence[Side]) -> tuple[Array, Array, Array, Array]:
     return period, damping * period / (4 * np.pi), post / elastic, uy
 
 
-def shortest_period(sides: Sequence[Side]) -> float:
+def shortest_period(sides: Sequence[StructureCells]) -> float:
     """Shortest period of all cells [s]; that of a building is its first one."""
     return float(np.concatenate([side.period for side in sides]).min())
 
 
-def grounds_of(sides: Sequence[Side]) -> dict[str, Array]:
+def grounds_of(sides: Sequence[StructureCells]) -> dict[str, Array]:
     """Parameters of the grounds of all cells, in one row."""
     return {name: np.concatenate([side.ground[name] for side in sides]) for name in sides[0].ground}
 
 
-def course_of(envelope: Envelope | None, duration: float, shortest: float, points: int) -> Course:
+def course_of(envelope: Envelope | None, duration: float, shortest: float, points: int) -> TimeGrid:
     """Instants of a motion, close enough for integrals over time with the shortest period."""
     stretches = points - 1
     instants = duration * STEPS_PER_PERIOD / shortest
@@ -265,16 +267,16 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
     values = envelope_at(envelope, scan)
     strong = np.flatnonzero(values >= STRONG * values.max())
     last = duration if strong[-1] == SCANNED - 1 else float(scan[strong[-1] + 1])
-    return Course(envelope, float(duration), times, shown, last)
+    return TimeGrid(envelope, float(duration), times, shown, last)
 
 
 def solve_course(
-    sides: Sequence[Side],
+    sides: Sequence[StructureCells],
     ground: Ground,
     pairs: Array,
-    course: Course,
+    course: TimeGrid,
     progress: Progress | None = None,
-) -> Moments:
+) -> TransientMoments:
     """Second moments of all structures and of pairs of them, which are at rest at first.
 
     ``pairs`` (2, p) has the numbers of their cells. ``progress`` is called with the share of the
@@ -292,10 +294,10 @@ def solve_course(
     closure = _coefficients(sides) if any(group.yields.any() for group in groups) else None
     transient = Transient(groups, pairs, closure, course.values)
     kinks = () if course.envelope is None else course.envelope.kinks()
-    return Moments(*transient.solve(course.times, kinks, progress), tuple(sides), course)
+    return TransientMoments(*transient.solve(course.times, kinks, progress), tuple(sides), course)
 
 
-def over_time(table: xr.Dataset, course: Course) -> xr.Dataset:
+def over_time(table: xr.Dataset, course: TimeGrid) -> xr.Dataset:
     """The table with the times, the envelope, and a flag for the end of the strong shaking."""
     time = labels.axis(TIME, "time", course.times[course.shown], "s")
     flag = {
@@ -317,24 +319,24 @@ def over_time(table: xr.Dataset, course: Course) -> xr.Dataset:
     )
 
 
-def _groups(sides: Sequence[Side], ground: Ground) -> list[Group]:
+def _groups(sides: Sequence[StructureCells], ground: Ground) -> list[ChainEquations]:
     """Equations of all cells; sides with the same number of storeys are one group."""
-    found = []
+    groups = []
     nodes = NODES_OF_STOREYS if any(side.storeys > 1 for side in sides) else NODES
     for _, members in groupby(sides, lambda side: side.storeys):
         alike = list(members)
         parts = zip(*map(_structures, alike), strict=True)
-        structures = Structures(*map(np.concatenate, parts))
-        found.append(Group(structures, _filters(ground, grounds_of(alike)), nodes))
-    return found
+        structures = StoreyChains(*map(np.concatenate, parts))
+        groups.append(ChainEquations(structures, _filters(ground, grounds_of(alike)), nodes))
+    return groups
 
 
-def _structures(side: Side) -> Structures:
+def _structures(side: StructureCells) -> StoreyChains:
     """Equations of the drifts ``d = E u``, from ``M u'' = -C u' - E' (k d - h y) + M 1 f``."""
     mass, damping, extensions, _, _, couple, strength = side.stack.system
     floors, by_forces = np.linalg.inv(extensions), extensions / mass[:, None]
     shears, seen = by_forces @ extensions.T, side.seen @ floors
-    return Structures(
+    return StoreyChains(
         2 * np.pi / side.period,
         shears * side.stack.system.elastic[:, None],
         by_forces @ damping @ floors,
@@ -345,14 +347,14 @@ def _structures(side: Side) -> Structures:
     )
 
 
-def _coefficients(sides: Sequence[Side]) -> Coefficients:
+def _coefficients(sides: Sequence[StructureCells]) -> Coefficients:
     """Function for the equivalent coefficients of all yielding storeys by their laws."""
     yielding = [side for side in sides if side.structure.yields]
 
-    def closure_of(side: Side) -> Closure:
+    def closure_of(side: StructureCells) -> Closure:
         return side.stack.law.closure("gaussian")
 
-    def law_of(side: Side) -> Array:
+    def law_of(side: StructureCells) -> Array:
         return side.law[:, np.isfinite(side.stack.system.strength.ravel())]
 
     groups = [
@@ -362,12 +364,12 @@ def _coefficients(sides: Sequence[Side]) -> Coefficients:
     ends = np.cumsum([law.shape[1] for _, law in groups])
 
     def coefficients(latent: Array) -> Array:
-        found, states = [], latent[0, ..., 0].size
+        parts, states = [], latent[0, ..., 0].size
         for (closure, law), end in zip(groups, ends, strict=True):
             part = latent[..., end - law.shape[1] : end]
             of_all = law if states == 1 else np.tile(law, states)
-            found.append(closure(part.reshape(3, -1), of_all).coefficients.reshape(2, *part.shape[1:]))
-        return np.concatenate(found, axis=-1)
+            parts.append(closure(part.reshape(3, -1), of_all).coefficients.reshape(2, *part.shape[1:]))
+        return np.concatenate(parts, axis=-1)
 
     return coefficients
 
@@ -378,13 +380,13 @@ def _filters(ground: Ground, values: Mapping[str, Array]) -> Filters:
     shape = {name: row for name, row in values.items() if name != "intensity"}
     table = np.stack([np.zeros_like(intensity), *shape.values()])
     alike, which = np.unique(table, axis=1, return_inverse=True)
-    found = [
+    filters = [
         _in_standard_deviations(
             ground.filter({"intensity": 1.0, **dict(zip(shape, column.tolist(), strict=True))}).arrays
         )
         for column in alike[1:].T
     ]
-    matrix, output, covariance = (np.stack(parts)[which.ravel()] for parts in zip(*found, strict=True))
+    matrix, output, covariance = (np.stack(parts)[which.ravel()] for parts in zip(*filters, strict=True))
     white = np.zeros_like(intensity) if output.size else intensity
     return Filters(matrix, output * np.sqrt(intensity)[:, None], covariance, white)
 

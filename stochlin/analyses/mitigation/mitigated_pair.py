@@ -65,8 +65,8 @@ class MitigatedPair:
 
     def known(self, measure: Measure) -> tuple[Any, Any]:
         """The changed structures with uncertain parameters at their medians."""
-        one, two = self.changed(measure)
-        return median_of(one), median_of(two)
+        first, second = self.changed(measure)
+        return median_of(first), median_of(second)
 
     def _changed(self, structure: Any, measure: Measure, number: int) -> Any:
         names = ("added_damping", "stiffening", "strengthening")
@@ -135,7 +135,7 @@ class MitigatedPair:
         contact = self.contact if measure.contact is None else measure.contact
         table = self._pounded(self.known(measure), self.open_gap(measure), contact, measure.links)
         ratio = table.peak / self._peaks_alone
-        found = {
+        columns = {
             **{f"amplification_{n + 1}": ratio.isel(structure=n) for n in (0, 1)},
             "largest_force": table.hardest_force,
             "deepest_compression": table.deepest_compression,
@@ -143,13 +143,13 @@ class MitigatedPair:
                 "peak_link_force", xr.full_like(table.hardest_force, np.nan)
             ),
         }
-        values = {name: each.max(set(each.dims) - {RECORD}).values for name, each in found.items()}
+        values = {name: each.max(set(each.dims) - {RECORD}).values for name, each in columns.items()}
         return values | {"impacts": table.impacts.sum("contact").values}
 
     def worst_amplification(self, measure: Measure) -> float:
         """Largest amplification of both buildings in all records [-]."""
-        found = self.recorded(measure)
-        return float(max(found["amplification_1"].max(), found["amplification_2"].max()))
+        recorded = self.recorded(measure)
+        return float(max(recorded["amplification_1"].max(), recorded["amplification_2"].max()))
 
     @cached_property
     def _peaks_alone(self) -> xr.DataArray:

@@ -148,16 +148,16 @@ def mitigate(
     >>> table.measure.values[-1].item()
     'least dashpot between'
     """
-    one, two = _checked(first, second, ground, measures, contact, records, amplification_limit)
+    left, right = _checked(first, second, ground, measures, contact, records, amplification_limit)
     check_confidence(confidence)
     check_scatter(scatter)
-    both = [median_of(structure) for structure in (one, two)]
+    both = [median_of(structure) for structure in (left, right)]
     check_existing(gap, duration, dict(zip(("first", "second"), both, strict=True)))
     check_repeated(both, median_of(ground), duration, paths, seed, len(measures) + SIMULATIONS)
     if progress is not None:
         progress(0.0)
     site = MitigatedPair(
-        structures=(one, two),
+        structures=(left, right),
         ground=ground,
         gap=float(gap),
         duration=duration,
@@ -174,12 +174,12 @@ def mitigate(
             site.check(measure)
         except (TypeError, ValueError) as error:
             raise type(error)(f"measures[{brief(name)}]: {error}") from error
-    given = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
+    lines = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
     for name, measure in measures.items():
         unseen = measure.contact is not None and not records
-        told = "the effect of a contact is only computed in records, and none is given" if unseen else ""
-        given.append(MeasureLine(name, "given", measure, missing=told))
-    wanted: list[MeasureLine | Search] = [*given, *searches(site, amplification_limit)]
+        note = "the effect of a contact is only computed in records, and none is given" if unseen else ""
+        lines.append(MeasureLine(name, "given", measure, missing=note))
+    wanted: list[MeasureLine | Search] = [*lines, *searches(site, amplification_limit)]
     rows, columns = [], []
     for done, each in enumerate(wanted, start=1):
         row = each.result() if isinstance(each, Search) else each
@@ -216,9 +216,9 @@ def _checked(
     expect(median_of(ground), Ground, "ground")
     if contact is not None:
         expect(contact, Contact, "contact")
-    for name, given in (("measures", measures), ("records", records)):
-        if not isinstance(given, Mapping) and (given is not None or name == "measures"):
-            raise TypeError(f"{name} = {brief(given)}; allowed: a mapping of them by name")
+    for name, mapping in (("measures", measures), ("records", records)):
+        if not isinstance(mapping, Mapping) and (mapping is not None or name == "measures"):
+            raise TypeError(f"{name} = {brief(mapping)}; allowed: a mapping of them by name")
     for name, measure in measures.items():
         check_label("the name of a measure", name)
         expect(measure, Measure, f"measures[{brief(name)}]")

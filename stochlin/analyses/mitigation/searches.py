@@ -63,21 +63,21 @@ def searches(site: MitigatedPair, limit: float | None) -> list[Search]:
     ]
     if limit is not None:
         aims.append(("amplification", " (limit)", site.worst_amplification, limit))
-    found = []
+    listed = []
     for aim, suffix, found_by, most in aims:
         outcome = cache(found_by)  # every search starts with the buildings as built
         if outcome(Measure()) <= most:
             continue
         for side, shares in SIDES.items():
             name = f"least damping, {side}{suffix}"
-            asked = aim, _damping(shares), outcome, most, _dampings(site, shares)
-            found.append(Search(name, *asked, "added damping up to {} % of critical", 100))
+            arguments = aim, _damping(shares), outcome, most, _dampings(site, shares)
+            listed.append(Search(name, *arguments, "added damping up to {} % of critical", 100))
         scale = _dashpot_scale(site)
         if scale is not None:
             name = f"least dashpot between{suffix}"
-            asked = aim, _dashpot, outcome, most, scale * CONSTANTS
-            found.append(Search(name, *asked, "a damping constant up to {} MN s/m", 1e-6))
-    return found
+            arguments = aim, _dashpot, outcome, most, scale * CONSTANTS
+            listed.append(Search(name, *arguments, "a damping constant up to {} MN s/m", 1e-6))
+    return listed
 
 
 def _damping(shares: tuple[float, float]) -> Callable[[float], Measure]:

@@ -10,10 +10,10 @@ import xarray as xr
 
 from stochlin.analyses.pounding.histories import floor_coords
 from stochlin.analyses.pounding.rows import Building, Standing, shortest_period
-from stochlin.analyses.pounding.runs import Outcome, Response, responses, with_and_without
+from stochlin.analyses.pounding.runs import Outcome, RowResponse, responses, with_and_without
 from stochlin.analyses.pounding.summaries import labelled, step_error, summary
 from stochlin.analyses.pounding.variables import STATISTICS
-from stochlin.analyses.records.cells import RECORD, Motions, Records, checked_motions
+from stochlin.analyses.records.cells import RECORD, RecordedMotions, Records, checked_motions
 from stochlin.analyses.simulation.finite_motions import (
     Columns,
     exceedance,
@@ -23,7 +23,7 @@ from stochlin.analyses.simulation.finite_motions import (
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.kernels.pounding.run import Pace
+from stochlin.kernels.pounding.run import StepCounts
 
 OF_COARSER = 0.8  # share of the work of a run with its error up to the run in coarser steps
 PATH = "path"
@@ -46,7 +46,7 @@ BETWEEN: Mapping[str, Any] = {
 class Ensemble(NamedTuple):
     """Motions and their dimension, ``path`` or ``record``, which is None for one motion."""
 
-    motions: Motions
+    motions: RecordedMotions
     over: str | None
     labels: xr.DataArray | None = None  # coordinate along the dimension
 
@@ -75,7 +75,7 @@ def over_motions(
     structures: Sequence[Building],
     standing: Standing,
     ensemble: Ensemble,
-    paces: Sequence[Pace],
+    paces: Sequence[StepCounts],
     halved: bool,
     progress: Progress | None,
 ) -> xr.Dataset:
@@ -94,34 +94,34 @@ def over_motions(
     if halved:
         rest = part_of(progress, share, 1)
         more = responses(structures, standing.row, grounds, coarser, shortest, progress=rest)
-        of_motions = [(*pair, one) for pair, one in zip(both, more, strict=True)]
-    found: list[dict[str, Any] | ArithmeticError] = []
+        of_motions = [(*pair, rerun) for pair, rerun in zip(both, more, strict=True)]
+    summaries: list[dict[str, Any] | ArithmeticError] = []
     for of_motion in of_motions:
         errors = [each for each in of_motion if isinstance(each, ArithmeticError)]
         if errors:
-            found.append(errors[0])
+            summaries.append(errors[0])
             continue
-        one, lone, *coarse = (each for each in of_motion if isinstance(each, Response))
-        error = {"step_error": step_error(standing, coarse[0], one)} if coarse else {}
-        found.append(summary(standing, one, lone) | error)
-    failed = [each for each in found if isinstance(each, ArithmeticError)]
-    if len(failed) == len(found):
+        response, alone, *coarse = (each for each in of_motion if isinstance(each, RowResponse))
+        error = {"step_error": step_error(standing, coarse[0], response)} if coarse else {}
+        summaries.append(summary(standing, response, alone) | error)
+    failed = [each for each in summaries if isinstance(each, ArithmeticError)]
+    if len(failed) == len(summaries):
         raise ArithmeticError(
-            f"{failed[0]}; so in all {len(found)} motions" if failed[1:] else failed[0]
+            f"{failed[0]}; so in all {len(summaries)} motions" if failed[1:] else failed[0]
         )
-    like = next(each for each in found if isinstance(each, dict))
+    like = next(each for each in summaries if isinstance(each, dict))
     blank = {name: np.full(np.shape(values), np.nan) for name, values in like.items()}
-    rows = [blank if isinstance(each, ArithmeticError) else each for each in found]
+    rows = [blank if isinstance(each, ArithmeticError) else each for each in summaries]
     values = {name: np.array([each[name] for each in rows], float) for name in like}
-    good = xr.DataArray([isinstance(each, dict) for each in found], dims=over)
+    good = xr.DataArray([isinstance(each, dict) for each in summaries], dims=over)
     coords = floor_coords(standing.first, structures)
     table = xr.Dataset(labelled(values, standing.first, structures, over), coords=coords)
     table["status"] = labels.status_where(good, labels.NOT_CONVERGED)
-    told = ["" if isinstance(each, dict) else str(each) for each in found]
+    reasons = ["" if isinstance(each, dict) else str(each) for each in summaries]
     if ensemble.labels is not None:
         table = table.assign_coords({over: ensemble.labels})
     return table.assign_coords(
-        missing=(over, told, {"long_name": "missing results of a motion, and the reason"})
+        missing=(over, reasons, {"long_name": "missing results of a motion, and the reason"})
     )
 
 
@@ -132,16 +132,16 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     """
     table = _between_neighbours(table, over)
     good = table.isel({over: (table.status == labels.CONVERGED).values})
-    found: Columns = {}
+    columns: Columns = {}
     for name in (each for each in STATISTICS if each in good):
         samples = good[name].transpose(over, ...)
         values = samples.values
         if name in OF_IMPACTS:
             impacts = good[OF_IMPACTS[name]].transpose(*samples.dims)
             values = np.where(impacts.values > 0, values, 0.0)
-        found |= _statistics(name, samples.dims[1:], values, levels)
+        columns |= _statistics(name, samples.dims[1:], values, levels)
     # Added at once, because each addition to a dataset takes a millisecond.
-    table = table.assign(found).assign_coords(quantile=labels.axis("quantile", "quantile", levels))
+    table = table.assign(columns).assign_coords(quantile=labels.axis("quantile", "quantile", levels))
     hits = good.impacts_between.rename({over: PATH})
     shares = exceedance(hits, 0.0).rename(
         {f"probability{end}": f"pounding_probability{end}" for end in ENDS}
@@ -160,13 +160,13 @@ def _between_neighbours(table: xr.Dataset, over: str) -> xr.Dataset:
     left = table.left.values
     pairs = np.unique(left)
     table = table.assign_coords(neighbours(pairs.size + 1))
-    found: Columns = {}
+    columns: Columns = {}
     for name, join in BETWEEN.items():
         values = table[name].transpose(over, "contact").values
         joined = [join(values[:, left == n], axis=1) for n in pairs]
         together = np.reshape(joined, (pairs.size, len(values))).T
-        found[f"{name}_between"] = (over, NEIGHBOURS), np.ascontiguousarray(together)
-    return table.assign(found)
+        columns[f"{name}_between"] = (over, NEIGHBOURS), np.ascontiguousarray(together)
+    return table.assign(columns)
 
 
 def _statistics(name: str, dims: tuple[Any, ...], values: Array, levels: Array) -> Columns:
@@ -176,9 +176,9 @@ def _statistics(name: str, dims: tuple[Any, ...], values: Array, levels: Array) 
     error = np.full(known.shape, np.nan)
     if len(values) > 1:
         error = values.std(axis=0, ddof=1) / np.sqrt(len(values))
-    found = {"mean": (dims, values.mean(axis=0)), "mean_standard_error": (dims, error)}
+    columns = {"mean": (dims, values.mean(axis=0)), "mean_standard_error": (dims, error)}
     for end, each in zip(ENDS, quantile_intervals(values, levels), strict=True):
-        found[f"quantile{end}"] = ("quantile", *dims), each
+        columns[f"quantile{end}"] = ("quantile", *dims), each
     return {
-        f"{name}_{what}": (over, np.where(known, each, np.nan)) for what, (over, each) in found.items()
+        f"{name}_{what}": (over, np.where(known, each, np.nan)) for what, (over, each) in columns.items()
     }

@@ -21,7 +21,7 @@ from stochlin.analyses.pounding.rows import (
     shortest_period,
 )
 from stochlin.analyses.pounding.runs import (
-    Response,
+    RowResponse,
     check_runs,
     paces_of,
     responses,
@@ -33,8 +33,8 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.pounding import impacts
-from stochlin.kernels.pounding.run import SAMPLES, Pace
-from stochlin.kernels.records.runs import SampledGround
+from stochlin.kernels.pounding.run import SAMPLES, StepCounts
+from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.parameters import Model
@@ -163,9 +163,12 @@ def pounding_estimate_error(
     def outcome(number: int) -> _Outcome:
         return _outcome(row_of, standing, grounds[number], paces[number])
 
-    found = list(in_order(outcome, len(grounds), progress))
+    outcomes = list(in_order(outcome, len(grounds), progress))
     dims = over, "structure"
-    values = {name: (dims, np.array([getattr(one, name) for one in found])) for name in _Outcome._fields}
+    values = {
+        name: (dims, np.array([getattr(result, name) for result in outcomes]))
+        for name in _Outcome._fields
+    }
     runs = xr.Dataset(values)
     table = runs[["hits", "radius_alone"]]
     table["peak_amplification"] = runs.peak / runs.peak_alone
@@ -186,18 +189,18 @@ def pounding_estimate_error(
 
 
 def _outcome(
-    structures: Sequence[Building], standing: Standing, ground: SampledGround, pace: Pace
+    structures: Sequence[Building], standing: Standing, ground: SampledMotion, pace: StepCounts
 ) -> _Outcome:
     """Peaks, energy radii and numbers of impacts in one motion, with pounding and without."""
     shortest = shortest_period(structures)
     both = []
     for meets in (True, False):
-        (found,) = responses(
+        (response,) = responses(
             structures, standing.row, [ground], [pace], shortest, SAMPLES, meets=[meets]
         )
-        if isinstance(found, ArithmeticError):
-            raise found
-        both.append(found)
+        if isinstance(response, ArithmeticError):
+            raise response
+        both.append(response)
     first = standing.first[:-1]
     peak, peak_alone = (np.maximum.reduceat(each.peaks, first) for each in both)
     radius, radius_alone = (_radii(structures, standing, each) for each in both)
@@ -207,7 +210,7 @@ def _outcome(
     return _Outcome(peak, peak_alone, radius, radius_alone, hits)
 
 
-def _radii(structures: Sequence[Building], standing: Standing, response: Response) -> Array:
+def _radii(structures: Sequence[Building], standing: Standing, response: RowResponse) -> Array:
     """Largest energy radius of the first mode of each structure at the samples [m], (structures,)."""
     at, mass, radii = response.at, standing.row.parts.mass, []
     for b, structure in enumerate(structures):
@@ -229,8 +232,10 @@ def _statistics(table: xr.Dataset, over: str) -> xr.Dataset:
     of = xr.DataArray(list(TRUTHS), dims="of", attrs={"long_name": "what grows by pounding"})
     by = xr.DataArray(list(ESTIMATES), dims="estimate", attrs={"long_name": "estimate from energies"})
     truth = xr.concat([table[name] for name in TRUTHS.values()], "of").assign_coords(of=of)
-    told = xr.concat([table[name] for name in ESTIMATES.values()], "estimate").assign_coords(estimate=by)
-    ratio = xr.ufuncs.log(told / truth).where(table.hits > 0)
+    estimate = xr.concat([table[name] for name in ESTIMATES.values()], "estimate").assign_coords(
+        estimate=by
+    )
+    ratio = xr.ufuncs.log(estimate / truth).where(table.hits > 0)
     count = (table.hits > 0).sum(over)
     bias = ratio.mean(over)
     freedom = (count - 1).where(count >= FEWEST)  # `std` warns of cells with fewer motions

@@ -211,16 +211,16 @@ def pounding_estimate_row(
         raise ValueError(f"radii: their dimensions do not fit: {sentence(error)}") from error
 
     def hit(left: int, now: Sequence[xr.DataArray]) -> list[xr.DataArray]:
-        gap, two = xr.DataArray(spaces[left]), slice(left, left + 2)
-        found = _estimate(modes[two], gap, contact, now[two], int(points))
-        return [found[f"largest_radius_amplification_{n}"] for n in (1, 2)]
+        gap, pair = xr.DataArray(spaces[left]), slice(left, left + 2)
+        estimate = _estimate(modes[pair], gap, contact, now[pair], int(points))
+        return [estimate[f"largest_radius_amplification_{n}"] for n in (1, 2)]
 
     grown = [hit(left, alone) for left in range(count - 1)]
-    one = [xr.DataArray(1.0)] * count
+    single = [xr.DataArray(1.0)] * count
     for left, growth in enumerate(grown):
         for side in range(2):
-            one[left + side] = xr.ufuncs.maximum(one[left + side], growth[side])
-    chain = list(one)
+            single[left + side] = xr.ufuncs.maximum(single[left + side], growth[side])
+    chain = list(single)
     for order in (range(count - 1), range(count - 2, -1, -1)):
         now = list(alone)
         for left in order:
@@ -231,7 +231,7 @@ def pounding_estimate_row(
     about = {"long_name": "structure"}
     table = xr.Dataset(
         {
-            "largest_radius_amplification": _along("structure", one),
+            "largest_radius_amplification": _along("structure", single),
             "chain_radius_amplification": _along("structure", chain),
             "radius_amplification": _along(NEIGHBOURS, [_along("side", growth) for growth in grown]),
         },
@@ -334,8 +334,8 @@ def _hits(
     ``valid`` has the dimensions and coordinates of all others. In between, values have dimensions only,
     which takes a fraction of the time.
     """
-    given = [gap, restitution, *radii, *(mode.frequency for mode in modes)]
-    parts: list[Any] = [each.variable for each in xr.align(valid, *given, join="inner")]
+    arrays = [gap, restitution, *radii, *(mode.frequency for mode in modes)]
+    parts: list[Any] = [each.variable for each in xr.align(valid, *arrays, join="inner")]
     usable, g, e, *others = parts
     table = _at_points(modes, place, g.where(usable), e, others[:2], others[2:], points)
     return xr.Dataset(table, coords=valid.coords).assign_coords(way=list(WAYS))

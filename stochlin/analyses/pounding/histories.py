@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.pounding.rows import COLUMN, Building, Meeting, Standing
-from stochlin.analyses.pounding.runs import Response
+from stochlin.analyses.pounding.runs import RowResponse
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.simulation.contacts import ForceLaw, forces
@@ -49,7 +49,7 @@ def _with_floors(structures: Sequence[Building]) -> bool:
     return any(isinstance(structure, ShearBuilding) for structure in structures)
 
 
-class Course(NamedTuple):
+class ResponseHistories(NamedTuple):
     """Response histories of a row by name: of floors, structures, links, the whole row and contacts."""
 
     floors: dict[str, Array]  # (times, n)
@@ -59,7 +59,7 @@ class Course(NamedTuple):
     contacts: dict[str, Array]  # (times, c)
 
 
-def course(standing: Standing, response: Response) -> Course:
+def course(standing: Standing, response: RowResponse) -> ResponseHistories:
     """Displacements, velocities, accelerations, forces and energies in the history of a response."""
     at, to, kept = response.at, response.to, response.history
     row, first = standing.row, standing.first[:-1]
@@ -100,7 +100,7 @@ def course(standing: Standing, response: Response) -> Course:
         }
         pulls = {"link_force": _link_forces(standing, force, rate, drag)}
     of_structures = {"base_shear": shear[:, first], **energies}
-    return Course(floors, of_structures, pulls, whole, {"contact_force": pushed})
+    return ResponseHistories(floors, of_structures, pulls, whole, {"contact_force": pushed})
 
 
 def _products(values: Array, matrix: Array) -> Array:
@@ -108,8 +108,8 @@ def _products(values: Array, matrix: Array) -> Array:
 
     BLAS is not used, because its threads would take the time of those in which motions are stepped.
     """
-    found: Array = np.einsum("tn,mn->tm", values, matrix)
-    return found
+    products: Array = np.einsum("tn,mn->tm", values, matrix)
+    return products
 
 
 def _drags(standing: Standing, rate: Array) -> Array:
@@ -121,7 +121,9 @@ def _drags(standing: Standing, rate: Array) -> Array:
     return drag
 
 
-def _contact_forces(standing: Standing, response: Response, u: Array, v: Array) -> tuple[Array, Array]:
+def _contact_forces(
+    standing: Standing, response: RowResponse, u: Array, v: Array
+) -> tuple[Array, Array]:
     """Forces of the contacts [N] (times, c), and the energy stored in all of them [J] (times,)."""
     at, contacts = response.at, standing.row.contacts
     if contacts.jumps:
@@ -143,15 +145,15 @@ def _link_forces(standing: Standing, force: Array, rate: Array, drag: Array) -> 
     parts, kind = standing.row.parts, standing.row.elements.kind
     sign = np.where(kind[parts.spring] == SLACK, -1.0, 1.0)
     power = np.where(parts.dashpot >= 0, drag[:, parts.dashpot], 0.0)
-    found: Array = sign * (force[:, parts.spring] + parts.constant * rate[:, parts.spring] + power)
-    return found
+    link_forces: Array = sign * (force[:, parts.spring] + parts.constant * rate[:, parts.spring] + power)
+    return link_forces
 
 
 def histories(
-    found: Course,
+    motion: ResponseHistories,
     standing: Standing,
     structures: Sequence[Building],
-    response: Response,
+    response: RowResponse,
     start: float,
     time: Array,
     times: Array | None,
@@ -163,19 +165,21 @@ def histories(
     """
     line, first = response.impacts.T, standing.first
 
-    def asked(values: Array) -> Array:
+    def at_times(values: Array) -> Array:
         return values if times is None else _interpolated(values, response.time, times)
 
     return xr.Dataset(
         {
             **{
-                name: by_floor(asked(values), first, structures, "time")
-                for name, values in found.floors.items()
+                name: by_floor(at_times(values), first, structures, "time")
+                for name, values in motion.floors.items()
             },
-            **{n: (("time", "structure"), asked(values)) for n, values in found.structures.items()},
-            **{name: (("time", "link"), asked(values)) for name, values in found.links.items()},
-            **{name: ("time", asked(values)) for name, values in found.whole.items()},
-            **{name: (("time", "contact"), asked(values)) for name, values in found.contacts.items()},
+            **{n: (("time", "structure"), at_times(values)) for n, values in motion.structures.items()},
+            **{name: (("time", "link"), at_times(values)) for name, values in motion.links.items()},
+            **{name: ("time", at_times(values)) for name, values in motion.whole.items()},
+            **{
+                name: (("time", "contact"), at_times(values)) for name, values in motion.contacts.items()
+            },
             "impact_time": ("impact", start + line[impacts.BEGIN]),
             "impact_contact": ("impact", line[impacts.CONTACT].astype(np.int64) + 1),
             "approach_velocity": ("impact", line[impacts.APPROACH]),
@@ -197,11 +201,11 @@ def _interpolated(values: Array, known: Array, time: Array) -> Array:
     place = np.clip(np.searchsorted(known, time, side="right") - 1, 0, known.size - 2)
     share = np.clip((time - known[place]) / (known[place + 1] - known[place]), 0.0, 1.0)
     share = share.reshape(-1, *[1] * (values.ndim - 1))
-    found: Array = (1 - share) * values[place] + share * values[place + 1]
-    return found
+    interpolated: Array = (1 - share) * values[place] + share * values[place + 1]
+    return interpolated
 
 
-def energy_transferred(response: Response) -> Array:
+def energy_transferred(response: RowResponse) -> Array:
     """Work of each impact on the structures on its left and right [J], (impacts, 2)."""
     columns = impacts.HANDED, impacts.LOST, impacts.STORED
     right, lost, stored = (response.impacts[:, column] for column in columns)

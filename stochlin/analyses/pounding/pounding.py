@@ -26,7 +26,7 @@ from stochlin.analyses.pounding.runs import (
     ON_GRID,
     STEPS_PER_CONTACT,
     Outcome,
-    Response,
+    RowResponse,
     check_runs,
     paces_of,
     responses,
@@ -39,9 +39,9 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_truth, check_whole, checked_quantiles, is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.pounding.run import SAMPLES, STEPS, Pace
+from stochlin.kernels.pounding.run import SAMPLES, STEPS, StepCounts
 from stochlin.kernels.records.oscillator import RADIUS
-from stochlin.kernels.records.runs import SampledGround, peaks_on_records
+from stochlin.kernels.records.runs import SampledMotion, peaks_on_records
 from stochlin.messages import brief
 from stochlin.models.contacts import Contact
 from stochlin.models.laws.bilinear import Bilinear
@@ -298,8 +298,8 @@ def pound(
 def _of_one(
     structures: Sequence[Building],
     standing: Standing,
-    ground: SampledGround,
-    pace: Pace,
+    ground: SampledMotion,
+    pace: StepCounts,
     time: xr.DataArray,
     times: Array | None,
     halved: bool,
@@ -307,7 +307,7 @@ def _of_one(
 ) -> xr.Dataset:
     """Histories and summary of one motion, with the error of its time steps if ``halved``."""
     shortest = shortest_period(structures)
-    coarser = Pace(pace.cuts // 2, pace.substeps)
+    coarser = StepCounts(pace.cuts // 2, pace.substeps)
     kept = SAMPLES if times is None else STEPS
 
     def task(number: int) -> Sequence[Outcome]:
@@ -315,12 +315,12 @@ def _of_one(
             return with_and_without(structures, standing, [ground], [pace], shortest, kept)[0]
         return responses(structures, standing.row, [ground], [coarser], shortest)
 
-    found: list[Response] = []
+    runs: list[RowResponse] = []
     for each in chain.from_iterable(in_order(task, 1 + halved, progress)):
         if isinstance(each, ArithmeticError):
             raise each
-        found.append(each)
-    done, alone, *coarse = found
+        runs.append(each)
+    done, alone, *coarse = runs
     start = float(time[0])
     at = time.to_numpy().astype(float) if times is None else start + times
     table = histories(course(standing, done), standing, structures, done, start, at, times)
@@ -332,7 +332,7 @@ def _of_one(
     return table
 
 
-def _output_times(output_step: float | None, ground: SampledGround) -> Array | None:
+def _output_times(output_step: float | None, ground: SampledMotion) -> Array | None:
     """Output times since the beginning of the motion [s]; None for the samples of the motion."""
     if output_step is None:
         return None
@@ -349,7 +349,7 @@ def _output_times(output_step: float | None, ground: SampledGround) -> Array | N
 
 
 def _estimates(
-    structures: Sequence[Bilinear], gaps: Array, contact: Contact, ground: SampledGround
+    structures: Sequence[Bilinear], gaps: Array, contact: Contact, ground: SampledMotion
 ) -> Array:
     """Largest amplification of each structure's energy radius by an impact from either side [-].
 

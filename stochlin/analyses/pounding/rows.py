@@ -9,11 +9,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from stochlin.analyses.simulation.frames import LEAST_SHARE, modes_of
+from stochlin.analyses.simulation.connected_structures import LEAST_SHARE, modes_of
 from stochlin.analyses.simulation.rows import row_of, structure_of_floors
 from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.run import Row
+from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
@@ -75,8 +75,8 @@ class Meeting(NamedTuple):
 class Standing(NamedTuple):
     """Buildings in a row, and each of them alone, as kernels take them."""
 
-    row: Row
-    alone: Row  # the same buildings without links between them; the row itself, if there are none
+    row: BuildingRow
+    alone: BuildingRow  # the same without links between buildings; the row itself, if there are none
     arrangement: Arrangement
     places: list[Meeting]
     gap: Array  # (c,) [m]
@@ -153,16 +153,16 @@ def meetings(levels: Sequence[Array]) -> list[Meeting]:
 
     They are sorted by level from the ground up, and from left to right at the same level.
     """
-    found: list[Meeting] = []
-    for b, (one, two) in enumerate(pairwise(levels)):
-        if np.isnan(one).any() or np.isnan(two).any():  # an oscillator meets the roof
-            level = np.fmax(one[-1], two[-1])
-            found.append(Meeting(b, one.size - 1, two.size - 1, float(level)))
+    contacts: list[Meeting] = []
+    for b, (left, right) in enumerate(pairwise(levels)):
+        if np.isnan(left).any() or np.isnan(right).any():  # an oscillator meets the roof
+            level = np.fmax(left[-1], right[-1])
+            contacts.append(Meeting(b, left.size - 1, right.size - 1, float(level)))
         else:
-            found += _facing(b, one, two)
+            contacts += _facing(b, left, right)
     starts: dict[tuple[int, int], tuple[float, int]] = {}
     chains: list[tuple[tuple[float, int], int, Meeting]] = []
-    for m in found:  # slabs in contact form a chain, known by the level and building where it starts
+    for m in contacts:  # slabs in contact form a chain, known by the level and building where it starts
         key = np.inf if np.isnan(m.level) else m.level, m.building
         if not m.struck:
             key = starts.get((m.building, m.floor_left), key)
@@ -219,30 +219,32 @@ def shortest_period(structures: Sequence[Building]) -> float:
 
 
 def slow_approach(shortest: float, motion: Array) -> float:
-    """Approach velocity [m/s] below which a contact counts as elastic in this motion, `Row.slow`."""
+    """Approach velocity [m/s] below which a contact counts as elastic, `GroundMotions.slow`."""
     return SLOW * float(np.abs(motion).max()) * shortest / (2 * np.pi)
 
 
-def _facing(b: int, one: Array, two: Array) -> list[Meeting]:
+def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
     """Contacts of two neighbours up to the lower roof, slab to slab and slab to column."""
-    pairs = [(i, j) for i in range(one.size) for j in range(two.size) if abs(one[i] - two[j]) < LEVEL]
-    found = [Meeting(b, i, j, float(0.5 * (one[i] + two[j]))) for i, j in pairs]
-    for side, floor in slabs_on_columns(one, two):
-        i, (levels, other) = floor - 1, ((one, two), (two, one))[side]
+    pairs = [
+        (i, j) for i in range(left.size) for j in range(right.size) if abs(left[i] - right[j]) < LEVEL
+    ]
+    contacts = [Meeting(b, i, j, float(0.5 * (left[i] + right[j]))) for i, j in pairs]
+    for side, floor in slabs_on_columns(left, right):
+        i, (levels, other) = floor - 1, ((left, right), (right, left))[side]
         above, share = next(iter(shares_at(other, levels[i]).items()))
         floors, struck = ((above, i), "left") if side else ((i, above), "right")
-        found.append(Meeting(b, *floors, float(levels[i]), struck, share))
-    return found
+        contacts.append(Meeting(b, *floors, float(levels[i]), struck, share))
+    return contacts
 
 
 def _sides(places: Sequence[Meeting], system: Arrangement) -> tuple[Array, Array]:
     """Weights (c, n) of the floors in the penetrations, those of the left and of the right side."""
     left, right = np.zeros((2, len(places), int(system.first[-1])))
     for j, m in enumerate(places):
-        one, two, below = m.weights
+        of_left, of_right, below = m.weights
         on_left, on_right = (int(system.first[m.building + k]) for k in range(2))
-        left[j, on_left + m.floor_left] = one
-        right[j, on_right + m.floor_right] = two
+        left[j, on_left + m.floor_left] = of_left
+        right[j, on_right + m.floor_right] = of_right
         if m.struck and m.storey:
             side, floor = (left, on_left) if m.struck == "left" else (right, on_right)
             side[j, floor + m.storey - 1] = below

@@ -8,13 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.analyses.pounding.rows import Building, Standing, shortest_mode, slow_approach
-from stochlin.analyses.simulation.frames import modes_of
+from stochlin.analyses.simulation.connected_structures import modes_of
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores, in_order
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding import run as kernel
-from stochlin.kernels.records.runs import SampledGround
+from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.account import Account
 from stochlin.kernels.simulation.time_step import Places
 from stochlin.models.buildings import ShearBuilding
@@ -33,7 +33,7 @@ OPERATIONS = 60.0  # in a step for each floor, besides those with every other fl
 NEAR = 0.03  # share of the steps that are taken for divided near contact
 
 
-class Response(NamedTuple):
+class RowResponse(NamedTuple):
     """Response of a row of buildings to one motion."""
 
     numbers: Array  # (rows,) at its end
@@ -54,15 +54,15 @@ class Response(NamedTuple):
         return np.maximum(self.of(to.highest, to.lowest), -self.of(to.lowest, to.acceleration))
 
 
-Outcome = Response | ArithmeticError
+Outcome = RowResponse | ArithmeticError
 
 
 def paces_of(
     standing: Standing,
     contact: Contact | None,
-    grounds: Sequence[SampledGround],
+    grounds: Sequence[SampledMotion],
     steps_per_contact: int = STEPS_PER_CONTACT,
-) -> list[kernel.Pace]:
+) -> list[kernel.StepCounts]:
     """Time steps in an interval of each motion, an even number, and near contact."""
     first = min(float(modes_of(s.system)[0].max()) for s in standing.arrangement.stacks)
     longest = min(first / OF_FIRST, shortest_mode(standing) / OF_SHORTEST) / steps_per_contact
@@ -70,12 +70,12 @@ def paces_of(
     if isinstance(contact, Element):
         half = min(_half_period(contact, float(mass)) for mass in standing.reduced)
 
-    def pace(dt: float) -> kernel.Pace:
+    def pace(dt: float) -> kernel.StepCounts:
         cuts = 2 * max(1, int(np.ceil(0.5 * dt / longest * (1 - ON_GRID))))
         substeps = np.ceil(dt / cuts * steps_per_contact / half)
         if not isinstance(contact, Element):
             substeps = np.ceil(AT_BLOWS * STEPS_PER_CONTACT)
-        return kernel.Pace(cuts, max(1, int(substeps)))
+        return kernel.StepCounts(cuts, max(1, int(substeps)))
 
     return [pace(ground.dt) for ground in grounds]
 
@@ -90,7 +90,7 @@ def _half_period(contact: Element, reduced: float) -> float:
 
 
 def check_runs(
-    standing: Standing, grounds: Sequence[SampledGround], paces: Sequence[kernel.Pace]
+    standing: Standing, grounds: Sequence[SampledMotion], paces: Sequence[kernel.StepCounts]
 ) -> None:
     """Raise a ValueError if the motions would take too much time or memory."""
     n, lanes = int(standing.first[-1]), min(LANES, len(grounds))
@@ -115,9 +115,9 @@ def check_runs(
 
 def responses(
     structures: Sequence[Building],
-    row: kernel.Row,
-    grounds: Sequence[SampledGround],
-    paces: Sequence[kernel.Pace],
+    row: kernel.BuildingRow,
+    grounds: Sequence[SampledMotion],
+    paces: Sequence[kernel.StepCounts],
     shortest: float,
     keep: int = kernel.NOTHING,
     progress: Progress | None = None,
@@ -131,9 +131,9 @@ def responses(
     acts = np.ones(len(grounds), bool) if meets is None else np.array(meets)
     batches = list(_batches(grounds, paces))
     at, to = row.places
-    found: dict[int, Outcome] = {}
+    outcomes: dict[int, Outcome] = {}
 
-    def run(number: int) -> kernel.Run:
+    def run(number: int) -> kernel.RunResult:
         batch = batches[number]
         motions = _motions(batch, grounds, acts, shortest)
         return kernel.run(row, motions, paces[batch[0]], keep)
@@ -142,16 +142,16 @@ def responses(
         lanes = done.impacts[:, impacts.LANE]
         for lane, number in enumerate(batch):
             lines = done.impacts[lanes == lane]
-            one = Response(done.x[:, lane], lines, done.time, done.history, at, to)
-            found[number] = _failure(structures, one) or one
-    return [found[number] for number in range(len(grounds))]
+            response = RowResponse(done.x[:, lane], lines, done.time, done.history, at, to)
+            outcomes[number] = _failure(structures, response) or response
+    return [outcomes[number] for number in range(len(grounds))]
 
 
 def with_and_without(
     structures: Sequence[Building],
     standing: Standing,
-    grounds: Sequence[SampledGround],
-    paces: Sequence[kernel.Pace],
+    grounds: Sequence[SampledMotion],
+    paces: Sequence[kernel.StepCounts],
     shortest: float,
     keep: int = kernel.NOTHING,
     progress: Progress | None = None,
@@ -171,9 +171,11 @@ def with_and_without(
     return list(zip(*in_order(of_row, len(rows), progress), strict=True))
 
 
-def _batches(grounds: Sequence[SampledGround], paces: Sequence[kernel.Pace]) -> Iterator[list[int]]:
+def _batches(
+    grounds: Sequence[SampledMotion], paces: Sequence[kernel.StepCounts]
+) -> Iterator[list[int]]:
     """Numbers of motions that are stepped together: of one time step, the shortest first."""
-    alike: dict[tuple[float, kernel.Pace], list[int]] = {}
+    alike: dict[tuple[float, kernel.StepCounts], list[int]] = {}
     for number in np.argsort([len(ground.acceleration) for ground in grounds], kind="stable"):
         alike.setdefault((grounds[number].dt, paces[number]), []).append(int(number))
     for numbers in alike.values():
@@ -183,8 +185,8 @@ def _batches(grounds: Sequence[SampledGround], paces: Sequence[kernel.Pace]) -> 
 
 
 def _motions(
-    batch: Sequence[int], grounds: Sequence[SampledGround], meets: Array, shortest: float
-) -> kernel.Motions:
+    batch: Sequence[int], grounds: Sequence[SampledMotion], meets: Array, shortest: float
+) -> kernel.GroundMotions:
     """The motions of a batch."""
     members = [grounds[number].acceleration for number in batch]
     sizes = np.array([samples.size for samples in members])
@@ -192,12 +194,12 @@ def _motions(
     for lane, samples in enumerate(members):
         acceleration[: samples.size, lane] = samples
     slow = np.array([slow_approach(shortest, samples) for samples in members])
-    return kernel.Motions(
+    return kernel.GroundMotions(
         acceleration, grounds[batch[0]].dt, sizes - 1, slow, meets[batch].astype(float)
     )
 
 
-def _failure(structures: Sequence[Building], response: Response) -> ArithmeticError | None:
+def _failure(structures: Sequence[Building], response: RowResponse) -> ArithmeticError | None:
     """The error of a motion that was ended before its end, because a building falls or numbers do."""
     failed = float(response.numbers[response.to.failed])
     if failed == np.inf:

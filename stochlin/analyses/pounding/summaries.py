@@ -9,7 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.pounding.histories import by_floor, energy_transferred
 from stochlin.analyses.pounding.rows import Building, Standing
-from stochlin.analyses.pounding.runs import Response
+from stochlin.analyses.pounding.runs import RowResponse
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 
@@ -40,13 +40,13 @@ DIMENSIONS: Mapping[str, str] = {
 }
 
 
-def summary(standing: Standing, response: Response, alone: Response) -> dict[str, Array]:
+def summary(standing: Standing, response: RowResponse, alone: RowResponse) -> dict[str, Array]:
     """Summary of one motion, arrays by name, see `DIMENSIONS`."""
     values = _peaks(standing, response, alone) | _tallies(standing, response)
     return values | _columns(standing, response)
 
 
-def step_error(standing: Standing, response: Response, finer: Response) -> float:
+def step_error(standing: Standing, response: RowResponse, finer: RowResponse) -> float:
     """Largest relative change of a peak displacement or largest force from steps twice as long [-].
 
     The steps are of second order, so that the error that remains in the finer response is about a third
@@ -76,16 +76,16 @@ def labelled(
     }
 
 
-def _peaks(standing: Standing, response: Response, alone: Response) -> dict[str, Array]:
+def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> dict[str, Array]:
     """Largest absolute values in the row and of each building alone."""
     values: dict[str, Array] = {}
     first = standing.first
-    for ending, one in (("", response), ("_alone", alone)):
-        to = one.to
-        shear = one.of(to.force, to.force + first[-1])
+    for ending, own in (("", response), ("_alone", alone)):
+        to = own.to
+        shear = own.of(to.force, to.force + first[-1])
         values |= {
-            f"peak{ending}": one.peaks,
-            f"peak_acceleration{ending}": one.of(to.acceleration, to.force),
+            f"peak{ending}": own.peaks,
+            f"peak_acceleration{ending}": own.of(to.acceleration, to.force),
             f"peak_storey_shear{ending}": shear,
             f"peak_base_shear{ending}": shear[first[:-1]],
         }
@@ -97,7 +97,7 @@ def _peaks(standing: Standing, response: Response, alone: Response) -> dict[str,
     return values | {"energy_balance_error": response.numbers[response.to.imbalance]}
 
 
-def _tallies(standing: Standing, response: Response) -> dict[str, Array]:
+def _tallies(standing: Standing, response: RowResponse) -> dict[str, Array]:
     """Number, extremes and lost energy of the impacts of each contact, and energy received."""
     line, contacts = response.impacts.T, standing.row.contacts
     where = line[impacts.CONTACT].astype(np.int64)
@@ -115,13 +115,13 @@ def _tallies(standing: Standing, response: Response) -> dict[str, Array]:
     values["contact_energy"] = hit @ line[impacts.LOST]
     received = np.zeros(standing.first.size - 1)
     left = np.array([place.building for place in standing.places], np.int64)[where]
-    for side, given in enumerate(energy_transferred(response).T):
-        np.add.at(received, left + side, given)
+    for side, energy in enumerate(energy_transferred(response).T):
+        np.add.at(received, left + side, energy)
     values["energy_received"] = received
     return values
 
 
-def _columns(standing: Standing, response: Response) -> dict[str, Array]:
+def _columns(standing: Standing, response: RowResponse) -> dict[str, Array]:
     """Largest force on columns that a slab meets [N], also over the storey shear at yield [-].
 
     Contacts slab to slab are NaN.

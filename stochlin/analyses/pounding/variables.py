@@ -85,9 +85,9 @@ STATISTICS = (
     *("peak_base_shear_alone", "peak_link_force"),
 )
 _OVER_MOTIONS = {
-    f"{name}_{what}": (_SINGLE[name][0], told.format(_SINGLE[name][1]))
+    f"{name}_{what}": (_SINGLE[name][0], template.format(_SINGLE[name][1]))
     for name in STATISTICS
-    for what, told in (
+    for what, template in (
         ("mean", "mean over the motions: {}"),
         ("mean_standard_error", "standard error of the mean over the motions: {}"),
         ("quantile", "quantile over the motions: {}"),

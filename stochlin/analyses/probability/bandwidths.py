@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.linearization.transient_systems import (
-    Moments,
+    TransientMoments,
     ground_of,
     grounds_of,
     oscillators_of,
@@ -17,7 +17,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
 from stochlin.kernels.linearization.spectral_moments import SpectralMoments, difference_moments
-from stochlin.kernels.linearization.systems.response import Response
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import Arrangement
 
@@ -26,7 +26,7 @@ NO_SLIP = 1e-12  # equivalent coefficients below which a structure counts as ela
 
 
 def bandwidths(
-    moments: Moments, pairs: Array, ground: Ground, progress: Progress | None = None
+    moments: TransientMoments, pairs: Array, ground: Ground, progress: Progress | None = None
 ) -> Array:
     """Bandwidth [-] of ``u_1 - u_2`` over (times, pairs h), with h heights.
 
@@ -38,21 +38,21 @@ def bandwidths(
     chosen = np.unique(np.linspace(0, times.size - 1, 1 if elastic else INSTANTS).astype(int))
     of_pairs = _of_storeys if any(side.has_storeys for side in moments.sides) else _of_oscillators
     spectrum = of_pairs(moments, pairs, ground)
-    found = []
+    widths = []
     for done, instant in enumerate(chosen, start=1):
         with np.errstate(invalid="ignore", divide="ignore"):
             l0, l1, l2 = spectrum(own.slip[instant], own.relaxation[instant])
             narrow = 1 - l1**2 / (l0 * l2)
         # NaN, for structures that move together, becomes 1: crossings are then independent.
-        found.append(np.sqrt(np.clip(np.nan_to_num(narrow, nan=1.0), 0, 1)))
+        widths.append(np.sqrt(np.clip(np.nan_to_num(narrow, nan=1.0), 0, 1)))
         if progress is not None:
             progress(done / chosen.size)
     at = times[chosen]
     if at.size == 1:
-        return np.broadcast_to(found[0], (times.size, found[0].size))
+        return np.broadcast_to(widths[0], (times.size, widths[0].size))
     place = np.clip(np.searchsorted(at, times, side="right") - 1, 0, at.size - 2)
     share = ((times - at[place]) / (at[place + 1] - at[place]))[:, None]
-    table = np.stack(found)
+    table = np.stack(widths)
     return (1 - share) * table[place] + share * table[place + 1]
 
 
@@ -60,7 +60,7 @@ def bandwidths(
 Spectrum = Callable[[Array, Array], SpectralMoments]
 
 
-def _of_oscillators(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
+def _of_oscillators(moments: TransientMoments, pairs: Array, ground: Ground) -> Spectrum:
     """Spectral moments of all pairs of oscillators at once, in closed form."""
     period, damping, hardening, uy = oscillators_of(moments.sides)
     below = ground.filter(grounds_of(moments.sides))
@@ -83,25 +83,25 @@ def _of_oscillators(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
     return spectrum
 
 
-def _of_storeys(moments: Moments, pairs: Array, ground: Ground) -> Spectrum:
+def _of_storeys(moments: TransientMoments, pairs: Array, ground: Ground) -> Spectrum:
     """Spectral moments of pairs with storeys, at all heights; NaN without a stationary response."""
-    one, two = moments.sides
-    seen, cells = np.hstack([one.seen, -two.seen]), one.period.size
+    first, second = moments.sides
+    seen, cells = np.hstack([first.seen, -second.seen]), first.period.size
     systems = []
     for i, j in pairs.T:
-        stacks = one.stack_at(int(i)), two.stack_at(int(j) - cells)
-        begins = i * one.storeys, cells * one.storeys + (j - cells) * two.storeys
+        stacks = first.stack_at(int(i)), second.stack_at(int(j) - cells)
+        begins = i * first.storeys, cells * first.storeys + (j - cells) * second.storeys
         storeys = [b + np.arange(s.levels.size) for b, s in zip(begins, stacks, strict=True)]
-        equations = Equations(Arrangement(stacks, ()), ground_of(ground, one.ground, int(i)))
+        equations = Equations(Arrangement(stacks, ()), ground_of(ground, first.ground, int(i)))
         rate = np.sqrt(np.concatenate([stack.system.elastic / stack.system.mass for stack in stacks]))
         systems.append((equations, np.concatenate(storeys), NO_SLIP * rate))
 
     def spectrum(slip: Array, relaxation: Array) -> SpectralMoments:
-        found = np.full((3, pairs.shape[1], len(seen)), np.nan)
+        spectral = np.full((3, pairs.shape[1], len(seen)), np.nan)
         for number, (equations, storeys, least) in enumerate(systems):
             c, k = slip[storeys], relaxation[storeys]
-            response = Response(equations.state_space(c - 1, k, (c > NO_SLIP) & (k > least)))
-            found[:, number] = np.stack(response.spectral_moments(seen))[:, 0]
-        return SpectralMoments(*found.reshape(3, -1))
+            response = StationaryResponse(equations.state_space(c - 1, k, (c > NO_SLIP) & (k > least)))
+            spectral[:, number] = np.stack(response.spectral_moments(seen))[:, 0]
+        return SpectralMoments(*spectral.reshape(3, -1))
 
     return spectrum

@@ -12,9 +12,9 @@ from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.linearization.linearization import linearize
 from stochlin.analyses.linearization.transient_systems import (
     TIME,
-    Course,
-    Moments,
-    Side,
+    StructureCells,
+    TimeGrid,
+    TransientMoments,
     check_names,
     course_of,
     numbered,
@@ -60,7 +60,7 @@ SAMPLES = "separation_samples"  # variable from which a fragility is fitted
 class Solved(NamedTuple):
     """What linearization finds for pairs: it does not depend on gaps."""
 
-    moments: Moments
+    moments: TransientMoments
     bandwidth: Array  # (times, pairs h) bandwidth of ``u_1 - u_2`` [-]
 
 
@@ -73,8 +73,8 @@ class PairTable(NamedTuple):
     weights: Array  # (k,) of the strengths of the motion
     every_pair: xr.DataArray  # number of each pair and strength, strength by strength
     structures_of_pair: Array  # (2, k p) numbers of both structures
-    sides: tuple[Side, Side]
-    course: Course
+    sides: tuple[StructureCells, StructureCells]
+    course: TimeGrid
     pair_number: xr.DataArray  # number of each pair and height, -1 where invalid
     cell_number: xr.DataArray  # number of each pair, height and gap, -1 where invalid
     gap: Array  # (c,) [m]
@@ -94,20 +94,21 @@ class PairTable(NamedTuple):
         weights: Array = ALONE,
     ) -> PairTable:
         """Table of checked pairs; with several weights the ground is over `STRENGTH`."""
-        one = side_of(first, ground, duration, "first", 0)
-        two = side_of(second, ground, duration, "second", one.period.size)
+        side_1 = side_of(first, ground, duration, "first", 0)
+        side_2 = side_of(second, ground, duration, "second", side_1.period.size)
         gap = distance.arrays()["gap"]
         try:
-            xr.align(one.position, two.position, gap, join="exact", copy=False)
+            xr.align(side_1.position, side_2.position, gap, join="exact", copy=False)
         except (xr.AlignmentError, ValueError) as error:
             raise ValueError(
                 "first, second, ground and gap share a dimension that differs in coordinates or "
                 f"length: {sentence(error)}; give them different dimension names for a table"
             ) from error
-        left, right = xr.broadcast(one.position, two.position)
-        own = (TIME, HEIGHT) if one.has_storeys or two.has_storeys else (TIME,)
+        left, right = xr.broadcast(side_1.position, side_2.position)
+        own = (TIME, HEIGHT) if side_1.has_storeys or side_2.has_storeys else (TIME,)
         check_names("first, second, ground and gap", {*left.dims, *gap.dims}, own)
-        both, status = (left >= 0) & (right >= 0), xr.apply_ufunc(np.maximum, one.status, two.status)
+        both = (left >= 0) & (right >= 0)
+        status = xr.apply_ufunc(np.maximum, side_1.status, side_2.status)
         every_pair = pair_number = numbered(both)
         if weights.size > 1:
             both, status = both.all(STRENGTH), status.max(STRENGTH)
@@ -119,7 +120,7 @@ class PairTable(NamedTuple):
         structures = np.stack([of_cells(side, every_pair) for side in (left, right)])
         if not good.any():
             raise ValueError("no pair has valid parameters; correct those that are out of range")
-        sides, heights = _where_they_meet(one, two)
+        sides, heights = _where_they_meet(side_1, side_2)
         at_height = (pair_number * heights.size + heights).where(pair_number >= 0, -1).astype(int)
         cell_number = numbered(xr.broadcast(good, heights)[0])
         return cls(
@@ -144,11 +145,13 @@ class PairTable(NamedTuple):
         return Solved(moments, bandwidths(moments, pairs, ground, rest))
 
 
-def _where_they_meet(one: Side, two: Side) -> tuple[tuple[Side, Side], xr.DataArray]:
+def _where_they_meet(
+    side_1: StructureCells, side_2: StructureCells
+) -> tuple[tuple[StructureCells, StructureCells], xr.DataArray]:
     """Both structures with displacements at the heights of contact, and numbers of the heights."""
-    if not (one.has_storeys or two.has_storeys):
-        return (one, two), xr.DataArray(0)
-    stacks = one.stack, two.stack
+    if not (side_1.has_storeys or side_2.has_storeys):
+        return (side_1, side_2), xr.DataArray(0)
+    stacks = side_1.stack, side_2.stack
     heights = meeting_heights(*stacks)
     seen = tuple(np.zeros((heights.size, stack.levels.size)) for stack in stacks)
     for row, height in enumerate(heights):
@@ -156,7 +159,7 @@ def _where_they_meet(one: Side, two: Side) -> tuple[tuple[Side, Side], xr.DataAr
             terms = displacement_at(stack, float(height))
             displacements[row, list(terms)] = list(terms.values())
     first, second = (at @ stack.system.shapes for at, stack in zip(seen, stacks, strict=True))
-    sides = one._replace(seen=first), two._replace(seen=second)
+    sides = side_1._replace(seen=first), side_2._replace(seen=second)
     return sides, height_numbers(heights)
 
 
@@ -177,12 +180,12 @@ def by_formula(pairs: PairTable, solved: Solved, ground: Ground, confidence: flo
     for ending, (drift, apart) in (("", nothing), ("_corrected", _drift(pairs, moments, ground))):
         if required is None or np.isnan(apart).any() or apart.any():
             cells = pairs.gap, pairs.pair_of_cell
-            found = chances(both, bandwidth, apart, *cells, course, weights)
+            chance = chances(both, bandwidth, apart, *cells, course, weights)
             required = gap_for(both, bandwidth, apart, confidence, course, weights)
-        table[f"instantaneous_probability{ending}"] = spread_over(found.now, pairs.cell_number)
-        table[f"confidence_of_no_pounding{ending}"] = spread_over(found.vanmarcke, pairs.cell_number)
+        table[f"instantaneous_probability{ending}"] = spread_over(chance.now, pairs.cell_number)
+        table[f"confidence_of_no_pounding{ending}"] = spread_over(chance.vanmarcke, pairs.cell_number)
         if not ending:
-            table["confidence_of_no_pounding_poisson"] = spread_over(found.poisson, pairs.cell_number)
+            table["confidence_of_no_pounding_poisson"] = spread_over(chance.poisson, pairs.cell_number)
         shown = np.maximum((own + drift)[course.shown], 0)[:, heights - 1 :: heights]
         for number, side in enumerate(moments.sides, start=1):
             variance = spread_over(shown, side.position)
@@ -192,10 +195,10 @@ def by_formula(pairs: PairTable, solved: Solved, ground: Ground, confidence: flo
         spread = np.sqrt(_mean((both.d_d + apart)[course.shown], weights))
         table[f"difference_std{ending}"] = spread_over(spread, pairs.pair_number)
         table[f"required_gap{ending}"] = spread_over(required, pairs.pair_number)
-    one, two = (np.sqrt(_mean(own[course.shown][:, side.ravel()], weights)) for side in of_pair)
+    std_1, std_2 = (np.sqrt(_mean(own[course.shown][:, side.ravel()], weights)) for side in of_pair)
     with np.errstate(invalid="ignore", divide="ignore"):
-        rho = _mean(both.product[course.shown], weights) / (one * two)
-    table["rho"] = spread_over(np.where(one * two > 0, rho, np.nan), pairs.pair_number)
+        rho = _mean(both.product[course.shown], weights) / (std_1 * std_2)
+    table["rho"] = spread_over(np.where(std_1 * std_2 > 0, rho, np.nan), pairs.pair_number)
     return _bounds(table) if HEIGHT in pairs.pair_number.dims else table
 
 
@@ -245,41 +248,41 @@ def by_simulation(
 ) -> xr.Dataset:
     """Variables of the table by simulation, with errors; ``pairs`` has one strength of the motion."""
     cells = pairs.gap, pairs.pair_of_cell
-    found = simulate_course(
+    histories = simulate_course(
         pairs.sides, pairs.structures_of_pair, cells, ground, pairs.course, draws, progress
     )
-    return simulated_table(found, pairs.cell_number, pairs.pair_number, confidence, draws.seed)
+    return simulated_table(histories, pairs.cell_number, pairs.pair_number, confidence, draws.seed)
 
 
 def simulated_table(
-    found: Histories, cell: xr.DataArray, pair: xr.DataArray, confidence: float, seed: int
+    histories: Histories, cell: xr.DataArray, pair: xr.DataArray, confidence: float, seed: int
 ) -> xr.Dataset:
     """Simulated probabilities and standard deviations, with errors.
 
     ``cell`` and ``pair`` have the numbers of gaps and pairs. With several heights, the pairs are one
     pair at each height.
     """
-    n = len(found.largest)
-    alive = found.survivors
+    n = len(histories.largest)
+    alive = histories.survivors
     lower, upper = share_interval(alive, n)
     stem = "confidence_of_no_pounding_simulated"
     table = xr.Dataset(
         {
-            "instantaneous_probability_simulated": spread_over(found.beyond / n, cell),
+            "instantaneous_probability_simulated": spread_over(histories.beyond / n, cell),
             stem: spread_over(alive / n, cell),
             f"{stem}_lower": spread_over(lower, cell),
             f"{stem}_upper": spread_over(upper, cell),
         }
     )
-    mean = found.squares / n
-    error = np.sqrt(np.maximum(found.fourths / n - mean**2, 0) / n) / (
+    mean = histories.squares / n
+    error = np.sqrt(np.maximum(histories.fourths / n - mean**2, 0) / n) / (
         2 * np.sqrt(np.where(mean > 0, mean, 1.0))
     )
     names = ("displacement_std_simulated_1", "displacement_std_simulated_2", "difference_std_simulated")
     for row, name in enumerate(names):
         table[name] = spread_over(np.sqrt(mean[:, row]), pair)
     table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pair)
-    largest, place = found.largest, pair
+    largest, place = histories.largest, pair
     table = table.assign(_simulated_gaps(largest, pair, confidence))
     if HEIGHT in pair.dims:
         largest, place = largest.max(axis=1, keepdims=True), xr.DataArray(0)
@@ -297,7 +300,7 @@ def _simulated_gaps(largest: Array, pair: xr.DataArray, confidence: float) -> di
     }
 
 
-def _drift(pairs: PairTable, moments: Moments, ground: Ground) -> tuple[Array, Array]:
+def _drift(pairs: PairTable, moments: TransientMoments, ground: Ground) -> tuple[Array, Array]:
     """Variances [m^2] of the plastic drifts and of their difference; NaN outside the map of the bias."""
     own, both, sides, course = moments
     first, second = (side.structure for side in sides)

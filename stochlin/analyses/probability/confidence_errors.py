@@ -46,9 +46,9 @@ def cautions(
         return {"caution": unknown, "caution_corrected": unknown}
     pair = (first, second)
     most = xr.apply_ufunc(np.maximum, *(_strength(side, ground) for side in pair))
-    one, two = (side.arrays()["period"] for side in pair)
-    shorter = xr.apply_ufunc(np.minimum, one, two)
-    apart = one * two / shorter**2
+    period_1, period_2 = (side.arrays()["period"] for side in pair)
+    shorter = xr.apply_ufunc(np.minimum, period_1, period_2)
+    apart = period_1 * period_2 / shorter**2
     soil = ground.arrays().get("period", xr.DataArray(0.0))
     inside = _checked(pair, ground, scatter) & (most <= STRENGTH[1]) & (apart <= RATIO + ROUNDING)
     soft = shorter >= STIFF * soil
@@ -75,10 +75,10 @@ def _strength(structure: Structure, ground: Ground) -> xr.DataArray:
 def _checked(pair: tuple[Structure, Structure], ground: Ground, scatter: float) -> xr.DataArray:
     """Whether the kinds and parameters of a pair are within the checked ranges."""
     inside = xr.DataArray(type(ground) in CORRECTED_GROUNDS and not scatter)
-    for one in pair:
-        if one.yields:
-            values = one.arrays()
-            inside = inside & isinstance(one, Bilinear)
+    for structure in pair:
+        if structure.yields:
+            values = structure.arrays()
+            inside = inside & isinstance(structure, Bilinear)
             for name, (low, high) in (("hardening", HARDENING), ("damping", DAMPING)):
                 inside = inside & (values[name] >= low - ROUNDING) & (values[name] <= high + ROUNDING)
     return inside

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import elementwise
 
-from stochlin.analyses.linearization.transient_systems import Course
+from stochlin.analyses.linearization.transient_systems import TimeGrid
 from stochlin.analyses.probability.strengths import ALONE
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.transient import Difference
@@ -37,7 +37,7 @@ def chances(
     drift: Array,
     gap: Array,
     pair: Array,
-    course: Course,
+    course: TimeGrid,
     weights: Array = ALONE,
 ) -> Chances:
     """Probabilities of exceeding gaps, and of no pounding.
@@ -55,7 +55,7 @@ def chances(
         reduces the gap, and the probabilities of no pounding are averaged over it.
     gap, pair : Array
         Gaps (c,) [m] and the number of the pair (c,) of each.
-    course : Course
+    course : TimeGrid
         Instants of the motion.
     weights : Array
         Weights (k,) of the strengths of the motion, with the sum 1, for the mean probabilities.
@@ -94,7 +94,7 @@ def gap_for(
     bandwidth: Array,
     drift: Array,
     confidence: float,
-    course: Course,
+    course: TimeGrid,
     weights: Array = ALONE,
 ) -> Array:
     """Gap (p,) [m] for a confidence of no pounding in the motion; 0 without relative displacement.
@@ -111,8 +111,8 @@ def gap_for(
     def off(level: Array, pair: Array) -> Array:
         which = pair.astype(int)
         gap = (level * widest[which]).ravel()
-        found = chances(both, bandwidth, drift, gap, which.ravel(), last, weights)
-        return (found.vanmarcke[0] - confidence).reshape(level.shape)
+        probabilities = chances(both, bandwidth, drift, gap, which.ravel(), last, weights)
+        return (probabilities.vanmarcke[0] - confidence).reshape(level.shape)
 
     root = elementwise.find_root(
         off,

@@ -12,7 +12,12 @@ from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.probability.cells import SAMPLES
 from stochlin.analyses.probability.probability import REFERENCES, with_samples
 from stochlin.analyses.probability.variables import VARIABLES
-from stochlin.analyses.risk.rates import NOT_SIMULATED, Fragility, Motions, lognormal_fragility
+from stochlin.analyses.risk.rates import (
+    NOT_SIMULATED,
+    Fragility,
+    SeparationsByIntensity,
+    lognormal_fragility,
+)
 from stochlin.analyses.risk.variables import labelled_fragility
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
@@ -117,7 +122,7 @@ def pounding_fragility(
     named_gap = _named(Gap(gap).gap, "gap", "m", "gap")
     named_intensity = _named(WhiteNoise(intensity).intensity, "intensity", "m^2/s^3", "intensity S0")
     changed: dict[str, Any] = {"intensity": named_intensity}
-    found = with_samples(
+    results = with_samples(
         strength_in_metres(first, ground),
         strength_in_metres(second, ground),
         replace(ground, **changed),
@@ -134,15 +139,15 @@ def pounding_fragility(
     table = xr.Dataset()
     for ending in ENDINGS:
         confident = f"confidence_of_no_pounding{OPPOSITE.get(ending, ending)}"
-        if confident in found:
-            table[f"pounding_probability{ending}"] = 1 - found[confident]
+        if confident in results:
+            table[f"pounding_probability{ending}"] = 1 - results[confident]
     for ending in ENDINGS:
-        if f"required_gap{ending}" in found:
-            table[f"required_gap{ending}"] = found[f"required_gap{ending}"]
-    if SAMPLES in found:
-        table = table.assign(_lognormal(found[SAMPLES], named_gap, named_intensity))
-    kept = found[["status", "caution", "caution_corrected"]]
-    table = labels.label(table.assign(kept), VARIABLES).assign_attrs(found.attrs)
+        if f"required_gap{ending}" in results:
+            table[f"required_gap{ending}"] = results[f"required_gap{ending}"]
+    if SAMPLES in results:
+        table = table.assign(_lognormal(results[SAMPLES], named_gap, named_intensity))
+    kept = results[["status", "caution", "caution_corrected"]]
+    table = labels.label(table.assign(kept), VARIABLES).assign_attrs(results.attrs)
     table = labelled_fragility(table, "m^2/s^3")
     return labels.with_run_information(
         table,
@@ -166,10 +171,10 @@ def _lognormal(samples: xr.DataArray, gap: Any, intensity: Any) -> dict[str, xr.
 
     def fitted(largest: Array, gap: float) -> tuple[float, ...]:
         if np.isfinite(largest).all() and 0 < gap < np.inf:
-            return lognormal_fragility(Motions(levels, largest, 0.5), gap)
+            return lognormal_fragility(SeparationsByIntensity(levels, largest, 0.5), gap)
         return Fragility.none(NOT_SIMULATED)
 
-    found = xr.apply_ufunc(
+    fits = xr.apply_ufunc(
         fitted,
         samples,
         gap,
@@ -177,7 +182,7 @@ def _lognormal(samples: xr.DataArray, gap: Any, intensity: Any) -> dict[str, xr.
         output_core_dims=[[]] * len(Fragility._fields),
         vectorize=True,
     )
-    return Fragility(*found).named()
+    return Fragility(*fits).named()
 
 
 def _named(value: Any, name: str, units: str, long_name: str) -> Any:

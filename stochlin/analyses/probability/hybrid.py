@@ -48,19 +48,19 @@ def hybrid_pounding(
     if ground is None:
         ground = ground_of_record(record)
     expect(ground, Ground, "ground")
-    one, two = (_rideable(s, ground, role) for s, role in ((first, "first"), (second, "second")))
-    rho = float(correlate(one, two, ground).rho)
-    period = min(float(one.arrays()["period"]), float(two.arrays()["period"]))
+    left, right = (_in_metres(s, ground, role) for s, role in ((first, "first"), (second, "second")))
+    rho = float(correlate(left, right, ground).rho)
+    period = min(float(left.arrays()["period"]), float(right.arrays()["period"]))
     step = float(record["time"][1] - record["time"][0])
     refine = max(1, int(np.ceil(POINTS_PER_PERIOD * step / period)))
-    motions = [respond(structure, record, refine=refine) for structure in (one, two)]
+    motions = [respond(structure, record, refine=refine) for structure in (left, right)]
     radius_1, radius_2 = (motion.radius.to_numpy() for motion in motions)
     k = concentration(min(max(rho, -1.0), 1.0))
     gap = distance.arrays()["gap"]
     valid = distance.valid()
     cells = gap.where(valid, 1.0).to_numpy().ravel()
     seconds = np.gradient(motions[0].time.to_numpy())
-    cycles = seconds * 0.5 * sum(1 / float(s.arrays()["period"]) for s in (one, two))
+    cycles = seconds * 0.5 * sum(1 / float(s.arrays()["period"]) for s in (left, right))
     columns = [_of_gap(radius_1, radius_2, g, k, cycles) for g in cells]
     names = (
         "instantaneous_probability",
@@ -75,7 +75,7 @@ def hybrid_pounding(
         radius_1=motions[0].radius,
         radius_2=motions[1].radius,
         recorded_difference=motions[0].displacement - motions[1].displacement,
-        separation=recorded_gap(one, two, record).separation,
+        separation=recorded_gap(left, right, record).separation,
         required_gap=_required(radius_1, radius_2, k, confidence),
         rho=rho,
         status=labels.status_where(valid),
@@ -89,11 +89,11 @@ def hybrid_pounding(
         table,
         "Probability of pounding in a recorded motion, random phase",
         f"pounding_probability(method='hybrid', confidence={confidence:g})",
-        {"first": one, "second": two, "ground": ground, "gap": distance},
+        {"first": left, "second": right, "ground": ground, "gap": distance},
     )
 
 
-def _rideable(structure: Structure, ground: Ground, role: str) -> Bilinear:
+def _in_metres(structure: Structure, ground: Ground, role: str) -> Bilinear:
     """The structure with its strength in metres, checked for the response to a record."""
     structure = strength_in_metres(structure, ground)
     check_structure(structure, role)
@@ -101,27 +101,29 @@ def _rideable(structure: Structure, ground: Ground, role: str) -> Bilinear:
     return structure
 
 
-def _of_gap(one: Array, two: Array, gap: float, k: float, cycles: Array) -> tuple[Array, Array, Array]:
+def _of_gap(
+    radius_1: Array, radius_2: Array, gap: float, k: float, cycles: Array
+) -> tuple[Array, Array, Array]:
     """Probability of exceeding a gap at each instant, and of no pounding until then.
 
     The latter is for one phase during the whole record, and for a new phase in each cycle.
     """
-    level = np.full_like(one, gap)
-    phase = least_phase(one, two, level)
+    level = np.full_like(radius_1, gap)
+    phase = least_phase(radius_1, radius_2, level)
     reached = beyond_phase(phase, k)
     with np.errstate(divide="ignore"):
         fresh = np.exp(np.cumsum(cycles * np.log1p(-reached)))
     safe = 1 - beyond_phase(np.minimum.accumulate(phase), k)
     # Radii that are large for less than one cycle still have one phase, so that ``safe`` is a bound.
-    return exceeding(one, two, level, k), safe, np.minimum(fresh, safe)
+    return exceeding(radius_1, radius_2, level, k), safe, np.minimum(fresh, safe)
 
 
-def _required(one: Array, two: Array, k: float, confidence: float) -> float:
+def _required(radius_1: Array, radius_2: Array, k: float, confidence: float) -> float:
     """Gap [m] for a confidence over the record with one phase, by bisection."""
-    low, high = 0.0, float((one + two).max())
+    low, high = 0.0, float((radius_1 + radius_2).max())
     while high - low > CLOSE * high:
         middle = 0.5 * (low + high)
-        phase = least_phase(one, two, np.full_like(one, middle)).min(keepdims=True)
+        phase = least_phase(radius_1, radius_2, np.full_like(radius_1, middle)).min(keepdims=True)
         enough = 1 - float(beyond_phase(phase, k)[0]) >= confidence
         low, high = (low, middle) if enough else (middle, high)
     return high

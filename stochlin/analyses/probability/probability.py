@@ -258,8 +258,8 @@ def with_samples(
     if scatter and solve is not None:
         factors, weights = strengths(scatter)
         below = at_strengths(ground, factors)
-        one, two = (strength_in_metres(structure, ground) for structure in (first, second))
-        of_formula = PairTable.of(one, two, below, distance, seconds, envelope, points, weights)
+        left, right = (strength_in_metres(structure, ground) for structure in (first, second))
+        of_formula = PairTable.of(left, right, below, distance, seconds, envelope, points, weights)
     if solve is not None:
         solved = solve(of_formula, below, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
         table = by_formula(of_formula, solved, below, confidence)
@@ -302,9 +302,9 @@ def _simulated(
     drawn = draw([first, second], ground, draws.paths, draws.seed)
     if not drawn.factors and not any(side.has_storeys for side in pairs.sides):
         return by_simulation(pairs, ground, confidence, draws, progress)
-    (one, two), soil = drawn.medians
+    (structure_1, structure_2), soil = drawn.medians
     motion = distance, pairs.course, confidence, draws, progress
-    return storeys_in_motion(one, two, soil, *motion, drawn).assign(drawn.table())
+    return storeys_in_motion(structure_1, structure_2, soil, *motion, drawn).assign(drawn.table())
 
 
 def _oscillator(role: str, structure: AnyStructure) -> Structure:

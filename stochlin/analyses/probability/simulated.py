@@ -7,8 +7,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.linearization.transient_systems import Course, Side, grounds_of, oscillators_of
-from stochlin.analyses.simulation.ensembles import Run, SimulationCells, joined_laws, prepare, seconds_of
+from stochlin.analyses.linearization.transient_systems import (
+    StructureCells,
+    TimeGrid,
+    grounds_of,
+    oscillators_of,
+)
+from stochlin.analyses.simulation.ensembles import (
+    SimulationCells,
+    SimulationRun,
+    joined_laws,
+    prepare,
+    seconds_of,
+)
 from stochlin.analyses.simulation.finite_motions import finite_steps
 from stochlin.analyses.simulation.views import view_of
 from stochlin.analyses.tables.work import check_work
@@ -32,11 +43,11 @@ class Draws(NamedTuple):
 
 
 def simulate_course(
-    sides: Sequence[Side],
+    sides: Sequence[StructureCells],
     pairs: Array,
     gaps: tuple[Array, Array],
     ground: Ground,
-    course: Course,
+    course: TimeGrid,
     draws: Draws,
     progress: Progress | None,
 ) -> Histories:
@@ -69,12 +80,14 @@ def simulate_course(
     )
     run = prepare(cells, lone, steps_per_period=STEPS_PER_PERIOD, **draws._asdict())
     metres = run.scale * amplitude
-    one, two = (view_of([{int(n): 1.0} for n in side], run.order, metres) for side in pairs)
-    watched = Watched(one, two, np.arange(pairs.shape[1]), *gaps)
+    view_1, view_2 = (view_of([{int(n): 1.0} for n in side], run.order, metres) for side in pairs)
+    watched = Watched(view_1, view_2, np.arange(pairs.shape[1]), *gaps)
     return histories_of(run, course, watched, progress)
 
 
-def histories_of(run: Run, course: Course, watched: Watched, progress: Progress | None) -> Histories:
+def histories_of(
+    run: SimulationRun, course: TimeGrid, watched: Watched, progress: Progress | None
+) -> Histories:
     """Simulated histories of a run; the motions are those of `simulate` with the same seed."""
     paths, steps = run.plan.groups * LANES, course.duration / run.plan.dt
     count = len(watched.first.row)

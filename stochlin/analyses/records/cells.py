@@ -17,7 +17,7 @@ from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.linear_branch import LONGEST
 from stochlin.kernels.basics.parallel import cores
-from stochlin.kernels.records.runs import SampledGround
+from stochlin.kernels.records.runs import SampledMotion
 from stochlin.messages import sentence
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
@@ -33,10 +33,10 @@ SHORTEST = 0.1  # shortest period over time step; below it the response is to th
 SUB_STEP = 3e-8  # approximate computing time of a sub-step of one structure on one core [s]
 
 
-class Motions(NamedTuple):
+class RecordedMotions(NamedTuple):
     """Checked records, as accelerations with a time step, and their names."""
 
-    grounds: list[SampledGround]
+    grounds: list[SampledMotion]
     names: list[str] | None  # None for a single record, which adds no dimension to results
 
     @property
@@ -60,10 +60,10 @@ class RecordCells(NamedTuple):
     valid: Array  # (n,)
 
 
-def checked_motions(record: Records) -> Motions:
+def checked_motions(record: Records) -> RecordedMotions:
     """The records, checked; names in a list are those of the sources, if all differ, or else numbers."""
     if isinstance(record, xr.DataArray):
-        return Motions([SampledGround(*checked_record(record))], None)
+        return RecordedMotions([SampledMotion(*checked_record(record))], None)
     if isinstance(record, Mapping):
         names, records = [str(name) for name in record], list(record.values())
     elif isinstance(record, (list, tuple)):
@@ -82,10 +82,10 @@ def checked_motions(record: Records) -> Motions:
     for name, each in zip(names, records, strict=True):
         check_label("the name of a record", name)
         try:
-            grounds.append(SampledGround(*checked_record(each)))
+            grounds.append(SampledMotion(*checked_record(each)))
         except (TypeError, ValueError) as error:
             raise type(error)(f"record {name}: {error}") from error
-    return Motions(grounds, names)
+    return RecordedMotions(grounds, names)
 
 
 def check_structure(structure: AnyStructure, role: str) -> None:
@@ -118,7 +118,7 @@ def dims_of(*structures: Bilinear) -> xr.DataArray:
     return like
 
 
-def cells_of(structure: Bilinear, like: xr.DataArray, motions: Motions) -> RecordCells:
+def cells_of(structure: Bilinear, like: xr.DataArray, motions: RecordedMotions) -> RecordCells:
     """The cells of a structure over the dimensions of ``like``, in their order.
 
     A cell with an infinite yield displacement is elastic. A cell that is out of range, or has a period
@@ -142,7 +142,7 @@ def cells_of(structure: Bilinear, like: xr.DataArray, motions: Motions) -> Recor
     return RecordCells(np.stack(parameters, axis=1).astype(float), usable.astype(bool))
 
 
-def check_run(motions: Motions, frequencies: Array, kept: int = 0) -> None:
+def check_run(motions: RecordedMotions, frequencies: Array, kept: int = 0) -> None:
     """Raise a ValueError if structures of these circular frequencies [rad/s] would take too long.
 
     ``kept`` is how many numbers of each sub-step are stored while a structure runs.
@@ -161,7 +161,7 @@ def table_over(
     columns: Mapping[str, Array],
     elastic: Array,
     like: xr.DataArray,
-    motions: Motions,
+    motions: RecordedMotions,
     valid: Array,
 ) -> xr.Dataset:
     """Columns (records, valid cells) as a labelled table over the records and the cells' dimensions.

@@ -103,8 +103,8 @@ def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
         return _build_up(envelope.at(time), dt)[chosen] - target
 
     starts = product(*(unknown.starts for unknown in unknowns))
-    found = [optimize.least_squares(residual, np.log(start), bounds=bounds) for start in starts]
-    fits = [fit for fit in found if fit.success]
+    trials = [optimize.least_squares(residual, np.log(start), bounds=bounds) for start in starts]
+    fits = [fit for fit in trials if fit.success]
     if not fits:
         raise ArithmeticError(f"no {model} fits the energy of the record; give another model")
     return make(*np.exp(min(fits, key=lambda fit: float(fit.cost)).x) * unit)

@@ -88,14 +88,14 @@ def _content(text: str, start: int = 0) -> Iterator[Line]:
 
 def _read_at2(text: str, head: Sequence[Line], name: str) -> Series:
     number, stated = head[-1]
-    match = next((found for pattern in _AT2_DIALECTS if (found := pattern.search(stated))), None)
+    match = next((header for pattern in _AT2_DIALECTS if (header := pattern.search(stated))), None)
     dt = _float(match[2]) if match else None
     if match is None or dt is None or not 0 < dt < math.inf:
         raise ValueError(
             f"{name}, line {number}: {brief(stated)} is not the header of an AT2 file; "
             "allowed: 'NPTS= 5372, DT= .0100 SEC' or '4096 0.0100 NPTS, DT'"
         )
-    units = next((found[1] for _, line in head[:-1] if (found := _AT2_UNITS.search(line))), None)
+    units = next((unit[1] for _, line in head[:-1] if (unit := _AT2_UNITS.search(line))), None)
     values = _plain_series(text, number)
     if values is None:
         fields = [(n, field) for n, line in _content(text, number) for field in line.split()]
@@ -134,7 +134,7 @@ def _read_columns(
     rows: list[tuple[int, list[str]]] = []
     table = _plain_table(text, start, separator)
     if table is None or len(names) not in (0, table.shape[1]):
-        table, rows = None, [(n, _fields(one, separator)) for n, one in _content(text, start)]
+        table, rows = None, [(n, _fields(content, separator)) for n, content in _content(text, start)]
     width = len(names) or (len(rows[0][1]) if table is None else table.shape[1])
     for n, fields in rows:
         if len(fields) != width:
@@ -298,5 +298,5 @@ def stated_units(series: Series, name: str, units: str | None) -> str:
 
 def _bracketed(column: str) -> str | None:
     """Unit in a column name such as ``acc [g]``."""
-    found = re.search(r"[(\[](.+)[)\]]", column)
-    return spelled(found[1]) if found else None
+    unit = re.search(r"[(\[](.+)[)\]]", column)
+    return spelled(unit[1]) if unit else None

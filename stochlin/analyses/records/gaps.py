@@ -7,7 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.records.cells import (
     RECORD,
-    Motions,
+    RecordedMotions,
     Records,
     cells_of,
     check_run,
@@ -93,14 +93,14 @@ def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Recor
     >>> float(sl.recorded_gap(soft, None, record).separation) <= float(table.peak_1)
     True
     """
-    given = standing(first, second)
-    for role, structure in given.items():
+    roles = standing(first, second)
+    for role, structure in roles.items():
         check_structure(structure, role)
     motions = checked_motions(record)
-    if all(isinstance(structure, Bilinear) for structure in given.values()):
-        table = _exactly(list(given.values()), motions)
+    if all(isinstance(structure, Bilinear) for structure in roles.values()):
+        table = _exactly(list(roles.values()), motions)
     else:
-        table = over_cells(lambda **given: stepped_gap(list(given.values()), motions), given)
+        table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions), roles)
     if RECORD in table.dims:
         table = table.assign(_over_records(table.separation))
     return labels.with_run_information(
@@ -110,36 +110,36 @@ def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Recor
         ),
         "Gap of two structures in recorded motions" if second is not None else SET_BACK,
         "recorded_gap()",
-        given,
+        roles,
     )
 
 
 def _over_records(separation: xr.DataArray) -> dict[str, xr.DataArray]:
     """Quantiles of the separation over the records, with their 95 % intervals."""
     samples = separation.transpose(RECORD, ...)
-    found = quantile_intervals(samples.to_numpy(), QUANTILES)
+    intervals = quantile_intervals(samples.to_numpy(), QUANTILES)
     like = samples.isel({RECORD: 0}, drop=True)
     level = labels.axis("quantile", "quantile", QUANTILES)
     return {
         f"separation_quantile{end}": like.expand_dims(quantile=level).copy(data=values)
-        for end, values in zip(("", "_lower", "_upper"), found, strict=True)
+        for end, values in zip(("", "_lower", "_upper"), intervals, strict=True)
     }
 
 
-def _exactly(structures: list[Bilinear], motions: Motions) -> xr.Dataset:
+def _exactly(structures: list[Bilinear], motions: RecordedMotions) -> xr.Dataset:
     """Exact results for bilinear structures in all cells, without labels."""
     like = dims_of(*structures)
     cells = [cells_of(structure, like, motions) for structure in structures]
-    valid = np.all([one.valid for one in cells], axis=0)
-    sides = [one.parameters[valid] for one in cells]
+    valid = np.all([side.valid for side in cells], axis=0)
+    sides = [side.parameters[valid] for side in cells]
     if len(sides) == 1:
         check_run(motions, sides[0][:, 0])
         each = [peaks_on_records(motions.grounds, sides[0])]
         columns = {"separation": each[0][..., recorded.HIGHEST]}
     else:
         check_run(motions, 2 * PAIR * np.maximum(sides[0][:, 0], sides[1][:, 0]), kept=6)
-        found = gaps_on_records(motions.grounds, *sides)
-        *each, together = np.split(found, [recorded.PEAKS, 2 * recorded.PEAKS], axis=-1)
+        gaps = gaps_on_records(motions.grounds, *sides)
+        *each, together = np.split(gaps, [recorded.PEAKS, 2 * recorded.PEAKS], axis=-1)
         separation, rho = np.moveaxis(together, -1, 0)
         columns = {"separation": separation, "rho": rho}
     stayed = np.ones(columns["separation"].shape, bool)

@@ -74,8 +74,8 @@ class _Problem(NamedTuple):
 
     def psd(self, logs: Matrix, frequency: Vector) -> Matrix:
         """PSD for each row of parameters (trials, frequencies), from one call."""
-        found = self.kind.filter(self.parameters(np.exp(logs).T[..., None]))
-        density: Matrix = found.intensity * found.transmission(frequency)
+        ground_filter = self.kind.filter(self.parameters(np.exp(logs).T[..., None]))
+        density: Matrix = ground_filter.intensity * ground_filter.transmission(frequency)
         return density
 
 
@@ -142,11 +142,11 @@ def _minimize(frequency: Vector, density: Vector, problem: _Problem, estimator: 
 
     with np.errstate(divide="ignore"):
         bounds = np.log([[u.lower for u in problem.unknowns], [u.upper for u in problem.unknowns]])
-    found = [
+    fits = [
         optimize.least_squares(lambda logs: residual(logs)[0], start, slope, bounds)
         for start in _starts(frequency, density, problem, residual)
     ]
-    best = min(found, key=lambda fit: float(fit.cost))
+    best = min(fits, key=lambda fit: float(fit.cost))
     if not best.success:
         raise ValueError(f"the fit failed ({best.message}); try another estimator or frequency_range")
     for unknown, value, lower, upper in zip(problem.unknowns, best.x, *bounds, strict=True):

@@ -9,18 +9,17 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.cells import RECORD, Motions
+from stochlin.analyses.records.cells import RECORD, RecordedMotions
+from stochlin.analyses.simulation.connected_structures import ConnectedStructures, all_connected
 from stochlin.analyses.simulation.finite_motions import RUNS_AWAY
-from stochlin.analyses.simulation.frames import Frame, all_frames
 from stochlin.analyses.simulation.rows import row_of
 from stochlin.analyses.simulation.views import Terms, apart, displacements, drifts_of, pairs_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR, element_coordinates, floor_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.run import SAMPLES, Pace, run
-from stochlin.kernels.pounding.run import Motions as GroundMotions
-from stochlin.kernels.records.runs import SampledGround
+from stochlin.kernels.pounding.run import SAMPLES, GroundMotions, StepCounts, run
+from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.account import Account
 from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.models.buildings import ShearBuilding
@@ -33,7 +32,7 @@ STEP = 6e-7  # approximate computing time of a step of one storey on one core [s
 AT_ONCE = 4096  # steps computed at a time
 
 
-class Ridden(NamedTuple):
+class SteppedResponse(NamedTuple):
     """Response of a system to a record: m functions of its floor displacements after every step."""
 
     values: Array  # (steps + 1, m) [m]
@@ -41,15 +40,17 @@ class Ridden(NamedTuple):
     error: float  # largest relative change of a peak when the step was halved for the last time
 
 
-def ridden(frames: Sequence[Frame], ground: SampledGround, functions: Sequence[Terms]) -> Ridden:
+def stepped_response(
+    connected: Sequence[ConnectedStructures], ground: SampledMotion, functions: Sequence[Terms]
+) -> SteppedResponse:
     """Functions of the floor displacements, from rest, with steps halved until their peaks converge.
 
     The steps are of second order, so that the remaining error is about a third of the last change.
     """
-    weights = np.zeros((len(functions), _floors(frames)))
+    weights = np.zeros((len(functions), _floors(connected)))
     for row, terms in zip(weights, functions, strict=True):
         row[list(terms)] = list(terms.values())
-    shortest = min(frame.shortest for frame in frames)
+    shortest = min(group.shortest for group in connected)
     cuts = max(1, int(np.ceil(ground.dt * STEPS_PER_PERIOD / shortest)))
     steps = float(cuts) * ground.acceleration.size
     check_work(
@@ -59,10 +60,10 @@ def ridden(frames: Sequence[Frame], ground: SampledGround, functions: Sequence[T
         seconds=2 * 2.0**2 * STEP * weights.shape[1] * steps,
         memory=8 * 2.0**2 * len(functions) * steps,
     )
-    values, change = _values(frames, weights, ground, cuts), np.inf
+    values, change = _values(connected, weights, ground, cuts), np.inf
     for _ in range(HALVINGS):
         coarse, cuts = peaks_of(values), 2 * cuts
-        values = _values(frames, weights, ground, cuts)
+        values = _values(connected, weights, ground, cuts)
         fine = peaks_of(values)
         change = float(np.max(np.abs(fine - coarse) / np.where(fine > 0, fine, 1.0)))
         if change <= CLOSE:
@@ -71,22 +72,22 @@ def ridden(frames: Sequence[Frame], ground: SampledGround, functions: Sequence[T
         raise ArithmeticError(
             f"the response is no longer finite, with steps of {ground.dt / cuts:.2g} s; {RUNS_AWAY}"
         )
-    return Ridden(values, cuts, change)
+    return SteppedResponse(values, cuts, change)
 
 
-def stepped_history(structure: AnyStructure, ground: SampledGround, refine: int) -> xr.Dataset:
+def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int) -> xr.Dataset:
     """The response history for `respond`, with ``refine`` points in an interval; without times."""
     system = arrangement_of([structure])
     samples = np.arange(ground.acceleration.size)
     between = np.arange(refine * samples[-1] + 1) / refine
-    finer = SampledGround(np.interp(between, samples, ground.acceleration), ground.dt / refine)
-    frames = all_frames(system)
-    first = ridden(frames, finer, [{floor: 1.0} for floor in range(_floors(frames))])
-    row = row_of([structure], system, Contacts.of([], _floors(frames)))
+    finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
+    connected = all_connected(system)
+    first = stepped_response(connected, finer, [{floor: 1.0} for floor in range(_floors(connected))])
+    row = row_of([structure], system, Contacts.of([], _floors(connected)))
     at, to = row.places
-    one, none = np.array([between.size - 1]), np.zeros(1)
-    motion = GroundMotions(finer.acceleration[:, None], finer.dt, one, none, none)
-    kept = run(row, motion, Pace(first.cuts, 1), SAMPLES).history
+    intervals, none = np.array([between.size - 1]), np.zeros(1)
+    motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
+    kept = run(row, motion, StepCounts(first.cuts, 1), SAMPLES).history
     u, v, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
     strength, drift = system.storeys.strength, u @ system.extensions.T
     energies = _energies(system, kept, to, v, drift, z).assign(step_error=first.error)
@@ -116,11 +117,11 @@ def _energies(
     energies = {name: kept[:, row] for name, row in rows.items()}
     energies["kinetic"] = 0.5 * v**2 @ mass
     energies["elastic"] = 0.5 * (drift**2 @ storeys.post + z**2 @ storeys.couple)
-    found = {f"{name}_energy_per_mass": ("time", e / mass.sum()) for name, e in energies.items()}
-    return xr.Dataset(found)
+    columns = {f"{name}_energy_per_mass": ("time", e / mass.sum()) for name, e in energies.items()}
+    return xr.Dataset(columns)
 
 
-def stepped_gap(structures: Sequence[AnyStructure], motions: Motions) -> xr.Dataset:
+def stepped_gap(structures: Sequence[AnyStructure], motions: RecordedMotions) -> xr.Dataset:
     """The result of `recorded_gap` for structures with scalar parameters, without labels."""
     system = arrangement_of(structures)
     if len(structures) == 1:
@@ -133,11 +134,11 @@ def stepped_gap(structures: Sequence[AnyStructure], motions: Motions) -> xr.Data
             *drifts_of(system),
             *(apart(system, pair) for pair in pairs),
         ]
-    frames = all_frames(system)
-    periods = [float(one.arrays()["period"]) for one in structures if isinstance(one, Structure)]
+    connected = all_connected(system)
+    periods = [float(s.arrays()["period"]) for s in structures if isinstance(s, Structure)]
     tables = []
     for ground in motions.grounds:
-        motion = ridden(frames, ground, functions)
+        motion = stepped_response(connected, ground, functions)
         table = _in_one(system, motion)
         if len(periods) == len(structures):
             table = table.assign(_radii(motion, periods, ground.dt / motion.cuts))
@@ -148,7 +149,7 @@ def stepped_gap(structures: Sequence[AnyStructure], motions: Motions) -> xr.Data
     return xr.concat(tables, names.rename(RECORD), data_vars="all", coords="minimal", compat="equals")
 
 
-def _in_one(system: Arrangement, motion: Ridden) -> xr.Dataset:
+def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
     """Results for one record.
 
     The functions in ``motion`` are the displacement of each structure at the highest level where they
@@ -162,11 +163,11 @@ def _in_one(system: Arrangement, motion: Ridden) -> xr.Dataset:
     columns = {"separation": at_height.max()}
     columns |= {f"peak_{number}": peak for number, peak in enumerate(peaks, start=1)}
     if count == 2:
-        one, two = values[:, 0], values[:, 1]
+        u_1, u_2 = values[:, 0], values[:, 1]
         srss = np.hypot(*peaks)
         with np.errstate(invalid="ignore", divide="ignore"):
-            power = np.sqrt(np.trapezoid(one**2) * np.trapezoid(two**2))
-            columns["rho"] = np.trapezoid(one * two) / power
+            power = np.sqrt(np.trapezoid(u_1**2) * np.trapezoid(u_2**2))
+            columns["rho"] = np.trapezoid(u_1 * u_2) / power
             columns |= {"srss": srss, "separation_over_srss": at_height.max() / srss}
     table = xr.Dataset(columns).assign(
         step_error=motion.error, status=np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
@@ -184,7 +185,7 @@ def _in_one(system: Arrangement, motion: Ridden) -> xr.Dataset:
     ).assign_coords({"height": ("height", heights, attrs), **element_coordinates(system)})
 
 
-def _radii(motion: Ridden, periods: Sequence[float], dt: float) -> dict[str, float]:
+def _radii(motion: SteppedResponse, periods: Sequence[float], dt: float) -> dict[str, float]:
     """Pseudo energy radii of oscillators [m], with velocities by central differences."""
     radii = {}
     for n, period in enumerate(periods):
@@ -199,11 +200,11 @@ def peaks_of(values: Array) -> Array:
     return np.maximum(np.concatenate([values.max(axis=0), -values.min(axis=0)]), 0.0)
 
 
-def _floors(frames: Sequence[Frame]) -> int:
-    return sum(frame.floors.size for frame in frames)
+def _floors(connected: Sequence[ConnectedStructures]) -> int:
+    return sum(group.floors.size for group in connected)
 
 
-def _forcing(ground: SampledGround, cuts: int) -> Array:
+def _forcing(ground: SampledMotion, cuts: int) -> Array:
     """Mean over each step of the negative ground acceleration, which is linear between samples."""
     share = (np.arange(cuts) + 0.5) / cuts
     rise = np.diff(ground.acceleration)
@@ -211,11 +212,13 @@ def _forcing(ground: SampledGround, cuts: int) -> Array:
     return f[:, None]
 
 
-def _values(frames: Sequence[Frame], weights: Array, ground: SampledGround, cuts: int) -> Array:
+def _values(
+    connected: Sequence[ConnectedStructures], weights: Array, ground: SampledMotion, cuts: int
+) -> Array:
     f, dt = _forcing(ground, cuts), ground.dt / cuts
     values = np.zeros((len(f) + 1, len(weights)))
-    for frame in frames:
-        floors, block, state = frame.floors, frame.part.block(dt), frame.part.at_rest(1)
+    for group in connected:
+        floors, block, state = group.floors, group.part.block(dt), group.part.at_rest(1)
         for begin in range(0, len(f), AT_ONCE):
             part = f[begin : begin + AT_ONCE]
             out = np.empty((len(part), floors.size, 1))

@@ -21,7 +21,7 @@ FITTED, TOO_FEW_POUND, ALL_POUND, TOO_FEW_INTENSITIES, NOT_SIMULATED = range(5)
 REACH, POINTS = 24.0, 6001  # range [standard deviations] and points of the integral over a fragility
 
 
-class Motions(NamedTuple):
+class SeparationsByIntensity(NamedTuple):
     """Separations of the structures in the same motions at increasing intensities."""
 
     intensity: Array  # (n,)
@@ -49,7 +49,7 @@ class Motions(NamedTuple):
         return np.exp(begin), np.exp(end)
 
 
-def rates(motions: Motions, gap: float, frequency: Callable[[Array], Array]) -> Array:
+def rates(motions: SeparationsByIntensity, gap: float, frequency: Callable[[Array], Array]) -> Array:
     """Annual frequency of pounding [1/yr] of each motion in each interval of intensity (paths, n + 1).
 
     Its mean over the motions is the mean annual frequency of the interval. ``frequency`` is the annual
@@ -77,13 +77,13 @@ class Fragility(NamedTuple):
 
     def named(self) -> dict[str, Any]:
         """The numbers of the fragility by the names of their variables."""
-        told = {
+        columns = {
             name.replace("_error", "_standard_error"): value for name, value in self._asdict().items()
         }
-        return {f"fragility_{name}": value for name, value in told.items()}
+        return {f"fragility_{name}": value for name, value in columns.items()}
 
 
-def lognormal_fragility(motions: Motions, gap: float) -> Fragility:
+def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragility:
     """Fragility by maximum likelihood from the lowest intensity of pounding in each motion.
 
     For a motion without pounding, this intensity is known to be above the highest one. The result is
@@ -113,10 +113,10 @@ def lognormal_fragility(motions: Motions, gap: float) -> Fragility:
         b = float(np.exp(log_b))
         errors = b / np.sqrt(known.size), b / np.sqrt(2 * known.size)
     else:
-        found = scipy.optimize.minimize(surprise, start, method="BFGS", options={"gtol": 1e-6})
-        mean, log_b = found.x
+        fit = scipy.optimize.minimize(surprise, start, method="BFGS", options={"gtol": 1e-6})
+        mean, log_b = fit.x
         b = float(np.exp(log_b))
-        spread = np.sqrt(np.diag(_inverse_curvature(surprise, found.x)))
+        spread = np.sqrt(np.diag(_inverse_curvature(surprise, fit.x)))
         errors = float(spread[0]), float(b * spread[1])
     median = float(np.exp(mean))
     return Fragility(median, b, median * float(errors[0]), float(errors[1]))

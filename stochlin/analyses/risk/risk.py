@@ -19,7 +19,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.risk.rates import (
-    Motions,
+    SeparationsByIntensity,
     lognormal_fragility,
     lognormal_rate,
     rates,
@@ -150,16 +150,16 @@ def pounding_risk(
     >>> bool(table.annual_rate_standard_error < 0.2 * table.annual_rate)
     True
     """
-    given = standing(first, second)
-    check_existing(gap, duration, {role: median_of(one) for role, one in given.items()})
+    structures = standing(first, second)
+    check_existing(gap, duration, {role: median_of(structure) for role, structure in structures.items()})
     _check_years(years)
 
-    def of_cell(ground: Ground, **given: AnyStructure) -> xr.Dataset:
-        asked = RiskAsked(given, ground, hazard, duration, envelope, scatter, paths, seed)
-        asked.check()
-        return asked.simulated(progress).of_gap(gap, years)
+    def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
+        inputs = RiskInputs(structures, ground, hazard, duration, envelope, scatter, paths, seed)
+        inputs.check()
+        return inputs.simulated(progress).of_gap(gap, years)
 
-    return _over_cells(of_cell, given, ground, duration)
+    return _over_cells(of_cell, structures, ground, duration)
 
 
 def required_gap(
@@ -214,24 +214,24 @@ def required_gap(
     True
     """
 
-    def of_cell(ground: Ground, **given: AnyStructure) -> xr.Dataset:
-        asked = RiskAsked(given, ground, hazard, duration, envelope, scatter, paths, seed)
-        asked.check()
-        asked.check_target(risk)
-        return asked.simulated(progress).gap_of(risk)
+    def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
+        inputs = RiskInputs(structures, ground, hazard, duration, envelope, scatter, paths, seed)
+        inputs.check()
+        inputs.check_target(risk)
+        return inputs.simulated(progress).gap_of(risk)
 
     return _over_cells(of_cell, standing(first, second), ground, duration)
 
 
 def _over_cells(
-    of_cell: Callable[..., xr.Dataset], given: dict[str, Any], ground: Ground, duration: float
+    of_cell: Callable[..., xr.Dataset], structures: dict[str, Any], ground: Ground, duration: float
 ) -> xr.Dataset:
     """``of_cell`` for every cell of structures and ground; NaN if a period exceeds the duration."""
     expect(median_of(ground), Ground, "ground")
-    both = {role: median_of(structure) for role, structure in given.items()}
+    both = {role: median_of(structure) for role, structure in structures.items()}
     check_duration(duration, both)
     long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
-    return over_cells(of_cell, {**given, "ground": ground}, long_enough)
+    return over_cells(of_cell, {**structures, "ground": ground}, long_enough)
 
 
 class Target(NamedTuple):
@@ -247,13 +247,13 @@ class Target(NamedTuple):
             if not 0 < risk < np.inf:
                 raise ValueError(f"risk = {brief(risk)}; allowed: a positive annual frequency [1/yr]")
             return cls(float(risk), None)
-        found = _RISK.fullmatch(risk) if isinstance(risk, str) else None
-        if found is None:
+        match = _RISK.fullmatch(risk) if isinstance(risk, str) else None
+        if match is None:
             raise ValueError(
                 f'risk = {brief(risk)}; allowed: a text as "2 % in 50 years", or an annual frequency '
                 "[1/yr]"
             )
-        share, years = float(found[1]) / 100, float(found[2])
+        share, years = float(match[1]) / 100, float(match[2])
         if not 0 < share < 1 or not years > 0:
             raise ValueError(
                 f"risk = {brief(risk)}; allowed: more than 0 % and less than 100 %, in years"
@@ -289,7 +289,7 @@ def simulated_at(hazard: Hazard) -> Array:
     return np.geomspace(ends[0], ends[-1], POINTS)
 
 
-class RiskAsked(NamedTuple):
+class RiskInputs(NamedTuple):
     """Structures, site and options of a computation of risk."""
 
     structures: Mapping[str, AnyStructure]  # by the names of their arguments
@@ -326,22 +326,22 @@ class RiskAsked(NamedTuple):
         if isinstance(self.hazard, HazardCurve):
             least, top = self.hazard.intensities[0], self.hazard.intensities[-1]
             known = np.clip(intensity, least, top)
-        found = np.asarray(self.hazard.frequency(xr.DataArray(known)))
-        if (lost := np.isnan(found) & ~np.isnan(known)).any():
+        frequencies = np.asarray(self.hazard.frequency(xr.DataArray(known)))
+        if (lost := np.isnan(frequencies) & ~np.isnan(known)).any():
             raise ValueError(
                 f"hazard: {self.hazard.describe()} gives annual frequencies beyond the range of numbers "
                 f"for {known[lost].min():.3g} {UNITS[self.hazard.measure]}, at which motions still "
                 "count; allowed: a smaller k; usual are 2 to 4"
             )
-        return np.where(intensity > top * (1 + ROUNDING), 0.0, found)
+        return np.where(intensity > top * (1 + ROUNDING), 0.0, frequencies)
 
     def simulated(self, progress: Progress | None) -> SimulatedRisk:
         """Separations in the same motions at all intensities, simulated."""
-        found = []
+        separations = []
         motion: dict[str, Any] = {"duration": self.duration, "envelope": self.envelope}
         usual = median_of(self.ground)
         both = self.structures.values()
-        pair = [applied(lambda s: strength_in_metres(s, usual), one) for one in both]
+        pair = [applied(lambda s: strength_in_metres(s, usual), structure) for structure in both]
         at_one = self._ground_of_one(usual) / float(usual.arrays()["intensity"])
         for n, intensity in enumerate(simulated_at(self.hazard)):
             times = at_one * self._power(intensity)
@@ -353,11 +353,11 @@ class RiskAsked(NamedTuple):
                 scatter=self.scatter,
                 **motion,
             )
-            found.append(pair_separation(table).to_numpy())
+            separations.append(pair_separation(table).to_numpy())
             if progress is not None:
                 progress((n + 1) / POINTS)
         power = 0.5 if self.hazard.measure == "intensity" else 1.0
-        motions = Motions(simulated_at(self.hazard), np.stack(found, axis=1), power)
+        motions = SeparationsByIntensity(simulated_at(self.hazard), np.stack(separations, axis=1), power)
         return SimulatedRisk(self, motions)
 
     def _power(self, intensity: float) -> float:
@@ -400,13 +400,13 @@ class RiskAsked(NamedTuple):
 class SimulatedRisk(NamedTuple):
     """A computation of risk and its simulated motions, from which results for any gap follow."""
 
-    asked: RiskAsked
-    motions: Motions
+    inputs: RiskInputs
+    motions: SeparationsByIntensity
 
     def of_gap(self, gap: float, years: float) -> xr.Dataset:
         """The result of `pounding_risk`."""
-        asked, motions = self
-        by_path = rates(motions, gap, asked.frequency)
+        inputs, motions = self
+        by_path = rates(motions, gap, inputs.frequency)
         rate, error = mean_with_error(by_path.sum(axis=1))
         fragility = lognormal_fragility(motions, gap)
         self._warn_of_weak(gap)
@@ -414,22 +414,22 @@ class SimulatedRisk(NamedTuple):
             {
                 "annual_rate": rate,
                 "annual_rate_standard_error": error,
-                "annual_rate_lognormal": lognormal_rate(fragility, asked.frequency),
-                "annual_rate_unseen": _unseen(motions, gap, asked.frequency),
+                "annual_rate_lognormal": lognormal_rate(fragility, inputs.frequency),
+                "annual_rate_unseen": _unseen(motions, gap, inputs.frequency),
                 **_in_years(rate, error, years),
                 **fragility.named(),
             }
         )
-        table = table.assign(_by_intensity(motions, by_path, gap, asked))
-        return asked.labelled(table.assign_attrs(years=float(years), gap_m=float(gap)), "pounding_risk")
+        table = table.assign(_by_intensity(motions, by_path, gap, inputs))
+        return inputs.labelled(table.assign_attrs(years=float(years), gap_m=float(gap)), "pounding_risk")
 
     def gap_of(self, risk: str | float) -> xr.Dataset:
         """The result of `required_gap`."""
-        asked, motions = self
+        inputs, motions = self
         target = Target.of(risk).rate
 
         def rate(gap: float) -> tuple[float, float]:
-            return mean_with_error(rates(motions, gap, asked.frequency).sum(axis=1))
+            return mean_with_error(rates(motions, gap, inputs.frequency).sum(axis=1))
 
         def gap_of(excess: Callable[[float, float], float]) -> float:
             """Gap for which the rate, or an end of its interval, equals the target [m]."""
@@ -437,10 +437,10 @@ class SimulatedRisk(NamedTuple):
             most = 2 * float(motions.separation.max())
             if excess(*rate(least)) <= target:
                 return 0.0
-            found = scipy.optimize.brentq(
+            root = scipy.optimize.brentq(
                 lambda x: excess(*rate(np.exp(x))) - target, np.log(least), np.log(most), xtol=CLOSE
             )
-            return float(np.exp(found))
+            return float(np.exp(root))
 
         gap = gap_of(lambda mean, _: mean)
         mean, error = rate(gap) if gap else (np.nan, np.nan)
@@ -454,14 +454,14 @@ class SimulatedRisk(NamedTuple):
                 "annual_rate_standard_error": error,
             }
         )
-        return asked.labelled(table.assign_attrs(risk=brief(risk)), "required_gap")
+        return inputs.labelled(table.assign_attrs(risk=brief(risk)), "required_gap")
 
     def _warn_of_weak(self, gap: float) -> None:
         """Warn if pounding is likely also below the lowest intensity of the hazard."""
-        motions, hazard = self.motions, self.asked.hazard
+        motions, hazard = self.motions, self.inputs.hazard
         share = float((motions.separation[:, 0] > gap).mean())
         if isinstance(hazard, HazardCurve) and share > WEAKEST:
-            met = "it crosses" if self.asked.alone else "they pound"
+            met = "it crosses" if self.inputs.alone else "they pound"
             warnings.warn(
                 f"hazard: it begins at {motions.intensity[0]:.3g} {UNITS[hazard.measure]}, where {met} "
                 f"in {100 * share:.0f} % of the motions; weaker shaking, which is not in the hazard, "
@@ -477,24 +477,24 @@ def _times(ground: Any, factor: float) -> Any:
 
 
 def _by_intensity(
-    motions: Motions, by_path: Array, gap: float, asked: RiskAsked
+    motions: SeparationsByIntensity, by_path: Array, gap: float, inputs: RiskInputs
 ) -> dict[str, xr.DataArray]:
     """Pounding probability and hazard at each intensity, and the part of the rate of each interval."""
-    attrs = {"units": UNITS[asked.hazard.measure], "long_name": f"intensity, {asked.hazard.measure}"}
+    attrs = {"units": UNITS[inputs.hazard.measure], "long_name": f"intensity, {inputs.hazard.measure}"}
     axis = {"intensity": ("intensity", motions.intensity, attrs)}
     samples = xr.DataArray(motions.separation, dims=("path", "intensity"), coords=axis)
     apart = keeping_apart(samples, gap)
-    found = {"pounding_probability": 1 - apart["no_pounding_probability"]}
+    columns = {"pounding_probability": 1 - apart["no_pounding_probability"]}
     for end, other in (("lower", "upper"), ("upper", "lower")):
-        found[f"pounding_probability_{end}"] = 1 - apart[f"no_pounding_probability_{other}"]
-    of_curve = asked.frequency(motions.intensity)
-    found["exceedance_frequency"] = xr.DataArray(of_curve, dims="intensity", coords=axis)
+        columns[f"pounding_probability_{end}"] = 1 - apart[f"no_pounding_probability_{other}"]
+    of_curve = inputs.frequency(motions.intensity)
+    columns["exceedance_frequency"] = xr.DataArray(of_curve, dims="intensity", coords=axis)
     begin = {"from_intensity": ("from_intensity", np.append(0.0, motions.intensity), attrs)}
     by_interval = xr.DataArray(by_path.mean(axis=0), dims="from_intensity", coords=begin)
-    return found | {"annual_rate_by_intensity": by_interval}
+    return columns | {"annual_rate_by_intensity": by_interval}
 
 
-def _unseen(motions: Motions, gap: float, frequency: Callable[[Array], Array]) -> float:
+def _unseen(motions: SeparationsByIntensity, gap: float, frequency: Callable[[Array], Array]) -> float:
     """Largest contribution of intensities beyond the highest, from motions without pounding [1/yr]."""
     spared = float((motions.separation[:, -1] <= gap).mean())
     return spared * float(frequency(motions.intensity[-1:])[0])

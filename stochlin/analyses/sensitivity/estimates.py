@@ -70,8 +70,8 @@ def variance_shares(response: Array, usual: Array, shares: Array) -> Estimate:
         count, mean = sums[0, 0], sums[0] / sums[0, 0]
         moments = (sums / count - np.outer(mean, mean))[1:, 1:]
         variance = moments[-1, -1]
-        found = np.linalg.lstsq(moments[:-1, :-1], moments[:-1, -1], rcond=None)[0]
-        own = found[1:].reshape(inputs, degree)
+        coefficients = np.linalg.lstsq(moments[:-1, :-1], moments[:-1, -1], rcond=None)[0]
+        own = coefficients[1:].reshape(inputs, degree)
         each = moments[1:-1, 1:-1].reshape(inputs, degree, inputs, degree)
         of_inputs = np.einsum("ij,ijik,ik->i", own, each, own)
         of_motion = (square - sums[-1, -1]) / (count * (samples - 1)) - mean[-1] ** 2
@@ -102,8 +102,8 @@ def changed_quantiles(response: Array, more: Array, less: Array, level: float) -
         weight /= weight.sum()
         mean = (weight * beyond).sum()
         spread = (weight * (beyond - mean) ** 2).sum() or 1.0
-        found: Array = (changes * (weight * (1 - (beyond - mean) * mean / spread))).sum(axis=1)
-        return found
+        estimates: Array = (changes * (weight * (1 - (beyond - mean) * mean / spread))).sum(axis=1)
+        return estimates
 
     return jackknifed(estimate, groups)
 

@@ -28,7 +28,7 @@ class Input(NamedTuple):
     key: str
     value: float  # median; 1 for a common factor
     units: str
-    given: Uncertain  # with spread 0 if the input is known exactly
+    quantity: Uncertain  # with spread 0 if the input is known exactly
 
     @property
     def name(self) -> str:
@@ -38,19 +38,19 @@ class Input(NamedTuple):
     @property
     def uncertain(self) -> bool:
         """Whether the input has a spread."""
-        return self.given.spread > 0
+        return self.quantity.spread > 0
 
     def ends(self) -> tuple[float, ...]:
         """Ends of the range over the median: quantiles of 16 and 84 %, or 10 % to either side."""
         if not self.uncertain:
             return 1 - STEP, 1 + STEP
-        return tuple(float(self.given.factor(share)) for share in RANGE)
+        return tuple(float(self.quantity.factor(share)) for share in RANGE)
 
 
 class Inputs(NamedTuple):
     """All inputs, and the models in which they can be changed."""
 
-    given: tuple[Sequence[Any], Any]  # structures and ground, from which samples are drawn
+    sources: tuple[Sequence[Any], Any]  # structures and ground, from which samples are drawn
     models: Mapping[str, UncertainModel]
     inputs: Sequence[Input]
 
@@ -62,9 +62,9 @@ class Inputs(NamedTuple):
         models, inputs = dict[str, UncertainModel](), list[Input]()
         for role, model in [*roles.items(), (GROUND, ground)]:
             described = _described(model)
-            own = [one for one in _inputs(role, described) if one.value]
+            own = [entry for entry in _inputs(role, described) if entry.value]
             inputs += own
-            arguments = {**described.arguments, **{one.key: one.given for one in own}}
+            arguments = {**described.arguments, **{entry.key: entry.quantity for entry in own}}
             models[role] = dataclasses.replace(described, arguments=arguments)
             if role != GROUND:
                 models[role] = models[role].changed(lambda s: strength_in_metres(s, usual))
@@ -73,34 +73,34 @@ class Inputs(NamedTuple):
     @property
     def uncertain(self) -> list[Input]:
         """The inputs that have a spread."""
-        return [one for one in self.inputs if one.uncertain]
+        return [entry for entry in self.inputs if entry.uncertain]
 
     def sampled(self, paths: int, seed: int, number: int) -> dict[str, Array]:
         """Samples of the uncertain inputs over their medians, by name, one for each motion."""
-        factors = draw(*self.given, paths, seed, number).factors
-        return {one.name: factors[one.role][one.key] for one in self.uncertain}
+        factors = draw(*self.sources, paths, seed, number).factors
+        return {entry.name: factors[entry.role][entry.key] for entry in self.uncertain}
 
     def at(self, samples: Mapping[str, Array], changes: Mapping[str, float], motions: int) -> Draw:
         """The models with these samples of their inputs, some of which are multiplied by a factor."""
-        found, factors = dict[str, Any](), dict[str, dict[str, Array]]()
+        models, factors = dict[str, Any](), dict[str, dict[str, Array]]()
         for role, model in self.models.items():
-            own = [one for one in self.inputs if one.role == role]
-            drawn = {one.key: samples[one.name] for one in own if one.name in samples}
-            fixed = {one.key: changes.get(one.name, 1.0) for one in own}
+            own = [entry for entry in self.inputs if entry.role == role]
+            drawn = {entry.key: samples[entry.name] for entry in own if entry.name in samples}
+            fixed = {entry.key: changes.get(entry.name, 1.0) for entry in own}
             if drawn:
                 each = {key: factor * drawn.get(key, np.ones(motions)) for key, factor in fixed.items()}
-                found[role], factors[role] = model, each
+                models[role], factors[role] = model, each
             else:
-                found[role] = model.at(fixed)
-        *structures, ground = found.values()
+                models[role] = model.at(fixed)
+        *structures, ground = models.values()
         return Draw(structures, ground, motions, factors)
 
-    def possible(self, one: Input, samples: Mapping[str, Array], factor: float) -> bool:
+    def possible(self, entry: Input, samples: Mapping[str, Array], factor: float) -> bool:
         """Whether all samples of an input times ``factor`` are allowed values."""
-        drawn = samples.get(one.name, np.ones(1))
+        drawn = samples.get(entry.name, np.ones(1))
         try:
             for end in (drawn.min(), drawn.max()):
-                self.models[one.role].at({one.key: factor * float(end)})
+                self.models[entry.role].at({entry.key: factor * float(end)})
         except ValueError:
             return False
         return True
@@ -117,14 +117,14 @@ def _inputs(role: str, described: UncertainModel) -> list[Input]:
     """The inputs of a model: its declared parameters that are given, arrays as a common factor."""
     median = described.median()
     kinds = (type(median), RegularBuilding)
-    found = []
+    inputs = []
     for key, value in described.arguments.items():
         kind = next((kind for kind in kinds if key in kind.parameter_names()), None)
         if kind is None or value is None or (key in WITHOUT and not hasattr(median, "masses")):
             continue
-        given = value if isinstance(value, Uncertain) else Uncertain(np.asarray(value, float), 0.0)
-        usual = getattr(median, key) if kind is type(median) else given.median
+        quantity = value if isinstance(value, Uncertain) else Uncertain(np.asarray(value, float), 0.0)
+        usual = getattr(median, key) if kind is type(median) else quantity.median
         one_number = np.ndim(usual) == 0
         size = float(np.asarray(usual)) if one_number else float(np.any(usual))
-        found.append(Input(role, key, size, kind.units(key) if one_number else "1", given))
-    return found
+        inputs.append(Input(role, key, size, kind.units(key) if one_number else "1", quantity))
+    return inputs

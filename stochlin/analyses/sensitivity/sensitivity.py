@@ -118,36 +118,36 @@ def sensitivity(
     """
     check_confidence(confidence)
     usual = median_of(ground)
-    given = standing(first, second)
-    both = {role: median_of(structure) for role, structure in given.items()}
+    structures = standing(first, second)
+    both = {role: median_of(structure) for role, structure in structures.items()}
     expect(usual, Ground, "ground")
     check_duration(duration, both)
     check_motion(duration, envelope, scatter, [confidence], both)
     check_repeated([*both.values()], usual, duration, paths, seed, 1)
-    inputs = Inputs.of([*given.values()], ground)
+    inputs = Inputs.of([*structures.values()], ground)
     times = 1 + SAMPLES + 2 * (len(inputs.inputs) + len(inputs.uncertain))
     check_repeated([*both.values()], usual, duration, paths, seed, times)
-    asked = _Asked(inputs, duration, envelope, scatter, paths, seed, progress, times)
-    found = asked.responses()
-    table = _table(found, inputs, confidence)
+    simulations = _Simulations(inputs, duration, envelope, scatter, paths, seed, progress, times)
+    responses = simulations.responses()
+    table = _table(responses, inputs, confidence)
     table = labels.label(table, VARIABLES)
     return labels.with_run_information(
         table.assign_attrs(
             confidence=confidence,
-            paths=found.base.size,
+            paths=responses.base.size,
             seed=seed,
             duration_s=float(duration),
             envelope="none" if envelope is None else envelope.describe(),
             **labels.of_scatter(scatter),
         ),
-        f"What matters for {_asked_of(second)}, {usual.name} ground",
+        f"What matters for {_subject(second)}, {usual.name} ground",
         f"sensitivity(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed})",
-        {**given, "ground": ground},
+        {**structures, "ground": ground},
         REFERENCES,
     )
 
 
-def _asked_of(second: AnyStructure | None) -> str:
+def _subject(second: AnyStructure | None) -> str:
     return "the set-back of a building" if second is None else "the gap of two buildings"
 
 
@@ -168,7 +168,7 @@ class _Responses(NamedTuple):
         return self.samples[0]
 
 
-class _Asked(NamedTuple):
+class _Simulations(NamedTuple):
     """Inputs and options of the repeated simulations."""
 
     inputs: Inputs
@@ -197,7 +197,7 @@ class _Asked(NamedTuple):
                 changed = {name.partition(".")[0] for name in changes}
                 kept = {role: each for role, each in made.items() if role not in changed}
                 drawn = drawn._replace(made=kept)
-            found, step = drawn_separations(
+            separations, step = drawn_separations(
                 drawn,
                 paths=self.paths,
                 seed=self.seed,
@@ -209,20 +209,20 @@ class _Asked(NamedTuple):
             done += 1
             if self.progress is not None:
                 self.progress(done / self.times)
-            return found
+            return separations
 
-        samples = np.array([run(one, {}) for one in sets])
+        samples = np.array([run(sample, {}) for sample in sets])
         near_factors, end_factors = np.ones((2, len(inputs), 2))
         near, ends = np.empty((2, len(inputs), 2, motions))
-        for n, one in enumerate(inputs):
-            others = {name: column for name, column in base.items() if name != one.name}
-            for side, (small, end) in enumerate(zip((1 - STEP, 1 + STEP), one.ends(), strict=True)):
-                if self.inputs.possible(one, base, small):
+        for n, entry in enumerate(inputs):
+            others = {name: column for name, column in base.items() if name != entry.name}
+            for side, (small, end) in enumerate(zip((1 - STEP, 1 + STEP), entry.ends(), strict=True)):
+                if self.inputs.possible(entry, base, small):
                     near_factors[n, side] = small
-                near[n, side] = run(base, {one.name: near_factors[n, side]})
-                end_factors[n, side] = end if one.uncertain else near_factors[n, side]
-                ends[n, side] = run(others, {one.name: end}) if one.uncertain else near[n, side]
-        columns = [[each[one.name] for one in self.inputs.uncertain] for each in sets]
+                near[n, side] = run(base, {entry.name: near_factors[n, side]})
+                end_factors[n, side] = end if entry.uncertain else near_factors[n, side]
+                ends[n, side] = run(others, {entry.name: end}) if entry.uncertain else near[n, side]
+        columns = [[each[entry.name] for entry in self.inputs.uncertain] for each in sets]
         ranks = np.argsort(np.argsort(np.reshape(columns, (SAMPLES, -1, motions)), axis=2), axis=2)
         return _Responses(
             samples,
@@ -235,23 +235,23 @@ class _Asked(NamedTuple):
         )
 
 
-def _table(found: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
-    base, listed, level = found.base, inputs.inputs, np.array([confidence])
+def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
+    base, listed, level = responses.base, inputs.inputs, np.array([confidence])
     gap, lower, upper = (float(end[0]) for end in quantile_intervals(base, level))
-    medians = np.array([one.value for one in listed])
-    width = np.diff(found.near_factors)[:, 0]
-    below, above = np.moveaxis(found.near, 1, 0)
+    medians = np.array([entry.value for entry in listed])
+    width = np.diff(responses.near_factors)[:, 0]
+    below, above = np.moveaxis(responses.near, 1, 0)
     slopes = changed_quantiles(base, above, below, confidence)
-    of_ends = np.vstack([found.ends.reshape(-1, base.size), found.usual])
+    of_ends = np.vstack([responses.ends.reshape(-1, base.size), responses.usual])
     at_ends = changed_quantiles(base, of_ends, base[None], confidence)
-    shape = found.end_factors.shape
-    shares = _shares(found, inputs)
-    units = [one.units for one in listed]
+    shape = responses.end_factors.shape
+    shares = _shares(responses, inputs)
+    units = [entry.units for entry in listed]
     coords: dict[str, Any] = {
-        INPUT: (INPUT, [one.name for one in listed], {"long_name": "number of a model"}),
+        INPUT: (INPUT, [entry.name for entry in listed], {"long_name": "number of a model"}),
         "input_median": (INPUT, medians, {"long_name": "the input, or its median, in its unit"}),
         "input_unit": (INPUT, units, {"long_name": "unit of the input"}),
-        "uncertain": (INPUT, np.array([one.uncertain for one in listed], np.int8),
+        "uncertain": (INPUT, np.array([entry.uncertain for entry in listed], np.int8),
                       {"long_name": "1 where the input is not known exactly"}),
         END: (END, list(ENDS), {"long_name": "end of the range of the input"}),
     }  # fmt: skip
@@ -259,7 +259,7 @@ def _table(found: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
     table = table.assign(gap=gap, gap_lower=lower, gap_upper=upper)
     table["gap_of_medians"] = gap + at_ends.value[-1]
     table["gap_of_medians_standard_error"] = at_ends.error[-1]
-    table["input_factor_at"] = (INPUT, END), found.end_factors
+    table["input_factor_at"] = (INPUT, END), responses.end_factors
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = Estimate(*(part / width for part in slopes))
     sizes = {"slope": medians, "elasticity": np.full(medians.size, gap or np.nan)}
@@ -276,13 +276,13 @@ def _table(found: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
     return table
 
 
-def _shares(found: _Responses, inputs: Inputs) -> tuple[Estimate, Estimate, Estimate]:
+def _shares(responses: _Responses, inputs: Inputs) -> tuple[Estimate, Estimate, Estimate]:
     """Variance shares of every input, of the motion, and of their interaction."""
     whole = Estimate(np.zeros(len(inputs.inputs)), np.zeros(len(inputs.inputs)))
     if not inputs.uncertain:
         return whole, Estimate(np.ones(()), np.zeros(())), Estimate(np.zeros(()), np.zeros(()))
-    shares = variance_shares(found.samples, found.usual, found.shares)
-    of_inputs = np.flatnonzero([one.uncertain for one in inputs.inputs])
+    shares = variance_shares(responses.samples, responses.usual, responses.shares)
+    of_inputs = np.flatnonzero([entry.uncertain for entry in inputs.inputs])
     whole.value[of_inputs], whole.error[of_inputs] = (part[:-2] for part in shares)
     of_motion, together = (Estimate(*(part[n] for part in shares)) for n in (-2, -1))
     return whole, of_motion, together

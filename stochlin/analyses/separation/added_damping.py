@@ -117,8 +117,8 @@ def damping_for_gap(
     models |= {} if ground is None else {"ground": ground}
     records = record.values() if isinstance(record, Mapping) else record
     tables = [
-        over_cells(partial(_of_one, record=one, gap=gap, estimate=estimate), models)
-        for one in ([records] if isinstance(records, xr.DataArray) else records)
+        over_cells(partial(_of_one, record=recorded, gap=gap, estimate=estimate), models)
+        for recorded in ([records] if isinstance(records, xr.DataArray) else records)
     ]
     table = tables[0]
     if motions.names is not None:
@@ -146,11 +146,11 @@ def damped_gaps(
     bilinear = isinstance(first, Bilinear) and isinstance(second, Bilinear)
     added = labels.axis(BY_DAMPING, "added damping ratio", CLOSELY if bilinear else DAMPINGS)
     shares = np.array(list(SIDES.values()))
-    one, two = (
+    damped_1, damped_2 = (
         _damped(structure, xr.DataArray(share, {DAMPED: where.values}, DAMPED) * added)
         for structure, share in zip((first, second), shares.T, strict=True)
     )
-    table = estimated_gap(one, two, record, estimate).transpose(DAMPED, BY_DAMPING)
+    table = estimated_gap(damped_1, damped_2, record, estimate).transpose(DAMPED, BY_DAMPING)
     table[DAMPED].attrs.update(where.attrs)
     return table
 
@@ -175,17 +175,17 @@ def _of_one(
         def needed(added: float) -> float:
             if added in known:
                 return known[added]
-            one, two = (_damped(s, x * added) for s, x in zip((first, second), shares, strict=True))
-            return float(estimated_gap(one, two, record, estimate)[name])
+            left, right = (_damped(s, x * added) for s, x in zip((first, second), shares, strict=True))
+            return float(estimated_gap(left, right, record, estimate)[name])
 
         return least(Required(needed, gap), list(known)).value
 
-    found = [
+    added = [
         xr.DataArray([least_of(n, shares, name) for n, shares in enumerate(SIDES.values())], dims=DAMPED)
         for name in ("critical_gap", "separation")
     ]
     return scan[[*CURVES, "status"]].assign(
-        {LEAST: found[0], f"{LEAST}_recorded": found[1], f"{LEAST}_difference": found[0] - found[1]}
+        {LEAST: added[0], f"{LEAST}_recorded": added[1], f"{LEAST}_difference": added[0] - added[1]}
     )
 
 

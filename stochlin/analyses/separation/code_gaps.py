@@ -120,9 +120,9 @@ def code_gaps(
     pair = BuildingPeaks(peak_1, peak_2, height_1, height_2)
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
-    given = {*values, *(() if zone is None else ("zone",))}
+    known = {*values, *(() if zone is None else ("zone",))}
     rules = rules_with(numbers)
-    missing = [", ".join(rule.missing(given, alone)) for rule in rules]
+    missing = [", ".join(rule.missing(known, alone)) for rule in rules]
     nothing = xr.full_like(valid, np.nan, float)
     arguments: dict[str, Any] = {"peak_2": None, **values, "zone": zone, **vars(neighbours)}
     gaps = [
@@ -141,8 +141,8 @@ def code_gaps(
             "assumptions": [rule.told(alone) for rule in rules],
             "family": [rule.governed_by(same_property) for rule in rules],
         }
-        told = kept.get(name) or [getattr(rule, name) for rule in rules]
-        table = table.assign_coords({name: ("rule", told, {"long_name": text})})
+        entries = kept.get(name) or [getattr(rule, name) for rule in rules]
+        table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
     table = labels.label(table, VARIABLES)
     table.attrs["comment"] = "Rules whose mark has an M were not compared with the printed source."
     return labels.with_run_information(
@@ -172,8 +172,8 @@ def check_neighbours(neighbours: Neighbours, alone: bool, height_2: object) -> N
     """Raise an error if a fact is no truth value, or is of a second building that is not there."""
     for name, value in vars(neighbours).items():
         check_truth(name, value)
-    told = {"height_2": height_2 is not None, **vars(neighbours)}
-    for name in (name for name, given in told.items() if alone and given):
+    facts = {"height_2": height_2 is not None, **vars(neighbours)}
+    for name in (name for name, stated in facts.items() if alone and stated):
         raise ValueError(f"{name} is given, of a second building, and there is none; leave it out")
 
 

@@ -110,8 +110,8 @@ def existing_gap(
     """
     check_confidence(confidence)
     check_scatter(scatter)
-    given = standing(first, second)
-    both = {role: median_of(structure) for role, structure in given.items()}
+    structures = standing(first, second)
+    both = {role: median_of(structure) for role, structure in structures.items()}
     check_existing(gap, duration, both)
     check_repeated(list(both.values()), median_of(ground), duration, paths, seed, SIMULATIONS)
     if progress is not None:
@@ -130,8 +130,8 @@ def existing_gap(
         ends = quantile_intervals(separations(pair, ground).values, np.array([confidence]))
         return [float(end[0]) for end in ends]
 
-    samples = separations(list(given.values()), ground)
-    case = _ExistingPair.of(list(given.values()), ground)
+    samples = separations(list(structures.values()), ground)
+    case = _ExistingPair.of(list(structures.values()), ground)
     by_strength = Required(lambda s: required(case.weaker(s), ground), gap)
     least_factor, largest_factor = around(by_strength, STRENGTHS, AS_BUILT)
     by_amplitude = Required(lambda a: required(case.pair, case.stronger(a)), gap)
@@ -160,7 +160,7 @@ def existing_gap(
         f"What an existing {'gap' if second is not None else 'set-back'} allows, "
         f"{median_of(ground).name} ground",
         f"existing_gap(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
-        {**given, "ground": ground},
+        {**structures, "ground": ground},
     )
 
 
@@ -170,10 +170,10 @@ def _with_interval(name: str, edge: Edge, end: str = "") -> dict[str, float]:
 
 def _factors(which: str, factors: Sequence[float], edge: Edge) -> dict[str, float]:
     """Reduction factors of the structures at an edge of the range, with their intervals."""
-    found: dict[str, float] = {}
+    columns: dict[str, float] = {}
     for n, factor in enumerate(factors, start=1):
-        found |= _with_interval(f"{which}_reduction_factor", edge.times(factor), f"_{n}")
-    return found
+        columns |= _with_interval(f"{which}_reduction_factor", edge.times(factor), f"_{n}")
+    return columns
 
 
 class _ExistingPair(NamedTuple):

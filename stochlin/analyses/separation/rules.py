@@ -199,11 +199,11 @@ class OscillatorsInMotion(PairInMotion):
 
     def relative_moments(self) -> tuple[Array, Array, Array]:
         """See `PairInMotion`."""
-        one, *others = self.solved
+        first, *others = self.solved
         if others:
-            l0, l1, l2 = relative_moments(one, others[0], self.ground)
+            l0, l1, l2 = relative_moments(first, others[0], self.ground)
         else:
-            l0, l1, l2 = response_moments(one, self.ground)
+            l0, l1, l2 = response_moments(first, self.ground)
         return l0.values, l1.values, l2.values
 
     def quantities(self) -> dict[str, Any]:
@@ -223,9 +223,9 @@ def effective_arguments(structures: Sequence[Structure], ductilities: Array) -> 
     """Arguments of `rho_effective` for two oscillators with these peak ductilities."""
     arguments: dict[str, float] = {}
     for n, structure in enumerate(structures):
-        own, given = structure.yields, structure.arrays()
-        arguments |= {f"{key}_{n + 1}": float(given[key]) for key in ("period", "damping")}
-        arguments[f"hardening_{n + 1}"] = float(given["hardening"]) if own else 1.0
+        own, parameters = structure.yields, structure.arrays()
+        arguments |= {f"{key}_{n + 1}": float(parameters[key]) for key in ("period", "damping")}
+        arguments[f"hardening_{n + 1}"] = float(parameters["hardening"]) if own else 1.0
         arguments[f"ductility_{n + 1}"] = float(ductilities[n]) if own else 1.0
     return arguments
 

@@ -46,25 +46,25 @@ class Required:
 
     def _at(self, value: float) -> tuple[float, float, float]:
         if value not in self._known:
-            found = np.broadcast_to(np.asarray(self._function(value), float), 3)
-            self._known[value] = float(found[0]), float(found[1]), float(found[2])
+            ends = np.broadcast_to(np.asarray(self._function(value), float), 3)
+            self._known[value] = float(ends[0]), float(ends[1]), float(ends[2])
         return self._known[value]
 
     def enough(self, value: float) -> bool:
         """Whether the limit is sufficient at a value."""
         return self(value) <= self.most
 
-    def edge(self, one: float, other: float) -> Edge:
+    def edge(self, first: float, second: float) -> Edge:
         """The edge between a sufficient value and one that is not."""
-        low, high = sorted((float(one), float(other)))
-        found = scipy.optimize.brentq(lambda x: self(x) - self.most, low, high, rtol=CLOSE, xtol=1e-6)
-        required, least, most = self._at(float(found))
+        low, high = sorted((float(first), float(second)))
+        root = scipy.optimize.brentq(lambda x: self(x) - self.most, low, high, rtol=CLOSE, xtol=1e-6)
+        required, least, most = self._at(float(root))
         slope = (self(high) - self(low)) / (high - low)
         for end in (least, most):  # near these values, the ends of the interval equal the limit
-            moved = found - (end - required) / slope
+            moved = root - (end - required) / slope
             if end != required and moved > 0:
                 self(moved)
-        return Edge(float(found), *self._interval(float(found)))
+        return Edge(float(root), *self._interval(float(root)))
 
     def _interval(self, value: float) -> tuple[float, float]:
         """Values next to ``value`` at which the ends of the required gap's interval equal the limit."""
@@ -79,8 +79,8 @@ def _crossings(at: Array, values: Array) -> Array:
     """Positions at which values change sign, by linear interpolation."""
     low, high = values[:-1], values[1:]
     n = np.flatnonzero((low <= 0) != (high <= 0))
-    found: Array = at[n] + (at[n + 1] - at[n]) * low[n] / (low[n] - high[n])
-    return found
+    positions: Array = at[n] + (at[n + 1] - at[n]) * low[n] / (low[n] - high[n])
+    return positions
 
 
 def up_to(required: Required, grid: Sequence[float] | Array) -> Edge:

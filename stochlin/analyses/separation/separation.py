@@ -211,12 +211,12 @@ def separation(
         checked_motions(records)
     heights = BuildingPeaks(0.0, 0.0, height_1, height_2)
     check_scalars(heights, "separation", "a number, the height of a building")
-    given = standing(first, second)
+    by_role = standing(first, second)
     alone = second is None
     neighbours = Neighbours(floors_align, same_property, same_system)
     for_codes = neighbours
     check_neighbours(neighbours, alone, height_2)
-    both = {role: median_of(structure) for role, structure in given.items()}
+    both = {role: median_of(structure) for role, structure in by_role.items()}
     expect(median_of(ground), Ground, "ground")
     check_duration(duration, both)
     tall = (height_1, height_2)[: len(both)]
@@ -224,10 +224,10 @@ def separation(
         check_levels(list(both.values()), tall, floors_align)
         for_codes = of_storeys(neighbours, list(both.values()), tall)
 
-    def of_cell(ground: Ground, **given: AnyStructure) -> xr.Dataset:
+    def of_cell(ground: Ground, **by_role: AnyStructure) -> xr.Dataset:
         with np.errstate(all="ignore"):  # overflow by extreme input shows in the status
             motions = simulate(
-                list(given.values()),
+                list(by_role.values()),
                 ground,
                 paths=paths,
                 seed=seed,
@@ -238,7 +238,7 @@ def separation(
                 progress=progress,
             )
             # The rules take the structures at their medians, and the peaks of all samples.
-            structures, ground = tuple(map(median_of, given.values())), median_of(ground)
+            structures, ground = tuple(map(median_of, by_role.values())), median_of(ground)
             seconds = strong_seconds(duration, envelope)
             pair: PairInMotion
             if all(isinstance(structure, Structure) for structure in structures):
@@ -254,13 +254,13 @@ def separation(
             table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)
             if records is None:
                 return table
-            one, *others = in_metres(structures, ground)
-            recorded = recorded_gap(one, others[0] if others else None, records).drop_dims(
+            left, *others = in_metres(structures, ground)
+            recorded = recorded_gap(left, others[0] if others else None, records).drop_dims(
                 "quantile", errors="ignore"
             )
             return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
-    models: dict[str, Any] = {**given, "ground": ground}
+    models: dict[str, Any] = {**by_role, "ground": ground}
     long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
     table = over_cells(of_cell, models, long_enough)
     table["verdict"] = table.verdict.where(table.gap.notnull(), NOT_AVAILABLE).astype(np.int8)

@@ -14,12 +14,12 @@ from stochlin.analyses.linearization.strength import reduction_factor
 from stochlin.analyses.linearization.systems.systems import linearized_motion
 from stochlin.analyses.separation.rules import PairInMotion, effective_arguments
 from stochlin.analyses.simulation.finite_motions import mean_with_error, pair_peaks
-from stochlin.analyses.simulation.riders import riders_of
 from stochlin.analyses.simulation.simulation import simulate
+from stochlin.analyses.simulation.structures_in_motion import structures_in_motion
 from stochlin.analyses.simulation.views import at_height, meeting_heights
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.linearization.systems.response import Response
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
@@ -78,14 +78,14 @@ class StoreysInMotion(PairInMotion):
     @cached_property
     def ductilities(self) -> Array:
         """Mean peak ductility of the first modes, from roof displacements; 0 if elastic."""
-        first, found = self.system.first, []
+        first, ductilities = self.system.first, []
         for number, (structure, mode) in enumerate(zip(self.structures, self.oscillators, strict=True)):
             roof = float(self.motions.peak_mean[first[number + 1] - 1])
             if isinstance(structure, ShearBuilding):
                 roof /= float(structure.participation()[-1])
             uy = mode.arrays().get("yield_displacement", xr.DataArray(np.inf))
-            found.append(roof / float(uy))
-        return np.array(found)
+            ductilities.append(roof / float(uy))
+        return np.array(ductilities)
 
     def simulated_rho(self) -> Array:
         """See `PairInMotion`."""
@@ -97,15 +97,15 @@ class StoreysInMotion(PairInMotion):
         """See `PairInMotion`."""
         if closure == DRIFT:
             raise ValueError(NO_DRIFT)
-        one, two = self._weights
-        return correlation_of(self.linearized, one, two)
+        weights_1, weights_2 = self._weights
+        return correlation_of(self.linearized, weights_1, weights_2)
 
     def amplified_peaks(self) -> Array:
         """See `PairInMotion`."""
         raise ValueError(NO_AMPLIFICATION)
 
     @cached_property
-    def linearized(self) -> Response:
+    def linearized(self) -> StationaryResponse:
         """Stationary response of the structures by linearization."""
         return linearized_motion(self.structures, self.ground)
 
@@ -115,8 +115,8 @@ class StoreysInMotion(PairInMotion):
 
     def relative_moments(self) -> tuple[Array, Array, Array]:
         """See `PairInMotion`."""
-        one, *others = self._weights
-        l0, l1, l2 = (m[0] for m in self.linearized.spectral_moments(one - sum(others)))
+        first, *others = self._weights
+        l0, l1, l2 = (m[0] for m in self.linearized.spectral_moments(first - sum(others)))
         return l0, l1, l2
 
     def quantities(self) -> dict[str, Any]:
@@ -150,10 +150,10 @@ class StoreysInMotion(PairInMotion):
 
 def weights(system: Arrangement, number: int, height: float) -> Array:
     """Displacement of structure ``number`` at a height [m], as weights of all floors of the system."""
-    found = np.zeros(int(system.first[-1]))
+    weights = np.zeros(int(system.first[-1]))
     for floor, share in at_height(system, number, height).items():
-        found[floor] = share
-    return found
+        weights[floor] = share
+    return weights
 
 
 def linearized_at_roof(
@@ -163,13 +163,13 @@ def linearized_at_roof(
     motion = linearized_motion(structures, ground, links)
     system = arrangement_of(structures)
     height = meeting_heights(*system.stacks)[-1]
-    one, two = (weights(system, number, height)[None] for number in (0, 1))
-    return float(correlation_of(motion, one, two)[0]), float(motion.std(one - two)[0, 0])
+    roof_1, roof_2 = (weights(system, number, height)[None] for number in (0, 1))
+    return float(correlation_of(motion, roof_1, roof_2)[0]), float(motion.std(roof_1 - roof_2)[0, 0])
 
 
-def correlation_of(motion: Response, one: Array, two: Array) -> Array:
+def correlation_of(motion: StationaryResponse, weights_1: Array, weights_2: Array) -> Array:
     """Correlation of two displacements with these weights of the floors (k, floors), linearized."""
-    first, second, apart = (motion.std(row)[0] for row in (one, two, one - two))
+    first, second, apart = (motion.std(row)[0] for row in (weights_1, weights_2, weights_1 - weights_2))
     rho: Array = (first**2 + second**2 - apart**2) / (2 * first * second)
     return rho
 
@@ -185,7 +185,7 @@ def stationary_motions(
 
     Raises a ValueError if the drift of a storey relaxes far more slowly than the duration [s].
     """
-    slowest = float(riders_of(structures, ground, None, stationary=True).drift_times.max())
+    slowest = float(structures_in_motion(structures, ground, None, stationary=True).drift_times.max())
     if slowest > SLOWEST * duration:
         raise ValueError(
             f"a storey yields so rarely that its drift relaxes in {slowest:.3g} s: a stationary "
@@ -201,12 +201,12 @@ def stationary_motions(
     )
 
 
-def correlation_in(table: xr.Dataset, one: Array, two: Array) -> Array:
+def correlation_in(table: xr.Dataset, weights_1: Array, weights_2: Array) -> Array:
     """Correlation of two displacements with these weights of the floors, in a stationary simulation."""
     sigma = table.displacement_std.values
     covariance = table.rho.values * np.outer(sigma, sigma)
-    variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (one, two)]
-    shared = np.einsum("hi,ij,hj->h", one, covariance, two)
+    variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (weights_1, weights_2)]
+    shared = np.einsum("hi,ij,hj->h", weights_1, covariance, weights_2)
     rho: Array = shared / np.sqrt(variances[0] * variances[1])
     return rho
 
@@ -239,7 +239,7 @@ def check_levels(
                     f"height_{n} = {height:g} m, but the storeys of that building add up to {roof:g} m; "
                     "leave it out"
                 )
-    levels = [one.levels() for one in structures if isinstance(one, ShearBuilding)]
+    levels = [structure.levels() for structure in structures if isinstance(structure, ShearBuilding)]
     if not floors_align or len(levels) < len(structures):
         return
     off = [levels[side][floor - 1] for side, floor in slabs_on_columns(*levels)]

@@ -72,7 +72,7 @@ class Draw(NamedTuple):
             return stacks_of(sampled, PATH, self.motions)
         rows = zip(*factors.values(), strict=True)
         each = (dict(zip(factors, map(float, row), strict=True)) for row in rows)
-        return [stack_of(strength_in_metres(model.at(one), ground)) for one in each]
+        return [stack_of(strength_in_metres(model.at(sample), ground)) for sample in each]
 
     def grounds(self) -> list[Any]:
         """Ground of each motion; empty if all motions have the same one."""
@@ -84,8 +84,8 @@ class Draw(NamedTuple):
             return {}
         columns = {f"{m}.{name}": c for m, own in self.factors.items() for name, c in own.items()}
         values = np.stack(list(columns.values()), axis=1)
-        told = (INPUT, list(columns), {"long_name": "uncertain parameter"})
-        return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: told})}
+        inputs = (INPUT, list(columns), {"long_name": "uncertain parameter"})
+        return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: inputs})}
 
 
 def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int, number: int = 0) -> Draw:
@@ -96,14 +96,14 @@ def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int, number: 
     """
     motions = -(-paths // LANES) * LANES
     listed = structures if isinstance(structures, Sequence) else ()  # other types are refused later
-    found = Draw(listed, ground, motions, {})
+    drawn = Draw(listed, ground, motions, {})
     random = np.random.default_rng([seed, STREAM, *([number] if number else [])])
     factors = {
-        role: {name: one.factor(_stratified(random, motions)) for name, one in model.uncertain.items()}
-        for role, model in found.models.items()
+        role: {name: own.factor(_stratified(random, motions)) for name, own in model.uncertain.items()}
+        for role, model in drawn.models.items()
         if isinstance(model, UncertainModel)
     }
-    return found._replace(factors=factors)
+    return drawn._replace(factors=factors)
 
 
 def _stratified(random: np.random.Generator, count: int) -> Array:

@@ -18,7 +18,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import derived_together, solve_structure
 from stochlin.analyses.linearization.tolerance import Tolerance
-from stochlin.analyses.simulation.frames import Frame, laws_of
+from stochlin.analyses.simulation.connected_structures import ConnectedStructures, laws_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_whole, is_number
@@ -32,8 +32,8 @@ from stochlin.kernels.simulation.ensemble import (
     Crowd,
     Oscillators,
     Plan,
-    SampledGround,
-    Structures,
+    SteppedStructures,
+    UncertainGround,
 )
 from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, VISCOUS
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
@@ -68,7 +68,7 @@ class SimulationCells(NamedTuple):
     valid: Array  # whether the parameters are in range and the elastic response could be computed
 
 
-class Run(NamedTuple):
+class SimulationRun(NamedTuple):
     """A simulation that is ready to run.
 
     It has floors: an oscillator has one, a building with storeys has one for each storey.
@@ -177,14 +177,14 @@ def prepare(
     paths: int,
     seed: int,
     steps_per_period: int,
-    frames: Sequence[Frame] = (),
+    connected: Sequence[ConnectedStructures] = (),
     floors: Sequence[int] | None = None,
     drift_times: Array | None = None,
     scatter: float = 0.0,
     grounds: Sequence[Ground] = (),
     step: float | None = None,
     moments: bool = True,
-) -> Run:
+) -> SimulationRun:
     """Structures and their ground, ready for a simulation whose duration is still open.
 
     Parameters
@@ -195,10 +195,10 @@ def prepare(
         The ground that acts on all structures.
     paths, seed, steps_per_period, scatter
         As in `simulate`.
-    frames : sequence of Frame
+    connected : sequence of ConnectedStructures
         Buildings with storeys and linked structures.
     floors : sequence of int, optional
-        For each of the ``cells`` its number among the floors. Required if there are ``frames``.
+        For each of the ``cells`` its number among the floors. Required with ``connected`` ones.
     drift_times : Array, optional
         For each floor the time in which its plastic drift decays [s]. The default are the times of the
         ``cells``.
@@ -212,17 +212,17 @@ def prepare(
 
     Returns
     -------
-    Run
+    SimulationRun
         The simulation, without its duration.
     """
     if cells is not None and not cells.valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
     own = 0 if cells is None else cells.valid.size
-    count = own + sum(frame.floors.size for frame in frames)
+    count = own + sum(group.floors.size for group in connected)
     if moments:
-        check_memory(count if cells is None or frames else int(cells.valid.sum()), paths)
+        check_memory(count if cells is None or connected else int(cells.valid.sum()), paths)
     rows, scale, period = np.full(count, -1), np.full(count, np.nan), np.full(count, np.nan)
-    drift_time, parts = np.zeros(count), list[Oscillators | Structures]()
+    drift_time, parts = np.zeros(count), list[Oscillators | SteppedStructures]()
     soil = ground.lone_filter()
     rates = -np.linalg.eigvals(soil.arrays.matrix).real if soil.states else np.array([np.inf])
     soils = [each.lone_filter() for each in grounds] or [soil]
@@ -236,24 +236,24 @@ def prepare(
         period[mine], drift_time[mine] = cells.period, cells.drift_time
         periods.append(float(cells.period[valid].min()))
         memory = max(memory, float(cells.damping_time[valid].max()))
-    for frame in frames:
+    for group in connected:
         begin = sum(part.size for part in parts)
-        rows[frame.floors] = begin + np.arange(frame.floors.size)
-        scale[frame.floors], period[frame.floors] = 1.0, frame.period
-        periods.append(frame.shortest)
-        memory = max(memory, frame.slowest)
-        parts.append(frame.part)
+        rows[group.floors] = begin + np.arange(group.floors.size)
+        scale[group.floors], period[group.floors] = 1.0, group.period
+        periods.append(group.shortest)
+        memory = max(memory, group.slowest)
+        parts.append(group.part)
     if drift_times is not None:
         drift_time = drift_times
     dt = step or min(periods) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
     known = rows >= 0
     steps, roots = zip(*(ground_steps(each, dt) for each in soils), strict=True)
-    return Run(
+    return SimulationRun(
         Crowd(tuple(parts)),
         rows[known],
         scale[known],
-        SampledGround(steps, roots) if grounds else steps[0],
+        UncertainGround(steps, roots) if grounds else steps[0],
         roots[0],
         Plan(dt, every, 0, 0, groups=int(np.ceil(paths / LANES)), seed=seed, scatter=scatter),
         memory,
@@ -295,7 +295,7 @@ def check_memory(structures: int, paths: int) -> None:
     )
 
 
-def seconds_of(run: Run, steps: float, pairs: float) -> float:
+def seconds_of(run: SimulationRun, steps: float, pairs: float) -> float:
     """Estimated computing time [s] of a run of this many time ``steps``.
 
     At each step, ``pairs`` relative displacements are recorded.
@@ -304,9 +304,9 @@ def seconds_of(run: Run, steps: float, pairs: float) -> float:
     return STEP * each * steps * run.plan.groups * LANES / cores()
 
 
-def _weight(part: Oscillators | Structures) -> float:
+def _weight(part: Oscillators | SteppedStructures) -> float:
     """Estimated time of one step of these structures, over that of one bilinear structure."""
-    if isinstance(part, Structures):
+    if isinstance(part, SteppedStructures):
         kind = part.elements.kind
         laws = np.where(kind == VISCOUS, DASHPOT, np.where(kind >= BOUC_WEN, OTHER_LAW, 1.0))
         return float(laws.sum() + STOREY * kind.size**2)
@@ -315,7 +315,7 @@ def _weight(part: Oscillators | Structures) -> float:
 
 def _oscillators(
     cells: SimulationCells, valid: Array
-) -> tuple[list[Oscillators | Structures], Array, Array]:
+) -> tuple[list[Oscillators | SteppedStructures], Array, Array]:
     """The valid structures, bilinear ones together, the row of each, and its unit of displacement [m].
 
     Displacements of bilinear structures are computed in units of the yield displacement, others in m.
@@ -328,16 +328,16 @@ def _oscillators(
     step, law = cells.step[valid], cells.law[valid]
     bilinear = (step == BILINEAR) | ~yields
     together, others = np.flatnonzero(bilinear), np.flatnonzero(~bilinear)
-    parts: list[Oscillators | Structures] = []
+    parts: list[Oscillators | SteppedStructures] = []
     if together.size:
         parts.append(Oscillators(np.stack([friction, post, couple, 1 / scale], axis=1)[together]))
     for n in others:
         spring = ([value] for value in (post[n], couple[n], scale[n]))
-        one = np.ones((1, 1))
-        system = System(one[0], friction[n] * one, one, one, *map(np.array, spring))
+        unit = np.ones((1, 1))
+        system = System(unit[0], friction[n] * unit, unit, unit, *map(np.array, spring))
         kinds, states, of_kinds = laws_of([step[n]])
         own = law[n][None, np.isfinite(law[n])]
-        parts.append(Structures(Elements(system, kinds, states, own), of_kinds))
+        parts.append(SteppedStructures(Elements(system, kinds, states, own), of_kinds))
     order = np.empty(w.size, int)
     order[np.concatenate([together, others])] = np.arange(w.size)
     return parts, order, np.where(bilinear, scale, 1.0)

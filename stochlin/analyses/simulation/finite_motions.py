@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 from scipy.special import bdtrik, betaincinv
 
-from stochlin.analyses.simulation.ensembles import Run, seconds_of
-from stochlin.analyses.simulation.riders import STRUCTURE, Riders
+from stochlin.analyses.simulation.ensembles import SimulationRun, seconds_of
+from stochlin.analyses.simulation.structures_in_motion import STRUCTURE, StructuresInMotion
 from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.simulation.views import (
     Pair,
@@ -70,7 +70,7 @@ def check_motion(
         expect(envelope, Envelope, "envelope")
 
 
-def check_finite(run: Run, duration: float, functions: int, times: int = 1) -> None:
+def check_finite(run: SimulationRun, duration: float, functions: int, times: int = 1) -> None:
     """Raise a ValueError if simulations of finite motions would take too much memory or time.
 
     ``functions`` is the number of quantities with a peak, ``times`` the number of simulations.
@@ -95,7 +95,7 @@ def check_response(system: Arrangement, finite: Array) -> None:
         )
 
 
-def finite_steps(run: Run, duration: float, envelope: Envelope | None) -> tuple[Plan, Array]:
+def finite_steps(run: SimulationRun, duration: float, envelope: Envelope | None) -> tuple[Plan, Array]:
     """Plan of a finite motion, which samples each step, and the envelope in the middle of the steps."""
     plan = run.plan._replace(every=1, samples=BLOCK)
     middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
@@ -103,8 +103,8 @@ def finite_steps(run: Run, duration: float, envelope: Envelope | None) -> tuple[
 
 
 def simulate_finite(
-    riders: Riders,
-    run: Run,
+    moving: StructuresInMotion,
+    run: SimulationRun,
     duration: float,
     envelope: Envelope | None,
     quantiles: Sequence[float],
@@ -112,11 +112,11 @@ def simulate_finite(
 ) -> xr.Dataset:
     """Dataset of `simulate` for motions of finite duration, without labels."""
     levels = np.asarray(quantiles, float)
-    check_finite(run, duration, riders.functions)
-    system, pairs = riders.system, pairs_of(riders.system)
+    check_finite(run, duration, moving.functions)
+    system, pairs = moving.system, pairs_of(moving.system)
     n = run.valid.size
-    storeys = drifts_of(system) if riders.has_storeys else []
-    places = at_heights(system) if riders.has_storeys else []
+    storeys = drifts_of(system) if moving.has_storeys else []
+    places = at_heights(system) if moving.has_storeys else []
     functions = [
         *({floor: 1.0} for floor in range(n)),
         *storeys,
@@ -127,11 +127,11 @@ def simulate_finite(
     check_response(system, np.isfinite(highest[:, :n]))
     either = np.maximum(highest, -lowest)
     samples: Columns = {
-        "peak_positive": (("path", riders.floor), highest[:, :n]),
-        "peak_negative": (("path", riders.floor), -lowest[:, :n]),
-        "peak": (("path", riders.floor), either[:, :n]),
+        "peak_positive": (("path", moving.floor), highest[:, :n]),
+        "peak_negative": (("path", moving.floor), -lowest[:, :n]),
+        "peak": (("path", moving.floor), either[:, :n]),
     }
-    coords = {k: v for k, v in riders.floor_coords().items() if not k.endswith("_2")}
+    coords = {k: v for k, v in moving.floor_coords().items() if not k.endswith("_2")}
     if storeys:
         coords |= element_coordinates(system)
         samples["peak_drift"] = ("path", ELEMENT), either[:, n : n + len(storeys)]
@@ -146,7 +146,7 @@ def simulate_finite(
         coords["height"] = labels.axis("height", HEIGHT, heights, "m").height
     means = _means(samples)
     if storeys:
-        means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / riders.strength
+        means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength
     ends = quantile_intervals(samples["separation"][1], levels)
     over = "quantile", STRUCTURE, f"{STRUCTURE}_2"
     quantile: Columns = {
@@ -160,17 +160,17 @@ def simulate_finite(
 
 def _means(samples: Columns) -> Columns:
     """Means over the motions, and their standard errors."""
-    found: Columns = {}
+    means: Columns = {}
     for name in ("peak", "peak_positive", "peak_drift", "separation"):
         if name in samples:
             (_, *over), values = samples[name]
             mean, error = mean_with_error(values)
-            found |= {f"{name}_mean": (over, mean), f"{name}_mean_standard_error": (over, error)}
-    return found
+            means |= {f"{name}_mean": (over, mean), f"{name}_mean_standard_error": (over, error)}
+    return means
 
 
 def finite_attributes(
-    run: Run, duration: float, envelope: Envelope | None
+    run: SimulationRun, duration: float, envelope: Envelope | None
 ) -> dict[str, float | int | str]:
     """Attributes of a dataset that describe its simulation of finite motions."""
     return {
@@ -183,7 +183,9 @@ def finite_attributes(
     }
 
 
-def largest_displacements(run: Run, duration: float, envelope: Envelope | None, times: int = 1) -> Array:
+def largest_displacements(
+    run: SimulationRun, duration: float, envelope: Envelope | None, times: int = 1
+) -> Array:
     """Peaks ``max |u|`` [m] (paths, valid floors), one of ``times`` simulations of the same size."""
     floors = [{floor: 1.0} for floor in range(run.order.size)]
     check_finite(run, duration, len(floors), times)
@@ -192,7 +194,7 @@ def largest_displacements(run: Run, duration: float, envelope: Envelope | None, 
 
 
 def _extremes(
-    run: Run,
+    run: SimulationRun,
     functions: list[Terms],
     duration: float,
     envelope: Envelope | None,
@@ -227,10 +229,10 @@ def _separations(
             whole[:, i, j] = np.maximum(whole[:, i, j], value)
             if not np.isnan(pair.height):
                 at_height[:, i, j, np.searchsorted(heights, pair.height)] = value
-    found: Columns = {"separation": (over, whole)}
+    columns: Columns = {"separation": (over, whole)}
     if heights.size:
-        found["separation_at_height"] = (*over, "height"), at_height
-    return found
+        columns["separation_at_height"] = (*over, "height"), at_height
+    return columns
 
 
 def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
@@ -315,8 +317,8 @@ def pair_peaks(motions: xr.Dataset) -> Array:
 
 def required_gaps(motions: xr.Dataset) -> tuple[float, float, float]:
     """First quantile of `pair_separation` [m], with the lower and upper end of its 95 % interval."""
-    found = quantile_intervals(pair_separation(motions).values, motions["quantile"].values[:1])
-    required, lower, upper = (float(one[0]) for one in found)
+    intervals = quantile_intervals(pair_separation(motions).values, motions["quantile"].values[:1])
+    required, lower, upper = (float(column[0]) for column in intervals)
     return required, lower, upper
 
 

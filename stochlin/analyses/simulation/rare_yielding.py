@@ -24,7 +24,7 @@ from stochlin.analyses.linearization.equivalent_systems import (
     system_and_forcing,
 )
 from stochlin.analyses.linearization.tolerance import USUAL
-from stochlin.analyses.simulation.ensembles import Run
+from stochlin.analyses.simulation.ensembles import SimulationRun
 from stochlin.analyses.simulation.run_lengths import BURN_IN
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.drift import drift_correlation, innovation_coherence
@@ -45,7 +45,7 @@ Mask = npt.NDArray[np.bool_]
 
 
 def rarely_yielding(
-    structures: Sequence[AnyStructure], ground: Ground, run: Run, relaxation_times: float
+    structures: Sequence[AnyStructure], ground: Ground, run: SimulationRun, relaxation_times: float
 ) -> Mask:
     """For each structure, whether it yields too rarely to be simulated; all are oscillators.
 
@@ -54,16 +54,16 @@ def rarely_yielding(
     longest = MOST_STEPS * run.plan.dt / (BURN_IN + relaxation_times)
     slow = np.zeros(run.valid.size, bool)
     slow[run.valid] = run.drift_time > longest
-    return slow & np.array([_drifts(one, ground) for one in structures])
+    return slow & np.array([_drifts(s, ground) for s in structures])
 
 
 def elastic(structures: Sequence[AnyStructure], rare: Mask) -> list[AnyStructure]:
     """The same structures, but those that yield rarely (``rare``) have no strength and stay elastic."""
     return [
-        replace(one, yield_displacement=None, reduction_factor=None)
-        if out and isinstance(one, Structure)
-        else one
-        for one, out in zip(structures, rare, strict=True)
+        replace(structure, yield_displacement=None, reduction_factor=None)
+        if out and isinstance(structure, Structure)
+        else structure
+        for structure, out in zip(structures, rare, strict=True)
     ]
 
 
@@ -77,7 +77,7 @@ def with_drift(
     structure and the vibration of the other are taken as uncorrelated, because the vibration is much
     faster.
     """
-    solved = {n: _solved(one, ground) for n, one in enumerate(structures) if _drifts(one, ground)}
+    solved = {n: _solved(s, ground) for n, s in enumerate(structures) if _drifts(s, ground)}
     chosen = [n for n, out in enumerate(rare) if out]
     whole = table.displacement_std.values.copy()
     error, strength = table.displacement_std_standard_error.values.copy(), np.full(whole.size, np.inf)
@@ -134,11 +134,11 @@ def _solved(structure: AnyStructure, ground: Ground) -> xr.Dataset:
     return solve_structure(structure, ground, DRIFT, USUAL)
 
 
-def _shared(one: xr.Dataset, other: xr.Dataset) -> float:
+def _shared(first: xr.Dataset, second: xr.Dataset) -> float:
     """Covariance of the plastic drifts of two structures [m^2]."""
-    systems = [system_and_forcing([side[n].values for n in INTERNAL])[0] for side in (one, other)]
-    shares = [np.array([side[n].values for n in SHARES]) for side in (one, other)]
-    rates: list[Array] = [side.drift_rate.values for side in (one, other)]
+    systems = [system_and_forcing([side[n].values for n in INTERNAL])[0] for side in (first, second)]
+    shares = [np.array([side[n].values for n in SHARES]) for side in (first, second)]
+    rates: list[Array] = [side.drift_rate.values for side in (first, second)]
     coherence = innovation_coherence(systems[0], systems[1])
     correlation = drift_correlation(coherence, shares[0], shares[1], rates[0], rates[1])
-    return float(correlation * one.drift_std.values * other.drift_std.values)
+    return float(correlation * first.drift_std.values * second.drift_std.values)

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stochlin.analyses.simulation.frames import elements_of
+from stochlin.analyses.simulation.connected_structures import elements_of
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.pounding.run import Row
+from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.account import Parts
 from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.models.buildings import ShearBuilding
@@ -20,7 +20,7 @@ def structure_of_floors(system: Arrangement) -> Array:
     return np.repeat(np.arange(len(system.stacks)), np.diff(system.first))
 
 
-def row_of(structures: Sequence[AnyStructure], system: Arrangement, contacts: Contacts) -> Row:
+def row_of(structures: Sequence[AnyStructure], system: Arrangement, contacts: Contacts) -> BuildingRow:
     """Buildings with these links and contacts as kernels take them."""
     elements, law = elements_of(system, np.arange(len(structures)))
     storeys, structure, ties = system.storeys, structure_of_floors(system), system.ties
@@ -44,4 +44,4 @@ def row_of(structures: Sequence[AnyStructure], system: Arrangement, contacts: Co
         dashpot=dashpot.astype(np.int64),
         constant=np.array(constant, float),
     )
-    return Row(elements, law, contacts, parts, len(structures))
+    return BuildingRow(elements, law, contacts, parts, len(structures))

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.simulation.ensembles import Run, seconds_of
+from stochlin.analyses.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import plastic_displacements
@@ -33,7 +33,9 @@ class _Drift(NamedTuple):
     period: float  # period of the structure [s]
 
 
-def with_length(run: Run, relaxation_times: float, measured_alone: bool = False) -> Run:
+def with_length(
+    run: SimulationRun, relaxation_times: float, measured_alone: bool = False
+) -> SimulationRun:
     """The run with burn-in and duration, which are multiples of its memory.
 
     If the memory is that of a plastic drift, it is measured. Before that, a ValueError is raised if the
@@ -64,7 +66,7 @@ def with_length(run: Run, relaxation_times: float, measured_alone: bool = False)
     return run._replace(plan=plan, memory=memory)
 
 
-def expected_seconds(run: Run, relaxation_times: float) -> tuple[float, float]:
+def expected_seconds(run: SimulationRun, relaxation_times: float) -> tuple[float, float]:
     """Estimated times [s] of measuring the slowest drift, and of the run with its memory expected.
 
     The memory that is expected is the one by linearization, which is too long.
@@ -77,13 +79,13 @@ def expected_seconds(run: Run, relaxation_times: float) -> tuple[float, float]:
     return measuring, seconds_of(run, steps, run.crowd.size**2 / (2 * run.plan.every))
 
 
-def _slowest(times: Array, run: Run) -> _Drift:
+def _slowest(times: Array, run: SimulationRun) -> _Drift:
     """The slowest drift, from the relaxation times of all valid floors [s]."""
     worst = int(np.argmax(times))
     return _Drift(float(times[worst]), float(run.period[worst]))
 
 
-def _measure(run: Run, expected: float) -> Array:
+def _measure(run: SimulationRun, expected: float) -> Array:
     """Time constants [s] of the plastic drifts, on the safe side by two standard errors.
 
     They are in the order of the crowd, and infinite if a structure does not yield or its drift does not

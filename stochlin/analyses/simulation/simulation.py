@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.simulation.draws import Draw, draw
-from stochlin.analyses.simulation.ensembles import Run, check_memory, check_settings
+from stochlin.analyses.simulation.ensembles import SimulationRun, check_memory, check_settings
 from stochlin.analyses.simulation.finite_motions import (
     check_finite,
     check_motion,
@@ -18,8 +18,8 @@ from stochlin.analyses.simulation.finite_motions import (
     simulate_finite,
 )
 from stochlin.analyses.simulation.rare_yielding import elastic, rarely_yielding, with_drift
-from stochlin.analyses.simulation.riders import Riders, riders_of
 from stochlin.analyses.simulation.run_lengths import with_length
+from stochlin.analyses.simulation.structures_in_motion import StructuresInMotion, structures_in_motion
 from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.simulation.views import drifts_of, view_of
 from stochlin.analyses.tables import labels
@@ -178,7 +178,7 @@ def simulate(
     roles = checked_structures(structures, ground)
     check_motion(duration, envelope, scatter, quantiles, roles)
     check_memory(sum(floor_count(structure) for structure in structures), paths)
-    riders = riders_of(structures, ground, link, duration is None, drawn.stacks())
+    moving = structures_in_motion(structures, ground, link, duration is None, drawn.stacks())
     options: dict[str, Any] = {
         "paths": paths,
         "seed": seed,
@@ -186,8 +186,8 @@ def simulate(
         "scatter": float(scatter),
         "grounds": drawn.grounds(),
     }
-    run = riders.run(ground, **options)
-    if not run.valid.all() and (riders.has_storeys or duration is not None):
+    run = moving.run(ground, **options)
+    if not run.valid.all() and (moving.has_storeys or duration is not None):
         lost = roles[f"structures[{int(np.argmin(run.valid))}]"].describe()
         raise ArithmeticError(
             f"the elastic response of {lost} cannot be computed in floating point; give less extreme "
@@ -198,15 +198,15 @@ def simulate(
     if isinstance(link, Link):
         models["link"] = link
     else:
-        models |= {f"link_{n}": each for n, each in enumerate(riders.links, start=1) if each is not None}
+        models |= {f"link_{n}": each for n, each in enumerate(moving.links, start=1) if each is not None}
     what = f"Simulation of {len(structures)} structures"
     if duration is not None:
-        table = simulate_finite(riders, run, duration, envelope, quantiles, progress)
+        table = simulate_finite(moving, run, duration, envelope, quantiles, progress)
         table = table.assign(drawn.table())
         title = f"{what} in finite motions, {ground.name} ground"
         call = f"simulate(paths={paths}, seed={seed}, duration={duration})"
     else:
-        table = _settled(structures, ground, riders, run, options, relaxation_times, progress)
+        table = _settled(structures, ground, moving, run, options, relaxation_times, progress)
         title, call = f"{what}, {ground.name} ground", f"simulate(paths={paths}, seed={seed})"
     return labels.with_run_information(
         labels.label(table, VARIABLES), title, call, models | {"ground": drawn.ground}
@@ -228,8 +228,8 @@ def drawn_separations(
     The simulation is that of `simulate` for samples ``drawn`` before. Without a ``step`` it chooses one.
     """
     structures, ground = drawn.medians
-    riders = riders_of(structures, ground, None, False, drawn.stacks())
-    run = riders.run(
+    moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
+    run = moving.run(
         ground,
         paths=paths,
         seed=seed,
@@ -238,28 +238,28 @@ def drawn_separations(
         grounds=drawn.grounds(),
         step=step,
     )
-    table = simulate_finite(riders, run, duration, envelope, (), None)
+    table = simulate_finite(moving, run, duration, envelope, (), None)
     return pair_separation(table).to_numpy(), run.plan.dt
 
 
 def _settled(
     structures: Sequence[AnyStructure],
     ground: Ground,
-    riders: Riders,
-    run: Run,
+    moving: StructuresInMotion,
+    run: SimulationRun,
     options: dict[str, Any],
     relaxation_times: float,
     progress: Progress | None,
 ) -> xr.Dataset:
     """Stationary second moments; oscillators that yield very rarely have the drift by linearization."""
     rare = np.zeros(len(structures), bool)
-    if not riders.frames:
+    if not moving.connected:
         rare = rarely_yielding(structures, ground, run, relaxation_times)
     if rare.any():
-        riders = riders_of(elastic(structures, rare), ground, None, stationary=True)
-        run = riders.run(ground, **options)
+        moving = structures_in_motion(elastic(structures, rare), ground, None, stationary=True)
+        run = moving.run(ground, **options)
     run = with_length(run, relaxation_times)
-    table = _stationary(riders, run, progress).assign_attrs(run_attributes(run))
+    table = _stationary(moving, run, progress).assign_attrs(run_attributes(run))
     return with_drift(table, structures, ground, rare) if rare.any() else table
 
 
@@ -274,16 +274,16 @@ def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure
     return drawn.medians
 
 
-def _stationary(riders: Riders, run: Run, progress: Progress | None) -> xr.Dataset:
+def _stationary(moving: StructuresInMotion, run: SimulationRun, progress: Progress | None) -> xr.Dataset:
     """Stationary second moments of all floors, and of the drifts of storeys."""
-    storeys = drifts_of(riders.system) if riders.has_storeys else []
+    storeys = drifts_of(moving.system) if moving.has_storeys else []
     view = None
     if storeys:
         floors = [{floor: 1.0} for floor in range(run.valid.size)]
         view = view_of([*floors, *storeys], run.order, run.scale)
     moments = simulate_moments(run, progress, view)
-    n, over = run.valid.size, riders.floor
-    check_response(riders.system, np.isfinite(moments.displacement_std[None, :n]) | ~run.valid)
+    n, over = run.valid.size, moving.floor
+    check_response(moving.system, np.isfinite(moments.displacement_std[None, :n]) | ~run.valid)
     table = xr.Dataset(
         {
             "displacement_std": (over, moments.displacement_std[:n]),
@@ -293,15 +293,15 @@ def _stationary(riders: Riders, run: Run, progress: Progress | None) -> xr.Datas
             "rho": ((over, f"{over}_2"), moments.rho[:n, :n]),
             "rho_standard_error": ((over, f"{over}_2"), moments.rho_error[:n, :n]),
         },
-        coords=riders.floor_coords(),
+        coords=moving.floor_coords(),
     )
     ductility = moments.displacement_std[:n]
     if storeys:
         ductility = moments.displacement_std[n:]
         table["drift_std"] = (ELEMENT, ductility)
         table["drift_std_standard_error"] = (ELEMENT, moments.displacement_error[n:])
-        table = table.assign_coords(element_coordinates(riders.system))
-    table["ductility_std"] = (riders.element, ductility / riders.strength)
+        table = table.assign_coords(element_coordinates(moving.system))
+    table["ductility_std"] = (moving.element, ductility / moving.strength)
     return table
 
 
@@ -332,12 +332,14 @@ def check_repeated(
     """Raise if arguments do not suit `simulate`, or if ``times`` simulations would take too long."""
     check_settings(paths, seed)
     checked_structures(structures, ground)
-    riders = riders_of(structures, ground, None, stationary=False)
-    run = riders.run(ground, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
-    check_finite(run, duration, riders.functions, times)
+    moving = structures_in_motion(structures, ground, None, stationary=False)
+    run = moving.run(ground, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
+    check_finite(run, duration, moving.functions, times)
 
 
-def simulate_moments(run: Run, progress: Progress | None, view: View | None = None) -> MomentEstimates:
+def simulate_moments(
+    run: SimulationRun, progress: Progress | None, view: View | None = None
+) -> MomentEstimates:
     """Second moments with standard errors, of all floors or of the displacements in ``view``."""
     sums = stationary_sums(run.crowd, view, run.ground, run.root, run.plan, progress)
     variance, variance_error, rho, rho_error, drift = _estimates(sums, run.plan.groups * LANES)
@@ -388,7 +390,7 @@ def _estimates(sums: Sums, paths: int) -> tuple[Array, Array, Array, Array, Arra
     return variance, variance_error, rho, rho_error, change / change_error
 
 
-def run_attributes(run: Run) -> dict[str, float | int]:
+def run_attributes(run: SimulationRun) -> dict[str, float | int]:
     """Attributes of a dataset that describe its stationary simulation."""
     plan = run.plan
     return {

@@ -21,18 +21,18 @@ class Pair(NamedTuple):
     height: float
 
 
-def meeting_heights(one: Stack, two: Stack) -> Array:
+def meeting_heights(first: Stack, second: Stack) -> Array:
     """Heights [m] at which the relative displacement of two structures can be largest.
 
     Displacements are linear between floors, so that these are the levels of all floors of both, up to
     the lower roof. An oscillator has no height. Beside a building it is at the roof of the building; the
     height for two oscillators is NaN.
     """
-    if one.is_oscillator or two.is_oscillator:
-        other = two if one.is_oscillator else one
+    if first.is_oscillator or second.is_oscillator:
+        other = second if first.is_oscillator else first
         return other.levels[-1:]
-    both = np.unique(np.concatenate([one.levels, two.levels]))
-    return both[both <= min(one.levels[-1], two.levels[-1])]
+    both = np.unique(np.concatenate([first.levels, second.levels]))
+    return both[both <= min(first.levels[-1], second.levels[-1])]
 
 
 def displacement_at(stack: Stack, height: float) -> Terms:
@@ -62,14 +62,14 @@ def at_height(system: Arrangement, number: int, height: float) -> Terms:
 
 def displacements(system: Arrangement, pair: Pair) -> tuple[Terms, Terms]:
     """Displacements of both structures of a pair."""
-    one, other = (at_height(system, number, pair.height) for number in (pair.first, pair.second))
-    return one, other
+    first, second = (at_height(system, number, pair.height) for number in (pair.first, pair.second))
+    return first, second
 
 
 def apart(system: Arrangement, pair: Pair) -> Terms:
     """Relative displacement ``u_1 - u_2`` of a pair."""
-    one, other = displacements(system, pair)
-    return one | {floor: -share for floor, share in other.items()}
+    first, second = displacements(system, pair)
+    return first | {floor: -share for floor, share in second.items()}
 
 
 def at_heights(system: Arrangement) -> list[tuple[int, float, Terms]]:

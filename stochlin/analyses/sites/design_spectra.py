@@ -117,8 +117,8 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
         2.5 * eta * plateau / after * np.minimum(1, long / after),
     )
     source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag:g} m/s^2"
-    found = _code_spectrum(period, peak * shape, damping, source)
-    return found.assign_attrs(code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}")
+    curve = _code_spectrum(period, peak * shape, damping, source)
+    return curve.assign_attrs(code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}")
 
 
 def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
@@ -185,8 +185,8 @@ def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
         corner / after * np.minimum(1, tl / after),
     )
     source = f"ASCE 7, SDS = {sds:g}, SD1 = {sd1:g} m/s^2, TL = {tl:g} s"
-    found = _code_spectrum(period, sds * shape, 0.05, source)
-    return found.assign_attrs(code="asce_7", sds=float(sds), sd1=float(sd1), tl=float(tl))
+    curve = _code_spectrum(period, sds * shape, 0.05, source)
+    return curve.assign_attrs(code="asce_7", sds=float(sds), sd1=float(sd1), tl=float(tl))
 
 
 def _code_spectrum(period: Array, values: Array, damping: float, source: str) -> xr.DataArray:

@@ -164,9 +164,9 @@ def fit_ground(
                 "spectrum"
             )
         others = {"duration": duration, "envelope": envelope, "filters": filters}
-        given = [name for name, value in others.items() if value is not None]
-        if given:
-            raise ValueError(f"{given[0]} goes with a spectrum; a record has its own, so leave it out")
+        wrong = [name for name, value in others.items() if value is not None]
+        if wrong:
+            raise ValueError(f"{wrong[0]} goes with a spectrum; a record has its own, so leave it out")
         return ground_of_record(
             target,
             model or "kanai_tajimi",
@@ -187,8 +187,8 @@ def fit_ground(
     if envelope is not None:
         expect(envelope, Envelope, "envelope")
     wanted = _wanted(target, duration, envelope)
-    found = deliver(wanted, filters, seed, progress)
-    return _with_source(found, wanted, str(target.attrs.get("source", "a spectrum")))
+    delivered = deliver(wanted, filters, seed, progress)
+    return _with_source(delivered, wanted, str(target.attrs.get("source", "a spectrum")))
 
 
 def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) -> Wanted:
@@ -203,12 +203,12 @@ def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) 
     return Wanted(sought, interpolated(period, values, sought), damping, duration, envelope)
 
 
-def _with_source(found: Delivered, wanted: Wanted, source: str) -> Ground:
+def _with_source(delivered: Delivered, wanted: Wanted, source: str) -> Ground:
     under = "stationary" if wanted.envelope is None else wanted.envelope.describe()
     text = (
         f"fitted to {source}, damping {wanted.damping:g}, from {wanted.periods[0]:.3g} to "
         f"{wanted.periods[-1]:.3g} s; motions of {wanted.duration:g} s, {under}, have this spectrum in "
-        f"the mean with errors of {100 * found.rms:.1f} % (root mean square) and "
-        f"{100 * found.worst:.1f} % (largest)"
+        f"the mean with errors of {100 * delivered.rms:.1f} % (root mean square) and "
+        f"{100 * delivered.worst:.1f} % (largest)"
     )
-    return replace(found.ground, source=text)
+    return replace(delivered.ground, source=text)

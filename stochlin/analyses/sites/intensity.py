@@ -121,20 +121,20 @@ def scale_ground(
         (samples,) = peak_accelerations(
             np.array([float(period)]), damping, ground, **motion, progress=progress
         ).T
-    found, error = mean_with_error(samples)
+    mean, error = mean_with_error(samples)
     wanted = float(pga if sa is None else sa)  # type: ignore[arg-type]
-    times = wanted / found
+    times = wanted / mean
     of_peak = f"peak ground acceleration (steps of {PGA_STEP:g} s)"
     what = of_peak if sa is None else f"Sa({period:g} s), damping {damping:g},"
     under = "stationary" if envelope is None else envelope.describe()
     text = (
         f"{_TOLD} {what} of {wanted / METRES['g']:.4g} g in motions of {duration:g} s, {under}, "
-        f"with a standard error of {100 * error / found:.2g} % from {paths} of them"
+        f"with a standard error of {100 * error / mean:.2g} % from {paths} of them"
     )
-    told = ground.source.partition(_TOLD)[0].rstrip("; ")
+    source = ground.source.partition(_TOLD)[0].rstrip("; ")
     changed: dict[str, Any] = {
         "intensity": float(ground.arrays()["intensity"]) * times * times,
-        "source": f"{told}; {text}" if told else text,
+        "source": f"{source}; {text}" if source else text,
     }
     return replace(ground, **changed)
 
@@ -157,10 +157,10 @@ def shaking(
     motion["paths"] = paths_for(duration)
     std = rms_acceleration(ground)
     known = np.isfinite(std)
-    found = {"rms_acceleration": std if known else np.nan}
-    found["ground_intensity"] = float(ground.arrays()["intensity"])
+    columns = {"rms_acceleration": std if known else np.nan}
+    columns["ground_intensity"] = float(ground.arrays()["intensity"])
     peak = mean_with_error(_peaks(ground, **motion)) if known else (np.nan, np.nan)
-    found |= dict(zip(_with_error("peak_ground_acceleration", ""), peak, strict=True))
+    columns |= dict(zip(_with_error("peak_ground_acceleration", ""), peak, strict=True))
     # One period at a time, as in `scale_ground`, so that the time steps and the result are the same.
     of_each = {
         period: mean_with_error(samples)
@@ -168,8 +168,8 @@ def shaking(
         for samples in peak_accelerations(np.array([period]), USUAL_DAMPING, ground, **motion).T
     }
     for n, period in enumerate(map(float, periods), start=1):
-        found |= dict(zip(_with_error("spectral_acceleration", f"_{n}"), of_each[period], strict=True))
-    return labels.label(xr.Dataset(found, attrs={"pga_step_s": PGA_STEP}), VARIABLES)
+        columns |= dict(zip(_with_error("spectral_acceleration", f"_{n}"), of_each[period], strict=True))
+    return labels.label(xr.Dataset(columns, attrs={"pga_step_s": PGA_STEP}), VARIABLES)
 
 
 def _peaks(ground: Ground, **motion: Any) -> Array:

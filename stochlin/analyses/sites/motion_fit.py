@@ -151,12 +151,12 @@ def fit_motion(
     periods = np.geomspace(SHORTEST, min(LONGEST, duration / CYCLES), POINTS)
     spectrum = response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.values.ravel()
     wanted = Wanted(periods, spectrum, USUAL_DAMPING, duration, shape, std)
-    found = deliver(wanted, filters, seed, progress, PATHS).ground
+    ground = deliver(wanted, filters, seed, progress, PATHS).ground
     changed: dict[str, Any] = {
-        "intensity": float(found.arrays()["intensity"]) * (std / rms_acceleration(found)) ** 2,
+        "intensity": float(ground.arrays()["intensity"]) * (std / rms_acceleration(ground)) ** 2,
         "source": f"energy and response spectrum of {record.attrs.get('source', 'a record')}",
     }
-    return FittedMotion(replace(found, **changed), shape, duration)
+    return FittedMotion(replace(ground, **changed), shape, duration)
 
 
 def compare_motions(
@@ -210,8 +210,8 @@ def compare_motions(
     longest = min(LONGEST, motion.duration / CYCLES)
     periods = np.geomspace(SHORTEST, longest, POINTS)
     own = response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.values.ravel()
-    given = (motion.duration, motion.envelope)
-    table, motions = spectrum_and_motions(motion.ground, periods, own, *given, paths=paths, seed=seed)
+    timing = (motion.duration, motion.envelope)
+    table, motions = spectrum_and_motions(motion.ground, periods, own, *timing, paths=paths, seed=seed)
     energy = _energy(values, dt)
     of_motions = _energy(motions.to_numpy(), motions.attrs["dt"]) / energy
     first, last = strong_samples(motions.to_numpy())

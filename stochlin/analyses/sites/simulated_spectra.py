@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.simulation.ensembles import Run, cells_of_all, check_settings, prepare
+from stochlin.analyses.simulation.ensembles import SimulationRun, cells_of_all, check_settings, prepare
 from stochlin.analyses.simulation.finite_motions import check_finite, finite_steps, mean_with_error
 from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.views import view_of
@@ -189,7 +189,7 @@ def peak_accelerations(
 
     Neighbouring periods have the same time step, ``steps_per_period`` in the shortest of them.
     """
-    found = np.empty((paths, periods.size))
+    accelerations = np.empty((paths, periods.size))
     order = np.argsort(periods)
     for mine in np.array_split(order, -(-periods.size // TOGETHER)):
         run = prepare(
@@ -201,11 +201,13 @@ def peak_accelerations(
         )
         check_finite(run, duration, mine.size)
         peaks = _peaks(run, duration, envelope, progress)
-        found[:, mine] = (2 * np.pi / periods[mine]) ** 2 * peaks[:paths]
-    return found
+        accelerations[:, mine] = (2 * np.pi / periods[mine]) ** 2 * peaks[:paths]
+    return accelerations
 
 
-def _peaks(run: Run, duration: float, envelope: Envelope | None, progress: Progress | None) -> Array:
+def _peaks(
+    run: SimulationRun, duration: float, envelope: Envelope | None, progress: Progress | None
+) -> Array:
     plan, shape = finite_steps(run, duration, envelope)
     each = view_of([{n: 1.0} for n in range(run.order.size)], run.order, run.scale)
     extremes = finite_extremes(run.crowd, each, run.ground, run.root, plan, shape, progress)

@@ -87,11 +87,11 @@ def check_damping(damping: object) -> float:
 
 def check_goal(goals: Mapping[str, object], period: object) -> None:
     """Raise a ValueError unless exactly one goal is given, and a period with ``sa`` only."""
-    given = [name for name, value in goals.items() if value is not None]
-    if len(given) != 1:
+    stated = [name for name, value in goals.items() if value is not None]
+    if len(stated) != 1:
         named = ["sa with a period" if name == "sa" else name for name in goals]
         raise ValueError(
-            f"{' and '.join(given) or 'nothing'} is given; allowed: one of {', '.join(named)}"
+            f"{' and '.join(stated) or 'nothing'} is given; allowed: one of {', '.join(named)}"
         )
     for name, value in {**goals, "period": period}.items():
         if name == "spectrum" or value is None:
@@ -105,8 +105,8 @@ def check_goal(goals: Mapping[str, object], period: object) -> None:
 def interpolated(period: Array, values: Array, at: Array) -> Array:
     """Ordinates at other periods above 0, by linear interpolation of logarithms."""
     above = period > 0
-    found: Array = np.exp(np.interp(np.log(at), np.log(period[above]), np.log(values[above])))
-    return found
+    ordinates: Array = np.exp(np.interp(np.log(at), np.log(period[above]), np.log(values[above])))
+    return ordinates
 
 
 def check_ordinates(period: Array, values: Array, damping: float, places: list[str]) -> None:

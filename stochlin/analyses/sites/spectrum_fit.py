@@ -133,18 +133,18 @@ def deliver(
 ) -> Delivered:
     """The ground fitted to a spectrum, with ``filters`` filters or as few as give a good fit."""
     search = _Search(wanted)
-    found = None
+    fit = None
     for count in range(1, MOST_FILTERS + 1) if filters is None else [filters]:
-        found = search.by_formula(count)
-        if found.good:
+        fit = search.by_formula(count)
+        if fit.good:
             break
-    assert found is not None
+    assert fit is not None
     best = None
     for attempt in range(CORRECTIONS + 1):
         means = peak_accelerations(
             wanted.periods,
             wanted.damping,
-            found.ground(),
+            fit.ground(),
             wanted.duration,
             wanted.envelope,
             paths=paths,
@@ -152,12 +152,12 @@ def deliver(
             steps_per_period=STEPS_PER_PERIOD,
             progress=progress,
         ).mean(axis=0)
-        now = Delivered(found.ground(), np.log(means / wanted.accelerations))
+        now = Delivered(fit.ground(), np.log(means / wanted.accelerations))
         if best is None or now.rms < best.rms:
             best = now
         if best.rms <= DELIVERED_RMS and best.worst <= DELIVERED_WORST:
             break
-        found = search.corrected(found, means)
+        fit = search.corrected(fit, means)
     assert best is not None
     return best
 
@@ -165,7 +165,7 @@ def deliver(
 def _starts(count: int) -> Iterable[Array]:
     ones = [np.concatenate([*pair, [0.0]]) for pair in product(_SOILS, _HIGH_PASS)]
     if count == 1:
-        return (one[None] for one in ones)
+        return (start[None] for start in ones)
     draw = np.random.default_rng(0)
     return (np.array([ones[i] for i in draw.choice(len(ones), count, False)]) for _ in range(_DRAWN))
 
@@ -187,32 +187,32 @@ class _Search:
         factors = np.full(self.wanted.periods.size, _FIRST_FACTOR)
         starts = list(_starts(count))
         for _ in range(_ROUNDS):
-            found = self._best(factors, starts)
-            factors = self.oscillators.peak_factors(self._psd(found))
-            starts = [found.logs]
-        return found
+            fit = self._best(factors, starts)
+            factors = self.oscillators.peak_factors(self._psd(fit))
+            starts = [fit.logs]
+        return fit
 
-    def corrected(self, found: _Filters, accelerations: Array) -> _Filters:
+    def corrected(self, fit: _Filters, accelerations: Array) -> _Filters:
         """The fit with the peak factors of a simulation, whose mean spectrum is ``accelerations``."""
         peaks = accelerations * (self.wanted.periods / (2 * np.pi)) ** 2
-        std = np.sqrt(self.oscillators.variance(self._psd(found)))
-        return self._best(peaks / std, [found.logs])
+        std = np.sqrt(self.oscillators.variance(self._psd(fit)))
+        return self._best(peaks / std, [fit.logs])
 
-    def _psd(self, found: _Filters) -> Array:
-        return _psd(found.logs, self.oscillators.frequency)[0]
+    def _psd(self, fit: _Filters) -> Array:
+        return _psd(fit.logs, self.oscillators.frequency)[0]
 
     def _best(self, factors: Array, starts: Iterable[Array]) -> _Filters:
         frequency, rows, weight = self.oscillators.frequency, self._rows, self._weight
         target = np.log(np.append(self.wanted.displacements / factors, self._ground))
 
         def residual(logs: Array) -> Array:
-            found: Array = weight * (0.5 * np.log(rows @ _psd(logs, frequency)[0]) - target)
-            return found
+            residuals: Array = weight * (0.5 * np.log(rows @ _psd(logs, frequency)[0]) - target)
+            return residuals
 
         def slope(logs: Array) -> Array:
             psd, slopes = _psd(logs, frequency)
-            found: Array = 0.5 * weight[:, None] * (rows @ slopes) / (rows @ psd)[:, None]
-            return found
+            jacobian: Array = 0.5 * weight[:, None] * (rows @ slopes) / (rows @ psd)[:, None]
+            return jacobian
 
         fits = []
         for start in starts:

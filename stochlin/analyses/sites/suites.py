@@ -253,5 +253,5 @@ def scaled_record(record: xr.DataArray, factor: float) -> xr.DataArray:
 
 
 def _spectrum(record: xr.DataArray, periods: Array, damping: float) -> Array:
-    found: Array = response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy().ravel()
-    return found
+    sa: Array = response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy().ravel()
+    return sa

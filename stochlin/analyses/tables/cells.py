@@ -207,7 +207,7 @@ def in_chunks(
     xarray.Dataset
         The lazy table.
     """
-    given = xr.Dataset(
+    arrays = xr.Dataset(
         {
             f"{role}.{name}": array
             for role, model in models.items()
@@ -218,24 +218,24 @@ def in_chunks(
     with warnings.catch_warnings():
         # A table has more chunks than its axes, which is intended here.
         warnings.filterwarnings("ignore", message="Increasing number of chunks")
-        given = given.assign(more.data_vars).chunk().unify_chunks()
+        arrays = arrays.assign(more.data_vars).chunk().unify_chunks()
     like = xr.Dataset() if like is None else like
     from dask.array import empty  # dask is installed, since there are dask arrays
 
     def blank(name: Any, dims: Sequence[Hashable], kind: npt.DTypeLike) -> xr.Variable:
-        sizes = [given.chunksizes.get(dim) or (like.sizes[dim],) for dim in dims]
+        sizes = [arrays.chunksizes.get(dim) or (like.sizes[dim],) for dim in dims]
         array = empty([sum(size) for size in sizes], dtype=kind, chunks=sizes)
         return xr.Variable(dims, array, like[name].attrs if name in like else None)
 
     template = xr.Dataset(
         {name: blank(name, *kind) for name, kind in kinds.items()},
-        {**like.coords, **given.coords},
+        {**like.coords, **arrays.coords},
         like.attrs,
     )
-    bare = {role: model.isel(dict.fromkeys(given.dims, 0)) for role, model in models.items()}
+    bare = {role: model.isel(dict.fromkeys(arrays.dims, 0)) for role, model in models.items()}
     bare = {role: model.with_arrays(computed(model)) for role, model in bare.items()}
     options = function, bare, {name: list(dims) for name, (dims, _) in kinds.items()}
-    return xr.map_blocks(_of_chunk, given, kwargs={"options": options}, template=template)
+    return xr.map_blocks(_of_chunk, arrays, kwargs={"options": options}, template=template)
 
 
 def computed(model: Model) -> dict[str, xr.DataArray]:
@@ -243,16 +243,16 @@ def computed(model: Model) -> dict[str, xr.DataArray]:
     return {name: array.compute() for name, array in model.arrays().items() if is_lazy(array)}
 
 
-def _of_chunk(given: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
-    """One chunk of a lazy table; ``given`` has the parameters of its cells as ``model.parameter``."""
+def _of_chunk(arrays: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
+    """One chunk of a lazy table; ``arrays`` has the parameters of its cells as ``model.parameter``."""
     function, bare, dims = options
     models = {
         role: model.with_arrays(
-            {name: given[key] for name in model.arrays() if (key := f"{role}.{name}") in given}
+            {name: arrays[key] for name in model.arrays() if (key := f"{role}.{name}") in arrays}
         )
         for role, model in bare.items()
     }
-    table = function(models, given[[name for name in given if "." not in str(name)]])
+    table = function(models, arrays[[name for name in arrays if "." not in str(name)]])
     return table.assign({name: table[name].transpose(*own) for name, own in dims.items()})
 
 

@@ -105,14 +105,14 @@ def cellwise(
         If dimensions of the same name differ in coordinates or length.
     """
     if not is_labelled(*arrays):
-        found = function(*map(np.asarray, arrays), **options)
-        several = found if len(kinds) > 1 else (found,)
+        results = function(*map(np.asarray, arrays), **options)
+        several = results if len(kinds) > 1 else (results,)
         return tuple(map(np.asarray, several, kinds))
-    labelled = [one if isinstance(one, xr.DataArray) else xr.DataArray(one) for one in arrays]
+    labelled = [entry if isinstance(entry, xr.DataArray) else xr.DataArray(entry) for entry in arrays]
     with warnings.catch_warnings():
         # A table has more chunks than its axes, which is intended here.
         warnings.filterwarnings("ignore", message="Increasing number of chunks")
-        found = xr.apply_ufunc(
+        results = xr.apply_ufunc(
             function,
             *labelled,
             kwargs=options,
@@ -122,7 +122,7 @@ def cellwise(
             dask="parallelized",
             output_dtypes=[np.dtype(kind) for kind in kinds],
         )
-    return found if len(kinds) > 1 else (found,)
+    return results if len(kinds) > 1 else (results,)
 
 
 @overload

@@ -63,7 +63,7 @@ def check_truth(name: str, value: object) -> None:
 def check_two_numbers(name: str, value: object) -> None:
     """Raise a TypeError unless ``value`` is a pair of numbers."""
     two = isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2
-    if not two or not all(is_number(one) for one in value):  # type: ignore[attr-defined]
+    if not two or not all(is_number(number) for number in value):  # type: ignore[attr-defined]
         raise TypeError(f"{name} = {brief(value)}; allowed: two numbers")
 
 
@@ -124,10 +124,10 @@ def standing(first: object, second: object) -> dict[str, Any]:
             "first = None; allowed: a structure; for one structure and the property line on its right, "
             "give the structure as first and None as second"
         )
-    found = {"first": first} | ({} if second is None else {"second": second})
-    for role, structure in found.items():
+    structures = {"first": first} | ({} if second is None else {"second": second})
+    for role, structure in structures.items():
         expect(median_of(structure), STRUCTURES, role)
-    return found
+    return structures
 
 
 def check_confidence(confidence: object) -> None:
@@ -171,5 +171,5 @@ def check_existing(gap: object, duration: object, structures: Mapping[str, AnySt
         check_duration(duration, structures)
     except ValueError as error:
         exchanged = is_number(duration) and 0 < duration < 1 <= open_gap
-        told = f"; gap = {open_gap:g} m: are duration and gap exchanged?" if exchanged else ""
-        raise ValueError(f"{error}{told}") from error
+        hint = f"; gap = {open_gap:g} m: are duration and gap exchanged?" if exchanged else ""
+        raise ValueError(f"{error}{hint}") from error

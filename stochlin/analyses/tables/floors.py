@@ -31,10 +31,10 @@ def floor_coordinates(system: Arrangement) -> Coordinates:
 def element_coordinates(system: Arrangement, links: Sequence[str] = ()) -> Coordinates:
     """Coordinates along ``element``: storeys, named like the floors above them, then links."""
     structures, numbers = (np.append(part, np.zeros(len(links), int)) for part in _places(system))
-    told = "structure of the element, 0 for links"
+    long_name = "structure of the element, 0 for links"
     return {
         ELEMENT: (ELEMENT, [*system.floors, *links], {"long_name": "element (storey or link)"}),
-        "element_structure": (ELEMENT, structures, {"units": "1", "long_name": told}),
+        "element_structure": (ELEMENT, structures, {"units": "1", "long_name": long_name}),
         "storey": (ELEMENT, numbers, {"units": "1", "long_name": "number of the storey, 0 for links"}),
     }
 

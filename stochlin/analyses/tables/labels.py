@@ -149,6 +149,6 @@ def raise_if_lone_failure(dataset: xr.Dataset, what: str, *models: Model) -> Non
     """
     status = dataset.variables["status"]
     if status.ndim == 0 and (code := int(status)) >= NOT_CONVERGED:
-        given = ", ".join(model.describe() for model in models)
-        what = f"{what}({given})" if models else what
+        described = ", ".join(model.describe() for model in models)
+        what = f"{what}({described})" if models else what
         raise ArithmeticError(f"{what}: {STATUS_MEANINGS[code].replace('_', ' ')}; {CURES[code]}")

@@ -47,16 +47,16 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
     except RecursionError as error:
         raise ValueError(f"{name} is nested too deeply; allowed: tables and their keys") from error
     except ValueError as error:  # TOML errors, and numbers with thousands of digits
-        found = re.search(r"line (\d+)", str(error))
+        match = re.search(r"line (\d+)", str(error))
         lines = text.splitlines()
-        endless = (n for n, one in enumerate(lines, 1) if re.search(r"[\d_]{1000}", one))
-        line = int(found[1]) if found else next(endless, len(lines))
-        given = lines[line - 1].strip() if 0 < line <= len(lines) else ""
+        endless = (n for n, entry in enumerate(lines, 1) if re.search(r"[\d_]{1000}", entry))
+        line = int(match[1]) if match else next(endless, len(lines))
+        excerpt = lines[line - 1].strip() if 0 < line <= len(lines) else ""
         if re.search("twice|overwrite|mutate|redefine", str(error)):
             raise ValueError(f"{name}, line {line}: {_twice(lines, line)}") from error
-        cure = next(told for pattern, told in _CURES if pattern.search(given))
+        cure = next(advice for pattern, advice in _CURES if pattern.search(excerpt))
         raise ValueError(
-            f"{name}, line {line}: '{plain(given)}' is no TOML file's text ({plain(error)}); {cure}"
+            f"{name}, line {line}: '{plain(excerpt)}' is no TOML file's text ({plain(error)}); {cure}"
         ) from error
 
 

@@ -39,8 +39,8 @@ class Nodes(NamedTuple):
     def _apply(rows: Array, values: Array) -> Array:
         """The matrix ``rows`` times values (q, ...), along their first axis."""
         shape = values.shape[1:]
-        found: Array = rows @ values.reshape(len(values), prod(shape))
-        return found.reshape(len(rows), *shape)
+        product: Array = rows @ values.reshape(len(values), prod(shape))
+        return product.reshape(len(rows), *shape)
 
 
 @cache
@@ -62,10 +62,10 @@ def exponentials(matrices: Array, times: Array) -> Array:
     norm = np.abs(scaled).sum(axis=-1).max(initial=SMALL)
     halvings = int(np.ceil(np.log2(norm / SMALL)))
     scaled /= 2.0**halvings
-    one = np.eye(matrices.shape[-1])
-    found = one + scaled / TERMS
+    identity = np.eye(matrices.shape[-1])
+    exponential = identity + scaled / TERMS
     for term in range(TERMS - 1, 0, -1):
-        found = one + scaled @ found / term
+        exponential = identity + scaled @ exponential / term
     for _ in range(halvings):
-        found = found @ found
-    return found
+        exponential = exponential @ exponential
+    return exponential

@@ -83,17 +83,17 @@ def first_exit(c, lower, upper, end, rows, marks):
 
 
 @compiled
-def _roots(c, end, breaks, count, found):
+def _roots(c, end, breaks, count, roots):
     """Find the roots up to ``end`` of a polynomial that is monotone between ``count`` sorted ``breaks``.
 
-    They are written to ``found``; the result is their number.
+    They are written to ``roots``; the result is their number.
     """
     number, lo, before = 0, 0.0, evaluate(c, 0.0)[0]
     for i in range(count + 1):
         hi = breaks[i] if i < count else end
         after = evaluate(c, hi)[0]
         if before < 0 < after or before > 0 > after:
-            found[number] = _root(c, 0.0, lo, hi, after > 0)
+            roots[number] = _root(c, 0.0, lo, hi, after > 0)
             number += 1
         if after != 0 or before == 0:  # at a zero on a break, compare the signs on both sides of it
             lo, before = hi, after

@@ -60,6 +60,6 @@ def logarithm(x):
 @called_often
 def power(x, exponent):
     """``x^exponent`` of a number of at least zero."""
-    found = exponential(exponent * logarithm(x))
+    value = exponential(exponent * logarithm(x))
     of_zero = np.inf if exponent < 0.0 else (1.0 if exponent == 0.0 else 0.0)
-    return found if x > 0.0 else of_zero
+    return value if x > 0.0 else of_zero

@@ -30,9 +30,9 @@ def in_slabs(
     padded = [array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs]
     small = math.prod(shape) <= cells
     for slab in [(slice(None),) * len(shape)] if small else _slabs(shape, cells):
-        found = function(*(padded if small else (array[_clip(slab, array.shape)] for array in padded)))
-        for result, one in zip(results, found if len(kinds) > 1 else (found,), strict=True):
-            result[slab] = one
+        outputs = function(*(padded if small else (array[_clip(slab, array.shape)] for array in padded)))
+        for result, output in zip(results, outputs if len(kinds) > 1 else (outputs,), strict=True):
+            result[slab] = output
     return results
 
 

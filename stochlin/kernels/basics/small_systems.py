@@ -16,10 +16,10 @@ def solve_3x3(matrix: Sequence[Sequence[Array]], right: Sequence[Array]) -> tupl
     """The three components of ``x`` in ``matrix @ x = right``, cell by cell; all entries broadcast."""
     (a, b, c), (d, e, f), (g, h, i) = matrix
     x, y, z = right
-    one, two, three = e * i - f * h, c * h - b * i, b * f - c * e
-    determinant = a * one + d * two + g * three
+    cofactor_1, cofactor_2, cofactor_3 = e * i - f * h, c * h - b * i, b * f - c * e
+    determinant = a * cofactor_1 + d * cofactor_2 + g * cofactor_3
     return (
-        (one * x + two * y + three * z) / determinant,
+        (cofactor_1 * x + cofactor_2 * y + cofactor_3 * z) / determinant,
         ((f * g - d * i) * x + (a * i - c * g) * y + (c * d - a * f) * z) / determinant,
         ((d * h - e * g) * x + (b * g - a * h) * y + (a * e - b * d) * z) / determinant,
     )

@@ -66,8 +66,8 @@ class System(NamedTuple):
     @property
     def stiffness(self) -> Array:
         """Elastic stiffness matrix (..., n, n) [N/m]."""
-        found: Array = (self.extensions.T * self.elastic[..., None, :]) @ self.extensions
-        return found
+        stiffness: Array = (self.extensions.T * self.elastic[..., None, :]) @ self.extensions
+        return stiffness
 
     @property
     def state_matrix(self) -> Array:

@@ -76,12 +76,12 @@ def linearized_pair(
 @entry
 def _pair(first, second, ground, oscillators, clipped):
     """`linearized_pair` on a ground as in `cells.grounds.forcing_of`."""
-    one, two = (
+    parameters_1, parameters_2 = (
         _structure(first, ground, oscillators, clipped),
         _structure(second, ground, oscillators, clipped),
     )
-    stiff, soft = (one, two) if first[0] <= second[0] else (two, one)
-    return correlation(stiff, soft, 0, 1), one[-1], two[-1]
+    stiff, soft = (parameters_1, parameters_2) if first[0] <= second[0] else (parameters_2, parameters_1)
+    return correlation(stiff, soft, 0, 1), parameters_1[-1], parameters_2[-1]
 
 
 @compiled
@@ -96,12 +96,12 @@ def _structure(structure, ground, oscillators, clipped):
     start = log(rate), min(0.0, log(std)), atanh(0.1)
     cell = elastic.stiffness, elastic.damping, (1 - hardening) * elastic.stiffness, 0.0
     scaled = ground[0] / (uy * uy), ground[1], ground[2], ground[3], ground[4]
-    given = clipped, oscillators, cell, scaled, start
-    found, _ = settle(*given, BOLD, RTOL, ATOL, AT_FIRST)
-    if found[6] == 0:
-        found, _ = settle(*given, CAREFUL, RTOL, ATOL, WITH_CARE)
-    slip, relaxation = found[0], found[1]
-    if found[6] == 0:
+    problem = clipped, oscillators, cell, scaled, start
+    solution, _ = settle(*problem, BOLD, RTOL, ATOL, AT_FIRST)
+    if solution[6] == 0:
+        solution, _ = settle(*problem, CAREFUL, RTOL, ATOL, WITH_CARE)
+    slip, relaxation = solution[0], solution[1]
+    if solution[6] == 0:
         slip = relaxation = math.nan * w
     still = abs(slip) < ELASTIC and abs(relaxation) < ELASTIC * w
     system = elastic if still else EquivalentSystem(cell[0], cell[1], cell[2], slip, relaxation)
@@ -118,9 +118,9 @@ def _structure(structure, ground, oscillators, clipped):
 @called_often
 def _response(system, ground, oscillators):
     """Forcing of a linear system and its stationary covariances."""
-    forcing, _, _ = forcing_of(oscillators, system, ground)
-    found = Forcing(forcing[0], forcing[1], forcing[2])
-    return found, own_covariance(system, found)
+    terms, _, _ = forcing_of(oscillators, system, ground)
+    forcing = Forcing(terms[0], terms[1], terms[2])
+    return forcing, own_covariance(system, forcing)
 
 
 called_often(parameters_of)

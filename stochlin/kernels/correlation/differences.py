@@ -44,18 +44,18 @@ def differences(
         both = np.stack(np.broadcast_arrays(std, std / (1 + off)))
         parts += [both.reshape(2, -1), steps_of(both.shape[1:], len(shape))]
     parts += [bias.reshape(-1), steps_of(bias.shape, len(shape))]
-    found = np.empty(count), np.empty(count), np.empty(count, np.int8)
+    results = np.empty(count), np.empty(count), np.empty(count, np.int8)
 
     def part(cells: slice) -> None:
-        _fill(*parts, np.array(shape, int), rho, cells.start, cells.stop, *found)
+        _fill(*parts, np.array(shape, int), rho, cells.start, cells.stop, *results)
 
     if count == 1:  # in plain Python: to compile that takes a second
         (a, b), (c, d) = parts[0][:, 0], parts[2][:, 0]
-        found[0][0], found[1][0] = _difference(a, b, c, d, rho[0], parts[4][0])
-        found[2][0] = _flag(found[1][0])
+        results[0][0], results[1][0] = _difference(a, b, c, d, rho[0], parts[4][0])
+        results[2][0] = _flag(results[1][0])
     else:
         in_ranges(part, count, PART, threads=threads)
-    std, off, flag = (array.reshape(shape) for array in found)
+    std, off, flag = (array.reshape(shape) for array in results)
     return std, off, flag
 
 
@@ -65,12 +65,12 @@ def _difference(a, b, c, d, rho, bias):
     truth = min(max(rho - bias, -1.0), 1.0)
     square = (a - c) * (a - c)
     left = 0.0 if 1 - rho < NONE_LEFT else 1 - rho
-    found = np.sqrt(square + 2 * a * c * left)
+    std = np.sqrt(square + 2 * a * c * left)
     square = (b - d) * (b - d)
     left = 0.0 if 1 - truth < NONE_LEFT else 1 - truth
     truth = np.sqrt(square + 2 * b * d * left)
-    none = (found == 0) & (truth == 0)
-    return found, 0.0 if none else found / truth - 1
+    none = (std == 0) & (truth == 0)
+    return std, 0.0 if none else std / truth - 1
 
 
 @called_often
@@ -79,16 +79,16 @@ def _flag(off):
 
 
 @entry
-def _fill(one, steps_1, two, steps_2, bias, steps, shape, rho, begin, end, std, off, flag):
+def _fill(std_1, steps_1, std_2, steps_2, bias, steps, shape, rho, begin, end, std, off, flag):
     """Compute the cells from ``begin`` to ``end``, tile by tile.
 
-    ``one`` and ``two`` (2, n) are the standard deviations as computed and as corrected by their bias.
+    ``std_1`` and ``std_2`` (2, n) are standard deviations as computed and as corrected by their bias.
     """
     cells_1, cells_2, cells = (
         np.empty(LANES, np.int64), np.empty(LANES, np.int64), np.empty(LANES, np.int64)
     )  # fmt: skip
     a, b, c, d = np.empty(LANES), np.empty(LANES), np.empty(LANES), np.empty(LANES)
-    r, e, found, true = np.empty(LANES), np.empty(LANES), np.empty(LANES), np.empty(LANES)
+    r, e, stds, true = np.empty(LANES), np.empty(LANES), np.empty(LANES), np.empty(LANES)
     r[:] = 0.0
     for start in range(begin, end, LANES):
         count = min(LANES, end - start)
@@ -96,13 +96,13 @@ def _fill(one, steps_1, two, steps_2, bias, steps, shape, rho, begin, end, std, 
         cells_of_tile(start, count, shape, steps_2, cells_2)
         cells_of_tile(start, count, shape, steps, cells)
         for lane in range(LANES):
-            a[lane], b[lane] = one[0, cells_1[lane]], one[1, cells_1[lane]]
-            c[lane], d[lane] = two[0, cells_2[lane]], two[1, cells_2[lane]]
+            a[lane], b[lane] = std_1[0, cells_1[lane]], std_1[1, cells_1[lane]]
+            c[lane], d[lane] = std_2[0, cells_2[lane]], std_2[1, cells_2[lane]]
             e[lane] = bias[cells[lane]]
         for lane in range(count):
             r[lane] = rho[start + lane]
         for lane in range(LANES):
-            found[lane], true[lane] = _difference(a[lane], b[lane], c[lane], d[lane], r[lane], e[lane])
+            stds[lane], true[lane] = _difference(a[lane], b[lane], c[lane], d[lane], r[lane], e[lane])
         for lane in range(count):
-            std[start + lane], off[start + lane] = found[lane], true[lane]
+            std[start + lane], off[start + lane] = stds[lane], true[lane]
             flag[start + lane] = _flag(true[lane])

@@ -77,13 +77,13 @@ def with_nearness(
     return np.where(known, mixed, rho), share, share * apart
 
 
-def _form(first: Nearness, second: Nearness, told: Nearness) -> Array:
-    """``q`` of eq. (12) for two structures, with the matrix ``G`` of the structure ``told``."""
+def _form(first: Nearness, second: Nearness, reference: Nearness) -> Array:
+    """``q`` of eq. (12) for two structures, with the matrix ``G`` of the structure ``reference``."""
     apart = [
-        np.exp(slope) * (one - other)
-        for slope, one, other in zip(told.form, first.place, second.place, strict=False)
+        np.exp(slope) * (place_1 - place_2)
+        for slope, place_1, place_2 in zip(reference.form, first.place, second.place, strict=False)
     ]
     own: Array = sum(x * x for x in apart)
     return own + 2 * sum(
-        across * apart[i] * apart[j] for across, (i, j) in zip(told.form[AXES:], PAIRS, strict=True)
+        across * apart[i] * apart[j] for across, (i, j) in zip(reference.form[AXES:], PAIRS, strict=True)
     )

@@ -61,17 +61,17 @@ def informed_correlation(derived: Array, first: Insight, second: Insight) -> Arr
 
     For structures without a correction it is equal to the derived correlation.
     """
-    one = np.concatenate([first.known, first.derived])
-    other = np.concatenate([second.known, -second.derived])
-    rho = first.unseen * second.unseen * (derived + LEFT) - LEFT + _products(one, other)
+    vector_1 = np.concatenate([first.known, first.derived])
+    vector_2 = np.concatenate([second.known, -second.derived])
+    rho = first.unseen * second.unseen * (derived + LEFT) - LEFT + _products(vector_1, vector_2)
     return np.asarray(np.where(np.isnan(rho), derived, np.clip(rho, -1, 1)))
 
 
-def _products(one: Array, other: Array) -> Array:
-    """Sums over the first axis of ``one * other``, which broadcast; for the sides of a table by BLAS."""
-    shape = np.broadcast_shapes(one.shape[1:], other.shape[1:])
+def _products(left: Array, right: Array) -> Array:
+    """Sums over the first axis of ``left * right``, which broadcast; for sides of a table by BLAS."""
+    shape = np.broadcast_shapes(left.shape[1:], right.shape[1:])
     terms: list[Any] = []  # arguments of einsum, without the axes of length 1
-    for x in (one, other):
+    for x in (left, right):
         axes = [n for n, size in enumerate(x.shape) if n == 0 or size > 1]
         terms += [x.reshape([x.shape[n] for n in axes]), axes]
     wanted = sorted({*terms[1], *terms[3]} - {0})

@@ -35,7 +35,7 @@ KINDS = (float, np.int8, float, np.int8)  # data types of the arrays of a `RhoTa
 NOWHERE = (np.full((6, 2), np.inf), np.full(6, 2), np.zeros(64))  # an empty map of the bias
 
 
-class Side(NamedTuple):
+class PairSide(NamedTuple):
     """The first or the second structures of all pairs, ``n`` of them, and their place in the table."""
 
     parameters: Array  # (PARAMETERS, n): results of `pair_parameters`
@@ -93,8 +93,8 @@ def parameters_of(system: Any, forcing: Any, chosen: Any, displacement_std: Any)
 
 
 def pair_table(
-    first: Side,
-    second: Side,
+    first: PairSide,
+    second: PairSide,
     shape: tuple[int, ...],
     grid: Grid | None,
     codes: Codes,
@@ -121,11 +121,11 @@ def pair_table(
     return result
 
 
-def _lone_pair(first: Side, second: Side, grid: Grid | None, codes: Codes) -> RhoTable:
+def _lone_pair(first: PairSide, second: PairSide, grid: Grid | None, codes: Codes) -> RhoTable:
     """A table of one cell, as `_fill` finds it, in plain Python: to compile that takes seconds."""
 
-    def rho(one: Array, two: Array) -> Any:
-        a, b = one[:, 0], two[:, 0]
+    def rho(left: Array, right: Array) -> Any:
+        a, b = left[:, 0], right[:, 0]
         stiff, soft = (a, b) if a[STIFFNESS] >= b[STIFFNESS] else (b, a)
         return correlation(stiff, soft, 0, 1)
 
@@ -133,26 +133,27 @@ def _lone_pair(first: Side, second: Side, grid: Grid | None, codes: Codes) -> Rh
     cell, known = np.zeros(1, int), np.empty(1)
     bias_of_tile(first.place, cell, second.place, cell, 1, *map_, new_memory(sizes), known)
     value, base = rho(first.parameters, second.parameters), rho(first.gaussian, second.gaussian)
-    found = _judged(value, base, known[0], first.flags[0], second.flags[0], *codes)
-    return RhoTable(*(np.array([one], kind) for one, kind in zip(found, KINDS, strict=True)))
+    fields = _judged(value, base, known[0], first.flags[0], second.flags[0], *codes)
+    return RhoTable(*(np.array([entry], kind) for entry, kind in zip(fields, KINDS, strict=True)))
 
 
 @called_often
-def _judged(value, base, known, one, two, not_converged, not_physical):
+def _judged(value, base, known, flags_1, flags_2, not_converged, not_physical):
     """``rho``, status, bias and caution of a pair; ``base`` is ``rho`` by the closure of ``known``."""
-    status = max(one[0], two[0])
+    status = max(flags_1[0], flags_2[0])
     if status < not_converged and not abs(value) <= 1.0 + ROUNDING:
         status = not_physical
-    off = 0.0 if one[2] and two[2] else known  # elastic: exact
+    off = 0.0 if flags_1[2] and flags_2[2] else known  # elastic: exact
     off += value - base  # NaN where rho is
     large = 2 if np.isnan(off) else int(abs(off) > OFF)
     rho = min(max(value, -1.0), 1.0) if status < not_converged else np.nan
-    return rho, status, off, max(large, one[1], two[1])
+    return rho, status, off, max(large, flags_1[1], flags_2[1])
 
 
 @entry
 def _fill(
-    one, gaussian_1, place_1, flags_1, strides_1, two, gaussian_2, place_2, flags_2, strides_2,
+    parameters_1, gaussian_1, place_1, flags_1, strides_1,
+    parameters_2, gaussian_2, place_2, flags_2, strides_2,
     shape, axes, sizes, values, other_closure, not_converged, not_physical,
     begin, end, rho, status, bias, caution,
 ):  # fmt: skip
@@ -169,7 +170,7 @@ def _fill(
         count = min(LANES, end - start)
         cells_of_tile(start, count, shape, strides_1, cells_1)
         cells_of_tile(start, count, shape, strides_2, cells_2)
-        rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, raw)
+        rho_of_tile(parameters_1, parameters_2, cells_1, cells_2, a, b, loaded, raw)
         if other_closure:
             rho_of_tile(gaussian_1, gaussian_2, cells_1, cells_2, c, d, loaded_too, base)
         bias_of_tile(place_1, cells_1, place_2, cells_2, count, axes, sizes, values, memory, known)

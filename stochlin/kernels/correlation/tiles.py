@@ -119,15 +119,15 @@ def _correlations(stiff, soft, out):
 
 
 @compiled
-def rho_of_tile(one, two, cells_1, cells_2, a, b, loaded, out):
+def rho_of_tile(parameters_1, parameters_2, cells_1, cells_2, a, b, loaded, out):
     """Write ``rho`` of a tile to ``out``.
 
     The stiffer structure of each pair is taken first, for accuracy as in `covariance.pair_covariance`.
     ``a`` and ``b`` are working space for the two structures, and ``loaded`` are the numbers of those
     that are in it.
     """
-    _load(one, cells_1, a, loaded[0])
-    _load(two, cells_2, b, loaded[1])
+    _load(parameters_1, cells_1, a, loaded[0])
+    _load(parameters_2, cells_2, b, loaded[1])
     stiffer = 0
     for lane in range(LANES):
         stiffer += a[STIFFNESS * LANES + lane] >= b[STIFFNESS * LANES + lane]
@@ -216,8 +216,8 @@ def bias_of_tile(place_1, cells_1, place_2, cells_2, count, axes, sizes, values,
             known = _locate(axes, sizes, point, weights, offsets)
         if not known:
             continue
-        one, two = place_1[i, SHARED], place_2[j, SHARED]
-        longer, ratio = max(one, two) - place_1[i, SHARED + 1], -abs(one - two)
+        period_1, period_2 = place_1[i, SHARED], place_2[j, SHARED]
+        longer, ratio = max(period_1, period_2) - place_1[i, SHARED + 1], -abs(period_1 - period_2)
         low = _bracket(axes, SHARED, long, longer, max(low, 0))
         near = _bracket(axes, SHARED + 1, width, ratio, max(near, 0))
         if low < 0 or near < 0:
@@ -227,8 +227,8 @@ def bias_of_tile(place_1, cells_1, place_2, cells_2, count, axes, sizes, values,
         for corner in (cell, cell + 1, cell + width, cell + width + 1):
             if np.isnan(memo[corner]):
                 memo[corner] = _corner(values, weights, offsets, memo.size, corner)
-        found = (1.0 - u) * ((1.0 - v) * memo[cell] + v * memo[cell + 1])
-        out[lane] = found + u * ((1.0 - v) * memo[cell + width] + v * memo[cell + width + 1])
+        value = (1.0 - u) * ((1.0 - v) * memo[cell] + v * memo[cell + 1])
+        out[lane] = value + u * ((1.0 - v) * memo[cell + width] + v * memo[cell + width + 1])
     last[0], last[1], last[2] = known, low, near
 
 

@@ -71,9 +71,9 @@ def _series() -> Array:
     angles = np.pi * (np.arange(TERMS) + 0.5) / TERMS
     points = np.arange(*SERIES)[:, None] + 0.5 * (1 + np.cos(angles))
     values = _stiffness_integral(np.exp(points.ravel())).reshape(points.shape)
-    found = 2 / TERMS * np.cos(np.outer(np.arange(TERMS), angles)) @ values.T
-    found[0] /= 2
-    return found
+    coefficients = 2 / TERMS * np.cos(np.outer(np.arange(TERMS), angles)) @ values.T
+    coefficients[0] /= 2
+    return coefficients
 
 
 def _stiffness_integral(lam: Array) -> Array:

@@ -167,9 +167,9 @@ def coordinates(system: EquivalentSystem, forcing: Forcing) -> tuple[Rows3, Arra
     """
     w2, d, h, p, k = system
     fast = np.asarray(k > FAST * np.sqrt(w2))
-    zero, one = np.zeros_like(w2), np.ones_like(w2)
+    zeros, ones = np.zeros_like(w2), np.ones_like(w2)
     rows = (
-        (zero, one, zero),
+        (zeros, ones, zeros),
         (np.where(fast, h - w2, -w2), -d, np.where(fast, -h, h)),
         (np.where(fast, 0, k), np.where(fast, 1 - p, p), -k),
     )

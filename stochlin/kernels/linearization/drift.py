@@ -93,16 +93,16 @@ def _orders(sz: Array) -> Array:
     The amplitudes ``a`` are Rayleigh distributed, so that ``a^2/(2 sz^2)`` is exponentially distributed.
     Its part above the threshold of yielding has the same exponential distribution.
     """
-    found = np.empty((ORDERS + 1, sz.size))
-    in_tiles(variance_by_order, sz.size, sz, np.exp(0.5 / sz**2), _EXCESS, _WEIGHT, found)
-    return found
+    variances = np.empty((ORDERS + 1, sz.size))
+    in_tiles(variance_by_order, sz.size, sz, np.exp(0.5 / sz**2), _EXCESS, _WEIGHT, variances)
+    return variances
 
 
 def _sums_of_powers(memory: Array) -> Array:
     """``S_j`` (ORDERS, n) of eq. (3)."""
-    found = np.empty((ORDERS, memory.shape[1]))
-    in_tiles(add_powers, memory.shape[1], memory, found)
-    return found
+    sums = np.empty((ORDERS, memory.shape[1]))
+    in_tiles(add_powers, memory.shape[1], memory, sums)
+    return sums
 
 
 def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:

@@ -116,13 +116,13 @@ class Filter:
 
     def forcing_and_slopes(self, system: EquivalentSystem) -> Array:
         """The `forcing` of cells (n,), then its derivatives by slip and by relaxation: (9, n)."""
-        found = np.zeros((9, system.stiffness.size))
+        forcings = np.zeros((9, system.stiffness.size))
         if not self.states:
-            found[:3] = self.forcing(system)
+            forcings[:3] = self.forcing(system)
         else:
             rows = self._correlations(system, slopes=True).reshape(9, system.stiffness.size, -1)
-            found[:] = (self.arrays.output * rows).sum(axis=-1)
-        return found
+            forcings[:] = (self.arrays.output * rows).sum(axis=-1)
+        return forcings
 
     def _forcing(self, rows: Array) -> Forcing:
         """The forcing from covariances (3, ..., m) of the structure's with the filter's states."""
@@ -162,20 +162,20 @@ class Filter:
         wide = [np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity)]
         matrix = np.broadcast_to(matrix, (*cells, m, m)).reshape(-1, m, m)
         noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in (noise, output))
-        found = np.empty((3 if slopes else 1, 3, len(matrix), m))
+        correlations = np.empty((3 if slopes else 1, 3, len(matrix), m))
         for begin in range(0, len(matrix), AT_ONCE):
             part = slice(begin, begin + AT_ONCE)
             own = EquivalentSystem(*(row[part] for row in wide[:-1]))
             soil = Matrices(matrix[part], noise[part], output[part])
-            found[:, :, part] = _correlations(own, wide[-1][part], soil, slopes)
-        found = found.reshape(*found.shape[:2], *cells, m)
-        return found if slopes else found[0]
+            correlations[:, :, part] = _correlations(own, wide[-1][part], soil, slopes)
+        correlations = correlations.reshape(*correlations.shape[:2], *cells, m)
+        return correlations if slopes else correlations[0]
 
 
 def _at(entry: Any, cells: Any) -> Any:
     """The selected cells of a number, an array, a filter, or nested sequences of these."""
     if isinstance(entry, (list, tuple)):
-        return tuple(_at(one, cells) for one in entry)
+        return tuple(_at(item, cells) for item in entry)
     if isinstance(entry, Filter):
         return entry.at(cells)
     return entry[cells] if np.ndim(entry) else entry
@@ -205,15 +205,15 @@ def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices, sl
     soil_matrix = matrix * std[:, None, :] / std[..., None]
     right = np.zeros((w.size, 3, noise.shape[1], 1))
     right[:, 1, :, 0] = drive / w[:, None]
-    found = _sylvester_of_matrices(own, soil_matrix, right)
+    cross = _sylvester_of_matrices(own, soil_matrix, right)
     if slopes:
         gained = np.zeros((w.size, 3, noise.shape[1], 2))
-        gained[:, 2, :, 0] = w[:, None] * found[:, 1, :, 0]
-        gained[:, 2, :, 1] = found[:, 0, :, 0] - found[:, 2, :, 0]
-        found = np.concatenate([found, _sylvester_of_matrices(own, soil_matrix, gained)], axis=-1)
-    found *= std[:, None, :, None]
-    found[:, 1] *= w[:, None, None]
-    return np.moveaxis(found, (3, 1), (0, 1))
+        gained[:, 2, :, 0] = w[:, None] * cross[:, 1, :, 0]
+        gained[:, 2, :, 1] = cross[:, 0, :, 0] - cross[:, 2, :, 0]
+        cross = np.concatenate([cross, _sylvester_of_matrices(own, soil_matrix, gained)], axis=-1)
+    cross *= std[:, None, :, None]
+    cross[:, 1] *= w[:, None, None]
+    return np.moveaxis(cross, (3, 1), (0, 1))
 
 
 def stationary(matrix: Array, noise: Array) -> Array:
@@ -244,8 +244,8 @@ def _sylvester_of_matrices(a: Array, b: Array, right: Array) -> Array:
     p, q = a.shape[-1], b.shape[-1]
     left = a[..., :, None, :, None] * np.eye(q)[:, None, :]
     left = left + np.eye(p)[:, None, :, None] * b[..., None, :, None, :]
-    found = np.linalg.solve(left.reshape(-1, p * q, p * q), -right.reshape(-1, p * q, right.shape[-1]))
-    return found.reshape(right.shape)
+    x = np.linalg.solve(left.reshape(-1, p * q, p * q), -right.reshape(-1, p * q, right.shape[-1]))
+    return x.reshape(right.shape)
 
 
 class FilterOscillator(NamedTuple):
@@ -276,9 +276,9 @@ class _OfOscillators(Filter):
         rows = np.empty((len(parts), *cells))
         for n, part in enumerate(parts):
             rows[n] = part
-        found = np.empty((9 + 3 * len(self.states), *cells))
-        grounds.solve(rows.reshape(len(rows), -1), found.reshape(len(found), -1))
-        return found
+        results = np.empty((9 + 3 * len(self.states), *cells))
+        grounds.solve(rows.reshape(len(rows), -1), results.reshape(len(results), -1))
+        return results
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
         """Covariances of the forcing with the structure's states."""

@@ -60,8 +60,8 @@ class SlipQuadrant(NamedTuple):
 
 def absolute_moment(power: Array, std: Array) -> Array:
     """``E |v|^power = std^power 2^(power/2) Gamma((power + 1)/2)/sqrt(pi)`` of a Gaussian ``v``."""
-    found: Array = std**power * 2 ** (power / 2) * gamma((power + 1) / 2) / np.sqrt(np.pi)
-    return found
+    moment: Array = std**power * 2 ** (power / 2) * gamma((power + 1) / 2) / np.sqrt(np.pi)
+    return moment
 
 
 def equivalent_dashpot(constant: Array, exponent: Array, std: Array) -> Array:
@@ -153,13 +153,13 @@ def clipped_values(moments: Any, quadrant: Any, within: Any) -> Any:
     of_vz = r * sz * inside, r * sv * inside_square, sv * sz * inside
     coefficients = regressed(slip_v, covariance)
     p, k = coefficients
-    one = regressed((by_v[0] - p * of_vv - k * of_vz[0], by_z[0] - p * of_vz[0]), covariance)
-    two = regressed((by_v[1] - k * of_vz[1], by_z[1] - p * of_vz[1] - k * of_zz), covariance)
-    three = regressed((by_v[2] - k * of_vz[2], by_z[2] - p * of_vz[2]), covariance)
+    by_sv = regressed((by_v[0] - p * of_vv - k * of_vz[0], by_z[0] - p * of_vz[0]), covariance)
+    by_sz = regressed((by_v[1] - k * of_vz[1], by_z[1] - p * of_vz[1] - k * of_zz), covariance)
+    by_r = regressed((by_v[2] - k * of_vz[2], by_z[2] - p * of_vz[2]), covariance)
     return (
         coefficients,
-        (one[0], two[0], three[0]),
-        (one[1], two[1], three[1]),
+        (by_sv[0], by_sz[0], by_r[0]),
+        (by_sv[1], by_sz[1], by_r[1]),
         covariance,
         ((of_vv, 0.0, 0.0), (0.0, of_zz, 0.0), of_vz),
     )

@@ -7,9 +7,9 @@ of the stationary response of the linear system with the closure's coefficients,
 closure assumes. The fixed point is the stationary solution of ``y' = F(y)``. It is approached by
 pseudo-transient continuation (Kelley and Keyes 1998, SIAM J. Numer. Anal. 35), with steps from
 ``(1/delta - dF/dy) step = F``, which become those of Newton's method as the pseudo-time step ``delta``
-grows. A `Pace` says how ``delta`` begins and grows while ``F`` becomes smaller, and shrinks where not.
+grows. A `StepControl` says how ``delta`` begins, grows while ``F`` falls, and shrinks where it does not.
 
-`solve` decides from where and at which pace to iterate: it tries large steps, then small ones, and then
+`solve` decides from where and by which steps to iterate: it tries large ones, then small ones, and then
 follows the solution from weak to full shaking. It leaves each iteration to the `Problem`. A system of
 springs iterates by `iterate` here, which makes the steps of all cells together by `Stepping.advance`,
 each with a Lyapunov equation (`systems.springs`). Single structures have closed forms of the moments
@@ -24,10 +24,11 @@ from typing import NamedTuple, Protocol, Self
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.cells.steps import Pace
+from stochlin.kernels.linearization.cells.steps import StepControl
 
-BOLD = Pace(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)  # nearly Newton's method
-CAREFUL = Pace(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1.5)  # short pseudo-time steps
+# Nearly Newton's method, and short pseudo-time steps.
+BOLD = StepControl(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)
+CAREFUL = StepControl(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1.5)
 # Share of max_iterations for nearly Newton's method: 30 of 200, while the bilinear law needs 13.
 BOLD_SHARE = 0.15
 WEAK = 0.3  # standard deviation of the elastic ductility at which hardly any structure yields
@@ -46,7 +47,7 @@ class State(NamedTuple):
     done: Array  # (n,) 1 where it has converged
 
     @classmethod
-    def begin(cls, unknowns: Array, pace: Pace) -> State:
+    def begin(cls, unknowns: Array, pace: StepControl) -> State:
         """Before the first evaluation; the first iterate is ``unknowns`` (u, n) itself."""
         n = unknowns.shape[1]
         first = np.full(n, np.inf), np.zeros_like(unknowns), np.full(n, pace.first), np.zeros(n)
@@ -109,7 +110,7 @@ class Problem(Protocol):
         """The cells under other shaking, with this logarithm (n,) of the ratio to the full one."""
         raise NotImplementedError
 
-    def settle(self, unknowns: Array, most: int, pace: Pace) -> FixedPoint:
+    def settle(self, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
         """The fixed points from these unknowns (u, n) in at most so many steps, as by `iterate`."""
         raise NotImplementedError
 
@@ -121,7 +122,7 @@ class Stepping(Protocol):
         """The cells with these numbers."""
         raise NotImplementedError
 
-    def advance(self, state: State, pace: Pace) -> State:
+    def advance(self, state: State, pace: StepControl) -> State:
         """The state after one evaluation of the mismatch at ``state.unknowns``."""
         raise NotImplementedError
 
@@ -130,7 +131,7 @@ class Stepping(Protocol):
         raise NotImplementedError
 
 
-def iterate(problem: Stepping, unknowns: Array, most: int, pace: Pace) -> FixedPoint:
+def iterate(problem: Stepping, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
     """Take at most so many steps from these unknowns, each cell until it converges."""
     whole = State.begin(unknowns, pace)
     state, part, cells = whole, problem, np.arange(unknowns.shape[1])
@@ -165,10 +166,10 @@ def solve(problem: Problem, elastic: Array, one_solution: Array, max_iterations:
         if cells.size and most > 0:
             part = problem.at(cells)
             if pace:
-                found = part.settle(yielding[:, cells], most, pace)
+                fixed_point = part.settle(yielding[:, cells], most, pace)
             else:
-                found = _follow(part, elastic[:, cells], most)
-            _add(solution, cells, found)
+                fixed_point = _follow(part, elastic[:, cells], most)
+            _add(solution, cells, fixed_point)
     return solution
 
 
@@ -198,10 +199,10 @@ def _follow(problem: Problem, elastic: Array, most_levels: int) -> FixedPoint:
     for _ in range(most_levels):
         at = np.minimum(0.0, level[cells] + rise[cells])
         guess = y[:, cells] + slope[:, cells] * (at - level[cells])
-        found = problem.at(cells).shaken(at).settle(guess, AT_LEVEL, BOLD)
-        reached = found.unknowns
-        good = found.converged & (np.abs(reached - guess).max(axis=0) <= near[cells])
-        _add(solution, cells, found._replace(converged=good & (at == 0)))
+        fixed_point = problem.at(cells).shaken(at).settle(guess, AT_LEVEL, BOLD)
+        reached = fixed_point.unknowns
+        good = fixed_point.converged & (np.abs(reached - guess).max(axis=0) <= near[cells])
+        _add(solution, cells, fixed_point._replace(converged=good & (at == 0)))
         on, known = cells[good], np.isfinite(near[cells[good]])
         found_slope = (reached[:, good] - y[:, on]) / (at[good] - level[on])
         slope[:, on] = np.where(known, found_slope, slope[:, on])
@@ -220,8 +221,8 @@ def _nothing(problem: Problem, unknowns: Array) -> FixedPoint:
     return FixedPoint(0 * unknowns + np.nan, coefficients, np.zeros(n, np.int32), none, none > 0)
 
 
-def _add(solution: FixedPoint, cells: Array, found: FixedPoint) -> None:
+def _add(solution: FixedPoint, cells: Array, fixed_point: FixedPoint) -> None:
     """Write the results of some cells into those of all, and add their iterations."""
-    spent = found.iterations + solution.iterations[cells]
-    for field, value in zip(solution, found._replace(iterations=spent), strict=True):
+    spent = fixed_point.iterations + solution.iterations[cells]
+    for field, value in zip(solution, fixed_point._replace(iterations=spent), strict=True):
         field[..., cells] = value

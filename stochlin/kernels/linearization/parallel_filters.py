@@ -37,20 +37,20 @@ def in_parallel(filters: Sequence[Filter]) -> Filter:
     ValueError
         If a filter is white noise, without states.
     """
-    parts = [one.arrays for one in filters]
-    if not all(one.states for one in filters):
+    parts = [component.arrays for component in filters]
+    if not all(component.states for component in filters):
         raise ValueError("white noise in parallel with another ground; allowed: filtered grounds")
     scale = np.exp(np.mean([np.log(np.abs(np.linalg.eigvals(part.matrix))).mean() for part in parts]))
     poles = [polynomial.polyfromroots(np.linalg.eigvals(part.matrix) / scale).real for part in parts]
     total: Array = np.zeros(1)
-    for i, (one, part) in enumerate(zip(filters, parts, strict=True)):
+    for i, (component, part) in enumerate(zip(filters, parts, strict=True)):
         own = _numerator(part.matrix / scale, part.noise, part.output, poles[i]) / scale
         both = _product([own, *poles[:i], *poles[i + 1 :]])
-        total = polynomial.polyadd(total, float(one.intensity) * _square(both))
+        total = polynomial.polyadd(total, float(component.intensity) * _square(both))
     matrix = block_diag(*(part.matrix for part in parts))
     noise = np.concatenate([part.noise for part in parts])
     output = _output(matrix / scale, noise, _factor(total), _product(poles)) * scale
-    states = tuple(f"{name}_{i}" for i, one in enumerate(filters, 1) for name in one.states)
+    states = tuple(f"{name}_{i}" for i, component in enumerate(filters, 1) for name in component.states)
     return Filter(1.0, states, matrix.tolist(), noise.tolist(), output.tolist())
 
 
@@ -65,8 +65,8 @@ def _numerator(matrix: Array, noise: Array, output: Array, poles: Array) -> Arra
         markov.append(output @ moved)
         moved = matrix @ moved
     # The numerator is poles(s) (m0/s + m1/s^2 + ...) with the Markov parameters m; here the power s^k.
-    found = np.array([poles[k + 1 :] @ np.array(markov)[: size - k] for k in range(size)])
-    return np.where(np.abs(found) > _ZERO * np.abs(found).max(), found, 0.0)
+    coefficients = np.array([poles[k + 1 :] @ np.array(markov)[: size - k] for k in range(size)])
+    return np.where(np.abs(coefficients) > _ZERO * np.abs(coefficients).max(), coefficients, 0.0)
 
 
 def _product(factors: Iterable[Array]) -> Array:
@@ -105,5 +105,5 @@ def _output(matrix: Array, noise: Array, numerator: Array, denominator: Array) -
     left, right = states * weight[:, None], target * weight
     column = np.linalg.norm(left, axis=0)
     both = np.concatenate([left.real, left.imag]) / column
-    found, *_ = np.linalg.lstsq(both, np.concatenate([right.real, right.imag]), rcond=None)
-    return found / column
+    solution, *_ = np.linalg.lstsq(both, np.concatenate([right.real, right.imag]), rcond=None)
+    return solution / column

@@ -19,7 +19,7 @@ from stochlin.kernels.linearization.cells.fixed_points import (
     settle,
     settle_cells,
 )
-from stochlin.kernels.linearization.cells.steps import Pace, advance_cells
+from stochlin.kernels.linearization.cells.steps import StepControl, advance_cells
 from stochlin.kernels.linearization.covariance import EquivalentSystem
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import Closure, clipped, gaussian
@@ -65,7 +65,7 @@ class SingleStructures(NamedTuple):
         """The cells under other shaking."""
         return self._replace(level=level)
 
-    def settle(self, unknowns: Array, most: int, pace: Pace) -> FixedPoint:
+    def settle(self, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
         """All iterations of a cell in compiled code, if there is any; a few cells in plain Python."""
         if self.closure not in CLIPPED or self.ground.oscillators is None:
             return iterate(self, unknowns, most, pace)
@@ -73,23 +73,23 @@ class SingleStructures(NamedTuple):
         cells, ground = np.array([*self.structure, self.level]), np.ones((OF_GROUND, n))
         for row, entry in enumerate(soil):
             ground[row] = entry
-        found, iterations = np.empty((FOUND, n)), np.zeros(n, np.int32)
+        results, iterations = np.empty((FOUND, n)), np.zeros(n, np.int32)
         kind = CLIPPED[self.closure], len(soil) // 2
         rule = pace, float(self.rtol), float(self.atol), most
         if worth_compiling(settle_cells, n):
-            settle_cells(*kind, cells, ground, unknowns.copy(), *rule, found, iterations)
+            settle_cells(*kind, cells, ground, unknowns.copy(), *rule, results, iterations)
         else:
             for at in range(n):
                 column = slice(at, at + 1)
-                given = [rows[:, at].tolist() for rows in (cells, ground, unknowns)]
+                entries = [rows[:, at].tolist() for rows in (cells, ground, unknowns)]
                 try:
-                    found[:, at], iterations[at] = settle(*kind, *given, *rule)
+                    results[:, at], iterations[at] = settle(*kind, *entries, *rule)
                 except (ArithmeticError, ValueError):  # compiled code goes on with infinity or NaN
-                    one = (rows[:, column].copy() for rows in (cells, ground, unknowns))
-                    settle_cells(*kind, *one, *rule, found[:, column], iterations[column])
-        return FixedPoint(found[2:5], found[:2], iterations, found[5], found[6] > 0)
+                    arrays = (rows[:, column].copy() for rows in (cells, ground, unknowns))
+                    settle_cells(*kind, *arrays, *rule, results[:, column], iterations[column])
+        return FixedPoint(results[2:5], results[:2], iterations, results[5], results[6] > 0)
 
-    def advance(self, state: State, pace: Pace) -> State:
+    def advance(self, state: State, pace: StepControl) -> State:
         """One step with a closure or a ground that is not compiled."""
         latent = moments_of(state.unknowns)
         value = self.closure(latent, self.law)

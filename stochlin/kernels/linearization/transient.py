@@ -57,7 +57,7 @@ AT_ONCE = 64  # times whose moments are computed together
 ROUNDING = 1e-9  # relative variance of the difference below which it is rounding error
 
 
-class Structures(NamedTuple):
+class StoreyChains(NamedTuple):
     """Structures of ``m`` storeys, ``d'' = -damping d' - stiffness d + coupling y + f e_1``.
 
     ``e_1`` is 1 in the first storey.
@@ -108,7 +108,7 @@ class Covariances(NamedTuple):
     both: Array  # X12 (p, 3 m, 3 m)
 
 
-class Frame(NamedTuple):
+class PanelMatrices(NamedTuple):
     """Matrix exponentials at the nodes, the same for all panels of one length with the same ``A*``."""
 
     length: float  # of the panel [s]
@@ -134,13 +134,13 @@ class Path(NamedTuple):
 
     def own(self) -> Array:
         """``X`` (q, n, 3 m, 3 m)."""
-        found: Array = self.half @ self.transition.swapaxes(-1, -2)
-        return found
+        covariances: Array = self.half @ self.transition.swapaxes(-1, -2)
+        return covariances
 
-    def soil_at_end(self, frame: Frame) -> Array:
+    def soil_at_end(self, frame: PanelMatrices) -> Array:
         """``C`` (n, 3 m, k) at the end of the panel."""
-        found: Array = self.transition[-1] @ self.soil[-1] @ frame.filters.swapaxes(-1, -2)
-        return found
+        covariances: Array = self.transition[-1] @ self.soil[-1] @ frame.filters.swapaxes(-1, -2)
+        return covariances
 
 
 Envelope = Callable[[Array], Array]
@@ -148,10 +148,10 @@ Envelope = Callable[[Array], Array]
 Coefficients = Callable[[Array], Array]
 
 
-class Group:
+class ChainEquations:
     """The equations of structures with the same number of storeys."""
 
-    def __init__(self, structures: Structures, filters: Filters, nodes: Nodes) -> None:
+    def __init__(self, structures: StoreyChains, filters: Filters, nodes: Nodes) -> None:
         self.structures, self.filters, self.nodes = structures, filters, nodes
         w, s, k = structures.frequency, structures.scale, filters.output.shape[1]
         n, m = s.shape
@@ -176,7 +176,7 @@ class Group:
         structures = np.sqrt(np.abs(self.structures.stiffness).sum(axis=-1).max())
         return float(max(structures, np.abs(self.filters.matrix).sum(axis=-1).max(initial=0)))
 
-    def frame(self, length: float, held: Array, old: Frame | None) -> Frame:
+    def frame(self, length: float, held: Array, old: PanelMatrices | None) -> PanelMatrices:
         """The old frame if its length and coefficients are still valid, else a new one for ``held``."""
         w, d, v, y = self.structures.frequency, *self.parts
         if old is not None and old.length == length:
@@ -189,7 +189,7 @@ class Group:
         _diagonal(a[:, y, v])[...] = slip * w[:, None]
         times = length * self.nodes.at
         back, soil = exponentials(-a, times), exponentials(f.matrix, times)
-        return Frame(
+        return PanelMatrices(
             length,
             held,
             exponentials(a, times),
@@ -200,14 +200,14 @@ class Group:
             soil[-1],
         )
 
-    def first(self, frame: Frame, envelope: Array, soil: Array, own: Array) -> Path:
+    def first(self, frame: PanelMatrices, envelope: Array, soil: Array, own: Array) -> Path:
         """The path from covariances ``C`` and ``X`` on with the coefficients of the frame."""
-        one = np.broadcast_to(np.eye(frame.forward.shape[-1]), frame.forward.shape)
+        identity = np.broadcast_to(np.eye(frame.forward.shape[-1]), frame.forward.shape)
         push = frame.push * envelope[:, None, None]
-        return self._at_nodes(frame, frame.forward, one, push, soil, own)
+        return self._at_nodes(frame, frame.forward, identity, push, soil, own)
 
     def next(
-        self, frame: Frame, envelope: Array, path: Path, held: Array, soil: Array, own: Array
+        self, frame: PanelMatrices, envelope: Array, path: Path, held: Array, soil: Array, own: Array
     ) -> Path:
         """The path with other coefficients ``held`` (2, q, n, m) than that of the last iteration."""
         slip, relaxation = held - frame.held[:, None]
@@ -216,25 +216,31 @@ class Group:
         def rates(transition: Array) -> Array:
             """Rates of the slips by the difference of the coefficients."""
             by_drift, by_rate, by_slip = (transition[..., part, :] for part in self.parts)
-            found: Array = by_drift - by_slip
-            found *= relaxation[..., None]
-            found += slip[..., None] * by_rate
-            return found
+            slip_rates: Array = by_drift - by_slip
+            slip_rates *= relaxation[..., None]
+            slip_rates += slip[..., None] * by_rate
+            return slip_rates
 
-        one = np.eye(frame.forward.shape[-1])
-        turn = self.nodes.integrate(frame.slips @ rates(path.transition), frame.length) + one
+        identity = np.eye(frame.forward.shape[-1])
+        turn = self.nodes.integrate(frame.slips @ rates(path.transition), frame.length) + identity
         push = frame.push[..., None]
         if self.structures.scale.shape[1] == 1:  # matrices so small are solved with faster
             inverse, push = path.inverse, np.linalg.solve(turn, push)
         else:
             back = (path.inverse @ frame.slips) @ rates(frame.forward)
-            inverse = one - self.nodes.integrate(back, frame.length)
+            inverse = identity - self.nodes.integrate(back, frame.length)
             push = inverse @ push
         push = push[..., 0] * envelope[:, None, None]
         return self._at_nodes(frame, frame.forward @ turn, inverse, push, soil, own)
 
     def _at_nodes(
-        self, frame: Frame, transition: Array, inverse: Array, push: Array, soil: Array, own: Array
+        self,
+        frame: PanelMatrices,
+        transition: Array,
+        inverse: Array,
+        push: Array,
+        soil: Array,
+        own: Array,
     ) -> Path:
         """The path with ``Phi``, ``U`` and ``beta``, which is ``push``."""
         soil = self.nodes.integrate(push[..., None] * frame.soil[..., None, :], frame.length) + soil
@@ -244,14 +250,13 @@ class Group:
         forced += forced.swapaxes(-1, -2).copy()
         half = transition @ (self.nodes.integrate(forced, frame.length) + own)
         squares = [
-            np.einsum("qnij,qnij->qni", half[..., one, :], transition[..., two, :])
-            for one, two in self.squares
+            np.einsum("qnij,qnij->qni", half[..., i, :], transition[..., j, :]) for i, j in self.squares
         ]
         return Path(transition, inverse, push, pull, soil, half, np.stack(squares))
 
     def squares_of(self, own: Array) -> Array:
         """The moments (6, ..., n, m) in ``X`` (..., n, 3 m, 3 m) that give those of z."""
-        return np.stack([np.einsum("...ii->...i", own[..., one, two]) for one, two in self.squares])
+        return np.stack([np.einsum("...ii->...i", own[..., i, j]) for i, j in self.squares])
 
     def seen_in(self, own: Array) -> tuple[Array, Array, Array]:
         """``E[u u]``, ``E[u u']`` and ``E[u' u']`` (..., n, h) of the displacements, in ``X``."""
@@ -283,7 +288,7 @@ class Transient:
 
     def __init__(
         self,
-        groups: Sequence[Group],
+        groups: Sequence[ChainEquations],
         pairs: Array,
         closure: Coefficients | None,
         envelope: Envelope,
@@ -304,7 +309,7 @@ class Transient:
         """
         ends = (*sorted({kink for kink in kinks if 0 < kink < times[-1]}), times[-1])
         _, own, both = self._at_rest()
-        seen, reached, found = [([x[None] for x in own], both[None])], 1, []
+        seen, reached, moments = [([x[None] for x in own], both[None])], 1, []
         for begin, end, over in self._panels(ends):
             until = int(np.searchsorted(times, end, side="right"))
             shares = (times[reached:until] - begin) / (end - begin)
@@ -315,9 +320,9 @@ class Transient:
                 progress(float(end / times[-1]))
             if sum(len(both) for _, both in seen) >= AT_ONCE or until == times.size:
                 own = [np.concatenate(parts) for parts in zip(*(own for own, _ in seen), strict=True)]
-                found.append(self._moments(own, np.concatenate([both for _, both in seen])))
+                moments.append(self._moments(own, np.concatenate([both for _, both in seen])))
                 seen = []
-        structures, pairs = zip(*found, strict=True)
+        structures, pairs = zip(*moments, strict=True)
         return (
             Own(*(np.concatenate(column) for column in zip(*structures, strict=True))),
             Difference(*(np.concatenate(column) for column in zip(*pairs, strict=True))),
@@ -335,7 +340,7 @@ class Transient:
         """
         fastest = max(group.fastest() for group in self.groups)
         begin, length, now = 0.0, FIRST / fastest, self._at_rest()
-        frames: Sequence[Frame] = ()
+        frames: Sequence[PanelMatrices] = ()
         for end in ends:
             left, tried, mark = 0, 0, begin  # ``left``: number of panels of this length to the end
             while begin < end:
@@ -365,16 +370,18 @@ class Transient:
                 if factor > WORTH_IT:
                     length, left = length * min(factor, LONGER), 0
 
-    def _frames(self, length: float, own: Sequence[Array], old: Sequence[Frame]) -> Sequence[Frame]:
+    def _frames(
+        self, length: float, own: Sequence[Array], old: Sequence[PanelMatrices]
+    ) -> Sequence[PanelMatrices]:
         """Frames of all groups for a panel of this length, from ``X`` and those of the last one."""
         squares = [group.squares_of(x) for group, x in zip(self.groups, own, strict=True)]
-        before: Sequence[Frame | None] = old or [None for _ in self.groups]
+        before: Sequence[PanelMatrices | None] = old or [None for _ in self.groups]
         parts = zip(self.groups, self.coefficients(squares), before, strict=True)
         return [group.frame(length, held, frame) for group, held, frame in parts]
 
     @np.errstate(over="ignore", invalid="ignore")  # too long a panel may overflow, and is repeated
     def _paths(
-        self, frames: Sequence[Frame], envelope: Array, now: Covariances
+        self, frames: Sequence[PanelMatrices], envelope: Array, now: Covariances
     ) -> Sequence[Path] | None:
         """All structures over a panel from ``now`` on; None if the iteration does not converge."""
         parts = [*zip(self.groups, frames, now.soil, now.own, strict=True)]
@@ -391,7 +398,7 @@ class Transient:
             except np.linalg.LinAlgError:  # they have run away so far that V is singular by rounding
                 return None
             squares = [path.squares for path in paths]
-            change = (one - path.squares for one, path in zip(squares, before, strict=True))
+            change = (newer - path.squares for newer, path in zip(squares, before, strict=True))
             if self._over_tolerance(change, squares, (0, 1, 3)) <= SETTLED:
                 return paths
         return None
@@ -403,20 +410,20 @@ class Transient:
 
         ``axes`` are those of the arrays that are not over structures.
         """
-        found = []
+        ratios = []
         for both in zip(differences, moments, strict=True):
             error, size = (np.abs(array).max(axis=axes) for array in both)
-            found.append((error / (self.tolerance * size + ATOL)).max())
-        return float(np.max(found))
+            ratios.append((error / (self.tolerance * size + ATOL)).max())
+        return float(np.max(ratios))
 
     def _pairs(self, paths: Sequence[Path], length: float, both: Array) -> Array:
         """``X12`` of all pairs at the nodes, from ``both`` at the start of the panel on."""
-        (one, two), first, second = self.pairs, paths[0], paths[-1]
-        forced = first.push[:, one, :, None] * second.pull[:, two, None, :]
-        forced += first.pull[:, one, :, None] * second.push[:, two, None, :]
+        (i, j), first, second = self.pairs, paths[0], paths[-1]
+        forced = first.push[:, i, :, None] * second.pull[:, j, None, :]
+        forced += first.pull[:, i, :, None] * second.push[:, j, None, :]
         both = self.nodes.integrate(forced, length) + both
-        found: Array = first.transition[:, one] @ both @ second.transition[:, two].swapaxes(-1, -2)
-        return found
+        covariances: Array = first.transition[:, i] @ both @ second.transition[:, j].swapaxes(-1, -2)
+        return covariances
 
     @np.errstate(under="ignore", invalid="ignore", divide="ignore")
     def coefficients(self, squares: Sequence[Array]) -> Sequence[Array]:
@@ -426,10 +433,10 @@ class Transient:
             return values
         parts = [group.latent(moments) for group, moments in zip(self.groups, squares, strict=True)]
         latent, moving = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
-        found = np.where(moving, self.closure(latent), 0.0)
+        coefficients = np.where(moving, self.closure(latent), 0.0)
         ends = np.cumsum([group.unit.size for group in self.groups])
         for group, value, of_group in zip(
-            self.groups, values, np.split(found, ends[:-1], axis=-1), strict=True
+            self.groups, values, np.split(coefficients, ends[:-1], axis=-1), strict=True
         ):
             value[..., group.yields] = of_group
         return values
@@ -460,17 +467,17 @@ class Transient:
         self, first: Sequence[Array], second: Sequence[Array], both: Array
     ) -> tuple[Array, Array, Array, Array]:
         """Moments of ``u_1 - u_2`` (times, p, h), from those of the structures of each group."""
-        (one, two), left, right = self.pairs, self.groups[0], self.groups[-1]
-        seen, with_seen = left.seen[one], right.seen[two]
+        (i, j), left, right = self.pairs, self.groups[0], self.groups[-1]
+        seen, with_seen = left.seen[i], right.seen[j]
         rate, other = (
-            group.structures.frequency[which, None] for group, which in ((left, one), (right, two))
+            group.structures.frequency[which, None] for group, which in ((left, i), (right, j))
         )
         (d_1, v_1, _), (d_2, v_2, _) = left.parts, right.parts
         product = _weighted(seen, both[..., d_1, d_2], with_seen)
         crossed = other * _weighted(seen, both[..., d_1, v_2], with_seen)
         crossed += rate * _weighted(seen, both[..., v_1, d_2], with_seen)
         velocities = rate * other * _weighted(seen, both[..., v_1, v_2], with_seen)
-        squares, turning, moving = (a[:, one] + b[:, two] for a, b in zip(first, second, strict=True))
+        squares, turning, moving = (a[:, i] + b[:, j] for a, b in zip(first, second, strict=True))
         d_d = squares - 2 * product
         d_d = np.where(d_d > ROUNDING * squares, d_d, 0.0)
         return d_d, turning - crossed, moving - 2 * velocities, product
@@ -478,8 +485,8 @@ class Transient:
 
 def _weighted(left: Array, blocks: Array, right: Array) -> Array:
     """Covariances of weighted sums of drifts, from blocks of covariances of the drifts."""
-    found: Array = ((left @ blocks) * right).sum(axis=-1)
-    return found
+    covariances: Array = ((left @ blocks) * right).sum(axis=-1)
+    return covariances
 
 
 def _check_pace(passed: float, length: float, begin: float, end: float) -> None:

@@ -41,7 +41,7 @@ NOTHING, SAMPLES, STEPS = range(3)  # which states are kept: none, at samples of
 FIRST_KEPT = 512  # initial length of a history that is kept after each step
 
 
-class Row(NamedTuple):
+class BuildingRow(NamedTuple):
     """Buildings in a row."""
 
     elements: Elements
@@ -59,14 +59,14 @@ class Row(NamedTuple):
         return places, Account.of(places, self.elements, self.structures, links, c)
 
 
-class Pace(NamedTuple):
+class StepCounts(NamedTuple):
     """The time steps of a run."""
 
     cuts: int  # steps in an interval of the motion
     substeps: int  # steps in each of them near contact
 
 
-class Motions(NamedTuple):
+class GroundMotions(NamedTuple):
     """Ground motions with one time step, linear between their samples."""
 
     acceleration: Array  # (samples, lanes) [m/s^2]; zero after the end of a motion
@@ -76,10 +76,10 @@ class Motions(NamedTuple):
     meets: Array  # (lanes,): whether contacts act
 
 
-class Run(NamedTuple):
+class RunResult(NamedTuple):
     """Response of a row of buildings to motions."""
 
-    x: Array  # (rows, lanes): the numbers of every motion at its end, see `Row.places`
+    x: Array  # (rows, lanes): the numbers of every motion at its end, see `BuildingRow.places`
     impacts: Array  # (impacts, COLUMNS): the table of `impacts`, lane by lane, as they begin
     time: Array  # (times,) [s]: times of the history, which is of a single motion
     history: Array  # (times, rows): its numbers at these times
@@ -101,19 +101,19 @@ def _near(contacts, dt, at, to, x, lanes, near):
     the rate times ``dt`` at most. Lanes are written to ``near``, and do not count; returns their number.
     """
     count, gap, (column, weight) = 0, contacts.gap, contacts.rows
-    fill(x, to.three, -1.0, lanes)
+    fill(x, to.scratch_3, -1.0, lanes)
     for j in range(gap.size):
-        times_row(column, weight, j, x, at.q, to.one, lanes)
+        times_row(column, weight, j, x, at.q, to.scratch_1, lanes)
         times_row(column, weight, j, x, at.dq, at.change, lanes)
-        times_row(column, weight, j, x, at.v, to.two, lanes)
+        times_row(column, weight, j, x, at.v, to.scratch_2, lanes)
         for lane in range(lanes):
-            bulge = 0.25 * abs(dt * x[to.two, lane] - x[at.change, lane])
-            highest = x[to.one, lane] + max(-x[at.change, lane], 0.0) + bulge - gap[j]
+            bulge = 0.25 * abs(dt * x[to.scratch_2, lane] - x[at.change, lane])
+            highest = x[to.scratch_1, lane] + max(-x[at.change, lane], 0.0) + bulge - gap[j]
             open_now = np.isnan(x[to.begin + j, lane])
             reach = highest if open_now else 1.0
-            x[to.three, lane] = max(x[to.three, lane], reach)
+            x[to.scratch_3, lane] = max(x[to.scratch_3, lane], reach)
     for lane in range(lanes):
-        if x[to.three, lane] > 0.0 and x[to.counts, lane] * x[at.meets, lane] > 0.0:
+        if x[to.scratch_3, lane] > 0.0 and x[to.counts, lane] * x[at.meets, lane] > 0.0:
             x[to.counts, lane] = 0.0
             near[count] = lane
             count += 1
@@ -125,9 +125,9 @@ def _end_failed(steps, limit, time, at, to, x, lanes):
     """End the motions in which an extension is beyond its limit, or not a number."""
     column, weight = steps.extensions
     for i in range(limit.size):
-        times_row(column, weight, i, x, at.q, to.one, lanes)
+        times_row(column, weight, i, x, at.q, to.scratch_1, lanes)
         for lane in range(lanes):
-            if not abs(x[to.one, lane]) <= limit[i] and x[to.failed, lane] == np.inf:
+            if not abs(x[to.scratch_1, lane]) <= limit[i] and x[to.failed, lane] == np.inf:
                 x[to.failed, lane] = time
 
 
@@ -249,7 +249,7 @@ def _run(law, steps, short, parts, at, to, x, motions, cuts, substeps, keep, his
     return table[:used], times[:lines], history[:lines]
 
 
-def run(row: Row, motions: Motions, pace: Pace, keep: int = NOTHING) -> Run:
+def run(row: BuildingRow, motions: GroundMotions, pace: StepCounts, keep: int = NOTHING) -> RunResult:
     """Response of a row of buildings to motions from rest; states are kept of a single motion only."""
     at, to = row.places
     lanes = motions.acceleration.shape[1]
@@ -265,4 +265,4 @@ def run(row: Row, motions: Motions, pace: Pace, keep: int = NOTHING) -> Run:
         np.empty((length, to.rows)),
     )
     order = np.lexsort((table[:, CONTACT], table[:, BEGIN], table[:, LANE]))
-    return Run(x, table[order], times, history)
+    return RunResult(x, table[order], times, history)

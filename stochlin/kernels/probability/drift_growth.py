@@ -32,16 +32,16 @@ def drift_variances(
     error of the linearized standard deviation, and ``rho_bias`` (p,) is the linearized less the true
     correlation; NaN if unknown.
     """
-    one, two = pairs
+    i, j = pairs
     pace = 2 * SPEED * hardening * own.relaxation
     full = own.displacement / (1 + bias) ** 2
     drift = _relaxing(full - own.displacement, pace, times)
     # Near rest a variance may be negative by rounding.
-    root = np.sqrt(np.maximum(own.displacement[:, one] * own.displacement[:, two], 0))
+    root = np.sqrt(np.maximum(own.displacement[:, i] * own.displacement[:, j], 0))
     rho = both.product / np.where(root > 0, root, 1.0) - rho_bias
-    shared = np.clip(rho, -1, 1) * np.sqrt(np.maximum(full[:, one] * full[:, two], 0)) - both.product
-    shared = _relaxing(shared, 0.5 * (pace[:, one] + pace[:, two]), times)
-    apart = drift[:, one] + drift[:, two] - 2 * shared
+    shared = np.clip(rho, -1, 1) * np.sqrt(np.maximum(full[:, i] * full[:, j], 0)) - both.product
+    shared = _relaxing(shared, 0.5 * (pace[:, i] + pace[:, j]), times)
+    apart = drift[:, i] + drift[:, j] - 2 * shared
     # A negative variance, if the correction of rho outweighs that of the variances, is set to zero.
     return drift, np.where(np.isnan(apart), np.nan, np.maximum(apart, 0))
 

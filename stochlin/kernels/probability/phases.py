@@ -73,9 +73,9 @@ def exceeding(radius_1: Array, radius_2: Array, gap: Array, k: float) -> Array:
     some = np.flatnonzero(flat[0] + flat[1] > flat[2])
     for begin in range(0, some.size, CELLS):
         cells = some[begin : begin + CELLS]
-        one, two, g = (array[cells, None] for array in flat)
-        d, weight = _nodes(least_phase(one, two, g)[:, 0], k)
-        span = np.sqrt((one - two) ** 2 + 4 * one * two * np.sin(d / 2) ** 2)
+        r_1, r_2, g = (array[cells, None] for array in flat)
+        d, weight = _nodes(least_phase(r_1, r_2, g)[:, 0], k)
+        span = np.sqrt((r_1 - r_2) ** 2 + 4 * r_1 * r_2 * np.sin(d / 2) ** 2)
         probability[cells] = (weight * _share_above(g, span)).sum(axis=1)
     return probability.reshape(np.broadcast_shapes(radius_1.shape, radius_2.shape, gap.shape))
 

@@ -17,7 +17,7 @@ FEW_STEPS = 50_000  # which take less than a second in plain Python, a third of 
 PAIR = 2.0  # number of sub-steps of a pair over that of its stiffer structure alone
 
 
-class SampledGround(NamedTuple):
+class SampledMotion(NamedTuple):
     """The samples of a ground motion, which is linear between them."""
 
     acceleration: Array  # (samples,) [m/s^2], finite
@@ -40,18 +40,18 @@ def _all_gaps(ground, dt, first, second, out):
     for i in range(first.shape[0]):
         cuts = substeps(max(first[i, 0], second[i, 0]), dt, PAIR)
         size = cuts * (ground.size - 1) + 1
-        one, two = np.empty((STATE, size)), np.empty((STATE, size))
-        run(first[i], ground, dt, cuts, out[i, :PEAKS], 1, one, space)
-        run(second[i], ground, dt, cuts, out[i, PEAKS : 2 * PEAKS], 1, two, space)
+        path_1, path_2 = np.empty((STATE, size)), np.empty((STATE, size))
+        run(first[i], ground, dt, cuts, out[i, :PEAKS], 1, path_1, space)
+        run(second[i], ground, dt, cuts, out[i, PEAKS : 2 * PEAKS], 1, path_2, space)
         apart, sum_11, sum_22, sum_12 = 0.0, 0.0, 0.0, 0.0
         for s in range(size - 1):
-            d, d1 = one[0, s] - two[0, s], one[0, s + 1] - two[0, s + 1]
-            rate, rate1 = one[1, s] - two[1, s], one[1, s + 1] - two[1, s + 1]
+            d, d1 = path_1[0, s] - path_2[0, s], path_1[0, s + 1] - path_2[0, s + 1]
+            rate, rate1 = path_1[1, s] - path_2[1, s], path_1[1, s + 1] - path_2[1, s + 1]
             apart = max(apart, top(dt / cuts, d, rate, d1, rate1))
             weight = 1.0 if s + 1 < size - 1 else 0.5  # trapezoidal rule; the first value is 0
-            sum_11 += weight * one[0, s + 1] ** 2
-            sum_22 += weight * two[0, s + 1] ** 2
-            sum_12 += weight * one[0, s + 1] * two[0, s + 1]
+            sum_11 += weight * path_1[0, s + 1] ** 2
+            sum_22 += weight * path_2[0, s + 1] ** 2
+            sum_12 += weight * path_1[0, s + 1] * path_2[0, s + 1]
         out[i, 2 * PEAKS] = apart
         out[i, 2 * PEAKS + 1] = sum_12 / np.sqrt(sum_11 * sum_22)
 
@@ -63,12 +63,12 @@ def _history(ground, dt, parameters, refine, out):
     run(parameters, ground, dt, each * refine, np.empty(PEAKS), each, out, workspace())
 
 
-def peaks_on_records(grounds: Sequence[SampledGround], parameters: Array) -> Array:
+def peaks_on_records(grounds: Sequence[SampledMotion], parameters: Array) -> Array:
     """Peaks (records, n, PEAKS) on each record of structures with ``parameters`` (n, 4) as in `run`."""
     return _spread(_all_peaks, PEAKS, grounds, parameters)
 
 
-def gaps_on_records(grounds: Sequence[SampledGround], first: Array, second: Array) -> Array:
+def gaps_on_records(grounds: Sequence[SampledMotion], first: Array, second: Array) -> Array:
     """Response of pairs to each record, (records, n, 2 PEAKS + 2).
 
     The columns are the peaks of both structures, the largest ``u1 - u2`` [m], and the correlation of the
@@ -77,7 +77,7 @@ def gaps_on_records(grounds: Sequence[SampledGround], first: Array, second: Arra
     return _spread(_all_gaps, 2 * PEAKS + 2, grounds, first, second)
 
 
-def history(ground: SampledGround, parameters: Array, refine: int) -> Array:
+def history(ground: SampledMotion, parameters: Array, refine: int) -> Array:
     """States (STATE, times) of one structure, at ``refine`` times in each interval of the record."""
     out = np.empty((STATE, refine * (len(ground.acceleration) - 1) + 1))
     steps = len(out[0])
@@ -86,7 +86,7 @@ def history(ground: SampledGround, parameters: Array, refine: int) -> Array:
 
 
 def _spread(
-    fill: Callable[..., None], columns: int, grounds: Sequence[SampledGround], *structures: Array
+    fill: Callable[..., None], columns: int, grounds: Sequence[SampledMotion], *structures: Array
 ) -> Array:
     """Results (records, n, columns) of ``fill`` for all records and structures, on all cores.
 

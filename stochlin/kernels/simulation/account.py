@@ -81,9 +81,9 @@ class Account(NamedTuple):
     way: int  # (n) displacements by a blow within a step [m]
     gain: int  # (n) accelerations in the step without blows [m/s^2]
     counts: int  # 1 if the step counts in this lane; 0 if it is taken again, or the motion has ended
-    one: int
-    two: int
-    three: int  # work of one floor, element or link
+    scratch_1: int
+    scratch_2: int
+    scratch_3: int  # work of one floor, element or link
     rows: int  # number of rows of ``x``
 
     @classmethod
@@ -98,7 +98,7 @@ class Account(NamedTuple):
         sizes |= {"missing": 1, "most": 1, "imbalance": 1, "failed": 1}
         sizes |= dict.fromkeys(IMPACT, c)
         sizes |= {"work": 0, "way": n, "gain": n, "counts": 1}
-        sizes |= {"one": 1, "two": 1, "three": 1, "rows": 0}
+        sizes |= {"scratch_1": 1, "scratch_2": 1, "scratch_3": 1, "rows": 0}
         firsts = np.cumsum([places.rows, *sizes.values()]).tolist()
         return cls(places.rows, **dict(zip(sizes, firsts[:-1], strict=True)))
 
@@ -106,7 +106,7 @@ class Account(NamedTuple):
 @compiled
 def _watch_accelerations(column, weight, dt, at, to, x, lanes):
     """Largest absolute accelerations, from the change of the velocities in the step."""
-    change, v = to.one, to.two
+    change, v = to.scratch_1, to.scratch_2
     for i in range(column.shape[0]):
         most = to.acceleration + i
         times_row(column, weight, i, x, at.dq, change, lanes)
@@ -120,7 +120,7 @@ def _watch_accelerations(column, weight, dt, at, to, x, lanes):
 def watch_displacements(steps, at, to, x, lanes):
     """Largest and smallest displacements, at the end of the step and where they turn within it."""
     (column, weight), dt = steps.shapes, steps.dt
-    u, change, turn = to.one, to.two, to.three
+    u, change, turn = to.scratch_1, to.scratch_2, to.scratch_3
     for i in range(column.shape[0]):
         highest, lowest = to.highest + i, to.lowest + i
         times_row(column, weight, i, x, at.q, u, lanes)
@@ -141,7 +141,7 @@ def watch_displacements(steps, at, to, x, lanes):
 @compiled
 def _watch_springs(column, weight, spring, info, owner, at, to, x, lanes):
     """Largest forces of springs at the ends of steps, and energies dissipated by their slips."""
-    end, change, slipped = to.one, to.two, to.three
+    end, change, slipped = to.scratch_1, to.scratch_2, to.scratch_3
     for i in range(info.shape[0]):
         if info[i, KIND] == VISCOUS:
             continue
@@ -164,7 +164,7 @@ def _watch_springs(column, weight, spring, info, owner, at, to, x, lanes):
 @compiled
 def _watch_masses(damping, mass, structure, dt, at, to, x, lanes):
     """Energies put in by the ground, and dissipated by the dashpots of the structures."""
-    drag = to.one
+    drag = to.scratch_1
     for i in range(mass.size):
         dq, entering, viscous = at.dq + i, to.entering + structure[i], to.viscous + structure[i]
         for lane in range(lanes):
@@ -179,7 +179,7 @@ def _watch_masses(damping, mass, structure, dt, at, to, x, lanes):
 @compiled
 def _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, to, x, lanes):
     """Largest forces of links, as means of steps, and the energies dissipated in them."""
-    change, force, lost = to.one, to.two, to.three
+    change, force, lost = to.scratch_1, to.scratch_2, to.scratch_3
     for tie in range(ties.size):
         i, other, c = ties[tie], dashpot[tie], constant[tie]
         post, couple, z, slip = spring[i, POST], spring[i, COUPLE], at.z + i, at.slip + i
@@ -220,27 +220,27 @@ def watch(steps, parts, at, to, x, lanes):
 
 @compiled
 def _take_stored(steps, contacts, at, to, x, lanes):
-    """Subtract the energies stored in springs and contacts from the row ``to.one``."""
-    (column, weight), (facing, share), stored = steps.extensions, contacts.rows, to.two
+    """Subtract the energies stored in springs and contacts from the row ``to.scratch_1``."""
+    (column, weight), (facing, share), stored = steps.extensions, contacts.rows, to.scratch_2
     for i in range(column.shape[0]):
         if steps.info[i, KIND] != VISCOUS:
             post, couple, z = steps.spring[i, POST], steps.spring[i, COUPLE], at.z + i
             times_row(column, weight, i, x, at.q, stored, lanes)
             for lane in range(lanes):
                 elastic = post * x[stored, lane] * x[stored, lane] + couple * x[z, lane] * x[z, lane]
-                x[to.one, lane] -= 0.5 * elastic
+                x[to.scratch_1, lane] -= 0.5 * elastic
     if not contacts.jumps:
         for j in range(contacts.gap.size):
             times_row(facing, share, j, x, at.q, stored, lanes)
             for lane in range(lanes):
                 energy = stored_in(contacts.law[j], x[stored, lane] - contacts.gap[j])
-                x[to.one, lane] -= x[at.meets, lane] * energy
+                x[to.scratch_1, lane] -= x[at.meets, lane] * energy
 
 
 @compiled
 def balance(steps, contacts, parts, at, to, x, lanes):
     """Update the energy that is missing in the balance of all structures, and its largest share."""
-    whole = to.one
+    whole = to.scratch_1
     fill(x, whole, 0.0, lanes)
     for row in range(to.entering, to.viscous):
         for lane in range(lanes):

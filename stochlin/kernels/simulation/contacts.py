@@ -77,11 +77,12 @@ class Contacts(NamedTuple):
         ``left`` and ``right`` (c, n) are the parts of the weights that belong to either side.
         """
         none = np.zeros((len(laws), coordinates))
-        one, two = (none if part is None else part for part in (left, right))
+        on_left, on_right = (none if part is None else part for part in (left, right))
         space = np.zeros(len(laws)) if gap is None else gap
         jumps = restitution is not None
         e = 1.0 if restitution is None else float(restitution)
-        return cls(one + two, Rows.of(one + two), Rows.of(two), space, law_table(laws), jumps, e)
+        both = on_left + on_right
+        return cls(both, Rows.of(both), Rows.of(on_right), space, law_table(laws), jumps, e)
 
 
 @called_often
@@ -100,9 +101,9 @@ def force(law, d, v, v0):
 
 def forces(law: ForceLaw, d: Any, v: Any, v0: Any) -> Array:
     """`force` [N] for fields of the law and for ``d``, ``v`` and ``v0`` that broadcast."""
-    given = np.broadcast_arrays(*law, d, v, v0)
-    result = np.empty(given[-1].shape)
-    _forces(*(np.ascontiguousarray(array).ravel() for array in given), result.reshape(-1))
+    arrays = np.broadcast_arrays(*law, d, v, v0)
+    result = np.empty(arrays[-1].shape)
+    _forces(*(np.ascontiguousarray(array).ravel() for array in arrays), result.reshape(-1))
     return result
 
 

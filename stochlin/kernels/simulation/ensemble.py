@@ -74,12 +74,12 @@ class Oscillators(NamedTuple):
     def plastic(self, state: Any) -> Array:
         """The plastic parts of the displacements (n, lanes)."""
         u, _, z = state
-        found: Array = u - z
-        return found
+        plastic: Array = u - z
+        return plastic
 
 
 @dataclass(frozen=True, eq=False)
-class Structures:
+class SteppedStructures:
     """Buildings and oscillators with any laws, and links; displacements are those of the floors."""
 
     elements: Elements
@@ -124,11 +124,11 @@ class Structures:
         """The plastic parts of the drifts of the storeys (n, lanes), which are the first elements."""
         n, at = self.size, self.places
         extensions = self.elements.system.extensions[:n]
-        found: Array = extensions @ x[at.q : at.v] - x[at.z : at.z + n]
-        return found
+        plastic: Array = extensions @ x[at.q : at.v] - x[at.z : at.z + n]
+        return plastic
 
 
-class SampledGround(NamedTuple):
+class UncertainGround(NamedTuple):
     """A ground with other properties in each motion."""
 
     steps: Sequence[FilterSteps]  # one for each motion, group after group
@@ -142,13 +142,13 @@ class SampledGround(NamedTuple):
         return FilterSteps(*lanes), np.stack(self.roots[own], axis=-1)
 
 
-AnyGround = FilterSteps | SampledGround
+AnyGround = FilterSteps | UncertainGround
 
 
 class Crowd(NamedTuple):
     """All structures that are subjected to the same motions, in parts of one kind each."""
 
-    parts: tuple[Oscillators | Structures, ...]
+    parts: tuple[Oscillators | SteppedStructures, ...]
 
     @property
     def size(self) -> int:
@@ -212,12 +212,12 @@ class Sums(NamedTuple):
     change_squares: Array  # (n,): sum of its square
 
 
-class Motion:
+class MotionGroup:
     """A group of `LANES` motions: the state of the ground and of all structures."""
 
     def __init__(self, crowd: Crowd, ground: AnyGround, root: Array, plan: Plan, group: int) -> None:
         self.crowd, self.plan = crowd, plan
-        if isinstance(ground, SampledGround):
+        if isinstance(ground, UncertainGround):
             ground, root = ground.of(group)
         self.ground_block = ground_block(ground)
         self.random = generator_state(plan.seed, group, LANES)
@@ -279,7 +279,7 @@ def stationary_sums(
     @np.errstate(all="ignore")  # overflow gets a status of its own later
     def run(group: int) -> Sums:
         """The sums over one group of motions."""
-        motion = Motion(crowd, ground, root, plan, plan.first_group + group)
+        motion = MotionGroup(crowd, ground, root, plan, plan.first_group + group)
         for _ in range(plan.burn_in):
             motion.block()
         half = plan.recorded // 2
@@ -305,11 +305,11 @@ def stationary_sums(
 def plastic_displacements(
     crowd: Crowd, ground: AnyGround, root: Array, plan: Plan, stride: int
 ) -> Array:
-    """`Motion.plastic` after every ``stride``-th recorded block, (times, n, motions)."""
+    """`MotionGroup.plastic` after every ``stride``-th recorded block, (times, n, motions)."""
 
     def run(group: int) -> Array:
         """The plastic displacements in one group of motions."""
-        motion = Motion(crowd, ground, root, plan, plan.first_group + group)
+        motion = MotionGroup(crowd, ground, root, plan, plan.first_group + group)
         for _ in range(plan.burn_in):
             motion.block()
         histories = np.empty((plan.recorded // stride, crowd.size, LANES))
@@ -338,7 +338,7 @@ def finite_extremes(
 
     def run(group: int) -> Extremes:
         """The extremes in one group of motions."""
-        motion = Motion(crowd, ground, root, plan, plan.first_group + group)
+        motion = MotionGroup(crowd, ground, root, plan, plan.first_group + group)
         size = (len(view.row), LANES)
         extremes = Extremes(np.zeros(size), np.zeros(size))
         for begin in range(0, envelope.size, plan.samples):
@@ -365,7 +365,7 @@ def ground_motions(
 
     def run(group: int) -> Array:
         """The accelerations in one group of motions."""
-        motion = Motion(Crowd(()), at_instants, root, plan, plan.first_group + group)
+        motion = MotionGroup(Crowd(()), at_instants, root, plan, plan.first_group + group)
         history = np.empty((steps, LANES))
         for begin in range(0, steps, plan.samples):
             motion.block()
@@ -376,7 +376,7 @@ def ground_motions(
     return np.concatenate(list(in_order(run, plan.groups, progress)))
 
 
-def _gram(motion: Motion, view: View | None, blocks: int) -> Array:
+def _gram(motion: MotionGroup, view: View | None, blocks: int) -> Array:
     """Sums (LANES, m, m) of ``x_i x_j`` over the samples of the next blocks."""
     size = motion.crowd.size if view is None else len(view.row)
     sums = zeros_on_a_line(size, size, LANES)

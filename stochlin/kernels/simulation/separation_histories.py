@@ -10,7 +10,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.simulation.ensemble import AnyGround, Crowd, Motion, Plan, View
+from stochlin.kernels.simulation.ensemble import AnyGround, Crowd, MotionGroup, Plan, View
 from stochlin.kernels.simulation.stepping import LANES
 
 AT_ONCE = 1 << 18  # displacements that are compared with gaps at once
@@ -56,16 +56,16 @@ def separation_histories(
 
     def counts(apart: Array, holds: Any) -> Array:
         """Number (k, c) of motions in which ``holds`` of ``apart`` (k, r, LANES) and each gap."""
-        found = np.empty((len(apart), cells), int)
+        numbers = np.empty((len(apart), cells), int)
         for begin in range(0, len(apart), at_once):
             some = slice(begin, begin + at_once)
             farthest = np.maximum.reduceat(apart[some], watched.start, axis=1)  # over the heights
-            found[some] = holds(farthest[:, watched.pair], watched.gap[:, None]).sum(axis=-1)
-        return found
+            numbers[some] = holds(farthest[:, watched.pair], watched.gap[:, None]).sum(axis=-1)
+        return numbers
 
     def run(group: int) -> Histories:
         """The histories of one group of motions."""
-        motion = Motion(crowd, ground, root, plan, plan.first_group + group)
+        motion = MotionGroup(crowd, ground, root, plan, plan.first_group + group)
         survivors, beyond = np.full((instants.size, cells), LANES), np.zeros((instants.size, cells), int)
         squares, fourths = np.zeros((2, instants.size, 3, rows))
         largest, last = np.zeros((rows, LANES)), np.zeros((2, 1, rows, LANES))
@@ -79,8 +79,8 @@ def separation_histories(
             inside = (instants > begin) & (instants <= begin + part.size)
             step, share = np.divmod(instants[inside] - begin, 1)
             step, share = step.astype(int), share[:, None, None]
-            one, two = (1 - share) * sides[:, step] + share * sides[:, np.minimum(step + 1, part.size)]
-            now = np.stack([one, two, one - two], axis=1)
+            u_1, u_2 = (1 - share) * sides[:, step] + share * sides[:, np.minimum(step + 1, part.size)]
+            now = np.stack([u_1, u_2, u_1 - u_2], axis=1)
             squared = now * now
             survivors[inside] = counts(so_far[step], np.less_equal)
             beyond[inside] = counts(now[:, 2], np.greater)

@@ -217,17 +217,17 @@ def add_products(out, total):
 
 
 @called_often
-def _weighted(one, weight, value):
+def _weighted(displacement, weight, value):
     """Write a weighted displacement (LANES,) to ``value``."""
     for lane in range(LANES):
-        value[lane] = weight * one[lane]
+        value[lane] = weight * displacement[lane]
 
 
 @called_often
-def _add_weighted(one, weight, value):
+def _add_weighted(displacement, weight, value):
     """Add a weighted displacement (LANES,) to ``value``."""
     for lane in range(LANES):
-        value[lane] += weight * one[lane]
+        value[lane] += weight * displacement[lane]
 
 
 @called_often

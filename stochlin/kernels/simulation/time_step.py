@@ -178,7 +178,7 @@ def steps_of(elements: Elements, dt: float, contacts: Contacts | None = None) ->
 
 def sampled_steps(elements: Sequence[Elements], dt: float) -> Steps:
     """Steps of sets of elements that differ only in their properties, one for each lane."""
-    each = [steps_of(one, dt) for one in elements]
+    each = [steps_of(sample, dt) for sample in elements]
     columns: dict[str, Any] = {
         name: np.stack([getattr(steps, name) for steps in each], axis=-1)
         for name in ("move", "push", "ease", "spring")

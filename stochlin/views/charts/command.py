@@ -12,7 +12,7 @@ import click
 from stochlin.messages import brief
 from stochlin.views.shared import options as shared
 from stochlin.views.shared.options import (
-    Measured,
+    QuantityType,
     closure_option,
     numbers_option,
     record_options,
@@ -49,7 +49,7 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
             show_default=True,
         ),
         *(
-            click.option(name, type=Measured(units), default=default, show_default=True, help=text)
+            click.option(name, type=QuantityType(units), default=default, show_default=True, help=text)
             for name, default, units, text in numbers
         ),
         numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", reduction_factors),
@@ -58,7 +58,7 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
         ),
         click.option(
             "--print-width",
-            type=Measured("m"),
+            type=QuantityType("m"),
             help="Width of the pictures in print, such as 84mm or 174mm for one or two columns: without "
             "title and notes, and with text of 7 points or more. Default: pictures for the screen.",
         ),
@@ -98,16 +98,16 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
 )
 @click.option(
     "--structure-period",
-    type=Measured("s"),
+    type=QuantityType("s"),
     help="Period of the structure of Fig. 1, and of the first structure of added_damping; default: "
     "that of the fitted ground.",
 )
 @click.option(
     "--second-period",
-    type=Measured("s"),
+    type=QuantityType("s"),
     help="Period of the second structure of added_damping; default: 0.7 times the first.",
 )
-@click.option("--gap", type=Measured("m"), help="Existing gap, drawn in added_damping.")
+@click.option("--gap", type=QuantityType("m"), help="Existing gap, drawn in added_damping.")
 @record_options
 def charts(
     name: str | None,

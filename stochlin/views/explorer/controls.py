@@ -128,15 +128,15 @@ class Choice(NamedTuple):
         return scene.ways_to_describe(int(self.name.rpartition("_")[2]))
 
 
-class Group(NamedTuple):
+class ControlGroup(NamedTuple):
     """Controls that belong together."""
 
     title: str
     controls: Sequence[Control | Choice]
 
 
-def _building(number: int, side: str) -> Group:
-    return Group(
+def _building(number: int, side: str) -> ControlGroup:
+    return ControlGroup(
         f"Building {number}, {side}",
         (
             Choice(f"description_{number}", f"Building {number} described as", DESCRIPTIONS),
@@ -156,7 +156,7 @@ def _building(number: int, side: str) -> Group:
 
 
 SHOWN = (
-    Group(
+    ControlGroup(
         "Ground",
         (
             Choice("site", "Kind of ground", SITES),
@@ -180,14 +180,14 @@ SHOWN = (
     ),
     _building(1, "left"),
     _building(2, "right"),
-    Group(
+    ControlGroup(
         "Gap",
         (
             Control("gap", "Existing gap", 0.5, 60.0, 0.5, "cm"),
             Control("confidence", "Confidence of no pounding", 0.5, 0.99, 0.01),
         ),
     ),
-    Group(
+    ControlGroup(
         "Motion",
         (
             Control("duration", "Duration", 5.0, 120.0, 1.0, "s"),
@@ -204,7 +204,7 @@ SHOWN = (
 )
 
 
-def _with_others(group: Group, kinds: Mapping[str, type[Model]]) -> Group:
+def _with_others(group: ControlGroup, kinds: Mapping[str, type[Model]]) -> ControlGroup:
     """The group with a control for what else its kinds of model have: a parameter of an extension."""
     known = {control.name for other in SHOWN for control in other.controls}
     names = {name for kind in kinds.values() for name in names_of(kind)} - known

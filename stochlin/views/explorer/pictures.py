@@ -42,7 +42,7 @@ RHO = (
 )
 
 
-class Row(NamedTuple):
+class RuleGap(NamedTuple):
     """A rule in the chart of the gaps; NaN for what is not known of it."""
 
     label: str  # of its line
@@ -184,7 +184,7 @@ def _add_heights(layout: Figure, top: float) -> None:
     layout["xaxis"] |= {"anchor": "y2"}
 
 
-def _lines(table: xr.Dataset, simulated: xr.Dataset | None, every: bool) -> list[Row]:
+def _lines(table: xr.Dataset, simulated: xr.Dataset | None, every: bool) -> list[RuleGap]:
     """The rules from below; each on a line of its own, or some of a kind on one."""
     rows = _rows(table, [*map(label_without_simulation, table.rule.values, table.family.values)])
     above = []
@@ -201,7 +201,7 @@ def _lines(table: xr.Dataset, simulated: xr.Dataset | None, every: bool) -> list
     ]
 
 
-def _rows(table: xr.Dataset, labels: list[str]) -> list[Row]:
+def _rows(table: xr.Dataset, labels: list[str]) -> list[RuleGap]:
     """The rules that have a gap, in the order of the table, under these names."""
     unknown = np.full(table.sizes["rule"], np.nan)
     gap, lower, upper = (
@@ -212,7 +212,7 @@ def _rows(table: xr.Dataset, labels: list[str]) -> list[Row]:
     found = zip(
         labels, table.rule.values, table.kind.values, gap, error, verdict, lower, upper, strict=True
     )
-    return [row for row in map(Row._make, found) if np.isfinite(row.gap)]
+    return [row for row in map(RuleGap._make, found) if np.isfinite(row.gap)]
 
 
 def _of_records(recorded: xr.Dataset, gaps: Any) -> Figure:
@@ -279,7 +279,7 @@ def probability_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -
     return _figure(curves, layout)
 
 
-def _points(rows: list[Row], symbol: str) -> Figure:
+def _points(rows: list[RuleGap], symbol: str) -> Figure:
     """Rules of one kind; open markers are unsafe, a number beside those alone on a line is the error."""
     lines = [row.label for row in rows]
     alone = [lines.count(line) == 1 for line in lines]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from stochlin.views.shared.options import Measured
+from stochlin.views.shared.options import QuantityType
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
@@ -23,7 +23,7 @@ from stochlin.views.shared.screen import (
 @click.command()
 @click.argument("case", type=FILE)
 @click.option(
-    "--gap", type=Measured("m"), help="Gap, such as 8cm, instead of the existing gap of the file."
+    "--gap", type=QuantityType("m"), help="Gap, such as 8cm, instead of the existing gap of the file."
 )
 @click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
 @click.option("--picture", type=FILE, help="Draw the probability as .png, .svg or .pdf.")

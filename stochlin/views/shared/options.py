@@ -85,7 +85,7 @@ solver_option = click.option(
 )
 
 
-class Measured(click.ParamType):  # type: ignore[type-arg]  # no generic type before click 8.2
+class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic type before click 8.2
     """A number with its unit, as case files have it: ``5cm`` or ``"5 cm"``; ratios have none."""
 
     name = "quantity"
@@ -112,7 +112,7 @@ class Measured(click.ParamType):  # type: ignore[type-arg]  # no generic type be
             self.fail(f"{brief(text)} {error}", param, ctx)
 
 
-class Numbers(Measured):
+class Numbers(QuantityType):
     """A value ``0.5s``, a list ``0.5s,1s,2s``, or a sweep ``start:stop:count[:log]``."""
 
     name = "numbers"
@@ -249,7 +249,7 @@ record_options = together(
     click.option("--record", type=FILE, help="Strong-motion record; the ground is fitted to it."),
     click.option(
         "--dt",
-        type=Measured("s"),
+        type=QuantityType("s"),
         help="Time step of the record, such as 0.01s, if the file does not give it.",
     ),
     click.option("--units", help="Units of the record: g, m/s^2, cm/s^2 or mm/s^2."),

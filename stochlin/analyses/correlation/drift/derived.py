@@ -33,9 +33,9 @@ def _correlation(*inputs: Array) -> Array:
 def pieces_of_rho(*parts: Array) -> Array:
     """``rho`` of pairs; ``parts`` are the arrays `OF_A_SIDE` of the first, then of the second."""
     half, end = len(parts) // 2, len(INTERNAL)
-    (slow_1, rate_1, *one), (slow_2, rate_2, *other) = parts[:half], parts[half:]
-    first, second = (system_and_forcing(side[:end]) for side in (one, other))
-    shares = [np.stack(np.broadcast_arrays(*side[end:])) for side in (one, other)]
+    (slow_1, rate_1, *own_1), (slow_2, rate_2, *own_2) = parts[:half], parts[half:]
+    first, second = (system_and_forcing(side[:end]) for side in (own_1, own_2))
+    shares = [np.stack(np.broadcast_arrays(*side[end:])) for side in (own_1, own_2)]
     coherence = innovation_coherence(first[0], second[0])
     drifts = drift_correlation(coherence, shares[0], shares[1], rate_1, rate_2)
     total_1 = own_covariance(*first).mu_mu + slow_1**2

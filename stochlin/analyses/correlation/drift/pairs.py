@@ -118,11 +118,11 @@ def _rho_and_doubt(
 def _cells(*inputs: Array) -> tuple[Array, ...]:
     def piece(*parts: Array) -> tuple[Array, ...]:
         half, own = len(parts) // 2, len(OF_A_SIDE)
-        one, other = parts[:half], parts[half:]
-        derived = pieces_of_rho(*one[:own], *other[:own])
+        of_first, of_second = parts[:half], parts[half:]
+        derived = pieces_of_rho(*of_first[:own], *of_second[:own])
         if half == own:
             return derived, doubt_of(derived), 0 * derived
-        (seen_1, like_1), (seen_2, like_2) = insight_of(one[own:]), insight_of(other[own:])
+        (seen_1, like_1), (seen_2, like_2) = insight_of(of_first[own:]), insight_of(of_second[own:])
         informed, unseen = derived, np.ones_like(derived)
         if seen_1 is not None and seen_2 is not None:
             informed, unseen = informed_correlation(derived, seen_1, seen_2), seen_1.left * seen_2.left

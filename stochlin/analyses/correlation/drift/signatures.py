@@ -67,7 +67,7 @@ def derived_signatures(solved: Sequence[Solved], known: Solved, gram: xr.DataArr
     """
     core = ([REFERENCE], [REFERENCE, OTHER])
     joint = [derived_correlation(side, known) for side in solved]
-    return [cellwise(_signature, one, gram, core=core, result=[REFERENCE])[0] for one in joint]
+    return [cellwise(_signature, rho, gram, core=core, result=[REFERENCE])[0] for rho in joint]
 
 
 def derived_gram(known: xr.Dataset) -> xr.DataArray:
@@ -124,19 +124,23 @@ def insights(
     if isinstance(ground, WhiteNoise):
         soil = [1.0, AS_ON_WHITE_NOISE]
         both = zip(points, pairs, strict=True)
-        return [_like([*point, *soil], one.cells()["period"]) for point, (one, _) in both]
+        return [_like([*point, *soil], structure.cells()["period"]) for point, (structure, _) in both]
     one_ground = all(array.ndim == 0 for array in ground.arrays().values())
     labelled = any(is_labelled(*side.values()) for side in solved)
     if one_ground and not labelled:  # two single cells take hardly longer than one
         sides = {name: np.array([side[name] for side in solved])[:, None] for name in OF_A_SIDE}
-        place: list[Cells] = [np.array(one) for one in zip(*points, strict=True)]
-        found = [np.asarray(one) for one in _told(sides, place, *_plain_references(ground, tolerance))]
-        return [[array[n, ...] for array in found] for n in range(len(pairs))]
+        place: list[Cells] = [np.array(values) for values in zip(*points, strict=True)]
+        rows = [
+            np.asarray(row) for row in _insight_of(sides, place, *_plain_references(ground, tolerance))
+        ]
+        return [[row[n, ...] for row in rows] for n in range(len(pairs))]
     of_arrays = (_solved_once if one_ground else _solved_references)(ground, tolerance)
-    return [_told(side, point, *of_arrays) for point, side in zip(points, solved, strict=True)]
+    return [_insight_of(side, point, *of_arrays) for point, side in zip(points, solved, strict=True)]
 
 
-def _told(side: Solved, point: list[Cells], known: Solved, gram: xr.DataArray | Array) -> list[Cells]:
+def _insight_of(
+    side: Solved, point: list[Cells], known: Solved, gram: xr.DataArray | Array
+) -> list[Cells]:
     """Arrays of the `Insight`, then of the `Nearness`, from the references and their `derived_gram`."""
     (own,) = derived_signatures([side], known, gram)
     correction = hold_at_ends(SIGNATURE, point)
@@ -165,8 +169,8 @@ def _nearness(*arrays: Array) -> tuple[Array, ...]:
 @np.errstate(invalid="ignore")  # failed cells are NaN
 def _insight(own: Array, *correction: Array) -> tuple[Array, ...]:
     together = np.broadcast_arrays(*np.moveaxis(own, -1, 0), *correction)
-    found = insight(*np.array(together).reshape(2, len(correction), *together[0].shape))
-    return (*found.known, *found.derived, found.unseen)
+    result = insight(*np.array(together).reshape(2, len(correction), *together[0].shape))
+    return (*result.known, *result.derived, result.unseen)
 
 
 def insight_of(arrays: tuple[Array, ...] | list[Array]) -> tuple[Insight | None, Nearness]:

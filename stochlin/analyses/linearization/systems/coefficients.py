@@ -130,11 +130,11 @@ def equivalent_coefficients(
         )
     status = labels.status_where(c_eq.notnull() & k_eq.notnull())
     table = labels.label(xr.Dataset({"c_eq": c_eq, "k_eq": k_eq, "status": status}), VARIABLES)
-    told = law if isinstance(law, str) else f"{law}"
+    law_name = law if isinstance(law, str) else f"{law}"
     return labels.with_run_information(
         table,
         f"Equivalent coefficients, eqs. (9) and (10), {closure} closure",
-        f"equivalent_coefficients(law={told!r}, closure={closure!r})",
+        f"equivalent_coefficients(law={law_name!r}, closure={closure!r})",
         {"moments": moments, "law": structure},
     )
 
@@ -157,9 +157,9 @@ def _coefficients(
     where = np.flatnonzero(arrays[0])
     moments, parameters = np.split(np.stack([a.reshape(-1)[where] for a in arrays[1:]]), [3])
     latent = before_clipping(moments, parameters, closure) if clips else moments
-    found = np.full((2, arrays[0].size), np.nan)
+    coefficients = np.full((2, arrays[0].size), np.nan)
     if where.size:
         slip, relaxation = closure(latent, parameters).coefficients
-        found[:, where] = slip - 1, relaxation
-    c_eq, k_eq = found.reshape(2, *arrays[0].shape)
+        coefficients[:, where] = slip - 1, relaxation
+    c_eq, k_eq = coefficients.reshape(2, *arrays[0].shape)
     return c_eq, k_eq

@@ -19,7 +19,7 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import GAUSSIAN
 
 
-class Solution(NamedTuple):
+class SystemSolution(NamedTuple):
     """Result of the iteration in c cells; NaN in cells that failed."""
 
     c_eq: Array  # (c, e), of the elements; -1 if elastic
@@ -29,11 +29,11 @@ class Solution(NamedTuple):
     iterations: Array  # (c,)
     status: Array  # (c,)
 
-    def at(self, cell: int) -> Solution:
+    def at(self, cell: int) -> SystemSolution:
         """The solution of one cell."""
         cells = slice(cell, cell + 1)
         c_eq, k_eq, dashpots, changes, iterations, status = self
-        return Solution(
+        return SystemSolution(
             c_eq[cells],
             k_eq[cells],
             dashpots[cells],
@@ -45,14 +45,14 @@ class Solution(NamedTuple):
 
 def solve_equations(
     equations: Equations, closure: str, tolerance: Tolerance, relaxation: float | None = None
-) -> Solution:
+) -> SystemSolution:
     """The equivalent coefficients of all elements, by Newton's method, or by substitution if relaxed."""
     own, stacks = equations.yields, equations.arrangement.stacks
     problem = springs_of(equations, closure, tolerance.rtol)
     power = problem.power
     weak = (s.law for s in stacks if not np.isposinf(s.system.strength).all())
-    one = (law.has_one_solution().to_numpy() for law in weak)
-    one_solution = np.broadcast_to(reduce(and_, one, np.array(True)), equations.cells)
+    unique = (law.has_one_solution().to_numpy() for law in weak)
+    one_solution = np.broadcast_to(reduce(and_, unique, np.array(True)), equations.cells)
     solved = solve_springs(problem, one_solution, tolerance.max_iterations, relaxation)
     slip, k, linear = solved.linear
     still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.mechanics.frequency)
@@ -65,7 +65,7 @@ def solve_equations(
     status = np.where(solved.converged, calm, failed).astype(np.int8)
     watch = problem.watch
     changes = watch.changes[: watch.iterations.max(initial=0)]
-    return Solution(c_eq, k_eq, linear, changes, watch.iterations, status)
+    return SystemSolution(c_eq, k_eq, linear, changes, watch.iterations, status)
 
 
 def springs_of(equations: Equations, closure: str, rtol: float) -> Springs:

@@ -22,7 +22,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
-from stochlin.kernels.linearization.systems.response import Response
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.state_space import (
     Mechanics,
     Order,
@@ -199,10 +199,10 @@ def check_one_system(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
 ) -> None:
     """Raise a ValueError if a parameter of an oscillator, the ground or a link is an array."""
-    given: list[tuple[Model, str]] = [(ground, "ground")]
-    given += [(s, f"structures, number {n}") for n, s in enumerate(structures, start=1)]
-    given += [(link, f"links, number {n}") for n, link in enumerate(links, start=1) if link is not None]
-    for model, role in given:
+    models: list[tuple[Model, str]] = [(ground, "ground")]
+    models += [(s, f"structures, number {n}") for n, s in enumerate(structures, start=1)]
+    models += [(link, f"links, number {n}") for n, link in enumerate(links, start=1) if link is not None]
+    for model, role in models:
         if not isinstance(model, ShearBuilding):
             check_scalars(model, role, ONE_SYSTEM)
 
@@ -277,12 +277,12 @@ def statespace(
                 f"links, number {number}: damping_exponent = {link.exponent:g}; allowed: 1, since this "
                 "is a linear system. Give the link the equivalent_damping_constant of linearize_system"
             )
-    given = []
+    coefficients = []
     for name, values in (("c_eq", c_eq), ("k_eq", k_eq)):
-        given.append(as_numbers(name, values, "a number for every element").astype(float))
-        if given[-1].ndim != 1:
+        coefficients.append(as_numbers(name, values, "a number for every element").astype(float))
+        if coefficients[-1].ndim != 1:
             raise ValueError(f"{name} = {brief(values)}; allowed: a number for every element")
-        if not np.isfinite(given[-1]).all():
+        if not np.isfinite(coefficients[-1]).all():
             raise ValueError(f"{name} = {brief(list(values))}; allowed: finite numbers")
     equations = Equations(arrangement_of([_of_any_strength(s) for s in structures], links), ground)
     elements = [equations.springs[spring] for spring in equations.elements]
@@ -291,16 +291,17 @@ def statespace(
             f"c_eq, k_eq have lengths {len(c_eq)}, {len(k_eq)}; allowed: {len(elements)}, one of each "
             f"kind for every element, {brief(elements)}"
         )
-    own = (given[0] != -1) | (given[1] != 0)
+    own = (coefficients[0] != -1) | (coefficients[1] != 0)
     for element in np.flatnonzero(own[: len(equations.arrangement.floors)]):
         number = int(np.searchsorted(equations.arrangement.first, element, side="right"))
         structure = structures[number - 1]
         if structure.hardening is None:
             raise ValueError(
                 f"{type(structure).__name__}, number {number}: hardening is not given; with c_eq = "
-                f"{given[0][element]:g}, k_eq = {given[1][element]:g} it yields, and needs its hardening"
+                f"{coefficients[0][element]:g}, k_eq = {coefficients[1][element]:g} it yields, and "
+                "needs its hardening"
             )
-    written = equations.state_space(given[0], given[1], own)
+    written = equations.state_space(coefficients[0], coefficients[1], own)
     names = equations.states(own)
     extension = np.zeros((len(equations.springs), len(names)))
     extension[:, written.order.coordinates] = written.extensions
@@ -387,7 +388,7 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
         space.extension.values[:, u],
         space.stiffness.values[None],
     )
-    response = Response(system)
+    response = StationaryResponse(system)
     if not np.isfinite(response.covariance).all():
         raise ArithmeticError(INACCURATE if response.stable[0] else UNSTABLE)
     return xr.DataArray(

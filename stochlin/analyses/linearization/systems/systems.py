@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.systems.coefficients import check_element_closure
-from stochlin.analyses.linearization.systems.solution import Solution, solve_equations
+from stochlin.analyses.linearization.systems.solution import SystemSolution, solve_equations
 from stochlin.analyses.linearization.systems.state_space import (
     Equations,
     check_one_system,
@@ -25,7 +25,7 @@ from stochlin.analyses.tables.floors import element_coordinates, floor_coordinat
 from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import absolute_moment
-from stochlin.kernels.linearization.systems.response import Response, alike
+from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
 from stochlin.kernels.linearization.systems.state_space import StateSpace
 from stochlin.messages import brief
 from stochlin.models.buildings import ShearBuilding
@@ -175,8 +175,8 @@ def linearize_system(
     equations = equations_of_cells(cells, links)
     solution = solve_equations(equations, closure, tolerance, factor)
     table = labels.label(solution_table(cells, equations, solution), VARIABLES)
-    given = ", ".join(structure.describe() for structure in structures)
-    labels.raise_if_lone_failure(table, f"linearize_system([{given}], {ground.describe()})")
+    described = ", ".join(structure.describe() for structure in structures)
+    labels.raise_if_lone_failure(table, f"linearize_system([{described}], {ground.describe()})")
     if any(structure.yields for structure in structures):
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
     how = "" if factor is None else f", iteration='substitution', relaxation={factor:g}"
@@ -219,21 +219,21 @@ def check_chain(models: Mapping[str, Model]) -> None:
 
 def linearized_motion(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
-) -> Response:
+) -> StationaryResponse:
     """Response of the equivalent linear system by the Gaussian closure, with its covariance."""
     links = checked_system(structures, ground, links)
     check_one_system(structures, ground, links)
     equations = equations_of(structures, ground, links)
-    return Response(equivalent_systems(equations, solved(equations)))
+    return StationaryResponse(equivalent_systems(equations, solved(equations)))
 
 
-def equivalent_systems(equations: Equations, solution: Solution) -> StateSpace:
+def equivalent_systems(equations: Equations, solution: SystemSolution) -> StateSpace:
     """The linear systems with the coefficients and dashpots of a solution."""
     dashpots = np.nan_to_num(solution.dashpots)
     return equations.state_space(solution.c_eq, solution.k_eq, equations.yields, dashpots)
 
 
-def solved(equations: Equations) -> Solution:
+def solved(equations: Equations) -> SystemSolution:
     """Solution of one system by the Gaussian closure; an ArithmeticError if it fails."""
     solution = solve_equations(equations, GAUSSIAN, USUAL)
     if solution.status[0] >= labels.NOT_CONVERGED:
@@ -274,34 +274,34 @@ def equations_of_cells(cells: Flat, links: Sequence[Link | None]) -> Equations:
 
 
 @np.errstate(all="ignore")  # correlations of floors that do not move are 0/0
-def solution_table(cells: Flat, equations: Equations, solution: Solution) -> xr.Dataset:
+def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) -> xr.Dataset:
     """Dataset of `linearize_system` from a solution, without labels."""
     system, own = equations.arrangement, equations.yields
     n, count = len(system.floors), equations.cells
-    found = _responses(equations, solution)
-    finite = np.isfinite(found["covariance"]).all(axis=(1, 2))
+    results = _responses(equations, solution)
+    finite = np.isfinite(results["covariance"]).all(axis=(1, 2))
     status = np.where(
         finite | (solution.status >= labels.NOT_CONVERGED), solution.status, labels.NOT_PHYSICAL
     )
     failed = status >= labels.NOT_CONVERGED
-    found |= {"c_eq": solution.c_eq.copy(), "k_eq": solution.k_eq.copy()}
-    for values in found.values():
+    results |= {"c_eq": solution.c_eq.copy(), "k_eq": solution.k_eq.copy()}
+    for values in results.values():
         values[failed] = np.nan
-    strength, std = equations.strength, found["displacement_std"]
+    strength, std = equations.strength, results["displacement_std"]
     z, corr = np.zeros((2, *strength.shape))
-    _, velocity, of_z, velocity_z = np.moveaxis(found.pop("moments"), 1, 0)
+    _, velocity, of_z, velocity_z = np.moveaxis(results.pop("moments"), 1, 0)
     z[:, own] = np.sqrt(of_z) / strength[:, own]
     corr[:, own] = velocity_z / np.sqrt(velocity * of_z)
     q, floors = equations.order(own).coordinates, equations.system.shapes
-    of_floors = floors @ found["covariance"][:, q[:, None], q] @ floors.T
+    of_floors = floors @ results["covariance"][:, q[:, None], q] @ floors.T
     rho = np.clip(of_floors / (std[:, :, None] * std[:, None]), -1, 1)
-    found |= {"z_std": z, "velocity_z_corr": corr, "rho": rho, "yield_drift": strength}
-    found["ductility_std"] = found["drift_std"] / strength
-    apart = found["relative_displacement_std"]
-    found["relative_displacement_std"] = apart.reshape(count, n, n)
+    results |= {"z_std": z, "velocity_z_corr": corr, "rho": rho, "yield_drift": strength}
+    results["ductility_std"] = results["drift_std"] / strength
+    apart = results["relative_displacement_std"]
+    results["relative_displacement_std"] = apart.reshape(count, n, n)
     if any(tie.link.damping_exponent is not None for tie in system.ties):
-        found["equivalent_damping_constant"] = np.where(failed[:, None], np.nan, solution.dashpots)
-    variables = {name: cells.table(found[name], DIMS[name]) for name in DIMS if name in found}
+        results["equivalent_damping_constant"] = np.where(failed[:, None], np.nan, solution.dashpots)
+    variables = {name: cells.table(results[name], DIMS[name]) for name in DIMS if name in results}
     for row, name in enumerate(("covariance_change", "coefficient_change")):
         changes = cells.table(solution.changes[:, row].T, ("iteration",))
         variables[name] = changes.transpose("iteration", ...)
@@ -326,7 +326,7 @@ def solution_table(cells: Flat, equations: Equations, solution: Solution) -> xr.
     return table
 
 
-def _responses(equations: Equations, solution: Solution) -> dict[str, Array]:
+def _responses(equations: Equations, solution: SystemSolution) -> dict[str, Array]:
     """What follows from the responses of the equivalent linear systems, by variable."""
     n = len(equations.arrangement.floors)
     floors = equations.system.shapes
@@ -334,7 +334,7 @@ def _responses(equations: Equations, solution: Solution) -> dict[str, Array]:
     parts: list[tuple[Array, dict[str, Array]]] = []
     dashpots = np.nan_to_num(solution.dashpots)
     for cells, system in alike(equivalent_systems(equations, solution)):
-        motion = Response(system)
+        motion = StationaryResponse(system)
         part = {
             "drift_std": motion.std(equations.system.extensions[equations.elements]),
             "displacement_std": motion.std(floors),
@@ -352,7 +352,9 @@ def _responses(equations: Equations, solution: Solution) -> dict[str, Array]:
     return {name: np.concatenate([part[name] for _, part in parts])[order] for name in names}
 
 
-def link_forces(equations: Equations, dashpots: Array, motion: Response, cells: Array) -> Array:
+def link_forces(
+    equations: Equations, dashpots: Array, motion: StationaryResponse, cells: Array
+) -> Array:
     """Standard deviations of the forces in all links (c, l) [N], of some cells.
 
     For a dashpot with an exponent, the variance of its linearized force is replaced by that of the

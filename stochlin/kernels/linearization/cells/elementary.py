@@ -21,7 +21,7 @@ LEAST = -700.0  # below it the exponential function is taken as 0
 SHORT = 0.17  # up to here the series of atanh is short
 ROOT_HALF = math.sqrt(0.5)
 BITS_OF_ONE, BITS_OF_ROOT_HALF, BITS_OF_2_52 = (
-    int(np.float64(one).view(np.int64)) for one in (1.0, ROOT_HALF, 2.0**52)
+    int(np.float64(number).view(np.int64)) for number in (1.0, ROOT_HALF, 2.0**52)
 )
 OF_EXP = tuple(1 / math.factorial(n) for n in range(13, -1, -1))
 OF_ATANH = tuple(1 / (2 * n + 1) for n in range(11, -1, -1))
@@ -105,8 +105,8 @@ def erfcx(x):
 def _polynomial(coefficients, x):
     """The polynomial with these coefficients, the highest first."""
     value = 0.0
-    for one in coefficients:
-        value = value * x + one
+    for coefficient in coefficients:
+        value = value * x + coefficient
     return value
 
 

@@ -79,8 +79,8 @@ def settle(clipped, oscillators, cell, ground, start, pace, rtol, atol, most):
 
 
 @entry
-def settle_cells(clipped, oscillators, cells, ground, start, pace, rtol, atol, most, found, iterations):
-    """Write what `settle` finds for all cells to ``found`` (FOUND, n) and ``iterations`` (n,).
+def settle_cells(clipped, oscillators, cells, ground, start, pace, rtol, atol, most, out, iterations):
+    """Write what `settle` finds for all cells to ``out`` (FOUND, n) and ``iterations`` (n,).
 
     ``cells`` are (4, n), ``ground`` (OF_GROUND, n) and ``start`` (3, n).
     """
@@ -104,7 +104,7 @@ def settle_cells(clipped, oscillators, cells, ground, start, pace, rtol, atol, m
             value, state = read_values(tile, lane), read_state(tile, lane)
             result = _result(read3(tile, MOMENTS, lane), value, state)
             for row in range(FOUND):
-                found[row, here] = result[row]
+                out[row, here] = result[row]
             iterations[here] = count[lane]
             at[lane], count[lane] = -1, 0
             if taken < iterations.size:

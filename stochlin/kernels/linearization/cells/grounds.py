@@ -77,15 +77,15 @@ def _signal(oscillator, rows):
 
 
 @called_often
-def _less(one, other):
+def _less(left, right):
     """Difference of two pairs of numbers."""
-    return one[0] - other[0], one[1] - other[1]
+    return left[0] - right[0], left[1] - right[1]
 
 
 @called_often
-def _less3(one, other):
+def _less3(left, right):
     """Difference of two triples of numbers."""
-    return one[0] - other[0], one[1] - other[1], one[2] - other[2]
+    return left[0] - right[0], left[1] - right[1], left[2] - right[2]
 
 
 @called_often
@@ -195,64 +195,64 @@ def _write_rows(tile, row, lane, rows, wide):
     tile[(row + 2 * wide + 1) * LANES + lane] = y_rate
 
 
-def solve(rows: Array, found: Array) -> None:
+def solve(rows: Array, out: Array) -> None:
     """As `kanai_tajimi` for 8 rows or `clough_penzien` for 10; a few cells in plain Python."""
     in_code, one_cell = (
         (kanai_tajimi, _kanai_tajimi) if len(rows) == 8 else (clough_penzien, _clough_penzien)
     )
     if worth_compiling(in_code, rows.shape[1]):
-        in_code(rows, found)
+        in_code(rows, out)
         return
     try:
         for cell, column in enumerate(rows.T.tolist()):
             made = one_cell(column[:SYSTEM], column[SYSTEM:])
             of_states = chain(*zip(*made[3:], strict=True))  # of mu, of mu', of y with each oscillator
-            found[:, cell] = [*chain(*made[:3]), *chain(*of_states)]
+            out[:, cell] = [*chain(*made[:3]), *chain(*of_states)]
     except (ArithmeticError, ValueError):  # compiled code goes on with infinity or NaN
-        in_code(rows, found)
+        in_code(rows, out)
 
 
 @entry
-def kanai_tajimi(rows, found):
-    """Write forcings and covariances of cells on Kanai-Tajimi grounds to ``found`` (FORCINGS + 6, n).
+def kanai_tajimi(rows, out):
+    """Write forcings and covariances of cells on Kanai-Tajimi grounds to ``out`` (FORCINGS + 6, n).
 
     ``rows`` (8, n) are the equivalent system, ``S0``, ``wg^2`` and ``2 xig wg``. After the forcings and
-    their derivatives ``found`` has the covariances of ``mu``, ``mu'`` and ``y`` with the filter's
+    their derivatives ``out`` has the covariances of ``mu``, ``mu'`` and ``y`` with the filter's
     states.
     """
-    given, made = np.empty(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
-    fill(given, 1.0)
+    tile, made = np.empty(rows.shape[0] * LANES), np.empty(out.shape[0] * LANES)
+    fill(tile, 1.0)
     for start in range(0, rows.shape[1], LANES):
-        load(rows, start, given, 0)
+        load(rows, start, tile, 0)
         for lane in range(LANES):
-            ground = read3(given, SYSTEM, lane)
-            forcing, by_slip, by_relaxation, of_soil = _kanai_tajimi(_system(given, lane), ground)
+            ground = read3(tile, SYSTEM, lane)
+            forcing, by_slip, by_relaxation, of_soil = _kanai_tajimi(_system(tile, lane), ground)
             write3(made, 0, lane, forcing)
             write3(made, 3, lane, by_slip)
             write3(made, 6, lane, by_relaxation)
             _write_rows(made, FORCINGS, lane, of_soil, 2)
-        store(made, 0, found, start)
+        store(made, 0, out, start)
 
 
 @entry
-def clough_penzien(rows, found):
-    """As `kanai_tajimi` for Clough-Penzien grounds, with ``found`` (FORCINGS + 12, n).
+def clough_penzien(rows, out):
+    """As `kanai_tajimi` for Clough-Penzien grounds, with ``out`` (FORCINGS + 12, n).
 
     ``rows`` (10, n) also has ``wf^2`` and ``2 xif wf`` of the high-pass oscillator.
     """
-    given, made = np.empty(rows.shape[0] * LANES), np.empty(found.shape[0] * LANES)
-    fill(given, 1.0)
+    tile, made = np.empty(rows.shape[0] * LANES), np.empty(out.shape[0] * LANES)
+    fill(tile, 1.0)
     for start in range(0, rows.shape[1], LANES):
-        load(rows, start, given, 0)
+        load(rows, start, tile, 0)
         for lane in range(LANES):
             ground = (
-                *read3(given, SYSTEM, lane), given[8 * LANES + lane], given[9 * LANES + lane]
+                *read3(tile, SYSTEM, lane), tile[8 * LANES + lane], tile[9 * LANES + lane]
             )  # fmt: skip
-            found_here = _clough_penzien(_system(given, lane), ground)
+            found_here = _clough_penzien(_system(tile, lane), ground)
             forcing, by_slip, by_relaxation, of_soil, of_layer = found_here
             write3(made, 0, lane, forcing)
             write3(made, 3, lane, by_slip)
             write3(made, 6, lane, by_relaxation)
             _write_rows(made, FORCINGS, lane, of_soil, 4)
             _write_rows(made, FORCINGS + 2, lane, of_layer, 4)
-        store(made, 0, found, start)
+        store(made, 0, out, start)

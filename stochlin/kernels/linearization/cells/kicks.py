@@ -16,14 +16,14 @@ SMALL = 0.125  # largest time of the series, times the bound of the eigenvalues
 
 
 @entry
-def variance_by_order(sz, growth, excess, weight, found, lanes=LANES):
-    """Write ``c_j^2`` of eq. (2) to ``found`` (orders + 1, n), by quadrature over amplitudes.
+def variance_by_order(sz, growth, excess, weight, out, lanes=LANES):
+    """Write ``c_j^2`` of eq. (2) to ``out`` (orders + 1, n), by quadrature over amplitudes.
 
     It is the variance of the kick sizes by Laguerre order ``j``, over the square of their mean; the last
     row has the rest. ``growth`` (n,) is ``exp(1/(2 sz^2))``; ``excess`` and ``weight`` are the nodes and
     weights of the quadrature for an exponential density.
     """
-    orders = found.shape[0] - 1
+    orders = out.shape[0] - 1
     std, threshold = np.empty(lanes), np.empty(lanes)
     energy, weighted = np.empty(lanes), np.empty(lanes)
     before, last = np.empty(lanes), np.empty(lanes)
@@ -51,9 +51,9 @@ def variance_by_order(sz, growth, excess, weight, found, lanes=LANES):
             left = square[lane] / (mean * mean) * growth[start + lane] - 1
             for order in range(1, orders + 1):
                 share = sums[order * lanes + lane] / mean
-                found[order - 1, start + lane] = share * share
+                out[order - 1, start + lane] = share * share
                 left -= share * share
-            found[orders, start + lane] = np.maximum(left, 0.0)
+            out[orders, start + lane] = np.maximum(left, 0.0)
 
 
 @compiled
@@ -73,23 +73,23 @@ def _add_polynomials(energy, weighted, before, last, sums, orders, lanes):
 
 
 @entry
-def add_powers(memory, found, lanes=LANES):
-    """Write ``S_j``, the sum of ``R_n^(2 j + 1)`` over all ``n``, eq. (3), to ``found`` (orders, n).
+def add_powers(memory, out, lanes=LANES):
+    """Write ``S_j``, the sum of ``R_n^(2 j + 1)`` over all ``n``, eq. (3), to ``out`` (orders, n).
 
     A power of a correlation function is a correlation function, so that with Bartlett's window no sum is
     negative.
     """
-    cycles, orders = memory.shape[0], found.shape[0]
-    sums, given = np.empty(orders * lanes), np.empty(cycles * lanes)
+    cycles, orders = memory.shape[0], out.shape[0]
+    sums, tile = np.empty(orders * lanes), np.empty(cycles * lanes)
     power, square = np.empty(lanes), np.empty(lanes)
-    fill(given, 0.0)
+    fill(tile, 0.0)
     for start in range(0, memory.shape[1], lanes):
-        load(memory, start, given, 0, lanes)
+        load(memory, start, tile, 0, lanes)
         fill(sums, 1.0)
         for n in range(cycles):
             window = 2 * (1 - (n + 1) / cycles)
             for lane in range(lanes):
-                value = given[n * lanes + lane]
+                value = tile[n * lanes + lane]
                 power[lane], square[lane] = window * value, value * value
             for order in range(orders):
                 for lane in range(lanes):
@@ -97,18 +97,18 @@ def add_powers(memory, found, lanes=LANES):
                     sums[order * lanes + lane] += power[lane]
         for at in range(sums.size):
             sums[at] = max(sums[at], 0.0)
-        store(sums, 0, found, start, lanes)
+        store(sums, 0, out, start, lanes)
 
 
 @entry
-def follow(matrix, time, turns, states, found, lanes=LANES):
-    """Write ``z`` at multiples of ``time`` (n,) in the free motion ``x' = A x`` to ``found``.
+def follow(matrix, time, turns, states, out, lanes=LANES):
+    """Write ``z`` at multiples of ``time`` (n,) in the free motion ``x' = A x`` to ``out``.
 
     The result is (cycles, n). The motion starts from ``states`` (k, n). ``matrix`` (k * k, n) is ``A``,
     and ``turns`` (n,) a bound of its eigenvalues times ``time``. ``z`` is the first state, the
     displacement, less the third, the slip.
     """
-    size, cycles = states.shape[0], found.shape[0]
+    size, cycles = states.shape[0], out.shape[0]
     part, step, other = (
         np.empty(size * size * lanes), np.empty(size * size * lanes), np.empty(size * size * lanes)
     )  # fmt: skip
@@ -140,7 +140,7 @@ def follow(matrix, time, turns, states, found, lanes=LANES):
                 here[at] = after[at]
             for lane in range(lanes):
                 made[n * lanes + lane] = here[lane] - here[2 * lanes + lane]
-        store(made, 0, found, start, lanes)
+        store(made, 0, out, start, lanes)
 
 
 @compiled
@@ -150,15 +150,15 @@ def _exponential(part, doublings, size, total, other, lanes):
     ``part`` is the scaled matrix, ``doublings`` the numbers of squarings, ``total`` the result.
     """
     for i in range(size * size):
-        one = 1.0 if i % (size + 1) == 0 else 0.0
+        identity = 1.0 if i % (size + 1) == 0 else 0.0
         for lane in range(lanes):
-            total[i * lanes + lane] = one + part[i * lanes + lane] / TERMS
+            total[i * lanes + lane] = identity + part[i * lanes + lane] / TERMS
     for order in range(TERMS - 1, 0, -1):
         _multiply(part, total, size, other, lanes)
         for i in range(size * size):
-            one = 1.0 if i % (size + 1) == 0 else 0.0
+            identity = 1.0 if i % (size + 1) == 0 else 0.0
             for lane in range(lanes):
-                total[i * lanes + lane] = one + other[i * lanes + lane] / order
+                total[i * lanes + lane] = identity + other[i * lanes + lane] / order
     most = 0.0
     for lane in range(lanes):
         most = max(most, doublings[lane])

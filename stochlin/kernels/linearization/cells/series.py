@@ -5,8 +5,8 @@ from stochlin.kernels.linearization.cells.tiles import LANES
 
 
 @entry
-def evaluate(x, begin, table, found):
-    """Write the function at ``x`` (n,) to ``found``, by Clenshaw's recursion.
+def evaluate(x, begin, table, out):
+    """Write the function at ``x`` (n,) to ``out``, by Clenshaw's recursion.
 
     ``table`` (terms, panels) has the coefficients of each series; the first panel starts at ``begin``.
     Outside the range the value at its nearer end is taken.
@@ -17,7 +17,7 @@ def evaluate(x, begin, table, found):
             at = min(max(x[lane] - begin, 0.0), float(panels))
             panel = min(int(at), panels - 1)
             u = 4 * (at - panel) - 2
-            one, two = 0.0, 0.0
+            b_1, b_2 = 0.0, 0.0
             for n in range(terms - 1, 0, -1):
-                one, two = table[n, panel] + u * one - two, one
-            found[lane] = table[0, panel] + 0.5 * u * one - two
+                b_1, b_2 = table[n, panel] + u * b_1 - b_2, b_1
+            out[lane] = table[0, panel] + 0.5 * u * b_1 - b_2

@@ -79,8 +79,8 @@ def _quadrant(sz, r, integral):
 def _within(h, tail, density):
     """``P(|x| < h)``, ``E[x^2; |x| < h]`` and ``P(|x| > h)`` of a standard Gaussian ``x``."""
     half, series = 0.5 * h * h, 0.0
-    for one in NARROW:
-        series = series * half + one
+    for coefficient in NARROW:
+        series = series * half + coefficient
     between = 2 * h * density
     square = half * between * series if h < 1 else 1 - 2 * tail - between
     return square + between, square, 2 * tail
@@ -161,52 +161,52 @@ def read_values(tile, lane):
 
 def values(latent: Array, clipped: bool) -> Array:
     """What a closure finds for moments (3, n): the fields of `gaussian.ClosureValue` as rows (20, n)."""
-    found = np.empty((CLOSED - COEFFICIENTS, latent.shape[1]))
+    fields = np.empty((CLOSED - COEFFICIENTS, latent.shape[1]))
     if worth_compiling(close_cells, latent.shape[1]):
-        close_cells(clipped, np.ascontiguousarray(latent), found)
-        return found
+        close_cells(clipped, np.ascontiguousarray(latent), fields)
+        return fields
     for cell, moments in enumerate(latent.T.tolist()):
         try:
             *rows, matrix = closure_of(clipped, moments)
-            found[:, cell] = [*chain(*rows), *chain(*matrix)]
+            fields[:, cell] = [*chain(*rows), *chain(*matrix)]
         except (ArithmeticError, ValueError):  # compiled code goes on with infinity or NaN
-            close_cells(clipped, latent[:, cell : cell + 1].copy(), found[:, cell : cell + 1])
-    return found
+            close_cells(clipped, latent[:, cell : cell + 1].copy(), fields[:, cell : cell + 1])
+    return fields
 
 
 @entry
-def close_cells(clipped, latent, found):
-    """`values` of cells, written to ``found`` (20, n)."""
+def close_cells(clipped, latent, out):
+    """`values` of cells, written to ``out`` (20, n)."""
     tile = np.empty(CLOSED * LANES)
     fill(tile, 1.0)
-    for start in range(0, found.shape[1], LANES):
+    for start in range(0, out.shape[1], LANES):
         load(latent, start, tile, MOMENTS)
         close(tile, clipped)
-        store(tile, COEFFICIENTS, found, start)
+        store(tile, COEFFICIENTS, out, start)
 
 
 def quadrants(sz: Array, r: Array) -> Array:
     """The fields of `gaussian.SlipQuadrant` (7, n)."""
-    found = np.empty((7, sz.size))
+    fields = np.empty((7, sz.size))
     if worth_compiling(find_quadrants, sz.size):
-        find_quadrants(np.ascontiguousarray(sz), np.ascontiguousarray(r), found)
-        return found
+        find_quadrants(np.ascontiguousarray(sz), np.ascontiguousarray(r), fields)
+        return fields
     for cell, moments in enumerate(zip(sz.tolist(), r.tolist(), strict=True)):
         try:
-            found[:, cell] = _quadrant(*moments, _integral(*moments))[0]
+            fields[:, cell] = _quadrant(*moments, _integral(*moments))[0]
         except (ArithmeticError, ValueError):
-            one = slice(cell, cell + 1)
-            find_quadrants(sz[one], r[one], found[:, one])
-    return found
+            column = slice(cell, cell + 1)
+            find_quadrants(sz[column], r[column], fields[:, column])
+    return fields
 
 
 @entry
-def find_quadrants(sz, r, found):
-    """`quadrants` of cells, written to ``found`` (7, n)."""
+def find_quadrants(sz, r, out):
+    """`quadrants` of cells, written to ``out`` (7, n)."""
     for cell in range(sz.size):
         here, _, _ = _quadrant(sz[cell], r[cell], _integral(sz[cell], r[cell]))
         for row in range(7):
-            found[row, cell] = here[row]
+            out[row, cell] = here[row]
 
 
 for _ in (gaussian_values, clipped_values, regressed):

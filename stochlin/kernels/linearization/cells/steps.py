@@ -36,7 +36,7 @@ LEAST_DELTA = 0.05  # smallest pseudo-time step
 LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
 
 
-class Pace(NamedTuple):
+class StepControl(NamedTuple):
     """Control of the pseudo-time step: its first value and how it changes, see `next_delta`."""
 
     first: float  # first pseudo-time step
@@ -93,10 +93,10 @@ def advance(cell, moments, value, forcings, state, pace, rtol, atol):
 
 
 @called_often
-def _either(first, one, other):
+def _either(first, x, y):
     """One triple of numbers or the other."""
     return (
-        one[0] if first else other[0], one[1] if first else other[1], one[2] if first else other[2]
+        x[0] if first else y[0], x[1] if first else y[1], x[2] if first else y[2]
     )  # fmt: skip
 
 
@@ -190,9 +190,9 @@ def _newton_step(columns, mismatch, damping):
     """``(damping - J)^-1 F``, limited to `LARGEST_STEP`; Newton's step for ``damping = 0``."""
     (a, d, g), (b, e, h), (c, f, i) = columns
     matrix = (damping - a, -b, -c), (-d, damping - e, -f), (-g, -h, damping - i)
-    one, two, three = solve_3x3(matrix, mismatch)
-    shorter = max(1.0, max(abs(one), abs(two), abs(three)) / LARGEST_STEP)
-    return one / shorter, two / shorter, three / shorter
+    step_1, step_2, step_3 = solve_3x3(matrix, mismatch)
+    shorter = max(1.0, max(abs(step_1), abs(step_2), abs(step_3)) / LARGEST_STEP)
+    return step_1 / shorter, step_2 / shorter, step_3 / shorter
 
 
 def slope_of_unknowns(vv: Any, zz: Any, root: Any, r: Any, slope: Any) -> Any:
@@ -204,7 +204,7 @@ def slope_of_unknowns(vv: Any, zz: Any, root: Any, r: Any, slope: Any) -> Any:
     return of_v, of_z, (slope[2] / root - r * (of_v + of_z)) / (1 - r * r)
 
 
-def next_delta(delta: Any, before: Any, now: Any, pace: Pace) -> Any:
+def next_delta(delta: Any, before: Any, now: Any, pace: StepControl) -> Any:
     """Next pseudo-time step, by switched evolution relaxation: longer if the mismatch has fallen."""
     ratio = 1.0 if math.isinf(before) or now == 0 else before / now
     shorter = max(pace.shorter * min(delta, pace.restart), LEAST_DELTA)

@@ -87,31 +87,33 @@ class Lyapunov:
             before[cells] = change
             cells = cells[left]
         accurate = np.abs(last).max(axis=(1, 2)) < ACCURATE * np.abs(x).max(axis=(1, 2))
-        found = x * self.scale[:, :, None] * self.scale[:, None, :]
-        accurate &= self.stable & self.resolved & np.isfinite(found).all(axis=(1, 2))
-        return np.where(accurate[:, None, None], found, np.nan)
+        covariance = x * self.scale[:, :, None] * self.scale[:, None, :]
+        accurate &= self.stable & self.resolved & np.isfinite(covariance).all(axis=(1, 2))
+        return np.where(accurate[:, None, None], covariance, np.nan)
 
-    def slopes(self, columns: Array, rows: Array, covariance: Array, one: Array, two: Array) -> Array:
-        """Derivatives (c, s, r) of ``one X two'`` by ``e`` if the matrix changes by ``e column row'``.
+    def slopes(
+        self, columns: Array, rows: Array, covariance: Array, out_1: Array, out_2: Array
+    ) -> Array:
+        """Derivatives (c, s, r) of ``out_1 X out_2'`` by ``e`` if the matrix gains ``e column row'``.
 
-        There are r changes, ``columns`` and ``rows`` (c, r, n), and s pairs of outputs, ``one`` and
-        ``two`` (c, s, n). None is of the last part: a change in one part moves outputs of this part
+        There are r changes, ``columns`` and ``rows`` (c, r, n), and s pairs of outputs, ``out_1`` and
+        ``out_2`` (c, s, n). None is of the last part: a change in one part moves outputs of this part
         only, so that it is solved for in the Schur basis of this part and the last.
         """
-        found = np.zeros((len(rows), one.shape[1], rows.shape[1]))
+        slopes = np.zeros((len(rows), out_1.shape[1], rows.shape[1]))
         drive = (columns / self.scale[:, None], rows @ covariance / self.scale[:, None])
-        seen = (one * self.scale[:, None], two * self.scale[:, None])
+        seen = (out_1 * self.scale[:, None], out_2 * self.scale[:, None])
         for part, place in zip(self.parts[:-1], self.places, strict=False):
             changes = np.flatnonzero(columns[..., part].any(axis=(0, 2)))
-            outputs = np.flatnonzero(one[..., part].any(axis=(0, 2)))
+            outputs = np.flatnonzero(out_1[..., part].any(axis=(0, 2)))
             states = np.concatenate([place, self.places[-1]])
             vectors, triangles = self.vectors[..., states], self.triangle[:, states[:, None], states]
             a, b = (factor[:, changes] @ vectors for factor in drive)
             c, d = (factor[:, None, outputs] @ vectors[:, None] for factor in seen)
             right = a[..., :, None] * b[..., None, :]
             x = _triangular(triangles, right + right.swapaxes(2, 3))
-            found[:, outputs[:, None], changes] = ((c @ x) * d).sum(axis=-1).swapaxes(1, 2)
-        return found
+            slopes[:, outputs[:, None], changes] = ((c @ x) * d).sum(axis=-1).swapaxes(1, 2)
+        return slopes
 
     def spectral_moments(self, rows: Array, covariance: Array) -> tuple[Array, Array, Array]:
         """Spectral moments ``l0, l1, l2`` (c, k) of outputs ``c x``, for ``rows`` (c, k, n) of ``c``.
@@ -133,8 +135,8 @@ class Lyapunov:
 
     def transfer(self, rows: Array, noise: Array, frequency: Array) -> Array:
         """Transfer functions ``c (i w - A)^-1 b`` (c, k, f) for ``rows`` (c, k, n), at ``w`` (f,)."""
-        c, b, one = rows * self.scale[:, None], noise / self.scale, np.eye(noise.shape[1])
-        answers = [c @ np.linalg.solve(1j * w * one - self.matrix, b[..., None]) for w in frequency]
+        c, b, identity = rows * self.scale[:, None], noise / self.scale, np.eye(noise.shape[1])
+        answers = [c @ np.linalg.solve(1j * w * identity - self.matrix, b[..., None]) for w in frequency]
         return np.concatenate(answers, axis=2)
 
     def _solve(self, cells: Array, right: Array) -> Array:
@@ -147,10 +149,10 @@ class Lyapunov:
 
 def _triangular(triangles: Array, right: Array) -> Array:
     """Solutions (c, r, n, n) of ``T X + X T' + R = 0`` for r symmetric ``R`` of each cell."""
-    found = np.empty_like(right)
-    for x, triangle, given in zip(found, triangles, right, strict=True):
-        x[:] = _symmetric(triangle, given)
-    return found
+    solutions = np.empty_like(right)
+    for x, triangle, right_side in zip(solutions, triangles, right, strict=True):
+        x[:] = _symmetric(triangle, right_side)
+    return solutions
 
 
 def _symmetric(triangle: Array, right: Array) -> Array:
@@ -161,31 +163,31 @@ def _symmetric(triangle: Array, right: Array) -> Array:
     """
     if len(triangle) <= HALVED:
         return _sylvester(triangle, triangle, right)
-    (upper, lower), found = _halves(triangle), np.empty_like(right)
+    (upper, lower), solutions = _halves(triangle), np.empty_like(right)
     across = triangle[upper, lower]
-    found[:, lower, lower] = x = _symmetric(triangle[lower, lower], right[:, lower, lower])
+    solutions[:, lower, lower] = x = _symmetric(triangle[lower, lower], right[:, lower, lower])
     mixed = right[:, upper, lower] + across @ x
     y = _sylvester(triangle[upper, upper], triangle[lower, lower], mixed)
-    found[:, upper, lower], found[:, lower, upper] = y, y.swapaxes(1, 2)
+    solutions[:, upper, lower], solutions[:, lower, upper] = y, y.swapaxes(1, 2)
     more = y @ across.T
     more = right[:, upper, upper] + more + more.swapaxes(1, 2)
-    found[:, upper, upper] = _symmetric(triangle[upper, upper], more)
-    return found
+    solutions[:, upper, upper] = _symmetric(triangle[upper, upper], more)
+    return solutions
 
 
-def _sylvester(one: Array, two: Array, right: Array) -> Array:
+def _sylvester(t_1: Array, t_2: Array, right: Array) -> Array:
     """Solutions of ``T1 X + X T2' + R = 0`` for quasi-triangular matrices and any ``R`` (r, n, m)."""
-    if max(len(one), len(two)) <= HALVED:
-        first, second, found = np.asfortranarray(one), np.asfortranarray(two), np.empty_like(right)
-        for number, given in enumerate(right):
-            x, factor, _ = lapack.dtrsyl(second, first, given.T, tranb="T")
-            found[number] = x.T / -factor
-        return found
-    if len(one) < len(two):
-        return _sylvester(two, one, right.swapaxes(1, 2)).swapaxes(1, 2)
-    upper, lower = _halves(one)
-    x = _sylvester(one[lower, lower], two, right[:, lower])
-    y = _sylvester(one[upper, upper], two, right[:, upper] + one[upper, lower] @ x)
+    if max(len(t_1), len(t_2)) <= HALVED:
+        first, second, solutions = np.asfortranarray(t_1), np.asfortranarray(t_2), np.empty_like(right)
+        for number, right_side in enumerate(right):
+            x, factor, _ = lapack.dtrsyl(second, first, right_side.T, tranb="T")
+            solutions[number] = x.T / -factor
+        return solutions
+    if len(t_1) < len(t_2):
+        return _sylvester(t_2, t_1, right.swapaxes(1, 2)).swapaxes(1, 2)
+    upper, lower = _halves(t_1)
+    x = _sylvester(t_1[lower, lower], t_2, right[:, lower])
+    y = _sylvester(t_1[upper, upper], t_2, right[:, upper] + t_1[upper, lower] @ x)
     return np.concatenate([y, x], axis=1)
 
 

@@ -62,7 +62,7 @@ def alike(system: StateSpace) -> Iterator[tuple[Array, StateSpace]]:
             yield part, system.at(part)
 
 
-class Response:
+class StationaryResponse:
     """The stationary response of systems that are `alike`; NaN where there is none."""
 
     def __init__(self, system: StateSpace) -> None:
@@ -81,8 +81,8 @@ class Response:
     @cached_property
     def covariance(self) -> Array:
         """Covariance matrix of the states (c, states, states)."""
-        found = self.basis.back @ self._solution @ self.basis.back.swapaxes(1, 2)
-        return 0.5 * (found + found.swapaxes(1, 2))
+        covariance = self.basis.back @ self._solution @ self.basis.back.swapaxes(1, 2)
+        return 0.5 * (covariance + covariance.swapaxes(1, 2))
 
     @property
     def residual(self) -> Array:
@@ -105,7 +105,7 @@ class Response:
         """Second moments of the yielding springs."""
         _, _, _, d, v, z, beyond = self.basis
         pairs = (d, d), (v, v), (z, z), (v, beyond)
-        return SpringMoments(*(self._product(one, two) for one, two in pairs))
+        return SpringMoments(*(self._product(left, right) for left, right in pairs))
 
     def std(self, weights: Array, *, rates: bool = False) -> Array:
         """Standard deviations (c, k) of sums of coordinates, or of their rates, with weights (k, n)."""
@@ -164,21 +164,21 @@ class Response:
         rows[:, m : 2 * m] = -np.where(self.moves[:, None], basis.z, 0.0)
         columns[:, 2 * m :], rows[:, 2 * m :] = pushes.swapaxes(1, 2), -rates
         velocities = np.broadcast_to(basis.velocities, (cells, m, states))
-        one = np.concatenate([velocities, basis.z, velocities, rates], axis=1)
-        two = np.concatenate([velocities, basis.z, basis.beyond, rates], axis=1)
-        found = self._equation.slopes(columns, rows, self._solution, one, two)
+        left = np.concatenate([velocities, basis.z, velocities, rates], axis=1)
+        right = np.concatenate([velocities, basis.z, basis.beyond, rates], axis=1)
+        slopes = self._equation.slopes(columns, rows, self._solution, left, right)
         follows = np.flatnonzero(~self.moves)
-        found[:, m + follows, follows] -= 2 * self._product(basis.drifts, basis.z)[:, follows]
-        return found
+        slopes[:, m + follows, follows] -= 2 * self._product(basis.drifts, basis.z)[:, follows]
+        return slopes
 
     def _std(self, rows: Array) -> Array:
         """Standard deviations of linear functions (c, k, states) of the states that are solved for."""
         return np.sqrt(np.maximum(self._product(rows, rows), 0.0))
 
-    def _product(self, one: Array, two: Array) -> Array:
-        """Covariances (c, k) of linear functions ``one[k]`` and ``two[k]`` of these states."""
-        found: Array = ((one @ self._solution) * two).sum(axis=-1)
-        return found
+    def _product(self, left: Array, right: Array) -> Array:
+        """Covariances (c, k) of linear functions ``left[k]`` and ``right[k]`` of these states."""
+        covariances: Array = ((left @ self._solution) * right).sum(axis=-1)
+        return covariances
 
 
 def _stiffest(system: StateSpace) -> Array:

@@ -21,7 +21,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.cells.steps import (
     LARGEST_MISMATCH,
     LARGEST_STEP,
-    Pace,
+    StepControl,
     next_delta,
     slope_of_unknowns,
 )
@@ -34,7 +34,7 @@ from stochlin.kernels.linearization.iteration import (
     iterate,
     solve,
 )
-from stochlin.kernels.linearization.systems.response import Response, alike
+from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
 from stochlin.kernels.linearization.systems.state_space import Mechanics, state_space
 
 IDLE = 1e-6  # ratio of the rate of a link to those of its ends below which it may be a rounding error
@@ -91,7 +91,7 @@ class Linear(NamedTuple):
         return cls(rows[:m].T, rows[m : 2 * m].T, rows[2 * m :].T)
 
 
-class Moments(NamedTuple):
+class ResponseMoments(NamedTuple):
     """What the iteration needs of the response; NaN in cells without a stationary one."""
 
     covariance: Array  # (c, states, states)
@@ -209,7 +209,7 @@ class Springs(NamedTuple):
         """The cells under other shaking."""
         return self._replace(level=level)
 
-    def settle(self, unknowns: Array, most: int, pace: Pace) -> FixedPoint:
+    def settle(self, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
         """The fixed points from these unknowns (u, c)."""
         self.watch.forget(self.cells)
         return iterate(self, unknowns, most, pace)
@@ -218,8 +218,8 @@ class Springs(NamedTuple):
         """`Linear` for these unknowns, as rows (k, c)."""
         return _linear(self, unknowns)[0].rows
 
-    def advance(self, state: State, pace: Pace) -> State:
-        """A damped step of Newton's method, which `Pace` controls."""
+    def advance(self, state: State, pace: StepControl) -> State:
+        """A damped step of Newton's method, which `StepControl` controls."""
         linear, moments, mismatch, slopes = _newton_round(self, state.unknowns)
         good = np.asarray(np.isfinite(mismatch).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2)))
         before, count = state.norm, self.springs + self.power.size
@@ -256,7 +256,7 @@ class Substitution(NamedTuple):
         """The unknowns."""
         return unknowns
 
-    def advance(self, state: State, pace: Pace) -> State:
+    def advance(self, state: State, pace: StepControl) -> State:
         """A step of the share ``relaxation``."""
         problem, old = self.problem, state.unknowns
         linear = Linear.of(problem, old)
@@ -269,7 +269,7 @@ class Substitution(NamedTuple):
         return State(old, change.max(axis=0), step, state.delta, done.astype(float))
 
 
-class Solution(NamedTuple):
+class SpringSolution(NamedTuple):
     """Result of the iteration."""
 
     linear: Linear  # NaN in cells that have not converged
@@ -281,7 +281,7 @@ class Solution(NamedTuple):
 @np.errstate(all="ignore")  # NaN is checked where it matters
 def solve_springs(
     problem: Springs, one_solution: Array, max_iterations: int, relaxation: float | None = None
-) -> Solution:
+) -> SpringSolution:
     """Equivalent linear systems of all cells, by substitution if a ``relaxation`` factor is given.
 
     Otherwise they are found by `solve`, which follows the solution where a law may have several, so that
@@ -291,18 +291,20 @@ def solve_springs(
     m, count = problem.springs, elastic.shape[1]
     if not len(elastic):  # nothing is to be linearized
         linear = _linear(problem, elastic)[0]
-        return Solution(linear, problem.idle, np.ones(count, bool), np.zeros(count))
+        return SpringSolution(linear, problem.idle, np.ones(count, bool), np.zeros(count))
     tried = np.flatnonzero(np.isfinite(elastic).all(axis=0))
     part, start = problem.at(tried), elastic[:, tried]
     if relaxation is None:
-        found = solve(part, start, one_solution[tried], max_iterations)
+        fixed_point = solve(part, start, one_solution[tried], max_iterations)
     else:
         begin = part.coefficients(elastic_limit(start, m))
-        found = iterate(Substitution(part, relaxation), begin, max_iterations, BOLD)
-    rows, done = np.full((problem.size, count), np.nan), tried[found.converged]
-    rows[:, done] = found.coefficients[:, found.converged]
+        fixed_point = iterate(Substitution(part, relaxation), begin, max_iterations, BOLD)
+    rows, done = np.full((problem.size, count), np.nan), tried[fixed_point.converged]
+    rows[:, done] = fixed_point.coefficients[:, fixed_point.converged]
     demand = np.exp(elastic[m : 2 * m].max(axis=0, initial=-np.inf))
-    return Solution(Linear.of(problem, rows), problem.idle, np.isin(np.arange(count), done), demand)
+    return SpringSolution(
+        Linear.of(problem, rows), problem.idle, np.isin(np.arange(count), done), demand
+    )
 
 
 def elastic_start(problem: Springs) -> tuple[Springs, Array]:
@@ -319,7 +321,7 @@ def elastic_start(problem: Springs) -> tuple[Springs, Array]:
         links, coordinates = _springs_of(problem), np.eye(mechanics.system.mass.shape[1])
         ends = np.zeros_like(rates)
         for cells, system in alike(state_space(mechanics, none - 1, none, constants)):
-            undamped = Response(system)
+            undamped = StationaryResponse(system)
             rates[cells] = undamped.std(mechanics.system.extensions[links], rates=True)
             moved = undamped.std(coordinates, rates=True)
             ends[cells] = moved @ np.abs(mechanics.system.extensions[links]).T
@@ -330,16 +332,16 @@ def elastic_start(problem: Springs) -> tuple[Springs, Array]:
     return problem, np.hstack([sv, sz, np.where(np.isnan(sv), np.nan, 0.1), rates]).T
 
 
-def respond(problem: Springs, linear: Linear, *, slopes: bool = False) -> Moments:
+def respond(problem: Springs, linear: Linear, *, slopes: bool = False) -> ResponseMoments:
     """Covariance of the linear systems, from the Lyapunov equation, and moments of their springs."""
     mechanics, strength, dashpots = problem.mechanics, problem.strength, _springs_of(problem)
     system = state_space(mechanics, linear.slip - 1, linear.relaxation, linear.dashpots)
     (cells, m), k = strength.shape, dashpots.size
     size = 3 * m + k if slopes else 0
     shapes = system.matrix.shape, (3, cells, m), (cells, k), (cells, size, 2 * m + k)
-    moments = Moments(*(np.empty(shape) for shape in shapes))
+    moments = ResponseMoments(*(np.empty(shape) for shape in shapes))
     for group, part in alike(system):
-        response = Response(part)
+        response = StationaryResponse(part)
         moments.covariance[group] = response.covariance
         moments.springs[:, group] = np.stack(response.moments[1:]) / strength[group] ** 2
         moments.rates[group] = response.std(mechanics.system.extensions[dashpots], rates=True) ** 2
@@ -363,7 +365,7 @@ def stands_still(change: Array, rtol: float) -> Array:
     return np.asarray((change <= rtol).all(axis=0))
 
 
-def _newton_round(problem: Springs, unknowns: Array) -> tuple[Linear, Moments, Array, Array]:
+def _newton_round(problem: Springs, unknowns: Array) -> tuple[Linear, ResponseMoments, Array, Array]:
     """Linear systems for the unknowns (u, c), their moments, and the mismatch (c, u) with its slopes."""
     linear, values = _linear(problem, unknowns)
     moments = respond(problem, linear, slopes=True)
@@ -394,7 +396,7 @@ def _slopes_of_reached(
     unknowns: Array,
     linear: Linear,
     values: ClosureValue,
-    moments: Moments,
+    moments: ResponseMoments,
     by_moments: Array,
 ) -> Array:
     """Derivatives (c, u, u) of what the response reaches, as unknowns, by the unknowns.
@@ -436,13 +438,13 @@ def _linear(problem: Springs, unknowns: Array) -> tuple[Linear, ClosureValue]:
     return Linear(slip, relaxation, _dashpots(problem, unknowns[3 * problem.springs :].T)), values
 
 
-def _renewed(problem: Springs, moments: Moments) -> Linear:
+def _renewed(problem: Springs, moments: ResponseMoments) -> Linear:
     """Equivalent linear systems for the moments of the response."""
     vv, zz, vz = moments.springs
-    found = np.stack([np.sqrt(vv), np.sqrt(zz), vz / np.sqrt(vv * zz)])
-    latent = np.empty_like(found)
+    statistics = np.stack([np.sqrt(vv), np.sqrt(zz), vz / np.sqrt(vv * zz)])
+    latent = np.empty_like(statistics)
     for law in problem.laws:
-        latent[..., law.springs] = law.assumed(found)
+        latent[..., law.springs] = law.assumed(statistics)
     rates = np.where(problem.idle, 0.0, 0.5 * np.log(moments.rates))
     slip, relaxation = coefficients_of(problem, latent).coefficients
     return Linear(slip, relaxation, _dashpots(problem, rates))
@@ -475,9 +477,9 @@ def _solve_each(matrices: Array, right: Array) -> Array:
         return np.linalg.solve(matrices, right[..., None])[..., 0]
     except np.linalg.LinAlgError:
         regular = np.linalg.matrix_rank(matrices) == right.shape[1]
-        found = np.full_like(right, np.nan)
-        found[regular] = np.linalg.solve(matrices[regular], right[regular, :, None])[..., 0]
-        return found
+        solutions = np.full_like(right, np.nan)
+        solutions[regular] = np.linalg.solve(matrices[regular], right[regular, :, None])[..., 0]
+        return solutions
 
 
 def to_unknowns(covariance: Array) -> tuple[Array, Array]:

@@ -9,8 +9,13 @@ import numpy as np
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.systems.systems import linearize_system
-from stochlin.analyses.simulation.ensembles import Run, SimulationCells, cells_of_all, prepare
-from stochlin.analyses.simulation.frames import Frame, frames_of, relaxation_times, sampled_frames
+from stochlin.analyses.simulation.connected_structures import (
+    ConnectedStructures,
+    connected_of,
+    relaxation_times,
+    sampled_connected,
+)
+from stochlin.analyses.simulation.ensembles import SimulationCells, SimulationRun, cells_of_all, prepare
 from stochlin.analyses.simulation.views import pairs_of
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR, floor_coordinates
 from stochlin.kernels.basics.arrays import Array
@@ -29,13 +34,13 @@ from stochlin.models.systems import (
 STRUCTURE = "structure"
 
 
-class Riders(NamedTuple):
+class StructuresInMotion(NamedTuple):
     """All structures that are simulated under the same motions."""
 
     system: Arrangement
     cells: SimulationCells | None  # oscillators without links
     alone: list[int]  # numbers of their floors
-    frames: list[Frame]
+    connected: list[ConnectedStructures]
     links: tuple[Link | None, ...]
     strength: Array  # (n,) yield drift [m] of the storey below each floor
     drift_times: Array  # (n,) relaxation time [s] of its plastic drift; 0 for finite motions
@@ -79,7 +84,7 @@ class Riders(NamedTuple):
         scatter: float = 0.0,
         grounds: Sequence[Ground] = (),
         step: float | None = None,
-    ) -> Run:
+    ) -> SimulationRun:
         """Ensemble of the structures, without a duration."""
         return prepare(
             self.cells,
@@ -87,7 +92,7 @@ class Riders(NamedTuple):
             paths=paths,
             seed=seed,
             steps_per_period=steps_per_period,
-            frames=self.frames,
+            connected=self.connected,
             floors=self.alone,
             drift_times=self.drift_times,
             scatter=scatter,
@@ -96,31 +101,33 @@ class Riders(NamedTuple):
         )
 
 
-def riders_of(
+def structures_in_motion(
     structures: Sequence[AnyStructure],
     ground: Ground,
     link: Link | Sequence[Link | None] | None,
     stationary: bool,
     samples: Sequence[Sequence[Stack]] | None = None,
-) -> Riders:
+) -> StructuresInMotion:
     """Structures of a simulation; for a stationary one with relaxation times by linearization.
 
     ``samples`` are the structures of each motion if parameters are uncertain; then ``structures`` are
     the medians.
     """
     links = check_links("link", link, len(structures))
-    tied = {s for n, one in enumerate(links, 1) if one is not None for s in one.structures or (n, n + 1)}
+    tied = {s for n, tie in enumerate(links, 1) if tie is not None for s in tie.structures or (n, n + 1)}
     sampled = samples is not None
     in_metres: list[AnyStructure] = [
-        strength_in_metres(one, ground) if sampled or (n in tied and isinstance(one, Structure)) else one
-        for n, one in enumerate(structures, start=1)
+        strength_in_metres(s, ground) if sampled or (n in tied and isinstance(s, Structure)) else s
+        for n, s in enumerate(structures, start=1)
     ]
     system = arrangement_of(in_metres, links)
     if stationary:
         check_stationary(system)
         for n, stack in enumerate(system.stacks, start=1):
             stack.law.check_stationary(f"structures, number {n}")
-    frames, alone = frames_of(system) if samples is None else (sampled_frames(system, samples), [])
+    connected, alone = (
+        connected_of(system) if samples is None else (sampled_connected(system, samples), [])
+    )
     floors = [int(system.first[n]) for n in alone]
     strength = system.storeys.strength
     drift_times = np.zeros(strength.size)
@@ -129,10 +136,10 @@ def riders_of(
         oscillators: list[Any] = [structures[n] for n in alone]
         cells = cells_of_all(oscillators, ground, stationary)
         strength[floors], drift_times[floors] = cells.yield_displacement, cells.drift_time
-    if stationary and frames:
-        among = np.concatenate([frame.floors for frame in frames])
+    if stationary and connected:
+        among = np.concatenate([group.floors for group in connected])
         drift_times[among] = _drift_times(structures, ground, links, system)[among]
-    return Riders(system, cells, floors, frames, links, strength, drift_times)
+    return StructuresInMotion(system, cells, floors, connected, links, strength, drift_times)
 
 
 def _drift_times(

@@ -11,7 +11,7 @@ import scipy.sparse.csgraph
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.simulation.ensemble import Structures
+from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import (
     BILINEAR,
     LINEAR,
@@ -29,52 +29,54 @@ from stochlin.models.systems import Arrangement, Stack
 LEAST_SHARE = 0.01
 
 
-class Frame(NamedTuple):
+class ConnectedStructures(NamedTuple):
     """Structures that are linked to each other, or one building."""
 
-    part: Structures
+    part: SteppedStructures
     floors: Array  # (n,) numbers of the floors in the system
     shortest: float  # [s], shortest elastic period that determines the time step
     slowest: float  # [s], longest decay time of the elastic vibrations
     period: float  # [s], longest elastic period
 
 
-def frames_of(system: Arrangement) -> tuple[list[Frame], list[int]]:
-    """Frames of a system, and the numbers of the oscillators without links."""
-    frames, alone = [], []
+def connected_of(system: Arrangement) -> tuple[list[ConnectedStructures], list[int]]:
+    """Connected structures of a system, and the numbers of the oscillators without links."""
+    connected, alone = [], []
     with_device = {tie.one for tie in system.ties if tie.link.within_one}
     for members in _tied(system):
-        one = members[0]
-        lone = members.size == 1 and system.stacks[one].is_oscillator
-        if lone and int(system.first[one]) not in with_device:
-            alone.append(int(one))
+        number = members[0]
+        lone = members.size == 1 and system.stacks[number].is_oscillator
+        if lone and int(system.first[number]) not in with_device:
+            alone.append(int(number))
         else:
-            frames.append(_frame(system, members))
-    return frames, alone
+            connected.append(_connected(system, members))
+    return connected, alone
 
 
-def all_frames(system: Arrangement) -> list[Frame]:
-    """Frames of a system, with oscillators without links as buildings of one storey."""
-    return [_frame(system, members) for members in _tied(system)]
+def all_connected(system: Arrangement) -> list[ConnectedStructures]:
+    """Connected structures of a system, with oscillators without links as buildings of one storey."""
+    return [_connected(system, members) for members in _tied(system)]
 
 
-def sampled_frames(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> list[Frame]:
-    """Frames of a system with uncertain parameters; ``samples`` are the structures of each motion.
+def sampled_connected(
+    system: Arrangement, samples: Sequence[Sequence[Stack]]
+) -> list[ConnectedStructures]:
+    """Those of a system with uncertain parameters; ``samples`` are the structures of each motion.
 
     The time step is short enough for the stiffest sample of each structure.
     """
     count = len(system.stacks)
     stiffest = [max((sample[s] for sample in samples), key=_stiffness) for s in range(count)]
-    found = []
+    sampled = []
     for members in _tied(system):
-        frame = _frame(system, members)
-        usual, stacks = frame.part.elements, [system.stacks[m] for m in members]
+        group = _connected(system, members)
+        usual, stacks = group.part.elements, [system.stacks[m] for m in members]
         of_links = usual.system.damping - System.beside([stack.system for stack in stacks]).damping
         elements = _with_stacks(usual, of_links, [[sample[m] for m in members] for sample in samples])
-        shortest = _frame(system._replace(stacks=tuple(stiffest)), members).shortest
-        part = Structures(usual, frame.part.law, elements)
-        found.append(frame._replace(part=part, shortest=shortest))
-    return found
+        shortest = _connected(system._replace(stacks=tuple(stiffest)), members).shortest
+        part = SteppedStructures(usual, group.part.law, elements)
+        sampled.append(group._replace(part=part, shortest=shortest))
+    return sampled
 
 
 def _stiffness(stack: Stack) -> float:
@@ -83,7 +85,7 @@ def _stiffness(stack: Stack) -> float:
 
 def _with_stacks(usual: Elements, of_links: Array, samples: Sequence[Sequence[Stack]]) -> list[Elements]:
     """Elements with the same links and other storeys, those of each sample."""
-    found = []
+    elements = []
     for stacks in samples:
         mass, damping, _, shapes, *storeys = System.beside([stack.system for stack in stacks])
         own, first = usual.own.copy(), 0
@@ -94,8 +96,8 @@ def _with_stacks(usual: Elements, of_links: Array, samples: Sequence[Sequence[St
         pairs = zip(storeys, usual.system[4:], strict=True)
         springs = (np.concatenate([part, whole[mass.size :]]) for part, whole in pairs)
         system = System(mass, damping + of_links, usual.system.extensions, shapes, *springs)
-        found.append(usual._replace(system=system, own=own))
-    return found
+        elements.append(usual._replace(system=system, own=own))
+    return elements
 
 
 def _tied(system: Arrangement) -> list[Array]:
@@ -109,13 +111,13 @@ def _tied(system: Arrangement) -> list[Array]:
     return [np.flatnonzero(group == number) for number in dict.fromkeys(group)]
 
 
-def _frame(system: Arrangement, members: Array) -> Frame:
-    """Frame of the structures ``members`` (numbers from 0) and of the links between them."""
+def _connected(system: Arrangement, members: Array) -> ConnectedStructures:
+    """The structures ``members`` (numbers from 0) and the links between them."""
     elements, law = elements_of(system, members)
     whole, stacks = elements.system, [system.stacks[m] for m in members]
     modes = [modes_of(part) for part in (whole, *(stack.system for stack in stacks))]
-    return Frame(
-        Structures(elements, law),
+    return ConnectedStructures(
+        SteppedStructures(elements, law),
         _floors(system, members),
         shortest=min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes),
         slowest=1 / float(-np.linalg.eigvals(whole.state_matrix).real.max()),
