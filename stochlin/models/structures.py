@@ -134,7 +134,7 @@ class Structure(Model):
                 raise ValueError(f"{role}: {error}") from None
 
     def step(self) -> Any:
-        """The law in time steps: a kind of ``kernels.simulation.laws``, or a `RateLaw` of it."""
+        """The law in time steps: a kind of ``kernels.simulation.laws``, or a ``RateLaw`` of it."""
         return self._compiled.step
 
     def law_parameters(self) -> list[xr.DataArray]:

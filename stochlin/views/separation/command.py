@@ -69,9 +69,9 @@ def gap(
     """
     with bad_input():
         if example or example_record:
-            from stochlin.analyses.cases import case as cases
+            from stochlin.analyses.cases import examples
 
-            click.echo(cases.example_case() if example else cases.example_record(), nl=False)
+            click.echo(examples.example_case() if example else examples.example_record(), nl=False)
             return
         if case is None:
             raise ValueError(
