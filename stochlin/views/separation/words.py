@@ -214,8 +214,8 @@ def allowances(answer: CaseAnswer) -> list[str]:
     now = float(case.ground.arrays()["intensity"])
     intensity, damping = float(limits.largest_intensity), float(limits.least_added_damping)
     ends = [float(limits[f"least_added_damping_{end}"]) for end in ("lower", "upper")]
-    interval = f" [{per_cent(ends[0], 1)} to {per_cent(ends[1], 1)}]" if ends[0] < ends[1] else ""
-    more = f"at least {per_cent(damping, 1)}{interval} more{'' if case.alone else ' in both'}"
+    bracket = f" [{per_cent(ends[0], 1)} to {per_cent(ends[1], 1)}]" if ends[0] < ends[1] else ""
+    more = f"at least {per_cent(damping, 1)}{bracket} more{'' if case.alone else ' in both'}"
     more = more if damping else "no additional damping is needed"
     return [
         f"The existing {about.gap} stays sufficient up to these values, each changed alone:"
