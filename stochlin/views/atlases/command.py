@@ -86,9 +86,11 @@ def lookup(atlas: Path, **options: Any) -> None:
         periods = Numbers("1" if options["ground_period"] is None else "s")
         for name in ("period_1", "period_2"):
             options[name] = periods.convert(options[name], None, None)
-        given = {name: parameter_of(name, value) for name, value in options.items() if value is not None}
-        found = look(open_atlas(atlas), **given)
-    click.echo(f"# {found.attrs['title']}")
-    if "comment" in found.attrs:
-        click.echo(f"# {found.attrs['comment']}")
-    click.echo(on_screen(found))
+        numbers = {
+            name: parameter_of(name, value) for name, value in options.items() if value is not None
+        }
+        table = look(open_atlas(atlas), **numbers)
+    click.echo(f"# {table.attrs['title']}")
+    if "comment" in table.attrs:
+        click.echo(f"# {table.attrs['comment']}")
+    click.echo(on_screen(table))

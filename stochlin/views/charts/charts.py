@@ -156,11 +156,11 @@ def _curves(figure: Figure, dataset: xr.Dataset) -> None:
     table = shown(dataset)
     names = [f"{stem_of(dataset)}{end}" for end in SIMULATED]
     points = next((dataset[name] for name in names if name in dataset), None)
-    found = list(places(table, 2))
+    grounds = list(places(table, 2))
     every = in_a_row(
-        figure, len(found), PANEL if len(found) > 1 else HEIGHT - 1.2, sharex=True, sharey=True
+        figure, len(grounds), PANEL if len(grounds) > 1 else HEIGHT - 1.2, sharex=True, sharey=True
     )
-    for axes, (title, place) in zip(every, found, strict=True):
+    for axes, (title, place) in zip(every, grounds, strict=True):
         axes.set_title(title, loc="left")
         for (label, own), look, marker in zip(
             places(table.sel(place), 1), cycle(CURVES), cycle(MARKERS), strict=False
@@ -169,12 +169,12 @@ def _curves(figure: Figure, dataset: xr.Dataset) -> None:
             row = table.sel(curve)
             if not bool(row.notnull().any()):
                 continue
-            told: Any = {"color": look[0], "label": label or quantity(table)}
+            style: Any = {"color": look[0], "label": label or quantity(table)}
             if points is None:
-                axes.plot(row[row.dims[-1]], row, linestyle=look[1], **told)
+                axes.plot(row[row.dims[-1]], row, linestyle=look[1], **style)
                 continue
             axes.plot(row[row.dims[-1]], row, linestyle=look[1], color=look[0])
-            axes.plot([], [], linestyle=look[1], marker=marker, ms=3.2, mfc="w", mew=0.8, **told)
+            axes.plot([], [], linestyle=look[1], marker=marker, ms=3.2, mfc="w", mew=0.8, **style)
             draw_points(axes, dataset.sel(curve), str(points.name), marker=marker, color=look[0])
     set_axes(every, table, [table] if points is None else [table, points])
     more = (
@@ -200,7 +200,7 @@ def draw_points(axes: Axes, dataset: xr.Dataset, name: str, **look: Any) -> None
 def set_axes(every: list[Axes], table: xr.DataArray, drawn: list[xr.DataArray]) -> None:
     """Labels and ends of panels that share their axes."""
     across = table[table.dims[-1]]
-    low, high = min(float(one.min()) for one in drawn), max(float(one.max()) for one in drawn)
+    low, high = min(float(array.min()) for array in drawn), max(float(array.max()) for array in drawn)
     for axes in every:
         label_axis(axes, "x", across)
         axes.set(ylabel=quantity(table), xlim=(float(across[0]), float(across[-1])))
@@ -217,10 +217,10 @@ def _plane(figure: Figure, dataset: xr.Dataset) -> None:
     """A panel for each ground."""
     table = known(shown(dataset))
     levels = contour_levels(table)
-    found = list(places(table, 2))
-    every = in_a_row(figure, len(found), SQUARE, sharex=True, sharey=True)
+    grounds = list(places(table, 2))
+    every = in_a_row(figure, len(grounds), SQUARE, sharex=True, sharey=True)
     labels = []
-    for axes, (title, place) in zip(every, found, strict=True):
+    for axes, (title, place) in zip(every, grounds, strict=True):
         axes.set_title(title, loc="left")
         filled, label = plane(axes, table.sel(place), levels)
         axes.label_outer()

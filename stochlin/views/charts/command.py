@@ -152,7 +152,7 @@ def charts(
             raise ValueError(f"NAME = {brief(name)} is no chart; allowed: {', '.join(functions)}")
         chosen = functions if name is None else {name: functions[name]}
         width_in_print(print_width)
-        files = {one: _chart_files(out / one, picture_format, record) for one in chosen}
+        files = {key: _chart_files(out / key, picture_format, record) for key in chosen}
         with progress_bar("charts", lambda _: chart) as progress:
             for number, (chart, compute) in enumerate(chosen.items()):
                 part = part_of(progress, number / len(chosen), (number + 1) / len(chosen))
@@ -198,8 +198,8 @@ def chart_settings(options: dict[str, Any]) -> ChartSettings:
     lists["ductility"] = "ductilities"
     names = {field.name for field in dataclasses.fields(ChartSettings)}
     chosen = {key: value for key, value in options.items() if key in names}
-    given = {own: tuple(options[key]) for key, own in lists.items() if key in options}
-    return ChartSettings(**chosen | given)
+    numbers = {own: tuple(options[key]) for key, own in lists.items() if key in options}
+    return ChartSettings(**chosen | numbers)
 
 
 def _chart_files(stem: Path, picture_format: str, record: Path | None = None) -> tuple[Path, Path]:

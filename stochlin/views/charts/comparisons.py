@@ -63,7 +63,7 @@ def _planes(figure: Figure, dataset: xr.Dataset) -> None:
             axes.label_outer()
             labels.append(label)
         filled.append((shades, table, row))
-    plain = [one for one in filled if not str(one[1].name).endswith("_difference")]
+    plain = [entry for entry in filled if not str(entry[1].name).endswith("_difference")]
     bar_beside(figure, plain[0][0], [axes for *_, row in plain for axes in row], plain[0][1])
     if len(plain) < len(filled):
         bar_beside(figure, filled[-1][0], list(filled[-1][2]), filled[-1][1])
@@ -78,24 +78,24 @@ def _curves(figure: Figure, dataset: xr.Dataset) -> None:
     table = shown(dataset)
     grounds = [place for _, place in places(table, 2)]
     strengths = list(places(table.sel(grounds[0]), 1))
-    found = [(title, {**ground, **own}) for title, own in strengths for ground in grounds]
-    columns = min(2, len(found))
-    rows = -(-len(found) // columns)
+    panel_places = [(title, {**ground, **own}) for title, own in strengths for ground in grounds]
+    columns = min(2, len(panel_places))
+    rows = -(-len(panel_places) // columns)
     every = list(panels(figure, rows, columns, PANEL, sharex=True, sharey=True).ravel())
-    for axes in every[len(found) :]:
+    for axes in every[len(panel_places) :]:
         axes.remove()
     heads = [_in_lines(figure, title) for title, _ in places(table, 2)]
-    for n, (axes, (title, place)) in enumerate(zip(every, found, strict=False)):
+    for n, (axes, (title, place)) in enumerate(zip(every, panel_places, strict=False)):
         above = heads[n] if n < len(grounds) else ""
         axes.set_title(f"{above}{title}", loc="left")
         _panel(axes, dataset.sel(place), name)
     drawn = [dataset[f"{name}{end}"] for end in ("", *ENDINGS) if f"{name}{end}" in dataset]
-    set_axes(every[: len(found)], table.rename(name), drawn)
+    set_axes(every[: len(panel_places)], table.rename(name), drawn)
     if rows > 1:
         figure.supylabel(every[0].get_ylabel(), size="medium")
         for axes in every:
             axes.set_ylabel("")
-    few_ticks(figure, every[: len(found)])
+    few_ticks(figure, every[: len(panel_places)])
     legend(figure, every[:1], columns=3)
 
 
@@ -122,8 +122,8 @@ def _panel(axes: Axes, dataset: xr.Dataset, name: str) -> None:
 def _methods(dataset: xr.Dataset, name: str) -> dict[str, xr.DataArray]:
     """Curves of a panel by their labels: linearized, drift closure, effective rules."""
     ends = {"linearized": "", "drift closure": "_drift"}
-    found = {text: dataset[f"{name}{end}"] for text, end in ends.items() if f"{name}{end}" in dataset}
+    curves = {text: dataset[f"{name}{end}"] for text, end in ends.items() if f"{name}{end}" in dataset}
     if "rule" in dataset.dims:
         rules = dataset.rule.values.tolist()
-        found |= {rule_label(rule): dataset[f"{name}_effective"].sel(rule=rule) for rule in rules}
-    return found
+        curves |= {rule_label(rule): dataset[f"{name}_effective"].sel(rule=rule) for rule in rules}
+    return curves

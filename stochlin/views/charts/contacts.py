@@ -115,8 +115,8 @@ def _looks(dataset: xr.Dataset) -> dict[str, tuple[str, Any]]:
 
 def _curves(axes: Axes, dataset: xr.Dataset, looks: dict[str, tuple[str, Any]], x: str, y: str) -> None:
     for name, (color, dash) in looks.items():
-        one = dataset.sel(element=name)
-        axes.plot(one[x], one[y], color=color, linestyle=dash, label=LABELS.get(name, name))
+        law = dataset.sel(element=name)
+        axes.plot(law[x], law[y], color=color, linestyle=dash, label=LABELS.get(name, name))
 
 
 def _sketch(axes: Axes, title: str, law: str, note: str) -> None:

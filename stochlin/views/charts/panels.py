@@ -74,10 +74,10 @@ def is_narrow(figure: Figure) -> bool:
 def legend(figure: Figure, axes: Sequence[Axes], columns: int = 5, more: Sequence[Any] = ()) -> None:
     """The legend of all curves of these axes, which `arrange` places above them."""
     entries: dict[str, Any] = {}
-    for one in axes:
-        for handle, text in zip(*one.get_legend_handles_labels(), strict=True):
+    for panel in axes:
+        for handle, text in zip(*panel.get_legend_handles_labels(), strict=True):
             entries.setdefault(textwrap.fill(text, LABEL_WIDTH), handle)
-    entries |= {str(one.get_label()): one for one in more}
+    entries |= {str(handle.get_label()): handle for handle in more}
     options: Any = {"loc": "upper left", "columnspacing": 1.2, "handlelength": 2.6, "borderaxespad": 0.0}
     for count in range(columns, 0, -1):  # as many columns as there is room for
         made = figure.legend(list(entries.values()), list(entries), ncols=count, **options)
@@ -121,13 +121,13 @@ def arrange(figure: Figure, attrs: Mapping[str, Any]) -> None:
     left = 0.1
     if engine is not None:
         figure.draw_without_rendering()
-        keys = sum(one.get_window_extent().height / figure.dpi for one in figure.legends)
+        keys = sum(key.get_window_extent().height / figure.dpi for key in figure.legends)
         head, body, left = 0.35 * bool(title), figure.get_figheight(), MARGIN / figure.get_figwidth()
         total = body + head + keys + high + low + MARGIN
         figure.set_figheight(total)
         engine.set(rect=(0, (high + low + MARGIN) / total, 1, body / total))
-        for one in figure.legends:
-            one.set_bbox_to_anchor((left, 1 - head / total), figure.transFigure)
+        for key in figure.legends:
+            key.set_bbox_to_anchor((left, 1 - head / total), figure.transFigure)
         above, high = 0.08, high + low + 0.03
     else:
         total, above = figure.get_figheight(), 0.12

@@ -108,8 +108,8 @@ def _refined(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, n
     if times == 1 or min(z.shape) < 4 or not np.isfinite(z).all():
         return x, y, z
     fine = [
-        np.interp(np.arange(times * (n - 1) + 1) / times, np.arange(n), one)
-        for one, n in ((x, x.size), (y, y.size))
+        np.interp(np.arange(times * (n - 1) + 1) / times, np.arange(n), axis)
+        for axis, n in ((x, x.size), (y, y.size))
     ]
     between = RectBivariateSpline(y, x, z)(fine[1], fine[0])
     return fine[0], fine[1], between.clip(z.min(), z.max())

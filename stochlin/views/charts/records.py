@@ -38,7 +38,7 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
     states = [in_cm(dataset[name]) for name in ("displacement", "velocity_over_frequency")]
     radius, largest = in_cm(dataset.radius), in_cm(dataset.pseudo_energy_radius)
     plane.plot(*states, **trace)
-    plane.plot(*(in_cm(dataset[f"circle_{one.name}"]) for one in states), **circle)
+    plane.plot(*(in_cm(dataset[f"circle_{state.name}"]) for state in states), **circle)
     plane.set_aspect("equal", adjustable="datalim")
     plane.set(xlabel=quantity(states[0]), ylabel=quantity(states[1]))
     history.plot(dataset.time, radius, label=quantity(radius), **trace)
@@ -62,22 +62,24 @@ def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
     across = 1 if is_narrow(figure) else 2
     every = panels(figure, 4 // across, across, 2.0).reshape(2, 2)
     for (history, spectrum), factor in zip(every, dataset.reduction_factor.values, strict=True):
-        one = dataset.sel(reduction_factor=factor)
+        response = dataset.sel(reduction_factor=factor)
         history.axvspan(*times, color="0.92", label="5 to 95 % of the record's energy")
         for (label, over_time, at_end), (color, dash) in zip(shown, CURVES, strict=False):
-            if float(one[at_end].max()) > 0:
+            if float(response[at_end].max()) > 0:
                 style: Any = {"color": color, "linestyle": dash, "lw": 1.0}
-                values = in_cm(one[over_time])
+                values = in_cm(response[over_time])
                 if over_time == "radius":
                     values = values.copy(data=np.maximum.accumulate(values.values))
-                history.plot(one.time, values, label=label, **style)
-                spectrum.plot(one.period, in_cm(one[at_end]), **style)
-        history.set(xlim=(float(one.time[0]), float(one.time[-1])), ylim=(0, None))
-        spectrum.set(xscale="log", xlim=(float(one.period[0]), float(one.period[-1])), ylim=(0, None))
+                history.plot(response.time, values, label=label, **style)
+                spectrum.plot(response.period, in_cm(response[at_end]), **style)
+        history.set(xlim=(float(response.time[0]), float(response.time[-1])), ylim=(0, None))
+        spectrum.set(
+            xscale="log", xlim=(float(response.period[0]), float(response.period[-1])), ylim=(0, None)
+        )
         plain_ticks(spectrum.xaxis, TICKS)
         strength = "elastic" if factor == 1 else f"R = {factor:g}"
-        for axes, along in ((history, one.time), (spectrum, one.period)):
-            axes.set(xlabel=quantity(along), ylabel=quantity(in_cm(one.radius)))
+        for axes, along in ((history, response.time), (spectrum, response.period)):
+            axes.set(xlabel=quantity(along), ylabel=quantity(in_cm(response.radius)))
             axes.set_title(strength, loc="left")
     legend(figure, [history], columns=3)
 
@@ -140,17 +142,17 @@ def draw_added_damping(figure: Figure, dataset: xr.Dataset) -> None:
     every = in_a_row(figure, dataset.sizes["damped"], SQUARE, sharex=True, sharey=True)
     added = dataset.added_damping
     for axes, where in zip(every, dataset.damped.values, strict=True):
-        one = dataset.sel(damped=where)
+        curves = dataset.sel(damped=where)
         for (name, label, least, marker), (color, dash) in zip(shown, CURVES, strict=False):
-            axes.plot(added, in_cm(one[name]), color=color, linestyle=dash, label=typeset(label))
-            if gap is not None and np.isfinite(one[least]):
-                place = float(one[least]), CENTIMETRES * gap
+            axes.plot(added, in_cm(curves[name]), color=color, linestyle=dash, label=typeset(label))
+            if gap is not None and np.isfinite(curves[least]):
+                place = float(curves[least]), CENTIMETRES * gap
                 axes.plot(*place, marker=marker, ms=6, mfc="w", color=color, zorder=4)
         if gap is not None:
             axes.axhline(CENTIMETRES * gap, color="0.5", lw=1, label="existing gap")
         axes.set_title(f"added to {where}", loc="left")
         axes.set(xlim=(0, float(added[-1])), ylim=(0, 1.05 * CENTIMETRES * max(highest, gap or 0)))
-        axes.set(xlabel=quantity(added), ylabel=quantity(in_cm(one.critical_gap)))
+        axes.set(xlabel=quantity(added), ylabel=quantity(in_cm(curves.critical_gap)))
         axes.label_outer()
     legend(figure, every[:1], columns=3)
 

@@ -272,8 +272,8 @@ def counts(name: str, values: Mapping[str, Any]) -> bool:
     if name in OF_CODES:
         return values["site"] == OF_CODES[name]
     if name == "measure" or name in OF_MEASURES:
-        asked = OF_MEASURES.get(name, values["measure"])
-        return values["site"] not in SPECTRA and values["measure"] == asked
+        measure = OF_MEASURES.get(name, values["measure"])
+        return values["site"] not in SPECTRA and values["measure"] == measure
     for role, kinds in (("site", GROUNDS), ("envelope", ENVELOPES)):
         if any(name in names_of(kind) for kind in kinds.values()):
             return name in names_of(kinds.get(values[role]))

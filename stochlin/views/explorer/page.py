@@ -264,17 +264,17 @@ class Page:
             for panel in self._panels.values():
                 panel.wait()
             self._running()
-            asked = self._wanted
+            wanted = self._wanted
             try:
-                found: Scene = await self._ask(self._patient, GROUND, asked)
+                scene: Scene = await self._ask(self._patient, GROUND, wanted)
             except (Stopped, asyncio.CancelledError):  # for the sake of other values
                 continue
             except Exception as error:
-                if asked is self._wanted:
-                    self._end_all(_no_chart(_why(error, GROUND, asked)))
+                if wanted is self._wanted:
+                    self._end_all(_no_chart(_why(error, GROUND, wanted)))
                 continue
             self._wanted = dataclasses.replace(
-                self._wanted, fitted=found.fitted, measured=found.measured
+                self._wanted, fitted=scene.fitted, measured=scene.measured
             )
         self._seeking = False
         if self._wanted.settled:
@@ -367,13 +367,13 @@ class Page:
             every = bool(self._every.value)
             own = self._recorded is not None and self._recorded[0] is scene
             recorded = self._recorded[1] if own and self._recorded else None
-            told = [
+            texts = [
                 words.gaps(table, simulated, every),
                 words.records(recorded),
                 columns_hit(scene.slabs_on_columns),
             ]
             figure = charts.gaps_figure(table, recorded, simulated, every)
-            panel.show(table, figure, " ".join(filter(None, told)))
+            panel.show(table, figure, " ".join(filter(None, texts)))
         else:
             figure = charts.probability_figure(table, simulated)
             more = PROBABILITY in self._due
@@ -441,14 +441,14 @@ class Page:
         """Say what each chart waits for, and how far it is."""
         if SIMULATIONS in self._jobs:
             self._bar.props(f"value={self._jobs[SIMULATIONS].share:.3f}")
-        asked = [job for job in self._jobs.values() if job.question in words.DOING]
-        before = words.after([PANELS[PANEL_OF.get(job.question, GAPS)][0] for job in asked])
+        jobs = [job for job in self._jobs.values() if job.question in words.DOING]
+        before = words.after([PANELS[PANEL_OF.get(job.question, GAPS)][0] for job in jobs])
         for key, panel in self._panels.items():
             if not panel.waiting:
                 continue
-            own = [job for job in asked if PANEL_OF.get(job.question, key) == key]
+            own = [job for job in jobs if PANEL_OF.get(job.question, key) == key]
             if not own:
-                panel.tell(before, None, bool(asked))
+                panel.tell(before, None, bool(jobs))
             elif own[0].answer.running():
                 panel.tell(words.DOING[own[0].question], own[0].share, True)
             else:
@@ -465,9 +465,9 @@ class Page:
             element.set_visibility(running)
 
     def _save_case(self) -> None:
-        told = [words.SAVED_LAST] if self._alert.text else []
-        told += [*left_out(self._scene), words.beside(files_named(self._scene))]
-        self._told.text = " ".join(filter(None, told)) or self._told.text
+        texts = [words.SAVED_LAST] if self._alert.text else []
+        texts += [*left_out(self._scene), words.beside(files_named(self._scene))]
+        self._told.text = " ".join(filter(None, texts)) or self._told.text
         file = self._scene.case_file
         name = file.file.name if file else "case.toml"
         ui.download.content(case_text(self._scene), name, "application/toml")

@@ -90,7 +90,7 @@ def spectra_figure(table: xr.Dataset, periods: tuple[float, float]) -> Figure:
 def correlation_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -> Figure:
     """Rho over the ratio of periods; simulation, if there is one, as points with 95 % intervals."""
     ratio = table.period_ratio.values
-    shown = [one for one in RHO if one[0] in table]
+    shown = [curve for curve in RHO if curve[0] in table]
     curves = [_curve(ratio, table[name].values, style, text) for name, style, text in shown]
     if simulated is not None:
         error = NORMAL * simulated.rho_standard_error.values
@@ -159,9 +159,9 @@ def gaps_figure(
     _set_height(layout, LINE * len(names))
     layout["shapes"] = [_vertical(existing, "dash")]
     layout["annotations"] = [_note(existing, "existing gap"), *beyond]
-    over_height = [one for one in (table, simulated) if one is not None and told_by_height(one)]
+    over_height = [data for data in (table, simulated) if data is not None and told_by_height(data)]
     if over_height:
-        curves += [_over_height(one, style) for style, one in enumerate(over_height, start=1)]
+        curves += [_over_height(data, style) for style, data in enumerate(over_height, start=1)]
         _add_heights(layout, float(table.height[-1]))
     return _figure(curves, layout)
 
@@ -191,7 +191,7 @@ def _lines(table: xr.Dataset, simulated: xr.Dataset | None, every: bool) -> list
     if simulated is not None:
         above = _rows(simulated, [rule_label(str(rule)) for rule in simulated.rule.values])
     if every:
-        return (above + [row for row in rows if row.label not in {one.label for one in above}])[::-1]
+        return (above + [row for row in rows if row.label not in {gap.label for gap in above}])[::-1]
     peaks = "" if above else LINEARIZED
     return [
         row._replace(label=TOGETHER[row.kind] + peaks)
@@ -209,10 +209,10 @@ def _rows(table: xr.Dataset, labels: list[str]) -> list[RuleGap]:
         for name in ("gap", "gap_lower", "gap_upper")
     )
     error, verdict = (table[name].values if name in table else unknown for name in ("error", "verdict"))
-    found = zip(
+    fields = zip(
         labels, table.rule.values, table.kind.values, gap, error, verdict, lower, upper, strict=True
     )
-    return [row for row in map(RuleGap._make, found) if np.isfinite(row.gap)]
+    return [row for row in map(RuleGap._make, fields) if np.isfinite(row.gap)]
 
 
 def _of_records(recorded: xr.Dataset, gaps: Any) -> Figure:
@@ -247,21 +247,21 @@ def _over_height(table: xr.Dataset, style: int) -> Figure:
 
 def simulations(table: xr.Dataset, simulated: xr.Dataset | None) -> list[xr.Dataset]:
     """Those of the probability: that of few motions, which follows the sliders, and that of all."""
-    both = [one for one in (table, simulated) if one is not None and f"{CHANCE}_simulated" in one]
-    return both[:1] if len({one.attrs["paths"] for one in both}) == 1 else both
+    both = [data for data in (table, simulated) if data is not None and f"{CHANCE}_simulated" in data]
+    return both[:1] if len({data.attrs["paths"] for data in both}) == 1 else both
 
 
 def probability_figure(table: xr.Dataset, simulated: xr.Dataset | None = None) -> Figure:
     """Probability of no pounding up to each time; simulations as bands."""
     stem, time = CHANCE, table.time.values
     curves = []
-    for colour, one in zip(BANDS, simulations(table, simulated), strict=False):
-        low, high = (one[f"{stem}_simulated_{end}"].values for end in ("lower", "upper"))
+    for colour, data in zip(BANDS, simulations(table, simulated), strict=False):
+        low, high = (data[f"{stem}_simulated_{end}"].values for end in ("lower", "upper"))
         edge: Figure = {"mode": "lines", "line": {"width": 0}, "hoverinfo": "skip"}
         curves.append(edge | {"x": _plain(time), "y": _plain(low), "showlegend": False})
-        name = f"simulation of {one.attrs['paths']} motions, 95 %"
+        name = f"simulation of {data.attrs['paths']} motions, 95 %"
         band: Figure = {"fill": "tonexty", "fillcolor": colour, "name": name}
-        curves.append(edge | band | {"x": _plain(one.time.values), "y": _plain(high)})
+        curves.append(edge | band | {"x": _plain(data.time.values), "y": _plain(high)})
     for number, (ending, text) in enumerate(ESTIMATES):
         if known(table, stem + ending):
             curves.append(_curve(time, table[stem + ending].values, (0, 3, 1, 2)[number], text))

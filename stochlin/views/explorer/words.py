@@ -178,11 +178,11 @@ def probability(table: xr.Dataset, simulated: xr.Dataset | None = None) -> str:
             if np.isfinite(corrected)
             else "correction unknown here",
         ]
-    for one in simulations(table, simulated):
-        low, high = (float(one[f"{stem}_simulated_{end}"][-1]) for end in ("lower", "upper"))
-        share = per_cent(float(one[f"{stem}_simulated"][-1]))
+    for data in simulations(table, simulated):
+        low, high = (float(data[f"{stem}_simulated_{end}"][-1]) for end in ("lower", "upper"))
+        share = per_cent(float(data[f"{stem}_simulated"][-1]))
         parts.append(
-            f"{share} simulated by {one.attrs['paths']} motions ({per_cent(low)} to {per_cent(high)})"
+            f"{share} simulated by {data.attrs['paths']} motions ({per_cent(low)} to {per_cent(high)})"
         )
     words = f"No pounding to the end of the motion: {', '.join(parts)}."
     if stem in table and "comment" in table.attrs:

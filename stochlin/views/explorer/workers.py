@@ -124,10 +124,10 @@ class Worker:
 
     def _told(self, job: Job) -> tuple[Any, Exception | None]:
         """What the process tells at last: the answer, or why there is none."""
-        told: Any = 0.0
+        message: Any = 0.0
         until = float("inf")
-        while not isinstance(told, tuple):  # but the share that is done
-            job.share = told
+        while not isinstance(message, tuple):  # but the share that is done
+            job.share = message
             if job.unwanted and until == float("inf"):
                 self._pipe.send(None)
                 until = time.monotonic() + GRACE
@@ -135,8 +135,8 @@ class Worker:
                 self._end()
                 raise Stopped
             if self._pipe.poll(LOOK):
-                told = self._pipe.recv()
-        return told
+                message = self._pipe.recv()
+        return message
 
     def _end(self) -> int | None:
         """Kill the process; its exit code."""
@@ -159,17 +159,17 @@ def _answer_questions(pipe: Connection) -> None:
         pipe.send(float(share))
 
     while True:
-        asked = pipe.recv()
-        if asked is None:  # to stop what has just been answered
+        message = pipe.recv()
+        if message is None:  # to stop what has just been answered
             continue
-        told: tuple[Any, Exception | None]
+        reply: tuple[Any, Exception | None]
         try:
-            question, subject = asked
-            told = _answer(question, subject, progress), None
+            question, subject = message
+            reply = _answer(question, subject, progress), None
         except Exception as error:
             error.add_note(traceback.format_exc())  # which does not pass the pipe otherwise
-            told = None, error
-        pipe.send(told)
+            reply = None, error
+        pipe.send(reply)
 
 
 def _end_with_the_page() -> None:

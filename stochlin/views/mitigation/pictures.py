@@ -112,9 +112,9 @@ def _amplifications(axes: Axes, dataset: xr.Dataset, named: list[str]) -> None:
     many = "quantile" in dataset.dims  # of more records than can be told apart
     style: Any = {"linestyle": "none", "ms": 5, "color": CURVES[1][0]}
     for number, (name, marker) in enumerate(zip(named, cycle(MARKERS), strict=False)):
-        one = dataset.isel({"quantile" if many else "record": number})
+        peaks = dataset.isel({"quantile" if many else "record": number})
         for n, face, label in ((1, CURVES[1][0], name), (2, "white", None)):
-            values = one[f"{'record_' * many}amplification_{n}"]
+            values = peaks[f"{'record_' * many}amplification_{n}"]
             at = place + 0.12 * (2 * n - 3)
             axes.plot(values, at, marker=marker, markerfacecolor=face, label=label, **style)
     axes.plot([], [], " ", label="filled: building 1, open: building 2")
@@ -127,7 +127,7 @@ def _caption(dataset: xr.Dataset) -> str:
     lines = roles_in_words(attrs, "first", "second", "ground", "contact")
     motions = f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}"
     lines.append(f"{motions}; bars: 95 % interval")
-    for one in (dataset.isel(measure=n) for n in range(dataset.sizes["measure"])):
-        if one.kind.item() == "given":
-            lines.append(f"{one.measure.item()}: {in_words(one.description.item(), 'measure')}")
+    for row in (dataset.isel(measure=n) for n in range(dataset.sizes["measure"])):
+        if row.kind.item() == "given":
+            lines.append(f"{row.measure.item()}: {in_words(row.description.item(), 'measure')}")
     return filled(lines, CAPTION, "    ")

@@ -58,8 +58,8 @@ def answer_lines(table: xr.Dataset, case: Case) -> list[str]:
     """All that the screen shows."""
     built = table.isel(measure=0)
     peaks = float(built.peak_mean_1), float(built.peak_mean_2)
-    found = doubts(table, case.pair, float(built.required_gap), peaks)
-    lines = [*paragraph(doubted(found)), case.title, *paragraph(floors(case)), ""]
+    doubtful = doubts(table, case.pair, float(built.required_gap), peaks)
+    lines = [*paragraph(doubted(doubtful)), case.title, *paragraph(floors(case)), ""]
     lines += [
         *paragraph(headline(table)),
         *paragraph(shaking(table, case)),
@@ -77,27 +77,27 @@ def answer_lines(table: xr.Dataset, case: Case) -> list[str]:
         lines += [*columns(*_over_records(table)), ""]
     for record in table.record.values if {"record", "quantile"} & {*table.dims} == {"record"} else ():
         lines += [f"In {record}:", *columns(*_recorded(table.sel(record=record))), ""]
-    for one in _rows(table):
-        lines += paragraph(crushed(one), "  ")
-        if one.missing.item():
-            lines += paragraph(f"{one.measure.item()}: {one.missing.item()}.", "  ")
+    for row in _rows(table):
+        lines += paragraph(crushed(row), "  ")
+        if row.missing.item():
+            lines += paragraph(f"{row.measure.item()}: {row.missing.item()}.", "  ")
     searched = table.measure.values[(table.kind == "least").values]
     if searched.size and not any("dashpot" in str(name) for name in searched):
         lines += paragraph(NO_DASHPOT, "  ")
     return [*lines, *paragraph(_notes(table)), *paragraph(TIMES if "record" in table.dims else "")]
 
 
-def crushed(one: xr.Dataset) -> str:
+def crushed(row: xr.Dataset) -> str:
     """A warning where bumpers are compressed by more than their thickness; empty otherwise."""
-    thickness = float(one.bumper_thickness)
-    if "record" not in one.dims or not thickness > 0:
+    thickness = float(row.bumper_thickness)
+    if "record" not in row.dims or not thickness > 0:
         return ""
-    deep = one.deepest_compression.where(one.deepest_compression > thickness, drop=True)
+    deep = row.deepest_compression.where(row.deepest_compression > thickness, drop=True)
     if not deep.size:
         return ""
-    where = deep.record.item() if deep.size == 1 else f"{deep.size} of {one.sizes['record']} records"
+    where = deep.record.item() if deep.size == 1 else f"{deep.size} of {row.sizes['record']} records"
     return (
-        f"{one.measure.item()}: the bumpers, {length(thickness)} thick, would be compressed by "
+        f"{row.measure.item()}: the bumpers, {length(thickness)} thick, would be compressed by "
         f"{length(float(deep.max()))} in {where}; take thicker or stiffer ones."
     )
 
@@ -122,19 +122,19 @@ def headline(table: xr.Dataset) -> str:
     built = table.isel(measure=0)
     kept, wanted = float(built.no_pounding_probability), float(table.attrs["confidence"])
     gap = length(float(table.attrs["gap_m"]))
-    told = (
+    sentence = (
         f"As built, the existing gap of {gap} prevents pounding in {per_cent(kept, 1)} of the motions; "
         f"the required share is {100 * wanted:.4g}{SPACE}%."
     )
     if not (table.kind == "least").any():
-        told += " That is enough, so no further measure is searched."
-    given = table.where(table.kind == "given", drop=True)
+        sentence += " That is enough, so no further measure is searched."
+    measures = table.where(table.kind == "given", drop=True)
     words = {SAFE: "enough", UNSAFE: "not enough"}
     parts = []
-    for one in _rows(given):
-        verdict = words.get(int(one.verdict), "undecided within the error of the simulation")
-        parts.append(f"{one.measure.item()}, {verdict}")
-    return f"{told} The measures of the file: {'; '.join(parts)}." if parts else told
+    for row in _rows(measures):
+        verdict = words.get(int(row.verdict), "undecided within the error of the simulation")
+        parts.append(f"{row.measure.item()}, {verdict}")
+    return f"{sentence} The measures of the file: {'; '.join(parts)}." if parts else sentence
 
 
 def _rows(table: xr.Dataset) -> list[xr.Dataset]:
@@ -156,20 +156,20 @@ def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     meanings = dict(enumerate(table.verdict.attrs["flag_meanings"].split()))
     meanings[NOT_AVAILABLE] = "none found"
     rows = []
-    for one in _rows(table):
-        low, high = (centimetres(float(one[f"required_gap_{end}"])) for end in ("lower", "upper"))
+    for row in _rows(table):
+        low, high = (centimetres(float(row[f"required_gap_{end}"])) for end in ("lower", "upper"))
         rows.append(
             [
-                cut(one.measure.item(), WIDE),
-                _pair(one, "added_damping", "{:.1f}", 100),
-                short(float(one.link_stiffness) / 1e6),
-                _dashpot(one),
-                *(_unlike_built(one, table, name) for name in extras),
-                centimetres(float(one.required_gap)),
-                f"{low} to {high}" if np.isfinite(float(one.required_gap)) else MISSING,
-                per_cent(float(one.no_pounding_probability), 1),
-                meanings[int(one.verdict)].replace("_", " "),
-                centimetres(float(one.relative_displacement_std)),
+                cut(row.measure.item(), WIDE),
+                _pair(row, "added_damping", "{:.1f}", 100),
+                short(float(row.link_stiffness) / 1e6),
+                _dashpot(row),
+                *(_unlike_built(row, table, name) for name in extras),
+                centimetres(float(row.required_gap)),
+                f"{low} to {high}" if np.isfinite(float(row.required_gap)) else MISSING,
+                per_cent(float(row.no_pounding_probability), 1),
+                meanings[int(row.verdict)].replace("_", " "),
+                centimetres(float(row.relative_displacement_std)),
             ]
         )
     return heads, rows
@@ -181,15 +181,15 @@ def _recorded(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     heads += ["link [MN]"] if linked else []
     rows = [
         [
-            cut(one.measure.item(), WIDE),
-            _pair(one, "amplification", "{:.2f}"),
-            short(float(one.impacts)),
-            short(float(one.largest_force) / 1e6),
-            centimetres(float(one.deepest_compression)),
-            *([short(float(one.largest_link_force) / 1e6)] if linked else []),
+            cut(row.measure.item(), WIDE),
+            _pair(row, "amplification", "{:.2f}"),
+            short(float(row.impacts)),
+            short(float(row.largest_force) / 1e6),
+            centimetres(float(row.deepest_compression)),
+            *([short(float(row.largest_link_force) / 1e6)] if linked else []),
         ]
-        for one in _rows(table)
-        if np.isfinite(float(one.amplification_1))
+        for row in _rows(table)
+        if np.isfinite(float(row.amplification_1))
     ]
     return heads, rows
 
@@ -200,17 +200,17 @@ def _levels(table: xr.Dataset) -> list[str]:
 
 def _over_records(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     """Heads and rows: the effect of each measure in many records, by quantiles."""
-    heads = ["measure", "do not meet", *(f"times, {one}" for one in _levels(table))]
+    heads = ["measure", "do not meet", *(f"times, {level}" for level in _levels(table))]
     heads += ["impacts", "force [MN]"]
     rows = []
-    for one in _rows(table):
-        if not np.isfinite(float(one.record_no_pounding_probability)):
+    for row in _rows(table):
+        if not np.isfinite(float(row.record_no_pounding_probability)):
             continue
-        each = [one.isel(quantile=n) for n in range(one.sizes["quantile"])]
+        each = [row.isel(quantile=n) for n in range(row.sizes["quantile"])]
         rows.append(
             [
-                cut(one.measure.item(), WIDE),
-                per_cent(float(one.record_no_pounding_probability)),
+                cut(row.measure.item(), WIDE),
+                per_cent(float(row.record_no_pounding_probability)),
                 *(_pair(at, "record_amplification", "{:.2f}") for at in each),
                 " | ".join(short(float(at.record_impacts)) for at in each),
                 " | ".join(short(float(at.record_largest_force) / 1e6) for at in each),
@@ -219,19 +219,19 @@ def _over_records(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     return heads, rows
 
 
-def _dashpot(one: xr.Dataset) -> str:
+def _dashpot(row: xr.Dataset) -> str:
     """Constant of the dashpots between both, with their exponent where they are not linear."""
-    constant, exponent = float(one.link_damping_constant) / 1e6, float(one.link_damping_exponent)
-    told = f" (a {exponent:g})" if np.isfinite(exponent) and exponent != 1 else ""
-    return f"{short(constant)}{told}"
+    constant, exponent = float(row.link_damping_constant) / 1e6, float(row.link_damping_exponent)
+    shown = f" (a {exponent:g})" if np.isfinite(exponent) and exponent != 1 else ""
+    return f"{short(constant)}{shown}"
 
 
-def _unlike_built(one: xr.Dataset, table: xr.Dataset, name: str) -> str:
+def _unlike_built(row: xr.Dataset, table: xr.Dataset, name: str) -> str:
     """Of both buildings, where it is not what it is as built."""
-    built, told = (_pair(each, name, "{:g}") for each in (table.isel(measure=0), one))
-    return "" if told == built else told
+    built, value = (_pair(each, name, "{:g}") for each in (table.isel(measure=0), row))
+    return "" if value == built else value
 
 
-def _pair(one: xr.Dataset, name: str, form: str, scale: float = 1.0) -> str:
-    values = [scale * float(one[f"{name}_{n}"]) for n in (1, 2)]
+def _pair(row: xr.Dataset, name: str, form: str, scale: float = 1.0) -> str:
+    values = [scale * float(row[f"{name}_{n}"]) for n in (1, 2)]
     return " | ".join(form.format(value) for value in values) if np.isfinite(values).all() else MISSING

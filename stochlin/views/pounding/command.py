@@ -132,8 +132,8 @@ def _by_record(
     if len(named) > 1:
         words = {record: re.sub(r"[^\w.]+", "_", record) for record in named}
         named = {r: path.with_name(f"{path.stem}-{word}{path.suffix}") for r, word in words.items()}
-    for one in named.values():
-        check_target(option, one, allowed, case.inputs)
+    for target in named.values():
+        check_target(option, target, allowed, case.inputs)
     if len(set(named.values())) < len(named):
         raise ValueError(
             f"{path} for each record: the names {', '.join(map(repr, named))} are too much alike for "

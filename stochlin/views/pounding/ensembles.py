@@ -64,8 +64,8 @@ def ensemble_lines(case: Case, table: xr.Dataset) -> list[str]:
     good = int((table.status == 0).sum())
     strongest = table[["peak_ground_acceleration"]].max()
     peaks = tuple(map(float, table.peak.max({*table.peak.dims} - {"structure"})))
-    found = doubts(strongest, case.buildings, peaks=peaks)
-    lines = [*paragraph(doubted(found)), case.title, *paragraph(floors(case)), ""]
+    doubtful = doubts(strongest, case.buildings, peaks=peaks)
+    lines = [*paragraph(doubted(doubtful)), case.title, *paragraph(floors(case)), ""]
     motions, strength = f"{table.sizes[over]} records", _strengths(table)
     if over == "path":
         motions = (
@@ -102,65 +102,66 @@ def _strengths(table: xr.Dataset) -> str:
 
 def _shares(table: xr.Dataset) -> str:
     """The share of the motions in which neighbours meet."""
-    told = []
+    shares = []
     for pair in range(table.sizes["neighbours"]):
-        one = table.isel(neighbours=pair)
+        of_pair = table.isel(neighbours=pair)
         share, low, high = (
-            per_cent(float(one[f"pounding_probability{end}"])) for end in ("", "_lower", "_upper")
+            per_cent(float(of_pair[f"pounding_probability{end}"])) for end in ("", "_lower", "_upper")
         )
-        left, right = str(one.neighbours.item()).split(" | ")
-        told.append(f"buildings {left} and {right} hit in {share} of them ({low} to {high})")
-    return f"{'; '.join(told)}."
+        left, right = str(of_pair.neighbours.item()).split(" | ")
+        shares.append(f"buildings {left} and {right} hit in {share} of them ({low} to {high})")
+    return f"{'; '.join(shares)}."
 
 
 def _columns_met(table: xr.Dataset) -> str:
     most = table.column_force_quantile.isel(quantile=-1)
-    one = table.isel(contact=int(most.fillna(0.0).argmax("contact")))
-    struck, level = int(one[str(one.column.item())]), float(table["quantile"][-1])
+    contact = table.isel(contact=int(most.fillna(0.0).argmax("contact")))
+    struck, level = int(contact[str(contact.column.item())]), float(table["quantile"][-1])
     return (
-        f"SLABS FACE COLUMNS: the floors are not level. Hit hardest, {float(one.level):.4g} m up, are "
-        f"the columns of storey {int(one.storey)} of building {struck}: with at most "
-        f"{short(1e-6 * float(one.column_force_quantile[-1]))} MN in {per_cent(level)} of the motions."
+        f"SLABS FACE COLUMNS: the floors are not level. Hit hardest, {float(contact.level):.4g} m up, "
+        f"are the columns of storey {int(contact.storey)} of building {struck}: with at most "
+        f"{short(1e-6 * float(contact.column_force_quantile[-1]))} MN in {per_cent(level)} of the "
+        "motions."
     )
 
 
-def _gap_rows(one: xr.Dataset, heads: list[str]) -> list[list[str]]:
-    pair = str(one.neighbours.item())
-    gap = 100 * float(one.gap.values[one.left.values == int(pair.split(" | ", maxsplit=1)[0])][0])
+def _gap_rows(table: xr.Dataset, heads: list[str]) -> list[list[str]]:
+    pair = str(table.neighbours.item())
+    gap = 100 * float(table.gap.values[table.left.values == int(pair.split(" | ", maxsplit=1)[0])][0])
     kinds = {
         "impacts": ("impacts_between", 1.0),
         "largest force [MN]": ("hardest_force_between", 1e-6),
         "energy lost [kJ]": ("contact_energy_between", 1e-3),
     }
-    rows = [_row(f"  {name}", one, stem, scale) for name, (stem, scale) in kinds.items()]
+    rows = [_row(f"  {name}", table, stem, scale) for name, (stem, scale) in kinds.items()]
     return [[f"Gap {pair}, {gap:.3g} cm", *[""] * (len(heads) - 1)], *rows]
 
 
-def _building_rows(one: xr.Dataset, heads: list[str]) -> list[list[str]]:
-    top = shaken = one
-    told, meets = "", "neighbours" in one.dims
-    if "floor" in one.dims:
-        top = one.sel(floor=int(one.storeys))
-        times = one.peak_acceleration_mean / (one.peak_acceleration_alone_mean if meets else 1.0)
-        shaken = one.isel(floor=int(times.argmax("floor")))
-        told = "" if is_oscillator(one) else f", floor {int(shaken.floor)}"
+def _building_rows(table: xr.Dataset, heads: list[str]) -> list[list[str]]:
+    top = shaken = table
+    at_floor, meets = "", "neighbours" in table.dims
+    if "floor" in table.dims:
+        top = table.sel(floor=int(table.storeys))
+        times = table.peak_acceleration_mean / (table.peak_acceleration_alone_mean if meets else 1.0)
+        shaken = table.isel(floor=int(times.argmax("floor")))
+        at_floor = "" if is_oscillator(table) else f", floor {int(shaken.floor)}"
     rows = []
     for name, place, stem, scale in (
         ("displacement [cm]", top, "peak", 100.0),
-        (f"acceleration [g]{told}", shaken, "peak_acceleration", 1 / METRES["g"]),
-        ("base shear [MN]", one, "peak_base_shear", 1e-6),
+        (f"acceleration [g]{at_floor}", shaken, "peak_acceleration", 1 / METRES["g"]),
+        ("base shear [MN]", table, "peak_base_shear", 1e-6),
     ):
         rows.append(_row(f"  {name}", place, stem, scale))
         rows += [_row("    alone", place, f"{stem}_alone", scale)] * meets
-    named = f"{int(one.structure)}  {cut(str(one.building.item()), NAME)}"
+    named = f"{int(table.structure)}  {cut(str(table.building.item()), NAME)}"
     return [[named, *[""] * (len(heads) - 1)], *rows]
 
 
-def _row(name: str, one: xr.Dataset, stem: str, scale: float) -> list[str]:
+def _row(name: str, table: xr.Dataset, stem: str, scale: float) -> list[str]:
     """Mean with its error, and quantiles with their intervals."""
-    mean, error = (scale * float(one[f"{stem}_mean{end}"]) for end in ("", "_standard_error"))
+    mean, error = (scale * float(table[f"{stem}_mean{end}"]) for end in ("", "_standard_error"))
     cells = [MISSING if np.isnan(mean) else f"{_digits(mean)} +- {error:.2g}"]
-    ends = (scale * one[f"{stem}_quantile{end}"].values for end in ("", "_lower", "_upper"))
+    ends = (scale * table[f"{stem}_quantile{end}"].values for end in ("", "_lower", "_upper"))
     for value, low, high in zip(*ends, strict=True):
         between = f"{_digits(low)}-{_digits(high)}" if np.isfinite(high) else f"over {_digits(low)}"
         cells.append(MISSING if np.isnan(value) else f"{_digits(value)} ({between})")
@@ -219,8 +220,8 @@ def draw_ensemble(dataset: xr.Dataset) -> Figure:
         (panels[-1], "peak", 100.0, "displacement [cm]"),
     ):
         (_over_height if storeys else _exceeded)(axes, dataset, stem, scale)
-        told = f"{name}, not exceeded in {100 * _level(dataset):.3g} %" if storeys else name
-        axes.set(xlim=(0, None), xlabel=told)
+        label = f"{name}, not exceeded in {100 * _level(dataset):.3g} %" if storeys else name
+        axes.set(xlim=(0, None), xlabel=label)
     panels[-2].set_ylabel("height [m]" if storeys else "share of motions with more")
     for axes, ncols in ((panels[0], 4), (panels[-2], 3)):
         handles = axes.get_legend_handles_labels()[0]
@@ -236,13 +237,13 @@ def _gaps(left: Axes, right: Axes, dataset: xr.Dataset) -> None:
     """The number of impacts and their forces across each gap."""
     forces = bool(dataset.hardest_force_between_mean.notnull().all())
     for (color, dash), number in zip(cycle(CURVES), range(dataset.sizes["neighbours"]), strict=False):
-        one = dataset.isel(neighbours=number)
+        table = dataset.isel(neighbours=number)
         style: Any = {"color": color, "linestyle": dash, "lw": 1.4}
-        label = f"gap {one.neighbours.item()}"
-        _exceedance(left, one.impacts_between.values, style | {"label": label})
+        label = f"gap {table.neighbours.item()}"
+        _exceedance(left, table.impacts_between.values, style | {"label": label})
         if forces:
-            none_is_zero = one.hardest_force_between.where(one.impacts_between > 0, 0.0)
-            force = none_is_zero.where(one.status == 0).values
+            none_is_zero = table.hardest_force_between.where(table.impacts_between > 0, 0.0)
+            force = none_is_zero.where(table.status == 0).values
             _exceedance(right, 1e-6 * force, style)
     if not forces:
         right.text(0.5, 0.5, "no forces: velocities jump", transform=right.transAxes, ha="center")
@@ -252,12 +253,12 @@ def _gaps(left: Axes, right: Axes, dataset: xr.Dataset) -> None:
 
 def _exceeded(axes: Axes, dataset: xr.Dataset, stem: str, scale: float) -> None:
     for (color, dash), number in zip(cycle(CURVES), range(dataset.sizes["structure"]), strict=False):
-        one = dataset.isel(structure=number)
+        table = dataset.isel(structure=number)
         style: Any = {"color": color, "linestyle": dash}
-        label = f"{number + 1} {cut(str(one.building.item()), NAME)}"
-        _exceedance(axes, scale * one[stem].values, style | {"lw": 1.6, "label": label})
-        if "neighbours" in one.dims:
-            _exceedance(axes, scale * one[f"{stem}_alone"].values, style | {"lw": 0.6})
+        label = f"{number + 1} {cut(str(table.building.item()), NAME)}"
+        _exceedance(axes, scale * table[stem].values, style | {"lw": 1.6, "label": label})
+        if "neighbours" in table.dims:
+            _exceedance(axes, scale * table[f"{stem}_alone"].values, style | {"lw": 0.6})
     if "neighbours" in dataset.dims:
         axes.plot([], [], color="0.35", lw=0.6, label="thin: alone")
     axes.set_ylim(0, 1.02)
@@ -274,14 +275,14 @@ def _over_height(axes: Axes, dataset: xr.Dataset, stem: str, scale: float) -> No
     at = {"quantile": _level(dataset)}
     looks = cycle(zip(CURVES, "osD^vP", strict=True))
     for number, ((color, dash), marker) in zip(range(dataset.sizes["structure"]), looks, strict=False):
-        one, levels = dataset.isel(structure=number), levels_of(dataset, number)
+        table, levels = dataset.isel(structure=number), levels_of(dataset, number)
         style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 4}
-        label = f"{number + 1} {cut(str(one.building.item()), NAME)}"
+        label = f"{number + 1} {cut(str(table.building.item()), NAME)}"
         ends = ("", "_alone")
         with_hits, alone = (
-            scale * one[f"{stem}{end}_quantile"].sel(at).values[: levels.size] for end in ends
+            scale * table[f"{stem}{end}_quantile"].sel(at).values[: levels.size] for end in ends
         )
-        if "neighbours" in one.dims:
+        if "neighbours" in table.dims:
             axes.plot(alone, levels, **style | {"mfc": "white", "lw": 0.7})
         axes.plot(with_hits, levels, label=label, lw=1.3, **style)
     if "neighbours" in dataset.dims:

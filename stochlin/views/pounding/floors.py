@@ -88,17 +88,17 @@ def draw_floors(dataset: xr.Dataset) -> Figure:
 
 
 def _profiles(
-    panels: Sequence[Axes], one: xr.Dataset, levels: np.ndarray, style: dict[str, Any]
+    panels: Sequence[Axes], table: xr.Dataset, levels: np.ndarray, style: dict[str, Any]
 ) -> None:
     """Peaks of one building at its floors, and at the middle of its storeys."""
-    middle = levels if is_oscillator(one) else 0.5 * (levels + np.append(0.0, levels[:-1]))
-    name = cut(f"{int(one.structure)} {one.building.item()}", NAME)
+    middle = levels if is_oscillator(table) else 0.5 * (levels + np.append(0.0, levels[:-1]))
+    name = cut(f"{int(table.structure)} {table.building.item()}", NAME)
     for axes, peak, scale, at in (
         (panels[0], "peak_acceleration", 1 / METRES["g"], levels),
         (panels[1], "peak_storey_shear", MEGA, middle),
     ):
-        with_hits, alone = (scale * one[f"{peak}{end}"].values[: at.size] for end in ("", "_alone"))
-        if "contact" in one.dims:
+        with_hits, alone = (scale * table[f"{peak}{end}"].values[: at.size] for end in ("", "_alone"))
+        if "contact" in table.dims:
             axes.plot(alone, at, **style | {"mfc": "white", "lw": 0.7})
         axes.plot(with_hits, at, label=name, **style)
 

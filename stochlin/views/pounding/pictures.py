@@ -73,9 +73,9 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     height = HEAD + sum(heights) + BETWEEN * (len(heights) - 1) + AXIS * hits + foot
     figure = Figure(figsize=(WIDTH, height))
     panels, top = [], height - HEAD
-    for number, one in enumerate(heights):
-        top -= one + (AXIS * hits if number == over_time else 0)
-        box = (LEFT, top / height, RIGHT - LEFT, one / height)
+    for number, panel_height in enumerate(heights):
+        top -= panel_height + (AXIS * hits if number == over_time else 0)
+        box = (LEFT, top / height, RIGHT - LEFT, panel_height / height)
         panels.append(figure.add_axes(box))
         top -= BETWEEN
     for axes, number in zip(panels, shown, strict=False):
@@ -90,7 +90,7 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
         axes.tick_params(labelbottom=axes is panels[over_time - 1])
     if hits:
         _close_up(panels[-1], dataset)
-    for axes in (one for one in panels if one.get_legend_handles_labels()[1]):
+    for axes in (panel for panel in panels if panel.get_legend_handles_labels()[1]):
         axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.03), borderaxespad=0, fontsize=8)
     for axes in {panels[over_time - 1], panels[-1]}:
         axes.set_xlabel("time [s]")
@@ -101,18 +101,20 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
 
 def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
     """Both sides of a gap in one frame: the distance between the curves is open."""
-    one = dataset.isel(contact=number)
-    gap = float(one.gap)
+    contact = dataset.isel(contact=number)
+    gap = float(contact.gap)
     beside = (displacement_beside(dataset, side) for side in ("left", "right"))
     left, right = (side.isel(contact=number).values for side in beside)
     left, right = CENTIMETRES * left, CENTIMETRES * (right + gap)
     time = dataset.time.values
     axes.fill_between(time, left, np.maximum(left, right), color="0.9", lw=0, label="open")
-    for values, name, (color, dash) in zip((left, right), _names(dataset, one), CURVES, strict=False):
+    for values, name, (color, dash) in zip(
+        (left, right), _names(dataset, contact), CURVES, strict=False
+    ):
         axes.plot(time, values, color=color, linestyle=dash, lw=0.9, label=name)
     hits = dataset.impact_time.values[dataset.impact_contact.values == number + 1]
     hits = hits[(hits >= time[0]) & (hits <= time[-1])]
-    struck = "level" in dataset.coords and str(one.kind.item()) == COLUMN
+    struck = "level" in dataset.coords and str(contact.kind.item()) == COLUMN
     if hits.size:
         style: Any = {"marker": "v", "color": "#2166ac", "ls": "", "ms": 4, "clip_on": False}
         if struck:
@@ -120,7 +122,7 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
         transform = axes.get_xaxis_transform()
         axes.plot(hits, np.full(hits.size, 1.0), transform=transform, label="impact", **style)
     if "level" in dataset.coords:
-        axes.plot([], [], ls="", label=f"{float(one.level):.4g} m up")
+        axes.plot([], [], ls="", label=f"{float(contact.level):.4g} m up")
     if struck:
         axes.plot([], [], ls="", label="SLAB AGAINST COLUMN")
     axes.set_ylabel("place [cm]")
@@ -128,11 +130,11 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
 
 def _roof(axes: Axes, dataset: xr.Dataset) -> None:
     """The displacement of a single building, at its roof."""
-    one = dataset.isel(structure=0)
-    place = one.displacement.isel(floor=-1) if "floor" in one.dims else one.displacement
-    (color, _), name = CURVES[0], textwrap.fill(str(one.building.item()), NAME)
+    table = dataset.isel(structure=0)
+    place = table.displacement.isel(floor=-1) if "floor" in table.dims else table.displacement
+    (color, _), name = CURVES[0], textwrap.fill(str(table.building.item()), NAME)
     axes.plot(dataset.time, CENTIMETRES * place, color=color, lw=0.9, label=name)
-    axes.set_ylabel("roof [cm]" if "floor" in one.dims else "place [cm]")
+    axes.set_ylabel("roof [cm]" if "floor" in table.dims else "place [cm]")
 
 
 def _close_up(axes: Axes, dataset: xr.Dataset) -> None:
@@ -145,9 +147,9 @@ def _close_up(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set_title("around the hardest impact", loc="left", size=9, pad=7)
 
 
-def _names(dataset: xr.Dataset, one: xr.Dataset) -> list[str]:
+def _names(dataset: xr.Dataset, contact: xr.Dataset) -> list[str]:
     """Names of the buildings on both sides of a contact, as a legend can hold them."""
-    names = dataset.building.values[[int(one[side]) - 1 for side in ("left", "right")]]
+    names = dataset.building.values[[int(contact[side]) - 1 for side in ("left", "right")]]
     return [textwrap.fill(str(name), NAME) for name in names]
 
 
@@ -183,13 +185,13 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
 
 def caption_of(dataset: xr.Dataset) -> str:
     """The buildings, the contact, the gaps and the source of the motions, in lines."""
-    told = [
+    texts = [
         f"{name}: {in_words(dataset.attrs[f'structure_{number}'])}"
         for number, name in enumerate(dataset.building.values, start=1)
     ]
     if "contact" in dataset.dims:
         widths = (CENTIMETRES * float(gap) for gap in np.atleast_1d(dataset.attrs["gaps"]))
         gaps = ", ".join(f"{width:.3g}" for width in widths)
-        told.append(f"{roles_in_words(dataset.attrs, 'contact')[0]}; gap {gaps} cm")
-    told += roles_in_words(dataset.attrs, "ground", "envelope")  # of simulated motions
-    return filled(told, CAPTION, "    ")
+        texts.append(f"{roles_in_words(dataset.attrs, 'contact')[0]}; gap {gaps} cm")
+    texts += roles_in_words(dataset.attrs, "ground", "envelope")  # of simulated motions
+    return filled(texts, CAPTION, "    ")

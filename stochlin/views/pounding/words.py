@@ -62,9 +62,9 @@ STRENGTH = (
 
 def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
     """All that the screen shows, record by record."""
-    found = {record: _doubts(table, case) for record, table in tables.items()}
-    told = [f"in {record} {one}" for record, several in found.items() for one in several]
-    lines = [*paragraph(doubted(told)), case.title, *paragraph(floors(case))]
+    doubts_of = {record: _doubts(table, case) for record, table in tables.items()}
+    doubtful = [f"in {record} {doubt}" for record, several in doubts_of.items() for doubt in several]
+    lines = [*paragraph(doubted(doubtful)), case.title, *paragraph(floors(case))]
     lines += paragraph(at_medians(case))
     for record, table in tables.items():
         lines += ["", *paragraph(f"{record}: {headline(table)}")]
@@ -93,11 +93,11 @@ def headline(table: xr.Dataset) -> str:
         left, gap = (float(table[name][nearest]) for name in ("least_clearance", "gap"))
         return f"no pounding. At least {length(left)} of the gap of {length(gap)} remain open."
     begin = float(table.impact_time.min())
-    told = f"{count} impact{'s' * (count > 1)}, the first at {begin:.2f} s."
+    sentence = f"{count} impact{'s' * (count > 1)}, the first at {begin:.2f} s."
     force, speed = float(table.largest_force.max(skipna=False)), float(table.fastest_approach.max())
     if np.isfinite(force):
-        return f"{told} Largest force {short(force / 1e6)} MN, fastest approach {short(speed)} m/s."
-    return f"{told} Fastest approach {short(speed)} m/s; this contact gives no forces."
+        return f"{sentence} Largest force {short(force / 1e6)} MN, fastest approach {short(speed)} m/s."
+    return f"{sentence} Fastest approach {short(speed)} m/s; this contact gives no forces."
 
 
 def columns_met(table: xr.Dataset) -> str:
@@ -107,28 +107,28 @@ def columns_met(table: xr.Dataset) -> str:
     begin = "SLABS FACE COLUMNS: the floors are not level"
     if not hit:
         return f"{begin} at {met} contact{'s' * (met > 1)}; in this record no column is hit."
-    one = table.isel(contact=int(table.column_force.argmax("contact")))
-    struck = int(one[str(one.column.item())])
-    force = f"{short(float(one.column_force) / 1e6)} MN"
-    if np.isfinite(float(one.column_force_share)):
-        force += f", {per_cent(float(one.column_force_share))} of the storey's shear at yield"
+    contact = table.isel(contact=int(table.column_force.argmax("contact")))
+    struck = int(contact[str(contact.column.item())])
+    force = f"{short(float(contact.column_force) / 1e6)} MN"
+    if np.isfinite(float(contact.column_force_share)):
+        force += f", {per_cent(float(contact.column_force_share))} of the storey's shear at yield"
     return (
         f"SLABS HIT COLUMNS at {hit} contact{'s' * (hit > 1)}, since the floors are not level. "
-        f"Hardest, {float(one.level):.4g} m up: the columns of storey {int(one.storey)} of building "
-        f"{struck} take {force}. They carry the building above: check them in bending and shear, or "
-        "widen the gap."
+        f"Hardest, {float(contact.level):.4g} m up: the columns of storey {int(contact.storey)} of "
+        f"building {struck} take {force}. They carry the building above: check them in bending and "
+        "shear, or widen the gap."
     )
 
 
 def energies(table: xr.Dataset) -> str:
     """The energy balance, and its error."""
-    given = short(float(energy_of(table.isel(time=-1), "input")) / 1e3)
+    energy = short(float(energy_of(table.isel(time=-1), "input")) / 1e3)
     share = {str(name): float(table.energy_share.sel(sink=name)) for name in table.sink.values}
     meets = "contact" in table.dims
     sinks = {name: word for name, word in SINKS.items() if meets or name != "contacts"}
     parts = [f"{word} {per_cent(share[name], 1)}" for name, word in sinks.items()]
     return (
-        f"Of the {given} kJ from the ground, {', '.join(parts)}; {per_cent(share['remaining'], 1)} are "
+        f"Of the {energy} kJ from the ground, {', '.join(parts)}; {per_cent(share['remaining'], 1)} are "
         f"left at the end. The balance is off by {float(table.energy_balance_error.max()):.0e} at most."
     )
 
@@ -136,22 +136,22 @@ def energies(table: xr.Dataset) -> str:
 def step_error(table: xr.Dataset) -> str:
     """The error by time steps, with a caution and the cure if it is large."""
     error = float(table.step_error)
-    told = f"Error by time steps: at most {100 * error:.1g}{SPACE}% of a peak or largest force."
+    sentence = f"Error by time steps: at most {100 * error:.1g}{SPACE}% of a peak or largest force."
     if error <= LARGE_ERROR:
-        return told
-    return f"{told} CAUTION: more than {per_cent(LARGE_ERROR)}; take more --steps-per-contact."
+        return sentence
+    return f"{sentence} CAUTION: more than {per_cent(LARGE_ERROR)}; take more --steps-per-contact."
 
 
 def _alone(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     """Heads and rows: the response of a single building, floor by floor from the roof down."""
-    one = table.isel(structure=0)
+    building = table.isel(structure=0)
     heads = ["peak [cm]", "accel. [g]", "shear [MN]"]
     scales = {"peak": 100.0, "peak_acceleration": 1 / METRES["g"], "peak_storey_shear": 1e-6}
     if "floor" not in table.dims:
-        values = [short(scale * float(one[name])) for name, scale in scales.items()]
-        return [*heads, "ductility"], [[*values, short(float(one.peak_ductility))]]
+        values = [short(scale * float(building[name])) for name, scale in scales.items()]
+        return [*heads, "ductility"], [[*values, short(float(building.peak_ductility))]]
     rows = []
-    for floor in (one.isel(floor=n) for n in reversed(range(one.sizes["floor"]))):
+    for floor in (building.isel(floor=n) for n in reversed(range(building.sizes["floor"]))):
         place = [str(int(floor.floor)), f"{float(floor.floor_level):.4g}"]
         rows.append([*place, *(short(scale * float(floor[name])) for name, scale in scales.items())])
     return ["floor", "height [m]", *heads], rows
@@ -186,22 +186,24 @@ def _borne(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     heads += [*["storey shear"] * storeys, "hits give [kJ]"]
     rows = []
     for number, name in enumerate(table.building.values):
-        one = table.isel(structure=number)
-        known = storeys and not is_oscillator(one)
-        most = one.isel(floor=int(one.peak_acceleration.argmax("floor"))) if storeys else one
+        building = table.isel(structure=number)
+        known = storeys and not is_oscillator(building)
+        most = (
+            building.isel(floor=int(building.peak_acceleration.argmax("floor"))) if storeys else building
+        )
         row = [f"{number + 1}  {cut(str(name), SHORTER_NAME)}"]
         row += [f"{float(most[f'peak_acceleration{end}']) / METRES['g']:.2f}" for end in ("", "_alone")]
         row += [str(int(most.floor)) if known else MISSING] if storeys else []
-        row += [short(float(one[f"peak_base_shear{end}"]) / 1e6) for end in ("", "_alone")]
-        row += [_shear(one) if known else MISSING] if storeys else []
-        given = float(one.energy_received) / 1e3
-        rows.append([*row, f"{given:+.3g}" if given else "0"])
+        row += [short(float(building[f"peak_base_shear{end}"]) / 1e6) for end in ("", "_alone")]
+        row += [_shear(building) if known else MISSING] if storeys else []
+        work = float(building.energy_received) / 1e3
+        rows.append([*row, f"{work:+.3g}" if work else "0"])
     return heads, rows
 
 
-def _shear(one: xr.Dataset) -> str:
+def _shear(building: xr.Dataset) -> str:
     """The storey whose shear grows most."""
-    times = one.peak_storey_shear / one.peak_storey_shear_alone
+    times = building.peak_storey_shear / building.peak_storey_shear_alone
     worst = times.isel(floor=int(times.argmax("floor")))
     return f"{float(worst):.2f}, storey {int(worst.floor)}"
 
@@ -210,32 +212,33 @@ def _struck(table: xr.Dataset) -> list[str]:
     """A table of the columns that slabs have hit, storey by storey; nothing if none was."""
     hit = table.isel(contact=np.flatnonzero(table.column_force > 0))
     worst: dict[tuple[int, int], xr.Dataset] = {}
-    for one in (hit.isel(contact=n) for n in range(hit.sizes["contact"])):
-        place = int(one[str(one.column.item())]), int(one.storey)
-        if place not in worst or one.column_force > worst[place].column_force:
-            worst[place] = one
+    for contact in (hit.isel(contact=n) for n in range(hit.sizes["contact"])):
+        place = int(contact[str(contact.column.item())]), int(contact.storey)
+        if place not in worst or contact.column_force > worst[place].column_force:
+            worst[place] = contact
     rows = [
         [
             f"{building}  {cut(str(table.building.values[building - 1]), LONGEST_NAME)}",
             str(storey),
-            f"{float(one.level):.4g}",
-            short(float(one.column_force) / 1e6),
-            per_cent(float(one.column_force_share)),
+            f"{float(contact.level):.4g}",
+            short(float(contact.column_force) / 1e6),
+            per_cent(float(contact.column_force_share)),
         ]
-        for (building, storey), one in sorted(worst.items(), key=lambda item: item[0])
+        for (building, storey), contact in sorted(worst.items(), key=lambda item: item[0])
     ]
     heads = ["columns of", "storey", "hit at [m]", "force [MN]", "of the shear at yield"]
     return [*columns(heads, rows), ""] if rows else []
 
 
-def _roof(one: xr.Dataset) -> list[str]:
-    top, worst = one.sel(floor=int(one.storeys)), one.isel(floor=int(one.amplification.argmax("floor")))
+def _roof(table: xr.Dataset) -> list[str]:
+    top = table.sel(floor=int(table.storeys))
+    worst = table.isel(floor=int(table.amplification.argmax("floor")))
     return [
         centimetres(float(top.peak)),
         centimetres(float(top.peak_alone)),
         f"{float(top.amplification):.2f}",
         f"{float(worst.amplification):.2f}"
-        + ("" if is_oscillator(one) else f", floor {int(worst.floor)}"),
+        + ("" if is_oscillator(table) else f", floor {int(worst.floor)}"),
     ]
 
 
@@ -245,16 +248,18 @@ def _contacts(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     heads += ["longest [ms]", "lost [kJ]"]
     rows = []
     for number in range(table.sizes["contact"]):
-        one = table.isel(contact=number)
-        closest = f"{round(100 * float(one.least_clearance), 2) + 0:.2f}"  # zero without a sign
+        contact = table.isel(contact=number)
+        closest = f"{round(100 * float(contact.least_clearance), 2) + 0:.2f}"  # zero without a sign
         scales = {"hardest_force": 1e-6, "fastest_approach": 1, "longest_impact": 1e3}
         scales |= {"contact_energy": 1e-3}
-        numbers = [short(scale * float(one[name])) for name, scale in scales.items()]
-        named = f"{int(one.left)} | {int(one.right)}"
+        numbers = [short(scale * float(contact[name])) for name, scale in scales.items()]
+        named = f"{int(contact.left)} | {int(contact.right)}"
         if "level" in table.coords:
-            named += f", {float(one.level):.4g} m up"
-            named += "*" if str(one.kind.item()) == SLAB_TO_COLUMN else ""
-        rows.append([named, centimetres(float(one.gap)), closest, str(int(one.impacts)), *numbers])
+            named += f", {float(contact.level):.4g} m up"
+            named += "*" if str(contact.kind.item()) == SLAB_TO_COLUMN else ""
+        rows.append(
+            [named, centimetres(float(contact.gap)), closest, str(int(contact.impacts)), *numbers]
+        )
     return heads, rows
 
 

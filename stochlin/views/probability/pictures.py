@@ -63,8 +63,8 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
         if known(dataset, name):
             lower.plot(time, dataset[name], color=color, linestyle=dash, label=label)
     radii = "radius_1" in dataset
-    told = "energy radius [m]" if radii else "standard deviation [m]"
-    lower.set(ylabel=told, xlabel="time [s]")
+    ylabel = "energy radius [m]" if radii else "standard deviation [m]"
+    lower.set(ylabel=ylabel, xlabel="time [s]")
     if "permanent_set" in dataset and bool(dataset.permanent_set.any()):
         for axes in (upper, lower):
             end = dataset.attrs["strong_shaking_end_s"]
@@ -93,13 +93,15 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
     gaps = dataset.sizes["gap"]
     chosen = np.unique(np.linspace(0, gaps - 1, min(gaps, CURVES_AT_MOST)).astype(int))
     for (color, dash), marker, index in zip(cycle(CURVES), cycle(MARKERS), chosen, strict=False):
-        one = dataset.isel(gap=int(index))
-        label = f"gap {float(one.gap):.3g} m"
-        axes.plot(one.intensity, one[name], color=color, linestyle=dash, label=label)
-        if known(one, corrected):
-            axes.plot(one.intensity, one[corrected], color=color, linestyle=dash, lw=0.6)
-        if simulated in one:
-            axes.plot(one.intensity, one[simulated], color=color, linestyle="none", marker=marker, ms=4)
+        curve = dataset.isel(gap=int(index))
+        label = f"gap {float(curve.gap):.3g} m"
+        axes.plot(curve.intensity, curve[name], color=color, linestyle=dash, label=label)
+        if known(curve, corrected):
+            axes.plot(curve.intensity, curve[corrected], color=color, linestyle=dash, lw=0.6)
+        if simulated in curve:
+            axes.plot(
+                curve.intensity, curve[simulated], color=color, linestyle="none", marker=marker, ms=4
+            )
     if known(dataset, corrected):
         axes.plot([], [], color="0.3", lw=0.6, label="thin: bias corrected")
     if simulated in dataset:
@@ -112,12 +114,12 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
 
 def _at_every_intensity(attrs: Mapping[Any, Any]) -> dict[Any, Any]:
     """The attributes without the gap, which the curves name, and the intensity, which the axis has."""
-    told = {key: text for key, text in attrs.items() if key != "gap"}
-    ground, _, intensity = told["ground"].rpartition("intensity=")
-    told["ground"] = in_words(f"{ground.rstrip(', ')})", "ground")
-    if any("reduction_factor=" in told[role] for role in ("first", "second")):
-        told["ground"] += f"; reduction factors refer to the intensity {intensity[:-1]} m²/s³"
-    return told
+    described = {key: text for key, text in attrs.items() if key != "gap"}
+    ground, _, intensity = described["ground"].rpartition("intensity=")
+    described["ground"] = in_words(f"{ground.rstrip(', ')})", "ground")
+    if any("reduction_factor=" in described[role] for role in ("first", "second")):
+        described["ground"] += f"; reduction factors refer to the intensity {intensity[:-1]} m²/s³"
+    return described
 
 
 @styled()
@@ -167,7 +169,7 @@ def _panel(figure: Figure, left: float, bottom: float, wide: float, high: float)
 
 
 def _estimates(axes: Axes, dataset: xr.Dataset, stem: str, x: np.ndarray) -> None:
-    present = [one for one in ESTIMATES if known(dataset, stem + one[0])]
+    present = [estimate for estimate in ESTIMATES if known(dataset, stem + estimate[0])]
     for (color, dash), (ending, label) in zip(CURVES, present, strict=False):
         axes.plot(x, dataset[stem + ending], color=color, linestyle=dash, label=label)
     simulated = f"{stem}_simulated"
@@ -181,10 +183,10 @@ def _estimates(axes: Axes, dataset: xr.Dataset, stem: str, x: np.ndarray) -> Non
 def _records(axes: Axes, dataset: xr.Dataset, name: str) -> None:
     """The confidence in each record by the hybrid method, with one phase and with many."""
     for (color, dash), record in zip(cycle(CURVES), dataset.record.values, strict=False):
-        one = dataset.sel(record=record)
+        course = dataset.sel(record=record)
         label = filled([str(record).replace("$", r"\$")], NAME)
-        axes.plot(one.record_time, one[name], color=color, linestyle=dash, label=label)
-        axes.plot(one.record_time, one[f"{name}_fresh_phase"], color=color, linestyle=dash, lw=0.6)
+        axes.plot(course.record_time, course[name], color=color, linestyle=dash, label=label)
+        axes.plot(course.record_time, course[f"{name}_fresh_phase"], color=color, linestyle=dash, lw=0.6)
     axes.plot([], [], color="0.3", lw=0.6, label="thin: a new phase\nin every cycle")
     axes.set(ylim=(-0.02, 1.02), xlim=(0, float(dataset.record_time[-1])))
     axes.set(xlabel="time from the beginning of the record [s]", ylabel="confidence")

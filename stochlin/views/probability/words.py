@@ -129,7 +129,7 @@ def _number(value: xr.DataArray, width: int) -> str:
 def _in_record(end: xr.Dataset, gap: float, wanted: float) -> str:
     """The hybrid method at the end of a record, and why no phase may be safe."""
     apart = float(end.record_radius_difference)
-    told = (
+    sentence = (
         f"Record {end.record.item()}, hybrid method: confidence {float(end[f'record_{STEM}']):.4f} with "
         f"one phase between the buildings, {float(end[f'record_{STEM}_fresh_phase']):.4f} with a new "
         f"phase every cycle (rho {float(end.record_rho):.3f}); gap for a confidence of "
@@ -137,5 +137,7 @@ def _in_record(end: xr.Dataset, gap: float, wanted: float) -> str:
         f"needs {float(end.record_separation):.4f} m."
     )
     if apart <= gap:
-        return told
-    return f"{told} The energy radii differ by up to {apart:.4f} m, so that no phase avoids pounding."
+        return sentence
+    return (
+        f"{sentence} The energy radii differ by up to {apart:.4f} m, so that no phase avoids pounding."
+    )

@@ -62,8 +62,8 @@ def draw_sensitivity(
             "returns"
         )
     shown = rows(dataset, names)[:MOST]
-    told = _caption(dataset) if caption else ""
-    foot = LINE * (told.count("\n") + 1.5) if told else 0.0
+    text = _caption(dataset) if caption else ""
+    foot = LINE * (text.count("\n") + 1.5) if text else 0.0
     labels = [f"{filled([row.label], NAME)}\n{row.range}" for row in shown]
     pitch = max([ROW, *(SMALL * (label.count("\n") + 1.4) for label in labels)])
     known = [not row.uncertain for row in shown]
@@ -101,7 +101,7 @@ def draw_sensitivity(
         loc="lower right", bbox_to_anchor=(1.02, 1.0), ncols=2, borderaxespad=0.2, fontsize=8.5,
         columnspacing=1.2, handlelength=1.6,
     )  # fmt: skip
-    figure.text(0.02, foot / height, told, va="top", size=8.5)
+    figure.text(0.02, foot / height, text, va="top", size=8.5)
     return figure
 
 

@@ -122,12 +122,12 @@ def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
         else ("Among all inputs, each changed by 10 % to either side")
     )
     low, high = most.change.split(" / ")
-    told = [
+    text = [
         f"{begin}, the {asked(table)} depends most on the {most.label.strip('()')}: {most.low} would "
         f"change it by {low}{SPACE}cm, {most.high} by {high}{SPACE}cm."
     ]
     if not table.uncertain.any():
-        return told
+        return text
     order = np.argsort(-table.variance_share.values)
     clear = table.variance_share > FEWEST * table.variance_share_standard_error
     largest = [n for n in order if bool(clear[n])][:MOST]
@@ -138,33 +138,33 @@ def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
     rest = float(table.motion_share + table.interaction_share)
     of_motions = f"{per_cent(rest)} the motions, and motions and inputs together"
     parts = "; ".join([*of_inputs, of_motions])
-    told.append(f"Shares of the variance of the separation over all motions: {parts}.")
+    text.append(f"Shares of the variance of the separation over all motions: {parts}.")
     less = float(table.gap_of_medians / table.gap) - 1
     error = float(table.gap_of_medians_standard_error / table.gap)
     word = "smaller" if less < 0 else "larger"
-    told.append(
+    text.append(
         f"If all inputs were known to be at their medians, the {asked(table)} would be "
         f"{100 * abs(less):.0f} ± {per_cent(error)} {word}."
     )
-    return told
+    return text
 
 
 def lines(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
     """The lines for the screen."""
     shown = rows(table, names)
-    found = ["", "Influence of the inputs:"]
+    table_lines = ["", "Influence of the inputs:"]
     for sentence in sentences(table, names):
-        found += paragraph(sentence)
+        table_lines += paragraph(sentence)
     if not shown:
-        return found
+        return table_lines
     columns = ("label", "range", "change", "elasticity", "share")
     share = "share" if table.uncertain.any() else ""
     heads = ("input", "range", f"{asked(table)} [cm]", "elasticity", share)
     cells = [heads, *([getattr(row, name).translate(PLAIN) for name in columns] for row in shown)]
     wide = [max(len(row[n]) for row in cells) for n in range(len(columns))]
-    found.append("")
+    table_lines.append("")
     for row in cells:
         aligned = (f"{text:<{w}}" if n < 2 else f"{text:>{w}}"
                    for n, (text, w) in enumerate(zip(row, wide, strict=True)))  # fmt: skip
-        found.append("  ".join(aligned).rstrip())
-    return [*found, "", *paragraph(note(table))]
+        table_lines.append("  ".join(aligned).rstrip())
+    return [*table_lines, "", *paragraph(note(table))]

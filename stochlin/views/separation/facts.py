@@ -92,12 +92,12 @@ def models(case: Case) -> tuple[str, str]:
         if case.alone:
             return f"it is one {kinds} oscillator, at the level of its roof", "Higher modes"
         return f"each is one {kinds} oscillator, at the level where they could meet", "Higher modes"
-    told = [
+    descriptions = [
         f"{building.name} is {f'a row of {law} storeys' if known else f'one {law} oscillator'}"
         for building, law, known in zip(case.buildings, laws, storeys, strict=True)
     ]
     rigid = "Floors are rigid and storeys deform in shear only"
-    return f"{', '.join(told)}. {rigid}", "Bending as a whole"
+    return f"{', '.join(descriptions)}. {rigid}", "Bending as a whole"
 
 
 def _law(building: AnyBuilding) -> str:
@@ -125,7 +125,7 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
     wanted = [
         ("confidence", per_cent(case.confidence, 1)),
         (f"existing {subject_of(case).gap}", "none" if case.gap is None else length(case.gap)),
-        *([] if case.alone else [(told, _yes_no(case, name)) for name, told in TOLD.items()]),
+        *([] if case.alone else [(label, _yes_no(case, name)) for name, label in TOLD.items()]),
         ("zone of Mexico City", case.zone or "not given"),
         ("simulated motions", f"{case.paths}, seed {case.seed}"),
     ]
@@ -143,27 +143,29 @@ def _yes_no(case: Case, name: str) -> str:
 
 def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tuple[str, str]]:
     structure = building.structure
-    found = _parameters(structure)
+    parameters = _parameters(structure)
     if (law := _law(building)) != "Bilinear":
-        found = [("hysteresis law", law), *found]
+        parameters = [("hysteresis law", law), *parameters]
     of = ""
     if isinstance(structure, ShearBuilding):
         of = " of the first mode"
-        found = [(f"period{of}", f"{building.period:.4g} s"), *found]
-        found += [(name, valued(value, "1")) for name, value in (structure.law_parameters or {}).items()]
-        found += [("weight softens storeys (P-delta)", "yes")] if structure.p_delta else []
+        parameters = [(f"period{of}", f"{building.period:.4g} s"), *parameters]
+        parameters += [
+            (name, valued(value, "1")) for name, value in (structure.law_parameters or {}).items()
+        ]
+        parameters += [("weight softens storeys (P-delta)", "yes")] if structure.p_delta else []
     if structure.yields:
         shown = {f"reduction factor{of}": f"{float(table[f'reduction_factor_{number}']):.3g}"}
         shown[f"yield displacement{of}"] = length(float(table[f"yield_displacement_{number}"]))
-        found = [fact for fact in found if fact[0] not in shown] + list(shown.items())
+        parameters = [fact for fact in parameters if fact[0] not in shown] + list(shown.items())
     else:
-        found = [fact for fact in found if fact[0] != "peak factor"]
+        parameters = [fact for fact in parameters if fact[0] != "peak factor"]
     height = "not given" if building.height is None else f"{building.height:g} m"
-    given = building.strength.replace("_", " ")
+    strength = building.strength.replace("_", " ")
     return [
         ("name", building.name),
-        *found,
-        ("strength given by", given),
+        *parameters,
+        ("strength given by", strength),
         ("mean peak displacement", length(float(table[f"peak_mean_{number}"]))),
         ("height", height),
         ("storeys", "not given" if building.storeys is None else str(building.storeys)),

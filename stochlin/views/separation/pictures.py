@@ -163,7 +163,7 @@ def records_figure(answer: CaseAnswer) -> Figure:
 def _named(records: Iterable[str]) -> list[str]:
     """Names of records with their numbers; a dollar sign begins no formula."""
     numbered = (f"{n}  {name}".replace("$", r"\$") for n, name in enumerate(records, start=1))
-    return [filled([one], NAME_WIDTH) for one in numbered]
+    return [filled([label], NAME_WIDTH) for label in numbered]
 
 
 def _many_records(answer: CaseAnswer, gaps: np.ndarray) -> Figure:

@@ -155,9 +155,9 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
 
 def _matters(answer: CaseAnswer, table: xr.Dataset) -> dict[str, Any]:
     """The influence of the inputs: sentences, a row for each input, the columns and the picture."""
-    names, asked = words.names_of(answer), what_matters.asked(table)
+    names, quantity = words.names_of(answer), what_matters.asked(table)
     text = (
-        f"Change of the {asked} with each input at the ends of its range; lines: standard errors. "
+        f"Change of the {quantity} with each input at the ends of its range; lines: standard errors. "
         "Numbers and ranges as in the table."
     )
     picture = _svg(
@@ -169,18 +169,18 @@ def _matters(answer: CaseAnswer, table: xr.Dataset) -> dict[str, Any]:
     return {
         "sentences": what_matters.sentences(table, names),
         "rows": what_matters.rows(table, names),
-        "asked": asked,
+        "asked": quantity,
         "shares": bool(table.uncertain.any()),
         "note": what_matters.note(table),
-        "picture": Picture(f"Influence of each input on the {asked}", picture, text),
+        "picture": Picture(f"Influence of each input on the {quantity}", picture, text),
     }
 
 
 def _of_site(answer: CaseAnswer) -> str:
-    told = fit_in_words(answer.spectrum)
-    if not told:
+    sentences = fit_in_words(answer.spectrum)
+    if not sentences:
         return "Power spectral density of the ground acceleration over period."
-    return " ".join([*told, "Below, the ratio with its 95 % interval; dotted, 6 % to either side."])
+    return " ".join([*sentences, "Below, the ratio with its 95 % interval; dotted, 6 % to either side."])
 
 
 def _svg(draw: Callable[[CaseAnswer], Figure], answer: CaseAnswer, prefix: str, text: str) -> Markup:

@@ -54,8 +54,8 @@ def risk_lines(answer: CaseAnswer) -> list[str]:
     words = risk_words(answer)
     if words is None:
         return []
-    told = [line for sentence in words.sentences for line in paragraph(sentence)]
-    return ["", *told, "", *columns(words.heads, words.rows), "", *paragraph(words.note)]
+    lines = [line for sentence in words.sentences for line in paragraph(sentence)]
+    return ["", *lines, "", *columns(words.heads, words.rows), "", *paragraph(words.note)]
 
 
 def risk_figure(answer: CaseAnswer) -> Figure:
@@ -64,17 +64,17 @@ def risk_figure(answer: CaseAnswer) -> Figure:
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     assert answer.risk is not None
-    one, (unit, label) = answer.risk.isel(risk_gap=0), _axis(answer)
+    risk, (unit, label) = answer.risk.isel(risk_gap=0), _axis(answer)
     figure = Figure(figsize=SIZE, layout="constrained")
     above, below = figure.subplots(2, sharex=True)
-    x = one.risk_intensity.values / unit
-    ends = [100 * one[f"risk_pounding_probability_{end}"] for end in ("lower", "upper")]
+    x = risk.risk_intensity.values / unit
+    ends = [100 * risk[f"risk_pounding_probability_{end}"] for end in ("lower", "upper")]
     above.fill_between(x, *ends, color="0.75", lw=0, label="95 % interval")
-    above.plot(x, 100 * one.risk_pounding_probability, color="0.1", marker="o", ms=3, label="simulated")
+    above.plot(x, 100 * risk.risk_pounding_probability, color="0.1", marker="o", ms=3, label="simulated")
     bad = "across the line" if answer.case.alone else "with pounding"
     above.set(ylim=(-2, 102), ylabel=f"motions\n{bad} [%]")
     above.legend(loc="upper left", fontsize=9)
-    edges, share = _shares(one)
+    edges, share = _shares(risk)
     # What is weaker or stronger than all that is simulated is as wide as the interval beside it.
     first, last = edges[1] ** 2 / edges[2], edges[-2] ** 2 / edges[-3]
     edges = np.array([first, *edges[1:-1], last]) / unit
@@ -107,15 +107,15 @@ def risk_caption(answer: CaseAnswer) -> str:
     )
 
 
-def _row(one: xr.Dataset) -> tuple[str, ...]:
-    rate, of_years = float(one.risk_annual_rate), "risk_probability_in_years"
-    low, high = (per_cent(float(one[f"{of_years}_{end}"]), 1) for end in ("lower", "upper"))
+def _row(risk: xr.Dataset) -> tuple[str, ...]:
+    rate, of_years = float(risk.risk_annual_rate), "risk_probability_in_years"
+    low, high = (per_cent(float(risk[f"{of_years}_{end}"]), 1) for end in ("lower", "upper"))
     return (
-        GAPS[str(one.risk_of.item())],
-        centimetres(float(one.risk_gap)),
+        GAPS[str(risk.risk_of.item())],
+        centimetres(float(risk.risk_gap)),
         f"{rate:.2g}",
         _years(rate),
-        per_cent(float(one[of_years]), 1),
+        per_cent(float(risk[of_years]), 1),
         f"{low} to {high}",
     )
 
@@ -126,25 +126,25 @@ def _years(rate: float) -> str:
 
 def _sentences(answer: CaseAnswer, table: xr.Dataset) -> list[str]:
     about = subject_of(answer.case)
-    one, years = table.isel(risk_gap=0), table.attrs["risk_years"]
-    rate, low, high = (float(one[f"risk_annual_rate{end}"]) for end in ("", "_lower", "_upper"))
-    which = "existing " if one.risk_of.item() == "existing" else ""
-    gap = f"the {which}{about.gap} of {length(float(one.risk_gap))}"
-    told = [f"With {gap} {about.met} in none of the motions, at any intensity of the hazard."]
+    risk, years = table.isel(risk_gap=0), table.attrs["risk_years"]
+    rate, low, high = (float(risk[f"risk_annual_rate{end}"]) for end in ("", "_lower", "_upper"))
+    which = "existing " if risk.risk_of.item() == "existing" else ""
+    gap = f"the {which}{about.gap} of {length(float(risk.risk_gap))}"
+    sentences = [f"With {gap} {about.met} in none of the motions, at any intensity of the hazard."]
     if rate:
-        told = [
+        sentences = [
             f"Under the hazard of the site and with {gap}, {about.meet} {rate:.2g} times a year on "
             f"average ({low:.2g} to {high:.2g}), which is once in {_years(rate)}. The probability that "
             f"this happens within {years:g} years is "
-            f"{per_cent(float(one.risk_probability_in_years), 1)}. {_strongest(answer, one)}"
+            f"{per_cent(float(risk.risk_probability_in_years), 1)}. {_strongest(answer, risk)}"
         ]
     if "risk_required_gap" in table:
         needed, *ends = (float(table[f"risk_required_gap{end}"]) for end in ("", "_lower", "_upper"))
-        told.append(
+        sentences.append(
             f"For the risk allowed, {_allowed(answer)}, {about.stand_at.format(gap=length(needed))} "
             f"({' to '.join(map(centimetres, ends))})."
         )
-    return told + _left_out(answer, one)
+    return sentences + _left_out(answer, risk)
 
 
 def _allowed(answer: CaseAnswer) -> str:
@@ -152,36 +152,36 @@ def _allowed(answer: CaseAnswer) -> str:
     return f"{risk:g} per year (once in {_years(risk)})" if isinstance(risk, float) else str(risk)
 
 
-def _left_out(answer: CaseAnswer, one: xr.Dataset) -> list[str]:
+def _left_out(answer: CaseAnswer, risk: xr.Dataset) -> list[str]:
     """The part beyond the table of the hazard, where it could be large."""
-    told, rate, weakest = [], float(one.risk_annual_rate), float(one.risk_pounding_probability[0])
+    sentences, rate, weakest = [], float(risk.risk_annual_rate), float(risk.risk_pounding_probability[0])
     unit, label = _axis(answer)
     if isinstance(answer.case.hazard, HazardCurve) and weakest > NOTICED:
         name, units = _named(label)
-        least = f"{float(one.risk_intensity[0]) / unit:.2g}{SPACE}{units}"
-        told.append(
+        least = f"{float(risk.risk_intensity[0]) / unit:.2g}{SPACE}{units}"
+        sentences.append(
             f"The hazard begins at {name} {least}, with which {subject_of(answer.case).meet} in "
             f"{per_cent(weakest)} of the motions. Weaker shaking is not in the table of the hazard and "
             "is left out, so that the true frequency is higher than printed here: start the table at "
             "lower intensities."
         )
-    if float(one.risk_annual_rate_unseen) > NOTICED * rate:
-        told.append(
+    if float(risk.risk_annual_rate_unseen) > NOTICED * rate:
+        sentences.append(
             "Shaking stronger than that of the hazard table could add up to "
-            f"{float(one.risk_annual_rate_unseen):.2g} a year: extend the table to rarer shaking."
+            f"{float(risk.risk_annual_rate_unseen):.2g} a year: extend the table to rarer shaking."
         )
-    return told
+    return sentences
 
 
-def _shares(one: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+def _shares(risk: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Edges of the intervals of intensities, from 0 to infinity, and their parts of the rate."""
-    parts = one.risk_annual_rate_by_intensity.values
-    return np.append(one.risk_from_intensity.values, np.inf), parts / (parts.sum() or 1.0)
+    parts = risk.risk_annual_rate_by_intensity.values
+    return np.append(risk.risk_from_intensity.values, np.inf), parts / (parts.sum() or 1.0)
 
 
-def _strongest(answer: CaseAnswer, one: xr.Dataset) -> str:
+def _strongest(answer: CaseAnswer, risk: xr.Dataset) -> str:
     """The intensities that contribute nine tenths of the rate."""
-    edges, share = _shares(one)
+    edges, share = _shares(risk)
     above = 1 - np.append(0.0, np.cumsum(share))
     unit, label = _axis(answer)
     low = edges[np.flatnonzero(above >= 1 - LITTLE)[-1]] / unit

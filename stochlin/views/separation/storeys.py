@@ -57,8 +57,8 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: the separation of one pair of "
             "buildings, at least one of them with storeys"
         )
-    told = caption_of(dataset) if caption else ""
-    foot = LINE * (told.count("\n") + 1.5) if told else 0.0
+    text = caption_of(dataset) if caption else ""
+    foot = LINE * (text.count("\n") + 1.5) if text else 0.0
     figure = Figure()
     panels = [figure.add_axes((0, n, 1, 1)) for n in (1, 0)]  # until their legends are known
     _gaps(panels[0], dataset)
@@ -79,7 +79,7 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
         for side in ("top", "right"):
             axes.spines[side].set_visible(False)
         axes.set(xlim=(0, None))
-    figure.text(0.02, foot / height, told, va="top", size=8.5)
+    figure.text(0.02, foot / height, text, va="top", size=8.5)
     return figure
 
 
@@ -122,9 +122,9 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
             ls=(0, (8, 2, 1, 2, 1, 2)),
             label=f"existing {gap_of(dataset)}",
         )
-    asked = f"{100 * float(dataset.attrs['confidence']):.4g} %"
+    share = f"{100 * float(dataset.attrs['confidence']):.4g} %"
     axes.set(
-        ylabel="height [m]", xlabel=f"{gap_of(dataset)} [cm] not exceeded in {asked} of the motions"
+        ylabel="height [m]", xlabel=f"{gap_of(dataset)} [cm] not exceeded in {share} of the motions"
     )
     if grounded:
         axes.set(ylim=(0, 1.04 * heights[-1]))

@@ -101,16 +101,16 @@ def rows(answer: CaseAnswer) -> list[RuleLine]:
     return [
         RuleLine(
             number=n,
-            rule=(rule := str(one.rule.item())),
+            rule=(rule := str(row.rule.item())),
             label=about.labels.get(rule, rule_label(rule)),
-            kind=str(one.kind.item()),
-            gap=centimetres(float(one.gap)),
-            error=per_cent(float(one.error), sign="+") if n > 1 else "",
-            probability=per_cent(float(one.no_pounding_probability), 1),
-            verdict=meanings[int(one.verdict)].replace("_", " "),
-            **{name: str(one[name].item()) for name in SHOWN_TEXTS},
+            kind=str(row.kind.item()),
+            gap=centimetres(float(row.gap)),
+            error=per_cent(float(row.error), sign="+") if n > 1 else "",
+            probability=per_cent(float(row.no_pounding_probability), 1),
+            verdict=meanings[int(row.verdict)].replace("_", " "),
+            **{name: str(row[name].item()) for name in SHOWN_TEXTS},
         )
-        for n, one in enumerate((table.isel(rule=i) for i in range(table.sizes["rule"])), start=1)
+        for n, row in enumerate((table.isel(rule=i) for i in range(table.sizes["rule"])), start=1)
     ]
 
 
@@ -142,15 +142,15 @@ def answer_lines(answer: CaseAnswer) -> list[str]:
     for row in shown:
         if row.missing:
             lines += paragraph(f"{row.rule}: {row.missing}", "  ")
-    told = (about.rules, columns(answer.case), MARKS, families(answer.case))
-    lines += [line for text in told if text for line in paragraph(text)]
+    texts = (about.rules, columns(answer.case), MARKS, families(answer.case))
+    lines += [line for text in texts if text for line in paragraph(text)]
     return lines if answer.matters is None else lines + matters.lines(answer.matters, names_of(answer))
 
 
 def names_of(answer: CaseAnswer) -> dict[str, str]:
     """The names of the models of the case."""
     buildings = enumerate(answer.case.buildings, start=1)
-    return {**{f"structure_{n}": one.name for n, one in buildings}, "ground": "the ground"}
+    return {**{f"structure_{n}": building.name for n, building in buildings}, "ground": "the ground"}
 
 
 def headline(answer: CaseAnswer) -> str:
@@ -209,25 +209,25 @@ def allowances(answer: CaseAnswer) -> list[str]:
     """Changes that make the existing gap sufficient, or the limits up to which it is."""
     if answer.existing is None:
         return []
-    found, case, about = answer.existing, answer.case, subject_of(answer.case)
-    enough = float(found.required_gap) <= float(found.attrs["gap_m"])
+    limits, case, about = answer.existing, answer.case, subject_of(answer.case)
+    enough = float(limits.required_gap) <= float(limits.attrs["gap_m"])
     now = float(case.ground.arrays()["intensity"])
-    intensity, damping = float(found.largest_intensity), float(found.least_added_damping)
-    ends = [float(found[f"least_added_damping_{end}"]) for end in ("lower", "upper")]
-    told = f" [{per_cent(ends[0], 1)} to {per_cent(ends[1], 1)}]" if ends[0] < ends[1] else ""
-    more = f"at least {per_cent(damping, 1)}{told} more{'' if case.alone else ' in both'}"
+    intensity, damping = float(limits.largest_intensity), float(limits.least_added_damping)
+    ends = [float(limits[f"least_added_damping_{end}"]) for end in ("lower", "upper")]
+    bracket = f" [{per_cent(ends[0], 1)} to {per_cent(ends[1], 1)}]" if ends[0] < ends[1] else ""
+    more = f"at least {per_cent(damping, 1)}{bracket} more{'' if case.alone else ' in both'}"
     more = more if damping else "no additional damping is needed"
     return [
         f"The existing {about.gap} stays sufficient up to these values, each changed alone:"
         if enough
         else f"Each of these changes alone would make the existing {about.gap} sufficient:",
-        *_strength(found, answer.separation),
+        *_strength(limits, answer.separation),
         "Shaking: "
         + _limit(
-            intensity, f"S0 up to {_with_interval(found, 'largest_intensity')} m²/s³ (now {now:.3g})"
+            intensity, f"S0 up to {_with_interval(limits, 'largest_intensity')} m²/s³ (now {now:.3g})"
         ),
         "Damping: " + _limit(damping, more),
-        f"Searched: {found.attrs['searched']}. In brackets: 95 % intervals.",
+        f"Searched: {limits.attrs['searched']}. In brackets: 95 % intervals.",
     ]
 
 
@@ -237,23 +237,25 @@ def _heights(answer: CaseAnswer) -> str:
     if "height" not in table.dims:
         return ""
     both = answer.case.one_or_two
-    for one, other in zip(both, both[::-1], strict=True):
-        if not isinstance(one, StoreyBuilding):
-            told = f", although it is {one.height:.4g}{SPACE}m high" if one.height else ""
+    for building, other in zip(both, both[::-1], strict=True):
+        if not isinstance(building, StoreyBuilding):
+            own_height = (
+                f", although it is {building.height:.4g}{SPACE}m high" if building.height else ""
+            )
             return (
-                f"{one.name} is described without storeys: its displacement is compared with that of "
-                f"the roof of {other.name}, {other.height:.4g}{SPACE}m up{told}."
+                f"{building.name} is described without storeys: its displacement is compared with that "
+                f"of the roof of {other.name}, {other.height:.4g}{SPACE}m up{own_height}."
             )
     governs = float(table.governing_height[0])
     lower = table.gap_at_height[0].sel(height=table.height < governs)
     places = np.linspace(0, max(lower.size - 1, 0), min(MOST_SHOWN, lower.size))
     parts = [
-        f"{centimetres(float(one))}{SPACE}cm at {float(one.height):.4g}{SPACE}m"
-        for one in (lower[int(index)] for index in np.unique(places.astype(int)))
+        f"{centimetres(float(gap))}{SPACE}cm at {float(gap.height):.4g}{SPACE}m"
+        for gap in (lower[int(index)] for index in np.unique(places.astype(int)))
     ]
-    told = f"; at lower heights less is sufficient: {', '.join(parts)}" if parts else ""
+    below = f"; at lower heights less is sufficient: {', '.join(parts)}" if parts else ""
     what = subject_of(answer.case).gap
-    return f"The {what} is needed at {governs:.4g}{SPACE}m{told}."
+    return f"The {what} is needed at {governs:.4g}{SPACE}m{below}."
 
 
 def _alike(table: xr.Dataset) -> str:
@@ -293,11 +295,11 @@ def _storeys(answer: CaseAnswer) -> str:
         own = table.isel(element=np.flatnonzero(table.element_structure == number))
         yields = building.structure.yields
         worst = own.ductility if yields else own.peak_drift_mean
-        one = own.isel(element=int(worst.argmax("element")))
-        drift, storey = float(one.peak_drift_mean), int(one.storey)
+        row = own.isel(element=int(worst.argmax("element")))
+        drift, storey = float(row.peak_drift_mean), int(row.storey)
         share = drift / float(building.structure.arrays()["heights"][storey - 1])
-        told = f"storey {storey} of {building.name}, {length(drift)}, {per_cent(share, 2)} of its height"
-        parts.append(f"{told}, ductility {float(one.ductility):.1f}" if yields else told)
+        text = f"storey {storey} of {building.name}, {length(drift)}, {per_cent(share, 2)} of its height"
+        parts.append(f"{text}, ductility {float(row.ductility):.1f}" if yields else text)
     return f"Mean peak drifts of the worst storeys: {'; '.join(parts)}." if parts else ""
 
 

@@ -50,8 +50,8 @@ OVER = re.compile(r"\[(?:(\d+) times )?(.*) over (.*)\]")
 
 def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
     """A line for each of these roles that the attributes of a dataset describe; all if none is named."""
-    told = roles or tuple(ROLES)
-    return [f"{ROLES[role]}: {in_words(attrs[role], role)}" for role in told if role in attrs]
+    shown = roles or tuple(ROLES)
+    return [f"{ROLES[role]}: {in_words(attrs[role], role)}" for role in shown if role in attrs]
 
 
 def in_words(described: str, role: str = "") -> str:
@@ -59,14 +59,14 @@ def in_words(described: str, role: str = "") -> str:
     call = CALL.fullmatch(described)
     if call is None:
         return described
-    name, given = call.groups()
+    name, arguments = call.groups()
     kind = _kinds().get(name)
-    told = [
+    parts = [
         _bracketed(part) if WITHIN.match(part) else _parameter(kind, role, *part.partition("=")[::2])
-        for part in _parts(given)
+        for part in _parts(arguments)
     ]
     shown = SHOWN.get(name, hyphenated(name))
-    return ", ".join(filter(None, ["" if name.lower() == role else shown, *told]))
+    return ", ".join(filter(None, ["" if name.lower() == role else shown, *parts]))
 
 
 def _bracketed(text: str, role: str = "") -> str:
@@ -123,7 +123,7 @@ def _ends(name: str, words: str, each: list[str]) -> str:
     """Where a link is: between which floors, of which buildings or inside which."""
     if name == "structures" and len(set(each)) == 1:
         return f"inside building {each[0]}"
-    ends = ["the ground" if (name, one) == ("floors", "0") else one for one in each]
+    ends = ["the ground" if (name, end) == ("floors", "0") else end for end in each]
     return f"{words.replace('structure', 'building')}{' and '.join(ends)}"
 
 

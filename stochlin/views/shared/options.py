@@ -103,11 +103,11 @@ class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic typ
         from stochlin.models.parameters import POSITIVE
 
         try:
-            given: float | str = float(text)
+            value: float | str = float(text)
         except ValueError:
-            given = text
+            value = text
         try:
-            return in_si(given, Quantity(self.units, POSITIVE))  # models know the range
+            return in_si(value, Quantity(self.units, POSITIVE))  # models know the range
         except ValueError as error:
             self.fail(f"{brief(text)} {error}", param, ctx)
 
@@ -160,11 +160,11 @@ def ground_options() -> dict[str, list[str]]:
     """Parameters of grounds as options name them, and the names of the grounds that have them."""
     from stochlin.models.grounds import GROUNDS
 
-    found: dict[str, list[str]] = {}
+    grounds: dict[str, list[str]] = {}
     for name, kind in GROUNDS.items():
         for option in kind.beside_structures():
-            found.setdefault(option, []).append(name.replace("_", "-"))
-    return {option: found[option] for option in sorted(found, key=lambda name: name == "intensity")}
+            grounds.setdefault(option, []).append(name.replace("_", "-"))
+    return {option: grounds[option] for option in sorted(grounds, key=lambda name: name == "intensity")}
 
 
 def ground_option() -> Iterable[Any]:
@@ -172,8 +172,8 @@ def ground_option() -> Iterable[Any]:
     from stochlin.models.grounds import GROUNDS
 
     kinds = ", ".join(name.replace("_", "-") for name in GROUNDS)
-    told = f"{kinds}, or a named ground such as firm or sct_1985_ns."
-    yield click.option("--ground", default="white-noise", show_default=True, help=told)
+    text = f"{kinds}, or a named ground such as firm or sct_1985_ns."
+    yield click.option("--ground", default="white-noise", show_default=True, help=text)
 
 
 def options_of_grounds(without: str = "") -> Iterable[Any]:
@@ -212,8 +212,8 @@ law_options = together(
 def options_of_laws() -> Iterable[Any]:
     """Options for every parameter that a law has of its own."""
     return (
-        shared_option(name.replace("_", "-"), told, units=units)
-        for name, (told, units) in own_parameters().items()
+        shared_option(name.replace("_", "-"), text, units=units)
+        for name, (text, units) in own_parameters().items()
     )
 
 
@@ -221,7 +221,7 @@ def own_parameters() -> dict[str, tuple[str, str]]:
     """Parameters that one law has and not every structure, what they are, and their units."""
     from stochlin.models.laws import laws_in_numbers
 
-    told: dict[str, list[str]] = {}
+    descriptions: dict[str, list[str]] = {}
     units: dict[str, str] = {}
     for name, law in laws_in_numbers().items():
         for field in dataclasses.fields(law):
@@ -229,9 +229,9 @@ def own_parameters() -> dict[str, tuple[str, str]]:
                 usual = getattr(law, field.name, None)  # a class has what is usual, if anything is
                 usual = "" if usual is None else f", {usual:g} if not given"
                 what = f"{field.metadata['long_name']}, of {name}{usual}"
-                told.setdefault(field.name, []).append(what)
+                descriptions.setdefault(field.name, []).append(what)
                 units[field.name] = field.metadata["units"]
-    return {name: (f"{'; '.join(texts)}.", units[name]) for name, texts in told.items()}
+    return {name: (f"{'; '.join(texts)}.", units[name]) for name, texts in descriptions.items()}
 
 
 simulation_options = together(
@@ -285,20 +285,20 @@ def structures(options: dict[str, Any]) -> tuple[Structure, Structure]:
         has = [name in kind.own_parameters() for kind in kinds]
         for option, fits in ((name, any(has)), (f"{name}_1", has[0]), (f"{name}_2", has[1])):
             if options[option] is not None and not fits:
-                told = " and ".join(dict.fromkeys(laws))
-                raise click.UsageError(f"{_flags([option])} does not apply to --law {told}.")
+                chosen_laws = " and ".join(dict.fromkeys(laws))
+                raise click.UsageError(f"{_flags([option])} does not apply to --law {chosen_laws}.")
     pair = []
     for number, kind in enumerate(kinds, start=1):
         names = (*STRUCTURE_OPTIONS, *kind.own_parameters())
-        given = {name: chosen(name, number) for name in names}
+        option_of = {name: chosen(name, number) for name in names}
         values = {
             name: parameter_of(option, options[option])
-            for name, option in given.items()
+            for name, option in option_of.items()
             if options[option] is not None
         }
         if "period" not in values:
             raise click.UsageError(f"Missing option '--period-{number}' (or '--period' for both).")
-        with naming_options(given):
+        with naming_options(option_of):
             pair.append(kind(**values))
     return pair[0], pair[1]
 
@@ -314,18 +314,18 @@ def ground(options: dict[str, Any]) -> Ground:
     chosen = options["ground"]
     kind = GROUNDS.get(as_key(chosen))
     own = {"intensity": "intensity"} if kind is None else kind.beside_structures()
-    given = {name: options[name] for name in ground_options() if options[name] is not None}
-    wrong = [name for name in given if name not in own]
+    present = {name: options[name] for name in ground_options() if options[name] is not None}
+    wrong = [name for name in present if name not in own]
     if kind is None and chosen.strip().lower() not in ground_names():
         allowed = [*(name.replace("_", "-") for name in GROUNDS), *ground_names()]
         raise ValueError(f"--ground {brief(chosen)} is not known; allowed: {', '.join(allowed)}")
     if wrong:
         raise click.UsageError(f"{_flags(wrong)} does not apply to --ground {chosen}.")
-    values = {own[name]: parameter_of(name, numbers) for name, numbers in given.items()}
+    values = {own[name]: parameter_of(name, numbers) for name, numbers in present.items()}
     if kind is None:
         return named_ground(chosen, **values)
     fields = kind.__dataclass_fields__
-    missing = [n for n, model in own.items() if n not in given and fields[model].default is MISSING]
+    missing = [n for n, model in own.items() if n not in present and fields[model].default is MISSING]
     if missing:
         raise click.UsageError(f"--ground {chosen} needs {_flags(missing)}.")
     with naming_options({model: option for option, model in own.items()}):

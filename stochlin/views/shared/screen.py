@@ -65,13 +65,15 @@ def bad_input() -> Iterator[None]:
     except BrokenPipeError:
         raise  # whoever reads has seen enough; click ends quietly
     except (ValueError, TypeError, OSError) as error:
-        told = sentence(error, LONGEST_MESSAGE)
+        message = sentence(error, LONGEST_MESSAGE)
         if isinstance(error, OSError) and error.errno in FULL:
-            raise click.ClickException(told) from error
+            raise click.ClickException(message) from error
         context = click.get_current_context(silent=True)
-        given = context.command.params if context else ()
-        options = {str(one.name): one.opts[0] for one in given if isinstance(one, click.Option)}
-        raise click.UsageError(as_options(told, options)) from error
+        parameters = context.command.params if context else ()
+        options = {
+            str(option.name): option.opts[0] for option in parameters if isinstance(option, click.Option)
+        }
+        raise click.UsageError(as_options(message, options)) from error
     except MemoryError as error:
         raise click.UsageError(
             f"this machine has too little memory ({str(error) or 'none is left'}); take fewer cells or "
@@ -81,18 +83,18 @@ def bad_input() -> Iterator[None]:
         raise click.ClickException(sentence(error, LONGEST_MESSAGE)) from error
 
 
-def as_options(told: str, options: Mapping[str, str]) -> str:
+def as_options(message: str, options: Mapping[str, str]) -> str:
     """A message with options, ``--dt``, in place of the arguments of functions that they give."""
-    if re.match(r"\S+, line \d+: ", told):
-        return told  # its names are those of a file
+    if re.match(r"\S+, line \d+: ", message):
+        return message  # its names are those of a file
     for name, option in options.items():
         before = r"(?<![\w.'-])"
-        told = re.sub(rf"{before}{name}(?: = |=(?=[\w'\"]))", f"{option} ", told)
+        message = re.sub(rf"{before}{name}(?: = |=(?=[\w'\"]))", f"{option} ", message)
         alone, start = r"(?:=|\b)", before
         if "_" not in name:  # it may be a word of the sentence
             alone, start = r"(?:=|(?= (?:is|are) ))", rf"(?:^|(?<=[:;] )|{before}(?=\w+=))"
-        told = re.sub(f"{start}{name}{alone}", option, told)
-    return told
+        message = re.sub(f"{start}{name}{alone}", option, message)
+    return message
 
 
 @contextmanager
@@ -170,10 +172,10 @@ def check_target(
         target = written_file(path)
     except OSError as error:
         raise ValueError(f"{option} {error}") from error
-    for one in inputs:
-        if one.exists() and target.exists() and target.samefile(one):
+    for source in inputs:
+        if source.exists() and target.exists() and target.samefile(source):
             raise ValueError(
-                f"{option} {path} would overwrite {one}, which is an input; give another name"
+                f"{option} {path} would overwrite {source}, which is an input; give another name"
             )
 
 

@@ -44,15 +44,15 @@ def unknown_lines(case: Case, what: str) -> list[str]:
 
 def at_medians(case: Case) -> str:
     """A statement that the answer does not contain it; empty where all is known."""
-    told = "Some parameters are uncertain: here they are taken at their medians."
-    return told if case.uncertain else ""
+    sentence = "Some parameters are uncertain: here they are taken at their medians."
+    return sentence if case.uncertain else ""
 
 
 def _row(of: str, model: UncertainModel, name: str, uncertain: Uncertain) -> tuple[str, ...]:
     median: Any = model.median()
     regular = "storeys" in model.arguments and name in RegularBuilding.parameter_names()
     kind = RegularBuilding if regular else type(median)
-    units, told = kind.units(name), kind.__dataclass_fields__[name].metadata["long_name"]
+    units, long_name = kind.units(name), kind.__dataclass_fields__[name].metadata["long_name"]
     unit, _ = shown_unit(units)
     low, high = (valued(uncertain.at(share), units, 3).removesuffix(unit) for share in WITHIN)
-    return f"{of}, {told}", valued(uncertain.median, units), f"{low} to {high}{unit}"
+    return f"{of}, {long_name}", valued(uncertain.median, units), f"{low} to {high}{unit}"

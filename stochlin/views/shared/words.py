@@ -79,7 +79,7 @@ def short(value: float) -> str:
 def valued(value: npt.ArrayLike, units: str, digits: int = 4) -> str:
     """A parameter with its unit; storey by storey where they differ."""
     unit, scale = shown_unit(units)
-    each = [rounded(one, digits) for one in np.atleast_1d(scale * np.asarray(value))]
+    each = [rounded(number, digits) for number in np.atleast_1d(scale * np.asarray(value))]
     return ", ".join(each if len(set(each)) > 1 else each[:1]) + unit
 
 
@@ -107,8 +107,8 @@ def scatter(case: Case) -> str:
     """The scatter of the motions in strength and its source; empty where it is 0 as usual."""
     usual = case.usual_scatter
     if not case.scatter:
-        told = f"suites of records show a scatter of {usual:g} about such a site"
-        return f"With scatter = 0 in [motion], all motions are equally strong; {told}." if usual else ""
+        text = f"suites of records show a scatter of {usual:g} about such a site"
+        return f"With scatter = 0 in [motion], all motions are equally strong; {text}." if usual else ""
     shown = "the scatter of suites of records about such a site; scatter = 0 in [motion] omits it"
     return (
         "From earthquake to earthquake the motions differ in strength by a lognormal factor of median 1 "
@@ -140,10 +140,10 @@ def shaking(table: xr.Dataset, case: Case) -> str:
 
 def recorded_shaking(table: xr.Dataset, case: Case) -> str:
     """How strong a record is."""
-    found = table.spectral_acceleration.values
+    accelerations = table.spectral_acceleration.values
     of_each = {
-        f"{building.period:.3g} s": in_g(float(one))
-        for building, one in zip(case.buildings, found, strict=True)
+        f"{building.period:.3g} s": in_g(float(acceleration))
+        for building, acceleration in zip(case.buildings, accelerations, strict=True)
     }
     return (
         f"The shaking: PGA {in_g(float(table.peak_ground_acceleration))}, Sa (damping 5{SPACE}%) "
@@ -159,15 +159,15 @@ def over_records(found: xr.Dataset, count: int, gap: float, what: str = "gap") -
     """The gap [m] in many records, in place of one number for each."""
     parts = []
     for level in found["quantile"].values:
-        one = found.sel(quantile=level)
-        low, high = (float(one[f"record_gap_quantile_{end}"]) for end in ("lower", "upper"))
+        quantile = found.sel(quantile=level)
+        low, high = (float(quantile[f"record_gap_quantile_{end}"]) for end in ("lower", "upper"))
         to = (
             f"{centimetres(low)} to {centimetres(high)}"
             if np.isfinite(high)
             else ("too few records for an interval")
         )
         parts.append(
-            f"{length(float(one.record_gap_quantile))} in {100 * level:.4g}{SPACE}% of them ({to})"
+            f"{length(float(quantile.record_gap_quantile))} in {100 * level:.4g}{SPACE}% of them ({to})"
         )
     return (
         f"The {count} recorded motions would have needed {', '.join(parts)}. A {what} of {length(gap)} "
@@ -196,7 +196,9 @@ def floors(case: Case) -> str:
     if slabs:
         return columns_hit(slabs)
     if unlike:
-        names, heights = zip(*((one.name, f"{one.storey_height:.2f} m") for one in unlike), strict=True)
+        names, heights = zip(
+            *((building.name, f"{building.storey_height:.2f} m") for building in unlike), strict=True
+        )
         said = ", although the file says so" if case.floors_align else ""
         return (
             f"Floors can hardly all be level{said}: storeys are {' and '.join(heights)} high in "

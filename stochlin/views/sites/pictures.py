@@ -55,8 +55,8 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
     from matplotlib.figure import Figure
 
     check_spectrum(dataset)
-    told = filled(_caption(dataset), CAPTION) if caption else ""
-    foot = LINE * (told.count("\n") + 1.5) if told else 0.05
+    text = filled(_caption(dataset), CAPTION) if caption else ""
+    foot = LINE * (text.count("\n") + 1.5) if text else 0.05
     figure = Figure()
     compared = "target" in dataset
     upper = figure.add_axes((0, 0.5, 1, 0.5))
@@ -74,7 +74,7 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
         loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, borderaxespad=0.2, fontsize=8.5,
         columnspacing=1.2, handlelength=2.6, labelspacing=0.25,
     )  # fmt: skip
-    figure.text(0.02, foot / height, told, va="top", size=8)
+    figure.text(0.02, foot / height, text, va="top", size=8)
     return figure
 
 
@@ -101,10 +101,10 @@ def spectrum_panels(
     if "target" in dataset:
         name = "record" if "energy_ratio" in dataset else "wanted"
         upper.plot(period, dataset.target, color=black, linestyle=solid, lw=1.1, label=name)
-    for number, one in enumerate(periods, start=1):
+    for number, own_period in enumerate(periods, start=1):
         look: Any = {"color": CURVES[2][0], "lw": 1.0, "linestyle": (0, (1, 1)) if number == 1 else "-."}
         for axes in filter(None, (upper, lower)):
-            axes.axvline(one, label=f"building {number}" if axes is upper else None, **look)
+            axes.axvline(own_period, label=f"building {number}" if axes is upper else None, **look)
     upper.set(ylim=(0, None), ylabel="spectral acceleration [m/s²]")
     upper.secondary_yaxis("right", functions=(_in_g, _of_g)).set_ylabel("[g]")
     if lower is not None:
@@ -146,6 +146,6 @@ def _caption(dataset: xr.Dataset) -> list[str]:
     attrs = dataset.attrs
     source = dataset.target.attrs.get("source") if "target" in dataset else None
     wanted = [f"Target: {source}."] if source else []
-    told = [f"Damping {attrs['damping']:g}; motions of {attrs['duration_s']:.4g} s, "
-            f"{attrs.get('envelope', 'stationary')}."]  # fmt: skip
-    return [attrs["title"], *wanted, *fit_in_words(dataset), *told, attrs["ground"]]
+    motions = [f"Damping {attrs['damping']:g}; motions of {attrs['duration_s']:.4g} s, "
+               f"{attrs.get('envelope', 'stationary')}."]  # fmt: skip
+    return [attrs["title"], *wanted, *fit_in_words(dataset), *motions, attrs["ground"]]

@@ -33,8 +33,8 @@ def _ground() -> Ground:
 
 
 def _pair() -> tuple[Bilinear, Bilinear]:
-    one, two = (Bilinear(period, 0.05, **YIELDING, mass=1e6) for period in (0.8, 0.5))
-    return one, two
+    first, second = (Bilinear(period, 0.05, **YIELDING, mass=1e6) for period in (0.8, 0.5))
+    return first, second
 
 
 def _tower(period: Any = 0.8) -> ShearBuilding:
@@ -76,22 +76,22 @@ def tables() -> None:
 
 def records() -> None:
     """Oscillators in a record, one by one and side by side."""
-    one, two = _pair()
-    recorded_gap(one, two, _record())
+    first, second = _pair()
+    recorded_gap(first, second, _record())
     response_spectrum(_record(), [0.5, 1.0], 0.05)
-    respond(one, _record())
+    respond(first, _record())
 
 
 def oscillators() -> None:
     """Simulated motions: all grounds, the laws with time steps of their own, uncertain parameters."""
-    one, two = _pair()
+    first, second = _pair()
     for ground in (WhiteNoise(0.01), _ground(), named_ground("firm", intensity=0.01)):
-        _finite([one, two], ground)
-    _finite([one, BoucWen(0.5, 0.05, **YIELDING)], _ground())
-    simulate([one, two], _ground(), paths=PATHS, relaxation_times=1.0)
+        _finite([first, second], ground)
+    _finite([first, BoucWen(0.5, 0.05, **YIELDING)], _ground())
+    simulate([first, second], _ground(), paths=PATHS, relaxation_times=1.0)
     unknown: Any = Uncertain(0.5, 0.1)
     uncertain = Bilinear(unknown, 0.05, **YIELDING)
-    _finite([uncertain, two], KanaiTajimi(unknown, 0.3, intensity=0.01))
+    _finite([uncertain, second], KanaiTajimi(unknown, 0.3, intensity=0.01))
 
 
 def storeys() -> None:
