@@ -93,11 +93,11 @@ class Registry(Mapping[str, Thing], Generic[Thing]):
         return self._things
 
     def _modules(self) -> Iterator[str]:
-        for found in pkgutil.iter_modules(importlib.import_module(self.folder).__path__):
-            name = f"{self.folder}.{found.name}"
+        for module in pkgutil.iter_modules(importlib.import_module(self.folder).__path__):
+            name = f"{self.folder}.{module.name}"
             if self.module is None:
                 yield name
-            elif found.ispkg and find_spec(f"{name}.{self.module}"):
+            elif module.ispkg and find_spec(f"{name}.{self.module}"):
                 yield f"{name}.{self.module}"
 
 

@@ -131,15 +131,15 @@ class ShearBuilding(Model):
 
     def __post_init__(self) -> None:
         name = type(self).__name__
-        given = {key: getattr(self, key) for key in OF_STOREYS if getattr(self, key) is not None}
-        for field, value in given.items():
+        values = {key: getattr(self, key) for key in OF_STOREYS if getattr(self, key) is not None}
+        for field, value in values.items():
             if field not in ONE_FOR_ALL or not np.isscalar(value):
                 object.__setattr__(self, field, _over_storeys(f"{name}: {field}", value))
-        arrays = {key: getattr(self, key) for key in given}
+        arrays = {key: getattr(self, key) for key in values}
         arrays = {key: value for key, value in arrays.items() if isinstance(value, xr.DataArray)}
         if len({array.sizes[STOREY] for array in arrays.values()}) > 1:
-            told = ", ".join(f"{key} has {array.sizes[STOREY]}" for key, array in arrays.items())
-            raise ValueError(f"{name}: {told} values; allowed: one for each storey in all of them")
+            counts = ", ".join(f"{key} has {array.sizes[STOREY]}" for key, array in arrays.items())
+            raise ValueError(f"{name}: {counts} values; allowed: one for each storey in all of them")
         for key, array in arrays.items():
             if array.size > MOST_STOREYS:
                 raise ValueError(
@@ -387,17 +387,19 @@ class ShearBuilding(Model):
 
     def describe(self) -> str:
         """The building with its parameters in one line."""
-        told = [] if self.law == "bilinear" else [f"law={in_words(self.law)}"]
-        told += [f"{name}={brief(np.asarray(value).tolist())}" for name, value in self._own_parameters()]
-        told += ["p_delta=True"] if self.p_delta else []
-        return ", ".join([super().describe()[:-1], *told]) + ")"
+        parts = [] if self.law == "bilinear" else [f"law={in_words(self.law)}"]
+        parts += [
+            f"{name}={brief(np.asarray(value).tolist())}" for name, value in self._own_parameters()
+        ]
+        parts += ["p_delta=True"] if self.p_delta else []
+        return ", ".join([super().describe()[:-1], *parts]) + ")"
 
     def _own_parameters(self) -> list[tuple[str, Any]]:
         """Names and values of the ``law_parameters``; arrays are over the storeys."""
-        given = self.law_parameters if self.law_parameters is not None else {}
-        if not isinstance(given, Mapping):
-            raise TypeError(f"law_parameters = {brief(given)}; allowed: a mapping of numbers by name")
-        return [(name, self._of_storeys(name, value)) for name, value in given.items()]
+        values = self.law_parameters if self.law_parameters is not None else {}
+        if not isinstance(values, Mapping):
+            raise TypeError(f"law_parameters = {brief(values)}; allowed: a mapping of numbers by name")
+        return [(name, self._of_storeys(name, value)) for name, value in values.items()]
 
     def _of_storeys(self, name: str, value: Any) -> Any:
         if np.isscalar(value):

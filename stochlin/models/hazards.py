@@ -103,8 +103,8 @@ class HazardCurve(Hazard):
     def __post_init__(self) -> None:
         super().__post_init__()
         for name in ("intensities", "frequencies"):
-            given = _numbers(f"HazardCurve: {name}", getattr(self, name))
-            object.__setattr__(self, name, tuple(given.tolist()))
+            numbers = _numbers(f"HazardCurve: {name}", getattr(self, name))
+            object.__setattr__(self, name, tuple(numbers.tolist()))
         points = len(self.intensities)
         if points != len(self.frequencies):
             raise ValueError(
@@ -129,18 +129,18 @@ class HazardCurve(Hazard):
         return f"HazardCurve({', '.join(both)})"
 
     def _between(self, name: str, at: Parameter, axis: Sequence[float], values: Sequence[float]) -> Any:
-        given, ends = _of(at, name), (axis[0] * (1 - _ROUNDING), axis[-1] * (1 + _ROUNDING))
-        if isinstance(given, float) and not ends[0] <= given <= ends[1]:
+        value, ends = _of(at, name), (axis[0] * (1 - _ROUNDING), axis[-1] * (1 + _ROUNDING))
+        if isinstance(value, float) and not ends[0] <= value <= ends[1]:
             raise ValueError(
-                f"{name} = {given:g} is beyond the hazard curve, {axis[0]:.4g} to {axis[-1]:.4g}; "
+                f"{name} = {value:g} is beyond the hazard curve, {axis[0]:.4g} to {axis[-1]:.4g}; "
                 "allowed: what it covers, since nothing is extrapolated"
             )
 
         def interpolated(at: Array) -> Array:
-            found = np.exp(np.interp(np.log(at), np.log(axis), np.log(values)))
-            return np.where((at >= ends[0]) & (at <= ends[1]), found, np.nan)
+            result = np.exp(np.interp(np.log(at), np.log(axis), np.log(values)))
+            return np.where((at >= ends[0]) & (at <= ends[1]), result, np.nan)
 
-        return _applied(interpolated, given)
+        return _applied(interpolated, value)
 
 
 @dataclass(frozen=True)
@@ -183,28 +183,32 @@ class PowerLawHazard(Hazard):
 
     def frequency(self, intensity: Parameter) -> Any:
         """Annual frequency at which an intensity is exceeded [1/yr]."""
-        law, given = self.arrays(), _of(intensity, "intensity")
-        found = _applied(lambda im, k0, k: k0 * np.power(im, -k), given, *law.values())
-        return self._within_range(found, found >= 0, f"annual frequency of intensity = {brief(given)}")
+        law, value = self.arrays(), _of(intensity, "intensity")
+        frequency = _applied(lambda im, k0, k: k0 * np.power(im, -k), value, *law.values())
+        return self._within_range(
+            frequency, frequency >= 0, f"annual frequency of intensity = {brief(value)}"
+        )
 
     def intensity(self, return_period: Parameter) -> Any:
         """Intensity, in the unit of the measure, that is exceeded with a return period [yr]."""
-        law, given = self.arrays(), _of(return_period, "return_period")
-        found = _applied(lambda years, k0, k: np.power(k0 * years, 1 / k), given, *law.values())
-        return self._within_range(found, found > 0, f"intensity of return_period = {brief(given)}")
+        law, value = self.arrays(), _of(return_period, "return_period")
+        intensity = _applied(lambda years, k0, k: np.power(k0 * years, 1 / k), value, *law.values())
+        return self._within_range(
+            intensity, intensity > 0, f"intensity of return_period = {brief(value)}"
+        )
 
-    def _within_range(self, found: Any, known: Any, what: str) -> Any:
+    def _within_range(self, value: Any, known: Any, what: str) -> Any:
         """What is known and finite; a number that is not raises a ValueError, in an array it is NaN."""
-        known = known & (found < np.inf)
-        if isinstance(found, xr.DataArray):
-            return found.where(known)
+        known = known & (value < np.inf)
+        if isinstance(value, xr.DataArray):
+            return value.where(known)
         if not known:
             raise ValueError(
                 f"PowerLawHazard: k0 = {self.k0:.4g} and k = {self.k:.4g} give an {what} beyond the "
                 "range of numbers; allowed: a law that is within it there; k is usually 2 to 4, so "
                 "correct k0 or k"
             )
-        return found
+        return value
 
 
 def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -> None:
@@ -233,18 +237,18 @@ def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -
             )
 
 
-def _numbers(name: str, given: object) -> Array:
+def _numbers(name: str, values: object) -> Array:
     try:
-        found = np.asarray(given)
+        array = np.asarray(values)
     except (ValueError, TypeError):  # ragged lists; a dataset
-        found = np.empty((), object)
-    if found.ndim != 1 or found.dtype.kind not in "iuf":
-        raise TypeError(f"{name} = {brief(given)}; allowed: a list of numbers")
-    return found.astype(float)
+        array = np.empty((), object)
+    if array.ndim != 1 or array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} = {brief(values)}; allowed: a list of numbers")
+    return array.astype(float)
 
 
 def _applied(function: Any, *values: Any) -> Any:
     """The function of the values: a number if all are numbers, else an array with their dimensions."""
     with np.errstate(all="ignore"):
-        found = xr.apply_ufunc(function, *values, join="exact", keep_attrs=False)
-    return found if isinstance(found, xr.DataArray) and found.ndim else float(found)
+        result = xr.apply_ufunc(function, *values, join="exact", keep_attrs=False)
+    return result if isinstance(result, xr.DataArray) and result.ndim else float(result)

@@ -104,10 +104,10 @@ class Link(Model):
         if self.yield_displacement is not None and self.slack is not None:
             raise ValueError("Link: yield_displacement and slack are both given; allowed: one of them")
         for name in ("structures", "floors"):
-            given = getattr(self, name)
-            if given is not None:
+            numbers = getattr(self, name)
+            if numbers is not None:
                 from_ground = name == "floors" and self.within_one
-                object.__setattr__(self, name, _two_numbers(name, given, from_ground))
+                object.__setattr__(self, name, _two_numbers(name, numbers, from_ground))
         if self.within_one:
             self._check_within_one()
 
@@ -151,8 +151,8 @@ class Link(Model):
 
     def describe(self) -> str:
         """The link with its parameters in one line."""
-        told = [f"{n}={getattr(self, n)}" for n in ("floors", "structures") if getattr(self, n)]
-        return ", ".join([super().describe()[:-1], *told]) + ")"
+        parts = [f"{n}={getattr(self, n)}" for n in ("floors", "structures") if getattr(self, n)]
+        return ", ".join([super().describe()[:-1], *parts]) + ")"
 
     @property
     def springs(self) -> tuple[Any, Any, Any]:
@@ -186,15 +186,15 @@ class Link(Model):
         return float(value)
 
 
-def _two_numbers(name: str, given: object, from_ground: bool) -> tuple[int, int]:
+def _two_numbers(name: str, numbers: object, from_ground: bool) -> tuple[int, int]:
     lowest = GROUND if from_ground else 1
-    if isinstance(given, (tuple, list)) and len(given) == 2:
-        one, two = given
-        whole = all(isinstance(n, (int, np.integer)) and not isinstance(n, bool) for n in given)
-        if whole and min(one, two) >= lowest:
-            return int(one), int(two)
+    if isinstance(numbers, (tuple, list)) and len(numbers) == 2:
+        first, second = numbers
+        whole = all(isinstance(n, (int, np.integer)) and not isinstance(n, bool) for n in numbers)
+        if whole and min(first, second) >= lowest:
+            return int(first), int(second)
     device = name == "floors" and not from_ground
     cure = (
         "; 0, the ground, of a device inside one structure, so with structures=(1, 1)" if device else ""
     )
-    raise ValueError(f"Link: {name} = {brief(given)}; allowed: two whole numbers from {lowest}{cure}")
+    raise ValueError(f"Link: {name} = {brief(numbers)}; allowed: two whole numbers from {lowest}{cure}")

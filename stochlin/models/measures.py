@@ -96,26 +96,27 @@ class Measure(Model):
     @property
     def links(self) -> tuple[Link, ...]:
         """All links of the measure, each with the numbers of the two structures that it ties."""
-        given = (self.link,) if isinstance(self.link, Link) else self.link or ()
-        return tuple(replace(each, structures=each.structures or BETWEEN) for each in given)
+        links = (self.link,) if isinstance(self.link, Link) else self.link or ()
+        return tuple(replace(each, structures=each.structures or BETWEEN) for each in links)
 
     def describe(self) -> str:
         """The measure in one line; links that differ only in their floors are listed together."""
-        told = [
+        parts = [
             f"{field.name}={getattr(self, field.name):.6g}"
             for field in self._declared()
             if field.name in ALWAYS or getattr(self, field.name) != field.default
         ]
         alike: dict[str, list[Link]] = {}
-        given = (self.link,) if isinstance(self.link, Link) else self.link or ()
-        for each in given:
+        links = (self.link,) if isinstance(self.link, Link) else self.link or ()
+        for each in links:
             alike.setdefault(each.describe().replace(f", floors={each.floors}", ""), []).append(each)
-        links = [
-            f"{len(those)} of {kind} at floors {', '.join(str(one.floors or 'level') for one in those)}"
+        texts = [
+            f"{len(those)} of {kind} at floors "
+            f"{', '.join(str(link.floors or 'level') for link in those)}"
             if those[1:]
             else those[0].describe()
             for kind, those in alike.items()
         ]
-        told += [f"link={' + '.join(links)}"] if links else []
-        told += [] if self.contact is None else [f"contact={self.contact.describe()}"]
-        return f"Measure({', '.join(told)})"
+        parts += [f"link={' + '.join(texts)}"] if texts else []
+        parts += [] if self.contact is None else [f"contact={self.contact.describe()}"]
+        return f"Measure({', '.join(parts)})"

@@ -111,8 +111,8 @@ class Model:
                 several += [checked] if isinstance(checked, xr.DataArray) else []
                 written = field.name in IN_PYTHON and type(value) in (int, float)  # and not computed
                 if written and (doubt := PLAUSIBLE[field.name].doubt(value)):
-                    told = f"{prefix}{field.name} = {value:g}: {doubt}"
-                    warnings.warn(told, ImplausibleInput, stacklevel=4)
+                    message = f"{prefix}{field.name} = {value:g}: {doubt}"
+                    warnings.warn(message, ImplausibleInput, stacklevel=4)
         try:
             if len(several) > 1 and not _plainly_alike(several):
                 xr.align(*several, join="exact", copy=False)

@@ -83,8 +83,8 @@ class SymbolicLaw:
             return rate - self._values(rate, (displacement,), values)[0]
 
         probes = np.random.default_rng(4).uniform(0.3, 1.7, (len(self.parameters), _PROBES.shape[1]))
-        found = SlipRate(slip, self._kinks(), False)
-        return found._replace(rate_independent=_is_rate_independent(found, probes))
+        slip_rate = SlipRate(slip, self._kinks(), False)
+        return slip_rate._replace(rate_independent=_is_rate_independent(slip_rate, probes))
 
     def gaussian(self, latent: Array, parameters: Array) -> ClosureValue:
         """Gaussian closure by quadrature: equivalent coefficients, with their derivatives."""
@@ -152,8 +152,8 @@ class SymbolicLaw:
 
     def _values(self, v: Array, states: Sequence[Array] | Array, parameters: Array) -> Array:
         """Rates of all states, (states, ...) as ``v``."""
-        found = self._rates(v, states, parameters)
-        return np.array([np.broadcast_to(rate, v.shape) for rate in found])
+        rates = self._rates(v, states, parameters)
+        return np.array([np.broadcast_to(rate, v.shape) for rate in rates])
 
     def _kinks(self) -> Callable[[Array], Sequence[Array | float]]:
         """A function of the parameters: the ``z`` besides 0 where the law may jump or bend."""
@@ -163,30 +163,30 @@ class SymbolicLaw:
 
         def at(parameters: Array) -> Sequence[Array | float]:
             with np.errstate(all="ignore"):
-                found = moving(0.0, (0.0,), parameters)
-            return [*fixed, *(np.where(np.isfinite(kink), kink, 0.0) for kink in found)]
+                positions = moving(0.0, (0.0,), parameters)
+            return [*fixed, *(np.where(np.isfinite(kink), kink, 0.0) for kink in positions)]
 
         return at
 
     @np.errstate(all="ignore")
     def _doubt_growth(self, column: Array) -> None:
         """Warn if a state grows without motion, or ever faster when pulled at a steady rate."""
-        names, one = [name for name, _ in self.rates], np.ones(_FAR.size)
+        names, ones = [name for name, _ in self.rates], np.ones(_FAR.size)
         at_rest = self._values(np.zeros(1), np.ones((len(names), 1)), column)[:, 0]
-        told = [
+        doubts = [
             f"{name} grows at rest" for name, rate in zip(names, at_rest, strict=True) if rate > FAST
         ]
         for k, name in enumerate(names):
             states = np.zeros((len(names), _FAR.size))
             states[0], states[k] = 1.0, _FAR
-            rate = self._values(one, states, column)[k]
+            rate = self._values(ones, states, column)[k]
             pulled = np.cumsum(np.diff(_FAR) / rate[1:])
             if (rate > SLOW).all() and pulled[-1] < SUDDEN * pulled[_HALF]:
                 place = f"{_FAR[-1]:g} at {pulled[-1]:.3g} times the yield extension"
-                told.append(f"{name} grows ever faster, to {place}")
-        if told:
+                doubts.append(f"{name} grows ever faster, to {place}")
+        if doubts:
             warnings.warn(
-                f"{self._named(column)}: {'; '.join(told)}. A restoring force has a limit or grows "
+                f"{self._named(column)}: {'; '.join(doubts)}. A restoring force has a limit or grows "
                 "about as the extension does: check the signs, as in v - abs(v)*z",
                 DoubtfulInput,
                 stacklevel=2,
@@ -209,8 +209,8 @@ class SymbolicLaw:
 
     def _named(self, column: Array) -> str:
         """The law as messages name it, with the values of the parameters for which it was checked."""
-        told = ", ".join(f"{n} = {x:g}" for n, x in zip(self.parameters, column, strict=True))
-        return f"law = {in_words(self.rates)}" + (f" with {told}" if told else "")
+        text = ", ".join(f"{n} = {x:g}" for n, x in zip(self.parameters, column, strict=True))
+        return f"law = {in_words(self.rates)}" + (f" with {text}" if text else "")
 
     @np.errstate(all="ignore")
     def _check_directions(self, column: Array) -> None:

@@ -155,8 +155,8 @@ def stack_of(structure: AnyStructure) -> Stack:
     shape = np.broadcast_shapes(*(np.shape(value) for value in (*values.values(), *columns)))
     wide = (np.broadcast_to(column, shape).astype(float)[..., None] for column in columns)
     own, post, couple, limit, damping = wide
-    one = np.ones((1, 1))
-    storey = System(own, damping[..., None], one, one, post, couple, limit)
+    unit = np.ones((1, 1))
+    storey = System(own, damping[..., None], unit, unit, post, couple, limit)
     return Stack(storey, np.full(1, np.nan), structure)
 
 
@@ -252,16 +252,16 @@ def arrangement_of(structures: Sequence[AnyStructure], links: Sequence[Link | No
     for number, link in enumerate(links, start=1):
         if link is None:
             continue
-        one, two = link.structures or (number, number + 1)
-        if max(one, two) > len(stacks):
+        left, right = link.structures or (number, number + 1)
+        if max(left, right) > len(stacks):
             raise ValueError(
-                f"link {number}: ties the structures {one} and {two} of {len(stacks)}; allowed: "
+                f"link {number}: ties the structures {left} and {right} of {len(stacks)}; allowed: "
                 f"structures = two of 1 to {len(stacks)}"
             )
-        for each in (one, two):
+        for each in (left, right):
             check_mass(structures[each - 1], f"structure {each}")
-        floors = link.floors or common_floors(stacks[one - 1], stacks[two - 1], number)
-        for each, floor in zip((one, two), floors, strict=True):
+        floors = link.floors or common_floors(stacks[left - 1], stacks[right - 1], number)
+        for each, floor in zip((left, right), floors, strict=True):
             highest = stacks[each - 1].levels.size
             if floor > highest:
                 lowest = GROUND if link.within_one else 1
@@ -269,8 +269,8 @@ def arrangement_of(structures: Sequence[AnyStructure], links: Sequence[Link | No
                     f"link {number}: floors = {link.floors}, structure {each} has {highest}; allowed: "
                     f"{lowest} to {highest}"
                 )
-        on = int(first[one - 1]) + floors[0] - 1
-        other = -1 if floors[1] == GROUND else int(first[two - 1]) + floors[1] - 1
+        on = int(first[left - 1]) + floors[0] - 1
+        other = -1 if floors[1] == GROUND else int(first[right - 1]) + floors[1] - 1
         ties.append(Tie(on, other, link, number))
     return Arrangement(stacks, tuple(ties))
 
@@ -299,13 +299,13 @@ def slabs_on_columns(one: Array, two: Array) -> list[tuple[int, int]]:
     the floor number, from 1. A slab faces columns if it is below the roof of the other building and the
     other building has no floor at the same level.
     """
-    found = [
+    slabs = [
         (float(level), side, floor)
         for side, (own, other) in enumerate(((one, two), (two, one)))
         for floor, level in enumerate(own, start=1)
         if level < other[-1] and np.abs(other - level).min() >= LEVEL
     ]
-    return [(side, floor) for _, side, floor in sorted(found)]
+    return [(side, floor) for _, side, floor in sorted(slabs)]
 
 
 def check_links(name: str, links: object, count: int) -> tuple[Link | None, ...]:

@@ -165,11 +165,11 @@ class UncertainModel:
 
     def at(self, factors: Mapping[str, Any]) -> Any:
         """The model with these factors times the medians of its parameters; factors default to 1."""
-        given = {
+        values = {
             name: factors.get(name, 1.0) * np.asarray(value.median)
             for name, value in self.uncertain.items()
         }
-        return self.build(**{**self.arguments, **given})
+        return self.build(**{**self.arguments, **values})
 
     def changed(self, change: Callable[[Any], Any]) -> Self:
         """The uncertain model whose samples are those of this model, each after the change."""

@@ -74,10 +74,10 @@ AnyBuilding = Building | StoreyBuilding
 
 def building_keys(whole: Section, *others: str) -> list[str]:
     """The keys ``building_1``, ``building_2`` and so on, beside which there are only ``others``."""
-    given = [key for key in whole.values if _NUMBERED.fullmatch(key)]
-    missing = next(key for n in count(1) if (key := f"building_{n}") not in given)
-    whole.only(*others, *given, missing)
-    for number, key in enumerate(sorted(given, key=lambda key: int(key.partition("_")[2])), start=1):
+    keys = [key for key in whole.values if _NUMBERED.fullmatch(key)]
+    missing = next(key for n in count(1) if (key := f"building_{n}") not in keys)
+    whole.only(*others, *keys, missing)
+    for number, key in enumerate(sorted(keys, key=lambda key: int(key.partition("_")[2])), start=1):
         expected = f"building_{number}"
         if key != expected:
             raise whole.error(
@@ -85,7 +85,7 @@ def building_keys(whole: Section, *others: str) -> list[str]:
                 f"is given, but {expected} is missing; did you mean {expected}? allowed: building_1, "
                 "building_2 and so on, from left to right, none left out",
             )
-    return [f"building_{number}" for number in range(1, max(1, len(given)) + 1)]
+    return [f"building_{number}" for number in range(1, max(1, len(keys)) + 1)]
 
 
 def read_buildings(whole: Section, keys: Sequence[str], ground: Ground) -> tuple[AnyBuilding, ...]:
@@ -94,8 +94,8 @@ def read_buildings(whole: Section, keys: Sequence[str], ground: Ground) -> tuple
     A building with any key of `OF_STOREYS` has storeys; any other is an oscillator.
     """
     return tuple(
-        read_storeys(one, number) if storey_keys(one) else _oscillator(one, number, ground)
-        for number, one in enumerate(map(whole.section, keys), start=1)
+        read_storeys(section, number) if storey_keys(section) else _oscillator(section, number, ground)
+        for number, section in enumerate(map(whole.section, keys), start=1)
     )
 
 
@@ -126,13 +126,13 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
     return tuple(gaps)
 
 
-def _oscillator(one: Section, number: int, ground: Ground) -> Building:
+def _oscillator(section: Section, number: int, ground: Ground) -> Building:
     laws = laws_in_numbers()
-    law = laws[one.text("law", tuple(laws), "bilinear")]
+    law = laws[section.text("law", tuple(laws), "bilinear")]
     keys = ("name", "law", "period", "damping", "hardening", *law.own_parameters(), *STRENGTHS)
-    one.only(*keys, "mass", "height", "storeys", elsewhere=OF_STOREYS)
+    section.only(*keys, "mass", "height", "storeys", elsewhere=OF_STOREYS)
     strength = strength_key(
-        one,
+        section,
         STRENGTHS,
         'reduction_factor = 4, yield_displacement = "3 cm", ductility = 4, elastic = true',
     )
@@ -140,30 +140,30 @@ def _oscillator(one: Section, number: int, ground: Ground) -> Building:
     if strength in ("reduction_factor", "yield_displacement"):
         names = (*names, strength)
     # Parameters of the law with a default, which is an attribute of the class, may be missing.
-    own = [name for name in law.own_parameters() if name in one or not hasattr(law, name)]
-    names = (*names, *(["mass"] if "mass" in one else []), *own)
-    described = one.described(law, names)
+    own = [name for name in law.own_parameters() if name in section or not hasattr(law, name)]
+    names = (*names, *(["mass"] if "mass" in section else []), *own)
+    described = section.described(law, names)
     structure: Structure = median_of(described)
     if strength == "ductility":
-        wanted = one.model(DuctilityTarget, ("ductility",)).ductility
+        wanted = section.model(DuctilityTarget, ("ductility",)).ductility
         try:
-            found = strength_for_ductility(structure, ground, wanted)
+            solution = strength_for_ductility(structure, ground, wanted)
         except ArithmeticError as error:
-            raise one.error("ductility", f"has no strength ({error}); give another one") from error
-        factor = float(found.reduction_factor)
+            raise section.error("ductility", f"has no strength ({error}); give another one") from error
+        factor = float(solution.reduction_factor)
         described = applied(lambda s: dataclasses.replace(s, reduction_factor=factor), described)
         structure = median_of(described)
-    storeys = one.whole("storeys", 1) if "storeys" in one else None
+    storeys = section.whole("storeys", 1) if "storeys" in section else None
     mass, plausible = structure.mass, PLAUSIBLE["mass"]
     if mass and storeys and plausible.holds(mass) and (doubt := plausible.doubt(mass / storeys)):
-        one.doubt(
+        section.doubt(
             "mass", f"is doubtful: it is {mass / storeys:.6g} kg for each of {storeys} storeys; {doubt}"
         )
     return Building(
-        name=one.text("name", default=f"Building {number}"),
+        name=section.text("name", default=f"Building {number}"),
         structure=structure,
         uncertain=described if isinstance(described, UncertainModel) else None,
         strength=strength,
-        height=one.number("height", LENGTH) if "height" in one else None,
+        height=section.number("height", LENGTH) if "height" in section else None,
         storeys=storeys,
     )

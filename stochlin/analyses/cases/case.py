@@ -112,9 +112,9 @@ class Case:
     @property
     def uncertain(self) -> dict[str, UncertainModel]:
         """Buildings and ground with uncertain parameters, by name."""
-        found = {building.name: building.uncertain for building in self.buildings}
-        found["ground"] = self.uncertain_ground
-        return {name: model for name, model in found.items() if model is not None}
+        models = {building.name: building.uncertain for building in self.buildings}
+        models["ground"] = self.uncertain_ground
+        return {name: model for name, model in models.items() if model is not None}
 
     @property
     def fitted(self) -> bool:
@@ -174,12 +174,12 @@ class Case:
     @property
     def unlike_storeys(self) -> tuple[AnyBuilding, AnyBuilding] | None:
         """Neighbours with different mean storey heights, whose floor levels are not all known."""
-        for one, other in pairwise(self.buildings):
-            if isinstance(one, StoreyBuilding) and isinstance(other, StoreyBuilding):
+        for building, other in pairwise(self.buildings):
+            if isinstance(building, StoreyBuilding) and isinstance(other, StoreyBuilding):
                 continue
-            left, right = one.storey_height, other.storey_height
+            left, right = building.storey_height, other.storey_height
             if left is not None and right is not None and abs(left - right) > 0.01 * left:
-                return one, other
+                return building, other
         return None
 
     @property
@@ -270,10 +270,10 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     hazard = read_hazard_of(site, path.parent)
     if hazard is not None and (doubt := doubtful_hazard(hazard)):
         site.doubt(HAZARD, f"is doubtful: {doubt}")
-    given = ground
+    unscaled = ground
     ground, spectrum = as_strong_as_asked(site, path.parent, ground, spectrum, duration, envelope)
     if isinstance(described, UncertainModel):
-        described = described.changed(partial(_as_strong, given=given, wanted=ground))
+        described = described.changed(partial(_as_strong, given=unscaled, wanted=ground))
     records, of_suite = read_suite(site, path.parent, records, spectrum)
     of_site = site.text("ground" if spectrum is None else SPECTRUM)
     buildings = read_buildings(whole, keys, ground)
@@ -291,7 +291,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
             path,
             *spectrum_file(site, path.parent),
             *hazard_file(site, path.parent),
-            *(path.parent / one.text("path") for one in site.sections("records")),
+            *(path.parent / record.text("path") for record in site.sections("records")),
             *of_suite,
         ),
         title=whole.text("title", default=" and ".join(filter(None, [before, last]))),
@@ -348,5 +348,5 @@ def _numbers(section: Section) -> dict[str, float]:
 
 def _as_strong(ground: Any, given: Ground, wanted: Ground) -> Any:
     """A sample of the ground with its intensity scaled by the ratio of ``wanted`` to ``given``."""
-    before, after = (float(one.arrays()["intensity"]) for one in (given, wanted))
+    before, after = (float(site_ground.arrays()["intensity"]) for site_ground in (given, wanted))
     return replace(ground, intensity=ground.intensity * (after / before))

@@ -30,9 +30,9 @@ def read_contact(section: Section) -> Contact:
     kind = CONTACTS[section.text("model", tuple(CONTACTS))]
     names = inspect.signature(kind).parameters
     section.only("model", *names)
-    needed = [name for name, one in names.items() if one.default is inspect.Parameter.empty]
-    given = dict.fromkeys([*needed, *(key for key in section.values if key != "model")])
-    return section.made(kind, {n: section.number(n, _quantity(section, kind, n)) for n in given})
+    needed = [name for name, parameter in names.items() if parameter.default is inspect.Parameter.empty]
+    keys = dict.fromkeys([*needed, *(key for key in section.values if key != "model")])
+    return section.made(kind, {n: section.number(n, _quantity(section, kind, n)) for n in keys})
 
 
 def read_measures(whole: Section, buildings: Sequence[AnyBuilding]) -> dict[str, Measure]:
@@ -104,15 +104,15 @@ def _law(section: Section, prefix: str = "", listed: bool = False) -> dict[str, 
         if name in names and other not in names:
             what = "link that yields" if name == "hardening" else "dashpot"
             raise section.error(f"{prefix}{name}", f"is of a {what}; allowed: beside {prefix}{other}")
-    found: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name in sorted(names, key=lambda name: name != "damping_exponent"):  # the unit depends on it
         key, quantity = f"{prefix}{name}", Quantity.declared(Link, name)
-        power = found.get("damping_exponent", 1.0)
+        power = values.get("damping_exponent", 1.0)
         if name == "damping_constant" and power != 1:
             quantity = quantity._replace(units=f"N (s/m)^{power:g}")
-        one = not listed or name == "damping_exponent"
-        found[name] = section.number(key, quantity) if one else section.number_or_list(key, quantity)
-    return found
+        single = not listed or name == "damping_exponent"
+        values[name] = section.number(key, quantity) if single else section.number_or_list(key, quantity)
+    return values
 
 
 def _devices(section: Section, number: int, building: AnyBuilding) -> list[Link]:
@@ -122,17 +122,17 @@ def _devices(section: Section, number: int, building: AnyBuilding) -> list[Link]
     if not {"stiffness", "damping_constant"} & {*law}:
         raise section.error("", "does nothing; allowed: stiffness, damping_constant, or both")
     storeys = _storeys(section, building)
-    for key, given in law.items():
-        if isinstance(given, list) and len(given) != len(storeys):
+    for key, value in law.items():
+        if isinstance(value, list) and len(value) != len(storeys):
             raise section.error(
                 key,
-                f"has {len(given)} values for dampers in {len(storeys)} storeys; allowed: one number "
+                f"has {len(value)} values for dampers in {len(storeys)} storeys; allowed: one number "
                 "for all of them, or one for each",
             )
     return [
         section.made(
             Link,
-            {key: given[n] if isinstance(given, list) else given for key, given in law.items()}
+            {key: value[n] if isinstance(value, list) else value for key, value in law.items()}
             | {"structures": (number, number), "floors": (storey, storey - 1)},
         )
         for n, storey in enumerate(storeys)
@@ -142,33 +142,33 @@ def _devices(section: Section, number: int, building: AnyBuilding) -> list[Link]
 def _storeys(section: Section, building: AnyBuilding) -> list[int]:
     """Numbers of the storeys with a device, from 1; an oscillator has one storey."""
     count = building.storeys if isinstance(building, StoreyBuilding) else 1
-    given = section.values.get("storeys", ALL)
-    if given == ALL:
+    storeys = section.values.get("storeys", ALL)
+    if storeys == ALL:
         return list(range(1, count + 1))
-    fits = isinstance(given, list) and given and all(map(is_whole, given))
-    if not fits or not all(1 <= storey <= count for storey in given) or len({*given}) < len(given):
-        told = f"1 to {count}" if count > 1 else "1, since it is an oscillator"
+    fits = isinstance(storeys, list) and storeys and all(map(is_whole, storeys))
+    if not fits or not all(1 <= storey <= count for storey in storeys) or len({*storeys}) < len(storeys):
+        numbers = f"1 to {count}" if count > 1 else "1, since it is an oscillator"
         raise section.error(
             "storeys",
             f"is not a list of storeys of {building.name}; allowed: {ALL!r}, or a list of whole "
-            f"numbers, {told}, each once",
+            f"numbers, {numbers}, each once",
         )
-    return list(given)
+    return list(storeys)
 
 
 def _floors(section: Section, buildings: Sequence[AnyBuilding]) -> tuple[int, int]:
     """Numbers of the floors that a link ties, one of each building; an oscillator has one floor."""
-    given = section.values[FLOORS]
+    floors = section.values[FLOORS]
     counts = [b.storeys if isinstance(b, StoreyBuilding) else 1 for b in buildings]
-    fits = isinstance(given, list) and len(given) == len(counts) and all(map(is_whole, given))
-    if not fits or not all(1 <= floor <= count for floor, count in zip(given, counts, strict=True)):
-        told = " and ".join(
+    fits = isinstance(floors, list) and len(floors) == len(counts) and all(map(is_whole, floors))
+    if not fits or not all(1 <= floor <= count for floor, count in zip(floors, counts, strict=True)):
+        numbers = " and ".join(
             f"1 to {count} of {b.name}" if count > 1 else f"1 of {b.name}"
             for b, count in zip(buildings, counts, strict=True)
         )
         raise section.error(
             FLOORS,
-            f"is not a floor of each building; allowed: two whole numbers, {told}, as {FLOORS} = "
+            f"is not a floor of each building; allowed: two whole numbers, {numbers}, as {FLOORS} = "
             f"{counts}",
         )
-    return given[0], given[1]
+    return floors[0], floors[1]

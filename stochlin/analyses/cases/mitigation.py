@@ -83,17 +83,19 @@ def _over_records(table: xr.Dataset) -> xr.Dataset:
     known = table.amplification_1.notnull()
     quiet = table.largest_force.where(table.impacts > 0, 0.0)  # without an impact the force is 0
     columns = {name: table[name] for name in ("amplification_1", "amplification_2", "impacts")}
-    found = (
+    quantiles = (
         xr.Dataset({**columns, "largest_force": quiet})
         .where(known)
         .quantile(LEVELS, "record", skipna=False)
     )
-    found = found.rename({name: f"record_{name}" for name in found.data_vars})
+    quantiles = quantiles.rename({name: f"record_{name}" for name in quantiles.data_vars})
     apart = keeping_apart(table.impacts.rename(record="path"), 0.5)
     of_all = known.all("record")
-    found = found.assign({f"record_{name}": one.where(of_all) for name, one in apart.items()})
-    level = labels.axis("quantile", "quantile", found["quantile"].to_numpy())
-    return labels.label(found.assign_coords(quantile=level), RECORDED)
+    quantiles = quantiles.assign(
+        {f"record_{name}": share.where(of_all) for name, share in apart.items()}
+    )
+    level = labels.axis("quantile", "quantile", quantiles["quantile"].to_numpy())
+    return labels.label(quantiles.assign_coords(quantile=level), RECORDED)
 
 
 def _check_fits(case: Case, name: str) -> None:

@@ -126,12 +126,12 @@ def pound_motions(
     """
     contact, structures = _checked(case, simulated=motions is not None), _in_metres(case)
     shaking: Records = dict(case.records)
-    told = {"title": f"{case.title}: {_what(case)} in {len(case.records)} records"}
+    attrs = {"title": f"{case.title}: {_what(case)} in {len(case.records)} records"}
     if motions is not None:
-        asked = {name: value for name, value in case.motion.items() if name != "confidence"}
-        shaking = simulated_motions(case.ground, **asked | {"paths": motions})
-        told = {name: shaking.attrs[name] for name in OF_MOTIONS if name in shaking.attrs}
-        told["title"] = f"{case.title}: {_what(case)} in {motions} simulated motions"
+        motion = {name: value for name, value in case.motion.items() if name != "confidence"}
+        shaking = simulated_motions(case.ground, **motion | {"paths": motions})
+        attrs = {name: shaking.attrs[name] for name in OF_MOTIONS if name in shaking.attrs}
+        attrs["title"] = f"{case.title}: {_what(case)} in {motions} simulated motions"
     try:
         table = pound(
             *(structures, list(case.gaps), contact, shaking),
@@ -147,7 +147,7 @@ def pound_motions(
     else:
         table = table.assign(shaking_of(case).data_vars)
         table = table.assign_attrs(duration_s=case.duration, seed=case.seed)
-    table = _named(table, case, structures).assign_attrs(told, case=case.title)
+    table = _named(table, case, structures).assign_attrs(attrs, case=case.title)
     return labels.label(table, VARIABLES)
 
 
@@ -161,10 +161,10 @@ def by_motion(table: xr.Dataset) -> xr.Dataset:
             continue
         for place in np.ndindex(*(values.sizes[dim] for dim in others)):
             at = dict(zip(others, place, strict=True))
-            one = values.isel(at).reset_coords(drop=True)
+            column = values.isel(at).reset_coords(drop=True)
             labels_there = [str(table[dim].values[n]).replace(" | ", "-") for dim, n in at.items()]
-            if bool(one.notnull().any()) or "floor" not in others:
-                sheet["_".join([str(name), *labels_there])] = (over, one.values, one.attrs)
+            if bool(column.notnull().any()) or "floor" not in others:
+                sheet["_".join([str(name), *labels_there])] = (over, column.values, column.attrs)
     return sheet
 
 
@@ -266,8 +266,8 @@ def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:
 def _with_energies(table: xr.Dataset) -> xr.Dataset:
     """The dataset with the parts of the input energy at the end of the record, as shares."""
     last = table.isel(time=-1)
-    given, *kept = (float(energy_of(last, where)) for where in ENERGIES)
-    shares = np.array(kept) / (given if given > 0 else np.nan)
+    input_energy, *kept = (float(energy_of(last, where)) for where in ENERGIES)
+    shares = np.array(kept) / (input_energy if input_energy > 0 else np.nan)
     sinks = list(ENERGIES)[1:]
     table = table.assign_coords(sink=("sink", sinks, {"long_name": "where the energy is"}))
     return table.assign(energy_share=("sink", shares))

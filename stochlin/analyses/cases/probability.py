@@ -34,8 +34,8 @@ class ProbabilityAnswer(NamedTuple):
     def whole(self) -> xr.Dataset:
         """The table with the intensity of the motions and the results of records, for a file."""
         table = self.table.assign(self.shaking.data_vars)
-        for found in (self.over_records, self.records):
-            table = table if found is None else table.merge(found)
+        for results in (self.over_records, self.records):
+            table = table if results is None else table.merge(results)
         return table
 
     def rows(self) -> xr.Dataset:
@@ -59,33 +59,33 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     bilinear = all(isinstance(building.structure, Bilinear) for building in case.pair)
     many = len(case.records) > MOST_RECORDS
     motions = {} if many or not bilinear else case.records  # the hybrid method needs bilinear laws
-    asked = first.structure, second.structure, case.ground, gap
+    medians = first.structure, second.structure, case.ground, gap
     sampled = first.sampled, second.sampled, case.sampled_ground, gap
     table = pounding_probability(*sampled, **case.motion, progress=progress)
     records = {
-        name: pounding_probability(*asked, method="hybrid", record=record, confidence=case.confidence)
+        name: pounding_probability(*medians, method="hybrid", record=record, confidence=case.confidence)
         for name, record in motions.items()
     }
     hybrid = _side_by_side(records) if records else None
     suite = None
     if many:
         pair = [strength_in_metres(building.structure, case.ground) for building in case.pair]
-        found = recorded_gap(pair[0], pair[1], dict(case.records)).separation
-        suite = over_records(found, gap, case.confidence)
+        separations = recorded_gap(pair[0], pair[1], dict(case.records)).separation
+        suite = over_records(separations, gap, case.confidence)
     return ProbabilityAnswer(case, gap, table, hybrid, shaking_of(case), suite)
 
 
 def _side_by_side(records: Mapping[str, xr.Dataset]) -> xr.Dataset:
     """Results of the hybrid method on one time axis; after its end a record keeps its last values."""
-    timed = [one.assign_coords(time=one.time - one.time[0]) for one in records.values()]
-    instants = np.linspace(0.0, max(float(one.time[-1]) for one in timed), INSTANTS)
+    timed = [result.assign_coords(time=result.time - result.time[0]) for result in records.values()]
+    instants = np.linspace(0.0, max(float(result.time[-1]) for result in timed), INSTANTS)
     confidence = "confidence_of_no_pounding"
     kept = ("required_gap", "separation", "rho", confidence, f"{confidence}_fresh_phase")
     rows = [
-        one[[*kept]]
+        result[[*kept]]
         .reindex(time=instants, method="ffill")
-        .assign(radius_difference=abs(one.radius_1 - one.radius_2).max())
-        for one in timed
+        .assign(radius_difference=abs(result.radius_1 - result.radius_2).max())
+        for result in timed
     ]
     table = xr.concat(rows, "record", combine_attrs="drop").drop_attrs()
     table = table.rename({name: f"record_{name}" for name in [*table.data_vars, "time"]}).assign_coords(

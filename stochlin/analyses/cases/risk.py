@@ -30,10 +30,10 @@ def simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | Non
     structures = dict(zip(("first", "second"), sampled, strict=False))
     motion = case.duration, case.envelope, case.scatter
     paths = max(FEWEST_PATHS, case.paths // SHARE)
-    asked = RiskInputs(structures, case.sampled_ground, case.hazard, *motion, paths, case.seed)
+    inputs = RiskInputs(structures, case.sampled_ground, case.hazard, *motion, paths, case.seed)
     with _of_hazard(case):
-        asked.check()
-        return asked.simulated(progress)
+        inputs.check()
+        return inputs.simulated(progress)
 
 
 @contextmanager
@@ -67,8 +67,8 @@ def risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | 
         each = [found.of_gap(gap, years) for gap in gaps.values()]
     along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")
     table = xr.concat(each, along, data_vars="all", coords="minimal", compat="override", join="exact")
-    told = {"long_name": "which gap this is"}
-    table = table.assign_coords({OF: (GAP, list(gaps), told)}).assign(target.data_vars)
+    attrs = {"long_name": "which gap this is"}
+    table = table.assign_coords({OF: (GAP, list(gaps), attrs)}).assign(target.data_vars)
     for end, times in (("lower", -CERTAIN), ("upper", CERTAIN)):
         table[f"annual_rate_{end}"] = (
             table.annual_rate + times * table.annual_rate_standard_error
@@ -76,11 +76,11 @@ def risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | 
     table = labels.label(table, VARIABLES).rename(
         {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
     )
-    asked = found.inputs
+    inputs = found.inputs
     table.attrs = {
-        "risk_hazard": asked.hazard.describe(),
-        "risk_measure": asked.hazard.measure,
+        "risk_hazard": inputs.hazard.describe(),
+        "risk_measure": inputs.hazard.measure,
         "risk_years": years,
-        "risk_paths": asked.paths,
+        "risk_paths": inputs.paths,
     }
     return table

@@ -130,7 +130,9 @@ def _paths(case: Case) -> int:
 
     Such a building is made anew for each motion, which takes long.
     """
-    storeys = any(isinstance(one, StoreyBuilding) and one.uncertain for one in case.buildings)
+    storeys = any(
+        isinstance(building, StoreyBuilding) and building.uncertain for building in case.buildings
+    )
     return FEW_PATHS if storeys else USUAL_PATHS
 
 

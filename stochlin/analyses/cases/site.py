@@ -72,14 +72,14 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:
 
 def _part(site: Section) -> Ground:
     """One of several parallel grounds."""
-    found = read_ground(site, {})
-    if isinstance(found, UncertainModel):
+    described = read_ground(site, {})
+    if isinstance(described, UncertainModel):
         raise site.error(
-            next(iter(found.uncertain)),
+            next(iter(described.uncertain)),
             "cannot be uncertain in one of several grounds; allowed: one number, or an uncertain "
             "intensity of all of them together in [site]",
         )
-    ground: Ground = found
+    ground: Ground = described
     return ground
 
 

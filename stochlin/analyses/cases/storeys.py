@@ -99,7 +99,7 @@ class SlabOnColumn(NamedTuple):
 
 def slabs_of_row(buildings: Sequence[Any]) -> tuple[SlabOnColumn, ...]:
     """Slabs that meet columns, of all neighbours whose floors are known, pair by pair from the left."""
-    found = []
+    slabs = []
     for number, pair in enumerate(pairwise(buildings), start=1):
         if not all(isinstance(building, StoreyBuilding) for building in pair):
             continue
@@ -108,150 +108,158 @@ def slabs_of_row(buildings: Sequence[Any]) -> tuple[SlabOnColumn, ...]:
             level, other = float(levels[side][floor - 1]), 1 - side
             storey = int(np.searchsorted(levels[other], level)) + 1
             names = pair[side].name, pair[other].name
-            found.append(SlabOnColumn(number + side, floor, number + other, storey, level, *names))
-    return tuple(found)
+            slabs.append(SlabOnColumn(number + side, floor, number + other, storey, level, *names))
+    return tuple(slabs)
 
 
-def storey_keys(one: Section) -> list[str]:
+def storey_keys(section: Section) -> list[str]:
     """The keys of a building that belong to buildings with storeys."""
-    return [key for key in OF_STOREYS if key in one]
+    return [key for key in OF_STOREYS if key in section]
 
 
-def read_storeys(one: Section, number: int) -> StoreyBuilding:
+def read_storeys(section: Section, number: int) -> StoreyBuilding:
     """The building, regular or storey by storey; a ValueError for missing or additional keys."""
-    a_few = any(key in one for key in REGULAR[1:])
-    singly = any(key in one for key in STOREY_BY_STOREY[: 2 if a_few else 3])
+    a_few = any(key in section for key in REGULAR[1:])
+    singly = any(key in section for key in STOREY_BY_STOREY[: 2 if a_few else 3])
     laws = laws_in_numbers()
-    name = one.text("law", tuple(laws), "bilinear")
+    name = section.text("law", tuple(laws), "bilinear")
     law = laws[name]
     way = STOREY_BY_STOREY if singly else REGULAR
     keys = [*way, "storeys", "storey_height", "heights", "damping", "hardening", "elastic", "law"]
-    _check_keys(one, [*keys, *law.own_parameters(), "dampers", "p_delta", "name"])
+    _check_keys(section, [*keys, *law.own_parameters(), "dampers", "p_delta", "name"])
     example = 'yield_drifts = "2 cm", of all storeys or a list' if singly else f"{way[-1]} = 0.15"
-    strength = strength_key(one, (way[-1], "elastic"), f"{example}, elastic = true")
-    _check_missing(one, way[:-1])
-    _check_counts(one, [*STOREY_BY_STOREY, "heights", "dampers", *law.own_parameters()])
-    own = [key for key in law.own_parameters() if key in one or not hasattr(law, key)]
+    strength = strength_key(section, (way[-1], "elastic"), f"{example}, elastic = true")
+    _check_missing(section, way[:-1])
+    _check_counts(section, [*STOREY_BY_STOREY, "heights", "dampers", *law.own_parameters()])
+    own = [key for key in law.own_parameters() if key in section or not hasattr(law, key)]
     values: dict[str, Any] = {
-        "damping": one.parameter("damping", Quantity.declared(ShearBuilding, "damping")),
+        "damping": section.parameter("damping", Quantity.declared(ShearBuilding, "damping")),
         "law": name,
-        "law_parameters": {key: one.number_or_list(key, Quantity.declared(law, key)) for key in own},
-        "p_delta": one.truth("p_delta"),
+        "law_parameters": {key: section.number_or_list(key, Quantity.declared(law, key)) for key in own},
+        "p_delta": section.truth("p_delta"),
     }
     if strength != "elastic":
-        values["hardening"] = one.parameter("hardening", Quantity.declared(ShearBuilding, "hardening"))
-    if "dampers" in one:
-        values["dampers"] = one.parameter_or_list("dampers", Quantity.declared(ShearBuilding, "dampers"))
-    described = (_singly if singly else _regular)(one, strength, values)
+        values["hardening"] = section.parameter(
+            "hardening", Quantity.declared(ShearBuilding, "hardening")
+        )
+    if "dampers" in section:
+        values["dampers"] = section.parameter_or_list(
+            "dampers", Quantity.declared(ShearBuilding, "dampers")
+        )
+    described = (_singly if singly else _regular)(section, strength, values)
     structure = median_of(described)
     if strength != "elastic":
-        _doubt_strength(one, strength, structure)
-    known = one.text("name", default=f"Building {number}")
-    told = None if singly else {key: median_of(value) for key, value in values.items()}
+        _doubt_strength(section, strength, structure)
+    known = section.text("name", default=f"Building {number}")
+    arguments = None if singly else {key: median_of(value) for key, value in values.items()}
     uncertain = described if isinstance(described, UncertainModel) else None
-    return StoreyBuilding(known, structure, strength, told, uncertain)
+    return StoreyBuilding(known, structure, strength, arguments, uncertain)
 
 
-def strength_key(one: Section, keys: Sequence[str], example: str) -> str:
+def strength_key(section: Section, keys: Sequence[str], example: str) -> str:
     """The key by which the strength is given; a ValueError unless there is exactly one."""
-    elastic = one.truth("elastic")
-    given = [key for key in keys if key in one and (key != "elastic" or elastic)]
-    if not given:
-        raise one.error("", f"has no strength; allowed: one of {example}")
-    if len(given) > 1:
-        raise one.error(
-            given[1],
-            f"is given as well: strength is given {len(given)} times, by {' and '.join(given)}; "
+    elastic = section.truth("elastic")
+    present = [key for key in keys if key in section and (key != "elastic" or elastic)]
+    if not present:
+        raise section.error("", f"has no strength; allowed: one of {example}")
+    if len(present) > 1:
+        raise section.error(
+            present[1],
+            f"is given as well: strength is given {len(present)} times, by {' and '.join(present)}; "
             f"allowed: one of {example}",
         )
-    return given[0]
+    return present[0]
 
 
-def _regular(one: Section, strength: str, values: dict[str, Any]) -> Any:
+def _regular(section: Section, strength: str, values: dict[str, Any]) -> Any:
     """A regular building from a few numbers."""
-    heights = _heights(one)
+    heights = _heights(section)
     values |= {
-        "period": one.parameter("period", Quantity.declared(RegularBuilding, "period")),
-        "mass": one.parameter("floor_mass", Quantity.declared(RegularBuilding, "mass")),
+        "period": section.parameter("period", Quantity.declared(RegularBuilding, "period")),
+        "mass": section.parameter("floor_mass", Quantity.declared(RegularBuilding, "mass")),
         "storey_height": heights,
         "storeys": len(heights)
         if isinstance(heights, list)
-        else one.whole("storeys", 1, highest=MOST_STOREYS),
+        else section.whole("storeys", 1, highest=MOST_STOREYS),
     }
     if strength != "elastic":
-        values[strength] = one.parameter(strength, COEFFICIENT)
-    return one.made(ShearBuilding.regular, values)
+        values[strength] = section.parameter(strength, COEFFICIENT)
+    return section.made(ShearBuilding.regular, values)
 
 
-def _singly(one: Section, strength: str, values: dict[str, Any]) -> Any:
+def _singly(section: Section, strength: str, values: dict[str, Any]) -> Any:
     """A building given storey by storey."""
     for key in ("masses", "stiffnesses"):
-        values[key] = one.parameters(key, Quantity.declared(ShearBuilding, key))
-    heights, storeys = _heights(one), np.size(median_of(values["masses"]))
+        values[key] = section.parameters(key, Quantity.declared(ShearBuilding, key))
+    heights, storeys = _heights(section), np.size(median_of(values["masses"]))
     values["heights"] = heights if isinstance(heights, list) else [heights] * storeys
     if strength != "elastic":
-        values[strength] = one.parameter_or_list(strength, Quantity.declared(ShearBuilding, strength))
-    return one.made(ShearBuilding, values)
+        values[strength] = section.parameter_or_list(
+            strength, Quantity.declared(ShearBuilding, strength)
+        )
+    return section.made(ShearBuilding, values)
 
 
-def _heights(one: Section) -> float | list[float]:
+def _heights(section: Section) -> float | list[float]:
     """Height of all storeys, or a list with the height of each [m]."""
     quantity = Quantity.declared(ShearBuilding, "heights")
     return (
-        one.numbers("heights", quantity) if "heights" in one else one.number("storey_height", quantity)
+        section.numbers("heights", quantity)
+        if "heights" in section
+        else section.number("storey_height", quantity)
     )
 
 
-def _check_keys(one: Section, allowed: Sequence[str]) -> None:
+def _check_keys(section: Section, allowed: Sequence[str]) -> None:
     """Raise a ValueError for an unknown key, or a key that cannot be combined with those of storeys."""
     elsewhere = (*OF_STOREYS, *OF_OSCILLATORS, "period")
-    strange = [key for key in one.values if key in elsewhere and key not in allowed]
+    strange = [key for key in section.values if key in elsewhere and key not in allowed]
     if strange:
-        marks = [key for key in storey_keys(one) if key not in strange]
+        marks = [key for key in storey_keys(section) if key not in strange]
         more = f", and neither {'is' if len(strange) == 2 else 'are'} {listed(strange[1:])}"
-        raise one.error(
+        raise section.error(
             strange[0],
             f"is not a key that is known here{more if strange[1:] else ''}, where {_say(marks)} by its "
             f"storeys; allowed: {', '.join(allowed)}; for an oscillator, leave out {listed(marks)}",
         )
-    one.only(*allowed, elsewhere=elsewhere)
-    if "heights" in one and "storey_height" in one:
-        raise one.error("heights", "is given together with storey_height; allowed: one of them")
+    section.only(*allowed, elsewhere=elsewhere)
+    if "heights" in section and "storey_height" in section:
+        raise section.error("heights", "is given together with storey_height; allowed: one of them")
 
 
-def _check_missing(one: Section, needed: Sequence[str]) -> None:
+def _check_missing(section: Section, needed: Sequence[str]) -> None:
     """Raise a ValueError if keys that a building with storeys needs are missing."""
-    if "heights" not in one:
+    if "heights" not in section:
         needed = [*needed, *([] if "masses" in needed else ["storeys"]), "storey_height"]
-    missing = [key for key in needed if key not in one]
+    missing = [key for key in needed if key not in section]
     if missing:
-        marks = storey_keys(one)
+        marks = storey_keys(section)
         more = f", and so {'is' if len(missing) == 2 else 'are'} {listed(missing[1:])}"
         lines = ", ".join(f"{key} = {_example(key)}" for key in missing)
-        raise one.error(
+        raise section.error(
             missing[0],
             f"is missing{more if missing[1:] else ''}: {_say(marks)} by its storeys; write, for "
             f"instance, {lines}; for an oscillator, leave out {listed(marks)}",
         )
 
 
-def _check_counts(one: Section, keys: Sequence[str]) -> None:
+def _check_counts(section: Section, keys: Sequence[str]) -> None:
     """Raise a ValueError for a list whose length differs from the number of storeys."""
-    if "storeys" in one:
-        count = one.whole("storeys", 1, highest=MOST_STOREYS)
+    if "storeys" in section:
+        count = section.whole("storeys", 1, highest=MOST_STOREYS)
         for key in keys:
-            given = one.values.get(key)
-            if isinstance(given, list) and len(given) != count:
-                raise one.error(
-                    key, f"has {len(given)} values, but storeys = {count}; allowed: one for each storey"
+            values = section.values.get(key)
+            if isinstance(values, list) and len(values) != count:
+                raise section.error(
+                    key, f"has {len(values)} values, but storeys = {count}; allowed: one for each storey"
                 )
 
 
-def _doubt_strength(one: Section, strength: str, structure: ShearBuilding) -> None:
+def _doubt_strength(section: Section, strength: str, structure: ShearBuilding) -> None:
     """Warn of an implausible yield drift."""
     plain = COEFFICIENT._replace(plausible=ANY)  # a doubtful coefficient was told when it was read
     if strength in REGULAR and not COEFFICIENT.plausible.holds(
-        median_of(one.parameter(strength, plain))
+        median_of(section.parameter(strength, plain))
     ):
         return
     values = structure.arrays()
@@ -259,7 +267,7 @@ def _doubt_strength(one: Section, strength: str, structure: ShearBuilding) -> No
     share = values["yield_drifts"].to_numpy() / heights
     if (share > DRIFT_LIMIT).any():
         worst = int(np.argmax(share))
-        one.doubt(
+        section.doubt(
             strength,
             f"is doubtful: storey {worst + 1}, {heights[worst]:g} m high, would yield at a drift of "
             f"{share[worst] * heights[worst]:.3g} m, more than a tenth of that; check units and period",

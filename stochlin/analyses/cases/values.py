@@ -86,10 +86,10 @@ class Quantity(NamedTuple):
 
     def ways(self, number: float, shown: str) -> dict[str, float]:
         """Ways to write a number in a file, with their values in SI; the plausible ones come first."""
-        found = {f'"{shown} {unit}"': size * number for unit, size in self.spellings.items()}
+        ways = {f'"{shown} {unit}"': size * number for unit, size in self.spellings.items()}
         if self.units == "1":
-            found = {shown: number, f'"{shown} %" or {number / 100:g}': number / 100}
-        allowed = {text: value for text, value in found.items() if self.allowed.contains(value)} or found
+            ways = {shown: number, f'"{shown} %" or {number / 100:g}': number / 100}
+        allowed = {text: value for text, value in ways.items() if self.allowed.contains(value)} or ways
         return dict(sorted(allowed.items(), key=lambda way: not self.plausible.holds(way[1])))
 
     def meant(self, given: Any, value: float) -> str:
@@ -125,8 +125,8 @@ class Section:
         line = next((self.lines[place] for place in places if place in self.lines), None)
         where = self.file if line is None else f"{self.file}, line {line}"
         a_value = key in self and not isinstance(self.values[key], dict)
-        given = f"{self.name(key)} = {brief(self.values[key])}" if a_value else self.name(key)
-        return ValueError(f"{where}: {given} {what}".replace(":  ", ": "))
+        subject = f"{self.name(key)} = {brief(self.values[key])}" if a_value else self.name(key)
+        return ValueError(f"{where}: {subject} {what}".replace(":  ", ": "))
 
     def doubt(self, key: str, what: str) -> None:
         """Warn of the value of a key, which is allowed but implausible."""
@@ -143,17 +143,19 @@ class Section:
             if str(error).startswith(self.file):
                 raise
             raise self.error(key, f"{what}: {sentence(error, LONGEST_MESSAGE)}") from error
-        for one in caught:
-            if issubclass(one.category, DoubtfulInput):
-                self.doubt(key, f"is doubtful: {one.message}")
+        for warning in caught:
+            if issubclass(warning.category, DoubtfulInput):
+                self.doubt(key, f"is doubtful: {warning.message}")
             else:
-                warnings.warn_explicit(one.message, one.category, one.filename, one.lineno)
+                warnings.warn_explicit(
+                    warning.message, warning.category, warning.filename, warning.lineno
+                )
 
     def only(self, *allowed: str, elsewhere: Sequence[str] = ()) -> None:
         """Raise a ValueError for a key that is not allowed, and suggest the nearest known one."""
         for key in self.values:
             if key not in allowed:
-                near = nearest(key, (one for one in (*allowed, *elsewhere) if one not in self))
+                near = nearest(key, (name for name in (*allowed, *elsewhere) if name not in self))
                 hint = f"did you mean {near}? " if near else ""
                 raise self.error(
                     key,
@@ -172,10 +174,10 @@ class Section:
 
     def parameter(self, key: str, quantity: Quantity) -> float | Uncertain:
         """A number in SI, or an uncertain one such as ``"1 s +- 20 %"`` or ``"0.8 to 1.2 s"``."""
-        given = self.values.get(key)
-        if not _is_uncertain(given):
+        value = self.values.get(key)
+        if not _is_uncertain(value):
             return self.number(key, quantity)
-        spread, ends = _SPREAD.fullmatch(given), _FROM_TO.fullmatch(given)
+        spread, ends = _SPREAD.fullmatch(value), _FROM_TO.fullmatch(value)
         example = next(iter(quantity.spellings))
         if spread is None and ends is None:
             raise self.error(
@@ -198,18 +200,18 @@ class Section:
 
     def parameters(self, key: str, quantity: Quantity) -> list[float] | Uncertain:
         """A list of numbers in SI; uncertain ones have the same spread and a common factor."""
-        given = self.values.get(key)
-        if not isinstance(given, list) or not any(map(_is_uncertain, given)):
+        values = self.values.get(key)
+        if not isinstance(values, list) or not any(map(_is_uncertain, values)):
             return self.numbers(key, quantity)
-        alone = (Section(self.file, self.place, {key: one}, self.lines) for one in given)
-        each = [one.parameter(key, quantity) for one in alone]
-        first = next(one for one in each if isinstance(one, Uncertain))
+        alone = (Section(self.file, self.place, {key: value}, self.lines) for value in values)
+        each = [section.parameter(key, quantity) for section in alone]
+        first = next(number for number in each if isinstance(number, Uncertain))
         alike = [
-            one.median
-            for one in each
-            if isinstance(one, Uncertain)
-            and one.kind == first.kind
-            and math.isclose(one.spread, first.spread, rel_tol=1e-6)
+            number.median
+            for number in each
+            if isinstance(number, Uncertain)
+            and number.kind == first.kind
+            and math.isclose(number.spread, first.spread, rel_tol=1e-6)
         ]
         if len(alike) < len(each):
             raise self.error(
@@ -227,12 +229,12 @@ class Section:
     def numbers(self, key: str, quantity: Quantity) -> list[float]:
         """A list of at least one number in SI."""
         example = f"[{quantity.example}, {quantity.example}]"
-        given = self.need(key, example)
-        if not isinstance(given, list) or not given:
+        values = self.need(key, example)
+        if not isinstance(values, list) or not values:
             raise self.error(key, f"is no list of numbers; allowed: a list, as {example}")
         return [
-            self._number(key, one, quantity, f"has a number {place} that ")
-            for place, one in enumerate(given, 1)
+            self._number(key, value, quantity, f"has a number {place} that ")
+            for place, value in enumerate(values, 1)
         ]
 
     def number_or_list(self, key: str, quantity: Quantity) -> float | list[float]:
@@ -358,8 +360,8 @@ def in_si(given: Any, quantity: Quantity) -> float:
 
 def _with_unit(text: str, quantity: Quantity) -> float:
     """A number in SI from a text with a unit; for a ratio the unit is not needed."""
-    found = _NUMBER.fullmatch(text)
-    bare = quantity.units == "1" and found and not found[2].strip()
+    match = _NUMBER.fullmatch(text)
+    bare = quantity.units == "1" and match and not match[2].strip()
     value = float(text) if bare else in_si(text, quantity)
     if doubt := quantity.plausible.doubt(value):
         warnings.warn(doubt, ImplausibleInput, stacklevel=2)
@@ -369,24 +371,24 @@ def _with_unit(text: str, quantity: Quantity) -> float:
 def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
     """The number and its unit as written; the unit is empty for a ratio without one."""
     a_number = is_whole(given) or is_number(given)
-    found = _NUMBER.fullmatch(given) if isinstance(given, str) else None
+    match = _NUMBER.fullmatch(given) if isinstance(given, str) else None
     ratio = quantity.units == "1"
     if a_number and ratio:
         return (float(given) if is_number(given) else math.inf), ""
-    if found is None and not a_number:
+    if match is None and not a_number:
         allowed = "a number" if ratio else "a text with a number and its unit"
         raise ValueError(f"is no number; allowed: {allowed}, as {quantity.example}")
-    unit = "" if found is None else found[2].strip().translate(_OTHER_SIGNS)
+    unit = "" if match is None else match[2].strip().translate(_OTHER_SIGNS)
     if not unit and not ratio:
-        number = plain(found[1], 20) if found else f"{given:g}" if is_number(given) else brief(given)
-        value = float(found[1]) if found else float(given) if is_number(given) else math.nan
+        number = plain(match[1], 20) if match else f"{given:g}" if is_number(given) else brief(given)
+        value = float(match[1]) if match else float(given) if is_number(given) else math.nan
         suggested = ", ".join(quantity.ways(value, number))
         raise ValueError(f"has no unit; allowed: a text with one of its units, {suggested}")
-    if found and ratio and not unit:
-        way = next(iter(quantity.ways(float(found[1]), plain(found[1], 20))))
+    if match and ratio and not unit:
+        way = next(iter(quantity.ways(float(match[1]), plain(match[1], 20))))
         bare = "the number without quotation marks, " * (not way.startswith('"'))
         raise ValueError(f"is a text without a unit; allowed: {bare}{way}")
-    return float(found[1]) if found else float(given), unit
+    return float(match[1]) if match else float(given), unit
 
 
 def read_sections(path: Path) -> Section:

@@ -28,11 +28,11 @@ class StoreysOfFile(NamedTuple):
     @classmethod
     def of(cls, building: ShearBuilding) -> Self:
         """Parameters of the storeys of a building."""
-        given = {name: getattr(building, name) for name in OF_STOREYS}
+        values = {name: getattr(building, name) for name in OF_STOREYS}
         own = building.law_parameters or {}
         return cls(
             float(dataclasses.replace(building, p_delta=False).periods()[0]),
-            tuple((name, _plain(value)) for name, value in given.items() if value is not None),
+            tuple((name, _plain(value)) for name, value in values.items() if value is not None),
             str(building.law),
             tuple((name, _plain(value)) for name, value in own.items()),
             building.p_delta,
@@ -69,12 +69,12 @@ class StoreysOfFile(NamedTuple):
 
 def storeys_table(building: ShearBuilding) -> xr.Dataset:
     """Dataset with the parameters of the storeys of a building."""
-    given, table = building.arrays(), xr.Dataset()
+    arrays, table = building.arrays(), xr.Dataset()
     for name in OF_STOREYS:
-        if name in given:
+        if name in arrays:
             about = building.__dataclass_fields__[name].metadata
-            told = {key: about[key] for key in ("units", "long_name")}
-            table[name] = given[name].broadcast_like(given["masses"]).assign_attrs(told)
+            attrs = {key: about[key] for key in ("units", "long_name")}
+            table[name] = arrays[name].broadcast_like(arrays["masses"]).assign_attrs(attrs)
     return table
 
 

@@ -68,7 +68,7 @@ def open_case(files: Mapping[str, bytes]) -> tuple[Scene, list[str]]:
                 scene, notes = scene_of(read_case(path))
             except (OSError, ValueError) as error:
                 raise ValueError(_without(folder, error)) from error
-    return scene, [*(str(one.message) for one in doubts), *notes]
+    return scene, [*(str(doubt.message) for doubt in doubts), *notes]
 
 
 def _check_name(name: str) -> None:
@@ -83,9 +83,11 @@ def _check_name(name: str) -> None:
 
 def _without(folder: str, error: Exception) -> str:
     """Message of an error without the path of the temporary folder."""
-    told = str(error).replace(f"{folder}{os.sep}", "")
+    message = str(error).replace(f"{folder}{os.sep}", "")
     absent = isinstance(error.__cause__, FileNotFoundError)
-    return f"{told}; choose the case file together with the files that it names" if absent else told
+    return (
+        f"{message}; choose the case file together with the files that it names" if absent else message
+    )
 
 
 def _to_subfolders(site: Section, files: Mapping[str, bytes], folder: Path) -> None:
@@ -121,22 +123,22 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
     """
     whole, notes = read_sections(case.inputs[0]), []
     site = whole.section("site")
-    names, given = case.ground.beside_structures(), _numbers(case.ground)
+    names, numbers = case.ground.beside_structures(), _numbers(case.ground)
     of_site = site.text("ground") if "ground" in site else ""
     if of_site == FITTED:
         of_site = _kind_of(case)
         notes.append(
             f"The ground is fitted to {next(iter(case.records))}. The page keeps the fitted parameters."
         )
-    values: dict[str, Any] = {name: given[own] for name, own in names.items() if own in given}
+    values: dict[str, Any] = {name: numbers[own] for name, own in names.items() if own in numbers}
     if of_site not in GROUNDS:  # a named ground has the parameter intensity only
-        values = {"intensity": given["intensity"]} if of_site else {}
+        values = {"intensity": numbers["intensity"]} if of_site else {}
     values["ground_of_file"] = case.ground if of_site == PARALLEL else None
     values |= {"site": of_site} | spectrum_of(case, _scale(case, site))
     for number, building in enumerate(case.pair, start=1):
-        shown, told = _shown(case, building)
+        shown, remarks = _shown(case, building)
         values |= {f"{name}_{number}": value for name, value in shown.items()}
-        notes += told
+        notes += remarks
     values |= _motion(case)
     if case.gap is None:
         notes.append(f"The file has no existing gap: the page starts from {Scene.gap:g} m.")
@@ -149,14 +151,14 @@ def scene_of(case: Case) -> tuple[Scene, list[str]]:
         of_file = "scatter" in whole.section("motion")
         source = "as in the file" if of_file else "the usual scatter of records, since the file has none"
         notes.append(f"Motions scatter by {case.scatter:g}, {source}; {MEDIAN}.")
-    one, other = case.pair
+    first, second = case.pair
     scene = Scene(
         case_file=CaseFile(case.inputs[0], case.records, whole.values),
-        names=(one.name, other.name),
-        heights=(one.height, other.height),
-        storeys=(one.storeys, other.storeys),
-        floor_masses=(_floor_mass(one), _floor_mass(other)),
-        storeys_of_file=(_storeys_of(one), _storeys_of(other)),
+        names=(first.name, second.name),
+        heights=(first.height, second.height),
+        storeys=(first.storeys, second.storeys),
+        floor_masses=(_floor_mass(first), _floor_mass(second)),
+        storeys_of_file=(_storeys_of(first), _storeys_of(second)),
         numbers=tuple(case.numbers.items()),
         **values,
     )
@@ -190,8 +192,8 @@ def _as_measured(scene: Scene, site: Section) -> Scene:
         return scene
     value = site.number(key, ACCELERATION)
     period = site.number("sa_period", TIME) if measure == SA else scene.sa_period
-    given: dict[str, Any] = {key: value, "sa_period": period}
-    scene = dataclasses.replace(scene, measure=measure, **given)
+    values: dict[str, Any] = {key: value, "sa_period": period}
+    scene = dataclasses.replace(scene, measure=measure, **values)
     return dataclasses.replace(
         scene, measured=MeasuredAcceleration(scene.motions, value / scene.intensity**0.5)
     )
@@ -245,13 +247,17 @@ def _shown_storeys(case: Case, building: StoreyBuilding) -> dict[str, Any]:
             f"{case.file}: {building.name} has {building.storeys} storeys; allowed in the explorer: 1 "
             f"to {MOST_STOREYS}; 'stochlin gap' and 'stochlin probability' accept more"
         )
-    structure, told = building.structure, building.regular
+    structure, arguments = building.structure, building.regular
     shown: dict[str, Any] = {"storey_count": structure.storeys, "damping": structure.damping}
     if structure.yields:
         shown["hardening"] = structure.hardening
-    if told is not None and _plainly_regular(told):
+    if arguments is not None and _plainly_regular(arguments):
         names = ("period", "storey_height", "base_shear_coefficient")
-        return shown | {"description": REGULAR} | {name: told[name] for name in names if name in told}
+        return (
+            shown
+            | {"description": REGULAR}
+            | {name: arguments[name] for name in names if name in arguments}
+        )
     return shown | {"description": OF_FILE, "period": StoreysOfFile.of(structure).period}
 
 
@@ -259,19 +265,19 @@ def _storeys_of(building: Building | StoreyBuilding) -> StoreysOfFile | None:
     """Storeys of a building that is not regular; None for other buildings."""
     if isinstance(building, Building):
         return None
-    told = building.regular
-    regular = told is not None and _plainly_regular(told)
+    arguments = building.regular
+    regular = arguments is not None and _plainly_regular(arguments)
     return None if regular else StoreysOfFile.of(building.structure)
 
 
-def _plainly_regular(told: Mapping[str, Any]) -> bool:
+def _plainly_regular(arguments: Mapping[str, Any]) -> bool:
     """Whether the parameters of the scene describe a regular building completely."""
     return (
-        np.ndim(told["storey_height"]) == 0
-        and told["law"] == "bilinear"
-        and not told["p_delta"]
-        and not np.any(told.get("dampers", 0.0))
-        and bool(COEFFICIENT.contains(told.get("base_shear_coefficient", COEFFICIENT.upper)))
+        np.ndim(arguments["storey_height"]) == 0
+        and arguments["law"] == "bilinear"
+        and not arguments["p_delta"]
+        and not np.any(arguments.get("dampers", 0.0))
+        and bool(COEFFICIENT.contains(arguments.get("base_shear_coefficient", COEFFICIENT.upper)))
     )
 
 

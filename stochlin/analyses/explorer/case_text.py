@@ -62,7 +62,7 @@ def case_text(scene: Scene) -> str:
         lines += [f"ground = {_written(scene.site)}", *_numbers(site, values), *_remark(scene)]
     if scene.site == PARALLEL and isinstance(ground, ParallelGround):
         for part in ground.grounds:
-            kind = next(name for name, one in GROUNDS.items() if type(part) is one)
+            kind = next(name for name, ground_class in GROUNDS.items() if type(part) is ground_class)
             lines += ["", "[[site.grounds]]", f"ground = {_written(kind)}"]
             lines += _numbers(type(part), _given(part, part.parameter_names()))
     lines += _of_site(scene)
@@ -91,20 +91,20 @@ def case_text(scene: Scene) -> str:
 
 def left_out(scene: Scene) -> list[str]:
     """Remarks on parts of the original case file that do not fit the values of the scene any more."""
-    told = []
+    remarks = []
     if unfit := _unfit(scene):
-        told.append(f"The measures of the file are left out; they do not fit the buildings: {unfit}.")
+        remarks.append(f"The measures of the file are left out; they do not fit the buildings: {unfit}.")
     if _scaled_to_nothing(scene):
-        told.append(
+        remarks.append(
             "The suite of records is left out; it is scaled to a spectrum, which the site lacks."
         )
-    return told
+    return remarks
 
 
 def files_named(scene: Scene) -> list[str]:
     """Names of the files to which the case file of a scene refers, relative to the original one."""
     site = _said(scene, "site")
-    names = [one["path"] for one in site.get("records", [])]
+    names = [record["path"] for record in site.get("records", [])]
     if scene.site == OF_FILE:
         names.append(site["spectrum"])
     if SUITE in site and not _scaled_to_nothing(scene):
@@ -180,8 +180,8 @@ def _of_spectrum(scene: Scene) -> list[str]:
             filters,
         ]
     values = ((name, Scene.units(name)) for name in ("sds", "sd1", "tl"))
-    given = (f"{name} = {_quantity(getattr(scene, name), units)}" for name, units in values)
-    return [named, *given, filters]
+    lines = (f"{name} = {_quantity(getattr(scene, name), units)}" for name, units in values)
+    return [named, *lines, filters]
 
 
 def _building(scene: Scene, number: int) -> list[str]:
@@ -230,7 +230,7 @@ def _numbers(kind: type[Model], values: dict[str, Any]) -> list[str]:
 def _quantity(value: Any, unit: str = "1") -> str:
     """Text of a number or a list of numbers, with the unit unless it is 1."""
     if np.ndim(value):
-        return f"[{', '.join(_quantity(one, unit) for one in np.asarray(value).tolist())}]"
+        return f"[{', '.join(_quantity(number, unit) for number in np.asarray(value).tolist())}]"
     return f"{value!r}" if unit == "1" else f'"{value!r} {unit}"'
 
 

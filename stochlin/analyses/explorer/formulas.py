@@ -81,12 +81,12 @@ def _solved(scene: Scene) -> _SolvedScene:
     own = int(np.searchsorted(ratios, ratio))
     structures = scene.oscillator(1), swept(scene, ratios)
     ground = scene.ground()
-    one, other, one_drifting, other_drifting = (
+    first, second, first_drifting, second_drifting = (
         solve_structure(structure, ground, closure, USUAL)
         for closure in ("gaussian", DRIFT)
         for structure in structures
     )
-    pair = _SolvedScene(structures, (one, other), (one_drifting, other_drifting), own)
+    pair = _SolvedScene(structures, (first, second), (first_drifting, second_drifting), own)
     for number, side in enumerate(pair.single(pair.gaussian), start=1):
         labels.raise_if_lone_failure(side, scene.oscillator(number).describe())
     return pair
@@ -113,8 +113,8 @@ def spectra(scene: Scene) -> xr.Dataset:
     else:
         responses = _displacement_densities(_solved(scene), density.to_numpy(), frequency)
     for number, response in enumerate(responses, start=1):
-        told = f"two-sided PSD of the displacement, building {number}, linearized"
-        attrs = {"units": "m^2 s", "long_name": told}
+        long_name = f"two-sided PSD of the displacement, building {number}, linearized"
+        attrs = {"units": "m^2 s", "long_name": long_name}
         table[f"displacement_psd_{number}"] = ("frequency", response, attrs)
     attrs = {"units": "s", "long_name": "period"}
     table = table.assign_coords(period=("frequency", period, attrs))
@@ -246,10 +246,10 @@ def probability(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
     def solve(pairs: PairTable, ground: Ground, progress: Progress | None) -> Solved:
         key = dataclasses.replace(scene, gap=Scene.gap, confidence=Scene.confidence, paths=Scene.paths)
         if key not in _solved_pairs:
-            found = pairs.solve(ground, progress)
+            solution = pairs.solve(ground, progress)
             while len(_solved_pairs) >= MOST_PAIRS:
                 del _solved_pairs[next(iter(_solved_pairs))]
-            _solved_pairs[key] = found
+            _solved_pairs[key] = solution
         return _solved_pairs[key]
 
     first, second = scene.structures()
@@ -265,8 +265,8 @@ def recorded(scene: Scene) -> xr.Dataset:
     if not scene.records:
         raise ValueError("the scene has no record; allowed: a case file with [[site.records]]")
     ground = scene.ground()
-    one, other = (strength_in_metres(structure, ground) for structure in scene.structures())
-    return recorded_gap(one, other, dict(scene.records)).assign_attrs(gap_m=scene.gap)
+    first, second = (strength_in_metres(structure, ground) for structure in scene.structures())
+    return recorded_gap(first, second, dict(scene.records)).assign_attrs(gap_m=scene.gap)
 
 
 def swept(scene: Scene, ratios: Array) -> Structure:

@@ -225,8 +225,8 @@ class Scene(Model):
         check_confidence(self.confidence)
         check_scatter(self.scatter)
         check_course(self.duration, self.motion_envelope())
-        one, two = self.structures()
-        check_duration(self.duration, {"building 1": one, "building 2": two})
+        first, second = self.structures()
+        check_duration(self.duration, {"building 1": first, "building 2": second})
 
     def ways_to_describe(self, number: int) -> tuple[str, ...]:
         """Possible descriptions of building 1 or 2; storeys of the file only if it has some."""
@@ -235,7 +235,7 @@ class Scene(Model):
     def sites(self) -> tuple[str, ...]:
         """Possible sites; those with a ground or spectrum of the file only if it has one."""
         of_file = {PARALLEL: self.ground_of_file, OF_SPECTRUM_FILE: self.spectrum_of_file}
-        return (*SITES, *(name for name, given in of_file.items() if given))
+        return (*SITES, *(name for name, part in of_file.items() if part))
 
     @property
     def records(self) -> Mapping[str, xr.DataArray]:
@@ -358,11 +358,11 @@ class Scene(Model):
         """
         structure, ground = self.oscillator(number), self.ground()
         if structure.reduction_factor is None:
-            name, found = "reduction_factor", reduction_factor(structure, ground).reduction_factor
+            name, value = "reduction_factor", reduction_factor(structure, ground).reduction_factor
         else:
             name = "yield_displacement"
-            found = strength_in_metres(structure, ground).yield_displacement
-        return f"{name}_{number}", float(found)
+            value = strength_in_metres(structure, ground).yield_displacement
+        return f"{name}_{number}", float(value)
 
     def _of(self, number: int, *names: str) -> dict[str, Any]:
         return {name: getattr(self, f"{name}_{number}") for name in names}
@@ -373,8 +373,10 @@ class Scene(Model):
         both = zip(self.names, self.structures(), strict=True)
         return slabs_of_row(
             [
-                StoreyBuilding(name, one, "") if isinstance(one, ShearBuilding) else one
-                for name, one in both
+                StoreyBuilding(name, structure, "")
+                if isinstance(structure, ShearBuilding)
+                else structure
+                for name, structure in both
             ]
         )
 

@@ -57,8 +57,8 @@ def few_motions(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
 def _probability(scene: Scene, paths: int, progress: Progress | None) -> xr.Dataset:
     first, second = scene.structures()
     motions = scene.motion() | {"paths": paths, "seed": scene.seed, "progress": progress}
-    found = with_samples(first, second, scene.ground(), scene.gap, **motions, solve=None)
-    return found.drop_vars(SAMPLES)
+    table = with_samples(first, second, scene.ground(), scene.gap, **motions, solve=None)
+    return table.drop_vars(SAMPLES)
 
 
 def with_motions(formula: xr.Dataset | None, motions: xr.Dataset | None) -> xr.Dataset | None:

@@ -90,10 +90,12 @@ class SiteMotions(NamedTuple):
                 "allowed: another ground, or another measure of its strength"
             )
         at = [1.0 if self.period is None else self.period]
-        given = (self.duration, self.envelope)
-        table = simulated_spectrum(self.ground, at, *given, paths=PATHS, seed=seed, progress=progress)
-        found = table.peak_ground_acceleration if self.period is None else table.pseudo_acceleration
-        return MeasuredAcceleration(self, float(found.item()))
+        motion = (self.duration, self.envelope)
+        table = simulated_spectrum(self.ground, at, *motion, paths=PATHS, seed=seed, progress=progress)
+        acceleration = (
+            table.peak_ground_acceleration if self.period is None else table.pseudo_acceleration
+        )
+        return MeasuredAcceleration(self, float(acceleration.item()))
 
 
 class MeasuredAcceleration(NamedTuple):

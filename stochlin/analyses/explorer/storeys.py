@@ -70,16 +70,16 @@ def _alone(scene: Scene, structure: AnyStructure) -> Alone:
 
 def _together(scene: Scene, first: Alone, second: Alone) -> ResponseAtContacts:
     both = first, second
-    equations = equations_of([one.structure for one in both], scene.ground(), ())
+    equations = equations_of([alone.structure for alone in both], scene.ground(), ())
     c_eq, k_eq = (
-        np.concatenate([getattr(one.solution, name) for one in both], axis=1)
+        np.concatenate([getattr(alone.solution, name) for alone in both], axis=1)
         for name in ("c_eq", "k_eq")
     )
     own = equations.yields & ((c_eq != -1) | (k_eq != 0))[0]
     heights = meeting_heights(*equations.arrangement.stacks)
-    one, two = (_weights(equations, number, heights) for number in (0, 1))
+    factors_1, factors_2 = (_weights(equations, number, heights) for number in (0, 1))
     return ResponseAtContacts(
-        StationaryResponse(equations.state_space(c_eq, k_eq, own)), heights, one, two
+        StationaryResponse(equations.state_space(c_eq, k_eq, own)), heights, factors_1, factors_2
     )
 
 
@@ -89,9 +89,9 @@ def _weights(equations: Equations, number: int, heights: Array) -> Array:
 
 def displacement_densities(scene: Scene, frequency: Array) -> tuple[Array, Array, float]:
     """Two-sided PSD [m^2 s] of both displacements at the lower roof, and its height [m]."""
-    motion, heights, one, two = in_motion(scene)
-    ((of_one, of_two),) = motion.spectral_density(np.stack([one[-1], two[-1]]), frequency)
-    return of_one, of_two, float(heights[-1])
+    motion, heights, factors_1, factors_2 = in_motion(scene)
+    ((of_1, of_2),) = motion.spectral_density(np.stack([factors_1[-1], factors_2[-1]]), frequency)
+    return of_1, of_2, float(heights[-1])
 
 
 def correlation(scene: Scene, ratios: Array, progress: Progress | None) -> xr.Dataset:
@@ -100,18 +100,18 @@ def correlation(scene: Scene, ratios: Array, progress: Progress | None) -> xr.Da
     The variables are ``rho_linearized`` at the lower roof and ``rho_white_noise`` of the first modes.
     """
     _ = in_motion(scene)  # raises if the scene itself has no stationary response
-    first, found = _alone(scene, scene.structure(1)), []
+    first, correlations = _alone(scene, scene.structure(1)), []
     for done, ratio in enumerate(ratios, start=1):
         try:
             second = _alone(scene, scene.structure(2, scene.period_1 * float(ratio)))
-            motion, _, one, two = _together(scene, first, second)
-            found.append(float(correlation_of(motion, one[-1:], two[-1:])[0]))
+            motion, _, factors_1, factors_2 = _together(scene, first, second)
+            correlations.append(float(correlation_of(motion, factors_1[-1:], factors_2[-1:])[0]))
         except (ArithmeticError, ValueError):  # also if P-delta effects take all stiffness
-            found.append(np.nan)
+            correlations.append(np.nan)
         if progress is not None:
             progress(done / len(ratios))
     ratio = labels.axis(*RATIO, ratios)
-    rho = xr.DataArray(found, dims=ratio.dims, coords=ratio.coords)
+    rho = xr.DataArray(correlations, dims=ratio.dims, coords=ratio.coords)
     of_modes = _of_first_modes(scene, scene.period_1 * ratio)
     table = xr.Dataset(
         {
@@ -130,9 +130,12 @@ def _of_first_modes(scene: Scene, period_2: Parameter) -> xr.DataArray:
 
 def rules(scene: Scene, seconds: float) -> tuple[list[Rule], Array]:
     """Rules that need no simulation, with peaks by linearization, and the heights of contact [m]."""
-    motion, heights, one, two = in_motion(scene)
+    motion, heights, factors_1, factors_2 = in_motion(scene)
     count, dims = len(heights), ("building", "height")
-    moments = [m[0] for m in motion.spectral_moments(np.concatenate([one, two, one - two]))]
+    moments = [
+        m[0]
+        for m in motion.spectral_moments(np.concatenate([factors_1, factors_2, factors_1 - factors_2]))
+    ]
     both = tuple(xr.DataArray(m[: 2 * count].reshape(2, count), dims=dims) for m in moments)
     peaks = peaks_of(scene, both, seconds)
     apart = [m[2 * count :] for m in moments]
@@ -141,7 +144,7 @@ def rules(scene: Scene, seconds: float) -> tuple[list[Rule], Array]:
     neighbours = of_storeys(scene.neighbours, scene.structures(), scene.heights)
     listed = [
         equation_3_rule(peaks, "eq_3_white_noise", of_modes, **texts),
-        equation_3_rule(peaks, "eq_3_linearized", correlation_of(motion, one, two), **texts),
+        equation_3_rule(peaks, "eq_3_linearized", correlation_of(motion, factors_1, factors_2), **texts),
         linearized_rule(tuple(apart), seconds, scene.confidence, scene.scatter),
         *code_rules(peaks, (heights, heights), neighbours, scene.zone, dict(scene.numbers)),
     ]
@@ -164,16 +167,16 @@ def simulated_correlation(scene: Scene, progress: Progress | None) -> xr.Dataset
 
     Between two floors, the standard error is interpolated.
     """
-    _, heights, one, two = in_motion(scene)
+    _, heights, factors_1, factors_2 = in_motion(scene)
     motions = stationary_motions(
         scene.structures(), scene.ground(), scene.duration, scene.seed, progress
     )
-    one, two = one[-1:], two[-1:]
-    error = one @ motions.rho_standard_error.values @ two.T
+    factors_1, factors_2 = factors_1[-1:], factors_2[-1:]
+    error = factors_1 @ motions.rho_standard_error.values @ factors_2.T
     ratio = labels.axis(*RATIO, [scene.period_2 / scene.period_1])
     table = xr.Dataset(
         {
-            "rho": ("period_ratio", correlation_in(motions, one, two)),
+            "rho": ("period_ratio", correlation_in(motions, factors_1, factors_2)),
             "rho_standard_error": ("period_ratio", error[0]),
         },
         coords=ratio.coords,

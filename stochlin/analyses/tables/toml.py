@@ -62,13 +62,13 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
 
 def _twice(lines: Sequence[str], number: int) -> str:
     """What is said of a table or a key that is there twice, and the next free name if it is numbered."""
-    names = [re.sub(r"[\s\"']", "", one[1]) if (one := _NAME.match(line)) else "" for line in lines]
+    names = [re.sub(r"[\s\"']", "", match[1]) if (match := _NAME.match(line)) else "" for line in lines]
     again = names[number - 1]
     before = names[: number - 1]
     first = "" if again not in before else f" in line {len(before) - before[::-1].index(again)}"
     numbered = re.fullmatch(r"(\[.*_)\d+(\])", again)
     tries = (f"{numbered[1]}{n}{numbered[2]}" for n in count(1)) if numbered else ()
-    free = next((one for one in tries if one not in names), "")
+    free = next((name for name in tries if name not in names), "")
     other = f", such as {free}" if free else ""
     return (
         f"{brief(again.rstrip('='))} is already given{first}; allowed: each table and each key once, so "

@@ -102,11 +102,11 @@ class Element(Contact):
         d = checked(name, "penetration", penetration, "m", ANY)
         v = checked(name, "velocity", velocity, "m/s", ANY)
         v0 = checked(name, "approach_velocity", approach_velocity, "m/s", POSITIVE)
-        given = [xr.DataArray(value) for value in (*self.force_law(mass), d, v, v0)]
+        arguments = [xr.DataArray(value) for value in (*self.force_law(mass), d, v, v0)]
         with np.errstate(invalid="ignore"):  # cells out of range are blanked below
             result: xr.DataArray = xr.apply_ufunc(
                 lambda *arrays: forces(ForceLaw(*arrays[:-3]), *arrays[-3:]),
-                *given,
+                *arguments,
                 join="exact",
                 keep_attrs=False,
             )

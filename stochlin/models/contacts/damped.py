@@ -63,9 +63,9 @@ class Damped(Element):
         """The damping from the one of damping and restitution that was given."""
         name = cls.__name__
         if (damping is None) == (restitution is None):
-            given = "neither is given" if damping is None else "both are given"
+            text = "neither is given" if damping is None else "both are given"
             raise ValueError(
-                f"{name}: of {cls.damping_name} and restitution {given}; allowed: exactly one of them, "
+                f"{name}: of {cls.damping_name} and restitution {text}; allowed: exactly one of them, "
                 "since each defines the dashpot"
             )
         if damping is not None:

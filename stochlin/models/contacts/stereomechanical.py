@@ -62,9 +62,9 @@ class Stereomechanical(Contact):
         ``velocity_1 >= velocity_2``. Cells that are out of range or do not approach are NaN; a scalar
         out of range, or a single pair that does not approach, raises an error.
         """
-        given, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
+        arguments, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
         after = xr.apply_ufunc(
-            kernel.velocities_after_impact, *given, join="exact", output_core_dims=[(), ()]
+            kernel.velocities_after_impact, *arguments, join="exact", output_core_dims=[(), ()]
         )
         attrs = {"units": "m/s", "long_name": "velocity after the impact"}
         first, second = (value.where(usable).assign_attrs(attrs) for value in after)
@@ -75,13 +75,13 @@ class Stereomechanical(Contact):
 
         Arguments, NaN cells and errors are as in `velocities_after`.
         """
-        given, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
+        arguments, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
         loss = xr.apply_ufunc(
-            lambda v1, v2, *rest: kernel.impact_loss(*rest) * (v1 - v2) ** 2, *given, join="exact"
+            lambda v1, v2, *rest: kernel.impact_loss(*rest) * (v1 - v2) ** 2, *arguments, join="exact"
         )
         return loss.where(usable).assign_attrs(units="J", long_name="energy lost in the impact")
 
-    def _approach(self, *given: Any) -> tuple[list[xr.DataArray], xr.DataArray]:
+    def _approach(self, *arguments: Any) -> tuple[list[xr.DataArray], xr.DataArray]:
         """Velocities, masses and restitution as arrays, and the cells in which there is an impact."""
         names = ("velocity_1", "velocity_2", "mass_1", "mass_2")
         ranges = (ANY, ANY, POSITIVE, POSITIVE)
@@ -89,7 +89,7 @@ class Stereomechanical(Contact):
         name = type(self).__name__
         values = [
             xr.DataArray(checked(name, *argument))
-            for argument in zip(names, given, units, ranges, strict=True)
+            for argument in zip(names, arguments, units, ranges, strict=True)
         ]
         first, second, *masses = values
         usable = (first >= second) & self.valid()

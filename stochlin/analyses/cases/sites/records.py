@@ -29,18 +29,20 @@ _READING = ("units", "dt", "column", "time_column")
 def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
     """The records by name, in the order of the file."""
     records: dict[str, xr.DataArray] = {}
-    for one in site.sections("records"):
-        one.only("path", "name", *_READING, "scale")
-        path = one.text("path")
-        name = one.text("name", default=Path(path).name)
+    for record in site.sections("records"):
+        record.only("path", "name", *_READING, "scale")
+        path = record.text("path")
+        name = record.text("name", default=Path(path).name)
         if name in records:
-            raise one.error("name" if "name" in one else "path", "is used twice; give it another name")
-        with one.naming("path", "cannot be read"):
-            records[name] = read_record(folder / path, **_reading(one))
-        if "scale" in one:
-            factor = one.number("scale", SCALE)
+            raise record.error(
+                "name" if "name" in record else "path", "is used twice; give it another name"
+            )
+        with record.naming("path", "cannot be read"):
+            records[name] = read_record(folder / path, **_reading(record))
+        if "scale" in record:
+            factor = record.number("scale", SCALE)
             if doubt := doubtful_factor(factor):
-                one.doubt("scale", f"is doubtful: {doubt}")
+                record.doubt("scale", f"is doubtful: {doubt}")
             records[name] = scaled_record(records[name], factor)
     return records
 
@@ -51,56 +53,56 @@ def read_suite(
     """The single records followed by those of the suite, and the paths of the suite."""
     if SUITE not in site:
         return records, []
-    one = site.section(SUITE)
-    one.only("path", *_READING, "skip_unreadable", *_GOALS, "sa_period", "band")
-    path = folder / one.text("path")
-    goal, skip = _goal(one, spectrum), one.truth("skip_unreadable")
-    with one.naming("path"):
-        suite = read_records(path, **_reading(one), skip_unreadable=skip)
+    section = site.section(SUITE)
+    section.only("path", *_READING, "skip_unreadable", *_GOALS, "sa_period", "band")
+    path = folder / section.text("path")
+    goal, skip = _goal(section, spectrum), section.truth("skip_unreadable")
+    with section.naming("path"):
+        suite = read_records(path, **_reading(section), skip_unreadable=skip)
         if goal:
             suite = scale_records(suite, **goal)
     for name in suite:
         if name in records:
-            raise one.error(
+            raise section.error(
                 "path", f"has {brief(name)}, which site.records also has; give that another name"
             )
     files = [(path if path.is_dir() else path.parent) / name for name in suite]
     return {**records, **suite}, [path, *files]
 
 
-def _goal(one: Section, spectrum: xr.DataArray | None) -> dict[str, Any]:
+def _goal(section: Section, spectrum: xr.DataArray | None) -> dict[str, Any]:
     """Arguments of `scale_records` for the suite; empty if it is not scaled."""
-    key = chosen_key(one, _GOALS, {"sa_period": "sa", "band": SCALE_TO})
+    key = chosen_key(section, _GOALS, {"sa_period": "sa", "band": SCALE_TO})
     if key == "pga":
-        return {key: one.number(key, PEAK)}
+        return {key: section.number(key, PEAK)}
     if key == "sa":
-        return {key: one.number(key, RESPONSE), "period": one.number("sa_period", TIME)}
+        return {key: section.number(key, RESPONSE), "period": section.number("sa_period", TIME)}
     if key == SCALE_TO:
-        one.text(key, ("spectrum",))
+        section.text(key, ("spectrum",))
         if spectrum is None:
-            raise one.error(
+            raise section.error(
                 key, "is not there: the site has a ground; allowed: pga, sa, or a site by its spectrum"
             )
         goal: dict[str, Any] = {"spectrum": spectrum}
-        if "band" in one:
-            goal["band"] = _band(one)
+        if "band" in section:
+            goal["band"] = _band(section)
         return goal
     return {}
 
 
-def _band(one: Section) -> tuple[float, ...]:
-    band = tuple(one.numbers("band", TIME))
+def _band(section: Section) -> tuple[float, ...]:
+    band = tuple(section.numbers("band", TIME))
     if len(band) != 2 or not band[0] < band[1]:
-        raise one.error("band", 'is no band; allowed: two periods, as ["0.2 s", "2 s"]')
+        raise section.error("band", 'is no band; allowed: two periods, as ["0.2 s", "2 s"]')
     return band
 
 
-def _reading(one: Section) -> dict[str, Any]:
+def _reading(section: Section) -> dict[str, Any]:
     """Arguments of `read_record` for a record, or for each of a suite."""
-    options: dict[str, Any] = {"units": one.text("units")} if "units" in one else {}
-    if "dt" in one:
-        options["dt"] = one.number("dt", TIME)
+    options: dict[str, Any] = {"units": section.text("units")} if "units" in section else {}
+    if "dt" in section:
+        options["dt"] = section.number("dt", TIME)
     for key in ("column", "time_column"):
-        if key in one:
-            options[key] = one.column(key)
+        if key in section:
+            options[key] = section.column(key)
     return options

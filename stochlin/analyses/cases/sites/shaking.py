@@ -33,20 +33,20 @@ def shaking_of(case: Case) -> xr.Dataset:
 def recorded_shaking(record: xr.DataArray, periods: list[float]) -> dict[str, xr.DataArray]:
     """Intensity of a record: PGA, rms of its strong part, and Sa at each period over ``structure``."""
     shown, place = np.unique(periods, return_inverse=True)
-    found = response_spectrum(record, shown, USUAL_DAMPING).pseudo_acceleration.to_numpy()[place]
+    accelerations = response_spectrum(record, shown, USUAL_DAMPING).pseudo_acceleration.to_numpy()[place]
     return {
         "peak_ground_acceleration": abs(record).max(),
         "rms_acceleration": (strong_part(record) ** 2).mean() ** 0.5,
-        "spectral_acceleration": xr.DataArray(found, dims="structure"),
+        "spectral_acceleration": xr.DataArray(accelerations, dims="structure"),
     }
 
 
 def over_records(separations: xr.DataArray, gap: float, confidence: float) -> xr.Dataset:
     """Quantiles of the separations [m] in records, and the share of records without pounding."""
     levels = np.unique([*LEVELS, confidence])
-    found = quantile_intervals(separations.to_numpy(), levels)
+    quantiles = quantile_intervals(separations.to_numpy(), levels)
     table = xr.Dataset(coords={"quantile": labels.axis("quantile", "quantile", levels)})
-    for end, values in zip(("", "_lower", "_upper"), found, strict=True):
+    for end, values in zip(("", "_lower", "_upper"), quantiles, strict=True):
         table[f"record_gap_quantile{end}"] = "quantile", values
     held = keeping_apart(separations.rename(record="path"), gap)
     table = table.assign({f"record_{name}": share for name, share in held.items()})
@@ -60,20 +60,20 @@ def doubts(
     peaks: tuple[float, ...] = (),
 ) -> list[str]:
     """Texts on implausible results: the shaking, or a gap [m] or peaks [m] above building heights."""
-    found = []
+    texts = []
     if doubt := doubtful_peak(float(shaken["peak_ground_acceleration"])):
-        found.append(f"peak ground acceleration: {doubt}")
+        texts.append(f"peak ground acceleration: {doubt}")
     heights = {building.name: building.height for building in buildings if building.height}
     if heights and gap > min(heights.values()):
         name = min(heights, key=lambda name: heights[name])
         what = "gap" if len(buildings) > 1 else "set-back"
-        found.append(
+        texts.append(
             f"a {what} of {gap:.3g} m is larger than the height of {name}, {heights[name]:.3g} m"
         )
     for building, peak in zip(buildings, peaks, strict=False):
         if building.height and peak > building.height:
-            found.append(
+            texts.append(
                 f"{building.name} would move by {peak:.3g} m, more than its height, "
                 f"{building.height:.3g} m"
             )
-    return found
+    return texts

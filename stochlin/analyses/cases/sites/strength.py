@@ -61,8 +61,10 @@ def read_goal(site: Section, folder: Path) -> Goal | None:
     if hazard is None:
         raise site.error(key, f"needs a hazard; {HAZARD_EXAMPLE}")
     with site.naming(key, "is not in the hazard"):
-        found = hazard.intensity(years)
-    return Goal(key, {hazard.measure: found} if hazard.period is None else _sa(found, hazard.period))
+        intensity = hazard.intensity(years)
+    return Goal(
+        key, {hazard.measure: intensity} if hazard.period is None else _sa(intensity, hazard.period)
+    )
 
 
 def read_hazard_of(site: Section, folder: Path) -> Hazard | None:
@@ -70,21 +72,21 @@ def read_hazard_of(site: Section, folder: Path) -> Hazard | None:
     return described_hazard(site.section(HAZARD), folder) if HAZARD in site else None
 
 
-def chosen_key(one: Section, keys: Sequence[str], companions: Mapping[str, str]) -> str:
+def chosen_key(section: Section, keys: Sequence[str], companions: Mapping[str, str]) -> str:
     """The one of these keys that is given, or an empty text.
 
     A ValueError is raised for two of them, or for a companion key without the key that it belongs to.
     """
-    given = [key for key in keys if key in one]
-    if len(given) > 1:
-        raise one.error(
-            given[1],
-            f"is given beside {given[0]}; allowed: one of {', '.join(keys)}, so leave the others out",
+    present = [key for key in keys if key in section]
+    if len(present) > 1:
+        raise section.error(
+            present[1],
+            f"is given beside {present[0]}; allowed: one of {', '.join(keys)}, so leave the others out",
         )
-    key = given[0] if given else ""
+    key = present[0] if present else ""
     for other, of in companions.items():
-        if other in one and key != of:
-            raise one.error(other, f"goes with {of}, which is missing; give both, or leave it out")
+        if other in section and key != of:
+            raise section.error(other, f"goes with {of}, which is missing; give both, or leave it out")
     return key
 
 
@@ -124,78 +126,79 @@ def as_strong_as_asked(
     goal = read_goal(site, folder)
     if goal is None:
         return ground, spectrum
-    found: Ground
+    scaled: Ground
     if INTENSITY in goal.asked:  # from a hazard of S0
-        found = replace(ground, **goal.asked)
+        scaled = replace(ground, **goal.asked)
     else:
         with site.naming(goal.key, "cannot be met"):
-            found = scale_ground(ground, duration, envelope, **goal.asked, paths=paths_for(duration))
+            scaled = scale_ground(ground, duration, envelope, **goal.asked, paths=paths_for(duration))
     if spectrum is not None:
-        times = found.arrays()["intensity"].item() / ground.arrays()["intensity"].item()
+        times = scaled.arrays()["intensity"].item() / ground.arrays()["intensity"].item()
         spectrum = (np.sqrt(times) * spectrum).assign_attrs(spectrum.attrs)
-    return found, spectrum
+    return scaled, spectrum
 
 
-def described_hazard(one: Section, folder: Path) -> Hazard:
+def described_hazard(section: Section, folder: Path) -> Hazard:
     """The hazard from a file, from points in the case file, or by a power law."""
-    way = next((key for key in ("file", "intensities") if key in one), "k0")
-    one.only(
+    way = next((key for key in ("file", "intensities") if key in section), "k0")
+    section.only(
         "measure", "sa_period", *WAYS[way], elsewhere=[key for keys in WAYS.values() for key in keys]
     )
-    measure = one.text("measure", MEASURES)
-    if "sa_period" in one and measure != "sa":
-        raise one.error("sa_period", f"goes with measure = 'sa', not with {measure!r}; leave it out")
+    measure = section.text("measure", MEASURES)
+    if "sa_period" in section and measure != "sa":
+        raise section.error("sa_period", f"goes with measure = 'sa', not with {measure!r}; leave it out")
     of: dict[str, Any] = {"measure": measure}
     if measure == "sa":
-        of["period"] = one.number("sa_period", TIME)
+        of["period"] = section.number("sa_period", TIME)
     if way == "file":
-        units = one.text("units", tuple(METRES)) if "units" in one else None
-        with one.naming("file"):
-            return read_hazard(folder / one.text("file"), **of, units=units)
+        units = section.text("units", tuple(METRES)) if "units" in section else None
+        with section.naming("file"):
+            return read_hazard(folder / section.text("file"), **of, units=units)
     if way == "intensities":
-        return _of_points(one, of)
-    if "k0" not in one and "k" not in one:
-        raise one.error("", f"has no numbers; allowed: one of {HAZARD_EXAMPLES}")
-    k0, k = (one.number(key, NUMBER) for key in ("k0", "k"))
+        return _of_points(section, of)
+    if "k0" not in section and "k" not in section:
+        raise section.error("", f"has no numbers; allowed: one of {HAZARD_EXAMPLES}")
+    k0, k = (section.number(key, NUMBER) for key in ("k0", "k"))
     # k0 is the annual frequency of exceedance of 1 in the unit of the file, for instance 1 g.
     units_of = SPECTRAL_DENSITY.spellings if measure == INTENSITY else METRES
-    unit = units_of[one.text("units", tuple(units_of))]
+    unit = units_of[section.text("units", tuple(units_of))]
     try:
         k0 *= unit**k
     except OverflowError:
         k0 = np.inf
     if not 0 < k0 < np.inf:
-        raise one.error(
+        raise section.error(
             "k",
-            f"is too large: with units = {one.values['units']!r}, k0 in SI units is beyond the range of "
-            "numbers; allowed: an exponent that keeps it within; usual are 2 to 4, so correct k",
+            f"is too large: with units = {section.values['units']!r}, k0 in SI units is beyond the "
+            "range of numbers; allowed: an exponent that keeps it within; usual are 2 to 4, so "
+            "correct k",
         )
     hazard = PowerLawHazard(k0, k, **of)
-    with one.naming("k"):
+    with section.naming("k"):
         simulated_at(hazard)
     return hazard
 
 
-def _of_points(one: Section, of: Mapping[str, Any]) -> HazardCurve:
+def _of_points(section: Section, of: Mapping[str, Any]) -> HazardCurve:
     """Hazard curve from intensities, each with its annual frequency or return period."""
-    intensities = one.numbers(
+    intensities = section.numbers(
         "intensities", SPECTRAL_DENSITY if of["measure"] == INTENSITY else ACCELERATION
     )
-    key = chosen_key(one, ("frequencies", "return_periods"), {})
+    key = chosen_key(section, ("frequencies", "return_periods"), {})
     if not key:
-        raise one.error(
+        raise section.error(
             "intensities",
             "has neither frequencies nor return_periods; write, for instance, "
             'return_periods = ["95 yr", "475 yr"], as many as there are intensities',
         )
-    given = one.numbers(key, NUMBER if key == "frequencies" else YEARS)
-    if len(given) != len(intensities):
-        raise one.error(
-            key, f"has {len(given)} values for {len(intensities)} intensities; allowed: one for each"
+    values = section.numbers(key, NUMBER if key == "frequencies" else YEARS)
+    if len(values) != len(intensities):
+        raise section.error(
+            key, f"has {len(values)} values for {len(intensities)} intensities; allowed: one for each"
         )
-    frequencies = given if key == "frequencies" else [1 / years for years in given]
-    places = [f"point {n}, {value}" for n, value in enumerate(one.values[key], start=1)]
-    with one.naming("intensities", "does not fit the others"):
+    frequencies = values if key == "frequencies" else [1 / years for years in values]
+    places = [f"point {n}, {value}" for n, value in enumerate(section.values[key], start=1)]
+    with section.naming("intensities", "does not fit the others"):
         check_curve(np.array(intensities), np.array(frequencies), places)
     return HazardCurve(tuple(intensities), tuple(frequencies), **of)
 

@@ -72,9 +72,9 @@ class CodeRule(Published):
         """
         if peak_2 is None and not self.line:
             raise ValueError(f"{self.name} needs {TWO}; give peak_2")
-        told = {"height_1": height_1, "height_2": height_2, "zone": zone}
-        given = [name for name, value in told.items() if value is not None]
-        if missing := self.missing(given, peak_2 is None):
+        values = {"height_1": height_1, "height_2": height_2, "zone": zone}
+        names = [name for name, value in values.items() if value is not None]
+        if missing := self.missing(names, peak_2 is None):
             raise ValueError(
                 f"{self.name} needs {', '.join(missing)}, which is not given; allowed: heights "
                 f"[m], zone one of {', '.join(ZONES)}"
@@ -252,7 +252,7 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
     if value is None:
         return rule.usual()
     if not fields(rule):
-        families = ", ".join(name for name, one in CODE_RULES.items() if fields(one))
+        families = ", ".join(name for name, kind in CODE_RULES.items() if fields(kind))
         raise ValueError(f"value = {brief(value)} is given to {rule.name}; allowed for {families} only")
     return rule(value)  # type: ignore[call-arg]
 
