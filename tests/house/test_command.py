@@ -91,7 +91,7 @@ def test_names_are_taken_with_either_dash() -> None:
     shared = ("--period", "0.7s", "--period-2", "1s", "--hardening", "0.1", "--reduction-factor", "4")
     dashed, plain = (run("rho", *shared, "--law", name) for name in ("bouc-wen", "bouc_wen"))
     assert dashed.exit_code == 0
-    assert dashed.output == plain.output
+    assert dashed.stdout == plain.stdout
 
 
 @pytest.mark.parametrize("closure", closure_names())

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.case import Case
-from stochlin.analyses.cases.risk import risk_table, simulated_risk
+from stochlin.analyses.cases.case import FEWEST_PATHS, Case
 from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
 from stochlin.analyses.cases.storeys import StoreyBuilding
+from stochlin.analyses.risk.risk import CERTAIN, RiskInputs, SimulatedRisk, Target
+from stochlin.analyses.risk.variables import VARIABLES
 from stochlin.analyses.sensitivity.sensitivity import sensitivity
 from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import UNSAFE, separation
 from stochlin.analyses.sites.motion_fit import FittedMotion, compare_motions
 from stochlin.analyses.sites.simulated_spectra import simulated_spectrum
+from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.messages import DoubtfulInput
 from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Model
 from stochlin.models.rules.codes import IN_COMMON
@@ -28,6 +34,10 @@ SEARCHES = 0.95  # share of the remaining work for the existing gap, if there is
 WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
 USUAL_PATHS, FEW_PATHS = 512, 128  # motions for the sensitivities
 AROUND = 5.0  # factor of the range of the spectrum beyond the periods of buildings and ground
+YEARS = 50.0  # default time of the probability of pounding [yr]
+SHARE = 4  # motions of the case over those at each of the 13 intensities
+PREFIX, GAP, OF = "risk_", "risk_gap", "risk_of"
+KEPT = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
 
 
 @dataclass(frozen=True)
@@ -91,7 +101,7 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
 
     begin = end * OF_RISK if case.hazard else 0.0
     middle = begin if case.gap is None else begin + (end - begin) * SEARCHES
-    risky = simulated_risk(case, part_of(progress, 0.0, begin))
+    risky = _simulated_risk(case, part_of(progress, 0.0, begin))
     existing = None
     if case.gap is not None:
         options = {**case.motion, "progress": part_of(progress, begin, middle)}
@@ -121,7 +131,7 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
     if len(case.records) > MOST_RECORDS:
         records = over_records(table.record_separation, float(table.gap[0]), case.confidence)
     rms, shaking = rms_acceleration(case.ground), shaking_of(case)
-    risk = None if risky is None else risk_table(risky, case, float(table.gap[0]))
+    risk = None if risky is None else _risk_table(risky, case, float(table.gap[0]))
     return CaseAnswer(case, table, existing, _spectrum(case), rms, shaking, records, risk, matters)
 
 
@@ -156,3 +166,67 @@ def _spectrum(case: Case) -> xr.Dataset:
     spectrum = case.ground.psd(frequency).rename("psd_ground").to_dataset()
     attrs = {"units": "s", "long_name": "period"}
     return spectrum.assign_coords(period=("frequency", 2 * np.pi / frequency, attrs))
+
+
+def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | None:
+    """Simulated motions at all intensities of the hazard; None if the case has no hazard."""
+    if case.hazard is None:
+        return None
+    sampled = [building.sampled for building in case.one_or_two]
+    structures = dict(zip(("first", "second"), sampled, strict=False))
+    motion = case.duration, case.envelope, case.scatter
+    paths = max(FEWEST_PATHS, case.paths // SHARE)
+    inputs = RiskInputs(structures, case.sampled_ground, case.hazard, *motion, paths, case.seed)
+    with _of_hazard(case):
+        inputs.check()
+        return inputs.simulated(progress)
+
+
+@contextmanager
+def _of_hazard(case: Case) -> Iterator[None]:
+    """Add the file and the place of the hazard to errors that occur inside the context."""
+    try:
+        yield
+    except (ValueError, ArithmeticError) as error:
+        raise ValueError(f"{case.file}: site.hazard cannot be used: {error}") from error
+
+
+def _risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
+    """Risk with the existing gap, the required gap ``answer`` [m], and the gap for the allowed risk.
+
+    None if all these gaps are 0. Names of variables begin with ``risk_``, so that they can be merged
+    with those of the separation.
+    """
+    gaps = {"existing": case.gap or 0.0, "answer": answer}
+    years, target = YEARS, xr.Dataset()
+    if case.risk is not None:
+        years = Target.of(case.risk).years or YEARS
+        with _of_hazard(case):
+            target = found.gap_of(case.risk)
+        gaps["target"] = float(target.required_gap)
+        target = target[list(KEPT)]
+    gaps = {what: gap for what, gap in gaps.items() if gap > 0}
+    if not gaps:
+        return None
+    with warnings.catch_warnings(), _of_hazard(case):
+        warnings.simplefilter("ignore", DoubtfulInput)  # on weak shaking; the report states it instead
+        each = [found.of_gap(gap, years) for gap in gaps.values()]
+    along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")
+    table = xr.concat(each, along, data_vars="all", coords="minimal", compat="override", join="exact")
+    attrs = {"long_name": "which gap this is"}
+    table = table.assign_coords({OF: (GAP, list(gaps), attrs)}).assign(target.data_vars)
+    for end, times in (("lower", -CERTAIN), ("upper", CERTAIN)):
+        table[f"annual_rate_{end}"] = (
+            table.annual_rate + times * table.annual_rate_standard_error
+        ).clip(0)
+    table = labels.label(table, VARIABLES).rename(
+        {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
+    )
+    inputs = found.inputs
+    table.attrs = {
+        "risk_hazard": inputs.hazard.describe(),
+        "risk_measure": inputs.hazard.measure,
+        "risk_years": years,
+        "risk_paths": inputs.paths,
+    }
+    return table
