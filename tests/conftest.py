@@ -16,6 +16,13 @@ def pytest_configure(config):
     settings.load_profile("short" if config.option.markexpr == "not slow" else "all")
 
 
+def pytest_collection_modifyitems(items):
+    """Property tests draw buildings from all that is allowed, also what no building has."""
+    for item in items:
+        if getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
+            item.add_marker(pytest.mark.filterwarnings("ignore::stochlin.messages.ImplausibleInput"))
+
+
 @pytest.fixture(scope="session", autouse=True)
 def coarse_pictures():
     """Pictures with few points an inch, which take a third of the time of those for print."""

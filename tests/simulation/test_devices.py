@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from stochlin.analyses.simulation.connected_structures import all_connected
 from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import VISCOUS, by_number
 from stochlin.kernels.simulation.stepping import LANES
+from stochlin.kernels.simulation.time_step import _dashpot
 from stochlin.models.systems import arrangement_of
 
 pytestmark = pytest.mark.oracle
@@ -238,3 +240,17 @@ def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch):
         links = in_every_storey(1e6, 0.3)
         tables.append(sl.simulate([TOWER], FIRM, paths=96, duration=3.0, seed=9, link=links))
     np.testing.assert_array_equal(tables[0].peak, tables[1].peak)
+
+
+@pytest.mark.parametrize("exponent", [0.3, 0.4, 1.5])
+def test_a_dashpot_has_a_root_however_small_its_motion_is(exponent):
+    """Where the increment without slip is nearly 0, rounding would lead Newton's method below 0."""
+    random, lanes, relief = np.random.default_rng(2), 20_000, 0.26637989156433006
+    before = 10.0 ** random.uniform(-320, -2, lanes)
+    alone = before * 10.0 ** random.uniform(-40, 1, lanes) * random.choice([-1, 0, 1], lanes)
+    x = np.zeros((8, lanes))
+    x[0], x[1], x[5], x[6] = relief * before + alone, before, 6e3, exponent
+    at = SimpleNamespace(change=0, slip=1, more=2, least=3, widest=4)
+    with np.errstate(under="ignore", over="ignore", invalid="ignore"):
+        _dashpot(2e5, relief, 0.005, 0, 5, at, x, lanes)
+    assert np.isfinite(x[2]).all()

@@ -346,11 +346,11 @@ def _dashpot(couple, relief, dt, i, own, at, x, lanes):
             root -= less
         else:
             most = min(size / first, (size / second) ** (1.0 / power))
-            root = min(root - less, most)
+            root = max(min(root - less, most), 0.0)
             for _ in range(MOST_ROOTS):
                 steep = root ** (power - 1.0)
                 less = (first * root + second * root * steep - size) / (first + power * second * steep)
-                root = min(root - less, most)
+                root = max(min(root - less, most), 0.0)
                 if not power * abs(less) > NEARLY * root:
                     break
             steep = root ** (power - 1.0)
