@@ -17,8 +17,8 @@ class Plausible(NamedTuple):
     above: str
 
     def holds(self, value: float) -> bool:
-        """Whether a value is plausible; 0, where it is allowed, stands for none."""
-        return value == 0 or self.low <= value <= self.high
+        """Whether a value is plausible; 0, where it is allowed, is none, and NaN is not known."""
+        return value == 0 or not (value < self.low or value > self.high)
 
     def doubt(self, value: float) -> str:
         """The text of a warning; empty if the value is plausible."""

@@ -21,6 +21,7 @@ from stochlin.analyses.cases.values import UNITS, Quantity, Section, key_lines
 from stochlin.analyses.explorer.case_scene import scene_of
 from stochlin.messages import DoubtfulInput
 from stochlin.models.parameters import Range
+from stochlin.models.plausible import PLAUSIBLE
 
 pytestmark = pytest.mark.invariant
 
@@ -578,3 +579,9 @@ def test_a_building_takes_a_law_and_its_parameters(tmp_path: Path) -> None:
     (table,) = pound_case(case).values()
     assert np.isfinite(table.peak).all()
     assert np.isnan(table.largest_radius_amplification).all()
+
+
+def test_an_acceleration_that_is_not_known_is_not_doubted() -> None:
+    """White noise has no peak acceleration."""
+    assert PLAUSIBLE["pga"].doubt(float("nan")) == ""
+    assert PLAUSIBLE["pga"].doubt(100.0) and PLAUSIBLE["pga"].doubt(1e-3)
