@@ -69,8 +69,9 @@ def test_an_envelope_that_misses_the_energy_of_the_record_is_told(
     tmp_path: Path, duration: str, envelope: str
 ) -> None:
     text = f'[motion]\nduration = "{duration}"\n{envelope}'
+    case = read(tmp_path, text)
     with pytest.warns(UserWarning, match=r"motion.envelope.* times the energy of the record") as found:
-        case = read(tmp_path, text)
+        _ = case.ground
     told = float(str(found[0].message).partition("motions with ")[2].partition(" times")[0])
     (record,) = case.records.values()
     table = sl.compare_motions(

@@ -192,7 +192,7 @@ def test_a_hazard_that_is_wrong_names_the_line(tmp_path):
 def test_what_does_not_say_how_strong_is_named_with_its_line(tmp_path, site, message):
     (tmp_path / "site.csv").write_text("period,Sa [g]\n0,0.2\n")
     with pytest.raises(ValueError, match=rf"case.toml, line \d+: .*{message}"):
-        read(tmp_path, site)
+        _ = read(tmp_path, site).ground
 
 
 def test_beyond_the_hazard_is_refused_with_its_range(tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import count
 from typing import Any
 
@@ -47,6 +47,22 @@ class Building:
     height: float | None
     storeys: int | None
     uncertain: UncertainModel | None = None
+    ductility: float | None = None  # for which the strength is sought, where it is given so
+    section: Section | None = field(default=None, compare=False, repr=False)  # of the file, for messages
+
+    def on(self, ground: Ground) -> Building:
+        """The building with the strength that gives it its ductility on this ground."""
+        if self.ductility is None or self.section is None:
+            return self
+        try:
+            solution = strength_for_ductility(self.structure, ground, self.ductility)
+        except ArithmeticError as error:
+            what = f"has no strength ({error}); give another one"
+            raise self.section.error("ductility", what) from error
+        factor = float(solution.reduction_factor)
+        described = applied(lambda s: dataclasses.replace(s, reduction_factor=factor), self.sampled)
+        uncertain = described if isinstance(described, UncertainModel) else None
+        return dataclasses.replace(self, structure=median_of(described), uncertain=uncertain)
 
     @property
     def sampled(self) -> Any:
@@ -88,13 +104,13 @@ def building_keys(whole: Section, *others: str) -> list[str]:
     return [f"building_{number}" for number in range(1, max(1, len(keys)) + 1)]
 
 
-def read_buildings(whole: Section, keys: Sequence[str], ground: Ground) -> tuple[AnyBuilding, ...]:
-    """All buildings; strengths by reduction factor and by ductility refer to this ground.
+def read_buildings(whole: Section, keys: Sequence[str]) -> tuple[AnyBuilding, ...]:
+    """All buildings; those with a strength by ductility are still elastic, until they are on a ground.
 
     A building with any key of `OF_STOREYS` has storeys; any other is an oscillator.
     """
     return tuple(
-        read_storeys(section, number) if storey_keys(section) else _oscillator(section, number, ground)
+        read_storeys(section, number) if storey_keys(section) else _oscillator(section, number)
         for number, section in enumerate(map(whole.section, keys), start=1)
     )
 
@@ -126,7 +142,7 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
     return tuple(gaps)
 
 
-def _oscillator(section: Section, number: int, ground: Ground) -> Building:
+def _oscillator(section: Section, number: int) -> Building:
     laws = laws_in_numbers()
     law = laws[section.text("law", tuple(laws), "bilinear")]
     keys = ("name", "law", "period", "damping", "hardening", *law.own_parameters(), *STRENGTHS)
@@ -144,15 +160,9 @@ def _oscillator(section: Section, number: int, ground: Ground) -> Building:
     names = (*names, *(["mass"] if "mass" in section else []), *own)
     described = section.described(law, names)
     structure: Structure = median_of(described)
-    if strength == "ductility":
-        wanted = section.model(DuctilityTarget, ("ductility",)).ductility
-        try:
-            solution = strength_for_ductility(structure, ground, wanted)
-        except ArithmeticError as error:
-            raise section.error("ductility", f"has no strength ({error}); give another one") from error
-        factor = float(solution.reduction_factor)
-        described = applied(lambda s: dataclasses.replace(s, reduction_factor=factor), described)
-        structure = median_of(described)
+    by_ductility = strength == "ductility"
+    quantity = Quantity.declared(DuctilityTarget, "ductility")
+    ductility = section.number("ductility", quantity) if by_ductility else None
     storeys = section.whole("storeys", 1) if "storeys" in section else None
     mass, plausible = structure.mass, PLAUSIBLE["mass"]
     if mass and storeys and plausible.holds(mass) and (doubt := plausible.doubt(mass / storeys)):
@@ -166,4 +176,6 @@ def _oscillator(section: Section, number: int, ground: Ground) -> Building:
         strength=strength,
         height=section.number("height", LENGTH) if "height" in section else None,
         storeys=storeys,
+        ductility=ductility,
+        section=section if by_ductility else None,
     )

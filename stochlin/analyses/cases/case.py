@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,36 +14,14 @@ import xarray as xr
 
 from stochlin.analyses.cases.buildings import (
     AnyBuilding,
+    Building,
     building_keys,
     read_buildings,
     read_gaps,
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
-from stochlin.analyses.cases.site import (
-    FITTED,
-    TIME,
-    check_energy,
-    fitted_motion,
-    read_envelope,
-    read_ground,
-    read_scatter,
-    usual_scatter,
-)
-from stochlin.analyses.cases.sites.design_spectrum import (
-    SPECTRUM,
-    design_spectrum,
-    ground_of_design,
-    spectrum_file,
-)
-from stochlin.analyses.cases.sites.records import read_suite, recorded_motions
-from stochlin.analyses.cases.sites.strength import (
-    HAZARD,
-    HAZARD_EXAMPLE,
-    as_strong_as_asked,
-    doubtful_hazard,
-    hazard_file,
-    read_hazard_of,
-)
+from stochlin.analyses.cases.site import FITTED, Site, read_scatter, read_site, usual_scatter
+from stochlin.analyses.cases.sites.strength import HAZARD_EXAMPLE
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.cases.values import Quantity, Section, read_sections
 from stochlin.analyses.risk.risk import check_target
@@ -57,7 +35,7 @@ from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.rules.codes import CODE_RULES, IN_COMMON, ZONES
 from stochlin.models.rules.codes.families import Numbered
-from stochlin.models.uncertain import UncertainModel, median_of
+from stochlin.models.uncertain import UncertainModel
 
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"))
 FEWEST_PATHS = 100  # smallest number of motions for a quantile with an interval
@@ -68,8 +46,9 @@ TABLES = ("site", "motion", "separation", "simulation", "contact", "measures", "
 class Case:
     """Content of a case file in SI units; ``file`` is its name, ``gaps`` [m] are the existing gaps.
 
-    ``inputs`` are the paths of the file and of the files of its records, which results must not
-    overwrite.
+    The ground is fitted and scaled to the wanted strength, where the file asks for this, when it is
+    first needed. ``inputs`` are the paths of the file and of the files of its records, which results
+    must not overwrite.
 
     ``buildings`` are in a row from left to right, oscillators and buildings with storeys. Analyses of
     two buildings use ``pair``, ``first``, ``second`` and ``gap``; analyses that also take one building
@@ -79,13 +58,9 @@ class Case:
     file: str
     inputs: tuple[Path, ...]
     title: str
-    site: str  # ground or spectrum as written in the file
-    ground: Ground
-    buildings: tuple[AnyBuilding, ...]
-    duration: float
-    envelope: Envelope | None
+    of_site: Site
+    described: tuple[AnyBuilding, ...]  # as written, see `buildings`
     scatter: float
-    records: Mapping[str, xr.DataArray]
     confidence: float
     gaps: tuple[float, ...]
     floors_align: bool
@@ -99,10 +74,57 @@ class Case:
     contact: Contact | None
     measures: Mapping[str, Measure]
     amplification_limit: float | None
-    spectrum: xr.DataArray | None = None  # elastic spectrum to which the ground is fitted
-    uncertain_ground: UncertainModel | None = None  # ``ground`` has its parameters at their medians
-    hazard: Hazard | None = None
     risk: str | float | None = None  # allowed risk, as in `required_gap`
+
+    @property
+    def site(self) -> str:
+        """Ground or spectrum as written in the file."""
+        return self.of_site.name
+
+    @property
+    def ground(self) -> Ground:
+        """The ground, with its uncertain parameters at their medians."""
+        return self.of_site.shaking.ground
+
+    @property
+    def uncertain_ground(self) -> UncertainModel | None:
+        """The ground with its uncertain parameters, if there are any."""
+        return self.of_site.shaking.uncertain
+
+    @property
+    def spectrum(self) -> xr.DataArray | None:
+        """Elastic spectrum to which the ground is fitted."""
+        return self.of_site.shaking.spectrum
+
+    @property
+    def duration(self) -> float:
+        """Duration of the motions [s]."""
+        return self.of_site.course.duration
+
+    @property
+    def envelope(self) -> Envelope | None:
+        """Envelope of the motions; None for stationary ones."""
+        return self.of_site.course.envelope
+
+    @property
+    def records(self) -> Mapping[str, xr.DataArray]:
+        """Recorded motions by name."""
+        return self.of_site.records
+
+    @property
+    def hazard(self) -> Hazard | None:
+        """Hazard of the site, if the file has one."""
+        return self.of_site.hazard
+
+    @cached_property
+    def buildings(self) -> tuple[AnyBuilding, ...]:
+        """The buildings from left to right; a strength by ductility is that on the ground."""
+        return tuple(
+            building.on(self.ground)
+            if isinstance(building, Building) and building.ductility is not None
+            else building
+            for building in self.described
+        )
 
     @property
     def sampled_ground(self) -> Any:
@@ -253,30 +275,8 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     keys = building_keys(whole, "title", *TABLES)
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
     wanted.only("confidence", "existing", "risk", *IN_COMMON, "zone", "numbers", "unverified")
-    records = recorded_motions(site, path.parent)
-    spectrum = design_spectrum(site, path.parent) if SPECTRUM in site else None
-    described = None
-    if fitted := fitted_motion(site, motion, records):
-        ground, envelope, duration = fitted.ground, fitted.envelope, fitted.duration
-    else:
-        envelope, duration = read_envelope(motion), motion.number("duration", TIME)
-        if spectrum is None:
-            described = read_ground(site, records)
-            ground = median_of(described)
-        else:
-            ground = ground_of_design(site, spectrum, duration, envelope)
-        if site.values.get("ground") == FITTED:
-            check_energy(motion, next(iter(records.values())), ground, envelope, duration)
-    hazard = read_hazard_of(site, path.parent)
-    if hazard is not None and (doubt := doubtful_hazard(hazard)):
-        site.doubt(HAZARD, f"is doubtful: {doubt}")
-    unscaled = ground
-    ground, spectrum = as_strong_as_asked(site, path.parent, ground, spectrum, duration, envelope)
-    if isinstance(described, UncertainModel):
-        described = described.changed(partial(_as_strong, given=unscaled, wanted=ground))
-    records, of_suite = read_suite(site, path.parent, records, spectrum)
-    of_site = site.text("ground" if spectrum is None else SPECTRUM)
-    buildings = read_buildings(whole, keys, ground)
+    of_site = read_site(site, motion, path.parent)
+    buildings = read_buildings(whole, keys)
     align = wanted.truth("floors_align")
     slabs = slabs_of_row(buildings)
     if align and slabs:
@@ -287,22 +287,11 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     before = ", ".join(others)
     return Case(
         file=path.name,
-        inputs=(
-            path,
-            *spectrum_file(site, path.parent),
-            *hazard_file(site, path.parent),
-            *(path.parent / record.text("path") for record in site.sections("records")),
-            *of_suite,
-        ),
+        inputs=(path, *of_site.inputs),
         title=whole.text("title", default=" and ".join(filter(None, [before, last]))),
-        site=of_site,
-        ground=ground,
-        uncertain_ground=described if isinstance(described, UncertainModel) else None,
-        buildings=buildings,
-        duration=duration,
-        envelope=envelope,
-        scatter=read_scatter(motion, usual_scatter(of_site)),
-        records=records,
+        of_site=of_site,
+        described=buildings,
+        scatter=read_scatter(motion, usual_scatter(of_site.name)),
         confidence=wanted.number("confidence", SHARE),
         gaps=read_gaps(wanted, len(buildings)),
         floors_align=align and not slabs,
@@ -316,9 +305,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         contact=read_contact(whole.section("contact")) if "contact" in whole else None,
         measures=read_measures(whole, buildings),
         amplification_limit=read_amplification_limit(whole),
-        spectrum=spectrum,
-        hazard=hazard,
-        risk=_risk(wanted, hazard),
+        risk=_risk(wanted, of_site.hazard),
     )
 
 
@@ -344,9 +331,3 @@ def _numbers(section: Section) -> dict[str, float]:
     known = {name: rule.units for name, rule in CODE_RULES.items() if issubclass(rule, Numbered)}
     section.only(*known)
     return {name: section.number(name, Quantity(known[name], POSITIVE)) for name in section.values}
-
-
-def _as_strong(ground: Any, given: Ground, wanted: Ground) -> Any:
-    """A sample of the ground with its intensity scaled by the ratio of ``wanted`` to ``given``."""
-    before, after = (float(site_ground.arrays()["intensity"]) for site_ground in (given, wanted))
-    return replace(ground, intensity=ground.intensity * (after / before))

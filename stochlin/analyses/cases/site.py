@@ -3,12 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import xarray as xr
 
-from stochlin.analyses.cases.sites.records import SUITE
-from stochlin.analyses.cases.sites.strength import EXAMPLE, GOALS, HAZARD, INTENSITY
+from stochlin.analyses.cases.sites.design_spectrum import (
+    SPECTRUM,
+    design_spectrum,
+    filters_of,
+    ground_of_design,
+    spectrum_file,
+)
+from stochlin.analyses.cases.sites.records import SUITE, read_suite, recorded_motions, scaled_suite
+from stochlin.analyses.cases.sites.strength import (
+    EXAMPLE,
+    GOALS,
+    HAZARD,
+    INTENSITY,
+    Goal,
+    as_strong_as_asked,
+    doubtful_hazard,
+    hazard_file,
+    read_goal,
+    read_hazard_of,
+)
 from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.records.ground_fit import fitted_grounds
 from stochlin.analyses.records.spectra import ESTIMATORS
@@ -25,8 +46,9 @@ from stochlin.analyses.tables.checks import check_scatter
 from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, ParallelGround, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground
+from stochlin.models.hazards import Hazard
 from stochlin.models.parameters import POSITIVE
-from stochlin.models.uncertain import UncertainModel
+from stochlin.models.uncertain import UncertainModel, median_of
 
 FITTED, NONE, PARALLEL = "fitted", "none", "parallel"
 RECORDS = ("records", SUITE)
@@ -34,8 +56,128 @@ TIME = Quantity("s", POSITIVE)
 _LIKE = 0.8, 1.25  # range of the energy of motions over that of a record without a warning
 
 
+class Course(NamedTuple):
+    """Duration [s] and envelope of the motions of a case."""
+
+    duration: float
+    envelope: Envelope | None
+
+
+class Shaking(NamedTuple):
+    """Ground of a case, its model with uncertain parameters if there are any, and its spectrum."""
+
+    ground: Ground
+    uncertain: UncertainModel | None
+    spectrum: xr.DataArray | None
+
+
+@dataclass(frozen=True)
+class Site:
+    """Site and motion of a case as written; grounds are fitted and scaled when they are first needed.
+
+    ``given`` is the ground by name or by parameters, and ``written`` the course of the motions; each is
+    None where it is fitted. ``spectrum`` is as written, without the wanted strength; ``goal`` is this.
+    """
+
+    site: Section
+    motion: Section
+    inputs: tuple[Path, ...]
+    single_records: Mapping[str, xr.DataArray]
+    suite: dict[str, xr.DataArray]
+    hazard: Hazard | None
+    goal: Goal | None
+    spectrum: xr.DataArray | None
+    given: Any
+    written: Course | None
+
+    @property
+    def name(self) -> str:
+        """Ground or spectrum as written in the file."""
+        return self.site.text("ground" if self.spectrum is None else SPECTRUM)
+
+    @cached_property
+    def fitted_motion(self) -> FittedMotion:
+        """Ground and course fitted to the first record, where the file asks for both."""
+        name, record = next(iter(self.single_records.items()))
+        try:
+            return fit_motion(record, filters=_filters(self.site))
+        except (ArithmeticError, ValueError) as error:
+            raise self.motion.error("envelope", f"cannot be fitted to {name}: {error}") from error
+
+    @cached_property
+    def course(self) -> Course:
+        """Duration and envelope of the motions."""
+        if self.written is None:
+            return Course(self.fitted_motion.duration, self.fitted_motion.envelope)
+        return self.written
+
+    @cached_property
+    def shaking(self) -> Shaking:
+        """The ground as strong as it is wanted, and the spectrum with its strength."""
+        described = self._described()
+        ground = median_of(described)
+        scaled, spectrum = as_strong_as_asked(self.site, self.goal, ground, self.spectrum, *self.course)
+        if not isinstance(described, UncertainModel):
+            return Shaking(scaled, None, spectrum)
+        uncertain = described.changed(partial(_as_strong, before=ground, after=scaled))
+        return Shaking(scaled, uncertain, spectrum)
+
+    def _described(self) -> Any:
+        """The ground before it is scaled to the wanted strength."""
+        if self.written is None:
+            return self.fitted_motion.ground
+        if self.spectrum is not None:
+            return ground_of_design(self.site, self.spectrum, *self.written)
+        if self.given is not None:
+            return self.given
+        name, record = next(iter(self.single_records.items()))
+        try:
+            ground = fit_ground(record, _model(self.site), _estimator(self.site))
+        except ValueError as error:
+            raise self.site.error("ground", f"cannot be fitted to {name}: {error}") from error
+        _doubt_energy(self.motion, record, ground, self.written)
+        return ground
+
+    @cached_property
+    def records(self) -> Mapping[str, xr.DataArray]:
+        """The single records followed by those of the suite, which are scaled to its goal."""
+        spectrum = self.spectrum if self.goal is None else self.shaking.spectrum
+        return {**self.single_records, **scaled_suite(self.site, self.suite, spectrum)}
+
+
+def read_site(site: Section, motion: Section, folder: Path) -> Site:
+    """The tables [site] and [motion], with the records and other files of the site.
+
+    Nothing is fitted or simulated yet. A ValueError names what is not valid.
+    """
+    records = recorded_motions(site, folder)
+    spectrum = design_spectrum(site, folder) if SPECTRUM in site else None
+    given, written = None, None
+    if motion.values.get("envelope") == FITTED:
+        _check_fitted_motion(site, motion, records)
+    else:
+        envelope = read_envelope(motion)
+        written = Course(motion.number("duration", TIME), envelope)
+        if spectrum is None:
+            given = read_ground(site, records)
+        else:
+            filters_of(site)
+    hazard = read_hazard_of(site, folder)
+    if hazard is not None and (doubt := doubtful_hazard(hazard)):
+        site.doubt(HAZARD, f"is doubtful: {doubt}")
+    suite, of_suite = read_suite(site, folder, records, spectrum)
+    inputs = (
+        *spectrum_file(site, folder),
+        *hazard_file(site, folder),
+        *(folder / record.text("path") for record in site.sections("records")),
+        *of_suite,
+    )
+    goal = read_goal(site, hazard)
+    return Site(site, motion, inputs, records, suite, hazard, goal, spectrum, given, written)
+
+
 def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:
-    """The ground by name or by parameters, fitted to the first record, or several in parallel.
+    """The ground by name or by parameters, or several in parallel; None if it is fitted to a record.
 
     It is an uncertain model if parameters are uncertain.
     """
@@ -43,14 +185,11 @@ def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:
     name = site.text("ground", kinds)
     if name == FITTED:
         site.only("ground", *RECORDS, "model", "estimator", *GOALS)
-        model = site.text("model", tuple(fitted_grounds()), "kanai_tajimi")
-        estimator = site.text("estimator", tuple(ESTIMATORS), "psd")
-        if "records" not in site:
+        _model(site)
+        _estimator(site)
+        if not records:
             raise site.error("ground", "needs a record to be fitted to; allowed: a [[site.records]]")
-        try:
-            return fit_ground(next(iter(records.values())), model, estimator)
-        except ValueError as error:
-            raise site.error("ground", f"cannot be fitted to {next(iter(records))}: {error}") from error
+        return None
     if name == PARALLEL:
         site.only("ground", *RECORDS, INTENSITY, "grounds", *GOALS)
         for part in site.sections("grounds"):
@@ -83,12 +222,23 @@ def _part(site: Section) -> Ground:
     return ground
 
 
-def fitted_motion(
-    site: Section, motion: Section, records: Mapping[str, xr.DataArray]
-) -> FittedMotion | None:
-    """Ground, envelope and duration fitted to the first record; None unless envelope is "fitted"."""
-    if motion.values.get("envelope") != FITTED:
-        return None
+def _model(site: Section) -> str:
+    """Kind of the ground that is fitted to a record."""
+    return site.text("model", tuple(fitted_grounds()), "kanai_tajimi")
+
+
+def _estimator(site: Section) -> str:
+    """What the fit to a record minimizes."""
+    return site.text("estimator", tuple(ESTIMATORS), "psd")
+
+
+def _filters(site: Section) -> int:
+    """Number of filters of a ground that is fitted together with its envelope."""
+    return site.whole("filters", 1, FILTERS, MOST_FILTERS)
+
+
+def _check_fitted_motion(site: Section, motion: Section, records: Mapping[str, xr.DataArray]) -> None:
+    """Raise a ValueError for keys that do not go with a ground and an envelope fitted together."""
     if site.values.get("ground") != FITTED or not records:
         raise motion.error(
             "envelope",
@@ -97,25 +247,24 @@ def fitted_motion(
         )
     motion.only("envelope", "scatter")  # the duration is that of the record
     site.only("ground", "records", "filters", HAZARD)
-    filters = site.whole("filters", 1, FILTERS, MOST_FILTERS)
-    name, record = next(iter(records.items()))
-    try:
-        return fit_motion(record, filters=filters)
-    except (ArithmeticError, ValueError) as error:
-        raise motion.error("envelope", f"cannot be fitted to {name}: {error}") from error
+    _filters(site)
 
 
-def check_energy(
-    motion: Section, record: xr.DataArray, ground: Ground, envelope: Envelope | None, duration: float
-) -> None:
+def _doubt_energy(motion: Section, record: xr.DataArray, ground: Ground, course: Course) -> None:
     """Warn if motions on a fitted ground have much less or more energy than its record."""
-    ratio = energy_ratio(record, ground, envelope, duration)
+    ratio = energy_ratio(record, ground, course.envelope, course.duration)
     if not _LIKE[0] <= ratio <= _LIKE[1]:
         motion.doubt(
             "envelope",
             f"and the duration give motions with {ratio:.2g} times the energy of the record that the "
             f'ground is fitted to; for equal energy write envelope = "{FITTED}", without a duration',
         )
+
+
+def _as_strong(ground: Any, before: Ground, after: Ground) -> Any:
+    """A sample of the ground with its intensity scaled by the ratio of ``after`` to ``before``."""
+    old, new = (float(known.arrays()["intensity"]) for known in (before, after))
+    return replace(ground, intensity=ground.intensity * (new / old))
 
 
 def read_envelope(motion: Section) -> Envelope | None:

@@ -137,7 +137,7 @@ def _unfit(scene: Scene) -> str:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DoubtfulInput)  # the warning was shown when the file was read
         try:
-            read_measures(whole, read_buildings(whole, building_keys(whole, "measures"), scene.ground()))
+            read_measures(whole, read_buildings(whole, building_keys(whole, "measures")))
         except ValueError as error:
             return str(error)
     return ""

@@ -42,13 +42,19 @@ def design_spectrum(site: Section, folder: Path) -> xr.DataArray:
         return _CODES.get(name, _of_file)(site, folder)
 
 
+def filters_of(site: Section) -> int | None:
+    """Number of filters of the ground, if it is given."""
+    return site.whole("filters", 1, highest=MOST_FILTERS) if "filters" in site else None
+
+
 def ground_of_design(
     site: Section, spectrum: xr.DataArray, duration: float, envelope: Envelope | None
 ) -> Ground:
     """The ground fitted to the spectrum of the site for the motion of the case."""
-    filters = site.whole("filters", 1, highest=MOST_FILTERS) if "filters" in site else None
     with site.naming(SPECTRUM):
-        ground: Ground = fit_ground(spectrum, duration=duration, envelope=envelope, filters=filters)
+        ground: Ground = fit_ground(
+            spectrum, duration=duration, envelope=envelope, filters=filters_of(site)
+        )
     return ground
 
 

@@ -50,24 +50,37 @@ def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
 def read_suite(
     site: Section, folder: Path, records: Suite, spectrum: xr.DataArray | None
 ) -> tuple[Suite, list[Path]]:
-    """The single records followed by those of the suite, and the paths of the suite."""
+    """The records of the suite as they are in its files, and the paths of the suite.
+
+    A ValueError is raised for a goal of `scaled_suite` that is not valid.
+    """
     if SUITE not in site:
-        return records, []
+        return {}, []
     section = site.section(SUITE)
     section.only("path", *_READING, "skip_unreadable", *_GOALS, "sa_period", "band")
     path = folder / section.text("path")
-    goal, skip = _goal(section, spectrum), section.truth("skip_unreadable")
+    _goal(section, spectrum)
+    skip = section.truth("skip_unreadable")
     with section.naming("path"):
         suite = read_records(path, **_reading(section), skip_unreadable=skip)
-        if goal:
-            suite = scale_records(suite, **goal)
     for name in suite:
         if name in records:
             raise section.error(
                 "path", f"has {brief(name)}, which site.records also has; give that another name"
             )
     files = [(path if path.is_dir() else path.parent) / name for name in suite]
-    return {**records, **suite}, [path, *files]
+    return suite, [path, *files]
+
+
+def scaled_suite(site: Section, suite: Suite, spectrum: xr.DataArray | None) -> Suite:
+    """The records of the suite, scaled to its goal if it has one."""
+    if SUITE not in site:
+        return suite
+    section = site.section(SUITE)
+    if goal := _goal(section, spectrum):
+        with section.naming("path"):
+            suite = scale_records(suite, **goal)
+    return suite
 
 
 def _goal(section: Section, spectrum: xr.DataArray | None) -> dict[str, Any]:

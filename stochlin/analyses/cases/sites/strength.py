@@ -47,7 +47,7 @@ class Goal(NamedTuple):
     asked: dict[str, Any]
 
 
-def read_goal(site: Section, folder: Path) -> Goal | None:
+def read_goal(site: Section, hazard: Hazard | None) -> Goal | None:
     """The wanted intensity by PGA, Sa or a return period; None if the site has none of these."""
     key = chosen_key(site, (INTENSITY, "pga", "sa", RETURN_PERIOD), {"sa_period": "sa"})
     if key == "pga":
@@ -57,7 +57,6 @@ def read_goal(site: Section, folder: Path) -> Goal | None:
     if key != RETURN_PERIOD:
         return None
     years = site.number(key, YEARS)
-    hazard = read_hazard_of(site, folder)
     if hazard is None:
         raise site.error(key, f"needs a hazard; {HAZARD_EXAMPLE}")
     with site.naming(key, "is not in the hazard"):
@@ -116,14 +115,13 @@ def doubtful_hazard(hazard: Hazard) -> str:
 
 def as_strong_as_asked(
     site: Section,
-    folder: Path,
+    goal: Goal | None,
     ground: Ground,
     spectrum: xr.DataArray | None,
     duration: float,
     envelope: Envelope | None,
 ) -> tuple[Ground, xr.DataArray | None]:
     """Ground and spectrum of the site, scaled to the wanted intensity if the site has one."""
-    goal = read_goal(site, folder)
     if goal is None:
         return ground, spectrum
     scaled: Ground
