@@ -17,25 +17,13 @@ GROUNDS = (
 )
 
 
-@pytest.mark.oracle
-@pytest.mark.parametrize(
-    ("function", "reference", "x"),
-    [
-        (elementary.exp, np.exp, np.linspace(-699, 300, 999)),
-        (elementary.log, np.log, np.geomspace(1e-300, 1e300, 999)),
-        (elementary.atanh, np.arctanh, np.linspace(-0.9999, 0.9999, 999)),
-        (elementary.erfcx, special.erfcx, np.concatenate([[0.0], np.geomspace(1e-6, 1e6, 999)])),
-    ],
-)
-def test_elementary_functions_are_those_of_scipy(function, reference, x):
-    found = [function(value) for value in x.tolist()]
-    assert found == pytest.approx(reference(x), rel=2e-15, abs=1e-16)
-
-
-@pytest.mark.oracle
-def test_hyperbolic_tangent_is_that_of_numpy():
-    x = np.linspace(-30, 30, 999)
-    assert [elementary.tanh(value) for value in x.tolist()] == pytest.approx(np.tanh(x), abs=4e-16)
+@pytest.mark.invariant
+def test_elementary_functions_raise_no_errors():
+    assert [elementary.exp(x) for x in (-1e9, 0.0, 709.5, np.nan)] == pytest.approx(
+        [0.0, 1.0, np.inf, np.nan], nan_ok=True
+    )
+    for function in (elementary.log, elementary.atanh):
+        assert np.isnan([function(x) for x in (-1.0, -2.0, np.inf, np.nan)]).all()
 
 
 @pytest.mark.oracle
@@ -82,12 +70,13 @@ def test_a_cell_has_the_same_bits_in_plain_python_and_in_any_table(clipped, osci
     rule = iteration.BOLD, 1e-10, 1e-12, 30
     found, iterations = np.empty((fixed_points.FOUND, count)), np.zeros(count, np.int32)
     ground[0, 77] = np.nan  # fails alone
-    fixed_points.settle_cells(clipped, oscillators, cells, ground, start, *rule, found, iterations)
+    kind = clipped, oscillators
+    fixed_points.settle_cells(cells, ground, start, *kind, *rule, found, iterations)
     assert found[-1].sum() == count - 1
     assert found[-1, 77] == 0
     for n in {*range(0, count, 10), 76, 78}:
         given = [rows[:, n].tolist() for rows in (cells, ground, start)]
-        alone, steps = fixed_points.settle(clipped, oscillators, *given, *rule)
+        alone, steps = fixed_points.settle(*kind, *given, *rule)
         assert steps == iterations[n]
         assert np.array_equal(alone, found[:, n])
 
@@ -109,12 +98,11 @@ def test_coefficients_of_a_table_are_those_of_its_moments():
 
 @pytest.mark.invariant
 @pytest.mark.parametrize("oscillators", [1, 2])
-def test_grounds_have_the_same_bits_in_plain_python(monkeypatch, oscillators):
+def test_grounds_have_the_same_bits_in_plain_python(oscillators):
     rows = np.random.default_rng(5).uniform(0.1, 2, (6 + 2 * oscillators, 20))
     found = np.empty((2, 9 + 6 * oscillators, 20))
-    for compile_it, into in zip((False, True), found, strict=True):
-        monkeypatch.setattr(grounds, "worth_compiling", lambda *_, so=compile_it: so)
-        grounds.solve(rows, into)
+    grounds.solve(rows, found[0])
+    grounds.solve.py_func(rows.tolist(), found[1])
     assert np.array_equal(*found)
 
 

@@ -34,7 +34,7 @@ from stochlin.analyses.tables.cellwise import (
 from stochlin.analyses.tables.work import check_table
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.tables import ROUNDING
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.messages import brief
@@ -292,15 +292,13 @@ def _shown(inputs: list[Cells], sides: list[Solved]) -> dict[str, Cells]:
     return {"rho": rho, **shown, "status": status}
 
 
+@by_slabs(float, np.int8)
 @np.errstate(invalid="ignore", divide="ignore")  # invalid cells become NaN by their status
-def _judged_eq_4(*inputs: Array) -> tuple[Array, ...]:
-    def piece(status_1: Array, status_2: Array, *pair: Array) -> tuple[Array, Array]:
-        rho, status = white_noise_correlation(*pair), np.maximum(status_1, status_2)
-        wrong = (status < labels.NOT_CONVERGED) & ~(np.abs(rho) <= 1 + ROUNDING)
-        status = np.where(wrong, labels.NOT_PHYSICAL, status)
-        return np.where(status < labels.NOT_CONVERGED, np.clip(rho, -1, 1), np.nan), status
-
-    return in_slabs(piece, *inputs, kinds=(float, np.int8))
+def _judged_eq_4(status_1: Array, status_2: Array, *pair: Array) -> tuple[Array, Array]:
+    rho, status = white_noise_correlation(*pair), np.maximum(status_1, status_2)
+    wrong = (status < labels.NOT_CONVERGED) & ~(np.abs(rho) <= 1 + ROUNDING)
+    status = np.where(wrong, labels.NOT_PHYSICAL, status)
+    return np.where(status < labels.NOT_CONVERGED, np.clip(rho, -1, 1), np.nan), status
 
 
 def rho_white_noise(
@@ -350,9 +348,7 @@ def rho_white_noise(
     )
 
 
+@by_slabs(float)
 @np.errstate(invalid="ignore", divide="ignore")  # invalid cells become NaN
-def _eq_4_where_valid(*inputs: Array) -> Array:
-    def piece(valid: Array, *pair: Array) -> Array:
-        return np.where(valid, white_noise_correlation(*pair), np.nan)
-
-    return in_slabs(piece, *inputs)[0]
+def _eq_4_where_valid(valid: Array, *pair: Array) -> Array:
+    return np.where(valid, white_noise_correlation(*pair), np.nan)

@@ -11,7 +11,7 @@ from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, valid_cells
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, YieldingPair, effective_rule
@@ -94,13 +94,11 @@ def rho_effective(
     )
 
 
-def _eq_4(*inputs: Array) -> tuple[Array, ...]:
-    def piece(valid: Array, *pair: Array) -> tuple[Array, Array]:
-        rho = white_noise_correlation(*pair)
-        status = np.where(np.isnan(rho), labels.NOT_PHYSICAL, labels.CONVERGED)
-        return rho, np.where(valid, status, labels.INVALID_INPUT)
-
-    return in_slabs(piece, *inputs, kinds=(float, np.int8))
+@by_slabs(float, np.int8)
+def _eq_4(valid: Array, *pair: Array) -> tuple[Array, Array]:
+    rho = white_noise_correlation(*pair)
+    status = np.where(np.isnan(rho), labels.NOT_PHYSICAL, labels.CONVERGED)
+    return rho, np.where(valid, status, labels.INVALID_INPUT)
 
 
 def effective_properties(values: Solved, rule: EffectiveRule, valid: Cells = True) -> dict[str, Cells]:
@@ -110,14 +108,12 @@ def effective_properties(values: Solved, rule: EffectiveRule, valid: Cells = Tru
     """
     properties: dict[str, Cells] = dict.fromkeys(EQ_4, np.nan)
 
-    def piece(good: Array, *own: Array) -> tuple[Array, Array]:
+    @by_slabs(float, float)
+    @np.errstate(all="ignore")  # invalid cells, and periods that overflow, are NaN
+    def effective(good: Array, *own: Array) -> tuple[Array, Array]:
         mu, alpha, period, xi = (np.where(good, value, np.nan) for value in own)
         longer = period * rule.period_ratio(mu, alpha)
         return np.where(np.isfinite(longer), longer, np.nan), rule.damping(mu, alpha, xi)
-
-    @np.errstate(all="ignore")  # invalid cells, and periods that overflow, are NaN
-    def effective(*inputs: Array) -> tuple[Array, ...]:
-        return in_slabs(piece, *inputs, kinds=(float, float))
 
     for n in (1, 2):
         columns = [values[f"{name}_{n}"] for name in ("ductility", "hardening", "period", "damping")]

@@ -10,7 +10,6 @@ of ``1 - rho``; the latter is larger where the map of simulations corrects ``1 -
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 
@@ -18,7 +17,7 @@ from stochlin.analyses.linearization.bias_map import caution_of_error, point_of
 from stochlin.analyses.linearization.drift_map import CORRECTED_GROUNDS, checked
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, is_lazy
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.differences import NONE_LEFT, differences
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.structures import Structure
@@ -64,7 +63,7 @@ def expected_rho_error(
             inside = checked(ground, place)
             region = cellwise(_region, inside, *place[3:], kinds=(np.int8,))
         arrays += [*region, structure.cells()["period"], np.isinf(side["yield_displacement"])]
-    (error,) = cellwise(_errors, *arrays, values=values)
+    (error,) = cellwise(_error, *arrays, values=values)
     return error
 
 
@@ -79,10 +78,7 @@ def _region(inside: Array, *soil: Array) -> Array:
     return np.where(inside, band, -1).astype(np.int8)
 
 
-def _errors(*arrays: Array, values: Array) -> Array:
-    return in_slabs(partial(_error, values=values), *arrays)[0]
-
-
+@by_slabs(float)
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def _error(
     region_1: Array, period_1: Array, elastic_1: Array, region_2: Array, period_2: Array,
@@ -185,11 +181,8 @@ def difference(table: Solved) -> dict[str, Cells]:
     return {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
 
 
-def _difference(*arrays: Array) -> Array:
-    return in_slabs(_difference_piece, *arrays)[0]
-
-
-def _difference_piece(std_1: Array, std_2: Array, rho: Array) -> Array:
+@by_slabs(float)
+def _difference(std_1: Array, std_2: Array, rho: Array) -> Array:
     return np.hypot(std_1 - std_2, np.sqrt(2 * _left(rho)) * np.sqrt(std_1) * np.sqrt(std_2))
 
 

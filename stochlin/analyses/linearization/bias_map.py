@@ -9,7 +9,7 @@ its parameters and is not extrapolated. ``make bias`` computes it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache, partial
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -19,7 +19,7 @@ import xarray as xr
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.interpolation import Grid, interpolate
-from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.tables import OFF
 from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
@@ -88,7 +88,7 @@ def _relative_bias(
         of_map = np.expm1(between_points(_grid(name), np.log(np.array(in_one_shape(*point)))))
     bias = np.where(np.isinf(yield_displacement), 0.0, of_map)
     bias = (1 + bias) * std / gaussian - 1 if other else np.where(np.isnan(std), np.nan, bias)
-    return bias, _caution(bias, OFF)
+    return bias, _caution(bias, most=OFF)
 
 
 def rho_bias_map(first: Structure, second: Structure, ground: Ground) -> Grid | None:
@@ -119,19 +119,16 @@ def _rho_grid(white_noise: bool) -> Grid:
 
 def caution_of(bias: Cells) -> Cells:
     """Flag (int8) of a bias: 0 up to `OFF`, 1 above, 2 unknown."""
-    return cellwise(_cautions, bias, kinds=(np.int8,), most=OFF)[0]
+    return cellwise(_caution, bias, kinds=(np.int8,), most=OFF)[0]
 
 
 def caution_of_error(error: Cells) -> Cells:
     """Flag (int8) of an expected error: 0 up to `EXPECTED`, 1 above, 2 unknown."""
-    return cellwise(_cautions, error, kinds=(np.int8,), most=EXPECTED)[0]
+    return cellwise(_caution, error, kinds=(np.int8,), most=EXPECTED)[0]
 
 
-def _cautions(off: Array, most: float) -> Array:
-    return in_slabs(partial(_caution, most=most), off, kinds=(np.int8,))[0]
-
-
-def _caution(off: Array, most: float) -> Array:
+@by_slabs(np.int8)
+def _caution(off: Array, *, most: float) -> Array:
     return np.asarray(np.int8(2) * np.isnan(off) + (np.abs(off) > most))
 
 

@@ -56,16 +56,14 @@ def lobatto(count: int) -> Nodes:
     return Nodes(0.5 * (1 + x), 0.5 * np.stack(terms, axis=1) @ series, series)
 
 
-def exponentials(matrices: Array, times: Array) -> Array:
-    """``exp(A t)`` (times, n, s, s) of matrices ``A`` (n, s, s), by scaling and squaring."""
-    scaled = matrices * times[:, None, None, None]
-    norm = np.abs(scaled).sum(axis=-1).max(initial=SMALL)
-    halvings = int(np.ceil(np.log2(norm / SMALL)))
-    scaled /= 2.0**halvings
-    identity = np.eye(matrices.shape[-1])
+def exponentials(matrices: Array) -> Array:
+    """Exponentials of matrices (..., s, s), each by scaling and squaring as its norm asks for."""
+    norm = np.abs(matrices).sum(axis=-1).max(axis=-1, initial=SMALL)[..., None, None]
+    halvings = np.where(np.isfinite(norm), np.ceil(np.log2(norm / SMALL)), 0.0)
+    scaled, identity = matrices / 2.0**halvings, np.eye(matrices.shape[-1])
     exponential = identity + scaled / TERMS
     for term in range(TERMS - 1, 0, -1):
         exponential = identity + scaled @ exponential / term
-    for _ in range(halvings):
-        exponential = exponential @ exponential
+    for halving in range(int(halvings.max(initial=0))):
+        exponential = np.where(halving < halvings, exponential @ exponential, exponential)
     return exponential

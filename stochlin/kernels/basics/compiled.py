@@ -10,13 +10,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 import numba as nb
 import numpy as np
 from numba.extending import overload, register_jitable
 
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.kept import Kept, warn_once
 
 UNCOMPILED = bool(nb.config.DISABLE_JIT)  # type: ignore[attr-defined]
@@ -51,6 +53,18 @@ def worth_compiling(function: Any, cells: int, few: int = FEW) -> bool:
     """
     _met[function] = _met.get(function, 0) + cells
     return not UNCOMPILED and (function.kinds > 0 or _met[function] > few)
+
+
+def call_for(function: Any, cells: int, rows: Sequence[Array], *others: Any) -> None:
+    """Call an `entry` for rows of so many cells; for few, the same in plain Python, with lists as rows.
+
+    Where plain Python raises an error, compiled code goes on with infinity or NaN.
+    """
+    if not (UNCOMPILED or worth_compiling(function, cells)):
+        with suppress(ArithmeticError, ValueError):
+            function.py_func(*(row.tolist() for row in rows), *others)
+            return
+    function(*rows, *others)
 
 
 def compiled_or_not(function: Any, cells: int, few: int) -> Any:

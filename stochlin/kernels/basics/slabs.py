@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial, wraps
 from typing import Any
 
 import numpy as np
@@ -34,6 +35,23 @@ def in_slabs(
         for result, output in zip(results, outputs if len(kinds) > 1 else (outputs,), strict=True):
             result[slab] = output
     return results
+
+
+def by_slabs(*kinds: npt.DTypeLike) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Decorator of a function of arrays that broadcast, which is then called slab by slab.
+
+    It returns an array for each of the ``kinds``, the array itself for one; its options are keywords.
+    """
+
+    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        @wraps(function)
+        def whole(*inputs: Array, **options: Any) -> Any:
+            results = in_slabs(partial(function, **options), *inputs, kinds=kinds)
+            return results if len(kinds) > 1 else results[0]
+
+        return whole
+
+    return decorate
 
 
 def _slabs(shape: tuple[int, ...], cells: int) -> Iterator[tuple[slice, ...]]:

@@ -16,11 +16,10 @@ from numpy.polynomial.laguerre import laggauss
 from scipy.special import erf
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.collocation import exponentials
 from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.basics.small_systems import solve_3x3
-from stochlin.kernels.linearization.cells.kicks import add_powers, follow, variance_by_order
 from stochlin.kernels.linearization.cells.slip import quadrants
-from stochlin.kernels.linearization.cells.tiles import in_tiles
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
@@ -35,7 +34,7 @@ ORDERS = 12  # orders of the Laguerre series; the rest counts as one more order
 NODES = 40  # nodes of the quadrature over amplitudes
 HALF_CYCLES = 40  # summed in eq. (3); even, so that with Bartlett's window (-1)^n has a zero sum
 MOTION = 1e6  # time over which the drift can grow from rest, in elastic periods
-CELLS = 4096  # cells computed together, on all cores
+CELLS = 512  # cells computed together, on all cores
 
 _EXCESS, _WEIGHT = laggauss(NODES)
 
@@ -64,10 +63,16 @@ def drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Dri
     sv, sz, r = latent
     slip = SlipQuadrant(*quadrants(sz, r))
     kick = 2 * sv * slip.first * cycles.time  # mean size over all half-cycles, also without yielding
+    orders = np.empty((ORDERS + 1, sz.size))
+
+    @np.errstate(all="ignore")
+    def part(cells: slice) -> None:
+        orders[:, cells] = kick[cells] ** 2 * _orders(sz[cells])
+        orders[:-1, cells] *= _sums_of_powers(cycles.memory[:, cells])
+
+    in_ranges(part, sz.size, CELLS)
     with np.errstate(all="ignore"):
-        orders = kick**2 * _orders(sz)
-        orders[:-1] *= _sums_of_powers(cycles.memory)
-        total: Array = sum(orders)  # row by row, so that rounding does not depend on the number of cells
+        total = _total(orders)
         intensity = total / cycles.time
         rate = _relaxation(system, latent, slip)
         grown = -np.expm1(-2 * rate * MOTION * 2 * np.pi / np.sqrt(system.stiffness))
@@ -93,16 +98,40 @@ def _orders(sz: Array) -> Array:
     The amplitudes ``a`` are Rayleigh distributed, so that ``a^2/(2 sz^2)`` is exponentially distributed.
     Its part above the threshold of yielding has the same exponential distribution.
     """
-    variances = np.empty((ORDERS + 1, sz.size))
-    in_tiles(variance_by_order, sz.size, sz, np.exp(0.5 / sz**2), _EXCESS, _WEIGHT, variances)
-    return variances
+    nodes, weights = _EXCESS[:, None], _WEIGHT[:, None]
+    energy = 0.5 / sz**2 + nodes
+    size = 2 * sz**2 * nodes / (sz * np.sqrt(2 * energy) + 1)  # sqrt(2 E) sz - 1, without cancellation
+    weighted = weights * size
+    mean, square = _total(weighted), _total(weighted * size)
+    before, polynomial = np.ones_like(energy), 1 - energy
+    variances = []
+    for order in range(1, ORDERS + 1):
+        variances.append((_total(weighted * polynomial) / mean) ** 2)
+        following = ((2 * order + 1 - energy) * polynomial - order * before) / (order + 1)
+        before, polynomial = polynomial, following
+    left = square / mean**2 * np.exp(0.5 / sz**2) - 1
+    return np.stack([*variances, np.maximum(left - sum(variances), 0.0)])
 
 
 def _sums_of_powers(memory: Array) -> Array:
-    """``S_j`` (ORDERS, n) of eq. (3)."""
-    sums = np.empty((ORDERS, memory.shape[1]))
-    in_tiles(add_powers, memory.shape[1], memory, sums)
-    return sums
+    """``S_j`` (ORDERS, n) of eq. (3).
+
+    A power of a correlation function is a correlation function, so that with Bartlett's window no sum is
+    negative.
+    """
+    cycles, square, sums = len(memory), memory**2, []
+    power = 2 * (1 - np.arange(1, cycles + 1)[:, None] / cycles) * memory
+    for _ in range(ORDERS):
+        power = power * square
+        sums.append(np.maximum(1 + _total(power), 0.0))
+    return np.stack(sums)
+
+
+def _total(rows: Array) -> Array:
+    """Sum of the rows, one after the other, so that rounding does not depend on the number of cells."""
+    # numpy adds a lone column in pairs, but several columns row by row.
+    total: Array = np.cumsum(rows)[-1:] if rows.shape[1] == 1 else rows.sum(axis=0)
+    return total
 
 
 def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
@@ -126,22 +155,22 @@ def _half_cycles(system: EquivalentSystem, ground: Filter) -> tuple[Array, Array
     the covariances of their states with ``z``.
     """
     w2, d, h, p, k = system
-    forcing, free = ground.free_motion(system)
+    (forcing, with_soil), soil = ground.forcing_and_z(system), ground.arrays
     own = own_covariance(system, forcing)
-    size = 3 + len(free.output)
-    a = np.zeros((size, size, w2.size))
-    a[0, 1], a[1, :3], a[2, :3] = 1, (-w2, -d, h), (k, p, -k)
-    for i, row in enumerate(free.matrix, start=3):
-        a[1, i] = free.output[i - 3]
-        for j, entry in enumerate(row, start=3):
-            a[i, j] = entry
-    with_z = [own.mu_z, own.v_z, own.mu_z - own.z_z, *free.with_z]
+    size = 3 + with_soil.shape[1]
+    a = np.zeros((w2.size, size, size))
+    a[:, 0, 1] = 1
+    a[:, 1, :3] = np.stack([-w2, -d, h], axis=-1)
+    a[:, 2, :3] = np.stack([k, p, -k], axis=-1)
+    a[:, 1, 3:], a[:, 3:, 3:] = soil.output, soil.matrix
+    with_z = np.column_stack([own.mu_z, own.v_z, own.mu_z - own.z_z, with_soil])
     # The variance of z' = (1 - p) v - k z follows with E[z z'] = 0.
     time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
-    fastest = np.sqrt(w2) + d + k + free.fastest
-    later = np.empty((HALF_CYCLES, w2.size))
-    free_motion = a.reshape(size * size, -1), time, fastest * time, np.stack(with_z)
-    in_tiles(follow, time.size, *free_motion, later)
+    states, later = with_z[..., None], np.empty((HALF_CYCLES, w2.size))
+    half_cycle = exponentials(a * time[:, None, None])
+    for row in later:
+        states = half_cycle @ states
+        row[:] = states[:, 0, 0] - states[:, 2, 0]
     return time, np.clip(later / own.z_z, -1, 1)
 
 

@@ -29,15 +29,6 @@ class Matrices(NamedTuple):
     output: Array  # (..., m) factors of the states in the forcing of the structures
 
 
-class FreeMotion(NamedTuple):
-    """Free motion of a filter after an instant, and its covariances with ``z`` at that instant."""
-
-    matrix: Sequence[Sequence[Entry]]  # (k, k): state matrix
-    output: Sequence[Entry]  # (k,): forcing of the structure as a function of the states
-    with_z: Sequence[Entry]  # (k,): covariances of the states with z of the structure
-    fastest: Entry  # bound of the magnitudes of the eigenvalues [1/s]
-
-
 @dataclass(frozen=True)
 class Filter:
     """A ground as a linear filter: ``q' = matrix q + noise n(t)``, ground acceleration ``output . q``.
@@ -142,13 +133,12 @@ class Filter:
         with_mu = self._correlations(system)[0]
         return lambda s: (output * _resolvent(s, matrix, with_mu)).sum(axis=-1)
 
-    def free_motion(self, system: EquivalentSystem) -> tuple[Forcing, FreeMotion]:
-        """Forcing of the structure, and the free motion of the filter after it."""
+    def forcing_and_z(self, system: EquivalentSystem) -> tuple[Forcing, Array]:
+        """Forcing of structures (n,), and covariances (n, m) of ``z`` with the states of the filter."""
         if not self.states:
-            return self.forcing(system), FreeMotion((), (), (), 0.0)
+            return self.forcing(system), np.empty((system.stiffness.size, 0))
         rows = self._correlations(system)
-        with_z = list(np.moveaxis(rows[0] - rows[2], -1, 0))
-        return self._forcing(rows), FreeMotion(self.matrix, self.output, with_z, self.fastest)
+        return self._forcing(rows), rows[0] - rows[2]
 
     def _correlations(self, system: EquivalentSystem, *, slopes: bool = False) -> Array:
         """Covariances ``C`` (3, ..., m) of ``mu``, ``mu'``, ``y`` with the states ``q`` of the filter.
@@ -269,16 +259,15 @@ class _OfOscillators(Filter):
 
     def _rows(self, system: EquivalentSystem) -> Array:
         """Results of `cells.grounds` (9 + 3 m, ...): forcing, its derivatives, and covariances."""
-        from stochlin.kernels.linearization.cells import grounds  # imports numba, which takes long
+        # These import numba, which takes long.
+        from stochlin.kernels.basics.compiled import call_for
+        from stochlin.kernels.linearization.cells import grounds
 
-        parts = *system, self.intensity, *self.oscillators
-        cells = np.broadcast(*parts).shape
-        rows = np.empty((len(parts), *cells))
-        for n, part in enumerate(parts):
-            rows[n] = part
-        results = np.empty((9 + 3 * len(self.states), *cells))
-        grounds.solve(rows.reshape(len(rows), -1), results.reshape(len(results), -1))
-        return results
+        parts = np.broadcast_arrays(*system, self.intensity, *self.oscillators)
+        rows = np.array([part.ravel() for part in parts])
+        results = np.empty((9 + 3 * len(self.states), rows.shape[1]))
+        call_for(grounds.solve, rows.shape[1], (rows,), results)
+        return results.reshape(len(results), *parts[0].shape)
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
         """Covariances of the forcing with the structure's states."""
@@ -328,17 +317,6 @@ class KanaiTajimiFilter(_OfOscillators):
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """As in `Filter`; the initial rate is ``d/dtau E[f mu] = -E[f mu']`` at ``tau = 0``."""
         return lambda s: FilterOscillator(*self.output).free(forcing.mu, -forcing.velocity, s)
-
-    def free_motion(self, system: EquivalentSystem) -> tuple[Forcing, FreeMotion]:
-        """As in `Filter`, with the forcing and its rate as states.
-
-        Covariances with the rate follow from ``d/dtau E[f x] = -E[f x']``, by stationarity.
-        """
-        forcing, (_, _, _, p, k) = self.forcing(system), system
-        f_mu, f_v, f_y = forcing
-        with_z = f_mu - f_y, k * f_mu + p * f_v - k * f_y - f_v
-        bound = self.frequency * (1 + 2 * self.damping)
-        return forcing, FreeMotion(self.matrix, (1.0, 0.0), with_z, bound)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,14 +11,9 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import worth_compiling
+from stochlin.kernels.basics.compiled import call_for
 from stochlin.kernels.basics.parallel import in_ranges
-from stochlin.kernels.linearization.cells.fixed_points import (
-    FOUND,
-    OF_GROUND,
-    settle,
-    settle_cells,
-)
+from stochlin.kernels.linearization.cells.fixed_points import FOUND, OF_GROUND, settle_cells
 from stochlin.kernels.linearization.cells.steps import StepControl, advance_cells
 from stochlin.kernels.linearization.covariance import EquivalentSystem
 from stochlin.kernels.linearization.filters import Filter
@@ -76,17 +71,7 @@ class SingleStructures(NamedTuple):
         results, iterations = np.empty((FOUND, n)), np.zeros(n, np.int32)
         kind = CLIPPED[self.closure], len(soil) // 2
         rule = pace, float(self.rtol), float(self.atol), most
-        if worth_compiling(settle_cells, n):
-            settle_cells(*kind, cells, ground, unknowns.copy(), *rule, results, iterations)
-        else:
-            for at in range(n):
-                column = slice(at, at + 1)
-                entries = [rows[:, at].tolist() for rows in (cells, ground, unknowns)]
-                try:
-                    results[:, at], iterations[at] = settle(*kind, *entries, *rule)
-                except (ArithmeticError, ValueError):  # compiled code goes on with infinity or NaN
-                    arrays = (rows[:, column].copy() for rows in (cells, ground, unknowns))
-                    settle_cells(*kind, *arrays, *rule, results[:, column], iterations[column])
+        call_for(settle_cells, n, (cells, ground, unknowns), *kind, *rule, results, iterations)
         return FixedPoint(results[2:5], results[:2], iterations, results[5], results[6] > 0)
 
     def advance(self, state: State, pace: StepControl) -> State:

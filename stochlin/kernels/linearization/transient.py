@@ -187,15 +187,15 @@ class ChainEquations:
         a, f = self.matrix.copy(), self.filters
         _diagonal(a[:, y, d])[...], _diagonal(a[:, y, y])[...] = relaxation, -relaxation
         _diagonal(a[:, y, v])[...] = slip * w[:, None]
-        times = length * self.nodes.at
-        back, soil = exponentials(-a, times), exponentials(f.matrix, times)
+        times = length * self.nodes.at[:, None, None, None]
+        back, soil = exponentials(-a * times), exponentials(f.matrix * times)
         return PanelMatrices(
             length,
             held,
-            exponentials(a, times),
+            exponentials(a * times),
             np.ascontiguousarray(back[..., y]),
             back[..., v.start] * self.push[:, None],  # the ground accelerates the first storey
-            (exponentials(-f.matrix, times) @ self.ground_push[..., None])[..., 0],
+            (exponentials(-f.matrix * times) @ self.ground_push[..., None])[..., 0],
             (soil.swapaxes(-1, -2) @ f.output[..., None])[..., 0],
             soil[-1],
         )

@@ -12,7 +12,7 @@ import numpy as np
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, SHARES, system_and_forcing
 from stochlin.analyses.tables.cellwise import Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.linearization.covariance import own_covariance, pair_covariance
 from stochlin.kernels.linearization.drift import drift_correlation, innovation_coherence
 
@@ -21,16 +21,13 @@ OF_A_SIDE = ("drift_std", "drift_rate", *INTERNAL, *SHARES)
 
 def derived_correlation(first: Solved, second: Solved) -> Any:
     """``rho`` of two structures that were solved with the drift closure."""
-    (rho,) = cellwise(_correlation, *(side[name] for side in (first, second) for name in OF_A_SIDE))
+    (rho,) = cellwise(rho_of_drifts, *(side[name] for side in (first, second) for name in OF_A_SIDE))
     return rho
 
 
+@by_slabs(float)
 @np.errstate(all="ignore")  # cells with extreme parameters become NaN, with a status
-def _correlation(*inputs: Array) -> Array:
-    return in_slabs(pieces_of_rho, *inputs)[0]
-
-
-def pieces_of_rho(*parts: Array) -> Array:
+def rho_of_drifts(*parts: Array) -> Array:
     """``rho`` of pairs; ``parts`` are the arrays `OF_A_SIDE` of the first, then of the second."""
     half, end = len(parts) // 2, len(INTERNAL)
     (slow_1, rate_1, *own_1), (slow_2, rate_2, *own_2) = parts[:half], parts[half:]

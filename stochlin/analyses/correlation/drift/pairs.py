@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stochlin.analyses.correlation.drift.derived import OF_A_SIDE, pieces_of_rho
+from stochlin.analyses.correlation.drift.derived import OF_A_SIDE, rho_of_drifts
 from stochlin.analyses.correlation.drift.signatures import insight_of, insights
 from stochlin.analyses.correlation.errors import (
     DIFFERENCE,
@@ -23,7 +23,7 @@ from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.nearness import with_nearness
 from stochlin.kernels.correlation.signatures import informed_correlation
 from stochlin.models.grounds import Ground
@@ -63,11 +63,8 @@ def drifting_pairs(
 JUDGED = (float, np.int8, float, float, float)
 
 
-def _judged_rho(*inputs: Array) -> tuple[Array, ...]:
-    return in_slabs(_judged_piece, *inputs, kinds=JUDGED)
-
-
-def _judged_piece(
+@by_slabs(*JUDGED)
+def _judged_rho(
     raw: Array, status_1: Array, status_2: Array, truth: Array, expected: Array
 ) -> tuple[Array, ...]:
     """``rho``, status, bias, expected error, and the bias or else the error, for the caution."""
@@ -78,11 +75,8 @@ def _judged_piece(
     return rho, status, bias, error, np.where(np.isnan(bias), error, bias)
 
 
-def _difference_error(*arrays: Array) -> tuple[Array, ...]:
-    return in_slabs(_difference_piece, *arrays, kinds=(float, float))
-
-
-def _difference_piece(*arrays: Array) -> tuple[Array, Array]:
+@by_slabs(float, float)
+def _difference_error(*arrays: Array) -> tuple[Array, Array]:
     """`relative_error` of pairs; NaN where ``rho_error``, the last array, is NaN, and 0 if elastic."""
     *of_pair, rho_error = arrays
     error, bias = relative_error(*of_pair)
@@ -114,20 +108,18 @@ def _rho_and_doubt(
     return cellwise(_cells, *arrays, kinds=(float,) * 3)
 
 
+@by_slabs(float, float, float)
 @np.errstate(all="ignore")  # cells with extreme parameters become NaN, with a status
 def _cells(*inputs: Array) -> tuple[Array, ...]:
-    def piece(*parts: Array) -> tuple[Array, ...]:
-        half, own = len(parts) // 2, len(OF_A_SIDE)
-        of_first, of_second = parts[:half], parts[half:]
-        derived = pieces_of_rho(*of_first[:own], *of_second[:own])
-        if half == own:
-            return derived, doubt_of(derived), 0 * derived
-        (seen_1, like_1), (seen_2, like_2) = insight_of(of_first[own:]), insight_of(of_second[own:])
-        informed, unseen = derived, np.ones_like(derived)
-        if seen_1 is not None and seen_2 is not None:
-            informed, unseen = informed_correlation(derived, seen_1, seen_2), seen_1.left * seen_2.left
-        rho, share, apart = with_nearness(informed, like_1, like_2, unseen)
-        mean = (like_1.place + like_2.place)[1:] / 2
-        return rho, doubt_of(rho, corrected(derived, informed), share, apart, *mean), share
-
-    return in_slabs(piece, *inputs, kinds=(float,) * 3)
+    half, own = len(inputs) // 2, len(OF_A_SIDE)
+    of_first, of_second = inputs[:half], inputs[half:]
+    derived = rho_of_drifts(*of_first[:own], *of_second[:own])
+    if half == own:
+        return derived, doubt_of(derived), 0 * derived
+    (seen_1, like_1), (seen_2, like_2) = insight_of(of_first[own:]), insight_of(of_second[own:])
+    informed, unseen = derived, np.ones_like(derived)
+    if seen_1 is not None and seen_2 is not None:
+        informed, unseen = informed_correlation(derived, seen_1, seen_2), seen_1.left * seen_2.left
+    rho, share, apart = with_nearness(informed, like_1, like_2, unseen)
+    mean = (like_1.place + like_2.place)[1:] / 2
+    return rho, doubt_of(rho, corrected(derived, informed), share, apart, *mean), share

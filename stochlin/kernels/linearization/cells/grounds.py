@@ -9,16 +9,10 @@ oscillator.
 """
 
 import math
-from itertools import chain
 
-import numpy as np
+from stochlin.kernels.basics.compiled import called_often, entry
 
-from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, entry, worth_compiling
-from stochlin.kernels.linearization.cells.tiles import LANES, fill, load, read3, store, write3
-
-SYSTEM = 5  # rows of the coefficients of an equivalent system
-FORCINGS = 9  # rows of a forcing, and of its derivatives by slip and by relaxation
+OF_KANAI_TAJIMI = 8  # rows of an equivalent system and of a ground of one oscillator
 NOTHING = 0.0, 0.0  # a pair of zeros
 
 
@@ -177,82 +171,30 @@ def forcing_of(oscillators, system, ground):
     return forcing, by_slip, by_relaxation
 
 
-@called_often
-def _system(tile, lane):
-    """The coefficients of the equivalent system of a lane."""
-    return *read3(tile, 0, lane), tile[3 * LANES + lane], tile[4 * LANES + lane]
-
-
-@called_often
-def _write_rows(tile, row, lane, rows, wide):
-    """Write covariances with one oscillator, of ``wide`` states in the filter, into a tile."""
-    (mu, mu_rate), (v, v_rate), (y, y_rate) = rows
-    tile[row * LANES + lane] = mu
-    tile[(row + 1) * LANES + lane] = mu_rate
-    tile[(row + wide) * LANES + lane] = v
-    tile[(row + wide + 1) * LANES + lane] = v_rate
-    tile[(row + 2 * wide) * LANES + lane] = y
-    tile[(row + 2 * wide + 1) * LANES + lane] = y_rate
-
-
-def solve(rows: Array, out: Array) -> None:
-    """As `kanai_tajimi` for 8 rows or `clough_penzien` for 10; a few cells in plain Python."""
-    in_code, one_cell = (
-        (kanai_tajimi, _kanai_tajimi) if len(rows) == 8 else (clough_penzien, _clough_penzien)
-    )
-    if worth_compiling(in_code, rows.shape[1]):
-        in_code(rows, out)
-        return
-    try:
-        for cell, column in enumerate(rows.T.tolist()):
-            made = one_cell(column[:SYSTEM], column[SYSTEM:])
-            of_states = chain(*zip(*made[3:], strict=True))  # of mu, of mu', of y with each oscillator
-            out[:, cell] = [*chain(*made[:3]), *chain(*of_states)]
-    except (ArithmeticError, ValueError):  # compiled code goes on with infinity or NaN
-        in_code(rows, out)
-
-
 @entry
-def kanai_tajimi(rows, out):
-    """Write forcings and covariances of cells on Kanai-Tajimi grounds to ``out`` (FORCINGS + 6, n).
+def solve(rows, out):
+    """Write forcings, their derivatives and covariances of cells to ``out`` (9 + 3 m, n).
 
-    ``rows`` (8, n) are the equivalent system, ``S0``, ``wg^2`` and ``2 xig wg``. After the forcings and
-    their derivatives ``out`` has the covariances of ``mu``, ``mu'`` and ``y`` with the filter's
-    states.
+    ``rows`` (8, n) are the equivalent system, ``S0``, ``wg^2`` and ``2 xig wg`` of Kanai-Tajimi grounds;
+    (10, n) those with ``wf^2`` and ``2 xif wf`` of the high-pass oscillator of Clough-Penzien grounds.
+    The covariances are those of ``mu``, then ``mu'`` and ``y``, with the ``m`` states of the filter.
     """
-    tile, made = np.empty(rows.shape[0] * LANES), np.empty(out.shape[0] * LANES)
-    fill(tile, 1.0)
-    for start in range(0, rows.shape[1], LANES):
-        load(rows, start, tile, 0)
-        for lane in range(LANES):
-            ground = read3(tile, SYSTEM, lane)
-            forcing, by_slip, by_relaxation, of_soil = _kanai_tajimi(_system(tile, lane), ground)
-            write3(made, 0, lane, forcing)
-            write3(made, 3, lane, by_slip)
-            write3(made, 6, lane, by_relaxation)
-            _write_rows(made, FORCINGS, lane, of_soil, 2)
-        store(made, 0, out, start)
+    for n in range(out.shape[1]):
+        system = rows[0][n], rows[1][n], rows[2][n], rows[3][n], rows[4][n]
+        if len(rows) == OF_KANAI_TAJIMI:
+            of_one = _kanai_tajimi(system, (rows[5][n], rows[6][n], rows[7][n]))
+            forcing, by_slip, by_relaxation, (mu, v, y) = of_one
+            _write(out, n, (*forcing, *by_slip, *by_relaxation, *mu, *v, *y))
+        else:
+            ground = rows[5][n], rows[6][n], rows[7][n], rows[8][n], rows[9][n]
+            of_both = _clough_penzien(system, ground)
+            forcing, by_slip, by_relaxation, (mu, v, y), (layer_mu, layer_v, layer_y) = of_both
+            covariances = *mu, *layer_mu, *v, *layer_v, *y, *layer_y
+            _write(out, n, (*forcing, *by_slip, *by_relaxation, *covariances))
 
 
-@entry
-def clough_penzien(rows, out):
-    """As `kanai_tajimi` for Clough-Penzien grounds, with ``out`` (FORCINGS + 12, n).
-
-    ``rows`` (10, n) also has ``wf^2`` and ``2 xif wf`` of the high-pass oscillator.
-    """
-    tile, made = np.empty(rows.shape[0] * LANES), np.empty(out.shape[0] * LANES)
-    fill(tile, 1.0)
-    for start in range(0, rows.shape[1], LANES):
-        load(rows, start, tile, 0)
-        for lane in range(LANES):
-            ground = (
-                *read3(tile, SYSTEM, lane), tile[8 * LANES + lane], tile[9 * LANES + lane]
-            )  # fmt: skip
-            found_here = _clough_penzien(_system(tile, lane), ground)
-            forcing, by_slip, by_relaxation, of_soil, of_layer = found_here
-            write3(made, 0, lane, forcing)
-            write3(made, 3, lane, by_slip)
-            write3(made, 6, lane, by_relaxation)
-            _write_rows(made, FORCINGS, lane, of_soil, 4)
-            _write_rows(made, FORCINGS + 2, lane, of_layer, 4)
-        store(made, 0, out, start)
+@called_often
+def _write(out, n, numbers):
+    """Write the numbers of a cell to its column."""
+    for row in range(len(numbers)):
+        out[row, n] = numbers[row]

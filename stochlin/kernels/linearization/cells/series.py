@@ -1,7 +1,6 @@
 """A function of one variable by Chebyshev series, with one series for each unit of its range."""
 
 from stochlin.kernels.basics.compiled import entry
-from stochlin.kernels.linearization.cells.tiles import LANES
 
 
 @entry
@@ -12,12 +11,11 @@ def evaluate(x, begin, table, out):
     Outside the range the value at its nearer end is taken.
     """
     terms, panels = table.shape
-    for start in range(0, x.size, LANES):
-        for lane in range(start, min(start + LANES, x.size)):
-            at = min(max(x[lane] - begin, 0.0), float(panels))
-            panel = min(int(at), panels - 1)
-            u = 4 * (at - panel) - 2
-            b_1, b_2 = 0.0, 0.0
-            for n in range(terms - 1, 0, -1):
-                b_1, b_2 = table[n, panel] + u * b_1 - b_2, b_1
-            out[lane] = table[0, panel] + 0.5 * u * b_1 - b_2
+    for n in range(x.size):
+        at = min(max(x[n] - begin, 0.0), float(panels))
+        panel = min(int(at), panels - 1)
+        u = 4 * (at - panel) - 2
+        b_1, b_2 = 0.0, 0.0
+        for term in range(terms - 1, 0, -1):
+            b_1, b_2 = table[term, panel] + u * b_1 - b_2, b_1
+        out[n] = table[0, panel] + 0.5 * u * b_1 - b_2

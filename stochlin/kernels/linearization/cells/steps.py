@@ -5,14 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from stochlin.kernels.basics.compiled import called_often, compiled, entry
+from stochlin.kernels.basics.compiled import called_often, entry
 from stochlin.kernels.basics.small_systems import solve_3x3
-from stochlin.kernels.linearization.cells.elementary import atanh, exp, log, tanh
-from stochlin.kernels.linearization.cells.grounds import FORCINGS
-from stochlin.kernels.linearization.cells.slip import CLOSED, COEFFICIENTS, MOMENTS, read_values
-from stochlin.kernels.linearization.cells.tiles import LANES, fill, load, read3, store, write3
+from stochlin.kernels.linearization.cells.elementary import atanh, exp, log
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
@@ -22,15 +17,7 @@ from stochlin.kernels.linearization.covariance import (
     stable,
 )
 
-# Rows of the state of the iteration: last valid iterate (3), norm of its mismatch, step from it (3),
-# pseudo-time step, and 1 once it has converged.
-STATE = 9
-BASE, NORM, STEP, DELTA, DONE = 0, 3, 4, 7, 8
-# First rows in a tile, after those of a closure: forcing, state, and the cell itself.
-FORCED, STATED = CLOSED, CLOSED + FORCINGS
-CELL = STATED + STATE
-OF_CELL = 4  # stiffness, damping, coupling; logarithm of the ratio of the shaking to the full one
-STEPPED = CELL + OF_CELL
+STATE = 9  # numbers of the state of a cell
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 LEAST_DELTA = 0.05  # smallest pseudo-time step
 LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
@@ -50,7 +37,7 @@ class StepControl(NamedTuple):
 def moments_of(state):
     """Latent moments ``sv, sz, r`` at the unknowns of a state."""
     base, _, step, _, _ = state
-    return exp(base[0] + step[0]), exp(base[1] + step[1]), tanh(base[2] + step[2])
+    return exp(base[0] + step[0]), exp(base[1] + step[1]), math.tanh(base[2] + step[2])
 
 
 @called_often
@@ -215,56 +202,31 @@ for _ in (characteristic, hurwitz, stable, own_covariance, solve_3x3, slope_of_u
     called_often(_)
 
 
-@called_often
-def read_state(tile, lane):
-    """The state of a lane, as `advance` takes it."""
-    return (
-        read3(tile, STATED + BASE, lane),
-        tile[(STATED + NORM) * LANES + lane],
-        read3(tile, STATED + STEP, lane),
-        tile[(STATED + DELTA) * LANES + lane],
-        tile[(STATED + DONE) * LANES + lane],
-    )
-
-
-@called_often
-def write_state(tile, lane, state):
-    """Write the state of a lane."""
-    base, norm, step, delta, done = state
-    write3(tile, STATED + BASE, lane, base)
-    tile[(STATED + NORM) * LANES + lane] = norm
-    write3(tile, STATED + STEP, lane, step)
-    tile[(STATED + DELTA) * LANES + lane] = delta
-    tile[(STATED + DONE) * LANES + lane] = done
-
-
-@compiled
-def advance_lanes(tile, pace, rtol, atol):
-    """`advance` for all lanes of a tile."""
-    for lane in range(LANES):
-        cell = *read3(tile, CELL, lane), tile[(CELL + 3) * LANES + lane]
-        forcings = (
-            read3(tile, FORCED, lane), read3(tile, FORCED + 3, lane), read3(tile, FORCED + 6, lane)
-        )  # fmt: skip
-        value, state = read_values(tile, lane), read_state(tile, lane)
-        moments = read3(tile, MOMENTS, lane)
-        write_state(tile, lane, advance(cell, moments, value, forcings, state, pace, rtol, atol))
-
-
 @entry
 def advance_cells(cells, latent, values, forcings, state, pace, rtol, atol):
     """Update the ``state`` (STATE, n) of cells whose closure or ground is not compiled.
 
-    ``cells`` (OF_CELL, n) and ``latent`` (3, n) are as in `advance`, ``values`` (20, n) are those of
-    `ClosureValue`, and ``forcings`` (FORCINGS, n) the forcing with its derivatives.
+    ``cells`` (4, n) and ``latent`` (3, n) are as in `advance`, ``values`` (20, n) are those of
+    `ClosureValue`, and ``forcings`` (9, n) the forcing with its derivatives. The rows of a state are the
+    last valid iterate (3), the norm of its mismatch, the step from it (3), the pseudo-time step, and 1
+    once it has converged.
     """
-    tile = np.empty(STEPPED * LANES)
-    fill(tile, 1.0)
-    for start in range(0, state.shape[1], LANES):
-        load(latent, start, tile, MOMENTS)
-        load(values, start, tile, COEFFICIENTS)
-        load(forcings, start, tile, FORCED)
-        load(state, start, tile, STATED)
-        load(cells, start, tile, CELL)
-        advance_lanes(tile, pace, rtol, atol)
-        store(tile, STATED, state, start)
+    for n in range(state.shape[1]):
+        before = _triple(state, 0, n), state[3, n], _triple(state, 4, n), state[7, n], state[8, n]
+        value = (
+            (values[0, n], values[1, n]), _triple(values, 2, n), _triple(values, 5, n),
+            _triple(values, 8, n),
+            (_triple(values, 11, n), _triple(values, 14, n), _triple(values, 17, n)),
+        )  # fmt: skip
+        forcing = _triple(forcings, 0, n), _triple(forcings, 3, n), _triple(forcings, 6, n)
+        cell, moments = (*_triple(cells, 0, n), cells[3, n]), _triple(latent, 0, n)
+        base, norm, step, delta, done = advance(cell, moments, value, forcing, before, pace, rtol, atol)
+        numbers = *base, norm, *step, delta, done
+        for row in range(STATE):
+            state[row, n] = numbers[row]
+
+
+@called_often
+def _triple(rows, first, n):
+    """The numbers of a cell in three rows."""
+    return rows[first, n], rows[first + 1, n], rows[first + 2, n]
