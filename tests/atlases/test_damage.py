@@ -24,7 +24,7 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.analyses.atlases import store as atlas_store
-from stochlin.analyses.atlases.checksums import CHECKS, CHECKSUM, CHECKSUMS, DamagedError
+from stochlin.analyses.atlases.checksums import BLOCKS, CHECKS, FIXED, DamagedError
 from stochlin.views.command import main
 
 pytestmark = pytest.mark.invariant
@@ -44,7 +44,6 @@ SPEC = {
     },
 }
 OTHER = {**SPEC, "parameters": {**SPEC["parameters"], "damping": 0.04}}
-BLOCKS = 8
 TABLES, SIDES = ("rho", "status", "bias", "caution"), ("ductility_std_1", "bias_1", "bias_2")
 FIRST, LAST = "c/0/0/0/0", "c/1/0/1/1"  # the last is cut by the end of an axis
 SHARE = st.floats(0, 1, exclude_max=True)
@@ -116,7 +115,8 @@ def in_place_of(file):
     file.mkdir()
 
 
-BLOCK = [f"{name}/{FIRST}" for name in TABLES] + ["ductility_std_1/c/0/0/0", f"{CHECKS}/{FIRST}/0/0"]
+OF_FIRST = f"{CHECKS}/0.0.0.0"
+BLOCK = [f"{name}/{FIRST}" for name in TABLES] + ["ductility_std_1/c/0/0/0", OF_FIRST]
 # What is done to it, what the message says, and how many blocks are then computed.
 DAMAGE = {
     **{
@@ -129,7 +129,7 @@ DAMAGE = {
     },
     "no axis": (lambda p, k: (p / "period_1/c/0").unlink(), "c/0 of period_1", 0),
     "no checks of a block": (
-        lambda p, k: (p / CHECKS / FIRST / "0/0").unlink(),
+        lambda p, k: (p / OF_FIRST).unlink(),
         "not finished, 1 of 8",
         1,
     ),
@@ -138,11 +138,11 @@ DAMAGE = {
     "bit in rho": (lambda p, k: flip(p / "rho" / LAST), f"{LAST} of rho.*checksum", 1),
     "bit in status": (lambda p, k: flip(p / "status" / FIRST, 0.99), f"{FIRST} of status.*checksum", 1),
     "bit in an axis": (lambda p, k: flip(p / "period_2/c/0"), "c/0 of period_2.*checksum", 0),
-    "bit in the checks": (lambda p, k: flip(p / CHECKS / FIRST / "0/0"), f"{FIRST}/0/0 of {CHECKS}", 1),
+    "bit in the checks": (lambda p, k: flip(p / OF_FIRST), f"{OF_FIRST} is damaged", 1),
     "bit in metadata": (lambda p, k: flip(p / "bias/zarr.json"), "bias/zarr.json.*checksum", 0),
     "cut chunk": (lambda p, k: cut(p / "bias" / LAST, 30), f"{LAST} of bias.*30 of", 1),
     "empty chunk": (lambda p, k: cut(p / "caution" / FIRST, 0), f"{FIRST} of caution.*0 of", 1),
-    "cut checks": (lambda p, k: cut(p / CHECKS / FIRST / "0/0", 40), f"of {CHECKS}.*40 bytes", 1),
+    "cut checks": (lambda p, k: cut(p / OF_FIRST, 40), f"{OF_FIRST} is damaged: its checksum", 1),
     "longer chunk": (lambda p, k: longer(p / "rho" / LAST), f"{LAST} of rho.*it has", 1),
     "arrays swapped": (lambda p, k: swap(p / "status" / LAST, p / "caution" / LAST), f"{LAST} of", 1),
     "places swapped": (
@@ -151,8 +151,10 @@ DAMAGE = {
         2,
     ),
     "chunk of another": (lambda p, k: other(p, k, f"rho/{FIRST}"), f"{FIRST} of rho", 1),
-    "block of another": (lambda p, k: other(p, k, *BLOCK), f"{FIRST}/0/0 of {CHECKS}.*checksum", 1),
+    "block of another": (lambda p, k: other(p, k, *BLOCK), f"{OF_FIRST} is damaged: its checksum", 1),
     "group of another": (lambda p, k: other(p, k, "zarr.json"), "is damaged", None),
+    "bit in the fixed checks": (lambda p, k: flip(p / FIXED), f"{FIXED} is damaged: its checksum", 0),
+    "no fixed checks": (lambda p, k: (p / FIXED).unlink(), f"{FIXED} is damaged: it is missing", 0),
     "no group": (lambda p, k: (p / "zarr.json").unlink(), "zarr.json.*no Zarr group", 0),
     "cut group": (lambda p, k: cut(p / "zarr.json", 300), "zarr.json is damaged: it is no JSON", 0),
     "bytes in group": (lambda p, k: (p / "zarr.json").write_bytes(b"\xff\xfe\0"), "it is no JSON", 0),
@@ -161,12 +163,12 @@ DAMAGE = {
     "no metadata": (lambda p, k: (p / "caution/zarr.json").unlink(), "caution/zarr.json.*missing", 0),
     "another specification": (
         lambda p, k: edit(p / "zarr.json", lambda m: m["attributes"].update(specification="{}")),
-        "zarr.json is damaged: its checksum",
+        "zarr.json is damaged",
         0,
     ),
     "another version": (
         lambda p, k: edit(p / "zarr.json", lambda m: m["attributes"].update(code="1")),
-        "zarr.json is damaged: its checksum",
+        "zarr.json is damaged",
         0,
     ),
     "another type": (
@@ -185,7 +187,7 @@ DAMAGE = {
             "zarr.json is damaged",
             0,
         )
-        for name in ("specification", "code", CHECKSUM, CHECKSUMS)
+        for name in ("specification", "code", BLOCKS)
     },
     "folder for a chunk": (
         lambda p, k: in_place_of(p / "rho" / FIRST),
@@ -204,7 +206,7 @@ DAMAGE = {
 LONG = {
     *("no array", "no bias", "no status", "no bias_1", "no bias_2", "bit in status", "bytes in group"),
     *("another version", "another shape", "cut array", "cut chunk", "no axis", "list in group"),
-    *(f"no {name} in group" for name in ("code", CHECKSUM, CHECKSUMS)),
+    *(f"no {name} in group" for name in ("code", BLOCKS)),
 }
 
 
@@ -292,8 +294,8 @@ def test_whoever_does_not_know_the_checks_sees_the_worst(path):
         plain.bias.load()
 
 
-def before_checksums(path, atlas):
-    """The atlas as it was written before there were checksums."""
+def of_earlier_version(path, atlas, marks):
+    """The atlas as earlier versions wrote it, with the array that marked the written blocks."""
     code = {"code": "0.9+before", "specification": atlas.attrs["specification"]}
     group = zarr.open_group(str(path), mode="w", attributes=atlas.attrs | code)
     for name, variable in atlas.variables.items():
@@ -303,13 +305,21 @@ def before_checksums(path, atlas):
         array = group.create_array(str(name), chunks=chunks, fill_value=fill, **kind)
         array[...] = variable.values
         array.attrs.update({k: np.asarray(v).tolist() for k, v in variable.attrs.items()})
-    group.create_array("block_done", shape=(1,), dtype="i1", dimension_names=["block"])[...] = 1
+    group.create_array(marks, **EARLIER[marks])[...] = 1
+    return group[marks]
 
 
-def test_an_atlas_without_checksums_is_read_and_says_so(kept, tmp_path):
+EARLIER = {
+    "block_done": {"shape": (1,), "dtype": "i1", "dimension_names": ["block"]},
+    "block_checks": {"shape": (1, 9, 2), "dtype": "i8", "dimension_names": ["block", "file", "check"]},
+}
+
+
+@pytest.mark.parametrize("marks", EARLIER)
+def test_an_atlas_of_an_earlier_version_is_read_and_says_so(marks, kept, tmp_path):
     path = tmp_path / "a.zarr"
-    before_checksums(path, kept[1])
-    with pytest.warns(UserWarning, match=r"a\.zarr was written before atlases had checksums"):
+    written = of_earlier_version(path, kept[1], marks)
+    with pytest.warns(UserWarning, match=r"a\.zarr was written by an earlier version"):
         atlas = sl.open_atlas(path)
     xr.testing.assert_equal(atlas.load(), kept[1])
     xr.testing.assert_equal(sl.lookup(atlas, **CASE), sl.lookup(kept[1], **CASE))
@@ -319,11 +329,14 @@ def test_an_atlas_without_checksums_is_read_and_says_so(kept, tmp_path):
         warnings.simplefilter("default")
         done = CliRunner().invoke(main, ["lookup", str(path), *OPTIONS])
         assert done.exit_code == 0
-        assert done.output.startswith(f"Warning: {path} was written before")
+        assert done.output.startswith(f"Warning: {path} was written by an earlier")
         shutil.rmtree(path / "rho/c/0/0")
         done = CliRunner().invoke(main, ["lookup", str(path), *OPTIONS])
     assert done.exit_code == 2
     assert "rho is missing where status says that it was found" in done.output
+    written[...] = {"block_done": 0, "block_checks": -1}[marks]
+    with pytest.raises(ValueError, match="not finished, 1 of 1 blocks"):
+        sl.open_atlas(path)
 
 
 def test_one_writer_at_a_time(path, kept, tmp_path):

@@ -16,14 +16,14 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.atlases import store as atlas_store
-from stochlin.analyses.atlases.checksums import CHECKSUM, CHECKSUMS, Checks, Number
+from stochlin.analyses.atlases.checksums import BLOCKS, Checks, Number
 from stochlin.analyses.atlases.specification import AtlasSpecification, read_specification, specification
 from stochlin.kernels.basics.parallel import Progress, cores
 
 PATIENCE = 20.0  # longest time without any worker [s]
 POLL = 1.0  # time between two queries of the cluster [s]
 UNCHECKED = (
-    "{} was written before atlases had checksums: it is read as it is, and numbers that were lost or "
+    "{} was written by an earlier version, whose checksums are not read: numbers that were lost or "
     "damaged since may read as good ones; write it anew where that matters"
 )
 
@@ -158,7 +158,7 @@ def open_atlas(path: str | os.PathLike[str]) -> xr.Dataset:
     Warns
     -----
     UserWarning
-        If the atlas was written by a version without checksums; it is then read unchecked.
+        If the atlas was written by an earlier version; it is then read unchecked.
 
     Examples
     --------
@@ -184,7 +184,7 @@ def open_atlas(path: str | os.PathLike[str]) -> xr.Dataset:
         checks.check_presence()
         files = importlib.import_module("stochlin.analyses.atlases.reading").CheckedFiles.of(checks)
     atlas = xr.open_zarr(files, consolidated=False, chunks=None)
-    atlas.attrs = {k: v for k, v in atlas.attrs.items() if k not in (CHECKSUM, CHECKSUMS)}
+    atlas.attrs = {k: v for k, v in atlas.attrs.items() if k != BLOCKS}
     return atlas[[*atlas_store.TABLES, *atlas_store.SIDES]]
 
 

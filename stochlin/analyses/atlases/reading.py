@@ -39,7 +39,7 @@ class CheckedFiles(WrapperStore[LocalStore]):
             self.checks.content(key)  # raises an error that names the file
             raise
         data = None if whole is None else whole.as_buffer_like()
-        self.checks.check(key, data, self.checks.expected(key))
+        self.checks.check(key, data, self.checks.expected.get(key))
         return whole if byte_range is None else await self._store.get(key, prototype, byte_range)
 
 

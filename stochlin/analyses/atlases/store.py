@@ -28,23 +28,22 @@ import xarray as xr
 
 from stochlin._version import __version__
 from stochlin.analyses.atlases.checksums import (
+    BLOCKS,
     CHECKS,
-    CHECKSUM,
-    CHECKSUMS,
-    FILES,
+    FIXED,
     METADATA,
-    NONE,
     Checks,
     DamagedError,
     Number,
-    checksum_of_metadata,
+    block_key,
     chunk_key,
     facts,
-    rows_of_block,
+    sealed,
     seed_of,
 )
 from stochlin.analyses.atlases.specification import AtlasSpecification
 from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.tables.storage import whole_file
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
@@ -52,7 +51,7 @@ from stochlin.models.grounds import GROUNDS
 
 TABLES = ("rho", "status", "bias", "caution")
 SIDES = ("ductility_std_1", "ductility_std_2", "bias_1", "bias_2")
-DONE_BEFORE = "block_done"  # array in place of the checks in atlases of versions without checksums
+BEFORE = ("block_done", "block_checks")  # arrays in place of the checks in atlases of earlier versions
 PAGE_BYTES = 4096  # disk space that a file may waste [bytes]
 WORKING_BYTES = 100  # memory per cell of a block during its computation [bytes]
 LONG_NAMES = {
@@ -121,17 +120,17 @@ def write_block(path: str, specification: AtlasSpecification, number: Number) ->
     table = compute_block(specification, cells)
     group = zarr_module().open_group(path, mode="r+", use_consolidated=False)
     at = dict(zip(specification.axes, number, strict=True))
-    seed = seed_of(specification.as_json(), code_version())
-    rows = []
+    written = {}
     for name, variable in table.data_vars.items():
         if any(at[axis] for axis in at if axis not in variable.dims):
-            rows.append((NONE, NONE))  # already written with the first block along this axis
-            continue
+            continue  # already written with the first block along this axis
         array = group[name].with_config({"write_empty_chunks": True})
         array[tuple(cells[str(dim)] for dim in variable.dims)] = variable.values
         key = chunk_key(str(name), [at[str(dim)] for dim in variable.dims])
-        rows.append(facts(seed, key, (Path(path) / key).read_bytes()))
-    group[CHECKS][number] = rows_of_block(seed, number, rows)
+        written[key] = facts((Path(path) / key).read_bytes())
+    key, seed = block_key(number), seed_of(specification.as_json(), code_version())
+    with whole_file(Path(path) / key) as file:
+        file.write_bytes(sealed(key, seed, written))
 
 
 def largest_bytes(specification: AtlasSpecification) -> int:
@@ -227,7 +226,7 @@ def _fill(folder: Path, specification: AtlasSpecification) -> None:
     group = zarr.open_group(str(folder), mode="w", zarr_format=3)
     kept = {k: v for k, v in cell.attrs.items() if k not in ("first", "second", "ground")}
     own = {"title": specification.title, "specification": specification.as_json()}
-    group.attrs.update(kept | own | {"code": code_version()})
+    group.attrs.update(kept | own | {"code": code_version(), BLOCKS: _counts(specification)})
     packed = [zarr.codecs.ZstdCodec(level=0), zarr.codecs.Crc32cCodec()]
     for name, values in axes.items():
         array = group.create_array(
@@ -254,27 +253,10 @@ def _fill(folder: Path, specification: AtlasSpecification) -> None:
             compressors=packed,
             attributes=plain,
         )
-    rows = len(cell.data_vars) + 1
-    counts = _counts(specification)
-    group.create_array(
-        CHECKS,
-        shape=[*counts, rows, 2],
-        dtype="i8",
-        chunks=[*([1] * len(counts)), rows, 2],
-        dimension_names=[*(f"{dim}_block" for dim in axes), "file", "check"],
-        fill_value=NONE,
-        compressors=None,  # stored uncompressed; each row has its own checksum
-        attributes={
-            "units": "1",
-            "long_name": "bytes and checksums of the chunks of a block",
-            FILES: list(cell.data_vars),
-        },
-    )
-    seed = seed_of(specification.as_json(), code_version())
+    group.create_group(CHECKS)
     names = sorted(file.relative_to(folder).as_posix() for file in folder.rglob("*") if file.is_file())
-    sums = {name: facts(seed, name, (folder / name).read_bytes()) for name in names if name != METADATA}
-    group.attrs[CHECKSUMS] = json.dumps(sums)
-    group.attrs[CHECKSUM] = checksum_of_metadata(json.loads((folder / METADATA).read_bytes()))
+    fixed = {name: facts((folder / name).read_bytes()) for name in names}
+    (folder / FIXED).write_bytes(sealed(FIXED, 0, fixed))
 
 
 def _counts(specification: AtlasSpecification) -> Number:
@@ -310,12 +292,12 @@ def mend(path: Path, specification: AtlasSpecification) -> Checks:
         damage = error
     with _empty(path, specification) as fresh:
         checks = replace(Checks.of(fresh, read_attributes(fresh)), root=path)
-        if damage.key == METADATA and not checks.any_block():
+        if damage.key in (METADATA, FIXED) and not checks.any_block():
             raise ValueError(
                 f"{damage.what}, and no block shows that it is an atlas of this specification and "
                 "version; write to another path, or remove what is there"
             ) from damage
-        for name in [*checks.fixed, METADATA]:
+        for name in [*checks.fixed, FIXED]:
             (path / name).parent.mkdir(parents=True, exist_ok=True)
             (fresh / name).replace(path / name)
     return checks
@@ -336,18 +318,22 @@ def read_attributes(path: str | os.PathLike[str]) -> Mapping[str, Any]:
         if (root / CHECKS).is_dir():
             raise DamagedError(root, METADATA, why)
         raise ValueError(f"{path} is no atlas: {why}")
-    if not is_unchecked(root) and attributes.get(CHECKSUM) != checksum_of_metadata(metadata):
-        raise DamagedError(root, METADATA, "its checksum is wrong")
+    if not is_unchecked(root):
+        checks = Checks(root)
+        fixed = checks.sealed_file(FIXED)
+        if fixed is None:
+            raise DamagedError(root, FIXED, "it is missing")
+        checks.check(METADATA, checks.content(METADATA), fixed[METADATA])
     return attributes
 
 
 def is_unchecked(path: Path) -> bool:
-    """Whether the atlas was written by a version without checksums."""
-    return (path / DONE_BEFORE).is_dir() and not (path / CHECKS).is_dir()
+    """Whether the atlas was written by an earlier version, whose checks are not read."""
+    return not (path / CHECKS).is_dir() and any((path / name).is_dir() for name in BEFORE)
 
 
 def checks_of(path: Path) -> Checks | None:
-    """The checks of an atlas, or None if it was written without checksums.
+    """The checks of an atlas, or None if it was written by an earlier version.
 
     Raises as `read_attributes`, and a `DamagedError` if other metadata or an axis are damaged.
     """
@@ -358,9 +344,11 @@ def checks_of(path: Path) -> Checks | None:
 def done(path: Path, checks: Checks | None) -> Array:
     """Array that tells whether each block is written."""
     if checks is not None:
-        return checks.done
+        return np.array([block is not None for block in checks.blocks])
     group = zarr_module().open_group(str(path), mode="r", use_consolidated=False)
-    return np.asarray(group[DONE_BEFORE][...]) != 0
+    name = next(name for name in BEFORE if name in group)
+    marks = group[name][...]
+    return marks != 0 if name == BEFORE[0] else marks[..., -1, 0] >= 0
 
 
 def long_name(axis: str, ground: str) -> str:
