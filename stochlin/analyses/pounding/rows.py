@@ -35,7 +35,6 @@ from stochlin.models.systems import (
 Building = Structure | ShearBuilding
 
 NUMBERS = "numbers, since a history is of one row"
-SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi), see `slow_approach`
 SLABS, COLUMN = "slab to slab", "slab to column"
 
 
@@ -75,6 +74,7 @@ class Meeting(NamedTuple):
 class Standing(NamedTuple):
     """Buildings in a row, and each of them alone, as kernels take them."""
 
+    structures: Sequence[Building]
     row: BuildingRow
     alone: BuildingRow  # the same without links between buildings; the row itself, if there are none
     arrangement: Arrangement
@@ -86,6 +86,21 @@ class Standing(NamedTuple):
     def first(self) -> Array:
         """Number of the first floor of each building, and of all floors (s + 1,)."""
         return self.arrangement.first
+
+    @property
+    def left(self) -> Array:
+        """Number of the building on the left of each contact, from 0 (c,)."""
+        return np.array([place.building for place in self.places], np.int64)
+
+    @property
+    def with_floors(self) -> bool:
+        """Whether there is a building with storeys."""
+        return any(isinstance(structure, ShearBuilding) for structure in self.structures)
+
+    @property
+    def shortest(self) -> float:
+        """Shortest of the first-mode periods of the structures [s]."""
+        return min(float(first_period(structure)) for structure in self.structures)
 
 
 def checked_buildings(structures: Sequence[Building]) -> list[Building]:
@@ -203,7 +218,7 @@ def build_row(
     row = alone = row_of(structures, system, contacts)
     if own != system.ties:
         alone = row_of(structures, system._replace(ties=own), Contacts.of([], mass.size))
-    return Standing(row, alone, system, places, space, reduced)
+    return Standing(structures, row, alone, system, places, space, reduced)
 
 
 def shortest_mode(standing: Standing) -> float:
@@ -211,16 +226,6 @@ def shortest_mode(standing: Standing) -> float:
     systems = [standing.row.elements.system, *(stack.system for stack in standing.arrangement.stacks)]
     modes = (modes_of(system) for system in systems)
     return min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes)
-
-
-def shortest_period(structures: Sequence[Building]) -> float:
-    """Shortest of the first-mode periods of the structures [s]."""
-    return min(float(first_period(structure)) for structure in structures)
-
-
-def slow_approach(shortest: float, motion: Array) -> float:
-    """Approach velocity [m/s] below which a contact counts as elastic, `GroundMotions.slow`."""
-    return SLOW * float(np.abs(motion).max()) * shortest / (2 * np.pi)
 
 
 def _facing(b: int, left: Array, right: Array) -> list[Meeting]:

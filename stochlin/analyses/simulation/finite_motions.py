@@ -43,6 +43,7 @@ RUNS_AWAY = (
 )
 Column = tuple[Sequence[str], Array]  # dimensions, and values over them
 Columns = dict[str, Column]
+ENDS = "", "_lower", "_upper"  # endings of the names of a quantity and its 95 % interval
 ENVELOPES, RESULTS = 6, 6  # numbers that are in memory at once for each step, and for each peak
 
 
@@ -147,12 +148,8 @@ def simulate_finite(
     means = _means(samples)
     if storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength
-    ends = quantile_intervals(samples["separation"][1], levels)
-    over = "quantile", STRUCTURE, f"{STRUCTURE}_2"
-    quantile: Columns = {
-        f"separation_quantile{end}": (over, values)
-        for end, values in zip(("", "_lower", "_upper"), ends, strict=True)
-    }
+    (_, *over), apart_most = samples["separation"]
+    quantile = quantile_columns("separation", over, apart_most, levels)
     coords["quantile"] = "quantile", levels, {"units": "1", "long_name": "quantile"}
     # Made at once, because each addition to a dataset takes a millisecond.
     return xr.Dataset(samples | means | quantile, coords, finite_attributes(run, duration, envelope))
@@ -364,3 +361,9 @@ def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Arr
     lower = np.where((low >= 0).reshape(each), ordered[np.maximum(low, 0)], 0.0)
     upper = np.where((high < n).reshape(each), ordered[np.minimum(high, n - 1)], np.inf)
     return estimate, lower, upper
+
+
+def quantile_columns(name: str, over: Sequence[Any], samples: Array, levels: Array) -> Columns:
+    """Quantiles of a variable along the first axis, and the ends of their 95 % intervals."""
+    intervals = zip(ENDS, quantile_intervals(samples, levels), strict=True)
+    return {f"{name}_quantile{end}": (("quantile", *over), values) for end, values in intervals}
