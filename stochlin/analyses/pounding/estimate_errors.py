@@ -19,7 +19,6 @@ from stochlin.analyses.pounding.rows import (
     checked_gaps,
 )
 from stochlin.analyses.pounding.runs import (
-    RowResponse,
     check_runs,
     jobs_of,
     paces_of,
@@ -33,7 +32,7 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.pounding import impacts
-from stochlin.kernels.pounding.run import SAMPLES, StepCounts
+from stochlin.kernels.pounding.run import SAMPLES, RowResponse, StepCounts
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact

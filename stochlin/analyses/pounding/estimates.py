@@ -10,8 +10,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from stochlin.analyses.pounding.ensembles import NEIGHBOURS, neighbours
-from stochlin.analyses.pounding.histories import SIDES, contacts
-from stochlin.analyses.pounding.rows import Meeting, checked_gaps, meetings
+from stochlin.analyses.pounding.histories import contacts
+from stochlin.analyses.pounding.rows import SIDES, Meeting, checked_gaps, meetings
 from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_whole
@@ -338,7 +338,10 @@ def _hits(
     parts: list[Any] = [each.variable for each in xr.align(valid, *arrays, join="inner")]
     usable, g, e, *others = parts
     g, radii, w = g.where(usable), others[:2], others[2:]
-    moves = [_moves(place, side, mode.moves) for side, mode in zip(SIDES, modes, strict=True)]
+    moves = [
+        sum(share * float(mode.moves[floor]) for floor, share in place.shares(side).items())
+        for side, mode in zip(SIDES, modes, strict=True)
+    ]
     mass = [mode.mass / share**2 for mode, share in zip(modes, moves, strict=True)]
     r = [radius * abs(share) for radius, share in zip(radii, moves, strict=True)]
     low, high = np.maximum(-r[0], g - r[1]), np.minimum(r[0], g + r[1])
@@ -359,14 +362,6 @@ def _hits(
     loss = impact_loss(mass[0], mass[1], e) * (v[0] - v[1]) ** 2
     table["energy_lost"] = loss.where(approach)
     return xr.Dataset(table, coords=valid.coords).assign_coords(way=list(WAYS))
-
-
-def _moves(place: Meeting, side: str, floors: Array) -> float:
-    """Displacement of the slab or column on one side of a contact, from those of the ``floors``."""
-    floor = place.floor_left if side == SIDES[0] else place.floor_right
-    share = place.share if place.struck == side else 1.0
-    below = float(floors[floor - 1]) if floor else 0.0
-    return share * float(floors[floor]) + (1 - share) * below
 
 
 def _argument(name: str, value: Any, allowed: Range) -> xr.DataArray:

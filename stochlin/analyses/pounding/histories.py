@@ -9,16 +9,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.pounding.rows import COLUMN, Meeting, Standing
-from stochlin.analyses.pounding.runs import RowResponse
+from stochlin.analyses.pounding.rows import COLUMN, SIDES, Meeting, Standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
+from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.simulation.contacts import ForceLaw, forces
 from stochlin.kernels.simulation.laws import SLACK
 from stochlin.models.links import Link
-
-SIDES = "left", "right"  # sides of a contact
-
 
 FLOOR, STRUCTURE, CONTACT, LINK, WHOLE = "floor", "structure", "contact", "link", ""
 Quantities = dict[str, tuple[str, Any]]

@@ -7,16 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.pounding.rows import Building, Standing, shortest_mode
-from stochlin.analyses.simulation.connected_structures import modes_of
+from stochlin.analyses.pounding.rows import Building, Standing
+from stochlin.analyses.simulation.connected_structures import modes_of, shortest_mode
 from stochlin.analyses.tables.work import check_work
-from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores, in_order
-from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
-from stochlin.kernels.simulation.account import Account
-from stochlin.kernels.simulation.time_step import Places
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact, Element
 
@@ -34,27 +31,6 @@ SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi)
 NEAR = 0.03  # share of the steps that are taken for divided near contact
 
 
-class RowResponse(NamedTuple):
-    """Response of a row of buildings to one motion."""
-
-    numbers: Array  # (rows,) at its end
-    impacts: Array  # (impacts, COLUMNS): the table of `kernels.pounding.impacts`
-    time: Array  # (times,) [s]: times of the history, from the beginning of the motion
-    history: Array  # (times, rows)
-    at: Places
-    to: Account
-
-    def of(self, first: int, last: int) -> Array:
-        """The numbers at the end, from the row ``first`` to ``last``."""
-        return self.numbers[first:last]
-
-    @property
-    def peaks(self) -> Array:
-        """Largest absolute displacement of each floor [m]."""
-        to = self.to
-        return np.maximum(self.of(to.highest, to.lowest), -self.of(to.lowest, to.acceleration))
-
-
 Outcome = RowResponse | ArithmeticError
 
 
@@ -65,8 +41,10 @@ def paces_of(
     steps_per_contact: int = STEPS_PER_CONTACT,
 ) -> list[kernel.StepCounts]:
     """Time steps in an interval of each motion, an even number, and near contact."""
-    first = min(float(modes_of(s.system)[0].max()) for s in standing.arrangement.stacks)
-    longest = min(first / OF_FIRST, shortest_mode(standing) / OF_SHORTEST) / steps_per_contact
+    systems = [stack.system for stack in standing.arrangement.stacks]
+    first = min(float(modes_of(system)[0].max()) for system in systems)
+    shortest = min(map(shortest_mode, [standing.row.elements.system, *systems]))
+    longest = min(first / OF_FIRST, shortest / OF_SHORTEST) / steps_per_contact
     half = np.inf
     if isinstance(contact, Element):
         half = min(_half_period(contact, float(mass)) for mass in standing.reduced)
@@ -142,16 +120,13 @@ def responses(
     batches = list(_batches(jobs))
     outcomes: dict[int, Outcome] = {}
 
-    def run(number: int) -> kernel.RunResult:
-        batch = batches[number]
+    def run(batch: list[int]) -> list[RowResponse]:
         first, motions = jobs[batch[0]], _motions([jobs[n] for n in batch], standing.shortest)
         return kernel.run(first.row, motions, first.pace, keep if 0 in batch else kernel.NOTHING)
 
-    for batch, done in zip(batches, in_order(run, len(batches), progress), strict=True):
-        lanes, places = done.impacts[:, impacts.LANE], jobs[batch[0]].row.places
-        for lane, number in enumerate(batch):
-            lines = done.impacts[lanes == lane]
-            response = RowResponse(done.x[:, lane], lines, done.time, done.history, *places)
+    done = in_order(lambda number: run(batches[number]), len(batches), progress)
+    for batch, of_batch in zip(batches, done, strict=True):
+        for number, response in zip(batch, of_batch, strict=True):
             outcomes[number] = _failure(standing.structures, response) or response
     return [outcomes[number] for number in range(len(jobs))]
 

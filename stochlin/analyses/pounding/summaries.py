@@ -16,8 +16,9 @@ from stochlin.analyses.pounding.histories import (
     energy_transferred,
 )
 from stochlin.analyses.pounding.rows import Standing
-from stochlin.analyses.pounding.runs import Outcome, RowResponse, successful
+from stochlin.analyses.pounding.runs import Outcome, successful
 from stochlin.kernels.pounding import impacts
+from stochlin.kernels.pounding.run import RowResponse
 
 
 def summary(standing: Standing, outcomes: Sequence[Outcome]) -> Quantities:

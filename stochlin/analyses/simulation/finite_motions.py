@@ -27,7 +27,7 @@ from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.ensemble import Extremes, Plan, finite_extremes
+from stochlin.kernels.simulation.ensemble import Crowd, Extremes, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope, envelope_at
@@ -96,11 +96,11 @@ def check_response(system: Arrangement, finite: Array) -> None:
         )
 
 
-def finite_steps(run: SimulationRun, duration: float, envelope: Envelope | None) -> tuple[Plan, Array]:
-    """Plan of a finite motion, which samples each step, and the envelope in the middle of the steps."""
-    plan = run.plan._replace(every=1, samples=BLOCK)
-    middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
-    return plan, envelope_at(envelope, middle)
+def finite_steps(run: SimulationRun, duration: float, envelope: Envelope | None) -> tuple[Crowd, Array]:
+    """The crowd for finite motions, sampled at each step, and the envelope amid the steps."""
+    dt = run.plan.dt
+    middle = dt * (np.arange(int(np.ceil(duration / dt))) + 0.5)
+    return run.with_plan(every=1, samples=BLOCK).crowd, envelope_at(envelope, middle)
 
 
 def simulate_finite(
@@ -198,9 +198,8 @@ def _extremes(
     progress: Progress | None,
 ) -> Extremes:
     """Largest and smallest values [m] of linear functions of the displacements of valid floors."""
-    plan, shape = finite_steps(run, duration, envelope)
-    view = view_of(functions, run.order, run.scale)
-    return finite_extremes(run.crowd, view, run.ground, run.root, plan, shape, progress)
+    crowd, shape = finite_steps(run, duration, envelope)
+    return finite_extremes(crowd, view_of(functions, run.order, run.scale), shape, progress)
 
 
 def _at_heights(
