@@ -20,6 +20,7 @@ from stochlin.analyses.simulation.finite_motions import (
     Columns,
     exceedance,
     keeping_apart,
+    mean_columns,
     quantile_columns,
 )
 from stochlin.analyses.tables import labels
@@ -164,10 +165,5 @@ def _statistics(name: str, dims: tuple[Any, ...], values: Array, levels: Array) 
     """Mean and quantiles along the first axis, with their errors; NaN if any sample is NaN."""
     known = ~np.isnan(values).any(axis=0)
     values = np.where(known, values, 0.0)
-    error = np.full(known.shape, np.nan)
-    if len(values) > 1:
-        error = values.std(axis=0, ddof=1) / np.sqrt(len(values))
-    mean = values.mean(axis=0)
-    columns: Columns = {f"{name}_mean": (dims, mean), f"{name}_mean_standard_error": (dims, error)}
-    columns |= quantile_columns(name, dims, values, levels)
+    columns = mean_columns(name, dims, values) | quantile_columns(name, dims, values, levels)
     return {what: (over, np.where(known, each, np.nan)) for what, (over, each) in columns.items()}

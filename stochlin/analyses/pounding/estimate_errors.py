@@ -19,7 +19,6 @@ from stochlin.analyses.pounding.rows import (
     checked_gaps,
 )
 from stochlin.analyses.pounding.runs import (
-    check_runs,
     jobs_of,
     paces_of,
     responses,
@@ -144,7 +143,6 @@ def pounding_estimate_error(
         )
     standing = build_row(row_of, spaces, contact, ())
     paces = paces_of(standing, contact, grounds)
-    check_runs(standing, grounds, paces)
 
     def changes(number: int) -> dict[str, Array]:
         return _changes(standing, grounds[number], paces[number])

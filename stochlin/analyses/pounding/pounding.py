@@ -23,7 +23,6 @@ from stochlin.analyses.pounding.rows import (
 from stochlin.analyses.pounding.runs import (
     ON_GRID,
     STEPS_PER_CONTACT,
-    check_runs,
     jobs_of,
     paces_of,
     responses,
@@ -251,7 +250,6 @@ def pound(
     standing = build_row(row_of, spaces, contact, links)
     grounds = motions.grounds
     paces = paces_of(standing, contact, grounds, steps_per_contact)
-    check_runs(standing, grounds, paces)
     if over is not None and output_step is not None:
         raise ValueError(
             f"output_step = {brief(output_step)} is for one motion; allowed here: none, since "

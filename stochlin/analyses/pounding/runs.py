@@ -40,7 +40,10 @@ def paces_of(
     grounds: Sequence[SampledMotion],
     steps_per_contact: int = STEPS_PER_CONTACT,
 ) -> list[kernel.StepCounts]:
-    """Time steps in an interval of each motion, an even number, and near contact."""
+    """Time steps in an interval of each motion, an even number, and near contact.
+
+    Raises a ValueError if the motions would take too much time or memory.
+    """
     systems = [stack.system for stack in standing.arrangement.stacks]
     first = min(float(modes_of(system)[0].max()) for system in systems)
     shortest = min(map(shortest_mode, [standing.row.elements.system, *systems]))
@@ -56,7 +59,9 @@ def paces_of(
             substeps = np.ceil(AT_BLOWS * STEPS_PER_CONTACT)
         return kernel.StepCounts(cuts, max(1, int(substeps)))
 
-    return [pace(ground.dt) for ground in grounds]
+    paces = [pace(ground.dt) for ground in grounds]
+    _check_runs(standing, grounds, paces)
+    return paces
 
 
 def _half_period(contact: Element, reduced: float) -> float:
@@ -68,7 +73,7 @@ def _half_period(contact: Element, reduced: float) -> float:
     return np.pi * scale
 
 
-def check_runs(
+def _check_runs(
     standing: Standing, grounds: Sequence[SampledMotion], paces: Sequence[kernel.StepCounts]
 ) -> None:
     """Raise a ValueError if the motions would take too much time or memory."""

@@ -161,8 +161,7 @@ def _means(samples: Columns) -> Columns:
     for name in ("peak", "peak_positive", "peak_drift", "separation"):
         if name in samples:
             (_, *over), values = samples[name]
-            mean, error = mean_with_error(values)
-            means |= {f"{name}_mean": (over, mean), f"{name}_mean_standard_error": (over, error)}
+            means |= mean_columns(name, over, values)
     return means
 
 
@@ -345,8 +344,16 @@ def share_interval(count: Array, motions: int) -> tuple[Array, Array]:
 
 
 def mean_with_error(samples: Array) -> tuple[Any, Any]:
-    """Mean along the first axis, and its standard error."""
-    return samples.mean(axis=0), samples.std(axis=0, ddof=1) / np.sqrt(len(samples))
+    """Mean along the first axis, and its standard error, which is NaN for one sample."""
+    several = len(samples) > 1
+    spread = samples.std(axis=0, ddof=1) if several else np.full(samples.shape[1:], np.nan)
+    return samples.mean(axis=0), spread / np.sqrt(len(samples))
+
+
+def mean_columns(name: str, over: Sequence[Any], samples: Array) -> Columns:
+    """Mean of a variable along the first axis, and its standard error."""
+    mean, error = mean_with_error(samples)
+    return {f"{name}_mean": (over, mean), f"{name}_mean_standard_error": (over, error)}
 
 
 def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Array]:
