@@ -62,7 +62,7 @@ def second_moments(structures, ground):
     moments = np.zeros((2, plan.groups, LANES, 2, 2))
     for group in range(plan.groups):
         motion, state = (
-            MotionGroup(run.crowd, run.ground, run.root, plan, group),
+            MotionGroup(run.crowd._replace(plan=plan), group),
             np.zeros((2, 3, LANES)),
         )
         linear = np.empty((plan.samples, 2, LANES))

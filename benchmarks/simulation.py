@@ -78,7 +78,7 @@ def ensemble_rate(count: int, threads: int) -> float:
     """All of it: random numbers, ground, structures, moments."""
     run = ready(count)
     with mock.patch("os.sched_getaffinity", return_value=range(threads), create=True):
-        spent = seconds(lambda: stationary_sums(run.crowd, None, run.ground, run.root, run.plan, None))
+        spent = seconds(lambda: stationary_sums(run.crowd, None, None))
     return count * lane_steps(run) / spent
 
 
@@ -88,13 +88,13 @@ def parts(count: int) -> dict[str, float]:
     steps = run.plan.every * SAMPLES
     random = generator_state(0, 0, LANES)
     xi, f = zeros_on_a_line(2, steps, LANES)
-    q, state = zeros_on_a_line(len(run.root), LANES), zeros_on_a_line(3, count, LANES)
+    q, state = zeros_on_a_line(len(run.crowd.root), LANES), zeros_on_a_line(3, count, LANES)
     out, total = zeros_on_a_line(SAMPLES, count, LANES), zeros_on_a_line(count, count, LANES)
     law, plan = oscillators(run), run.plan
 
     tasks: dict[str, Callable[[], object]] = {
         "random": lambda: fill_normal(random, xi),
-        "ground": lambda: ground_block(run.ground)(xi, q, f),
+        "ground": lambda: ground_block(run.crowd.ground)(xi, q, f),
         "dynamics": lambda: bilinear_block(f, plan.dt, law, *state, plan.every, out, 0),
         "moments": lambda: add_products(out, total),
     }
@@ -128,7 +128,7 @@ def numpy_loop(ground: FilterSteps, dt: float, law: Array, rng: np.random.Genera
 def numpy_rate(count: int) -> float:
     run = ready(count)
     rng = np.random.Generator(np.random.SFC64(0))
-    spent = seconds(lambda: numpy_loop(run.ground, run.plan.dt, oscillators(run), rng), 3)
+    spent = seconds(lambda: numpy_loop(run.crowd.ground, run.plan.dt, oscillators(run), rng), 3)
     return count * NUMPY_PATHS * NUMPY_STEPS / spent
 
 

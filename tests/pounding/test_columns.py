@@ -92,8 +92,8 @@ def test_a_column_met_at_its_floor_is_that_floor(name):
     assert [m.kind for m in standing.places] == ["slab to slab"] * 2
 
     def run(row):
-        found = kernel.run(row, motions, kernel.StepCounts(10, 4), kernel.SAMPLES)
-        return found.history[:, at.q : at.v], len(found.impacts)
+        [response] = kernel.run(row, motions, kernel.StepCounts(10, 4), kernel.SAMPLES)
+        return response.history[:, at.q : at.v], len(response.impacts)
 
     slabs, impacts = run(standing.row)
     assert impacts > 3

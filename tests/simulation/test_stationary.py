@@ -36,7 +36,7 @@ def ensemble(structures, ground, **options):
 
 def moments_by_seed(cells, run, seeds):
     for seed in seeds:
-        yield simulate_moments(run._replace(plan=run.plan._replace(seed=seed)), None)
+        yield simulate_moments(run.with_plan(seed=seed), None)
 
 
 # ---- (1) Values of an earlier simulation by other code, [standard error] ----
@@ -165,7 +165,7 @@ def test_drift_tells_a_run_that_starts_recording_from_rest(ratio, hardening):
     _, run = ensemble([structure], NOISE, **options)
     good = simulate_moments(run, None)
     assert np.abs(good.drift) < ERRORS
-    early = simulate_moments(run._replace(plan=run.plan._replace(burn_in=0)), None)
+    early = simulate_moments(run.with_plan(burn_in=0), None)
     assert early.drift > NOT_STATIONARY
     assert early.displacement_std < good.displacement_std - ERRORS * good.displacement_error
 

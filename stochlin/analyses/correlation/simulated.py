@@ -203,8 +203,8 @@ def _by_lengths(
         square = np.full((valid.size, valid.size), np.nan)
         return _table(pairs, MomentEstimates(none, none, square, square, none, status))
     run = pairs.run(ground, settings, step=lengths["dt"].item())
-    plan = run.plan._replace(**{name: lengths[name].item() for name in PLANNED})
-    return _table(pairs, simulate_moments(run._replace(plan=plan), None))
+    run = run.with_plan(**{name: lengths[name].item() for name in PLANNED})
+    return _table(pairs, simulate_moments(run, None))
 
 
 def _table(pairs: _Pairs, moments: MomentEstimates) -> xr.Dataset:

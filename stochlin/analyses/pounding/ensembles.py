@@ -3,32 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import chain, islice
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.pounding.histories import floor_coords
-from stochlin.analyses.pounding.rows import Building, Standing, shortest_period
-from stochlin.analyses.pounding.runs import Outcome, RowResponse, responses, with_and_without
-from stochlin.analyses.pounding.summaries import labelled, step_error, summary
+from stochlin.analyses.pounding.histories import Quantities, floor_coords, labelled
+from stochlin.analyses.pounding.rows import Standing
+from stochlin.analyses.pounding.runs import jobs_of, responses
+from stochlin.analyses.pounding.summaries import summary
 from stochlin.analyses.pounding.variables import STATISTICS
 from stochlin.analyses.records.cells import RECORD, RecordedMotions, Records, checked_motions
 from stochlin.analyses.simulation.finite_motions import (
+    ENDS,
     Columns,
     exceedance,
     keeping_apart,
-    quantile_intervals,
+    mean_columns,
+    quantile_columns,
 )
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import StepCounts
 
-OF_COARSER = 0.8  # share of the work of a run with its error up to the run in coarser steps
 PATH = "path"
 NEIGHBOURS = "neighbours"
-ENDS = ("", "_lower", "_upper")  # endings of the names of a quantity and its 95 % interval
 # Variables that are NaN without an impact and then count as 0, with the variable that counts impacts.
 OF_IMPACTS = {
     "hardest_force": "impacts",
@@ -60,19 +61,21 @@ class Ensemble(NamedTuple):
 
 def checked_ensemble(motion: Records) -> Ensemble:
     """One motion or several, checked; an array over ``path`` and ``time`` has one motion a path."""
-    if not isinstance(motion, xr.DataArray):
-        motions = checked_motions(motion)
-        names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
-        return Ensemble(motions, RECORD, names)
-    if PATH not in motion.dims:
-        return Ensemble(checked_motions(motion), None)
-    paths = {f"path {n}": motion.isel({PATH: n}, drop=True) for n in range(motion.sizes[PATH])}
-    own = motion[PATH].assign_attrs(long_name="simulated motion") if PATH in motion.coords else None
-    return Ensemble(checked_motions(paths), PATH, own)
+    try:
+        if not isinstance(motion, xr.DataArray):
+            motions = checked_motions(motion)
+            names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
+            return Ensemble(motions, RECORD, names)
+        if PATH not in motion.dims:
+            return Ensemble(checked_motions(motion), None)
+        paths = {f"path {n}": motion.isel({PATH: n}, drop=True) for n in range(motion.sizes[PATH])}
+        own = motion[PATH].assign_attrs(long_name="simulated motion") if PATH in motion.coords else None
+        return Ensemble(checked_motions(paths), PATH, own)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"motion: {error}") from error
 
 
 def over_motions(
-    structures: Sequence[Building],
     standing: Standing,
     ensemble: Ensemble,
     paces: Sequence[StepCounts],
@@ -84,40 +87,29 @@ def over_motions(
     With the errors of the time steps if ``halved``.
     """
     grounds, over = ensemble.motions.grounds, str(ensemble.over)
-    shortest = shortest_period(structures)
-    coarser = [pace._replace(cuts=pace.cuts // 2) for pace in paces]
-    share = OF_COARSER if halved else 1.0
-    both = with_and_without(
-        structures, standing, grounds, paces, shortest, progress=part_of(progress, 0, share)
-    )
-    of_motions: list[tuple[Outcome, ...]] = list(both)
-    if halved:
-        rest = part_of(progress, share, 1)
-        more = responses(structures, standing.row, grounds, coarser, shortest, progress=rest)
-        of_motions = [(*pair, rerun) for pair, rerun in zip(both, more, strict=True)]
-    summaries: list[dict[str, Any] | ArithmeticError] = []
-    for of_motion in of_motions:
-        errors = [each for each in of_motion if isinstance(each, ArithmeticError)]
-        if errors:
-            summaries.append(errors[0])
-            continue
-        response, alone, *coarse = (each for each in of_motion if isinstance(each, RowResponse))
-        error = {"step_error": step_error(standing, coarse[0], response)} if coarse else {}
-        summaries.append(summary(standing, response, alone) | error)
-    failed = [each for each in summaries if isinstance(each, ArithmeticError)]
-    if len(failed) == len(summaries):
+    of_motions = [jobs_of(standing, *each, halved) for each in zip(grounds, paces, strict=True)]
+    outcomes = iter(responses(standing, list(chain.from_iterable(of_motions)), progress=progress))
+    summaries: list[Quantities] = []
+    reasons: list[str] = []
+    for jobs in of_motions:
+        values: Quantities = {}
+        reasons.append("")
+        try:
+            values = summary(standing, list(islice(outcomes, len(jobs))))
+        except ArithmeticError as error:
+            reasons[-1] = str(error)
+        summaries.append(values)
+    if all(reasons):
         raise ArithmeticError(
-            f"{failed[0]}; so in all {len(summaries)} motions" if failed[1:] else failed[0]
+            f"{reasons[0]}; so in all {len(reasons)} motions" if reasons[1:] else reasons[0]
         )
-    like = next(each for each in summaries if isinstance(each, dict))
-    blank = {name: np.full(np.shape(values), np.nan) for name, values in like.items()}
-    rows = [blank if isinstance(each, ArithmeticError) else each for each in summaries]
-    values = {name: np.array([each[name] for each in rows], float) for name in like}
-    good = xr.DataArray([isinstance(each, dict) for each in summaries], dims=over)
-    coords = floor_coords(standing.first, structures)
-    table = xr.Dataset(labelled(values, standing.first, structures, over), coords=coords)
+    like = next(filter(None, summaries))
+    blank = {name: (dim, np.full(np.shape(values), np.nan)) for name, (dim, values) in like.items()}
+    rows = [values or blank for values in summaries]
+    columns = {n: (dim, np.array([row[n][1] for row in rows], float)) for n, (dim, _) in like.items()}
+    table = xr.Dataset(labelled(columns, standing, over), coords=floor_coords(standing))
+    good = xr.DataArray([not reason for reason in reasons], dims=over)
     table["status"] = labels.status_where(good, labels.NOT_CONVERGED)
-    reasons = ["" if isinstance(each, dict) else str(each) for each in summaries]
     if ensemble.labels is not None:
         table = table.assign_coords({over: ensemble.labels})
     return table.assign_coords(
@@ -173,12 +165,5 @@ def _statistics(name: str, dims: tuple[Any, ...], values: Array, levels: Array) 
     """Mean and quantiles along the first axis, with their errors; NaN if any sample is NaN."""
     known = ~np.isnan(values).any(axis=0)
     values = np.where(known, values, 0.0)
-    error = np.full(known.shape, np.nan)
-    if len(values) > 1:
-        error = values.std(axis=0, ddof=1) / np.sqrt(len(values))
-    columns = {"mean": (dims, values.mean(axis=0)), "mean_standard_error": (dims, error)}
-    for end, each in zip(ENDS, quantile_intervals(values, levels), strict=True):
-        columns[f"quantile{end}"] = ("quantile", *dims), each
-    return {
-        f"{name}_{what}": (over, np.where(known, each, np.nan)) for what, (over, each) in columns.items()
-    }
+    columns = mean_columns(name, dims, values) | quantile_columns(name, dims, values, levels)
+    return {what: (over, np.where(known, each, np.nan)) for what, (over, each) in columns.items()}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,13 +17,12 @@ from stochlin.analyses.pounding.rows import (
     check_contact,
     checked_buildings,
     checked_gaps,
-    shortest_period,
 )
 from stochlin.analyses.pounding.runs import (
-    RowResponse,
-    check_runs,
+    jobs_of,
     paces_of,
     responses,
+    successful,
 )
 from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.records.cells import Records
@@ -33,7 +31,7 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.pounding import impacts
-from stochlin.kernels.pounding.run import SAMPLES, StepCounts
+from stochlin.kernels.pounding.run import SAMPLES, RowResponse, StepCounts
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
@@ -43,16 +41,6 @@ from stochlin.models.systems import first_mode
 ESTIMATES = {"one hit": "largest_radius_amplification", "chain": "chain_radius_amplification"}
 TRUTHS = {"displacement": "peak_amplification", "energy radius": "peak_radius_amplification"}
 FEWEST = 2  # smallest number of motions for a standard deviation
-
-
-class _Outcome(NamedTuple):
-    """Results of one motion for each structure, with pounding and alone."""
-
-    peak: Array  # [m], largest displacement of any floor
-    peak_alone: Array
-    radius: Array  # [m], largest energy radius of the first mode
-    radius_alone: Array
-    hits: Array  # number of impacts on the structure
 
 
 def pounding_estimate_error(
@@ -146,10 +134,7 @@ def pounding_estimate_error(
     if len(row_of) < 2:
         raise ValueError("structures has one building; allowed: at least two, which can meet")
     check_contact(contact, len(row_of))
-    try:
-        ensemble = checked_ensemble(motion)
-    except (TypeError, ValueError) as error:
-        raise type(error)(f"motion: {error}") from error
+    ensemble = checked_ensemble(motion)
     grounds, over = ensemble.motions.grounds, ensemble.over
     if over is None or len(grounds) < FEWEST:
         raise ValueError(
@@ -158,22 +143,14 @@ def pounding_estimate_error(
         )
     standing = build_row(row_of, spaces, contact, ())
     paces = paces_of(standing, contact, grounds)
-    check_runs(standing, grounds, paces)
 
-    def outcome(number: int) -> _Outcome:
-        return _outcome(row_of, standing, grounds[number], paces[number])
+    def changes(number: int) -> dict[str, Array]:
+        return _changes(standing, grounds[number], paces[number])
 
-    outcomes = list(in_order(outcome, len(grounds), progress))
+    each = list(in_order(changes, len(grounds), progress))
     dims = over, "structure"
-    values = {
-        name: (dims, np.array([getattr(result, name) for result in outcomes]))
-        for name in _Outcome._fields
-    }
-    runs = xr.Dataset(values)
-    table = runs[["hits", "radius_alone"]]
-    table["peak_amplification"] = runs.peak / runs.peak_alone
-    table["peak_radius_amplification"] = runs.radius / runs.radius_alone
-    radii = [runs.radius_alone.isel(structure=n) for n in range(len(row_of))]
+    table = xr.Dataset({name: (dims, np.array([values[name] for values in each])) for name in each[0]})
+    radii = [table.radius_alone.isel(structure=n) for n in range(len(row_of))]
     estimate = pounding_estimate_row(row_of, spaces, contact, radii, points=points)
     table = table.assign({name: estimate[name].transpose(*dims) for name in ESTIMATES.values()})
     table = table.assign(_statistics(table, over)).assign_coords(structure=estimate.structure)
@@ -188,39 +165,33 @@ def pounding_estimate_error(
     )
 
 
-def _outcome(
-    structures: Sequence[Building], standing: Standing, ground: SampledMotion, pace: StepCounts
-) -> _Outcome:
-    """Peaks, energy radii and numbers of impacts in one motion, with pounding and without."""
-    shortest = shortest_period(structures)
-    both = []
-    for meets in (True, False):
-        (response,) = responses(
-            structures, standing.row, [ground], [pace], shortest, SAMPLES, meets=[meets]
-        )
-        if isinstance(response, ArithmeticError):
-            raise response
-        both.append(response)
+def _changes(standing: Standing, ground: SampledMotion, pace: StepCounts) -> dict[str, Array]:
+    """Changes of peaks and energy radii by pounding in one motion, and numbers of impacts."""
+    jobs = jobs_of(standing, ground, pace, halved=False)
+    both = successful([response for job in jobs for response in responses(standing, [job], SAMPLES)])
     first = standing.first[:-1]
     peak, peak_alone = (np.maximum.reduceat(each.peaks, first) for each in both)
-    radius, radius_alone = (_radii(structures, standing, each) for each in both)
-    left = np.array([place.building for place in standing.places], np.int64)
-    where = left[both[0].impacts[:, impacts.CONTACT].astype(np.int64)]
-    hits = np.bincount(np.append(where, where + 1), minlength=first.size)
-    return _Outcome(peak, peak_alone, radius, radius_alone, hits)
+    radius, radius_alone = (_radii(standing, each) for each in both)
+    where = standing.left[both[0].impacts[:, impacts.CONTACT].astype(np.int64)]
+    return {
+        "hits": np.bincount(np.append(where, where + 1), minlength=first.size),
+        "radius_alone": radius_alone,
+        "peak_amplification": peak / peak_alone,
+        "peak_radius_amplification": radius / radius_alone,
+    }
 
 
-def _radii(structures: Sequence[Building], standing: Standing, response: RowResponse) -> Array:
+def _radii(standing: Standing, response: RowResponse) -> Array:
     """Largest energy radius of the first mode of each structure at the samples [m], (structures,)."""
     at, mass, radii = response.at, standing.row.parts.mass, []
-    for b, structure in enumerate(structures):
+    u, v = response.history[:, at.q : at.v], response.history[:, at.v : at.z]
+    for b, structure in enumerate(standing.structures):
         floors = slice(standing.first[b], standing.first[b + 1])
         moves = np.ones(1)
         if isinstance(structure, ShearBuilding):
             moves = structure.participation().to_numpy()
         shares = mass[floors] * moves
         shares = shares / (shares @ moves)
-        u, v = response.history[:, at.q : at.v], response.history[:, at.v : at.z]
         q, rate = (values[:, floors] @ shares for values in (u, v))
         w = 2 * np.pi / float(first_mode(structure).arrays()["period"])
         radii.append(np.hypot(q, rate / w).max())

@@ -10,8 +10,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from stochlin.analyses.pounding.ensembles import NEIGHBOURS, neighbours
-from stochlin.analyses.pounding.histories import SIDES, contacts
-from stochlin.analyses.pounding.rows import Meeting, checked_gaps, meetings
+from stochlin.analyses.pounding.histories import contacts
+from stochlin.analyses.pounding.rows import SIDES, Meeting, checked_gaps, meetings
 from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_whole
@@ -210,21 +210,15 @@ def pounding_estimate_row(
     except ValueError as error:
         raise ValueError(f"radii: their dimensions do not fit: {sentence(error)}") from error
 
-    def hit(left: int, now: Sequence[xr.DataArray]) -> list[xr.DataArray]:
-        gap, pair = xr.DataArray(spaces[left]), slice(left, left + 2)
-        estimate = _estimate(modes[pair], gap, contact, now[pair], int(points))
-        return [estimate[f"largest_radius_amplification_{n}"] for n in (1, 2)]
-
-    grown = [hit(left, alone) for left in range(count - 1)]
-    single = [xr.DataArray(1.0)] * count
-    for left, growth in enumerate(grown):
-        for side in range(2):
-            single[left + side] = xr.ufuncs.maximum(single[left + side], growth[side])
+    grown, single = _by_one_impact(modes, spaces, contact, alone, int(points))
     chain = list(single)
     for order in (range(count - 1), range(count - 2, -1, -1)):
         now = list(alone)
         for left in order:
-            growth = grown[left] if left == order[0] else hit(left, now)
+            growth = grown[left]
+            if left != order[0]:
+                two = slice(left, left + 2)
+                growth = _growth(modes[two], spaces[left], contact, now[two], int(points))
             for n, growth_there in enumerate(growth, start=left):
                 now[n] = now[n] * growth_there
                 chain[n] = xr.ufuncs.maximum(chain[n], now[n] / alone[n])
@@ -256,27 +250,33 @@ def largest_by_one_impact(
 ) -> Array:
     """Largest amplification of each structure's energy radius by one impact on either side [-].
 
-    As `pounding_estimate_row` gives it, for oscillators and one radius (n,) [m] each, in a tenth of the
-    time. It is NaN for a radius out of range and for its neighbours.
+    As `pounding_estimate_row` gives it, for one radius (n,) [m] each. It is NaN for a radius out of
+    range and for its neighbours.
     """
     modes = [_mode(structure, f"structure {n}") for n, structure in enumerate(structures, 1)]
-    w = [mode.frequency.variable for mode in modes]
-    r = [xr.Variable((), radius) for radius in radii]
-    e = xr.Variable((), contact.e)
-    usable = RADIUS.contains(radii) & np.array([bool(mode.valid) for mode in modes])
-    usable &= bool(contact.valid())
-    worst = np.ones(len(modes))
-    for left, gap in enumerate(gaps):
-        two = slice(left, left + 2)
-        if not usable[two].all():
-            worst[two] = np.nan
-            continue
-        (place,) = meetings([mode.levels for mode in modes[two]])
-        hits = _at_points(modes[two], place, xr.Variable((), gap), e, r[two], w[two], POINTS)
-        for n in (1, 2):
-            growth = hits[f"radius_amplification_{n}"].to_numpy().ravel()
-            worst[left + n - 1] = np.fmax.reduce(growth, initial=worst[left + n - 1])
-    return worst
+    _, single = _by_one_impact(modes, gaps, contact, [xr.DataArray(r) for r in radii], POINTS)
+    return np.array([float(growth) for growth in single])
+
+
+def _by_one_impact(
+    modes: Sequence[Mode], gaps: Array, contact: Contact, radii: Sequence[xr.DataArray], points: int
+) -> tuple[list[list[xr.DataArray]], list[xr.DataArray]]:
+    """Largest amplifications by one impact at each gap, of both sides, and of each structure."""
+    pairs = [(slice(left, left + 2), gap) for left, gap in enumerate(gaps)]
+    grown = [_growth(modes[two], gap, contact, radii[two], points) for two, gap in pairs]
+    single = [xr.DataArray(1.0)] * len(modes)
+    for left, growth in enumerate(grown):
+        for side in range(2):
+            single[left + side] = xr.ufuncs.maximum(single[left + side], growth[side])
+    return grown, single
+
+
+def _growth(
+    modes: Sequence[Mode], gap: float, contact: Contact, radii: Sequence[xr.DataArray], points: int
+) -> list[xr.DataArray]:
+    """Largest amplifications of the energy radii of two neighbours by one impact."""
+    estimate = _estimate(modes, xr.DataArray(gap), contact, radii, points)
+    return [estimate[f"largest_radius_amplification_{n}"] for n in (1, 2)]
 
 
 def _along(dim: str, arrays: Sequence[xr.DataArray]) -> xr.DataArray:
@@ -337,21 +337,11 @@ def _hits(
     arrays = [gap, restitution, *radii, *(mode.frequency for mode in modes)]
     parts: list[Any] = [each.variable for each in xr.align(valid, *arrays, join="inner")]
     usable, g, e, *others = parts
-    table = _at_points(modes, place, g.where(usable), e, others[:2], others[2:], points)
-    return xr.Dataset(table, coords=valid.coords).assign_coords(way=list(WAYS))
-
-
-def _at_points(
-    modes: Sequence[Mode],
-    place: Meeting,
-    g: xr.Variable,
-    e: xr.Variable,
-    radii: Sequence[Any],
-    w: Sequence[Any],
-    points: int,
-) -> dict[str, xr.Variable]:
-    """What `_hits` gives, by name, for gaps ``g``, restitutions ``e``, radii and frequencies ``w``."""
-    moves = [_moves(place, side, mode.moves) for side, mode in zip(SIDES, modes, strict=True)]
+    g, radii, w = g.where(usable), others[:2], others[2:]
+    moves = [
+        sum(share * float(mode.moves[floor]) for floor, share in place.shares(side).items())
+        for side, mode in zip(SIDES, modes, strict=True)
+    ]
     mass = [mode.mass / share**2 for mode, share in zip(modes, moves, strict=True)]
     r = [radius * abs(share) for radius, share in zip(radii, moves, strict=True)]
     low, high = np.maximum(-r[0], g - r[1]), np.minimum(r[0], g + r[1])
@@ -362,7 +352,7 @@ def _at_points(
     v = [signs[i] * w[i] * np.sqrt(np.maximum(r[i] ** 2 - u[i] ** 2, 0.0)) for i in range(2)]
     approach = v[0] > v[1]
     after = velocities_after_impact(v[0], v[1], mass[0], mass[1], e)
-    table = {}
+    table: dict[str, xr.Variable] = {}
     for i in range(2):
         n = i + 1
         table[f"contact_displacement_{n}"] = u[i]
@@ -371,15 +361,7 @@ def _at_points(
         table[f"radius_amplification_{n}"] = (np.hypot(u[i], after[i] / w[i]) / r[i]).where(approach)
     loss = impact_loss(mass[0], mass[1], e) * (v[0] - v[1]) ** 2
     table["energy_lost"] = loss.where(approach)
-    return table
-
-
-def _moves(place: Meeting, side: str, floors: Array) -> float:
-    """Displacement of the slab or column on one side of a contact, from those of the ``floors``."""
-    floor = place.floor_left if side == SIDES[0] else place.floor_right
-    share = place.share if place.struck == side else 1.0
-    below = float(floors[floor - 1]) if floor else 0.0
-    return share * float(floors[floor]) + (1 - share) * below
+    return xr.Dataset(table, coords=valid.coords).assign_coords(way=list(WAYS))
 
 
 def _argument(name: str, value: Any, allowed: Range) -> xr.DataArray:

@@ -4,62 +4,62 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.pounding.rows import COLUMN, Building, Meeting, Standing
-from stochlin.analyses.pounding.runs import RowResponse
+from stochlin.analyses.pounding.rows import COLUMN, SIDES, Meeting, Standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
+from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.simulation.contacts import ForceLaw, forces
 from stochlin.kernels.simulation.laws import SLACK
-from stochlin.models.buildings import ShearBuilding
 from stochlin.models.links import Link
 
-SIDES = "left", "right"  # sides of a contact
+FLOOR, STRUCTURE, CONTACT, LINK, WHOLE = "floor", "structure", "contact", "link", ""
+Quantities = dict[str, tuple[str, Any]]
+"""Values by name, each with its last dimension; FLOOR also stands for the structure."""
 
 
-def by_floor(values: Array, first: Array, structures: Sequence[Building], *over: str) -> xr.Variable:
+def labelled(values: Quantities, standing: Standing, *over: str) -> dict[str, xr.Variable]:
+    """Values as arrays over named dimensions, the first of which are ``over``.
+
+    The coordinates are those of `floor_coords`; a dataset takes them once, since to align those of every
+    array takes longer than all else.
+    """
+    return {
+        name: _by_floor(array, standing, *over)
+        if dimension == FLOOR
+        else xr.Variable([*over, *filter(None, [dimension])], array)
+        for name, (dimension, array) in values.items()
+    }
+
+
+def _by_floor(values: Array, standing: Standing, *over: str) -> xr.Variable:
     """Values of all floors (..., n) over ``structure`` and, for shear buildings, ``floor``.
 
-    Cells above the roof of a building are NaN. The coordinates are those of `floor_coords`; a dataset
-    takes them once, since to align those of every array takes longer than all else.
+    Cells above the roof of a building are NaN.
     """
-    sizes = np.diff(first)
+    first, sizes = standing.first, np.diff(standing.first)
     wide = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
     for b, size in enumerate(sizes):
         wide[..., b, :size] = values[..., first[b] : first[b + 1]]
-    if not _with_floors(structures):
-        return xr.Variable((*over, "structure"), wide[..., 0])
-    return xr.Variable((*over, "structure", "floor"), wide)
+    if not standing.with_floors:
+        return xr.Variable((*over, STRUCTURE), wide[..., 0])
+    return xr.Variable((*over, STRUCTURE, FLOOR), wide)
 
 
-def floor_coords(first: Array, structures: Sequence[Building]) -> dict[str, Any]:
+def floor_coords(standing: Standing) -> dict[str, Any]:
     """Coordinates of the numbers of the structures and, for shear buildings, of the floors."""
-    sizes = np.diff(first)
-    coords = {"structure": ("structure", np.arange(1, sizes.size + 1), {"long_name": "structure"})}
-    if _with_floors(structures):
-        coords["floor"] = ("floor", np.arange(1, sizes.max() + 1), {"long_name": "floor"})
+    sizes = np.diff(standing.first)
+    coords = {STRUCTURE: (STRUCTURE, np.arange(1, sizes.size + 1), {"long_name": "structure"})}
+    if standing.with_floors:
+        coords[FLOOR] = (FLOOR, np.arange(1, sizes.max() + 1), {"long_name": "floor"})
     return coords
 
 
-def _with_floors(structures: Sequence[Building]) -> bool:
-    return any(isinstance(structure, ShearBuilding) for structure in structures)
-
-
-class ResponseHistories(NamedTuple):
-    """Response histories of a row by name: of floors, structures, links, the whole row and contacts."""
-
-    floors: dict[str, Array]  # (times, n)
-    structures: dict[str, Array]  # (times, s)
-    links: dict[str, Array]  # (times, l)
-    whole: dict[str, Array]  # (times,)
-    contacts: dict[str, Array]  # (times, c)
-
-
-def course(standing: Standing, response: RowResponse) -> ResponseHistories:
+def _course(standing: Standing, response: RowResponse) -> Quantities:
     """Displacements, velocities, accelerations, forces and energies in the history of a response."""
     at, to, kept = response.at, response.to, response.history
     row, first = standing.row, standing.first[:-1]
@@ -71,36 +71,33 @@ def course(standing: Standing, response: RowResponse) -> ResponseHistories:
     drag = _drags(standing, rate)
     pushed, squeezed = _contact_forces(standing, response, u, v)
     load = _products(v, system.damping) + _products(force + drag, system.extensions.T)
-    shear = force[:, :n]
-    energies = {
-        "input_energy": kept[:, to.entering : to.viscous],
-        "kinetic_energy": np.add.reduceat(0.5 * system.mass * v**2, first, axis=1),
-        "elastic_energy": np.add.reduceat(stored[:, :n], first, axis=1),
-        "viscous_energy": kept[:, to.viscous : to.hysteretic],
-        "hysteretic_energy": kept[:, to.hysteretic : to.drained],
+    shear, most, missing = force[:, :n], kept[:, to.most], np.abs(kept[:, to.missing])
+    imbalance = np.divide(missing, most, out=np.zeros_like(most), where=most > 0)
+    kinetic = np.add.reduceat(0.5 * system.mass * v**2, first, axis=1)
+    values: Quantities = {
+        "displacement": (FLOOR, u),
+        "velocity": (FLOOR, v),
+        "acceleration": (FLOOR, -(load + _products(pushed, row.contacts.weights.T)) / system.mass),
+        "storey_shear": (FLOOR, shear),
+        "base_shear": (STRUCTURE, shear[:, first]),
+        "input_energy": (STRUCTURE, kept[:, to.entering : to.viscous]),
+        "kinetic_energy": (STRUCTURE, kinetic),
+        "elastic_energy": (STRUCTURE, np.add.reduceat(stored[:, :n], first, axis=1)),
+        "viscous_energy": (STRUCTURE, kept[:, to.viscous : to.hysteretic]),
+        "hysteretic_energy": (STRUCTURE, kept[:, to.hysteretic : to.drained]),
     }
-    most = kept[:, to.most]
-    missing = np.abs(kept[:, to.missing])
-    whole = {
-        "contact_stored_energy": squeezed,
-        "contact_lost_energy": kept[:, to.lost : to.missing].sum(axis=1),
-        "energy_balance_error": np.divide(missing, most, out=np.zeros_like(most), where=most > 0),
-    }
-    floors = {
-        "displacement": u,
-        "velocity": v,
-        "acceleration": -(load + _products(pushed, row.contacts.weights.T)) / system.mass,
-        "storey_shear": shear,
-    }
-    pulls = {}
+    linked: Quantities = {}
     if row.parts.spring.size:
-        whole |= {
-            "link_stored_energy": stored[:, n:].sum(axis=1),
-            "link_lost_energy": kept[:, to.drained : to.lost].sum(axis=1),
-        }
-        pulls = {"link_force": _link_forces(standing, force, rate, drag)}
-    of_structures = {"base_shear": shear[:, first], **energies}
-    return ResponseHistories(floors, of_structures, pulls, whole, {"contact_force": pushed})
+        values["link_force"] = LINK, _link_forces(standing, force, rate, drag)
+        linked["link_stored_energy"] = WHOLE, stored[:, n:].sum(axis=1)
+        linked["link_lost_energy"] = WHOLE, kept[:, to.drained : to.lost].sum(axis=1)
+    return values | {
+        "contact_stored_energy": (WHOLE, squeezed),
+        "contact_lost_energy": (WHOLE, kept[:, to.lost : to.missing].sum(axis=1)),
+        "energy_balance_error": (WHOLE, imbalance),
+        **linked,
+        "contact_force": (CONTACT, pushed),
+    }
 
 
 def _products(values: Array, matrix: Array) -> Array:
@@ -150,36 +147,19 @@ def _link_forces(standing: Standing, force: Array, rate: Array, drag: Array) -> 
 
 
 def histories(
-    motion: ResponseHistories,
-    standing: Standing,
-    structures: Sequence[Building],
-    response: RowResponse,
-    start: float,
-    time: Array,
-    times: Array | None,
+    standing: Standing, response: RowResponse, start: float, time: Array, times: Array | None
 ) -> xr.Dataset:
     """Dataset of the histories of a response, over ``time`` [s], and of its impacts.
 
     ``times`` are those since the beginning [s] at which it is asked for; None at the samples, which the
     response has.
     """
-    line, first = response.impacts.T, standing.first
-
-    def at_times(values: Array) -> Array:
-        return values if times is None else _interpolated(values, response.time, times)
-
+    line, course = response.impacts.T, _course(standing, response)
+    if times is not None:
+        course = {n: (dim, _interpolated(v, response.time, times)) for n, (dim, v) in course.items()}
     return xr.Dataset(
         {
-            **{
-                name: by_floor(at_times(values), first, structures, "time")
-                for name, values in motion.floors.items()
-            },
-            **{n: (("time", "structure"), at_times(values)) for n, values in motion.structures.items()},
-            **{name: (("time", "link"), at_times(values)) for name, values in motion.links.items()},
-            **{name: ("time", at_times(values)) for name, values in motion.whole.items()},
-            **{
-                name: (("time", "contact"), at_times(values)) for name, values in motion.contacts.items()
-            },
+            **labelled(course, standing, "time"),
             "impact_time": ("impact", start + line[impacts.BEGIN]),
             "impact_contact": ("impact", line[impacts.CONTACT].astype(np.int64) + 1),
             "approach_velocity": ("impact", line[impacts.APPROACH]),
@@ -190,7 +170,7 @@ def histories(
         },
         coords={
             "time": ("time", time, {"units": "s", "long_name": "time"}),
-            **floor_coords(first, structures),
+            **floor_coords(standing),
             "side": ("side", list(SIDES), {"long_name": "side of the contact"}),
         },
     )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.pounding.ensembles import checked_ensemble, over_motions, with_statistics
 from stochlin.analyses.pounding.estimates import largest_by_one_impact
-from stochlin.analyses.pounding.histories import contacts, course, histories
+from stochlin.analyses.pounding.histories import contacts, histories, labelled
 from stochlin.analyses.pounding.rows import (
     Building,
     Standing,
@@ -20,25 +19,22 @@ from stochlin.analyses.pounding.rows import (
     checked_buildings,
     checked_gaps,
     checked_links,
-    shortest_period,
 )
 from stochlin.analyses.pounding.runs import (
     ON_GRID,
     STEPS_PER_CONTACT,
-    Outcome,
-    RowResponse,
-    check_runs,
+    jobs_of,
     paces_of,
     responses,
-    with_and_without,
+    successful,
 )
-from stochlin.analyses.pounding.summaries import labelled, step_error, summary
+from stochlin.analyses.pounding.summaries import summary
 from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.records.cells import SHORTEST, Records
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_truth, check_whole, checked_quantiles, is_number
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress, in_order
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import SAMPLES, STEPS, StepCounts
 from stochlin.kernels.records.oscillator import RADIUS
 from stochlin.kernels.records.runs import SampledMotion, peaks_on_records
@@ -245,10 +241,7 @@ def pound(
     levels = checked_quantiles(quantiles)
     if motion is None:
         raise TypeError("motion is not given; allowed: a record or several, as read_record gives them")
-    try:
-        ensemble = checked_ensemble(motion)
-    except (TypeError, ValueError) as error:
-        raise type(error)(f"motion: {error}") from error
+    ensemble = checked_ensemble(motion)
     links = checked_links(link, len(row_of))
     motions, over, _ = ensemble
     check_whole("steps_per_contact", steps_per_contact, FEWEST_STEPS, MOST_STEPS)
@@ -257,7 +250,6 @@ def pound(
     standing = build_row(row_of, spaces, contact, links)
     grounds = motions.grounds
     paces = paces_of(standing, contact, grounds, steps_per_contact)
-    check_runs(standing, grounds, paces)
     if over is not None and output_step is not None:
         raise ValueError(
             f"output_step = {brief(output_step)} is for one motion; allowed here: none, since "
@@ -270,16 +262,15 @@ def pound(
     if over is None:
         assert isinstance(motion, xr.DataArray)
         times = _output_times(output_step, grounds[0])
-        table = _of_one(
-            row_of, standing, grounds[0], paces[0], motion["time"], times, halved, progress
-        ).merge(lines)
+        table = _of_one(standing, grounds[0], paces[0], motion["time"], times, halved, progress)
+        table = table.merge(lines)
         oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
         if contact is not None and len(oscillators) == len(row_of) and not any(links):
             worst = _estimates(oscillators, spaces, contact, grounds[0])
             more["largest_radius_amplification"] = ("structure", worst)
         call = f"pound(output_step={output_step}, steps_per_contact={steps_per_contact})"
     else:
-        table = over_motions(row_of, standing, ensemble, paces, halved, progress).merge(lines)
+        table = over_motions(standing, ensemble, paces, halved, progress).merge(lines)
         table = with_statistics(table, over, levels)
         call = f"pound(quantiles={levels.tolist()}, steps_per_contact={steps_per_contact})"
     table = labels.label(table.assign(more), VARIABLES).assign_attrs(motion=ensemble.describe())
@@ -296,7 +287,6 @@ def pound(
 
 
 def _of_one(
-    structures: Sequence[Building],
     standing: Standing,
     ground: SampledMotion,
     pace: StepCounts,
@@ -306,30 +296,14 @@ def _of_one(
     progress: Progress | None,
 ) -> xr.Dataset:
     """Histories and summary of one motion, with the error of its time steps if ``halved``."""
-    shortest = shortest_period(structures)
-    coarser = StepCounts(pace.cuts // 2, pace.substeps)
     kept = SAMPLES if times is None else STEPS
-
-    def task(number: int) -> Sequence[Outcome]:
-        if number == 0:
-            return with_and_without(structures, standing, [ground], [pace], shortest, kept)[0]
-        return responses(structures, standing.row, [ground], [coarser], shortest)
-
-    runs: list[RowResponse] = []
-    for each in chain.from_iterable(in_order(task, 1 + halved, progress)):
-        if isinstance(each, ArithmeticError):
-            raise each
-        runs.append(each)
-    done, alone, *coarse = runs
+    outcomes = responses(standing, jobs_of(standing, ground, pace, halved), kept, progress)
+    values = summary(standing, outcomes)
+    del values["energy_balance_error"]  # it has a history
     start = float(time[0])
     at = time.to_numpy().astype(float) if times is None else start + times
-    table = histories(course(standing, done), standing, structures, done, start, at, times)
-    values = summary(standing, done, alone)
-    del values["energy_balance_error"]  # it has a history
-    table = table.assign(labelled(values, standing.first, structures))
-    if halved:
-        table["step_error"] = step_error(standing, coarse[0], done)
-    return table
+    table = histories(standing, successful(outcomes)[0], start, at, times)
+    return table.assign(labelled(values, standing))
 
 
 def _output_times(output_step: float | None, ground: SampledMotion) -> Array | None:
@@ -363,7 +337,6 @@ def _estimates(
 
     period, strength = column("period"), (column("hardening", 1.0), column("yield_displacement"))
     parameters = np.stack([2 * np.pi / period, column("damping"), *strength], axis=1)
-    radii = np.full(len(structures), np.nan)
-    known = period >= SHORTEST * ground.dt
-    radii[known] = peaks_on_records([ground], parameters[known])[0, :, RADIUS]
+    radii = peaks_on_records([ground], parameters)[0, :, RADIUS]
+    radii[period < SHORTEST * ground.dt] = np.nan
     return largest_by_one_impact(structures, gaps, contact, radii)

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from stochlin.analyses.simulation.connected_structures import LEAST_SHARE, modes_of
 from stochlin.analyses.simulation.rows import row_of, structure_of_floors
 from stochlin.analyses.tables.checks import as_numbers, check_scalars
 from stochlin.kernels.basics.arrays import Array
@@ -35,8 +34,8 @@ from stochlin.models.systems import (
 Building = Structure | ShearBuilding
 
 NUMBERS = "numbers, since a history is of one row"
-SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi), see `slow_approach`
 SLABS, COLUMN = "slab to slab", "slab to column"
+SIDES = "left", "right"  # sides of a contact
 
 
 class Meeting(NamedTuple):
@@ -59,12 +58,12 @@ class Meeting(NamedTuple):
         """Kind of the contact, slab to slab or slab to column."""
         return COLUMN if self.struck else SLABS
 
-    @property
-    def weights(self) -> tuple[float, float, float]:
-        """Factors in the penetration of the left floor, the right floor and the floor below a column."""
-        left, right = (self.share if self.struck == side else 1.0 for side in ("left", "right"))
-        below = 1 - self.share if self.storey else 0.0
-        return left, -right, below if self.struck == "left" else -below
+    def shares(self, side: str) -> dict[int, float]:
+        """Shares of the floors in the displacement of what meets on one side, by their numbers."""
+        floor = self.floor_left if side == SIDES[0] else self.floor_right
+        if self.struck != side:
+            return {floor: 1.0}
+        return {floor: self.share} | ({floor - 1: 1 - self.share} if floor else {})
 
     @property
     def storey(self) -> int:
@@ -75,6 +74,7 @@ class Meeting(NamedTuple):
 class Standing(NamedTuple):
     """Buildings in a row, and each of them alone, as kernels take them."""
 
+    structures: Sequence[Building]
     row: BuildingRow
     alone: BuildingRow  # the same without links between buildings; the row itself, if there are none
     arrangement: Arrangement
@@ -86,6 +86,21 @@ class Standing(NamedTuple):
     def first(self) -> Array:
         """Number of the first floor of each building, and of all floors (s + 1,)."""
         return self.arrangement.first
+
+    @property
+    def left(self) -> Array:
+        """Number of the building on the left of each contact, from 0 (c,)."""
+        return np.array([place.building for place in self.places], np.int64)
+
+    @property
+    def with_floors(self) -> bool:
+        """Whether there is a building with storeys."""
+        return any(isinstance(structure, ShearBuilding) for structure in self.structures)
+
+    @property
+    def shortest(self) -> float:
+        """Shortest of the first-mode periods of the structures [s]."""
+        return min(float(first_period(structure)) for structure in self.structures)
 
 
 def checked_buildings(structures: Sequence[Building]) -> list[Building]:
@@ -203,24 +218,7 @@ def build_row(
     row = alone = row_of(structures, system, contacts)
     if own != system.ties:
         alone = row_of(structures, system._replace(ties=own), Contacts.of([], mass.size))
-    return Standing(row, alone, system, places, space, reduced)
-
-
-def shortest_mode(standing: Standing) -> float:
-    """Shortest period of all modes with a share of the mass that matters [s]."""
-    systems = [standing.row.elements.system, *(stack.system for stack in standing.arrangement.stacks)]
-    modes = (modes_of(system) for system in systems)
-    return min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes)
-
-
-def shortest_period(structures: Sequence[Building]) -> float:
-    """Shortest of the first-mode periods of the structures [s]."""
-    return min(float(first_period(structure)) for structure in structures)
-
-
-def slow_approach(shortest: float, motion: Array) -> float:
-    """Approach velocity [m/s] below which a contact counts as elastic, `GroundMotions.slow`."""
-    return SLOW * float(np.abs(motion).max()) * shortest / (2 * np.pi)
+    return Standing(structures, row, alone, system, places, space, reduced)
 
 
 def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
@@ -239,13 +237,9 @@ def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
 
 def _sides(places: Sequence[Meeting], system: Arrangement) -> tuple[Array, Array]:
     """Weights (c, n) of the floors in the penetrations, those of the left and of the right side."""
-    left, right = np.zeros((2, len(places), int(system.first[-1])))
+    sides = np.zeros((2, len(places), int(system.first[-1])))
     for j, m in enumerate(places):
-        of_left, of_right, below = m.weights
-        on_left, on_right = (int(system.first[m.building + k]) for k in range(2))
-        left[j, on_left + m.floor_left] = of_left
-        right[j, on_right + m.floor_right] = of_right
-        if m.struck and m.storey:
-            side, floor = (left, on_left) if m.struck == "left" else (right, on_right)
-            side[j, floor + m.storey - 1] = below
-    return left, right
+        for k, side in enumerate(SIDES):
+            for floor, share in m.shares(side).items():
+                sides[k, j, system.first[m.building + k] + floor] = share if k == 0 else -share
+    return sides[0], sides[1]

@@ -7,16 +7,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.pounding.rows import Building, Standing, shortest_mode, slow_approach
-from stochlin.analyses.simulation.connected_structures import modes_of
+from stochlin.analyses.pounding.rows import Building, Standing
+from stochlin.analyses.simulation.connected_structures import modes_of, shortest_mode
 from stochlin.analyses.tables.work import check_work
-from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores, in_order
-from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
-from stochlin.kernels.simulation.account import Account
-from stochlin.kernels.simulation.time_step import Places
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact, Element
 
@@ -30,28 +27,8 @@ LANES = 64  # motions that are stepped together
 FEW = 4  # motions that take hardly more time than one
 OF_LANE, OF_STEP = 1.5e-9, 3e-6  # [s], of an operation in one lane, and of a step without them
 OPERATIONS = 60.0  # in a step for each floor, besides those with every other floor
+SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi)
 NEAR = 0.03  # share of the steps that are taken for divided near contact
-
-
-class RowResponse(NamedTuple):
-    """Response of a row of buildings to one motion."""
-
-    numbers: Array  # (rows,) at its end
-    impacts: Array  # (impacts, COLUMNS): the table of `kernels.pounding.impacts`
-    time: Array  # (times,) [s]: times of the history, from the beginning of the motion
-    history: Array  # (times, rows)
-    at: Places
-    to: Account
-
-    def of(self, first: int, last: int) -> Array:
-        """The numbers at the end, from the row ``first`` to ``last``."""
-        return self.numbers[first:last]
-
-    @property
-    def peaks(self) -> Array:
-        """Largest absolute displacement of each floor [m]."""
-        to = self.to
-        return np.maximum(self.of(to.highest, to.lowest), -self.of(to.lowest, to.acceleration))
 
 
 Outcome = RowResponse | ArithmeticError
@@ -63,9 +40,14 @@ def paces_of(
     grounds: Sequence[SampledMotion],
     steps_per_contact: int = STEPS_PER_CONTACT,
 ) -> list[kernel.StepCounts]:
-    """Time steps in an interval of each motion, an even number, and near contact."""
-    first = min(float(modes_of(s.system)[0].max()) for s in standing.arrangement.stacks)
-    longest = min(first / OF_FIRST, shortest_mode(standing) / OF_SHORTEST) / steps_per_contact
+    """Time steps in an interval of each motion, an even number, and near contact.
+
+    Raises a ValueError if the motions would take too much time or memory.
+    """
+    systems = [stack.system for stack in standing.arrangement.stacks]
+    first = min(float(modes_of(system)[0].max()) for system in systems)
+    shortest = min(map(shortest_mode, [standing.row.elements.system, *systems]))
+    longest = min(first / OF_FIRST, shortest / OF_SHORTEST) / steps_per_contact
     half = np.inf
     if isinstance(contact, Element):
         half = min(_half_period(contact, float(mass)) for mass in standing.reduced)
@@ -77,7 +59,9 @@ def paces_of(
             substeps = np.ceil(AT_BLOWS * STEPS_PER_CONTACT)
         return kernel.StepCounts(cuts, max(1, int(substeps)))
 
-    return [pace(ground.dt) for ground in grounds]
+    paces = [pace(ground.dt) for ground in grounds]
+    _check_runs(standing, grounds, paces)
+    return paces
 
 
 def _half_period(contact: Element, reduced: float) -> float:
@@ -89,7 +73,7 @@ def _half_period(contact: Element, reduced: float) -> float:
     return np.pi * scale
 
 
-def check_runs(
+def _check_runs(
     standing: Standing, grounds: Sequence[SampledMotion], paces: Sequence[kernel.StepCounts]
 ) -> None:
     """Raise a ValueError if the motions would take too much time or memory."""
@@ -113,90 +97,77 @@ def check_runs(
     )
 
 
+class Job(NamedTuple):
+    """A response that is to be computed."""
+
+    row: kernel.BuildingRow
+    ground: SampledMotion
+    pace: kernel.StepCounts
+    meets: bool = True  # whether contacts act
+
+
+def jobs_of(
+    standing: Standing, ground: SampledMotion, pace: kernel.StepCounts, halved: bool
+) -> list[Job]:
+    """The row and each building alone in a motion, and if ``halved`` the row in steps twice as long."""
+    coarser = pace._replace(cuts=pace.cuts // 2)
+    both = [Job(standing.row, ground, pace), Job(standing.alone, ground, pace, meets=False)]
+    return [*both, Job(standing.row, ground, coarser)] if halved else both
+
+
 def responses(
-    structures: Sequence[Building],
-    row: kernel.BuildingRow,
-    grounds: Sequence[SampledMotion],
-    paces: Sequence[kernel.StepCounts],
-    shortest: float,
+    standing: Standing,
+    jobs: Sequence[Job],
     keep: int = kernel.NOTHING,
     progress: Progress | None = None,
-    meets: Sequence[bool] | None = None,
 ) -> list[Outcome]:
-    """Response of the row to each motion, or the error of one that could not be computed.
-
-    ``shortest`` is the shortest of the first periods [s]. In motions where ``meets`` is false no contact
-    acts. Histories are kept of the first motion only.
-    """
-    acts = np.ones(len(grounds), bool) if meets is None else np.array(meets)
-    batches = list(_batches(grounds, paces))
-    at, to = row.places
+    """Responses, or the error of one that could not be computed; the first one has its history."""
+    batches = list(_batches(jobs))
     outcomes: dict[int, Outcome] = {}
 
-    def run(number: int) -> kernel.RunResult:
-        batch = batches[number]
-        motions = _motions(batch, grounds, acts, shortest)
-        return kernel.run(row, motions, paces[batch[0]], keep)
+    def run(batch: list[int]) -> list[RowResponse]:
+        first, motions = jobs[batch[0]], _motions([jobs[n] for n in batch], standing.shortest)
+        return kernel.run(first.row, motions, first.pace, keep if 0 in batch else kernel.NOTHING)
 
-    for batch, done in zip(batches, in_order(run, len(batches), progress), strict=True):
-        lanes = done.impacts[:, impacts.LANE]
-        for lane, number in enumerate(batch):
-            lines = done.impacts[lanes == lane]
-            response = RowResponse(done.x[:, lane], lines, done.time, done.history, at, to)
-            outcomes[number] = _failure(structures, response) or response
-    return [outcomes[number] for number in range(len(grounds))]
+    done = in_order(lambda number: run(batches[number]), len(batches), progress)
+    for batch, of_batch in zip(batches, done, strict=True):
+        for number, response in zip(batch, of_batch, strict=True):
+            outcomes[number] = _failure(standing.structures, response) or response
+    return [outcomes[number] for number in range(len(jobs))]
 
 
-def with_and_without(
-    structures: Sequence[Building],
-    standing: Standing,
-    grounds: Sequence[SampledMotion],
-    paces: Sequence[kernel.StepCounts],
-    shortest: float,
-    keep: int = kernel.NOTHING,
-    progress: Progress | None = None,
-) -> list[tuple[Outcome, Outcome]]:
-    """Responses of the buildings in the row and of each alone, as in `responses`."""
-    count = len(grounds)
-    if standing.alone.elements is standing.row.elements:
-        twice, steps = [*grounds, *grounds], [*paces, *paces]
-        meets = [True] * count + [False] * count
-        both = responses(structures, standing.row, twice, steps, shortest, keep, progress, meets)
-        return list(zip(both[:count], both[count:], strict=True))
-    rows = standing.row, standing.alone  # which differ by the links between buildings
-
-    def of_row(number: int) -> list[Outcome]:
-        return responses(structures, rows[number], grounds, paces, shortest, keep)
-
-    return list(zip(*in_order(of_row, len(rows), progress), strict=True))
-
-
-def _batches(
-    grounds: Sequence[SampledMotion], paces: Sequence[kernel.StepCounts]
-) -> Iterator[list[int]]:
-    """Numbers of motions that are stepped together: of one time step, the shortest first."""
-    alike: dict[tuple[float, kernel.StepCounts], list[int]] = {}
-    for number in np.argsort([len(ground.acceleration) for ground in grounds], kind="stable"):
-        alike.setdefault((grounds[number].dt, paces[number]), []).append(int(number))
+def _batches(jobs: Sequence[Job]) -> Iterator[list[int]]:
+    """Numbers of jobs that are stepped together: of one row and time step, the shortest first."""
+    alike: dict[tuple[int, float, kernel.StepCounts], list[int]] = {}
+    for number in np.argsort([len(job.ground.acceleration) for job in jobs], kind="stable"):
+        row, ground, pace, _ = jobs[number]
+        alike.setdefault((id(row), ground.dt, pace), []).append(int(number))
     for numbers in alike.values():
         size = min(LANES, max(FEW, -(-len(numbers) // cores())))
         for begin in range(0, len(numbers), size):
             yield numbers[begin : begin + size]
 
 
-def _motions(
-    batch: Sequence[int], grounds: Sequence[SampledMotion], meets: Array, shortest: float
-) -> kernel.GroundMotions:
-    """The motions of a batch."""
-    members = [grounds[number].acceleration for number in batch]
+def _motions(jobs: Sequence[Job], shortest: float) -> kernel.GroundMotions:
+    """The motions of jobs that are stepped together; ``shortest`` is that of the first periods [s]."""
+    members = [job.ground.acceleration for job in jobs]
     sizes = np.array([samples.size for samples in members])
-    acceleration = np.zeros((sizes.max(), len(batch)))
+    acceleration = np.zeros((sizes.max(), len(jobs)))
     for lane, samples in enumerate(members):
         acceleration[: samples.size, lane] = samples
-    slow = np.array([slow_approach(shortest, samples) for samples in members])
-    return kernel.GroundMotions(
-        acceleration, grounds[batch[0]].dt, sizes - 1, slow, meets[batch].astype(float)
-    )
+    meets = np.array([float(job.meets) for job in jobs])
+    slow = SLOW * np.abs(acceleration).max(axis=0) * shortest / (2 * np.pi)
+    return kernel.GroundMotions(acceleration, jobs[0].ground.dt, sizes - 1, slow, meets)
+
+
+def successful(outcomes: Sequence[Outcome]) -> list[RowResponse]:
+    """The responses; raises the error of the first that could not be computed."""
+    done = []
+    for outcome in outcomes:
+        if isinstance(outcome, ArithmeticError):
+            raise outcome
+        done.append(outcome)
+    return done
 
 
 def _failure(structures: Sequence[Building], response: RowResponse) -> ArithmeticError | None:

@@ -98,9 +98,7 @@ def histories_of(
         memory=8 * (ENVELOPES * steps + RESULTS * float(paths) * count),
         seconds=seconds_of(run, steps, WATCHED * count),
     )
-    plan, shape = finite_steps(run, course.duration, course.envelope)
-    instants = course.times[course.shown] / plan.dt
+    crowd, shape = finite_steps(run, course.duration, course.envelope)
+    instants = course.times[course.shown] / run.plan.dt
     instants[-1] = shape.size
-    return separation_histories(
-        run.crowd, run.ground, run.root, plan, shape, instants, watched, progress
-    )
+    return separation_histories(crowd, shape, instants, watched, progress)

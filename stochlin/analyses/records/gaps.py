@@ -18,7 +18,7 @@ from stochlin.analyses.records.cells import (
 )
 from stochlin.analyses.records.stepped import stepped_gap
 from stochlin.analyses.records.variables import ALONE, VARIABLES
-from stochlin.analyses.simulation.finite_motions import quantile_intervals
+from stochlin.analyses.simulation.finite_motions import quantile_columns
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.analyses.tables.checks import standing
@@ -102,7 +102,7 @@ def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Recor
     else:
         table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions), roles)
     if RECORD in table.dims:
-        table = table.assign(_over_records(table.separation))
+        table = table.merge(_over_records(table.separation))
     return labels.with_run_information(
         labels.label(
             table.assign_attrs(records=motions.describe()),
@@ -114,16 +114,12 @@ def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Recor
     )
 
 
-def _over_records(separation: xr.DataArray) -> dict[str, xr.DataArray]:
+def _over_records(separation: xr.DataArray) -> xr.Dataset:
     """Quantiles of the separation over the records, with their 95 % intervals."""
     samples = separation.transpose(RECORD, ...)
-    intervals = quantile_intervals(samples.to_numpy(), QUANTILES)
-    like = samples.isel({RECORD: 0}, drop=True)
-    level = labels.axis("quantile", "quantile", QUANTILES)
-    return {
-        f"separation_quantile{end}": like.expand_dims(quantile=level).copy(data=values)
-        for end, values in zip(("", "_lower", "_upper"), intervals, strict=True)
-    }
+    columns = quantile_columns("separation", samples.dims[1:], samples.to_numpy(), QUANTILES)
+    like = samples.isel({RECORD: 0}, drop=True).coords
+    return xr.Dataset(columns, coords={**like, "quantile": QUANTILES})
 
 
 def _exactly(structures: list[Bilinear], motions: RecordedMotions) -> xr.Dataset:

@@ -7,6 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.records.cells import (
     SCALARS,
+    RecordedMotions,
     Records,
     cells_of,
     check_run,
@@ -175,8 +176,7 @@ def response_spectrum(
         slip = peaks[..., recorded.LAST] - peaks[..., recorded.LAST_Y]
         columns["permanent_set"] = (1 - hardening_ratio) * slip
     table = table_over(columns, displacement <= uy, like, motions, cells.valid)
-    table = table.assign_attrs(records=motions.describe())
-    return _with_information(table, "Response spectrum", "response_spectrum()", structure)
+    return _with_information(table, "Response spectrum", "response_spectrum()", structure, motions)
 
 
 def respond(structure: AnyStructure, record: xr.DataArray, *, refine: int = 1) -> xr.Dataset:
@@ -242,35 +242,39 @@ def respond(structure: AnyStructure, record: xr.DataArray, *, refine: int = 1) -
     intervals = ground.acceleration.size - 1
     time = start + ground.dt / refine * np.arange(refine * intervals + 1)
     time[::refine] = record["time"]
-    title, call = "Response to a record", f"respond(refine={refine})"
-    if not isinstance(structure, Bilinear):
-        table = stepped_history(structure, ground, int(refine))
-        table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
-        return _with_information(table.assign_attrs(records=motions.describe()), title, call, structure)
+    table = (
+        _exact_history(structure, motions, int(refine))
+        if isinstance(structure, Bilinear)
+        else stepped_history(structure, ground, int(refine))
+    )
+    table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
+    return _with_information(
+        table, "Response to a record", f"respond(refine={refine})", structure, motions
+    )
+
+
+def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -> xr.Dataset:
+    """The response history of a bilinear oscillator for `respond`; without times."""
     parameters = cells_of(structure, dims_of(structure), motions).parameters[0]
-    displacement, velocity, strain, *spent = history(ground, parameters, int(refine))
-    w, _, hardening, _ = parameters
-    kept = (
-        hardening * displacement**2 + (1 - hardening) * strain**2
-        if structure.yields
-        else displacement**2
-    )
-    energies = (*spent, 0.5 * velocity**2, 0.5 * w**2 * kept)
-    table = xr.Dataset(
-        {
-            "displacement": ("time", displacement),
-            "velocity": ("time", velocity),
-            "radius": ("time", np.hypot(displacement, velocity / w)),
-            **{name: ("time", each) for name, each in zip(ENERGIES, energies, strict=True)},
-        },
-        coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
-    )
+    displacement, velocity, strain, *spent = history(motions.grounds[0], parameters, refine)
+    w, _, hardening, uy = parameters
+    kept = displacement**2
     if structure.yields:
-        table["z"] = ("time", strain / parameters[3])
-    table = table.assign_attrs(records=motions.describe())
-    return _with_information(table, title, call, structure)
+        kept = hardening * displacement**2 + (1 - hardening) * strain**2
+    energies = (*spent, 0.5 * velocity**2, 0.5 * w**2 * kept)
+    columns = {
+        "displacement": displacement,
+        "velocity": velocity,
+        "radius": np.hypot(displacement, velocity / w),
+        **dict(zip(ENERGIES, energies, strict=True)),
+    }
+    if structure.yields:
+        columns["z"] = strain / uy
+    return xr.Dataset({name: ("time", values) for name, values in columns.items()})
 
 
-def _with_information(table: xr.Dataset, title: str, call: str, structure: AnyStructure) -> xr.Dataset:
-    models = {"structure": structure}
-    return labels.with_run_information(labels.label(table, VARIABLES), title, call, models, REFERENCES)
+def _with_information(
+    table: xr.Dataset, title: str, call: str, structure: AnyStructure, motions: RecordedMotions
+) -> xr.Dataset:
+    table = labels.label(table, VARIABLES).assign_attrs(records=motions.describe())
+    return labels.with_run_information(table, title, call, {"structure": structure}, REFERENCES)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.cells import RECORD, RecordedMotions
-from stochlin.analyses.simulation.connected_structures import ConnectedStructures, all_connected
+from stochlin.analyses.simulation.connected_structures import SteppedGroup, all_connected
 from stochlin.analyses.simulation.finite_motions import RUNS_AWAY
 from stochlin.analyses.simulation.rows import row_of
 from stochlin.analyses.simulation.views import Terms, apart, displacements, drifts_of, pairs_of
@@ -22,9 +22,8 @@ from stochlin.kernels.pounding.run import SAMPLES, GroundMotions, StepCounts, ru
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.account import Account
 from stochlin.kernels.simulation.contacts import Contacts
-from stochlin.models.buildings import ShearBuilding
 from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of
+from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_period, floor_count
 
 STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
 CLOSE, HALVINGS = 1e-4, 6  # allowed relative change of peaks when the step is halved; most halvings
@@ -41,13 +40,13 @@ class SteppedResponse(NamedTuple):
 
 
 def stepped_response(
-    connected: Sequence[ConnectedStructures], ground: SampledMotion, functions: Sequence[Terms]
+    connected: Sequence[SteppedGroup], ground: SampledMotion, functions: Sequence[Terms]
 ) -> SteppedResponse:
     """Functions of the floor displacements, from rest, with steps halved until their peaks converge.
 
     The steps are of second order, so that the remaining error is about a third of the last change.
     """
-    weights = np.zeros((len(functions), _floors(connected)))
+    weights = np.zeros((len(functions), sum(group.floors.size for group in connected)))
     for row, terms in zip(weights, functions, strict=True):
         row[list(terms)] = list(terms.values())
     shortest = min(group.shortest for group in connected)
@@ -82,30 +81,31 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     between = np.arange(refine * samples[-1] + 1) / refine
     finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
     connected = all_connected(system)
-    first = stepped_response(connected, finer, [{floor: 1.0} for floor in range(_floors(connected))])
-    row = row_of([structure], system, Contacts.of([], _floors(connected)))
+    count = floor_count(structure)
+    first = stepped_response(connected, finer, [{floor: 1.0} for floor in range(count)])
+    row = row_of([structure], system, Contacts.of([], count))
     at, to = row.places
     intervals, none = np.array([between.size - 1]), np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
-    kept = run(row, motion, StepCounts(first.cuts, 1), SAMPLES).history
+    kept = run(row, motion, StepCounts(first.cuts, 1), SAMPLES)[0].history
     u, v, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
     strength, drift = system.storeys.strength, u @ system.extensions.T
     energies = _energies(system, kept, to, v, drift, z).assign(step_error=first.error)
-    over = ("time", FLOOR)
-    if not isinstance(structure, ShearBuilding):
-        radius = np.hypot(u[:, 0], v[:, 0] * float(structure.arrays()["period"]) / (2 * np.pi))
-        table = xr.Dataset({"displacement": ("time", u[:, 0]), "velocity": ("time", v[:, 0])})
+    lone = system.stacks[0].is_oscillator
+
+    def over(dimension: str, values: Array) -> tuple[Any, Array]:
+        return ("time", values[:, 0]) if lone else (("time", dimension), values)
+
+    table = xr.Dataset({"displacement": over(FLOOR, u), "velocity": over(FLOOR, v)})
+    if lone:
+        radius = np.hypot(u[:, 0], v[:, 0] * float(first_period(structure)) / (2 * np.pi))
         table["radius"] = ("time", radius)
-        if structure.yields:
-            table["z"] = ("time", z[:, 0] / strength[0])
-        return table.merge(energies)
-    table = xr.Dataset({"displacement": (over, u), "velocity": (over, v)})
-    table["storey_drift"] = (("time", ELEMENT), drift)
+    else:
+        table["storey_drift"] = over(ELEMENT, drift)
+        table = table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
     if structure.yields:
-        table["z"] = (("time", ELEMENT), z / strength)
-    return table.merge(energies).assign_coords(
-        {**floor_coordinates(system), **element_coordinates(system)}
-    )
+        table["z"] = over(ELEMENT, z / strength)
+    return table.merge(energies)
 
 
 def _energies(
@@ -200,10 +200,6 @@ def peaks_of(values: Array) -> Array:
     return np.maximum(np.concatenate([values.max(axis=0), -values.min(axis=0)]), 0.0)
 
 
-def _floors(connected: Sequence[ConnectedStructures]) -> int:
-    return sum(group.floors.size for group in connected)
-
-
 def _forcing(ground: SampledMotion, cuts: int) -> Array:
     """Mean over each step of the negative ground acceleration, which is linear between samples."""
     share = (np.arange(cuts) + 0.5) / cuts
@@ -213,7 +209,7 @@ def _forcing(ground: SampledMotion, cuts: int) -> Array:
 
 
 def _values(
-    connected: Sequence[ConnectedStructures], weights: Array, ground: SampledMotion, cuts: int
+    connected: Sequence[SteppedGroup], weights: Array, ground: SampledMotion, cuts: int
 ) -> Array:
     f, dt = _forcing(ground, cuts), ground.dt / cuts
     values = np.zeros((len(f) + 1, len(weights)))

@@ -11,7 +11,7 @@ import scipy.sparse.csgraph
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.simulation.ensemble import SteppedStructures
+from stochlin.kernels.simulation.ensemble import Oscillators, SteppedStructures
 from stochlin.kernels.simulation.laws import (
     BILINEAR,
     LINEAR,
@@ -29,17 +29,18 @@ from stochlin.models.systems import Arrangement, Stack
 LEAST_SHARE = 0.01
 
 
-class ConnectedStructures(NamedTuple):
-    """Structures that are linked to each other, or one building."""
+class SteppedGroup(NamedTuple):
+    """Structures that are stepped together: oscillators, linked structures, or one building."""
 
-    part: SteppedStructures
+    part: Oscillators | SteppedStructures
     floors: Array  # (n,) numbers of the floors in the system
     shortest: float  # [s], shortest elastic period that determines the time step
     slowest: float  # [s], longest decay time of the elastic vibrations
-    period: float  # [s], longest elastic period
+    period: Any  # [s], longest elastic period, or (n,) that of each oscillator
+    scale: Any = 1.0  # the unit in which displacements are computed [m], or (n,) that of each floor
 
 
-def connected_of(system: Arrangement) -> tuple[list[ConnectedStructures], list[int]]:
+def connected_of(system: Arrangement) -> tuple[list[SteppedGroup], list[int]]:
     """Connected structures of a system, and the numbers of the oscillators without links."""
     connected, alone = [], []
     with_device = {tie.one for tie in system.ties if tie.link.within_one}
@@ -53,14 +54,12 @@ def connected_of(system: Arrangement) -> tuple[list[ConnectedStructures], list[i
     return connected, alone
 
 
-def all_connected(system: Arrangement) -> list[ConnectedStructures]:
+def all_connected(system: Arrangement) -> list[SteppedGroup]:
     """Connected structures of a system, with oscillators without links as buildings of one storey."""
     return [_connected(system, members) for members in _tied(system)]
 
 
-def sampled_connected(
-    system: Arrangement, samples: Sequence[Sequence[Stack]]
-) -> list[ConnectedStructures]:
+def sampled_connected(system: Arrangement, samples: Sequence[Sequence[Stack]]) -> list[SteppedGroup]:
     """Those of a system with uncertain parameters; ``samples`` are the structures of each motion.
 
     The time step is short enough for the stiffest sample of each structure.
@@ -70,11 +69,11 @@ def sampled_connected(
     sampled = []
     for members in _tied(system):
         group = _connected(system, members)
-        usual, stacks = group.part.elements, [system.stacks[m] for m in members]
+        (usual, law), stacks = elements_of(system, members), [system.stacks[m] for m in members]
         of_links = usual.system.damping - System.beside([stack.system for stack in stacks]).damping
         elements = _with_stacks(usual, of_links, [[sample[m] for m in members] for sample in samples])
         shortest = _connected(system._replace(stacks=tuple(stiffest)), members).shortest
-        part = SteppedStructures(usual, group.part.law, elements)
+        part = SteppedStructures(usual, law, elements)
         sampled.append(group._replace(part=part, shortest=shortest))
     return sampled
 
@@ -111,17 +110,17 @@ def _tied(system: Arrangement) -> list[Array]:
     return [np.flatnonzero(group == number) for number in dict.fromkeys(group)]
 
 
-def _connected(system: Arrangement, members: Array) -> ConnectedStructures:
+def _connected(system: Arrangement, members: Array) -> SteppedGroup:
     """The structures ``members`` (numbers from 0) and the links between them."""
     elements, law = elements_of(system, members)
     whole, stacks = elements.system, [system.stacks[m] for m in members]
-    modes = [modes_of(part) for part in (whole, *(stack.system for stack in stacks))]
-    return ConnectedStructures(
+    systems = [whole, *(stack.system for stack in stacks)]
+    return SteppedGroup(
         SteppedStructures(elements, law),
         _floors(system, members),
-        shortest=min(float(periods[shares >= LEAST_SHARE].min()) for periods, shares in modes),
+        shortest=min(map(shortest_mode, systems)),
         slowest=1 / float(-np.linalg.eigvals(whole.state_matrix).real.max()),
-        period=float(modes[0][0].max()),
+        period=float(modes_of(whole)[0].max()),
     )
 
 
@@ -181,6 +180,12 @@ def modes_of(system: System) -> tuple[Array, Array]:
     return 2 * np.pi / np.sqrt(squares), shares
 
 
+def shortest_mode(system: System) -> float:
+    """Shortest period of all modes with a share of the mass that matters [s]."""
+    periods, shares = modes_of(system)
+    return float(periods[shares >= LEAST_SHARE].min())
+
+
 def _kind(link: Link) -> int:
     return BILINEAR if link.yields else LINEAR if link.slack is None else SLACK
 
@@ -194,10 +199,3 @@ def laws_of(steps: Sequence[int | RateLaw]) -> tuple[Array, Array, Any]:
     kinds = [OTHER + of_users.index(law) if isinstance(law, RateLaw) else law for law in steps]
     states = [law.states if isinstance(law, RateLaw) else 1 for law in steps]
     return np.array(kinds), np.array(states), by_number(tuple(of_users))
-
-
-def relaxation_times(system: Arrangement, k_eq: Array) -> Array:
-    """Relaxation times [s] of the plastic drifts of the storeys by linearization; 0 if elastic."""
-    share = system.storeys.post / system.storeys.elastic
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(k_eq > 0, 1 / (share * k_eq), 0.0)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import derived_together, solve_structure
 from stochlin.analyses.linearization.tolerance import Tolerance
-from stochlin.analyses.simulation.connected_structures import ConnectedStructures, laws_of
+from stochlin.analyses.simulation.connected_structures import SteppedGroup, laws_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_whole, is_number
@@ -28,7 +27,6 @@ from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.simulation.ensemble import (
-    AnyGround,
     Crowd,
     Oscillators,
     Plan,
@@ -74,16 +72,22 @@ class SimulationRun(NamedTuple):
     It has floors: an oscillator has one, a building with storeys has one for each storey.
     """
 
-    crowd: Crowd  # all structures, grouped by the kind of their time steps
+    crowd: Crowd  # all structures, grouped by the kind of their time steps, with ground and plan
     order: Array  # for each valid floor, its row in the crowd
     scale: Array  # for each valid floor, the unit in which its displacement is computed [m]
-    ground: AnyGround  # time steps of the ground filter
-    root: Array  # square root of the stationary covariance of the filter, for its initial states
-    plan: Plan  # time step, duration, number and seed of the motions
     memory: float  # [s], the longest time in which a vibration or a plastic drift decays
     valid: Array  # (n,) for each floor, whether it can be simulated
     period: Array  # [s], for each valid floor, the longest period of its structure
     drift_time: Array  # [s], for each valid floor, the time in which its plastic drift decays
+
+    @property
+    def plan(self) -> Plan:
+        """Time step, duration, number and seed of the motions."""
+        return self.crowd.plan
+
+    def with_plan(self, **changes: Any) -> SimulationRun:
+        """The run with other entries of the plan."""
+        return self._replace(crowd=self.crowd._replace(plan=self.plan._replace(**changes)))
 
 
 def cells_of(
@@ -132,23 +136,8 @@ def cells_of(
 def cells_of_all(
     structures: Sequence[Structure], ground: Ground, stationary: bool = True
 ) -> SimulationCells:
-    """The cells of structures with scalar parameters, in their order.
-
-    Structures with the same hysteresis law are solved together, which is faster.
-    """
-    alike: dict[tuple[object, ...], list[int]] = {}
-    values = [structure.arrays() for structure in structures]
-    for number, structure in enumerate(structures):
-        alike.setdefault((structure.step(), *values[number]), []).append(number)
-    parts = []
-    for numbers in alike.values():
-        first = numbers[0]
-        columns: dict[str, Any] = {
-            n: [float(values[i][n]) for i in numbers] for n in values[first] if n != "mass"
-        }
-        parts.append(cells_of(replace(structures[first], **columns), ground, stationary)[0])
-    order = np.argsort([number for numbers in alike.values() for number in numbers])
-    return SimulationCells(*(column[order] for column in join_cells(parts)))
+    """The cells of structures with scalar parameters, in their order."""
+    return join_cells([cells_of(structure, ground, stationary)[0] for structure in structures])
 
 
 def join_cells(parts: Sequence[SimulationCells]) -> SimulationCells:
@@ -177,7 +166,7 @@ def prepare(
     paths: int,
     seed: int,
     steps_per_period: int,
-    connected: Sequence[ConnectedStructures] = (),
+    connected: Sequence[SteppedGroup] = (),
     floors: Sequence[int] | None = None,
     drift_times: Array | None = None,
     scatter: float = 0.0,
@@ -195,7 +184,7 @@ def prepare(
         The ground that acts on all structures.
     paths, seed, steps_per_period, scatter
         As in `simulate`.
-    connected : sequence of ConnectedStructures
+    connected : sequence of SteppedGroup
         Buildings with storeys and linked structures.
     floors : sequence of int, optional
         For each of the ``cells`` its number among the floors. Required with ``connected`` ones.
@@ -221,45 +210,36 @@ def prepare(
     count = own + sum(group.floors.size for group in connected)
     if moments:
         check_memory(count if cells is None or connected else int(cells.valid.sum()), paths)
-    rows, scale, period = np.full(count, -1), np.full(count, np.nan), np.full(count, np.nan)
-    drift_time, parts = np.zeros(count), list[Oscillators | SteppedStructures]()
+    groups = list(connected)
+    if cells is not None:
+        groups = [*_oscillators(cells, np.arange(own) if floors is None else np.array(floors)), *groups]
+        drift_times = cells.drift_time if drift_times is None else drift_times
+    rows, (scale, period) = np.full(count, -1), np.full((2, count), np.nan)
+    begin = 0
+    for group in groups:
+        rows[group.floors] = begin + np.arange(group.floors.size)
+        scale[group.floors], period[group.floors] = group.scale, group.period
+        begin += group.floors.size
     soil = ground.lone_filter()
     rates = -np.linalg.eigvals(soil.arrays.matrix).real if soil.states else np.array([np.inf])
     soils = [each.lone_filter() for each in grounds] or [soil]
     periods = [float(2 * np.pi / np.float64(each.fastest)) for each in soils if each.states]
-    memory = float((1 / rates).max())
-    if cells is not None:
-        valid = cells.valid
-        mine = np.arange(count) if floors is None else np.array(floors)
-        of_cells, order, unit = _oscillators(cells, valid)
-        rows[mine[valid]], scale[mine[valid]], parts = order, unit, of_cells
-        period[mine], drift_time[mine] = cells.period, cells.drift_time
-        periods.append(float(cells.period[valid].min()))
-        memory = max(memory, float(cells.damping_time[valid].max()))
-    for group in connected:
-        begin = sum(part.size for part in parts)
-        rows[group.floors] = begin + np.arange(group.floors.size)
-        scale[group.floors], period[group.floors] = 1.0, group.period
-        periods.append(group.shortest)
-        memory = max(memory, group.slowest)
-        parts.append(group.part)
-    if drift_times is not None:
-        drift_time = drift_times
+    periods += [group.shortest for group in groups]
+    memory = max(float((1 / rates).max()), *(group.slowest for group in groups))
     dt = step or min(periods) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
     known = rows >= 0
     steps, roots = zip(*(ground_steps(each, dt) for each in soils), strict=True)
+    plan = Plan(dt, every, 0, 0, groups=int(np.ceil(paths / LANES)), seed=seed, scatter=scatter)
+    soil_steps = UncertainGround(steps, roots) if grounds else steps[0]
     return SimulationRun(
-        Crowd(tuple(parts)),
+        Crowd([group.part for group in groups], soil_steps, roots[0], plan),
         rows[known],
         scale[known],
-        UncertainGround(steps, roots) if grounds else steps[0],
-        roots[0],
-        Plan(dt, every, 0, 0, groups=int(np.ceil(paths / LANES)), seed=seed, scatter=scatter),
         memory,
         known,
         period[known],
-        drift_time[known],
+        np.asarray(drift_times)[known],
     )
 
 
@@ -313,34 +293,40 @@ def _weight(part: Oscillators | SteppedStructures) -> float:
     return float(part.size)
 
 
-def _oscillators(
-    cells: SimulationCells, valid: Array
-) -> tuple[list[Oscillators | SteppedStructures], Array, Array]:
-    """The valid structures, bilinear ones together, the row of each, and its unit of displacement [m].
+def _oscillators(cells: SimulationCells, floors: Array) -> list[SteppedGroup]:
+    """The valid structures, bilinear ones together; ``floors`` are the numbers of all cells.
 
     Displacements of bilinear structures are computed in units of the yield displacement, others in m.
     """
+    valid = cells.valid
     w = 2 * np.pi / cells.period[valid]
     yields = np.isfinite(cells.yield_displacement[valid])
     alpha = np.where(yields, cells.hardening[valid], 1.0)
     scale = np.where(yields, cells.yield_displacement[valid], 1.0)
     friction, post, couple = 2 * cells.damping[valid] * w, alpha * w**2, (1 - alpha) * w**2
-    step, law = cells.step[valid], cells.law[valid]
+    step, law, period, slowest = (
+        column[valid] for column in (cells.step, cells.law, cells.period, cells.damping_time)
+    )
     bilinear = (step == BILINEAR) | ~yields
-    together, others = np.flatnonzero(bilinear), np.flatnonzero(~bilinear)
-    parts: list[Oscillators | SteppedStructures] = []
+    groups: list[SteppedGroup] = []
+
+    def add(part: Oscillators | SteppedStructures, members: Array, unit: Any) -> None:
+        own = period[members]
+        memory = float(slowest[members].max())
+        groups.append(SteppedGroup(part, floors[valid][members], float(own.min()), memory, own, unit))
+
+    together = np.flatnonzero(bilinear)
     if together.size:
-        parts.append(Oscillators(np.stack([friction, post, couple, 1 / scale], axis=1)[together]))
-    for n in others:
+        columns = np.stack([friction, post, couple, 1 / scale], axis=1)
+        add(Oscillators(columns[together]), together, scale[together])
+    for n in np.flatnonzero(~bilinear):
         spring = ([value] for value in (post[n], couple[n], scale[n]))
         unit = np.ones((1, 1))
         system = System(unit[0], friction[n] * unit, unit, unit, *map(np.array, spring))
         kinds, states, of_kinds = laws_of([step[n]])
         own = law[n][None, np.isfinite(law[n])]
-        parts.append(SteppedStructures(Elements(system, kinds, states, own), of_kinds))
-    order = np.empty(w.size, int)
-    order[np.concatenate([together, others])] = np.arange(w.size)
-    return parts, order, np.where(bilinear, scale, 1.0)
+        add(SteppedStructures(Elements(system, kinds, states, own), of_kinds), np.array([n]), 1.0)
+    return groups
 
 
 def _root(matrix: Array, noise: Array, intensity: float) -> Array:

@@ -27,7 +27,7 @@ from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.ensemble import Extremes, Plan, finite_extremes
+from stochlin.kernels.simulation.ensemble import Crowd, Extremes, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope, envelope_at
@@ -43,6 +43,7 @@ RUNS_AWAY = (
 )
 Column = tuple[Sequence[str], Array]  # dimensions, and values over them
 Columns = dict[str, Column]
+ENDS = "", "_lower", "_upper"  # endings of the names of a quantity and its 95 % interval
 ENVELOPES, RESULTS = 6, 6  # numbers that are in memory at once for each step, and for each peak
 
 
@@ -95,11 +96,11 @@ def check_response(system: Arrangement, finite: Array) -> None:
         )
 
 
-def finite_steps(run: SimulationRun, duration: float, envelope: Envelope | None) -> tuple[Plan, Array]:
-    """Plan of a finite motion, which samples each step, and the envelope in the middle of the steps."""
-    plan = run.plan._replace(every=1, samples=BLOCK)
-    middle = plan.dt * (np.arange(int(np.ceil(duration / plan.dt))) + 0.5)
-    return plan, envelope_at(envelope, middle)
+def finite_steps(run: SimulationRun, duration: float, envelope: Envelope | None) -> tuple[Crowd, Array]:
+    """The crowd for finite motions, sampled at each step, and the envelope amid the steps."""
+    dt = run.plan.dt
+    middle = dt * (np.arange(int(np.ceil(duration / dt))) + 0.5)
+    return run.with_plan(every=1, samples=BLOCK).crowd, envelope_at(envelope, middle)
 
 
 def simulate_finite(
@@ -147,12 +148,8 @@ def simulate_finite(
     means = _means(samples)
     if storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength
-    ends = quantile_intervals(samples["separation"][1], levels)
-    over = "quantile", STRUCTURE, f"{STRUCTURE}_2"
-    quantile: Columns = {
-        f"separation_quantile{end}": (over, values)
-        for end, values in zip(("", "_lower", "_upper"), ends, strict=True)
-    }
+    (_, *over), apart_most = samples["separation"]
+    quantile = quantile_columns("separation", over, apart_most, levels)
     coords["quantile"] = "quantile", levels, {"units": "1", "long_name": "quantile"}
     # Made at once, because each addition to a dataset takes a millisecond.
     return xr.Dataset(samples | means | quantile, coords, finite_attributes(run, duration, envelope))
@@ -164,8 +161,7 @@ def _means(samples: Columns) -> Columns:
     for name in ("peak", "peak_positive", "peak_drift", "separation"):
         if name in samples:
             (_, *over), values = samples[name]
-            mean, error = mean_with_error(values)
-            means |= {f"{name}_mean": (over, mean), f"{name}_mean_standard_error": (over, error)}
+            means |= mean_columns(name, over, values)
     return means
 
 
@@ -201,9 +197,8 @@ def _extremes(
     progress: Progress | None,
 ) -> Extremes:
     """Largest and smallest values [m] of linear functions of the displacements of valid floors."""
-    plan, shape = finite_steps(run, duration, envelope)
-    view = view_of(functions, run.order, run.scale)
-    return finite_extremes(run.crowd, view, run.ground, run.root, plan, shape, progress)
+    crowd, shape = finite_steps(run, duration, envelope)
+    return finite_extremes(crowd, view_of(functions, run.order, run.scale), shape, progress)
 
 
 def _at_heights(
@@ -349,8 +344,16 @@ def share_interval(count: Array, motions: int) -> tuple[Array, Array]:
 
 
 def mean_with_error(samples: Array) -> tuple[Any, Any]:
-    """Mean along the first axis, and its standard error."""
-    return samples.mean(axis=0), samples.std(axis=0, ddof=1) / np.sqrt(len(samples))
+    """Mean along the first axis, and its standard error, which is NaN for one sample."""
+    several = len(samples) > 1
+    spread = samples.std(axis=0, ddof=1) if several else np.full(samples.shape[1:], np.nan)
+    return samples.mean(axis=0), spread / np.sqrt(len(samples))
+
+
+def mean_columns(name: str, over: Sequence[Any], samples: Array) -> Columns:
+    """Mean of a variable along the first axis, and its standard error."""
+    mean, error = mean_with_error(samples)
+    return {f"{name}_mean": (over, mean), f"{name}_mean_standard_error": (over, error)}
 
 
 def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Array]:
@@ -364,3 +367,9 @@ def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Arr
     lower = np.where((low >= 0).reshape(each), ordered[np.maximum(low, 0)], 0.0)
     upper = np.where((high < n).reshape(each), ordered[np.minimum(high, n - 1)], np.inf)
     return estimate, lower, upper
+
+
+def quantile_columns(name: str, over: Sequence[Any], samples: Array, levels: Array) -> Columns:
+    """Quantiles of a variable along the first axis, and the ends of their 95 % intervals."""
+    intervals = zip(ENDS, quantile_intervals(samples, levels), strict=True)
+    return {f"{name}_quantile{end}": (("quantile", *over), values) for end, values in intervals}

@@ -11,7 +11,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_duration, check_scalars, check_scatter, is_number
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.ensemble import Plan, ground_motions
+from stochlin.kernels.simulation.ensemble import Crowd, Plan, ground_motions
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope, envelope_at
@@ -99,7 +99,9 @@ def simulated_motions(
     groups = -(-paths // LANES)
     plan = Plan(step, 1, 0, 0, groups, seed, BLOCK, scatter=float(scatter))
     made, root = ground_steps(soil, step)
-    values = ground_motions(made, soil.arrays.output, root, plan, steps, progress)[:paths]
+    if soil.states:  # the value at the beginning of each step, in place of its mean
+        made = made._replace(row=soil.arrays.output, direct=0.0)
+    values = ground_motions(Crowd((), made, root, plan), steps, progress)[:paths]
     # The forcing f of a structure is minus the ground acceleration.
     values *= -envelope_at(envelope, time)
     motions = xr.DataArray(

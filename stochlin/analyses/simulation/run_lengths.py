@@ -8,8 +8,6 @@ simulation.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from stochlin.analyses.simulation.ensembles import SimulationRun, seconds_of
@@ -26,13 +24,6 @@ FALLEN = 0.6  # autocorrelation below which the time constant is evaluated
 ERRORS = 2.0  # standard errors that are added to the autocorrelation, on the safe side
 
 
-class _Drift(NamedTuple):
-    """The slowest plastic drift of a run."""
-
-    time: float  # relaxation time [s]
-    period: float  # period of the structure [s]
-
-
 def with_length(
     run: SimulationRun, relaxation_times: float, measured_alone: bool = False
 ) -> SimulationRun:
@@ -43,27 +34,26 @@ def with_length(
     is split into chunks) only if the measurement would.
     """
     expected = run.drift_time
-    slowest = _slowest(expected, run)
-    lasts = (BURN_IN + relaxation_times) * max(run.memory, slowest.time)
+    slowest, period = float(expected.max()), float(run.period[np.argmax(expected)])
+    lasts = (BURN_IN + relaxation_times) * max(run.memory, slowest)
     measuring, running = expected_seconds(run, relaxation_times)
     check_work(
         "the run would take",
-        f"the structure of period {slowest.period:.3g} s yields so rarely that its drift relaxes in "
-        f"{slowest.time:.3g} s: leave it out, or lower paths or relaxation_times"
-        if slowest.time > run.memory
+        f"the structure of period {period:.3g} s yields so rarely that its drift relaxes in "
+        f"{slowest:.3g} s: leave it out, or lower paths or relaxation_times"
+        if slowest > run.memory
         else f"it lasts {lasts:.3g} s in steps of {run.plan.dt:.3g} s: lower paths or "
         "relaxation_times, or leave out the shortest or the longest period",
         seconds=measuring if measured_alone else measuring + running,
     )
-    if slowest.time > run.memory:
-        measured = _measure(run, slowest.time)[run.order]
-        slowest = _slowest(np.minimum(measured, expected), run)
-    memory = max(run.memory, slowest.time)
-    plan = run.plan._replace(
+    if slowest > run.memory:
+        measured = _measure(run, slowest)[run.order]
+        slowest = float(np.minimum(measured, expected).max())
+    memory = max(run.memory, slowest)
+    return run._replace(memory=memory).with_plan(
         burn_in=int(np.ceil(BURN_IN * memory / run.plan.block)),
         recorded=max(2, int(np.ceil(relaxation_times * memory / run.plan.block))),
     )
-    return run._replace(plan=plan, memory=memory)
 
 
 def expected_seconds(run: SimulationRun, relaxation_times: float) -> tuple[float, float]:
@@ -71,18 +61,12 @@ def expected_seconds(run: SimulationRun, relaxation_times: float) -> tuple[float
 
     The memory that is expected is the one by linearization, which is too long.
     """
-    slowest, measuring = _slowest(run.drift_time, run).time, 0.0
+    slowest, measuring = float(run.drift_time.max()), 0.0
     if slowest > run.memory:
-        few = run._replace(plan=run.plan._replace(groups=GROUPS))
+        few = run.with_plan(groups=GROUPS)
         measuring = seconds_of(few, (SETTLING + LENGTH) * slowest / run.plan.dt, 0.0)
     steps = (BURN_IN + relaxation_times) * max(run.memory, slowest) / run.plan.dt
     return measuring, seconds_of(run, steps, run.crowd.size**2 / (2 * run.plan.every))
-
-
-def _slowest(times: Array, run: SimulationRun) -> _Drift:
-    """The slowest drift, from the relaxation times of all valid floors [s]."""
-    worst = int(np.argmax(times))
-    return _Drift(float(times[worst]), float(run.period[worst]))
 
 
 def _measure(run: SimulationRun, expected: float) -> Array:
@@ -93,13 +77,13 @@ def _measure(run: SimulationRun, expected: float) -> Array:
     """
     block = run.plan.block
     stride = max(1, int(LENGTH * expected / block / INSTANTS))
-    pilot = run.plan._replace(
+    pilot = run.with_plan(
         burn_in=int(np.ceil(SETTLING * expected / block)),
         recorded=stride * max(2, int(np.ceil(LENGTH * expected / block / stride))),
         first_group=run.plan.groups,
         groups=GROUPS,
     )
-    plastic = plastic_displacements(run.crowd, run.ground, run.root, pilot, stride)
+    plastic = plastic_displacements(pilot.crowd, stride)
     steps = [_time_constant(plastic[:, n]) for n in range(run.crowd.size)]
     return stride * block * np.array(steps)
 

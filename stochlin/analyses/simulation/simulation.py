@@ -341,7 +341,7 @@ def simulate_moments(
     run: SimulationRun, progress: Progress | None, view: View | None = None
 ) -> MomentEstimates:
     """Second moments with standard errors, of all floors or of the displacements in ``view``."""
-    sums = stationary_sums(run.crowd, view, run.ground, run.root, run.plan, progress)
+    sums = stationary_sums(run.crowd, view, progress)
     variance, variance_error, rho, rho_error, drift = _estimates(sums, run.plan.groups * LANES)
     sigma = np.sqrt(variance)
     valid, order, unit = run.valid, run.order, run.scale

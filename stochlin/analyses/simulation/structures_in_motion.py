@@ -10,9 +10,8 @@ import numpy as np
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.systems.systems import linearize_system
 from stochlin.analyses.simulation.connected_structures import (
-    ConnectedStructures,
+    SteppedGroup,
     connected_of,
-    relaxation_times,
     sampled_connected,
 )
 from stochlin.analyses.simulation.ensembles import SimulationCells, SimulationRun, cells_of_all, prepare
@@ -40,7 +39,7 @@ class StructuresInMotion(NamedTuple):
     system: Arrangement
     cells: SimulationCells | None  # oscillators without links
     alone: list[int]  # numbers of their floors
-    connected: list[ConnectedStructures]
+    connected: list[SteppedGroup]
     links: tuple[Link | None, ...]
     strength: Array  # (n,) yield drift [m] of the storey below each floor
     drift_times: Array  # (n,) relaxation time [s] of its plastic drift; 0 for finite motions
@@ -74,31 +73,10 @@ class StructuresInMotion(NamedTuple):
         coords: dict[str, Any] = floor_coordinates(self.system)
         return coords | {f"{FLOOR}_2": coords[FLOOR][1]}
 
-    def run(
-        self,
-        ground: Ground,
-        *,
-        paths: int,
-        seed: int,
-        steps_per_period: int,
-        scatter: float = 0.0,
-        grounds: Sequence[Ground] = (),
-        step: float | None = None,
-    ) -> SimulationRun:
-        """Ensemble of the structures, without a duration."""
-        return prepare(
-            self.cells,
-            ground,
-            paths=paths,
-            seed=seed,
-            steps_per_period=steps_per_period,
-            connected=self.connected,
-            floors=self.alone,
-            drift_times=self.drift_times,
-            scatter=scatter,
-            grounds=grounds,
-            step=step,
-        )
+    def run(self, ground: Ground, **options: Any) -> SimulationRun:
+        """Ensemble of the structures, without a duration; the options are those of `prepare`."""
+        options |= {"connected": self.connected, "floors": self.alone}
+        return prepare(self.cells, ground, drift_times=self.drift_times, **options)
 
 
 def structures_in_motion(
@@ -148,10 +126,15 @@ def _drift_times(
     links: Sequence[Link | None],
     system: Arrangement,
 ) -> Array:
-    """Relaxation times [s] of the plastic drifts of all storeys; linearized without links with slack."""
+    """Relaxation times [s] of the plastic drifts of all storeys by linearization; 0 if elastic.
+
+    Links with slack are left out.
+    """
     kept = [None if link is None or link.slack is not None else link for link in links]
+    storeys = system.storeys
     try:
-        k_eq = linearize_system(structures, ground, kept).k_eq.values
+        k_eq = linearize_system(structures, ground, kept).k_eq.values[: storeys.mass.size]
     except ArithmeticError:  # a run that is too short shows it by its change of variance
-        return np.zeros(int(system.first[-1]))
-    return relaxation_times(system, k_eq[: int(system.first[-1])])
+        return np.zeros(storeys.mass.size)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(k_eq > 0, 1 / (storeys.post / storeys.elastic * k_eq), 0.0)

@@ -208,7 +208,7 @@ def peak_accelerations(
 def _peaks(
     run: SimulationRun, duration: float, envelope: Envelope | None, progress: Progress | None
 ) -> Array:
-    plan, shape = finite_steps(run, duration, envelope)
+    crowd, shape = finite_steps(run, duration, envelope)
     each = view_of([{n: 1.0} for n in range(run.order.size)], run.order, run.scale)
-    extremes = finite_extremes(run.crowd, each, run.ground, run.root, plan, shape, progress)
+    extremes = finite_extremes(crowd, each, shape, progress)
     return np.maximum(extremes.highest, -extremes.lowest)

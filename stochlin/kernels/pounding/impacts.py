@@ -34,6 +34,16 @@ def row_product(column, weight, i, x, of, lane):
 
 
 @compiled
+def twice_as_long(table):
+    """A table with the same lines, followed by as many without values."""
+    longer = np.empty((2 * len(table), table.shape[1]))
+    for line in range(len(table)):
+        for column in range(table.shape[1]):
+            longer[line, column] = table[line, column]
+    return longer
+
+
+@compiled
 def _begin_impact(j, time, speed, largest, to, x, lane):
     """Begin an impact of contact ``j``."""
     x[to.begin + j, lane] = x[to.end + j, lane] = time
@@ -50,11 +60,7 @@ def end_impact(j, number, stored, to, x, lane, table, used):
     ``number`` is that of the motion in this lane.
     """
     if used == len(table):
-        longer = np.empty((2 * used, COLUMNS))
-        for row in range(used):
-            for column in range(COLUMNS):
-                longer[row, column] = table[row, column]
-        table = longer
+        table = twice_as_long(table)
     line = table[used]
     line[LANE], line[CONTACT], line[BEGIN] = number, j, x[to.begin + j, lane]
     line[APPROACH], line[LARGEST] = x[to.speed + j, lane], x[to.largest + j, lane]

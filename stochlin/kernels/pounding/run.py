@@ -22,6 +22,7 @@ from stochlin.kernels.pounding.impacts import (
     LANE,
     end_all,
     strike,
+    twice_as_long,
     watch_contact,
 )
 from stochlin.kernels.simulation.account import Account, Parts, balance, watch, watch_displacements
@@ -76,13 +77,29 @@ class GroundMotions(NamedTuple):
     meets: Array  # (lanes,): whether contacts act
 
 
-class RunResult(NamedTuple):
-    """Response of a row of buildings to motions."""
+class RowResponse(NamedTuple):
+    """Response of a row of buildings to one motion."""
 
-    x: Array  # (rows, lanes): the numbers of every motion at its end, see `BuildingRow.places`
-    impacts: Array  # (impacts, COLUMNS): the table of `impacts`, lane by lane, as they begin
-    time: Array  # (times,) [s]: times of the history, which is of a single motion
-    history: Array  # (times, rows): its numbers at these times
+    numbers: Array  # (rows,) at its end
+    impacts: Array  # (impacts, COLUMNS): the table of `impacts`, as they begin
+    history: Array  # (times, rows + 1): those of the first motion of a run, and last the time [s]
+    at: Places
+    to: Account
+
+    def of(self, first: int, last: int) -> Array:
+        """The numbers at the end, from the row ``first`` to ``last``."""
+        return self.numbers[first:last]
+
+    @property
+    def time(self) -> Array:
+        """Times of the history, from the beginning of the motion (times,) [s]."""
+        return self.history[:, -1]
+
+    @property
+    def peaks(self) -> Array:
+        """Largest absolute displacement of each floor [m]."""
+        to = self.to
+        return np.maximum(self.of(to.highest, to.lowest), -self.of(to.lowest, to.acceleration))
 
 
 @compiled
@@ -132,20 +149,14 @@ def _end_failed(steps, limit, time, at, to, x, lanes):
 
 
 @compiled
-def _keep(x, time, kept):
-    """Add the numbers of the first lane to what is kept: times, history, and the number of its lines."""
-    times, history, used = kept
-    if used == times.size:
-        longer, later = np.empty((2 * used, history.shape[1])), np.empty(2 * used)
-        for line in range(used):
-            later[line] = times[line]
-            for row in range(history.shape[1]):
-                longer[line, row] = history[line, row]
-        times, history = later, longer
-    times[used] = time
-    for row in range(history.shape[1]):
+def _keep(x, time, history, used):
+    """Add the numbers of the first lane and the time to a history; returns it and its lines in use."""
+    if used == len(history):
+        history = twice_as_long(history)
+    for row in range(len(x)):
         history[used, row] = x[row, 0]
-    return times, history, used + 1
+    history[used, len(x)] = time
+    return history, used + 1
 
 
 @compiled
@@ -200,12 +211,11 @@ def _run(law, steps, short, parts, at, to, x, motions, cuts, substeps, keep, his
     lanes = ground.shape[1]
     old, y = np.empty((at.work, lanes)), np.zeros(x.shape)
     every, near = np.arange(lanes), np.empty(lanes, np.int64)
-    kept = np.empty(len(history)), history, 0
-    table, used = np.empty((FIRST_LINES, COLUMNS)), 0
+    table, used, kept = np.empty((FIRST_LINES, COLUMNS)), 0, 0
     tolerances(steps.spring, steps.info, at, x, lanes)
     tolerances(short.spring, short.info, at, y, lanes)
     if keep != NOTHING:
-        kept = _keep(x, 0.0, kept)
+        history, kept = _keep(x, 0.0, history, kept)
     for s in range(cuts * (len(ground) - 1)):
         sample, cut, time = s // cuts, s % cuts, s * dt
         going = _count_going(motions.intervals, sample, to, x, lanes)
@@ -233,7 +243,7 @@ def _run(law, steps, short, parts, at, to, x, motions, cuts, substeps, keep, his
                 watch_displacements(short, at, to, y, count)
                 if keep == STEPS and part < substeps - 1:
                     balance(short, contacts, parts, at, to, y, count)
-                    kept = _keep(y, now + short.dt, kept)
+                    history, kept = _keep(y, now + short.dt, history, kept)
             _copy_lanes(y, every, x, near, count, 0, at.work)
             _copy_lanes(y, every, x, near, count, to.first, to.work)
             for k in range(count):
@@ -242,15 +252,16 @@ def _run(law, steps, short, parts, at, to, x, motions, cuts, substeps, keep, his
             balance(steps, contacts, parts, at, to, x, lanes)
             _end_failed(steps, parts.limit, time + dt, at, to, x, lanes)
             if keep != NOTHING:
-                kept = _keep(x, time + dt, kept)
+                history, kept = _keep(x, time + dt, history, kept)
     for lane in range(lanes):
         table, used = end_all(contacts, lane, at, to, x, lane, table, used)
-    times, history, lines = kept
-    return table[:used], times[:lines], history[:lines]
+    return table[:used], history[:kept]
 
 
-def run(row: BuildingRow, motions: GroundMotions, pace: StepCounts, keep: int = NOTHING) -> RunResult:
-    """Response of a row of buildings to motions from rest; states are kept of a single motion only."""
+def run(
+    row: BuildingRow, motions: GroundMotions, pace: StepCounts, keep: int = NOTHING
+) -> list[RowResponse]:
+    """Responses of a row of buildings to motions from rest; states are kept of the first motion only."""
     at, to = row.places
     lanes = motions.acceleration.shape[1]
     x = np.concatenate([lanes_at_rest(at, [row.elements], lanes), np.zeros((to.rows - at.rows, lanes))])
@@ -260,9 +271,10 @@ def run(row: BuildingRow, motions: GroundMotions, pace: StepCounts, keep: int = 
     steps = steps_of(row.elements, dt)
     short = steps_of(row.elements, dt / pace.substeps, row.contacts)
     length = {NOTHING: 1, SAMPLES: len(motions.acceleration), STEPS: FIRST_KEPT}[keep]
-    table, times, history = _run(
+    table, history = _run(
         *(row.law, steps, short, row.parts, at, to, x, motions, pace.cuts, pace.substeps, keep),
-        np.empty((length, to.rows)),
+        np.empty((length, to.rows + 1)),
     )
-    order = np.lexsort((table[:, CONTACT], table[:, BEGIN], table[:, LANE]))
-    return RunResult(x, table[order], times, history)
+    table = table[np.lexsort((table[:, CONTACT], table[:, BEGIN]))]
+    lines = (table[table[:, LANE] == lane] for lane in range(lanes))
+    return [RowResponse(x[:, n], own, history, at, to) for n, own in enumerate(lines)]

@@ -26,12 +26,6 @@ from stochlin.kernels.simulation.time_step import (
     times_row,
 )
 
-# Rows of the present impact of each contact, in the order of `Account`.
-IMPACT = (
-    *("begin", "end", "speed", "largest", "last", "rise", "span"),
-    *("before", "handed", "deepest"),
-)
-
 
 class Parts(NamedTuple):
     """To which structure or link masses, elements and dashpots belong."""
@@ -96,7 +90,8 @@ class Account(NamedTuple):
         sizes = {"highest": f, "lowest": f, "acceleration": f, "force": e, "pull": links}
         sizes |= {"entering": s, "viscous": s, "hysteretic": s, "drained": links, "lost": c}
         sizes |= {"missing": 1, "most": 1, "imbalance": 1, "failed": 1}
-        sizes |= dict.fromkeys(IMPACT, c)
+        sizes |= {"begin": c, "end": c, "speed": c, "largest": c, "last": c, "rise": c, "span": c}
+        sizes |= {"before": c, "handed": c, "deepest": c}
         sizes |= {"work": 0, "way": n, "gain": n, "counts": 1}
         sizes |= {"scratch_1": 1, "scratch_2": 1, "scratch_3": 1, "rows": 0}
         firsts = np.cumsum([places.rows, *sizes.values()]).tolist()

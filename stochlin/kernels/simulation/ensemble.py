@@ -9,7 +9,7 @@ scatter are the same but for these factors.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import reduce
 from operator import add
@@ -145,17 +145,6 @@ class UncertainGround(NamedTuple):
 AnyGround = FilterSteps | UncertainGround
 
 
-class Crowd(NamedTuple):
-    """All structures that are subjected to the same motions, in parts of one kind each."""
-
-    parts: tuple[Oscillators | SteppedStructures, ...]
-
-    @property
-    def size(self) -> int:
-        """Number of displacements of all parts."""
-        return sum(part.size for part in self.parts)
-
-
 class View(NamedTuple):
     """Weighted sums of the displacements of a `Crowd`, whose statistics are wanted."""
 
@@ -188,6 +177,27 @@ class Plan(NamedTuple):
         return self.dt * self.every * self.samples
 
 
+class Crowd(NamedTuple):
+    """Structures that are subjected to the same simulated motions, in parts of one kind each."""
+
+    parts: Sequence[Oscillators | SteppedStructures]
+    ground: AnyGround
+    root: Array  # matrix with root root' = stationary covariance of the filter's states
+    plan: Plan
+
+    @property
+    def size(self) -> int:
+        """Number of displacements of all parts."""
+        return sum(part.size for part in self.parts)
+
+    def over_groups(
+        self, task: Callable[[MotionGroup], Any], progress: Progress | None = None
+    ) -> Iterator[Any]:
+        """Results of a ``task`` with the motions of each group, in the order of the groups."""
+        first, groups = self.plan.first_group, self.plan.groups
+        return in_order(lambda group: task(MotionGroup(self, first + group)), groups, progress)
+
+
 class Extremes(NamedTuple):
     """Largest and smallest value of each sum of a `View` in each motion, including 0 at the start.
 
@@ -215,8 +225,9 @@ class Sums(NamedTuple):
 class MotionGroup:
     """A group of `LANES` motions: the state of the ground and of all structures."""
 
-    def __init__(self, crowd: Crowd, ground: AnyGround, root: Array, plan: Plan, group: int) -> None:
-        self.crowd, self.plan = crowd, plan
+    def __init__(self, crowd: Crowd, group: int) -> None:
+        self.crowd, self.plan = crowd, crowd.plan
+        _, ground, root, plan = crowd
         if isinstance(ground, UncertainGround):
             ground, root = ground.of(group)
         self.ground_block = ground_block(ground)
@@ -249,6 +260,19 @@ class MotionGroup:
             begin += part.size
         return out
 
+    def burn_in(self) -> None:
+        """Simulate the blocks before the response is taken as stationary."""
+        for _ in range(self.plan.burn_in):
+            self.block()
+
+    def under(self, envelope: Array) -> Iterator[Array]:
+        """Simulate a motion under an ``envelope`` (steps,); gives displacements block by block."""
+        for begin in range(0, envelope.size, self.plan.samples):
+            part = envelope[begin : begin + self.plan.samples]
+            yield self.block(np.concatenate([part, np.zeros(self.plan.samples - part.size)]))[
+                : part.size
+            ]
+
     def plastic(self) -> Array:
         """The plastic displacements and drifts of all structures (n, LANES)."""
         pairs = zip(self.crowd.parts, self.states, strict=True)
@@ -263,25 +287,14 @@ def strengths(plan: Plan, group: int) -> Array:
     return factors
 
 
-def stationary_sums(
-    crowd: Crowd,
-    view: View | None,
-    ground: AnyGround,
-    root: Array,
-    plan: Plan,
-    progress: Progress | None,
-) -> Sums:
-    """Sums of the second moments of the stationary response, of a ``view`` or of all displacements.
-
-    ``root root'`` is the stationary covariance of the filter's states.
-    """
+def stationary_sums(crowd: Crowd, view: View | None, progress: Progress | None) -> Sums:
+    """Sums of the second moments of the stationary response, of a ``view`` or of all displacements."""
+    plan = crowd.plan
 
     @np.errstate(all="ignore")  # overflow gets a status of its own later
-    def run(group: int) -> Sums:
+    def of_group(motion: MotionGroup) -> Sums:
         """The sums over one group of motions."""
-        motion = MotionGroup(crowd, ground, root, plan, plan.first_group + group)
-        for _ in range(plan.burn_in):
-            motion.block()
+        motion.burn_in()
         half = plan.recorded // 2
         halves = [_gram(motion, view, half), _gram(motion, view, plan.recorded - half)]
         first, second = (np.einsum("lii->li", half) for half in halves)
@@ -298,82 +311,58 @@ def stationary_sums(
             (change**2).sum(axis=0),
         )
 
-    groups = in_order(run, plan.groups, progress)
+    groups = crowd.over_groups(of_group, progress)
     return reduce(lambda total, sums: Sums(*map(add, total, sums)), groups)
 
 
-def plastic_displacements(
-    crowd: Crowd, ground: AnyGround, root: Array, plan: Plan, stride: int
-) -> Array:
+def plastic_displacements(crowd: Crowd, stride: int) -> Array:
     """`MotionGroup.plastic` after every ``stride``-th recorded block, (times, n, motions)."""
 
-    def run(group: int) -> Array:
+    def of_group(motion: MotionGroup) -> Array:
         """The plastic displacements in one group of motions."""
-        motion = MotionGroup(crowd, ground, root, plan, plan.first_group + group)
-        for _ in range(plan.burn_in):
-            motion.block()
-        histories = np.empty((plan.recorded // stride, crowd.size, LANES))
+        motion.burn_in()
+        histories = np.empty((crowd.plan.recorded // stride, crowd.size, LANES))
         for history in histories:
             for _ in range(stride):
                 motion.block()
             history[:] = motion.plastic()
         return histories
 
-    return np.concatenate(list(in_order(run, plan.groups)), axis=2)
+    return np.concatenate(list(crowd.over_groups(of_group)), axis=2)
 
 
-def finite_extremes(
-    crowd: Crowd,
-    view: View,
-    ground: AnyGround,
-    root: Array,
-    plan: Plan,
-    envelope: Array,
-    progress: Progress | None,
-) -> Extremes:
+def finite_extremes(crowd: Crowd, view: View, envelope: Array, progress: Progress | None) -> Extremes:
     """Extremes of a ``view`` in motions from rest under an ``envelope`` (steps,).
 
     The plan has to sample every step; its numbers of blocks are not used.
     """
 
-    def run(group: int) -> Extremes:
+    def of_group(motion: MotionGroup) -> Extremes:
         """The extremes in one group of motions."""
-        motion = MotionGroup(crowd, ground, root, plan, plan.first_group + group)
         size = (len(view.row), LANES)
         extremes = Extremes(np.zeros(size), np.zeros(size))
-        for begin in range(0, envelope.size, plan.samples):
-            part = envelope[begin : begin + plan.samples]
-            shape = np.concatenate([part, np.zeros(plan.samples - part.size)])
-            out = motion.block(shape)
-            keep_extremes(out[: part.size], *view, *extremes)
-        lost = ~np.isfinite(view.of(out[part.size - 1 : part.size])[0])
+        for out in motion.under(envelope):
+            keep_extremes(out, *view, *extremes)
+        lost = ~np.isfinite(view.of(out[-1:])[0])
         return Extremes(*(np.where(lost, np.nan, values) for values in extremes))
 
-    groups = in_order(run, plan.groups, progress)
+    groups = crowd.over_groups(of_group, progress)
     return Extremes(*(np.concatenate(field, axis=1).T for field in zip(*groups, strict=True)))
 
 
-def ground_motions(
-    ground: FilterSteps, output: Array, root: Array, plan: Plan, steps: int, progress: Progress | None
-) -> Array:
-    """Ground acceleration ``output q`` at the beginning of each step, (motions, steps).
+def ground_motions(crowd: Crowd, steps: int, progress: Progress | None) -> Array:
+    """Forcing of each step (motions, steps) by the ground of a crowd, which has no structures."""
 
-    The motions are the same as in simulations of structures with this plan. White noise has no value at
-    a time; its mean over each step is given.
-    """
-    at_instants = ground._replace(row=output, direct=0.0) if output.size else ground
-
-    def run(group: int) -> Array:
-        """The accelerations in one group of motions."""
-        motion = MotionGroup(Crowd(()), at_instants, root, plan, plan.first_group + group)
+    def of_group(motion: MotionGroup) -> Array:
+        """The forcing in one group of motions."""
         history = np.empty((steps, LANES))
-        for begin in range(0, steps, plan.samples):
+        for begin in range(0, steps, crowd.plan.samples):
             motion.block()
-            part = history[begin : begin + plan.samples]
+            part = history[begin : begin + crowd.plan.samples]
             part[:] = motion.f[: len(part)]
         return history.T
 
-    return np.concatenate(list(in_order(run, plan.groups, progress)))
+    return np.concatenate(list(crowd.over_groups(of_group, progress)))
 
 
 def _gram(motion: MotionGroup, view: View | None, blocks: int) -> Array:

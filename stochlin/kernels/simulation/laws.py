@@ -36,15 +36,15 @@ class RateLaw:
     states: int  # their number
 
 
-def advance_of(rates: Any, states: int, quick: bool = False) -> Any:
+def advance_of(rates: Any, states: int) -> Any:
     """The function ``advance(lanes, x, v, w, own, dt, new)`` that integrates a law over ``dt`` [s].
 
     ``rates(v, w, own, lane)`` gives the rates of the ``states`` of a law, a tuple as ``w`` is, with the
     parameters ``own`` (k, lanes). For ``advance`` ``v``, ``w``, ``own`` and ``new`` are rows of the
     array ``x`` (rows, lanes): the rate of the extension over the yield extension [1/s], the first of the
     states before, the first parameter, and the first of the states after the step, which are written.
-    Each stage has a loop of its own, unless the rates are ``quick``: where they have powers, processors
-    wait for each stage of a lane, and work on several lanes of a short loop meanwhile.
+    Each stage has a loop of its own: where rates have powers, processors wait for each stage of a lane,
+    and work on several lanes of a short loop meanwhile.
     """
     rates_of = called_often(rates)
     read, write, moved, mean, apart = _with_states(states)
@@ -60,17 +60,7 @@ def advance_of(rates: Any, states: int, quick: bool = False) -> Any:
         return after, apart(after, moved(w, dt, second))
 
     @compiled
-    def advance_at_once(lanes, x, v, w, own, dt, new):
-        parameters, rough = x[own:], 0
-        for lane in range(lanes):
-            after, differ = step(x[v, lane], read(x, w, lane), parameters, lane, dt)
-            write(x, new, lane, after)
-            rough += not differ <= 0.0  # also where a stage has overflowed, which gives NaN
-        if rough:
-            again(lanes, x, v, w, parameters, dt, new)
-
-    @compiled
-    def advance_by_stages(lanes, x, v, w, own, dt, new):
+    def advance(lanes, x, v, w, own, dt, new):
         parameters, rough, stages = x[own:], 0, np.empty((3 * states, lanes))
         for lane in range(lanes):
             write(stages, 0, lane, rates_of(x[v, lane], read(x, w, lane), parameters, lane))
@@ -124,24 +114,16 @@ def advance_of(rates: Any, states: int, quick: bool = False) -> Any:
                 rough += good[lane] == 0.0
             substeps *= 2
 
-    return advance_at_once if quick else advance_by_stages
+    return advance
 
 
 @cache
 def _with_states(states: int) -> tuple[Any, ...]:
     """Functions of the tuples of so many states, or of their rates; the last state comes last."""
+    if states == 0:
+        nothing = called_often(lambda *_: ())
+        return nothing, nothing, nothing, nothing, called_often(lambda after, other: 0.0)
     k = states - 1
-    if k == 0:
-        return tuple(
-            called_often(function)
-            for function in (
-                lambda x, row, lane: (x[row, lane],),
-                _write_first,
-                lambda w, step, rates: (w[0] + step * rates[0],),
-                lambda a, b, c, d: (((a[0] + d[0]) + 2.0 * (b[0] + c[0])) * SIXTH,),
-                lambda after, other: abs(after[0] - other[0]) - ROUGH * (1.0 + abs(after[0])),
-            )
-        )
     read, write, moved, mean, apart = _with_states(k)
 
     def write_all(x, row, lane, w):
@@ -164,10 +146,6 @@ def _with_states(states: int) -> tuple[Any, ...]:
     )
 
 
-def _write_first(x, row, lane, w):
-    x[row, lane] = w[0]
-
-
 def _bouc_wen_linear(v, w, own, lane):
     """Rate of the Bouc-Wen law with ``n = 1``."""
     shape = own[0, lane] * np.copysign(1.0, v * w[0]) + own[1, lane]
@@ -183,7 +161,7 @@ def _bouc_wen(v, w, own, lane):
     return (v * (1.0 - size * (less * shape)),)
 
 
-_without_powers = advance_of(_bouc_wen_linear, 1, quick=True)
+_without_powers = advance_of(_bouc_wen_linear, 1)
 _with_powers = advance_of(_bouc_wen, 1)
 
 

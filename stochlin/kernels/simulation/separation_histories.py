@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.simulation.ensemble import AnyGround, Crowd, MotionGroup, Plan, View
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.simulation.ensemble import Crowd, MotionGroup, View
 from stochlin.kernels.simulation.stepping import LANES
 
 AT_ONCE = 1 << 18  # displacements that are compared with gaps at once
@@ -37,14 +37,7 @@ class Histories(NamedTuple):
 
 
 def separation_histories(
-    crowd: Crowd,
-    ground: AnyGround,
-    root: Array,
-    plan: Plan,
-    envelope: Array,
-    instants: Array,
-    watched: Watched,
-    progress: Progress | None,
+    crowd: Crowd, envelope: Array, instants: Array, watched: Watched, progress: Progress | None
 ) -> Histories:
     """Simulate motions from rest under an ``envelope`` (steps,), and evaluate them at ``instants`` (t,).
 
@@ -63,28 +56,27 @@ def separation_histories(
             numbers[some] = holds(farthest[:, watched.pair], watched.gap[:, None]).sum(axis=-1)
         return numbers
 
-    def run(group: int) -> Histories:
+    def of_group(motion: MotionGroup) -> Histories:
         """The histories of one group of motions."""
-        motion = MotionGroup(crowd, ground, root, plan, plan.first_group + group)
         survivors, beyond = np.full((instants.size, cells), LANES), np.zeros((instants.size, cells), int)
         squares, fourths = np.zeros((2, instants.size, 3, rows))
         largest, last = np.zeros((rows, LANES)), np.zeros((2, 1, rows, LANES))
-        for begin in range(0, envelope.size, plan.samples):
-            part = envelope[begin : begin + plan.samples]
-            out = motion.block(np.concatenate([part, np.zeros(plan.samples - part.size)]))[: part.size]
+        begin = 0
+        for out in motion.under(envelope):
             sides = np.stack([watched.first.of(out), watched.second.of(out)])
             sides = np.concatenate([last, sides], axis=1)  # at the start, then after each step
             so_far = np.maximum(np.maximum.accumulate(sides[0] - sides[1]), largest)
             last, largest = sides[:, -1:], so_far[-1]
-            inside = (instants > begin) & (instants <= begin + part.size)
+            inside = (instants > begin) & (instants <= begin + len(out))
             step, share = np.divmod(instants[inside] - begin, 1)
             step, share = step.astype(int), share[:, None, None]
-            u_1, u_2 = (1 - share) * sides[:, step] + share * sides[:, np.minimum(step + 1, part.size)]
+            u_1, u_2 = (1 - share) * sides[:, step] + share * sides[:, np.minimum(step + 1, len(out))]
             now = np.stack([u_1, u_2, u_1 - u_2], axis=1)
             squared = now * now
             survivors[inside] = counts(so_far[step], np.less_equal)
             beyond[inside] = counts(now[:, 2], np.greater)
             squares[inside], fourths[inside] = squared.sum(axis=-1), (squared * squared).sum(axis=-1)
+            begin += len(out)
         return Histories(survivors, beyond, squares, fourths, largest.T)
 
     def join(total: Histories, part: Histories) -> Histories:
@@ -92,4 +84,4 @@ def separation_histories(
         largest = np.concatenate([total.largest, part.largest])
         return Histories(*[*map(add, total[:-1], part[:-1]), largest])
 
-    return reduce(join, in_order(run, plan.groups, progress))
+    return reduce(join, crowd.over_groups(of_group, progress))

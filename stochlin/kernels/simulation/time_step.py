@@ -103,20 +103,11 @@ class Places(NamedTuple):
         """The rows for these elements and so many contacts."""
         n, e, c = elements.system.mass.size, elements.kind.size, contacts
         most, m = int(elements.states.max(initial=1)), int((elements.states - 1).sum())
-        state = {"q": n, "v": n, "z": e, "memory": m}
-        kept = {
-            "own": elements.own.size,
-            "slip": e,
-            "force": c,
-            "approach": c,
-            "held": c,
-            "slow": 1,
-            "meets": 1,
-        }
-        step = {"f": 1, "work": 0, "known": n + e, "dq": n, "extension": e, "remembered": m}
-        step |= {"depth": c, "rate": c, "least": e, "change": 1, "pace": 1, "before": most}
-        step |= {"after": most, "more": 1, "widest": 1, "moving": 1, "still": 1, "rows": 0}
-        sizes = state | kept | step
+        sizes = {"q": n, "v": n, "z": e, "memory": m, "own": elements.own.size, "slip": e}
+        sizes |= {"force": c, "approach": c, "held": c, "slow": 1, "meets": 1}
+        sizes |= {"f": 1, "work": 0, "known": n + e, "dq": n, "extension": e, "remembered": m}
+        sizes |= {"depth": c, "rate": c, "least": e, "change": 1, "pace": 1, "before": most}
+        sizes |= {"after": most, "more": 1, "widest": 1, "moving": 1, "still": 1, "rows": 0}
         firsts = np.cumsum([0, *sizes.values()]).tolist()
         return cls(**dict(zip(sizes, firsts[:-1], strict=True)))
 
