@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -114,16 +115,9 @@ def scale_ground(
             "pga: white noise has no peak, since it grows with smaller time steps; allowed: sa with a "
             "period, or another ground"
         )
-    motion: Any = {"duration": duration, "envelope": envelope, "paths": paths, "seed": seed}
-    if period is None:
-        samples = _peaks(ground, **motion, progress=progress)
-    else:
-        (samples,) = peak_accelerations(
-            np.array([float(period)]), damping, ground, **motion, progress=progress
-        ).T
-    mean, error = mean_with_error(samples)
+    motions = _Motions(_unit_ground(ground), duration, envelope, paths, seed, progress)
+    mean, error = _mean_acceleration(motions, None if period is None else float(period), damping)
     wanted = float(pga if sa is None else sa)  # type: ignore[arg-type]
-    times = wanted / mean
     of_peak = f"peak ground acceleration (steps of {PGA_STEP:g} s)"
     what = of_peak if sa is None else f"Sa({period:g} s), damping {damping:g},"
     under = "stationary" if envelope is None else envelope.describe()
@@ -133,7 +127,7 @@ def scale_ground(
     )
     source = ground.source.partition(_TOLD)[0].rstrip("; ")
     changed: dict[str, Any] = {
-        "intensity": float(ground.arrays()["intensity"]) * times * times,
+        "intensity": (wanted / mean) ** 2,
         "source": f"{source}; {text}" if source else text,
     }
     return replace(ground, **changed)
@@ -153,29 +147,48 @@ def shaking(
     ``ground_intensity`` [m^2/s^3]; and ``spectral_acceleration_1`` [m/s^2] and so on, for the periods
     [s] in their order and the damping ratio 0.05.
     """
-    motion: Any = {"duration": duration, "envelope": envelope, "seed": seed}
-    motion["paths"] = paths_for(duration)
-    std = rms_acceleration(ground)
-    known = np.isfinite(std)
-    columns = {"rms_acceleration": std if known else np.nan}
-    columns["ground_intensity"] = float(ground.arrays()["intensity"])
-    peak = mean_with_error(_peaks(ground, **motion)) if known else (np.nan, np.nan)
-    columns |= dict(zip(_with_error("peak_ground_acceleration", ""), peak, strict=True))
-    # One period at a time, as in `scale_ground`, so that the time steps and the result are the same.
-    of_each = {
-        period: mean_with_error(samples)
-        for period in set(map(float, periods))
-        for samples in peak_accelerations(np.array([period]), USUAL_DAMPING, ground, **motion).T
-    }
+    intensity, std = float(ground.arrays()["intensity"]), rms_acceleration(ground)
+    columns = {"rms_acceleration": std if np.isfinite(std) else np.nan, "ground_intensity": intensity}
+    motions = _Motions(_unit_ground(ground), duration, envelope, paths_for(duration), seed)
+    measures: dict[tuple[str, str], float | None] = {("peak_ground_acceleration", ""): None}
     for n, period in enumerate(map(float, periods), start=1):
-        columns |= dict(zip(_with_error("spectral_acceleration", f"_{n}"), of_each[period], strict=True))
+        measures["spectral_acceleration", f"_{n}"] = period
+    for (name, ending), at in measures.items():
+        mean, error = _mean_acceleration(motions, at, USUAL_DAMPING)
+        columns[f"{name}{ending}"] = np.sqrt(intensity) * mean
+        columns[f"{name}_standard_error{ending}"] = np.sqrt(intensity) * error
     return labels.label(xr.Dataset(columns, attrs={"pga_step_s": PGA_STEP}), VARIABLES)
 
 
-def _peaks(ground: Ground, **motion: Any) -> Array:
-    highest: Array = np.abs(simulated_motions(ground, **motion, step=PGA_STEP).to_numpy()).max(axis=1)
-    return highest
+@dataclass(frozen=True)
+class _Motions:
+    """Simulated motions of a ground with the intensity 1."""
+
+    ground: Ground
+    duration: float  # [s]
+    envelope: Envelope | None
+    paths: int
+    seed: int
+    progress: Progress | None = field(default=None, compare=False)
 
 
-def _with_error(stem: str, end: str) -> tuple[str, str]:
-    return f"{stem}{end}", f"{stem}_standard_error{end}"
+def _unit_ground(ground: Ground) -> Ground:
+    unit: dict[str, Any] = {"intensity": 1.0, "source": ""}
+    return replace(ground, **unit)
+
+
+@lru_cache(maxsize=256)  # another acceleration wanted of the same motions costs nothing
+def _mean_acceleration(motions: _Motions, period: float | None, damping: float) -> tuple[float, float]:
+    """Mean acceleration of the motions, and its standard error [m/s^2].
+
+    It is the pseudo-acceleration at a period [s]; without a period, the peak of the ground, which is NaN
+    for white noise. Periods are simulated one by one, so that none changes the time steps of another.
+    """
+    if period is None and not np.isfinite(rms_acceleration(motions.ground)):
+        return np.nan, np.nan
+    if period is None:
+        samples = np.abs(simulated_motions(**vars(motions), step=PGA_STEP).to_numpy()).max(axis=1)
+    else:
+        samples = peak_accelerations(np.array([period]), damping, **vars(motions))[:, 0]
+    mean, error = mean_with_error(samples)
+    return float(mean), float(error)
