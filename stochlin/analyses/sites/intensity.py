@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -10,19 +10,15 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.files import METRES
-from stochlin.analyses.simulation.ensembles import check_settings
 from stochlin.analyses.simulation.finite_motions import mean_with_error
-from stochlin.analyses.simulation.ground_motions import simulated_motions
-from stochlin.analyses.sites.simulated_spectra import PGA_STEP, peak_accelerations
+from stochlin.analyses.sites.simulated_spectra import PGA_STEP, Motions, peak_accelerations
 from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_damping, check_goal
 from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration, check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, rms_acceleration
-from stochlin.models.parameters import expect
 
 PATHS = 1024  # gives a standard error of about half a per cent
 FEWEST, MOST_STEPS = 64, 20_000_000  # fewest motions; most time steps of all motions in memory at once
@@ -102,21 +98,17 @@ def scale_ground(
     >>> round(float(table.peak_ground_acceleration) / 9.80665, 9)
     0.3
     """
-    expect(ground, Ground, "ground")
-    check_scalars(ground, "ground", "numbers")
-    check_duration(duration)
-    if envelope is not None:
-        expect(envelope, Envelope, "envelope")
+    motions = Motions(ground, duration, envelope, paths, seed, progress)
+    motions.check()
     check_goal({"pga": pga, "sa": sa}, period)
     check_damping(damping)
-    check_settings(paths, seed)
     if pga is not None and not np.isfinite(rms_acceleration(ground)):
         raise ValueError(
             "pga: white noise has no peak, since it grows with smaller time steps; allowed: sa with a "
             "period, or another ground"
         )
-    motions = _Motions(_unit_ground(ground), duration, envelope, paths, seed, progress)
-    mean, error = _mean_acceleration(motions, None if period is None else float(period), damping)
+    at = None if period is None else float(period)
+    mean, error = _mean_acceleration(_of_unit_intensity(motions), at, damping)
     wanted = float(pga if sa is None else sa)  # type: ignore[arg-type]
     of_peak = f"peak ground acceleration (steps of {PGA_STEP:g} s)"
     what = of_peak if sa is None else f"Sa({period:g} s), damping {damping:g},"
@@ -149,7 +141,7 @@ def shaking(
     """
     intensity, std = float(ground.arrays()["intensity"]), rms_acceleration(ground)
     columns = {"rms_acceleration": std if np.isfinite(std) else np.nan, "ground_intensity": intensity}
-    motions = _Motions(_unit_ground(ground), duration, envelope, paths_for(duration), seed)
+    motions = _of_unit_intensity(Motions(ground, duration, envelope, paths_for(duration), seed))
     measures: dict[tuple[str, str], float | None] = {("peak_ground_acceleration", ""): None}
     for n, period in enumerate(map(float, periods), start=1):
         measures["spectral_acceleration", f"_{n}"] = period
@@ -160,25 +152,13 @@ def shaking(
     return labels.label(xr.Dataset(columns, attrs={"pga_step_s": PGA_STEP}), VARIABLES)
 
 
-@dataclass(frozen=True)
-class _Motions:
-    """Simulated motions of a ground with the intensity 1."""
-
-    ground: Ground
-    duration: float  # [s]
-    envelope: Envelope | None
-    paths: int
-    seed: int
-    progress: Progress | None = field(default=None, compare=False)
-
-
-def _unit_ground(ground: Ground) -> Ground:
+def _of_unit_intensity(motions: Motions) -> Motions:
     unit: dict[str, Any] = {"intensity": 1.0, "source": ""}
-    return replace(ground, **unit)
+    return replace(motions, ground=replace(motions.ground, **unit))
 
 
 @lru_cache(maxsize=256)  # another acceleration wanted of the same motions costs nothing
-def _mean_acceleration(motions: _Motions, period: float | None, damping: float) -> tuple[float, float]:
+def _mean_acceleration(motions: Motions, period: float | None, damping: float) -> tuple[float, float]:
     """Mean acceleration of the motions, and its standard error [m/s^2].
 
     It is the pseudo-acceleration at a period [s]; without a period, the peak of the ground, which is NaN
@@ -187,8 +167,8 @@ def _mean_acceleration(motions: _Motions, period: float | None, damping: float) 
     if period is None and not np.isfinite(rms_acceleration(motions.ground)):
         return np.nan, np.nan
     if period is None:
-        samples = np.abs(simulated_motions(**vars(motions), step=PGA_STEP).to_numpy()).max(axis=1)
+        samples = np.abs(motions.accelerations().to_numpy()).max(axis=1)
     else:
-        samples = peak_accelerations(np.array([period]), damping, **vars(motions))[:, 0]
+        samples = peak_accelerations(np.array([period]), damping, motions)[:, 0]
     mean, error = mean_with_error(samples)
     return float(mean), float(error)
