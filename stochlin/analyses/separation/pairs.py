@@ -163,7 +163,8 @@ class PairInMotion:
         lacking = {type(s).__name__ for s in self.structures if closure not in s.closure_names()}
         if lacking:
             raise ValueError(f"no {closure} closure for {', '.join(sorted(lacking))}")
-        return np.atleast_1d(correlate(*self.structures, self.ground, closure=closure).rho.values)
+        first, second = self.structures
+        return np.atleast_1d(correlate(first, second, self.ground, closure=closure).rho.values)
 
     def amplified_peaks(self) -> Array:
         """Quantile of the elastic peak ``|u|`` times ``D`` of linearization [m], as `peaks`.
@@ -194,10 +195,14 @@ class PairInMotion:
     def relative_moments(self) -> tuple[Array, ...]:
         """Spectral moments ``l0, l1, l2`` of the linearized ``u_1 - u_2``, or of ``u_1`` if alone."""
         if self.has_storeys:
-            first, *others = self.weights
-            return tuple(m[0] for m in self.linearized.spectral_moments(first - sum(others)))
-        moments = response_moments if self.alone else relative_moments
-        return tuple(moment.to_numpy() for moment in moments(*self.solved, self.ground))
+            weights_1, *weights_2 = self.weights
+            return tuple(m[0] for m in self.linearized.spectral_moments(weights_1 - sum(weights_2)))
+        first, *others = self.solved
+        if others:
+            moments = relative_moments(first, others[0], self.ground)
+        else:
+            moments = response_moments(first, self.ground)
+        return tuple(moment.to_numpy() for moment in moments)
 
     def quantities(self) -> dict[str, Any]:
         """Variables of the table for the structures, by name."""
