@@ -43,8 +43,6 @@ def hybrid_pounding(
     some instant until then.
     """
     check_confidence(confidence)
-    if record is None:
-        raise ValueError("record is missing; method='hybrid' needs one, such as from read_record")
     for role, structure in (("first", first), ("second", second)):
         if isinstance(structure, ShearBuilding):
             raise TypeError(
@@ -53,6 +51,8 @@ def hybrid_pounding(
             )
         expect(structure, Bilinear, role)
         check_scalars(structure, role, SCALARS)
+    if record is None:
+        raise ValueError("record is missing; method='hybrid' needs one, such as from read_record")
     if ground is None:
         ground = ground_of_record(record)
     expect(ground, Ground, "ground")
