@@ -12,8 +12,8 @@ from stochlin.analyses.explorer.buildings import storeys_table
 from stochlin.analyses.explorer.formulas import models_of, swept
 from stochlin.analyses.explorer.scene import Scene
 from stochlin.analyses.explorer.storeys import simulated_correlation
-from stochlin.analyses.probability.cells import SAMPLES
 from stochlin.analyses.probability.probability import with_samples
+from stochlin.analyses.probability.simulated import SAMPLES
 from stochlin.analyses.separation.separation import separation
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of

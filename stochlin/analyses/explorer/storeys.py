@@ -14,13 +14,13 @@ from stochlin.analyses.explorer.scene import Scene
 from stochlin.analyses.linearization.systems.solution import SystemSolution
 from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.linearization.systems.systems import equations_of, solved
+from stochlin.analyses.separation.pairs import peak_quantile
 from stochlin.analyses.separation.rules import (
     EQ_3,
     Rule,
     code_rules,
     equation_3_rule,
     linearized_rule,
-    peak_quantile,
 )
 from stochlin.analyses.separation.storeys import (
     correlation_in,

@@ -26,16 +26,13 @@ from stochlin.analyses.linearization.transient_systems import (
     spread_over,
 )
 from stochlin.analyses.probability.bandwidths import bandwidths
-from stochlin.analyses.probability.crossings import chances, gap_for
-from stochlin.analyses.probability.simulated import Draws, simulate_course
+from stochlin.analyses.probability.crossings import RelativeMotion
 from stochlin.analyses.probability.strengths import ALONE, STRENGTH
-from stochlin.analyses.simulation.finite_motions import quantile_intervals, share_interval
 from stochlin.analyses.simulation.views import displacement_at, meeting_heights
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.probability.drift_growth import drift_variances
-from stochlin.kernels.simulation.separation_histories import Histories
 from stochlin.messages import sentence
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -54,7 +51,6 @@ AT_HEIGHT = (
     "rho",
 )
 OF_MOMENTS = 0.9  # share of the progress that the moments have beside the bandwidths
-SAMPLES = "separation_samples"  # variable from which a fragility is fitted
 
 
 class Solved(NamedTuple):
@@ -179,9 +175,9 @@ def by_formula(pairs: PairTable, solved: Solved, ground: Ground, confidence: flo
     nothing = np.zeros_like(own), np.zeros_like(both.d_d)
     for ending, (drift, apart) in (("", nothing), ("_corrected", _drift(pairs, moments, ground))):
         if required is None or np.isnan(apart).any() or apart.any():
-            cells = pairs.gap, pairs.pair_of_cell
-            chance = chances(both, bandwidth, apart, *cells, course, weights)
-            required = gap_for(both, bandwidth, apart, confidence, course, weights)
+            motion = RelativeMotion(both, bandwidth, apart, course, weights)
+            chance = motion.chances(pairs.gap, pairs.pair_of_cell)
+            required = motion.gap_for(confidence)
         table[f"instantaneous_probability{ending}"] = spread_over(chance.now, pairs.cell_number)
         table[f"confidence_of_no_pounding{ending}"] = spread_over(chance.vanmarcke, pairs.cell_number)
         if not ending:
@@ -237,67 +233,6 @@ def _bounds(table: xr.Dataset) -> xr.Dataset:
         confidence_of_no_pounding_at_least=(1 - missed).clip(0),
         governing_height=governing.where(table.required_gap.notnull().all(HEIGHT)),
     )
-
-
-def by_simulation(
-    pairs: PairTable,
-    ground: Ground,
-    confidence: float,
-    draws: Draws,
-    progress: Progress | None,
-) -> xr.Dataset:
-    """Variables of the table by simulation, with errors; ``pairs`` has one strength of the motion."""
-    cells = pairs.gap, pairs.pair_of_cell
-    histories = simulate_course(
-        pairs.sides, pairs.structures_of_pair, cells, ground, pairs.course, draws, progress
-    )
-    return simulated_table(histories, pairs.cell_number, pairs.pair_number, confidence, draws.seed)
-
-
-def simulated_table(
-    histories: Histories, cell: xr.DataArray, pair: xr.DataArray, confidence: float, seed: int
-) -> xr.Dataset:
-    """Simulated probabilities and standard deviations, with errors.
-
-    ``cell`` and ``pair`` have the numbers of gaps and pairs. With several heights, the pairs are one
-    pair at each height.
-    """
-    n = len(histories.largest)
-    alive = histories.survivors
-    lower, upper = share_interval(alive, n)
-    stem = "confidence_of_no_pounding_simulated"
-    table = xr.Dataset(
-        {
-            "instantaneous_probability_simulated": spread_over(histories.beyond / n, cell),
-            stem: spread_over(alive / n, cell),
-            f"{stem}_lower": spread_over(lower, cell),
-            f"{stem}_upper": spread_over(upper, cell),
-        }
-    )
-    mean = histories.squares / n
-    error = np.sqrt(np.maximum(histories.fourths / n - mean**2, 0) / n) / (
-        2 * np.sqrt(np.where(mean > 0, mean, 1.0))
-    )
-    names = ("displacement_std_simulated_1", "displacement_std_simulated_2", "difference_std_simulated")
-    for row, name in enumerate(names):
-        table[name] = spread_over(np.sqrt(mean[:, row]), pair)
-    table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pair)
-    largest, place = histories.largest, pair
-    table = table.assign(_simulated_gaps(largest, pair, confidence))
-    if HEIGHT in pair.dims:
-        largest, place = largest.max(axis=1, keepdims=True), xr.DataArray(0)
-        table = over_heights(table).assign(_simulated_gaps(largest, place, confidence))
-    table[SAMPLES] = spread_over(largest, place).rename({TIME: "path"})
-    return table.assign_attrs(paths=n, seed=seed)
-
-
-def _simulated_gaps(largest: Array, pair: xr.DataArray, confidence: float) -> dict[str, xr.DataArray]:
-    """Gap [m] for the confidence, from samples (motions, pairs), and its 95 % interval."""
-    gaps = quantile_intervals(largest, np.array([confidence]))
-    return {
-        f"required_gap_simulated{ending}": spread_over(values, pair)
-        for ending, (values,) in zip(("", "_lower", "_upper"), gaps, strict=True)
-    }
 
 
 def _drift(pairs: PairTable, moments: TransientMoments, ground: Ground) -> tuple[Array, Array]:

@@ -31,94 +31,74 @@ class Chances(NamedTuple):
     vanmarcke: Array  # confidence of no pounding until the instant, for crossings in clumps
 
 
-def chances(
-    both: Difference,
-    bandwidth: Array,
-    drift: Array,
-    gap: Array,
-    pair: Array,
-    course: TimeGrid,
-    weights: Array = ALONE,
-) -> Chances:
-    """Probabilities of exceeding gaps, and of no pounding.
+class RelativeMotion(NamedTuple):
+    """Motion ``u_1 - u_2`` of p pairs, in k strengths of the motion, strength by strength.
 
-    Parameters
-    ----------
-    both : Difference
-        Second moments of ``u_1 - u_2`` (times, k p), for p pairs and k strengths of the motion, strength
-        by strength.
-    bandwidth : Array
-        Bandwidth (times, k p) [-] of ``u_1 - u_2``.
-    drift : Array
-        Variance (times, k p) [m^2] of the difference of the plastic drifts, which ``both`` lacks. In a
-        motion, this slow part is its growing standard deviation times one Gaussian random number. It
-        reduces the gap, and the probabilities of no pounding are averaged over it.
-    gap, pair : Array
-        Gaps (c,) [m] and the number of the pair (c,) of each.
-    course : TimeGrid
-        Instants of the motion.
-    weights : Array
-        Weights (k,) of the strengths of the motion, with the sum 1, for the mean probabilities.
-
-    Returns
-    -------
-    Chances
-        Probabilities (instants of the result, c).
+    The ``drift`` is the difference of the plastic drifts, which the second moments ``both`` lack. In a
+    motion, this slow part is its growing standard deviation times one Gaussian random number. It reduces
+    the gap, and the probabilities of no pounding are averaged over it.
     """
-    shape = (course.shown.size, gap.size)
-    result = Chances(*np.zeros((3, *shape)))
-    step, pairs = max(1, AT_ONCE // course.times.size), drift.shape[1] // weights.size
-    parts = itertools.product(range(0, gap.size, step), enumerate(weights))
-    for begin, (strength, share) in parts:
-        cells = slice(begin, begin + step)
-        which = strength * pairs + pair[cells]
-        moments = (both.d_d[:, which], both.d_v[:, which], both.v_v[:, which])
-        slow = drift[:, which]
-        result.now[:, cells] += share * exceeding(gap[cells], (moments[0] + slow)[course.shown])
-        nodes = zip(_NODES, share * _WEIGHTS, strict=True) if slow.any() else ((0.0, share),)
-        for number, weight in nodes:
-            level = np.maximum(gap[cells] - number * np.sqrt(slow), LEAST_LEVEL * gap[cells])
-            rates = hazards(level, *moments, bandwidth[:, which])
-            with np.errstate(under="ignore"):
-                for target, rate in zip((result.poisson, result.vanmarcke), rates, strict=True):
-                    so_far = np.exp(-accumulated(rate, course.times)[course.shown])
-                    target[:, cells] += weight * so_far
-        unknown = ~np.isfinite(slow).all(axis=0)
-        for target in result:
-            target[:, cells] = np.where(unknown, np.nan, target[:, cells])
-    return result
 
+    both: Difference  # second moments (times, k p)
+    bandwidth: Array  # (times, k p) [-]
+    drift: Array  # (times, k p) variance [m^2]
+    course: TimeGrid
+    weights: Array = ALONE  # (k,) of the strengths of the motion, with the sum 1, for mean probabilities
 
-def gap_for(
-    both: Difference,
-    bandwidth: Array,
-    drift: Array,
-    confidence: float,
-    course: TimeGrid,
-    weights: Array = ALONE,
-) -> Array:
-    """Gap (p,) [m] for a confidence of no pounding in the motion; 0 without relative displacement.
+    def chances(self, gap: Array, pair: Array) -> Chances:
+        """Probabilities (instants of the result, c) of exceeding gaps, and of no pounding.
 
-    The crossings come in clumps. The other arguments are those of `chances`.
-    """
-    known = np.isfinite(drift).all(axis=0).reshape(weights.size, -1).all(axis=0)
-    largest = np.sqrt(np.max(both.d_d + np.nan_to_num(drift), axis=0)).reshape(weights.size, -1)
-    least, widest = largest.min(axis=0), largest.max(axis=0)
-    moving = np.flatnonzero((widest > 0) & known)
-    required = np.where(known, 0.0, np.nan)
-    last = course._replace(shown=course.shown[-1:])
+        ``gap`` and ``pair`` are gaps (c,) [m] and the number of the pair (c,) of each.
+        """
+        both, bandwidth, drift, course, weights = self
+        shape = (course.shown.size, gap.size)
+        result = Chances(*np.zeros((3, *shape)))
+        step, pairs = max(1, AT_ONCE // course.times.size), drift.shape[1] // weights.size
+        parts = itertools.product(range(0, gap.size, step), enumerate(weights))
+        for begin, (strength, share) in parts:
+            cells = slice(begin, begin + step)
+            which = strength * pairs + pair[cells]
+            moments = (both.d_d[:, which], both.d_v[:, which], both.v_v[:, which])
+            slow = drift[:, which]
+            result.now[:, cells] += share * exceeding(gap[cells], (moments[0] + slow)[course.shown])
+            nodes = zip(_NODES, share * _WEIGHTS, strict=True) if slow.any() else ((0.0, share),)
+            for number, weight in nodes:
+                level = np.maximum(gap[cells] - number * np.sqrt(slow), LEAST_LEVEL * gap[cells])
+                rates = hazards(level, *moments, bandwidth[:, which])
+                with np.errstate(under="ignore"):
+                    for target, rate in zip((result.poisson, result.vanmarcke), rates, strict=True):
+                        so_far = np.exp(-accumulated(rate, course.times)[course.shown])
+                        target[:, cells] += weight * so_far
+            unknown = ~np.isfinite(slow).all(axis=0)
+            for target in result:
+                target[:, cells] = np.where(unknown, np.nan, target[:, cells])
+        return result
 
-    def off(level: Array, pair: Array) -> Array:
-        which = pair.astype(int)
-        gap = (level * widest[which]).ravel()
-        probabilities = chances(both, bandwidth, drift, gap, which.ravel(), last, weights)
-        return (probabilities.vanmarcke[0] - confidence).reshape(level.shape)
+    def gap_for(self, confidence: float) -> Array:
+        """Gap (p,) [m] for a confidence of no pounding in the motion; 0 without relative displacement.
 
-    root = elementwise.find_root(
-        off,
-        (NARROWEST * (least / np.where(widest > 0, widest, 1.0))[moving], np.full(moving.size, WIDEST)),
-        args=(moving.astype(float),),
-        tolerances={"xrtol": CLOSE},
-    )
-    required[moving] = np.where(root.success, root.x * widest[moving], np.nan)
-    return required
+        The crossings come in clumps.
+        """
+        both, _, drift, course, weights = self
+        known = np.isfinite(drift).all(axis=0).reshape(weights.size, -1).all(axis=0)
+        largest = np.sqrt(np.max(both.d_d + np.nan_to_num(drift), axis=0)).reshape(weights.size, -1)
+        least, widest = largest.min(axis=0), largest.max(axis=0)
+        moving = np.flatnonzero((widest > 0) & known)
+        required = np.where(known, 0.0, np.nan)
+        at_end = self._replace(course=course._replace(shown=course.shown[-1:]))
+
+        def off(level: Array, pair: Array) -> Array:
+            which = pair.astype(int)
+            gap = (level * widest[which]).ravel()
+            vanmarcke: Array = at_end.chances(gap, which.ravel()).vanmarcke[0]
+            return (vanmarcke - confidence).reshape(level.shape)
+
+        narrowest = NARROWEST * (least / np.where(widest > 0, widest, 1.0))[moving]
+        root = elementwise.find_root(
+            off,
+            (narrowest, np.full(moving.size, WIDEST)),
+            args=(moving.astype(float),),
+            tolerances={"xrtol": CLOSE},
+        )
+        required[moving] = np.where(root.success, root.x * widest[moving], np.nan)
+        return required

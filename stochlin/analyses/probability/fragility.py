@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
-from stochlin.analyses.probability.cells import SAMPLES
 from stochlin.analyses.probability.probability import REFERENCES, with_samples
+from stochlin.analyses.probability.simulated import SAMPLES
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.risk.rates import (
     NOT_SIMULATED,

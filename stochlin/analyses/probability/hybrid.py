@@ -13,21 +13,23 @@ from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.ground_fit import ground_of_record
 from stochlin.analyses.records.response import respond
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_scalars
+from stochlin.analyses.tables.checks import check_confidence, check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
+from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Gap, Structure
+from stochlin.models.structures import Gap
+from stochlin.models.systems import AnyStructure
 
 POINTS_PER_PERIOD = 16
 CLOSE = 1e-6  # relative tolerance of the search for a gap
 
 
 def hybrid_pounding(
-    first: Structure,
-    second: Structure,
+    first: AnyStructure,
+    second: AnyStructure,
     ground: Ground | None,
     distance: Gap,
     record: xr.DataArray | None,
@@ -40,11 +42,17 @@ def hybrid_pounding(
     record, there was pounding if ``D`` exceeds the smallest phase difference that leads to pounding at
     some instant until then.
     """
-    if record is None:
-        raise ValueError("record is missing; method='hybrid' needs one, such as from read_record")
+    check_confidence(confidence)
     for role, structure in (("first", first), ("second", second)):
+        if isinstance(structure, ShearBuilding):
+            raise TypeError(
+                f"{role} is a building with storeys; method='hybrid' is only available for oscillators: "
+                "give its oscillator(), or method='evolutionary'"
+            )
         expect(structure, Bilinear, role)
         check_scalars(structure, role, SCALARS)
+    if record is None:
+        raise ValueError("record is missing; method='hybrid' needs one, such as from read_record")
     if ground is None:
         ground = ground_of_record(record)
     expect(ground, Ground, "ground")
@@ -93,7 +101,7 @@ def hybrid_pounding(
     )
 
 
-def _in_metres(structure: Structure, ground: Ground, role: str) -> Bilinear:
+def _in_metres(structure: AnyStructure, ground: Ground, role: str) -> Bilinear:
     """The structure with its strength in metres, checked for the response to a record."""
     structure = strength_in_metres(structure, ground)
     check_structure(structure, role)

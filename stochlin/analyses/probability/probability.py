@@ -13,14 +13,12 @@ from stochlin.analyses.linearization.transient_systems import (
     check_course,
     over_time,
 )
-from stochlin.analyses.probability.cells import SAMPLES, PairTable, Solved, by_formula, by_simulation
+from stochlin.analyses.probability.cells import PairTable, Solved, by_formula
 from stochlin.analyses.probability.confidence_errors import cautions
 from stochlin.analyses.probability.hybrid import hybrid_pounding
-from stochlin.analyses.probability.simulated import Draws
-from stochlin.analyses.probability.storeys import storeys_in_motion
+from stochlin.analyses.probability.simulated import SAMPLES, Draws, by_simulation
 from stochlin.analyses.probability.strengths import at_strengths, strengths
 from stochlin.analyses.probability.variables import VARIABLES
-from stochlin.analyses.simulation.draws import draw
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_confidence, check_scatter, check_whole
 from stochlin.kernels.basics.parallel import Progress, part_of
@@ -28,7 +26,7 @@ from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
-from stochlin.models.structures import Gap, Structure
+from stochlin.models.structures import Gap
 from stochlin.models.systems import STRUCTURES, AnyStructure
 from stochlin.models.uncertain import median_of
 
@@ -182,6 +180,19 @@ def pounding_probability(
     >>> bool(last.confidence_of_no_pounding > last.confidence_of_no_pounding_poisson)
     True
     """
+    if not isinstance(method, str) or method not in METHODS:
+        raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
+    if method == "hybrid":
+        if envelope is not None or duration is not None:
+            raise ValueError("envelope and duration do not go with method='hybrid': the record has both")
+        check_scatter(scatter)
+        if scatter:
+            raise ValueError(
+                f"scatter = {scatter:g} does not go with method='hybrid': a record has one intensity"
+            )
+        return hybrid_pounding(first, second, ground, Gap(gap), record, confidence)
+    if record is not None:
+        raise ValueError("record goes with method='hybrid'; allowed here: envelope and duration")
     table = with_samples(
         first,
         second,
@@ -189,8 +200,6 @@ def pounding_probability(
         gap,
         envelope=envelope,
         duration=duration,
-        method=method,
-        record=record,
         confidence=confidence,
         scatter=scatter,
         points=points,
@@ -209,8 +218,6 @@ def with_samples(
     *,
     envelope: Envelope | None,
     duration: float | None,
-    method: str = METHODS[0],
-    record: xr.DataArray | None = None,
     confidence: float,
     scatter: float,
     points: int = POINTS,
@@ -223,27 +230,13 @@ def with_samples(
 
     ``solve`` is `PairTable.solve`, or gives what it has found before; None leaves out the formulas.
     """
-    if not isinstance(method, str) or method not in METHODS:
-        raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
     described: dict[str, Any] = {"first": first, "second": second, "ground": ground}
-    if method != "hybrid":
-        first, second, ground = (median_of(each) for each in described.values())
+    first, second, ground = (median_of(each) for each in described.values())
     for role, structure in (("first", first), ("second", second)):
         expect(structure, STRUCTURES, role)
     check_confidence(confidence)
     check_scatter(scatter)
     distance = Gap(gap)
-    if method == "hybrid":
-        if envelope is not None or duration is not None:
-            raise ValueError("envelope and duration do not go with method='hybrid': the record has both")
-        if scatter:
-            raise ValueError(
-                f"scatter = {scatter:g} does not go with method='hybrid': a record has one intensity"
-            )
-        left, right = (_oscillator(*pair) for pair in (("first", first), ("second", second)))
-        return hybrid_pounding(left, right, ground, distance, record, confidence)
-    if record is not None:
-        raise ValueError("record goes with method='hybrid'; allowed here: envelope and duration")
     expect(ground, Ground, "ground")
     assert ground is not None
     check_whole("points", points, 2)
@@ -267,7 +260,7 @@ def with_samples(
     if paths:
         rest = part_of(progress, 0.0 if solve is None else OF_FORMULA, 1.0)
         options = confidence, Draws(paths, seed, float(scatter)), rest
-        simulated = _simulated(pairs, described, distance, *options)
+        simulated = by_simulation(pairs, described, distance, *options)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
     table = over_time(table, pairs.course).assign(status=of_formula.status)
     table = table.assign(flags)
@@ -283,34 +276,4 @@ def with_samples(
         f"seed={seed})",
         {**described, "gap": distance},
         REFERENCES,
-    )
-
-
-def _simulated(
-    pairs: PairTable,
-    described: dict[str, Any],
-    distance: Gap,
-    confidence: float,
-    draws: Draws,
-    progress: Progress | None,
-) -> xr.Dataset:
-    """Simulated part of the table: all oscillators under the same motions, or pair by pair.
-
-    Pairs with storeys and pairs with uncertain parameters are simulated one by one.
-    """
-    first, second, ground = described.values()
-    drawn = draw([first, second], ground, draws.paths, draws.seed)
-    if not drawn.factors and not any(side.has_storeys for side in pairs.sides):
-        return by_simulation(pairs, ground, confidence, draws, progress)
-    (structure_1, structure_2), soil = drawn.medians
-    motion = distance, pairs.course, confidence, draws, progress
-    return storeys_in_motion(structure_1, structure_2, soil, *motion, drawn).assign(drawn.table())
-
-
-def _oscillator(role: str, structure: AnyStructure) -> Structure:
-    if isinstance(structure, Structure):
-        return structure
-    raise TypeError(
-        f"{role} is a building with storeys; method='hybrid' is only available for oscillators: give "
-        "its oscillator(), or method='evolutionary'"
     )

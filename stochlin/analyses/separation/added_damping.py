@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -12,7 +11,7 @@ import xarray as xr
 
 from stochlin.analyses.records.cells import RECORD, Records, check_structure, checked_motions
 from stochlin.analyses.separation.energy_gap import WHITE_NOISE, RhoEstimate, estimated_gap
-from stochlin.analyses.separation.existing_gap import DAMPINGS
+from stochlin.analyses.separation.existing_gap import DAMPINGS, damped
 from stochlin.analyses.separation.searches import Required, least
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -25,7 +24,6 @@ from stochlin.models.rules.effective_properties import EffectiveRule
 from stochlin.models.structures import Structure
 
 CLOSELY = np.linspace(0, DAMPINGS[-1], 41)  # added damping ratios for bilinear structures
-MOST = 0.999  # largest total damping ratio of a structure
 SIDES: Mapping[str, tuple[float, float]] = {
     "both": (1.0, 1.0),
     "structure 1": (1.0, 0.0),
@@ -147,7 +145,7 @@ def damped_gaps(
     added = labels.axis(BY_DAMPING, "added damping ratio", CLOSELY if bilinear else DAMPINGS)
     shares = np.array(list(SIDES.values()))
     damped_1, damped_2 = (
-        _damped(structure, xr.DataArray(share, {DAMPED: where.values}, DAMPED) * added)
+        damped(structure, xr.DataArray(share, {DAMPED: where.values}, DAMPED) * added)
         for structure, share in zip((first, second), shares.T, strict=True)
     )
     table = estimated_gap(damped_1, damped_2, record, estimate).transpose(DAMPED, BY_DAMPING)
@@ -175,7 +173,7 @@ def _of_one(
         def needed(added: float) -> float:
             if added in known:
                 return known[added]
-            left, right = (_damped(s, x * added) for s, x in zip((first, second), shares, strict=True))
+            left, right = (damped(s, x * added) for s, x in zip((first, second), shares, strict=True))
             return float(estimated_gap(left, right, record, estimate)[name])
 
         return least(Required(needed, gap), list(known)).value
@@ -187,9 +185,3 @@ def _of_one(
     return scan[[*CURVES, "status"]].assign(
         {LEAST: added[0], f"{LEAST}_recorded": added[1], f"{LEAST}_difference": added[0] - added[1]}
     )
-
-
-def _damped(structure: Structure, added: Any) -> Structure:
-    """The structure with added damping; the total ratio is at most `MOST`."""
-    damping: Any = np.minimum(structure.arrays()["damping"] + added, MOST)
-    return replace(structure, damping=damping)

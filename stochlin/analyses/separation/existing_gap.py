@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
 from stochlin.analyses.linearization.strength import solved_reduction_factor, strength_in_metres
-from stochlin.analyses.separation.searches import Edge, Required, around, least, up_to
+from stochlin.analyses.separation.searches import Required, around, least, up_to
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
@@ -33,7 +33,7 @@ AS_BUILT = 6  # index of the factor 1 among these
 ENDS = "", "_lower", "_upper"
 AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors of the ground acceleration
 DAMPINGS = np.linspace(0, 0.4, 9)  # damping ratios added to both structures
-MOST_DAMPING = 0.999
+MOST_DAMPING = 0.999  # largest total damping ratio of a structure
 SIMULATIONS = 60  # usual number of simulations of the three searches together
 
 
@@ -131,21 +131,38 @@ def existing_gap(
         return [float(end[0]) for end in ends]
 
     samples = separations(list(structures.values()), ground)
-    case = _ExistingPair.of(list(structures.values()), ground)
-    by_strength = Required(lambda s: required(case.weaker(s), ground), gap)
+    usual = median_of(ground)
+    pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures.values()]
+
+    def changed(change: Callable[[Any, float], Any], value: float) -> list[AnyStructure]:
+        return [applied(lambda s: change(s, value), structure) for structure in pair]
+
+    def amplified(amplitude: float) -> Ground:
+        return applied(lambda g: replace(g, intensity=g.intensity * amplitude**2), ground)
+
+    by_strength = Required(lambda s: required(changed(weaker, s), ground), gap)
     least_factor, largest_factor = around(by_strength, STRENGTHS, AS_BUILT)
-    by_amplitude = Required(lambda a: required(case.pair, case.stronger(a)), gap)
-    amplitude = up_to(by_amplitude, AMPLITUDES)
-    damping = least(Required(lambda x: required(case.damped(x), ground), gap), DAMPINGS)
-    intensity = float(median_of(ground).arrays()["intensity"])
+    amplitude = up_to(Required(lambda a: required(pair, amplified(a)), gap), AMPLITUDES)
+    added = least(Required(lambda x: required(changed(damped, x), ground), gap), DAMPINGS)
+    intensity = float(usual.arrays()["intensity"])
+    modes = [first_mode(structure) for structure in both.values()]
+    factors = [solved_reduction_factor(mode, solve_elastic(mode, usual)) for mode in modes]
+    limits = {
+        (f"{end}_reduction_factor", f"_{n}"): [factor * times for times in edge]
+        for end, edge in (("largest", largest_factor), ("least", least_factor))
+        for n, factor in enumerate(factors, start=1)
+    }
+    limits["largest_intensity", ""] = [intensity * a**2 for a in amplitude]
+    limits["least_added_damping", ""] = [*added]
     table = xr.Dataset(
         {
             **keeping_apart(samples, float(gap)),
             "required_gap": float(np.quantile(samples, confidence)),
-            **_factors("largest", case.factors, largest_factor),
-            **_factors("least", case.factors, least_factor),
-            **_with_interval("largest_intensity", Edge(*(intensity * a**2 for a in amplitude))),
-            **_with_interval("least_added_damping", damping),
+            **{
+                f"{name}{which}{number}": value
+                for (name, number), interval in limits.items()
+                for which, value in zip(ENDS, interval, strict=True)
+            },
         }
     )
     searched = (
@@ -157,55 +174,12 @@ def existing_gap(
         table.assign_attrs(
             gap_m=float(gap), confidence=confidence, searched=searched, **labels.of_scatter(scatter)
         ),
-        f"What an existing {'gap' if second is not None else 'set-back'} allows, "
-        f"{median_of(ground).name} ground",
+        f"What an existing {'gap' if second is not None else 'set-back'} allows, {usual.name} ground",
         f"existing_gap(gap={gap:g}, duration={duration:g}, confidence={confidence:g}, seed={seed})",
         {**structures, "ground": ground},
     )
 
 
-def _with_interval(name: str, edge: Edge, end: str = "") -> dict[str, float]:
-    return {f"{name}{which}{end}": value for which, value in zip(ENDS, edge, strict=True)}
-
-
-def _factors(which: str, factors: Sequence[float], edge: Edge) -> dict[str, float]:
-    """Reduction factors of the structures at an edge of the range, with their intervals."""
-    columns: dict[str, float] = {}
-    for n, factor in enumerate(factors, start=1):
-        columns |= _with_interval(f"{which}_reduction_factor", edge.times(factor), f"_{n}")
-    return columns
-
-
-class _ExistingPair(NamedTuple):
-    """One or two structures with strengths in metres, and their changes."""
-
-    pair: Sequence[Any]  # two structures, or one alone
-    ground: Ground
-    factors: Sequence[float]  # reduction factors, NaN if elastic
-
-    @classmethod
-    def of(cls, structures: Sequence[AnyStructure], ground: Ground) -> _ExistingPair:
-        usual = median_of(ground)
-        pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures]
-        modes = [first_mode(median_of(structure)) for structure in structures]
-        factors = [solved_reduction_factor(mode, solve_elastic(mode, usual)) for mode in modes]
-        return cls(pair, ground, factors)
-
-    def weaker(self, factor: float) -> list[AnyStructure]:
-        return [applied(lambda s: weaker(s, factor), structure) for structure in self.pair]
-
-    def stronger(self, amplitude: float) -> Ground:
-        return applied(lambda ground: _times(ground, amplitude**2), self.ground)
-
-    def damped(self, added: float) -> list[AnyStructure]:
-        return [applied(lambda s: _damped(s, added), structure) for structure in self.pair]
-
-
-def _times(ground: Any, factor: float) -> Any:
-    """The ground with its intensity multiplied by a factor."""
-    return replace(ground, intensity=ground.intensity * factor)
-
-
-def _damped(structure: Any, added: float) -> Any:
+def damped(structure: Any, added: Any) -> Any:
     """The structure with added damping; the total ratio is at most `MOST_DAMPING`."""
     return replace(structure, damping=np.minimum(structure.damping + added, MOST_DAMPING))

@@ -2,36 +2,26 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.correlation.effective import rho_effective
-from stochlin.analyses.linearization.equivalent_systems import solve_elastic, solve_structure
-from stochlin.analyses.linearization.peaks import peak_table, relative_moments, response_moments
-from stochlin.analyses.linearization.strength import solved_reduction_factor
-from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.separation.code_gaps import code_gaps
-from stochlin.analyses.simulation.simulation import simulate
+from stochlin.analyses.separation.pairs import SHORT, PairInMotion, peak_quantile
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.combination import double_difference
-from stochlin.models.grounds import Ground
 from stochlin.models.rules.codes import Neighbours
 from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
 from stochlin.models.rules.peak_factors.vanmarcke import Vanmarcke1975
-from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
+from stochlin.models.structures import DRIFT, GAUSSIAN
 
-GUMBEL = np.sqrt(6) / np.pi
 EQ_3 = "eq. (3) with the peaks of both structures"
 ALIKE = 1e-5  # gap over peak below which the gap is a rounding error of two equal structures
 COMBINES = "needs a second building: eq. (3) combines the peaks of two"
-SHORT = "not solved, or the motion is too short for a peak"
 SOLVED, PAPER = ("simulated", "linearized", "drift"), "paper"
 
 
@@ -59,175 +49,6 @@ class Rule:
         """Correlation at the height where the gap is largest [-]; NaN if the rule has none."""
         known = self.rhos is not None and not np.isnan(self.gap)
         return float(self.rhos[int(np.argmax(self.gaps))]) if known else np.nan  # type: ignore[index]
-
-
-@dataclass(frozen=True)
-class PairInMotion(ABC):
-    """Two structures, or one beside its property line, with their simulated motions of finite length.
-
-    Arrays are over the heights at which the structures could meet, or cross the line. Without storeys
-    there is one height, which is NaN.
-    """
-
-    structures: tuple[Any, ...]
-    ground: Ground
-    motions: xr.Dataset
-    confidence: float
-    strong_seconds: float  # [s], duration of the stationary motion with equal energy
-
-    @property
-    def alone(self) -> bool:
-        """Whether there is only one structure."""
-        return len(self.structures) == 1
-
-    @property
-    def scatter(self) -> float:
-        """Scatter between the motions [-]."""
-        return float(self.motions.attrs.get("scatter", 0.0))
-
-    @property
-    @abstractmethod
-    def heights(self) -> Array:
-        """Heights at which the structures could meet [m]."""
-
-    @property
-    @abstractmethod
-    def code_heights(self) -> tuple[Any, ...]:
-        """Height of each structure for rules of codes [m], a number, an array or None."""
-
-    @property
-    @abstractmethod
-    def peaks(self) -> Array:
-        """Quantile of the peak ``|u|`` at the probability ``confidence`` [m], (structures, heights)."""
-
-    @abstractmethod
-    def simulated_rho(self) -> Array:
-        """Correlation by stationary simulation [-], (heights,)."""
-
-    @abstractmethod
-    def linearized_rho(self, closure: str) -> Array:
-        """Correlation by linearization [-], (heights,); a ValueError if there is no solution."""
-
-    @abstractmethod
-    def amplified_peaks(self) -> Array:
-        """Quantile of the elastic peak ``|u|`` times ``D`` of linearization [m], as `peaks`.
-
-        A ValueError or an ArithmeticError if there is none.
-        """
-
-    @abstractmethod
-    def effective_arguments(self) -> dict[str, float]:
-        """Arguments of `rho_effective`, without the rule."""
-
-    @abstractmethod
-    def relative_moments(self) -> tuple[Array, Array, Array]:
-        """Spectral moments ``l0, l1, l2`` of the linearized ``u_1 - u_2``, or of ``u_1`` if alone."""
-
-    @abstractmethod
-    def quantities(self) -> dict[str, Any]:
-        """Variables of the table for the structures, by name."""
-
-
-@dataclass(frozen=True)
-class OscillatorsInMotion(PairInMotion):
-    """Oscillators; ``known_heights`` are the given heights of the buildings [m]."""
-
-    known_heights: tuple[float | None, ...]
-
-    @property
-    def heights(self) -> Array:
-        """See `PairInMotion`."""
-        return np.array([np.nan])
-
-    @property
-    def code_heights(self) -> tuple[Any, ...]:
-        """See `PairInMotion`."""
-        return self.known_heights
-
-    @cached_property
-    def solved(self) -> list[xr.Dataset]:
-        """The linearized response of each structure."""
-        return [solve_structure(s, self.ground, "gaussian", USUAL) for s in self.structures]
-
-    @cached_property
-    def elastic(self) -> list[xr.Dataset]:
-        """The response of each structure as elastic."""
-        return [solve_elastic(s, self.ground) for s in self.structures]
-
-    @property
-    def yield_displacements(self) -> list[float]:
-        """Yield displacement of each structure [m], known even if linearization fails."""
-        return [float(side.yield_displacement) for side in self.elastic]
-
-    @property
-    def peaks(self) -> Array:
-        """See `PairInMotion`."""
-        quantile: Array = np.quantile(self.motions.peak.values, self.confidence, axis=0)
-        return quantile[:, None]
-
-    @property
-    def ductilities(self) -> Array:
-        """Mean peak ductility of each structure [-]; 0 if elastic."""
-        return self.motions.peak_mean.values / np.array(self.yield_displacements)
-
-    def simulated_rho(self) -> Array:
-        """See `PairInMotion`."""
-        return simulate(self.structures, self.ground).rho.values[0, 1:]
-
-    def linearized_rho(self, closure: str) -> Array:
-        """See `PairInMotion`."""
-        lacking = {type(s).__name__ for s in self.structures if closure not in s.closure_names()}
-        if lacking:
-            raise ValueError(f"no {closure} closure for {', '.join(sorted(lacking))}")
-        first, second = self.structures
-        return np.atleast_1d(correlate(first, second, self.ground, closure=closure).rho.values)
-
-    def amplified_peaks(self) -> Array:
-        """See `PairInMotion`."""
-        peaks = np.empty((len(self.structures), 1))
-        for n, (elastic, yielding) in enumerate(zip(self.elastic, self.solved, strict=True)):
-            moments = response_moments(elastic, self.ground)
-            peak = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2)
-            peaks[n] = peak * yielding.displacement_std / elastic.displacement_std
-        if not np.isfinite(peaks).all():
-            raise ArithmeticError(SHORT)
-        return peaks
-
-    def effective_arguments(self) -> dict[str, float]:
-        """See `PairInMotion`."""
-        return effective_arguments(self.structures, self.ductilities)
-
-    def relative_moments(self) -> tuple[Array, Array, Array]:
-        """See `PairInMotion`."""
-        first, *others = self.solved
-        if others:
-            l0, l1, l2 = relative_moments(first, others[0], self.ground)
-        else:
-            l0, l1, l2 = response_moments(first, self.ground)
-        return l0.values, l1.values, l2.values
-
-    def quantities(self) -> dict[str, Any]:
-        """See `PairInMotion`."""
-        table: dict[str, float] = {}
-        for n, (structure, side) in enumerate(zip(self.structures, self.elastic, strict=True)):
-            mean = ("peak_mean", "peak_mean_standard_error")
-            table |= {f"{name}_{n + 1}": float(self.motions[name][n]) for name in mean}
-            table[f"peak_{n + 1}"] = float(self.peaks[n, 0])
-            table[f"ductility_{n + 1}"] = float(self.ductilities[n]) if structure.yields else np.nan
-            table[f"yield_displacement_{n + 1}"] = self.yield_displacements[n]
-            table[f"reduction_factor_{n + 1}"] = solved_reduction_factor(structure, side)
-        return table
-
-
-def effective_arguments(structures: Sequence[Structure], ductilities: Array) -> dict[str, float]:
-    """Arguments of `rho_effective` for two oscillators with these peak ductilities."""
-    arguments: dict[str, float] = {}
-    for n, structure in enumerate(structures):
-        own, parameters = structure.yields, structure.arrays()
-        arguments |= {f"{key}_{n + 1}": float(parameters[key]) for key in ("period", "damping")}
-        arguments[f"hardening_{n + 1}"] = float(parameters["hardening"]) if own else 1.0
-        arguments[f"ductility_{n + 1}"] = float(ductilities[n]) if own else 1.0
-    return arguments
 
 
 def all_rules(
@@ -349,16 +170,6 @@ def linearized_rule(
         assumptions=_unsimulated(seconds, scatter),
         missing="" if np.isfinite(gaps).all() else SHORT,
     )
-
-
-def peak_quantile(
-    moments: tuple[xr.DataArray, ...], seconds: float, confidence: float, sides: int
-) -> xr.DataArray:
-    """Quantile of the peak of a Gaussian motion [m] at ``confidence``, by a Gumbel distribution."""
-    l0, l1, l2 = moments
-    peak = peak_table(l0, l1, l2, xr.DataArray(seconds), Vanmarcke1975(), sides)
-    reduced = -np.log(-np.log(confidence))
-    return peak.peak_mean + GUMBEL * (reduced - np.euler_gamma) * peak.peak_std
 
 
 def code_rules(

@@ -25,10 +25,6 @@ class Edge(NamedTuple):
     lower: float = np.nan
     upper: float = np.nan
 
-    def times(self, factor: float) -> Edge:
-        """The edge with its value and interval multiplied by a factor."""
-        return Edge(*(factor * each for each in self))
-
 
 NONE, NO_LIMIT = Edge(np.nan), Edge(np.inf)
 
@@ -85,22 +81,15 @@ def _crossings(at: Array, values: Array) -> Array:
 
 def up_to(required: Required, grid: Sequence[float] | Array) -> Edge:
     """Largest value up to which all are sufficient; `NO_LIMIT` for all values, `NONE` for none."""
-    before = None
-    for value in grid:
-        if not required.enough(value):
-            return NONE if before is None else required.edge(before, value)
-        before = value
-    return NO_LIMIT
+    return _end(required, grid, 0, 1, NO_LIMIT) if required.enough(grid[0]) else NONE
 
 
 def least(required: Required, grid: Sequence[float] | Array) -> Edge:
     """First sufficient value; `NONE` if there is none."""
-    before = None
-    for value in grid:
-        if required.enough(value):
-            return Edge(*[float(value)] * 3) if before is None else required.edge(before, value)
-        before = value
-    return NONE
+    first = next((n for n, value in enumerate(grid) if required.enough(value)), None)
+    if first is None:
+        return NONE
+    return _end(required, grid, first, -1, Edge(*[float(grid[0])] * 3))
 
 
 def around(required: Required, grid: Sequence[float] | Array, start: int) -> tuple[Edge, Edge]:
@@ -109,16 +98,19 @@ def around(required: Required, grid: Sequence[float] | Array, start: int) -> tup
     The next range is sought below ``grid[start]`` first, then above. An end beyond the grid is 0 or
     `NO_LIMIT`.
     """
-    inside = next(
-        (n for n in (*range(start, -1, -1), *range(start + 1, len(grid))) if required.enough(grid[n])),
-        None,
-    )
+    order = (*range(start, -1, -1), *range(start + 1, len(grid)))
+    inside = next((n for n in order if required.enough(grid[n])), None)
     if inside is None:
         return NONE, NONE
-    ends = []
-    for way, open_end in ((-1, Edge(0.0)), (1, NO_LIMIT)):
-        n = inside
-        while 0 <= n < len(grid) and required.enough(grid[n]):
-            n += way
-        ends.append(required.edge(grid[n - way], grid[n]) if 0 <= n < len(grid) else open_end)
-    return ends[0], ends[1]
+    lower = _end(required, grid, inside, -1, Edge(0.0))
+    return lower, _end(required, grid, inside, 1, NO_LIMIT)
+
+
+def _end(
+    required: Required, grid: Sequence[float] | Array, inside: int, way: int, open_end: Edge
+) -> Edge:
+    """End of the sufficient values on one side of ``grid[inside]``, which is sufficient itself."""
+    n = inside
+    while 0 <= n < len(grid) and required.enough(grid[n]):
+        n += way
+    return required.edge(grid[n - way], grid[n]) if 0 <= n < len(grid) else open_end

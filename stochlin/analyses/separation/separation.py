@@ -14,13 +14,9 @@ from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.cells import checked_motions
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.separation.code_gaps import check_neighbours, rules_with, told_numbers
-from stochlin.analyses.separation.rules import (
-    OscillatorsInMotion,
-    PairInMotion,
-    Rule,
-    all_rules,
-)
-from stochlin.analyses.separation.storeys import StoreysInMotion, check_levels, of_storeys
+from stochlin.analyses.separation.pairs import PairInMotion
+from stochlin.analyses.separation.rules import Rule, all_rules
+from stochlin.analyses.separation.storeys import check_levels, of_storeys
 from stochlin.analyses.separation.variables import ALONE, VARIABLES
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
@@ -48,7 +44,6 @@ from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.rules.codes import BuildingPeaks, Neighbours, check_zone
-from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
 
@@ -240,13 +235,9 @@ def separation(
             # The rules take the structures at their medians, and the peaks of all samples.
             structures, ground = tuple(map(median_of, by_role.values())), median_of(ground)
             seconds = strong_seconds(duration, envelope)
-            pair: PairInMotion
-            if all(isinstance(structure, Structure) for structure in structures):
-                pair = OscillatorsInMotion(structures, ground, motions, confidence, seconds, tall)
-            else:
-                pair = StoreysInMotion(
-                    in_metres(structures, ground), ground, motions, confidence, seconds
-                )
+            if any(isinstance(structure, ShearBuilding) for structure in structures):
+                structures = in_metres(structures, ground)
+            pair = PairInMotion(structures, ground, motions, confidence, seconds, tall)
             rules = all_rules(pair, for_codes, zone, unverified, numbers)
             table = _judged(rules, pair)
             if "input_factor" in motions:

@@ -15,7 +15,6 @@ from stochlin.analyses.sites.spectrum_fit import (
     LONGEST,
     MOST_FILTERS,
     POINTS,
-    Delivered,
     Wanted,
     deliver,
 )
@@ -23,7 +22,6 @@ from stochlin.analyses.tables.checks import check_duration, check_whole
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.envelopes import Envelope
-from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 
 _OF_SPECTRA = "clough_penzien"
@@ -187,8 +185,15 @@ def fit_ground(
     if envelope is not None:
         expect(envelope, Envelope, "envelope")
     wanted = _wanted(target, duration, envelope)
-    delivered = deliver(wanted, filters, seed, progress)
-    return _with_source(delivered, wanted, str(target.attrs.get("source", "a spectrum")))
+    fit = deliver(wanted, filters, seed, progress)
+    under = "stationary" if envelope is None else envelope.describe()
+    text = (
+        f"fitted to {target.attrs.get('source', 'a spectrum')}, damping {wanted.damping:g}, from "
+        f"{wanted.periods[0]:.3g} to {wanted.periods[-1]:.3g} s; motions of {duration:g} s, {under}, "
+        f"have this spectrum in the mean with errors of {100 * fit.rms:.1f} % (root mean square) and "
+        f"{100 * fit.worst:.1f} % (largest)"
+    )
+    return replace(fit.ground(), source=text)
 
 
 def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) -> Wanted:
@@ -201,14 +206,3 @@ def _wanted(spectrum: xr.DataArray, duration: float, envelope: Envelope | None) 
         )
     sought = np.geomspace(shortest, longest, POINTS)
     return Wanted(sought, interpolated(period, values, sought), damping, duration, envelope)
-
-
-def _with_source(delivered: Delivered, wanted: Wanted, source: str) -> Ground:
-    under = "stationary" if wanted.envelope is None else wanted.envelope.describe()
-    text = (
-        f"fitted to {source}, damping {wanted.damping:g}, from {wanted.periods[0]:.3g} to "
-        f"{wanted.periods[-1]:.3g} s; motions of {wanted.duration:g} s, {under}, have this spectrum in "
-        f"the mean with errors of {100 * delivered.rms:.1f} % (root mean square) and "
-        f"{100 * delivered.worst:.1f} % (largest)"
-    )
-    return replace(delivered.ground, source=text)

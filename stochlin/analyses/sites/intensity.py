@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.files import METRES
-from stochlin.analyses.simulation.ensembles import check_settings
 from stochlin.analyses.simulation.finite_motions import mean_with_error
-from stochlin.analyses.simulation.ground_motions import simulated_motions
-from stochlin.analyses.sites.simulated_spectra import PGA_STEP, peak_accelerations
+from stochlin.analyses.sites.simulated_spectra import PGA_STEP, Motions, peak_accelerations
 from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_damping, check_goal
 from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration, check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, rms_acceleration
-from stochlin.models.parameters import expect
 
 PATHS = 1024  # gives a standard error of about half a per cent
 FEWEST, MOST_STEPS = 64, 20_000_000  # fewest motions; most time steps of all motions in memory at once
@@ -101,29 +98,18 @@ def scale_ground(
     >>> round(float(table.peak_ground_acceleration) / 9.80665, 9)
     0.3
     """
-    expect(ground, Ground, "ground")
-    check_scalars(ground, "ground", "numbers")
-    check_duration(duration)
-    if envelope is not None:
-        expect(envelope, Envelope, "envelope")
+    motions = Motions(ground, duration, envelope, paths, seed, progress)
+    motions.check()
     check_goal({"pga": pga, "sa": sa}, period)
     check_damping(damping)
-    check_settings(paths, seed)
     if pga is not None and not np.isfinite(rms_acceleration(ground)):
         raise ValueError(
             "pga: white noise has no peak, since it grows with smaller time steps; allowed: sa with a "
             "period, or another ground"
         )
-    motion: Any = {"duration": duration, "envelope": envelope, "paths": paths, "seed": seed}
-    if period is None:
-        samples = _peaks(ground, **motion, progress=progress)
-    else:
-        (samples,) = peak_accelerations(
-            np.array([float(period)]), damping, ground, **motion, progress=progress
-        ).T
-    mean, error = mean_with_error(samples)
+    at = None if period is None else float(period)
+    mean, error = _mean_acceleration(_of_unit_intensity(motions), at, damping)
     wanted = float(pga if sa is None else sa)  # type: ignore[arg-type]
-    times = wanted / mean
     of_peak = f"peak ground acceleration (steps of {PGA_STEP:g} s)"
     what = of_peak if sa is None else f"Sa({period:g} s), damping {damping:g},"
     under = "stationary" if envelope is None else envelope.describe()
@@ -133,7 +119,7 @@ def scale_ground(
     )
     source = ground.source.partition(_TOLD)[0].rstrip("; ")
     changed: dict[str, Any] = {
-        "intensity": float(ground.arrays()["intensity"]) * times * times,
+        "intensity": (wanted / mean) ** 2,
         "source": f"{source}; {text}" if source else text,
     }
     return replace(ground, **changed)
@@ -153,29 +139,36 @@ def shaking(
     ``ground_intensity`` [m^2/s^3]; and ``spectral_acceleration_1`` [m/s^2] and so on, for the periods
     [s] in their order and the damping ratio 0.05.
     """
-    motion: Any = {"duration": duration, "envelope": envelope, "seed": seed}
-    motion["paths"] = paths_for(duration)
-    std = rms_acceleration(ground)
-    known = np.isfinite(std)
-    columns = {"rms_acceleration": std if known else np.nan}
-    columns["ground_intensity"] = float(ground.arrays()["intensity"])
-    peak = mean_with_error(_peaks(ground, **motion)) if known else (np.nan, np.nan)
-    columns |= dict(zip(_with_error("peak_ground_acceleration", ""), peak, strict=True))
-    # One period at a time, as in `scale_ground`, so that the time steps and the result are the same.
-    of_each = {
-        period: mean_with_error(samples)
-        for period in set(map(float, periods))
-        for samples in peak_accelerations(np.array([period]), USUAL_DAMPING, ground, **motion).T
-    }
+    intensity, std = float(ground.arrays()["intensity"]), rms_acceleration(ground)
+    columns = {"rms_acceleration": std if np.isfinite(std) else np.nan, "ground_intensity": intensity}
+    motions = _of_unit_intensity(Motions(ground, duration, envelope, paths_for(duration), seed))
+    measures: dict[tuple[str, str], float | None] = {("peak_ground_acceleration", ""): None}
     for n, period in enumerate(map(float, periods), start=1):
-        columns |= dict(zip(_with_error("spectral_acceleration", f"_{n}"), of_each[period], strict=True))
+        measures["spectral_acceleration", f"_{n}"] = period
+    for (name, ending), at in measures.items():
+        mean, error = _mean_acceleration(motions, at, USUAL_DAMPING)
+        columns[f"{name}{ending}"] = np.sqrt(intensity) * mean
+        columns[f"{name}_standard_error{ending}"] = np.sqrt(intensity) * error
     return labels.label(xr.Dataset(columns, attrs={"pga_step_s": PGA_STEP}), VARIABLES)
 
 
-def _peaks(ground: Ground, **motion: Any) -> Array:
-    highest: Array = np.abs(simulated_motions(ground, **motion, step=PGA_STEP).to_numpy()).max(axis=1)
-    return highest
+def _of_unit_intensity(motions: Motions) -> Motions:
+    unit: dict[str, Any] = {"intensity": 1.0, "source": ""}
+    return replace(motions, ground=replace(motions.ground, **unit))
 
 
-def _with_error(stem: str, end: str) -> tuple[str, str]:
-    return f"{stem}{end}", f"{stem}_standard_error{end}"
+@lru_cache(maxsize=256)  # another acceleration wanted of the same motions costs nothing
+def _mean_acceleration(motions: Motions, period: float | None, damping: float) -> tuple[float, float]:
+    """Mean acceleration of the motions, and its standard error [m/s^2].
+
+    It is the pseudo-acceleration at a period [s]; without a period, the peak of the ground, which is NaN
+    for white noise. Periods are simulated one by one, so that none changes the time steps of another.
+    """
+    if period is None and not np.isfinite(rms_acceleration(motions.ground)):
+        return np.nan, np.nan
+    if period is None:
+        samples = np.abs(motions.accelerations().to_numpy()).max(axis=1)
+    else:
+        samples = peak_accelerations(np.array([period]), damping, motions)[:, 0]
+    mean, error = mean_with_error(samples)
+    return float(mean), float(error)

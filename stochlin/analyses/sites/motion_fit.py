@@ -13,8 +13,12 @@ from stochlin.analyses.records.files import METRES
 from stochlin.analyses.records.records import checked_record, strong_samples
 from stochlin.analyses.records.response import response_spectrum
 from stochlin.analyses.simulation.ensembles import check_settings
-from stochlin.analyses.simulation.finite_motions import mean_with_error
-from stochlin.analyses.sites.simulated_spectra import spectrum_and_motions
+from stochlin.analyses.sites.simulated_spectra import (
+    PGA_STEP,
+    Motions,
+    assign_mean,
+    spectrum_and_motions,
+)
 from stochlin.analyses.sites.spectra import SHORTEST, USUAL_DAMPING
 from stochlin.analyses.sites.spectrum_fit import LONGEST, POINTS, Wanted, deliver
 from stochlin.analyses.sites.variables import VARIABLES
@@ -24,7 +28,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground, rms_acceleration
-from stochlin.models.parameters import Model, expect
+from stochlin.models.parameters import expect
 
 FILTERS, PATHS = 2, 512
 CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
@@ -151,7 +155,7 @@ def fit_motion(
     periods = np.geomspace(SHORTEST, min(LONGEST, duration / CYCLES), POINTS)
     spectrum = response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.values.ravel()
     wanted = Wanted(periods, spectrum, USUAL_DAMPING, duration, shape, std)
-    ground = deliver(wanted, filters, seed, progress, PATHS).ground
+    ground = deliver(wanted, filters, seed, progress, PATHS).ground()
     changed: dict[str, Any] = {
         "intensity": float(ground.arrays()["intensity"]) * (std / rms_acceleration(ground)) ** 2,
         "source": f"energy and response spectrum of {record.attrs.get('source', 'a record')}",
@@ -210,24 +214,18 @@ def compare_motions(
     longest = min(LONGEST, motion.duration / CYCLES)
     periods = np.geomspace(SHORTEST, longest, POINTS)
     own = response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.values.ravel()
-    timing = (motion.duration, motion.envelope)
-    table, motions = spectrum_and_motions(motion.ground, periods, own, *timing, paths=paths, seed=seed)
-    energy = _energy(values, dt)
-    of_motions = _energy(motions.to_numpy(), motions.attrs["dt"]) / energy
-    first, last = strong_samples(motions.to_numpy())
-    lengths = motions.attrs["dt"] * (last - first)
-    for name, samples in (("energy_ratio", of_motions), ("significant_duration", lengths)):
-        mean, error = mean_with_error(samples)
-        table[name], table[f"{name}_standard_error"] = ((), mean), ((), error)
+    motions = Motions(motion.ground, motion.duration, motion.envelope, paths, seed)
+    table, simulated = spectrum_and_motions(motions, periods, own)
+    energy, accelerations = _energy(values, dt), simulated.to_numpy()
+    assign_mean(table, "energy_ratio", _energy(accelerations, PGA_STEP) / energy)
+    first, last = strong_samples(accelerations)
+    assign_mean(table, "significant_duration", PGA_STEP * (last - first))
     table["record_arias_intensity"] = (), np.pi / (2 * METRES["g"]) * energy
     first, last = strong_samples(values)
     table["record_significant_duration"] = (), dt * (last - first)
     call = f"compare_motions(paths={paths}, seed={seed})"
-    models: dict[str, Model] = {"ground": motion.ground}
-    if motion.envelope is not None:
-        models["envelope"] = motion.envelope
     title = f"{record.attrs.get('source', 'A record')} and the motions fitted to it"
-    return labels.with_run_information(labels.label(table, VARIABLES), title, call, models)
+    return labels.with_run_information(labels.label(table, VARIABLES), title, call, motions.models())
 
 
 def energy_ratio(

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.simulation.ensembles import SimulationRun, cells_of_all, check_settings, prepare
+from stochlin.analyses.simulation.ensembles import cells_of_all, check_settings, prepare
 from stochlin.analyses.simulation.finite_motions import check_finite, finite_steps, mean_with_error
 from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.views import view_of
@@ -37,6 +38,35 @@ QUANTILES = (0.16, 0.5, 0.84)
 STEPS_PER_PERIOD = 64
 PGA_STEP = 0.01  # [s], of the motions whose peaks are counted; they grow with smaller steps
 TOGETHER = 24  # oscillators of neighbouring periods that have the same time step
+
+
+@dataclass(frozen=True)
+class Motions:
+    """Simulated motions of a ground, equal to others whatever their ``progress`` is."""
+
+    ground: Ground
+    duration: float  # [s]
+    envelope: Envelope | None
+    paths: int
+    seed: int
+    progress: Progress | None = field(default=None, compare=False)
+
+    def check(self) -> None:
+        """Raise a TypeError or a ValueError if something is of another kind or out of range."""
+        expect(self.ground, Ground, "ground")
+        check_scalars(self.ground, "ground", "numbers")
+        check_duration(self.duration)
+        if self.envelope is not None:
+            expect(self.envelope, Envelope, "envelope")
+        check_settings(self.paths, self.seed)
+
+    def accelerations(self) -> xr.DataArray:
+        """Accelerations of the ground [m/s^2] over ``path`` and ``time``, in steps of `PGA_STEP`."""
+        return simulated_motions(**vars(self), step=PGA_STEP)
+
+    def models(self) -> dict[str, Model]:
+        """Ground and envelope, for the run information."""
+        return {name: model for name, model in vars(self).items() if isinstance(model, Model)}
 
 
 def simulated_spectrum(
@@ -95,68 +125,42 @@ def simulated_spectrum(
     >>> table.pseudo_acceleration.dims, bool((table.pseudo_acceleration > 0).all())
     (('period',), True)
     """
-    expect(ground, Ground, "ground")
-    check_scalars(ground, "ground", "numbers")
-    check_duration(duration)
-    check_settings(paths, seed)
-    if envelope is not None:
-        expect(envelope, Envelope, "envelope")
+    motions = Motions(ground, duration, envelope, paths, seed, progress)
+    motions.check()
     periods, wanted, own = _asked(target)
     ratio = own if damping is None else check_damping(damping)
-    table, _ = spectrum_and_motions(
-        ground,
-        periods,
-        wanted,
-        duration,
-        envelope,
-        damping=ratio,
-        paths=paths,
-        seed=seed,
-        progress=progress,
-    )
-    models: dict[str, Model] = {"ground": ground}
-    if envelope is not None:
-        models["envelope"] = envelope
+    table, _ = spectrum_and_motions(motions, periods, wanted, ratio)
     call = f"simulated_spectrum(duration={duration}, damping={ratio}, paths={paths}, seed={seed})"
     title = "Response spectrum of simulated motions"
     if wanted is not None and isinstance(target, xr.DataArray):
         table.target.attrs["source"] = str(target.attrs.get("source", "a spectrum"))
-    return labels.with_run_information(labels.label(table, VARIABLES), title, call, models)
+    return labels.with_run_information(labels.label(table, VARIABLES), title, call, motions.models())
 
 
 def spectrum_and_motions(
-    ground: Ground,
-    periods: Array,
-    wanted: Array | None,
-    duration: float,
-    envelope: Envelope | None,
-    *,
-    damping: float = USUAL_DAMPING,
-    paths: int,
-    seed: int,
-    progress: Progress | None = None,
+    motions: Motions, periods: Array, wanted: Array | None, damping: float = USUAL_DAMPING
 ) -> tuple[xr.Dataset, xr.DataArray]:
     """The result of `simulated_spectrum`, compared with any ``wanted`` spectrum, and the motions."""
-    peaks = peak_accelerations(
-        periods, damping, ground, duration, envelope, paths=paths, seed=seed, progress=progress
-    )
-    said = {"duration_s": float(duration), "damping": float(damping), "pga_step_s": PGA_STEP}
+    peaks = peak_accelerations(periods, damping, motions)
+    duration = float(motions.duration)
+    said = {"duration_s": duration, "damping": float(damping), "pga_step_s": PGA_STEP}
     table = xr.Dataset(coords={"period": labels.axis("period", "period", periods, "s")}, attrs=said)
     table = table.assign_coords(quantile=labels.axis("quantile", "quantile", np.array(QUANTILES)))
-    mean, error = mean_with_error(peaks)
-    table["pseudo_acceleration"] = "period", mean
-    table["pseudo_acceleration_standard_error"] = "period", error
+    assign_mean(table, "pseudo_acceleration", peaks, "period")
     quantiles = np.quantile(peaks, QUANTILES, axis=0)
     table["pseudo_acceleration_quantile"] = ("quantile", "period"), quantiles
-    motions = simulated_motions(ground, duration, envelope, paths=paths, seed=seed, step=PGA_STEP)
-    mean, error = mean_with_error(np.abs(motions.to_numpy()).max(axis=1))
-    table["peak_ground_acceleration"] = (), mean
-    table["peak_ground_acceleration_standard_error"] = (), error
+    accelerations = replace(motions, progress=None).accelerations()
+    assign_mean(table, "peak_ground_acceleration", np.abs(accelerations.to_numpy()).max(axis=1))
     if wanted is not None:
         table["target"] = "period", wanted
         table["ratio"] = table.pseudo_acceleration / table.target
         table["ratio_standard_error"] = table.pseudo_acceleration_standard_error / table.target
-    return table, motions
+    return table, accelerations
+
+
+def assign_mean(table: xr.Dataset, name: str, samples: Array, *dims: str) -> None:
+    """Put the mean of samples along their first axis, and its standard error, into a table."""
+    table[name], table[f"{name}_standard_error"] = ((dims, x) for x in mean_with_error(samples))
 
 
 def _asked(
@@ -174,41 +178,26 @@ def _asked(
 
 
 def peak_accelerations(
-    periods: Array,
-    damping: float,
-    ground: Ground,
-    duration: float,
-    envelope: Envelope | None,
-    *,
-    paths: int,
-    seed: int,
-    steps_per_period: int = STEPS_PER_PERIOD,
-    progress: Progress | None = None,
+    periods: Array, damping: float, motions: Motions, steps_per_period: int = STEPS_PER_PERIOD
 ) -> Array:
     """Pseudo-accelerations of elastic oscillators in each motion [m/s^2], (paths, periods).
 
     Neighbouring periods have the same time step, ``steps_per_period`` in the shortest of them.
     """
-    accelerations = np.empty((paths, periods.size))
+    accelerations = np.empty((motions.paths, periods.size))
     order = np.argsort(periods)
     for mine in np.array_split(order, -(-periods.size // TOGETHER)):
         run = prepare(
-            cells_of_all([Bilinear(float(t), damping) for t in periods[mine]], ground, False),
-            ground,
-            paths=paths,
-            seed=seed,
+            cells_of_all([Bilinear(float(t), damping) for t in periods[mine]], motions.ground, False),
+            motions.ground,
+            paths=motions.paths,
+            seed=motions.seed,
             steps_per_period=steps_per_period,
         )
-        check_finite(run, duration, mine.size)
-        peaks = _peaks(run, duration, envelope, progress)
-        accelerations[:, mine] = (2 * np.pi / periods[mine]) ** 2 * peaks[:paths]
+        check_finite(run, motions.duration, mine.size)
+        crowd, shape = finite_steps(run, motions.duration, motions.envelope)
+        each = view_of([{n: 1.0} for n in range(mine.size)], run.order, run.scale)
+        extremes = finite_extremes(crowd, each, shape, motions.progress)
+        peaks = np.maximum(extremes.highest, -extremes.lowest)[: motions.paths]
+        accelerations[:, mine] = (2 * np.pi / periods[mine]) ** 2 * peaks
     return accelerations
-
-
-def _peaks(
-    run: SimulationRun, duration: float, envelope: Envelope | None, progress: Progress | None
-) -> Array:
-    crowd, shape = finite_steps(run, duration, envelope)
-    each = view_of([{n: 1.0} for n in range(run.order.size)], run.order, run.scale)
-    extremes = finite_extremes(crowd, each, shape, progress)
-    return np.maximum(extremes.highest, -extremes.lowest)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import optimize
 
-from stochlin.analyses.sites.simulated_spectra import peak_accelerations
+from stochlin.analyses.sites.simulated_spectra import Motions, peak_accelerations
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope, strong_seconds
@@ -66,11 +66,11 @@ class Wanted(NamedTuple):
         return self.accelerations * (self.periods / (2 * np.pi)) ** 2
 
 
-class Delivered(NamedTuple):
-    """A fitted ground, and the error of the mean spectrum of its motions."""
+class Filters(NamedTuple):
+    """Clough-Penzien filters, one in each row: logarithms of wg, xig, wf, xif and the intensity."""
 
-    ground: Ground
-    off: Array  # ln of the mean simulated spectrum over that wanted
+    logs: Array
+    off: Array  # ln of the mean spectrum of their motions over that wanted, by formula or simulated
 
     @property
     def rms(self) -> float:
@@ -82,44 +82,8 @@ class Delivered(NamedTuple):
         """Largest absolute error [-]."""
         return float(np.abs(self.off).max())
 
-
-class _Oscillators:
-    """Linear oscillators of the wanted periods, with spectral moments that are linear in the PSD."""
-
-    def __init__(self, wanted: Wanted) -> None:
-        w = 2 * np.pi / wanted.periods
-        # Effective damping ratio whose stationary variance is that of a start from rest.
-        damping = wanted.damping / -np.expm1(-2 * wanted.damping * w * wanted.strong)
-        low, high = np.log([w.min() / _REACH, _REACH * w.max()])
-        self.frequency = np.exp(np.arange(low, high, _STEP))
-        x = (self.frequency / w[:, None]) ** 2
-        response = 1 / (w[:, None] ** 4 * ((1 - x) ** 2 + 4 * damping[:, None] ** 2 * x))
-        self.moments = [2 * _STEP * response * self.frequency ** (k + 1) for k in range(3)]
-        self.ground = 2 * _STEP * self.frequency  # weights of the PSD in the variance of the ground
-        self._strong = wanted.strong
-
-    def variance(self, psd: Array) -> Array:
-        return self.moments[0] @ psd
-
-    def peak_factors(self, psd: Array) -> Array:
-        l0, l1, l2 = (moment @ psd for moment in self.moments)
-        crossings = np.sqrt(l2 / l0) * self._strong / np.pi
-        bandwidth = np.sqrt(np.clip(1 - l1**2 / (l0 * l2), 0, 1))
-        return peak_factor_model("vanmarcke").mean(np.maximum(crossings, 1.0), bandwidth)
-
-
-class _Filters(NamedTuple):
-    """Clough-Penzien filters, one in each row: logarithms of wg, xig, wf, xif and the intensity."""
-
-    logs: Array
-    off: Array  # error of the logarithm of each displacement
-
-    @property
-    def good(self) -> bool:
-        error = np.abs(self.off)
-        return float(np.sqrt(np.mean(error**2))) <= GOOD_RMS and float(error.max()) <= GOOD_WORST
-
     def ground(self) -> Ground:
+        """The filters as a ground, in parallel if there are several."""
         rows = np.exp(self.logs)
         parts = [
             CloughPenzien(2 * np.pi / wg, xig, 2 * np.pi / wf, xif, intensity)
@@ -130,35 +94,28 @@ class _Filters(NamedTuple):
 
 def deliver(
     wanted: Wanted, filters: int | None, seed: int, progress: Progress | None, paths: int = PATHS
-) -> Delivered:
-    """The ground fitted to a spectrum, with ``filters`` filters or as few as give a good fit."""
+) -> Filters:
+    """Fit to a spectrum, with ``filters`` filters or as few as give a good fit.
+
+    Its errors are those of the mean spectrum of simulated motions.
+    """
     search = _Search(wanted)
-    fit = None
     for count in range(1, MOST_FILTERS + 1) if filters is None else [filters]:
         fit = search.by_formula(count)
-        if fit.good:
+        if fit.rms <= GOOD_RMS and fit.worst <= GOOD_WORST:
             break
-    assert fit is not None
-    best = None
+    simulated: list[Filters] = []
     for attempt in range(CORRECTIONS + 1):
-        means = peak_accelerations(
-            wanted.periods,
-            wanted.damping,
-            fit.ground(),
-            wanted.duration,
-            wanted.envelope,
-            paths=paths,
-            seed=seed + attempt,  # another sample, so that a correction does not fit its scatter
-            steps_per_period=STEPS_PER_PERIOD,
-            progress=progress,
-        ).mean(axis=0)
-        now = Delivered(fit.ground(), np.log(means / wanted.accelerations))
-        if best is None or now.rms < best.rms:
-            best = now
+        # Another sample each time, so that a correction does not fit its scatter.
+        timing = wanted.duration, wanted.envelope
+        motions = Motions(fit.ground(), *timing, paths, seed + attempt, progress)
+        peaks = peak_accelerations(wanted.periods, wanted.damping, motions, STEPS_PER_PERIOD)
+        means = peaks.mean(axis=0)
+        simulated.append(fit._replace(off=np.log(means / wanted.accelerations)))
+        best = min(simulated, key=lambda fit: fit.rms)
         if best.rms <= DELIVERED_RMS and best.worst <= DELIVERED_WORST:
             break
         fit = search.corrected(fit, means)
-    assert best is not None
     return best
 
 
@@ -171,38 +128,53 @@ def _starts(count: int) -> Iterable[Array]:
 
 
 class _Search:
-    """Least-squares fit of the log standard deviations of the oscillators and of the ground."""
+    """Least-squares fit of the log standard deviations of oscillators of the wanted periods.
+
+    The spectral moments of the oscillators are linear in the PSD of the ground. If the standard
+    deviation of the ground is wanted, it is fitted too.
+    """
 
     def __init__(self, wanted: Wanted) -> None:
-        self.wanted, self.oscillators = wanted, _Oscillators(wanted)
-        self._rows, self._weight = self.oscillators.moments[0], np.ones(wanted.periods.size)
+        self.wanted = wanted
+        w = 2 * np.pi / wanted.periods
+        # Effective damping ratio whose stationary variance is that of a start from rest.
+        damping = wanted.damping / -np.expm1(-2 * wanted.damping * w * wanted.strong)
+        low, high = np.log([w.min() / _REACH, _REACH * w.max()])
+        self._frequency = np.exp(np.arange(low, high, _STEP))
+        x = (self._frequency / w[:, None]) ** 2
+        response = 1 / (w[:, None] ** 4 * ((1 - x) ** 2 + 4 * damping[:, None] ** 2 * x))
+        self._moments = [2 * _STEP * response * self._frequency ** (k + 1) for k in range(3)]
+        self._rows, self._weight = self._moments[0], np.ones(wanted.periods.size)
         self._ground = np.zeros(0)
         if wanted.ground_std is not None:
-            self._rows = np.vstack([self._rows, self.oscillators.ground])
+            self._rows = np.vstack([self._rows, 2 * _STEP * self._frequency])
             self._weight = np.append(self._weight, _GROUND_WEIGHT)
             self._ground = np.array([wanted.ground_std])
 
-    def by_formula(self, count: int) -> _Filters:
+    def by_formula(self, count: int) -> Filters:
         """The fit with ``count`` filters and the peak factors of Vanmarcke's formula."""
         factors = np.full(self.wanted.periods.size, _FIRST_FACTOR)
         starts = list(_starts(count))
         for _ in range(_ROUNDS):
             fit = self._best(factors, starts)
-            factors = self.oscillators.peak_factors(self._psd(fit))
+            factors = self._peak_factors(fit)
             starts = [fit.logs]
         return fit
 
-    def corrected(self, fit: _Filters, accelerations: Array) -> _Filters:
+    def _peak_factors(self, fit: Filters) -> Array:
+        l0, l1, l2 = (moment @ _psd(fit.logs, self._frequency)[0] for moment in self._moments)
+        crossings = np.sqrt(l2 / l0) * self.wanted.strong / np.pi
+        bandwidth = np.sqrt(np.clip(1 - l1**2 / (l0 * l2), 0, 1))
+        return peak_factor_model("vanmarcke").mean(np.maximum(crossings, 1.0), bandwidth)
+
+    def corrected(self, fit: Filters, accelerations: Array) -> Filters:
         """The fit with the peak factors of a simulation, whose mean spectrum is ``accelerations``."""
-        peaks = accelerations * (self.wanted.periods / (2 * np.pi)) ** 2
-        std = np.sqrt(self.oscillators.variance(self._psd(fit)))
+        peaks = self.wanted._replace(accelerations=accelerations).displacements
+        std = np.sqrt(self._moments[0] @ _psd(fit.logs, self._frequency)[0])
         return self._best(peaks / std, [fit.logs])
 
-    def _psd(self, fit: _Filters) -> Array:
-        return _psd(fit.logs, self.oscillators.frequency)[0]
-
-    def _best(self, factors: Array, starts: Iterable[Array]) -> _Filters:
-        frequency, rows, weight = self.oscillators.frequency, self._rows, self._weight
+    def _best(self, factors: Array, starts: Iterable[Array]) -> Filters:
+        frequency, rows, weight = self._frequency, self._rows, self._weight
         target = np.log(np.append(self.wanted.displacements / factors, self._ground))
 
         def residual(logs: Array) -> Array:
@@ -226,7 +198,7 @@ class _Search:
                 )
             )
         best = min(fits, key=lambda fit: float(fit.cost))
-        return _Filters(best.x.reshape(-1, 5), best.fun[: target.size - self._ground.size])
+        return Filters(best.x.reshape(-1, 5), best.fun[: target.size - self._ground.size])
 
 
 def _psd(logs: Array, frequency: Array) -> tuple[Array, Array]:
