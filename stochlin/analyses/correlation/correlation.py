@@ -185,7 +185,8 @@ def correlate(
     if isinstance(first, Structure) and isinstance(second, Structure):
         check_closure(first, closure)
         check_closure(second, closure)
-        check_table(DRIFTING if closure == DRIFT else BYTES[method], first, second, ground)
+        kind = "pairs with drift" if closure == DRIFT else f"pairs by {method}"
+        check_table(kind, first, second, ground)
         query = Question((first, second), ground, closure, solver, tolerance, rule, settings)
         variables, details, attrs = METHODS[method](query)
         table = xr.Dataset(variables | difference(variables), attrs=attrs)
@@ -272,9 +273,6 @@ def _by_simulation(query: Question) -> Answer:
     return variables, settings.history, table.attrs
 
 
-# Approximate memory [bytes] for each cell of a table, by method; DRIFTING is for the drift closure.
-DRIFTING, WHITE_NOISE = 100, 30
-BYTES = {"linearization": 40, "white_noise": WHITE_NOISE, "effective": 40, "simulation": 80}
 SOLVERS = ("closed_form", LYAPUNOV := "lyapunov")
 METHODS: Mapping[str, Callable[[Question], Answer]] = {
     "linearization": _by_linearization,
@@ -338,7 +336,7 @@ def rho_white_noise(
     0.473028
     """
     pair = LinearPair(period_1, period_2, damping_1, damping_2)
-    check_table(WHITE_NOISE, pair)
+    check_table("pairs by white_noise", pair)
     valid = valid_cells(pair)
     (rho,) = cellwise_pair(_eq_4_where_valid, valid, *pair.cells().values())
     table = xr.Dataset({"rho": rho, "status": labels.status_where(valid)})

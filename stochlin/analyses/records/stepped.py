@@ -28,7 +28,6 @@ from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of
 
 STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
 CLOSE, HALVINGS = 1e-4, 6  # allowed relative change of peaks when the step is halved; most halvings
-STEP = 6e-7  # approximate computing time of a step of one storey on one core [s]
 AT_ONCE = 4096  # steps computed at a time
 
 
@@ -57,8 +56,10 @@ def stepped_response(
         f"{ground.acceleration.size} samples at {ground.dt:g} s, with a shortest period of "
         f"{shortest:.3g} s, would take",
         "take softer structures, or a shorter record",
-        seconds=2 * 2.0**2 * STEP * weights.shape[1] * steps,
-        memory=8 * 2.0**2 * len(functions) * steps,
+        {
+            "steps of a floor on a record": 2 * 2.0**2 * weights.shape[1] * steps,
+            "numbers": 2.0**2 * len(functions) * steps,
+        },
     )
     values, change = _values(connected, weights, ground, cuts), np.inf
     for _ in range(HALVINGS):
