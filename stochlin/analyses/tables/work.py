@@ -61,11 +61,11 @@ def check_work(what: str, cure: str, work: Mapping[str, float], cores: int = 1) 
     with ``cure``, advice for a smaller calculation. ``work`` has the number of units of each kind in
     `COSTS`, and is done on this many ``cores``.
     """
-    need = cost_of(work)
+    need = cost_of(work, cores)
     most = SHARE * _installed()
     if not need["bytes"] <= most:
         raise ValueError(f"{what} {need['bytes'] / 1e9:.1f} GB; allowed: {most / 1e9:.0f} GB; {cure}")
-    seconds = SLOWER * need["s"] / cores
+    seconds = SLOWER * need["s"]
     if UNCOMPILED:
         cure += ", or unset NUMBA_DISABLE_JIT"
     if not seconds <= MOST_SECONDS:
@@ -73,12 +73,12 @@ def check_work(what: str, cure: str, work: Mapping[str, float], cores: int = 1) 
         raise ValueError(f"{what} about {_in_words(seconds)}; allowed: {allowed}; {cure}")
 
 
-def cost_of(work: Mapping[str, float]) -> dict[str, float]:
-    """Seconds of one core and memory that all of the work takes."""
+def cost_of(work: Mapping[str, float], cores: int = 1) -> dict[str, float]:
+    """Seconds on this many cores, and bytes, that all of the work takes."""
     need = {"s": 0.0, "bytes": 0.0}
     for kind, count in work.items():
         cost, unit = COSTS[kind]
-        need[unit] += cost * count
+        need[unit] += cost * count / (cores if unit == "s" else 1)
     return need
 
 
