@@ -99,8 +99,11 @@ def correlate(
         Rule for effective properties, one of `effective_rule_names` or a rule object.
     rtol, atol, max_iterations : float, float, int
         As in `linearize`, for linearization and effective properties: stop rule of the iteration.
-    paths, seed, steps_per_period, relaxation_times, progress
-        As in `simulate`: options of the simulation. With dask arrays ``progress`` is not called.
+    paths, seed, steps_per_period, relaxation_times
+        As in `simulate`: options of the simulation.
+    progress : callable, optional
+        Called with the share of the simulation, or of the work of the solver ``"lyapunov"``, that is
+        done. With dask arrays it is not called.
 
     Returns
     -------
@@ -187,7 +190,7 @@ def correlate(
         check_closure(second, closure)
         kind = "pairs with drift" if closure == DRIFT else f"pairs by {method}"
         check_table(kind, first, second, ground)
-        query = Question((first, second), ground, closure, solver, tolerance, rule, settings)
+        query = Question((first, second), ground, closure, solver, tolerance, rule, settings, progress)
         variables, details, attrs = METHODS[method](query)
         table = xr.Dataset(variables | difference(variables), attrs=attrs)
     else:
@@ -226,6 +229,7 @@ class Question(NamedTuple):
     tolerance: Tolerance
     rule: str | EffectiveRule
     settings: Callable[[], SimulationSettings]  # a call checks them; only simulation makes it
+    progress: Progress | None
 
     @property
     def yields(self) -> bool:
@@ -240,7 +244,8 @@ Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 def _by_linearization(query: Question) -> Answer:
     drifts, chained = query.closure == DRIFT, query.solver == LYAPUNOV
     if chained:
-        table = chained_pairs(query.pair, query.ground, query.closure, query.tolerance)
+        arguments = query.pair, query.ground, query.closure, query.tolerance
+        table = chained_pairs(*arguments, query.progress)
     elif drifts:
         table = drifting_pairs(*query.pair, query.ground, query.tolerance)
     else:

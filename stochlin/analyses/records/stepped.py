@@ -18,6 +18,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR, element_coordinates, floor_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import SAMPLES, GroundMotions, StepCounts, run
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.account import Account
@@ -122,7 +123,9 @@ def _energies(
     return xr.Dataset(columns)
 
 
-def stepped_gap(structures: Sequence[AnyStructure], motions: RecordedMotions) -> xr.Dataset:
+def stepped_gap(
+    structures: Sequence[AnyStructure], motions: RecordedMotions, progress: Progress | None = None
+) -> xr.Dataset:
     """The result of `recorded_gap` for structures with scalar parameters, without labels."""
     system = arrangement_of(structures)
     if len(structures) == 1:
@@ -144,6 +147,8 @@ def stepped_gap(structures: Sequence[AnyStructure], motions: RecordedMotions) ->
         if len(periods) == len(structures):
             table = table.assign(_radii(motion, periods, ground.dt / motion.cuts))
         tables.append(table)
+        if progress is not None:
+            progress(len(tables) / len(motions.grounds))
     if motions.names is None:
         return tables[0]
     names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
