@@ -60,6 +60,7 @@ bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/tables.py build/bench.md
 	$(BIN)/python benchmarks/simulation.py
 	$(BIN)/python benchmarks/pounding.py
+	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/work.py
 
 # The maps that come with the package, of linearization's bias and of what simulation adds to the drift
 # closure: an hour and a half or so, to be resumed.

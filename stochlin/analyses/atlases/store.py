@@ -53,7 +53,6 @@ TABLES = ("rho", "status", "bias", "caution")
 SIDES = ("ductility_std_1", "ductility_std_2", "bias_1", "bias_2")
 BEFORE = ("block_done", "block_checks")  # arrays in place of the checks in atlases of earlier versions
 PAGE_BYTES = 4096  # disk space that a file may waste [bytes]
-WORKING_BYTES = 100  # memory per cell of a block during its computation [bytes]
 LONG_NAMES = {
     "period": "period over that of the ground",
     "damping": "damping ratio",
@@ -164,7 +163,7 @@ def check_memory(specification: AtlasSpecification) -> None:
         f"block_cells = {specification.block_cells}: {at_a_time} blocks of {block:.3g} cells at a time "
         "need",
         "take smaller blocks",
-        memory=float(WORKING_BYTES * block * at_a_time),
+        {"cells of blocks": block * at_a_time},
     )
 
 

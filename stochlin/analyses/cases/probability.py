@@ -15,9 +15,10 @@ from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.probability.probability import pounding_probability
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.tables import labels
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.laws.bilinear import Bilinear
 
+BEFORE_RECORDS = 0.4  # share of the work before many records
 INSTANTS = 501  # at which the confidence in the records is kept
 
 
@@ -52,7 +53,7 @@ class ProbabilityAnswer(NamedTuple):
 def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> ProbabilityAnswer:
     """Probability of pounding of the buildings of a case with a gap [m], simulated and in its records.
 
-    ``progress`` is called with the share of the simulation that is done. Errors are those of
+    ``progress`` is called with the share of the work that is done. Errors are those of
     `stochlin.pounding_probability`.
     """
     first, second = case.pair
@@ -61,7 +62,8 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     motions = {} if many or not bilinear else case.records  # the hybrid method needs bilinear laws
     medians = first.structure, second.structure, case.ground, gap
     sampled = first.sampled, second.sampled, case.sampled_ground, gap
-    table = pounding_probability(*sampled, **case.motion, progress=progress)
+    simulating = part_of(progress, 0.0, BEFORE_RECORDS if many else 1.0)
+    table = pounding_probability(*sampled, **case.motion, progress=simulating)
     records = {
         name: pounding_probability(*medians, method="hybrid", record=record, confidence=case.confidence)
         for name, record in motions.items()
@@ -70,7 +72,8 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     suite = None
     if many:
         pair = [strength_in_metres(building.structure, case.ground) for building in case.pair]
-        separations = recorded_gap(pair[0], pair[1], dict(case.records)).separation
+        rest = part_of(progress, BEFORE_RECORDS, 1.0)
+        separations = recorded_gap(pair[0], pair[1], dict(case.records), progress=rest).separation
         suite = over_records(separations, gap, case.confidence)
     return ProbabilityAnswer(case, gap, table, hybrid, shaking_of(case), suite)
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import xarray as xr
 
 from stochlin.analyses.correlation.linearized import SHOWN
 from stochlin.analyses.linearization.bias_map import (
@@ -28,10 +29,11 @@ from stochlin.analyses.linearization.systems.systems import (
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cells import flat
+from stochlin.analyses.tables.cells import CELL, flat
 from stochlin.analyses.tables.cellwise import Cells, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.interpolation import Grid
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.correlation.tiles import EQUAL, SHARED
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
@@ -39,12 +41,20 @@ from stochlin.models.structures import GAUSSIAN, Structure
 
 Pair = tuple[Structure, Structure]
 OF_PAIR = ("rho", *SHOWN, "all_elastic")
+NEEDED = ["rho", "displacement_std", "ductility_std", "yield_drift", "c_eq", "k_eq", "status"]
+AT_ONCE = 1000  # cells that are solved together
+PAIRS_SHARE = 0.9  # share of the work for the pairs
 
 
-def chained_pairs(pair: Pair, ground: Ground, closure: str, tolerance: Tolerance) -> dict[str, Cells]:
+def chained_pairs(
+    pair: Pair, ground: Ground, closure: str, tolerance: Tolerance, progress: Progress | None = None
+) -> dict[str, Cells]:
     """Variables of `correlate` by linearization with ``solver="lyapunov"``."""
-    both = _solved(pair, ground, closure, tolerance)
-    base = both if closure == GAUSSIAN else _solved(pair, ground, GAUSSIAN, tolerance)
+    middle = PAIRS_SHARE if closure == GAUSSIAN else PAIRS_SHARE / 2
+    both = _solved(pair, ground, closure, tolerance, part_of(progress, 0.0, middle))
+    base, rest = both, part_of(progress, middle, PAIRS_SHARE)
+    if closure != GAUSSIAN:
+        base = _solved(pair, ground, GAUSSIAN, tolerance, rest)
     sides, biases = list[dict[str, Cells]](), dict[str, Cells]()
     places, cautions = list[Cells](), list[Cells]()
     for structure, elastic in zip(pair, derived_together(pair, ground), strict=True):
@@ -71,7 +81,11 @@ def chained_pairs(pair: Pair, ground: Ground, closure: str, tolerance: Tolerance
 
 
 def _solved(
-    structures: Sequence[Structure], ground: Ground, closure: str, tolerance: Tolerance
+    structures: Sequence[Structure],
+    ground: Ground,
+    closure: str,
+    tolerance: Tolerance,
+    progress: Progress | None = None,
 ) -> dict[str, Cells]:
     """Linearized response of a pair or of one structure, over the dimensions of the parameters.
 
@@ -85,8 +99,15 @@ def _solved(
     if not cells.where.size:
         blank = dict.fromkeys(OF_PAIR, cells.array(np.empty(0)))
         return blank | {"status": cells.array(np.empty(0, np.int8), labels.INVALID_INPUT)}
-    equations = equations_of_cells(cells, ())
-    table = solution_table(cells.row, equations, solve_equations(equations, closure, tolerance))
+    tables = []
+    for begin in range(0, cells.where.size, AT_ONCE):
+        part = cells.part(slice(begin, begin + AT_ONCE))
+        equations = equations_of_cells(part, ())
+        solution = solution_table(part, equations, solve_equations(equations, closure, tolerance))
+        tables.append(solution[NEEDED])
+        if progress is not None:
+            progress(min(1.0, (begin + AT_ONCE) / cells.where.size))
+    table = xr.concat(tables, CELL) if len(tables) > 1 else tables[0]
     calm = ((table.c_eq == -1) & (table.k_eq == 0)).any("element") & (table.status == labels.CONVERGED)
     parts = (
         table.rho[:, 0, -1],

@@ -99,8 +99,11 @@ def correlate(
         Rule for effective properties, one of `effective_rule_names` or a rule object.
     rtol, atol, max_iterations : float, float, int
         As in `linearize`, for linearization and effective properties: stop rule of the iteration.
-    paths, seed, steps_per_period, relaxation_times, progress
-        As in `simulate`: options of the simulation. With dask arrays ``progress`` is not called.
+    paths, seed, steps_per_period, relaxation_times
+        As in `simulate`: options of the simulation.
+    progress : callable, optional
+        Called with the share of the simulation, or of the work of the solver ``"lyapunov"``, that is
+        done. With dask arrays it is not called.
 
     Returns
     -------
@@ -185,8 +188,9 @@ def correlate(
     if isinstance(first, Structure) and isinstance(second, Structure):
         check_closure(first, closure)
         check_closure(second, closure)
-        check_table(DRIFTING if closure == DRIFT else BYTES[method], first, second, ground)
-        query = Question((first, second), ground, closure, solver, tolerance, rule, settings)
+        kind = "pairs with drift" if closure == DRIFT else f"pairs by {method}"
+        check_table(kind, first, second, ground)
+        query = Question((first, second), ground, closure, solver, tolerance, rule, settings, progress)
         variables, details, attrs = METHODS[method](query)
         table = xr.Dataset(variables | difference(variables), attrs=attrs)
     else:
@@ -225,6 +229,7 @@ class Question(NamedTuple):
     tolerance: Tolerance
     rule: str | EffectiveRule
     settings: Callable[[], SimulationSettings]  # a call checks them; only simulation makes it
+    progress: Progress | None
 
     @property
     def yields(self) -> bool:
@@ -239,7 +244,8 @@ Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 def _by_linearization(query: Question) -> Answer:
     drifts, chained = query.closure == DRIFT, query.solver == LYAPUNOV
     if chained:
-        table = chained_pairs(query.pair, query.ground, query.closure, query.tolerance)
+        arguments = query.pair, query.ground, query.closure, query.tolerance
+        table = chained_pairs(*arguments, query.progress)
     elif drifts:
         table = drifting_pairs(*query.pair, query.ground, query.tolerance)
     else:
@@ -272,9 +278,6 @@ def _by_simulation(query: Question) -> Answer:
     return variables, settings.history, table.attrs
 
 
-# Approximate memory [bytes] for each cell of a table, by method; DRIFTING is for the drift closure.
-DRIFTING, WHITE_NOISE = 100, 30
-BYTES = {"linearization": 40, "white_noise": WHITE_NOISE, "effective": 40, "simulation": 80}
 SOLVERS = ("closed_form", LYAPUNOV := "lyapunov")
 METHODS: Mapping[str, Callable[[Question], Answer]] = {
     "linearization": _by_linearization,
@@ -336,7 +339,7 @@ def rho_white_noise(
     0.473028
     """
     pair = LinearPair(period_1, period_2, damping_1, damping_2)
-    check_table(WHITE_NOISE, pair)
+    check_table("pairs by white_noise", pair)
     valid = valid_cells(pair)
     (rho,) = cellwise_pair(_eq_4_where_valid, valid, *pair.cells().values())
     table = xr.Dataset({"rho": rho, "status": labels.status_where(valid)})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -18,7 +19,7 @@ from stochlin.analyses.simulation.ensembles import (
     join_cells,
     prepare,
 )
-from stochlin.analyses.simulation.run_lengths import expected_seconds, with_length
+from stochlin.analyses.simulation.run_lengths import expected_work, with_length
 from stochlin.analyses.simulation.simulation import (
     MomentEstimates,
     run_attributes,
@@ -29,7 +30,7 @@ from stochlin.analyses.tables.cells import Kinds, computed, in_chunks
 from stochlin.analyses.tables.cellwise import is_lazy
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, cores
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
@@ -155,20 +156,22 @@ def _check_grounds(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> None:
     """Raise a ValueError if the simulations on all grounds would together take too long."""
-    seconds = over_grounds(partial(_seconds, settings=settings), (first, second), ground).seconds
+    work = over_grounds(partial(_work, settings=settings), (first, second), ground)
+    grounds = math.prod(work.sizes.values())
     check_work(
-        f"the simulations on {seconds.size} grounds would take",
+        f"the simulations on {grounds} grounds would take",
         "take fewer grounds at a time, lower paths or relaxation_times, or leave out structures that "
         "yield rarely",
-        seconds=float(seconds.sum()),
+        {str(kind): float(count.sum()) for kind, count in work.items()},
+        cores(),
     )
 
 
-def _seconds(
+def _work(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> xr.Dataset:
     run = _Pairs.of(first, second, ground).run(ground, settings, moments=False)
-    return xr.Dataset({"seconds": sum(expected_seconds(run, settings.relaxation_times))})
+    return xr.Dataset(expected_work(run, settings.relaxation_times))
 
 
 def _lengths(

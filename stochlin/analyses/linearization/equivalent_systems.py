@@ -37,7 +37,6 @@ from stochlin.messages import brief, sentence
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
 
-SOLVED, DRIFTING = 700, 10_000  # approximate memory [bytes] for each cell; with the drift closure
 AT_ONCE = 1 << 15  # cells that are solved together, which limits the memory for intermediate results
 ROUNDING = 1e-9  # by which a correlation may exceed 1
 # Slip 1 + c_eq and relaxation k_eq/w below which z has no effect on the response in double precision.
@@ -99,7 +98,7 @@ def solved_together(
     """
     for structure in structures:
         check_closure(structure, closure)
-        check_table(DRIFTING if closure == DRIFT else SOLVED, structure, ground)
+        check_table("structures with drift" if closure == DRIFT else "structures", structure, ground)
     solved = derived_together(structures, ground, closure, tolerance)
     if closure != DRIFT:
         return solved

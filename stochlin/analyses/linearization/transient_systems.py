@@ -45,9 +45,7 @@ STEPS_PER_PERIOD = 16  # instants in the shortest period, for integrals over tim
 STRONG = 0.5  # share of the envelope's maximum below which shaking is no longer strong
 SCANNED = 4096  # instants at which an envelope is evaluated for checks
 COLUMNS = 8  # numbers that are stored for each structure or pair at an instant
-# Estimate of the computing time: [s] for each instant; evaluations for each radian of the fastest mode;
-# [s] for each evaluation and cube of the number of states of a structure.
-INSTANT, RATES, PRODUCT = 1e-4, 20, 8e-11
+RATES = 20  # evaluations of the rates for each radian of the fastest mode, expected
 POINTS = 101  # instants of a result
 TIME = "time"
 
@@ -257,8 +255,7 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
     check_work(
         f"duration = {duration:g} s, with a shortest period of {shortest:.3g} s, would take",
         "shorten it, or leave out the shortest period",
-        memory=8 * COLUMNS * instants,
-        seconds=INSTANT * instants,
+        {"instants of a motion": instants, "numbers": COLUMNS * instants},
     )
     each = max(1, int(np.ceil(instants / stretches)))
     times = np.linspace(0, duration, stretches * each + 1)
@@ -285,11 +282,14 @@ def solve_course(
     groups = _groups(sides, ground)
     fastest = max(group.fastest() for group in groups)
     n, m = sum(side.period.size for side in sides), max(side.storeys for side in sides)
+    evaluations = RATES * fastest * course.duration
     check_work(
         f"{pairs.shape[1]} pairs at {course.times.size} instants, with {m} storeys, would take",
         "take fewer cells at a time, storeys together, or a shorter motion",
-        memory=8 * COLUMNS * course.times.size * m * (n + pairs.shape[1]),
-        seconds=RATES * fastest * course.duration * PRODUCT * (n + 2 * pairs.shape[1]) * (3 * m) ** 3,
+        {
+            "cubes of states in motion": evaluations * (n + 2 * pairs.shape[1]) * (3 * m) ** 3,
+            "numbers": COLUMNS * course.times.size * m * (n + pairs.shape[1]),
+        },
     )
     closure = _coefficients(sides) if any(group.yields.any() for group in groups) else None
     transient = Transient(groups, pairs, closure, course.values)

@@ -26,7 +26,6 @@ from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.contacts import Contact
-from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
@@ -46,12 +45,8 @@ class MitigatedPair:
     structures: tuple[Any, Any]
     ground: Ground
     gap: float
-    duration: float
-    envelope: Envelope | None
     confidence: float
-    scatter: float
-    paths: int
-    seed: int
+    motion: Mapping[str, Any]  # the other options of `simulate`
     contact: Contact | None
     records: Mapping[str, xr.DataArray]
 
@@ -170,11 +165,7 @@ class MitigatedPair:
         return simulate(
             self.changed(measure),
             self.ground,
-            paths=self.paths,
-            seed=self.seed,
-            duration=self.duration,
-            envelope=self.envelope,
-            scatter=self.scatter,
+            **self.motion,
             quantiles=[self.confidence],
             link=measure.links,
         )

@@ -25,7 +25,6 @@ TYPICAL = 1.0  # [m/s]: rate of penetration for which the half-period of a Hertz
 ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
 LANES = 64  # motions that are stepped together
 FEW = 4  # motions that take hardly more time than one
-OF_LANE, OF_STEP = 1.5e-9, 3e-6  # [s], of an operation in one lane, and of a step without them
 OPERATIONS = 60.0  # in a step for each floor, besides those with every other floor
 SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi)
 NEAR = 0.03  # share of the steps that are taken for divided near contact
@@ -92,8 +91,12 @@ def _check_runs(
         "would take",
         "take softer structures, a softer contact, or "
         f"{'fewer motions' if many else 'a shorter record'}",
-        memory=8.0 * (standing.row.places[1].rows + 2) * max(samples),
-        seconds=2 * steps * (operations * OF_LANE + OF_STEP / lanes) / min(cores(), len(grounds)),
+        {
+            "operations in a row": 2 * steps * operations,
+            "steps of a row": 2 * steps / lanes,
+            "numbers": (standing.row.places[1].rows + 2.0) * max(samples),
+        },
+        min(cores(), len(grounds)),
     )
 
 

@@ -172,7 +172,7 @@ def _lognormal(samples: xr.DataArray, gap: Any, intensity: Any) -> dict[str, xr.
     def fitted(largest: Array, gap: float) -> tuple[float, ...]:
         if np.isfinite(largest).all() and 0 < gap < np.inf:
             return lognormal_fragility(SeparationsByIntensity(levels, largest, 0.5), gap)
-        return Fragility.none(NOT_SIMULATED)
+        return Fragility(status=NOT_SIMULATED)
 
     fits = xr.apply_ufunc(
         fitted,

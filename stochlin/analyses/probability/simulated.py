@@ -24,7 +24,7 @@ from stochlin.analyses.simulation.ensembles import (
     SimulationRun,
     joined_laws,
     prepare,
-    seconds_of,
+    work_of,
 )
 from stochlin.analyses.simulation.finite_motions import (
     finite_steps,
@@ -36,7 +36,7 @@ from stochlin.analyses.simulation.views import displacements, pairs_of, view_of
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, cores
 from stochlin.kernels.simulation.separation_histories import Histories, Watched, separation_histories
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.grounds import Ground
@@ -46,7 +46,6 @@ from stochlin.models.systems import AnyStructure
 SAMPLES = "separation_samples"  # variable from which a fragility is fitted
 STEPS_PER_PERIOD = 32
 ENVELOPES, RESULTS = 6, 6  # numbers in memory at once for each step, and for each motion and pair
-WATCHED = 200.0  # time to record a pair, in multiples of that to compute u_1 - u_2
 
 
 class Draws(NamedTuple):
@@ -151,8 +150,12 @@ def _histories(
         f"duration = {course.duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would "
         "take",
         "shorten it, lower paths, or leave out the shortest period",
-        memory=8 * (ENVELOPES * steps + RESULTS * float(paths) * count),
-        seconds=seconds_of(run, steps, WATCHED * count),
+        work_of(run, steps)
+        | {
+            "steps of a distance to gaps": steps * paths * count,
+            "numbers": ENVELOPES * steps + RESULTS * float(paths) * count,
+        },
+        cores(),
     )
     crowd, shape = finite_steps(run, course.duration, course.envelope)
     instants = course.times[course.shown] / run.plan.dt

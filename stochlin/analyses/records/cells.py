@@ -30,7 +30,6 @@ Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
 RECORD = "record"
 SCALARS = "scalars, since histories are of one structure; response_spectrum takes arrays"
 SHORTEST = 0.1  # shortest period over time step; below it the response is to the interpolation
-SUB_STEP = 3e-8  # approximate computing time of a sub-step of one structure on one core [s]
 
 
 class RecordedMotions(NamedTuple):
@@ -152,8 +151,11 @@ def check_run(motions: RecordedMotions, frequencies: Array, kept: int = 0) -> No
     check_work(
         "structures on records would take",
         "take longer periods, or fewer structures or records at a time",
-        memory=8.0 * kept * cores() * float(steps.max(initial=0.0)),
-        seconds=SUB_STEP * float(steps.sum()) / cores(),
+        {
+            "sub-steps on a record": float(steps.sum()),
+            "numbers": kept * cores() * float(steps.max(initial=0.0)),
+        },
+        cores(),
     )
 
 

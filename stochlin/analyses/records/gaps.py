@@ -22,6 +22,7 @@ from stochlin.analyses.simulation.finite_motions import quantile_columns
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.analyses.tables.checks import standing
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import PAIR, gaps_on_records, peaks_on_records
 from stochlin.models.laws.bilinear import Bilinear
@@ -31,7 +32,13 @@ SET_BACK = "Set-back of one structure from its property line in recorded motions
 QUANTILES = np.array([0.5, 0.84, 0.9, 0.95])
 
 
-def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Records) -> xr.Dataset:
+def recorded_gap(
+    first: AnyStructure,
+    second: AnyStructure | None,
+    record: Records,
+    *,
+    progress: Progress | None = None,
+) -> xr.Dataset:
     """Smallest gap without contact between two structures in a recorded motion.
 
     It is ``max (u_1 - u_2)`` over the motion, with ``first`` on the left. It requires no rule for the
@@ -46,6 +53,8 @@ def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Recor
     record : xarray.DataArray, or list or mapping of them
         Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add the
         dimension ``record`` to the result.
+    progress : callable, optional
+        Called with the share of the work that is done.
 
     Returns
     -------
@@ -98,9 +107,9 @@ def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Recor
         check_structure(structure, role)
     motions = checked_motions(record)
     if all(isinstance(structure, Bilinear) for structure in roles.values()):
-        table = _exactly(list(roles.values()), motions)
+        table = _exactly(list(roles.values()), motions, progress)
     else:
-        table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions), roles)
+        table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions, progress), roles)
     if RECORD in table.dims:
         table = table.merge(_over_records(table.separation))
     return labels.with_run_information(
@@ -122,7 +131,9 @@ def _over_records(separation: xr.DataArray) -> xr.Dataset:
     return xr.Dataset(columns, coords={**like, "quantile": QUANTILES})
 
 
-def _exactly(structures: list[Bilinear], motions: RecordedMotions) -> xr.Dataset:
+def _exactly(
+    structures: list[Bilinear], motions: RecordedMotions, progress: Progress | None
+) -> xr.Dataset:
     """Exact results for bilinear structures in all cells, without labels."""
     like = dims_of(*structures)
     cells = [cells_of(structure, like, motions) for structure in structures]
@@ -130,11 +141,11 @@ def _exactly(structures: list[Bilinear], motions: RecordedMotions) -> xr.Dataset
     sides = [side.parameters[valid] for side in cells]
     if len(sides) == 1:
         check_run(motions, sides[0][:, 0])
-        each = [peaks_on_records(motions.grounds, sides[0])]
+        each = [peaks_on_records(motions.grounds, sides[0], progress)]
         columns = {"separation": each[0][..., recorded.HIGHEST]}
     else:
         check_run(motions, 2 * PAIR * np.maximum(sides[0][:, 0], sides[1][:, 0]), kept=6)
-        gaps = gaps_on_records(motions.grounds, *sides)
+        gaps = gaps_on_records(motions.grounds, sides[0], sides[1], progress)
         *each, together = np.split(gaps, [recorded.PEAKS, 2 * recorded.PEAKS], axis=-1)
         separation, rho = np.moveaxis(together, -1, 0)
         columns = {"separation": separation, "rho": rho}

@@ -20,6 +20,7 @@ from stochlin.analyses.records.stepped import stepped_history
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars, check_whole, is_number
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import history, peaks_on_records
 from stochlin.models.laws.bilinear import Bilinear
@@ -78,8 +79,9 @@ def pseudo_energy_radius(
     >>> bool((table.pseudo_energy_radius >= table.displacement_max).all())
     True
     """
-    strength = {"hardening": hardening, "yield_displacement": yield_displacement}
-    spectrum = response_spectrum(record, period, damping, **strength)
+    spectrum = response_spectrum(
+        record, period, damping, hardening=hardening, yield_displacement=yield_displacement
+    )
     table = spectrum[["pseudo_energy_radius", "displacement_max", "status"]]
     call = "pseudo_energy_radius()"
     return labels.with_run_information(table, "Pseudo energy radius", call, {}, REFERENCES)
@@ -92,6 +94,7 @@ def response_spectrum(
     *,
     hardening: Parameter | None = None,
     yield_displacement: Parameter | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response spectra of records: peak responses of elastic or bilinear oscillators.
 
@@ -109,6 +112,8 @@ def response_spectrum(
     yield_displacement : float or array, optional
         Yield displacement ``uy`` [m], positive. By default, and where it is infinite, the structure
         stays elastic.
+    progress : callable, optional
+        Called with the share of the work that is done.
 
     Returns
     -------
@@ -159,7 +164,7 @@ def response_spectrum(
     cells = cells_of(structure, like, motions)
     parameters = cells.parameters[cells.valid]
     check_run(motions, parameters[:, 0])
-    peaks = peaks_on_records(motions.grounds, parameters)
+    peaks = peaks_on_records(motions.grounds, parameters, progress)
     w, _, hardening_ratio, uy = parameters.T
     displacement = np.maximum(peaks[..., recorded.HIGHEST], peaks[..., recorded.LOWEST])
     columns = {

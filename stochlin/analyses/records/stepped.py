@@ -18,6 +18,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR, element_coordinates, floor_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import SAMPLES, GroundMotions, StepCounts, run
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.account import Account
@@ -27,7 +28,6 @@ from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, f
 
 STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
 CLOSE, HALVINGS = 1e-4, 6  # allowed relative change of peaks when the step is halved; most halvings
-STEP = 6e-7  # approximate computing time of a step of one storey on one core [s]
 AT_ONCE = 4096  # steps computed at a time
 
 
@@ -56,8 +56,10 @@ def stepped_response(
         f"{ground.acceleration.size} samples at {ground.dt:g} s, with a shortest period of "
         f"{shortest:.3g} s, would take",
         "take softer structures, or a shorter record",
-        seconds=2 * 2.0**2 * STEP * weights.shape[1] * steps,
-        memory=8 * 2.0**2 * len(functions) * steps,
+        {
+            "steps of a floor on a record": 2 * 2.0**2 * weights.shape[1] * steps,
+            "numbers": 2.0**2 * len(functions) * steps,
+        },
     )
     values, change = _values(connected, weights, ground, cuts), np.inf
     for _ in range(HALVINGS):
@@ -121,7 +123,9 @@ def _energies(
     return xr.Dataset(columns)
 
 
-def stepped_gap(structures: Sequence[AnyStructure], motions: RecordedMotions) -> xr.Dataset:
+def stepped_gap(
+    structures: Sequence[AnyStructure], motions: RecordedMotions, progress: Progress | None = None
+) -> xr.Dataset:
     """The result of `recorded_gap` for structures with scalar parameters, without labels."""
     system = arrangement_of(structures)
     if len(structures) == 1:
@@ -143,6 +147,8 @@ def stepped_gap(structures: Sequence[AnyStructure], motions: RecordedMotions) ->
         if len(periods) == len(structures):
             table = table.assign(_radii(motion, periods, ground.dt / motion.cuts))
         tables.append(table)
+        if progress is not None:
+            progress(len(tables) / len(motions.grounds))
     if motions.names is None:
         return tables[0]
     names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})

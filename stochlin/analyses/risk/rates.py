@@ -44,8 +44,7 @@ class SeparationsByIntensity(NamedTuple):
         first, last = beyond[:, :1], beyond[:, -1:]
         low = np.where(first > 0, x[0] - first / self.power, x[0]), np.full_like(first, x[0])
         high = np.full_like(last, x[-1]), np.where(last > 0, np.inf, x[-1])
-        whole = (np.hstack(parts) for parts in zip(low, (begin, end), high, strict=True))
-        begin, end = whole
+        begin, end = (np.hstack(parts) for parts in zip(low, (begin, end), high, strict=True))
         return np.exp(begin), np.exp(end)
 
 
@@ -64,16 +63,11 @@ def rates(motions: SeparationsByIntensity, gap: float, frequency: Callable[[Arra
 class Fragility(NamedTuple):
     """Lognormal fragility: median intensity of pounding, and standard deviation of its logarithm."""
 
-    median: float
-    dispersion: float
-    median_error: float
-    dispersion_error: float
-    status: int = FITTED
-
-    @classmethod
-    def none(cls, status: int) -> Fragility:
-        """A fragility that cannot be fitted, with the reason as its status."""
-        return cls(np.nan, np.nan, np.nan, np.nan, status)
+    median: float = np.nan
+    dispersion: float = np.nan
+    median_error: float = np.nan
+    dispersion_error: float = np.nan
+    status: int = FITTED  # or why there is none
 
     def named(self) -> dict[str, Any]:
         """The numbers of the fragility by the names of their variables."""
@@ -91,15 +85,15 @@ def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragilit
     at the lowest intensity.
     """
     if motions.intensity.size < 2:
-        return Fragility.none(TOO_FEW_INTENSITIES)
+        return Fragility(status=TOO_FEW_INTENSITIES)
     if (motions.separation[:, 0] > gap).all():
-        return Fragility.none(ALL_POUND)
+        return Fragility(status=ALL_POUND)
     begin, end = motions.crossings(gap)
     first = np.where(end > begin, begin, np.inf).min(axis=1)
     seen = np.isfinite(first)
     known = np.log(first[seen])
     if known.size < 2 or np.ptp(known) == 0:
-        return Fragility.none(TOO_FEW_POUND)
+        return Fragility(status=TOO_FEW_POUND)
     top, never = np.log(motions.intensity[-1]), int((~seen).sum())
 
     def surprise(parameters: Array) -> float:

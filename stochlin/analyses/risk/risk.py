@@ -43,7 +43,7 @@ from stochlin.analyses.tables.checks import (
     standing,
 )
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -217,7 +217,7 @@ def required_gap(
     def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
         inputs = RiskInputs(structures, ground, hazard, duration, envelope, scatter, paths, seed)
         inputs.check()
-        inputs.check_target(risk)
+        check_target(hazard, risk)
         return inputs.simulated(progress).gap_of(risk)
 
     return _over_cells(of_cell, standing(first, second), ground, duration)
@@ -316,10 +316,6 @@ class RiskInputs(NamedTuple):
         check_duration(self.duration, both)
         check_repeated(list(both.values()), ground, self.duration, self.paths, self.seed, POINTS)
 
-    def check_target(self, risk: str | float) -> None:
-        """Raise a ValueError for a risk outside of the annual frequencies of the hazard."""
-        check_target(self.hazard, risk)
-
     def frequency(self, intensity: Array) -> Array:
         """Annual frequency of exceedance [1/yr]; constant below a table of the hazard, zero beyond."""
         known, top = intensity, np.inf
@@ -351,11 +347,10 @@ class RiskInputs(NamedTuple):
                 paths=self.paths,
                 seed=self.seed,
                 scatter=self.scatter,
+                progress=part_of(progress, n / POINTS, (n + 1) / POINTS),
                 **motion,
             )
             separations.append(pair_separation(table).to_numpy())
-            if progress is not None:
-                progress((n + 1) / POINTS)
         power = 0.5 if self.hazard.measure == "intensity" else 1.0
         motions = SeparationsByIntensity(simulated_at(self.hazard), np.stack(separations, axis=1), power)
         return SimulatedRisk(self, motions)

@@ -127,10 +127,10 @@ def sensitivity(
     inputs = Inputs.of([*structures.values()], ground)
     times = 1 + SAMPLES + 2 * (len(inputs.inputs) + len(inputs.uncertain))
     check_repeated([*both.values()], usual, duration, paths, seed, times)
-    simulations = _Simulations(inputs, duration, envelope, scatter, paths, seed, progress, times)
-    responses = simulations.responses()
-    table = _table(responses, inputs, confidence)
-    table = labels.label(table, VARIABLES)
+    motion = {"paths": paths, "seed": seed, "duration": duration, "envelope": envelope}
+    responses = _responses(inputs, motion | {"scatter": float(scatter)}, times, progress)
+    table = labels.label(_table(responses, inputs, confidence), VARIABLES)
+    subject = "the set-back of a building" if second is None else "the gap of two buildings"
     return labels.with_run_information(
         table.assign_attrs(
             confidence=confidence,
@@ -140,15 +140,11 @@ def sensitivity(
             envelope="none" if envelope is None else envelope.describe(),
             **labels.of_scatter(scatter),
         ),
-        f"What matters for {_subject(second)}, {usual.name} ground",
+        f"What matters for {subject}, {usual.name} ground",
         f"sensitivity(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed})",
         {**structures, "ground": ground},
         REFERENCES,
     )
-
-
-def _subject(second: AnyStructure | None) -> str:
-    return "the set-back of a building" if second is None else "the gap of two buildings"
 
 
 class _Responses(NamedTuple):
@@ -168,71 +164,57 @@ class _Responses(NamedTuple):
         return self.samples[0]
 
 
-class _Simulations(NamedTuple):
-    """Inputs and options of the repeated simulations."""
+def _responses(
+    inputs: Inputs, motion: Mapping[str, Any], times: int, progress: Progress | None
+) -> _Responses:
+    """Responses of all simulations, ``times`` of them, which have the time step of the first.
 
-    inputs: Inputs
-    duration: float
-    envelope: Envelope | None
-    scatter: float
-    paths: int
-    seed: int
-    progress: Progress | None
-    times: int
+    ``motion`` has the options of `drawn_separations`.
+    """
+    paths, seed, count = motion["paths"], motion["seed"], len(inputs.inputs)
+    motions = -(-paths // LANES) * LANES
+    done = 0
+    step: float | None = None
+    sets = [inputs.sampled(paths, seed, number) for number in range(SAMPLES)]
+    base = sets[0]
+    of_base = inputs.at(base, {}, motions)
+    made = {role: of_base.samples_of(role) for role in of_base.factors}
 
-    def responses(self) -> _Responses:
-        """Responses of all simulations, which have the time step of the first."""
-        inputs, done = self.inputs.inputs, 0
-        motions = -(-self.paths // LANES) * LANES
-        step: float | None = None
-        sets = [self.inputs.sampled(self.paths, self.seed, number) for number in range(SAMPLES)]
-        base = sets[0]
-        of_base = self.inputs.at(base, {}, motions)
-        made = {role: of_base.samples_of(role) for role in of_base.factors}
+    def run(samples: Mapping[str, Array], changes: Mapping[str, float]) -> Array:
+        nonlocal done, step
+        drawn = inputs.at(samples, changes, motions)
+        if samples is base or changes:
+            changed = {name.partition(".")[0] for name in changes}
+            kept = {role: each for role, each in made.items() if role not in changed}
+            drawn = drawn._replace(made=kept)
+        separations, step = drawn_separations(drawn, **motion, step=step)
+        done += 1
+        if progress is not None:
+            progress(done / times)
+        return separations
 
-        def run(samples: Mapping[str, Array], changes: Mapping[str, float]) -> Array:
-            nonlocal done, step
-            drawn = self.inputs.at(samples, changes, motions)
-            if samples is base or changes:
-                changed = {name.partition(".")[0] for name in changes}
-                kept = {role: each for role, each in made.items() if role not in changed}
-                drawn = drawn._replace(made=kept)
-            separations, step = drawn_separations(
-                drawn,
-                paths=self.paths,
-                seed=self.seed,
-                duration=self.duration,
-                envelope=self.envelope,
-                scatter=float(self.scatter),
-                step=step,
-            )
-            done += 1
-            if self.progress is not None:
-                self.progress(done / self.times)
-            return separations
-
-        samples = np.array([run(sample, {}) for sample in sets])
-        near_factors, end_factors = np.ones((2, len(inputs), 2))
-        near, ends = np.empty((2, len(inputs), 2, motions))
-        for n, entry in enumerate(inputs):
-            others = {name: column for name, column in base.items() if name != entry.name}
-            for side, (small, end) in enumerate(zip((1 - STEP, 1 + STEP), entry.ends(), strict=True)):
-                if self.inputs.possible(entry, base, small):
-                    near_factors[n, side] = small
-                near[n, side] = run(base, {entry.name: near_factors[n, side]})
-                end_factors[n, side] = end if entry.uncertain else near_factors[n, side]
-                ends[n, side] = run(others, {entry.name: end}) if entry.uncertain else near[n, side]
-        columns = [[each[entry.name] for entry in self.inputs.uncertain] for each in sets]
-        ranks = np.argsort(np.argsort(np.reshape(columns, (SAMPLES, -1, motions)), axis=2), axis=2)
-        return _Responses(
-            samples,
-            usual=run({}, {}),
-            shares=(np.moveaxis(ranks, 1, 2) + 0.5) / motions,
-            near=near,
-            near_factors=near_factors,
-            ends=ends,
-            end_factors=end_factors,
-        )
+    samples = np.array([run(sample, {}) for sample in sets])
+    near_factors, end_factors = np.ones((2, count, 2))
+    near, ends = np.empty((2, count, 2, motions))
+    for n, entry in enumerate(inputs.inputs):
+        others = {name: column for name, column in base.items() if name != entry.name}
+        for side, (small, end) in enumerate(zip((1 - STEP, 1 + STEP), entry.ends(), strict=True)):
+            if inputs.possible(entry, base, small):
+                near_factors[n, side] = small
+            near[n, side] = run(base, {entry.name: near_factors[n, side]})
+            end_factors[n, side] = end if entry.uncertain else near_factors[n, side]
+            ends[n, side] = run(others, {entry.name: end}) if entry.uncertain else near[n, side]
+    columns = [[each[entry.name] for entry in inputs.uncertain] for each in sets]
+    ranks = np.argsort(np.argsort(np.reshape(columns, (SAMPLES, -1, motions)), axis=2), axis=2)
+    return _Responses(
+        samples,
+        usual=run({}, {}),
+        shares=(np.moveaxis(ranks, 1, 2) + 0.5) / motions,
+        near=near,
+        near_factors=near_factors,
+        ends=ends,
+        end_factors=end_factors,
+    )
 
 
 def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:

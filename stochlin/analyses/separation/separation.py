@@ -38,7 +38,7 @@ from stochlin.analyses.tables.checks import (
     standing,
 )
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground
@@ -56,6 +56,7 @@ VERDICT_ATTRS: Mapping[str, Any] = {
 }
 SET_BACK = "Set-back of one building from its property line"
 EXACT = "nonlinear simulation of the given models"
+BEFORE_RECORDS = 0.8  # share of the work before the records, if there are any
 MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
     "kind": "simulation, eq. (3) with a correlation, linearization, or building code",
@@ -230,7 +231,7 @@ def separation(
                 envelope=envelope,
                 scatter=scatter,
                 quantiles=[confidence],
-                progress=progress,
+                progress=part_of(progress, 0.0, 1.0 if records is None else BEFORE_RECORDS),
             )
             # The rules take the structures at their medians, and the peaks of all samples.
             structures, ground = tuple(map(median_of, by_role.values())), median_of(ground)
@@ -246,9 +247,10 @@ def separation(
             if records is None:
                 return table
             left, *others = in_metres(structures, ground)
-            recorded = recorded_gap(left, others[0] if others else None, records).drop_dims(
-                "quantile", errors="ignore"
-            )
+            right = others[0] if others else None
+            rest = part_of(progress, BEFORE_RECORDS, 1.0)
+            recorded = recorded_gap(left, right, records, progress=rest)
+            recorded = recorded.drop_dims("quantile", errors="ignore")
             return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
 
     models: dict[str, Any] = {**by_role, "ground": ground}

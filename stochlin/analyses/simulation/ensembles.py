@@ -43,13 +43,6 @@ from stochlin.models.structures import Structure
 # The response is sampled this often in the shortest period. More samples would hardly make the estimated
 # variance more accurate.
 SAMPLES_PER_PERIOD = 2
-# The computing time is estimated beforehand, and a simulation that would take too long is refused.
-STEP = 4e-9  # time [s] that one core needs for one time step of one bilinear structure
-# The other parts of a time step, in multiples of STEP: the ground, a structure with another hysteresis
-# law, and a relative displacement of two structures that is recorded.
-GROUND, OTHER_LAW, PAIR = 4.0, 15.0, 0.25
-DASHPOT = 60.0  # a dashpot whose force is a power of the velocity
-STOREY = 0.5  # each pair of storeys of a building
 
 
 class SimulationCells(NamedTuple):
@@ -267,30 +260,32 @@ def check_settings(
 def check_memory(structures: int, paths: int) -> None:
     """Raise a ValueError if the moments of all pairs of structures would not fit into memory."""
     at_once = min(cores(), -(-paths // LANES))
-    needed = 8.0 * structures**2 * (4 * LANES * at_once + 12)
     check_work(
         f"{structures} structures on one ground need",
         "simulate fewer structures at a time",
-        memory=needed,
+        {"numbers": structures**2 * (4.0 * LANES * at_once + 12)},
     )
 
 
-def seconds_of(run: SimulationRun, steps: float, pairs: float) -> float:
-    """Estimated computing time [s] of a run of this many time ``steps``.
+def work_of(run: SimulationRun, steps: float, distances: float = 0.0) -> dict[str, float]:
+    """The work of a run of this many time ``steps``, which is spread over all cores.
 
-    At each step, ``pairs`` relative displacements are recorded.
+    At each step, ``distances`` relative displacements are recorded.
     """
-    each = GROUND + PAIR * pairs + sum(_weight(part) for part in run.crowd.parts)
-    return STEP * each * steps * run.plan.groups * LANES / cores()
-
-
-def _weight(part: Oscillators | SteppedStructures) -> float:
-    """Estimated time of one step of these structures, over that of one bilinear structure."""
-    if isinstance(part, SteppedStructures):
-        kind = part.elements.kind
-        laws = np.where(kind == VISCOUS, DASHPOT, np.where(kind >= BOUC_WEN, OTHER_LAW, 1.0))
-        return float(laws.sum() + STOREY * kind.size**2)
-    return float(part.size)
+    parts = run.crowd.parts
+    kinds = [part.elements.kind for part in parts if isinstance(part, SteppedStructures)]
+    together = sum(part.size for part in parts if isinstance(part, Oscillators))
+    all_kinds = np.concatenate([np.full(together, BILINEAR), *kinds])
+    counts: dict[str, float] = {
+        "steps of a ground": 1,
+        "steps of a bilinear structure": float((all_kinds < VISCOUS).sum()),
+        "steps of a dashpot": float((all_kinds == VISCOUS).sum()),
+        "steps of another law": float((all_kinds >= BOUC_WEN).sum()),
+        "steps of a pair of storeys": sum(kind.size**2 for kind in kinds),
+        "steps of a recorded distance": distances,
+    }
+    motions = run.plan.groups * LANES
+    return {kind: count * steps * motions for kind, count in counts.items() if count}
 
 
 def _oscillators(cells: SimulationCells, floors: Array) -> list[SteppedGroup]:

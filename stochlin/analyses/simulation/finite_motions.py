@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import bdtrik, betaincinv
 
-from stochlin.analyses.simulation.ensembles import SimulationRun, seconds_of
+from stochlin.analyses.simulation.ensembles import SimulationRun, work_of
 from stochlin.analyses.simulation.structures_in_motion import STRUCTURE, StructuresInMotion
 from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.simulation.views import (
@@ -26,7 +26,7 @@ from stochlin.analyses.tables.checks import check_duration, check_scatter, check
 from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, cores
 from stochlin.kernels.simulation.ensemble import Crowd, Extremes, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
@@ -80,8 +80,9 @@ def check_finite(run: SimulationRun, duration: float, functions: int, times: int
     check_work(
         f"duration = {duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would take",
         "shorten it, lower paths, or leave out the shortest period",
-        memory=8 * (ENVELOPES * steps + RESULTS * 2.0 * paths * functions),
-        seconds=times * seconds_of(run, steps, 2.0 * functions),
+        work_of(run, times * steps, 2.0 * functions)
+        | {"numbers": ENVELOPES * steps + RESULTS * 2.0 * paths * functions},
+        cores(),
     )
 
 

@@ -10,9 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from stochlin.analyses.simulation.ensembles import SimulationRun, seconds_of
+from stochlin.analyses.simulation.ensembles import SimulationRun, work_of
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.simulation.ensemble import plastic_displacements
 
 BURN_IN = 5.0  # burn-in over memory
@@ -36,7 +37,7 @@ def with_length(
     expected = run.drift_time
     slowest, period = float(expected.max()), float(run.period[np.argmax(expected)])
     lasts = (BURN_IN + relaxation_times) * max(run.memory, slowest)
-    measuring, running = expected_seconds(run, relaxation_times)
+    work = expected_work(run, relaxation_times, running=not measured_alone)
     check_work(
         "the run would take",
         f"the structure of period {period:.3g} s yields so rarely that its drift relaxes in "
@@ -44,7 +45,8 @@ def with_length(
         if slowest > run.memory
         else f"it lasts {lasts:.3g} s in steps of {run.plan.dt:.3g} s: lower paths or "
         "relaxation_times, or leave out the shortest or the longest period",
-        seconds=measuring if measured_alone else measuring + running,
+        work,
+        cores(),
     )
     if slowest > run.memory:
         measured = _measure(run, slowest)[run.order]
@@ -56,17 +58,18 @@ def with_length(
     )
 
 
-def expected_seconds(run: SimulationRun, relaxation_times: float) -> tuple[float, float]:
-    """Estimated times [s] of measuring the slowest drift, and of the run with its memory expected.
+def expected_work(run: SimulationRun, relaxation_times: float, running: bool = True) -> dict[str, float]:
+    """The work of measuring the slowest drift and, if ``running``, of the run with its memory expected.
 
     The memory that is expected is the one by linearization, which is too long.
     """
-    slowest, measuring = float(run.drift_time.max()), 0.0
-    if slowest > run.memory:
-        few = run.with_plan(groups=GROUPS)
-        measuring = seconds_of(few, (SETTLING + LENGTH) * slowest / run.plan.dt, 0.0)
-    steps = (BURN_IN + relaxation_times) * max(run.memory, slowest) / run.plan.dt
-    return measuring, seconds_of(run, steps, run.crowd.size**2 / (2 * run.plan.every))
+    slowest, dt = float(run.drift_time.max()), run.plan.dt
+    measured = (SETTLING + LENGTH) * slowest / dt if slowest > run.memory else 0.0
+    steps = (BURN_IN + relaxation_times) * max(run.memory, slowest) / dt if running else 0.0
+    work = work_of(run, steps, run.crowd.size**2 / (2 * run.plan.every))
+    for kind, count in work_of(run.with_plan(groups=GROUPS), measured).items():
+        work[kind] += count
+    return work
 
 
 def _measure(run: SimulationRun, expected: float) -> Array:

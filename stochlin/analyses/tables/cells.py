@@ -75,8 +75,13 @@ class Flat(NamedTuple):
     @property
     def row(self) -> Flat:
         """The valid cells alone, along one dimension that no model has."""
-        count = self.where.size
-        return Flat(xr.DataArray(np.zeros(count), dims=CELL), np.arange(count), self.models)
+        return self.part(slice(None))
+
+    def part(self, part: slice) -> Flat:
+        """Some of the valid cells alone, along one dimension that no model has."""
+        count = self.where[part].size
+        models = {role: model.isel({CELL: part}) for role, model in self.models.items()}
+        return Flat(xr.DataArray(np.zeros(count), dims=CELL), np.arange(count), models)
 
 
 def flat(models: Mapping[str, Model]) -> Flat:

@@ -9,7 +9,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import compiled_or_not, entry
-from stochlin.kernels.basics.parallel import in_order
+from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.records.oscillator import PEAKS, STATE, run, substeps, top, workspace
 
 PARTS = 16  # number of tasks into which the structures on a record are divided
@@ -63,18 +63,22 @@ def _history(ground, dt, parameters, refine, out):
     run(parameters, ground, dt, each * refine, np.empty(PEAKS), each, out, workspace())
 
 
-def peaks_on_records(grounds: Sequence[SampledMotion], parameters: Array) -> Array:
+def peaks_on_records(
+    grounds: Sequence[SampledMotion], parameters: Array, progress: Progress | None = None
+) -> Array:
     """Peaks (records, n, PEAKS) on each record of structures with ``parameters`` (n, 4) as in `run`."""
-    return _spread(_all_peaks, PEAKS, grounds, parameters)
+    return _spread(_all_peaks, PEAKS, grounds, (parameters,), progress)
 
 
-def gaps_on_records(grounds: Sequence[SampledMotion], first: Array, second: Array) -> Array:
+def gaps_on_records(
+    grounds: Sequence[SampledMotion], first: Array, second: Array, progress: Progress | None = None
+) -> Array:
     """Response of pairs to each record, (records, n, 2 PEAKS + 2).
 
     The columns are the peaks of both structures, the largest ``u1 - u2`` [m], and the correlation of the
     two displacements over the record. Both structures of a pair take the same sub-steps.
     """
-    return _spread(_all_gaps, 2 * PEAKS + 2, grounds, first, second)
+    return _spread(_all_gaps, 2 * PEAKS + 2, grounds, (first, second), progress)
 
 
 def history(ground: SampledMotion, parameters: Array, refine: int) -> Array:
@@ -86,7 +90,11 @@ def history(ground: SampledMotion, parameters: Array, refine: int) -> Array:
 
 
 def _spread(
-    fill: Callable[..., None], columns: int, grounds: Sequence[SampledMotion], *structures: Array
+    fill: Callable[..., None],
+    columns: int,
+    grounds: Sequence[SampledMotion],
+    structures: Sequence[Array],
+    progress: Progress | None,
 ) -> Array:
     """Results (records, n, columns) of ``fill`` for all records and structures, on all cores.
 
@@ -105,5 +113,5 @@ def _spread(
         respond(*grounds[record], *(np.ascontiguousarray(rows[part]) for rows in structures), out)
         result[record, part] = out
 
-    list(in_order(task, parts * len(grounds)))
+    list(in_order(task, parts * len(grounds), progress))
     return result

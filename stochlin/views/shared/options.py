@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from stochlin.models.grounds import Ground
     from stochlin.models.structures import Structure
 
-BYTES = 100  # of a number of a sweep, while it is made
 STRUCTURE_OPTIONS = ("period", "damping", "hardening", "reduction_factor", "yield_displacement")
 
 
@@ -137,7 +136,7 @@ class Numbers(QuantityType):
                 ctx,
             )
         try:
-            check_work(f"{value!r} takes", "take fewer points", memory=BYTES * float(rest[0]))
+            check_work(f"{value!r} takes", "take fewer points", {"numbers of a sweep": float(rest[0])})
         except ValueError as error:
             self.fail(str(error), param, ctx)
         low, high = self.one(start, param, ctx), self.one(stop, param, ctx)

@@ -36,9 +36,6 @@ from stochlin.models.structures import GAUSSIAN
 from stochlin.models.systems import AnyStructure, arrangement_of, check_stationary
 
 ITERATIONS = ("newton", "substitution")
-# Computing time [s] of ten iterations, for each element and cube of the states, and beside it.
-SECONDS, SECONDS_OF_CELL = 2e-8, 1e-3
-BYTES = 150  # approximate memory of a cell, for each square of the states
 # Variables of `linearize_system` and their dimensions beside those of the cells.
 DIMS = {
     **dict.fromkeys(
@@ -212,8 +209,11 @@ def check_chain(models: Mapping[str, Model]) -> None:
     check_work(
         f"the iteration of {cells} systems would take" if cells > 1 else "the iteration would take",
         "take fewer cells at a time, storeys together, or structures that are not linked apart",
-        seconds=cells * (SECONDS_OF_CELL + SECONDS * elements * (3 * elements) ** 3),
-        memory=cells * BYTES * (3 * elements) ** 2,
+        {
+            "systems": cells,
+            "cubes of states": cells * elements * (3 * elements) ** 3,
+            "squares of states": cells * (3 * elements) ** 2,
+        },
     )
 
 
