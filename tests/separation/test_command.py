@@ -160,7 +160,7 @@ def test_all_four_families_of_codes_are_on_the_screen_the_page_and_in_the_file(e
             assert table.family.sel(rule=rule).item() == family
             (line,) = re.findall(rf"^{rule} .*$", example.result.output, re.MULTILINE)
             assert line.endswith(f" {family}")
-            assert re.search(rf'<td class="word mark">{family}</td></tr>', example.page)
+            assert re.search(rf'<td class="word minor">{family}</td></tr>', example.page)
     assert "height, a factor times the height; fixed, a distance" in example.page
 
 

@@ -12,6 +12,7 @@ from stochlin.views.shared.screen import (
     PICTURES,
     bad_input,
     check_target,
+    lines,
     progress_bar,
     show,
     write,
@@ -44,7 +45,7 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
         from stochlin.analyses.cases.mitigation import mitigate_case
         from stochlin.analyses.tables.storage import FORMATS
         from stochlin.views.mitigation.pictures import draw_measures
-        from stochlin.views.mitigation.words import answer_lines
+        from stochlin.views.mitigation.words import answer_sections
 
         described = read_case(case)
         data = out if out or not picture else picture.with_suffix(".nc")
@@ -52,7 +53,7 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
         check_target("--picture", picture, PICTURES, described.inputs)
         with progress_bar("measures") as progress:
             table = mitigate_case(described, progress)
-        show(answer_lines(table, described))
+        show(lines(answer_sections(table, described)))
         rows = table
         if data is not None and data.suffix.lower() == ".csv":  # a row a measure, and a record
             rows = table.drop_dims("quantile", errors="ignore")

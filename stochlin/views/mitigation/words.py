@@ -8,15 +8,16 @@ import numpy as np
 
 from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, SAFE, UNSAFE
-from stochlin.views.shared.screen import columns, cut, paragraph
-from stochlin.views.shared.uncertain import unknown_lines
+from stochlin.views.shared.blocks import Items, Section, Table, texts
+from stochlin.views.shared.screen import cut
+from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
     centimetres,
-    doubted,
     floors,
     length,
+    opening,
     per_cent,
     scatter,
     shaking,
@@ -54,37 +55,40 @@ TIMES = (
 )
 
 
-def answer_lines(table: xr.Dataset, case: Case) -> list[str]:
-    """All that the screen shows."""
+def answer_sections(table: xr.Dataset, case: Case) -> list[Section]:
+    """The answer, the measures in simulated motions and in records, and what their columns mean."""
     built = table.isel(measure=0)
     peaks = float(built.peak_mean_1), float(built.peak_mean_2)
-    doubtful = doubts(table, case.pair, float(built.required_gap), peaks)
-    lines = [*paragraph(doubted(doubtful)), case.title, *paragraph(floors(case)), ""]
-    lines += [
-        *paragraph(headline(table)),
-        *paragraph(shaking(table, case)),
-        *paragraph(scatter(case)),
-        *unknown_lines(case, "needed gaps and shares are those"),
-        "",
-    ]
-    lines += [*columns(*_motions(table)), ""]
-    if "quantile" in table.dims:
-        count = table.sizes["record"]
-        lines += [
-            f"In {count} records; the values are not exceeded in half of them and in "
-            f"{_levels(table)[-1]} of them:"
-        ]
-        lines += [*columns(*_over_records(table)), ""]
-    for record in table.record.values if {"record", "quantile"} & {*table.dims} == {"record"} else ():
-        lines += [f"In {record}:", *columns(*_recorded(table.sel(record=record))), ""]
-    for row in _rows(table):
-        lines += paragraph(crushed(row), "  ")
-        if row.missing.item():
-            lines += paragraph(f"{row.measure.item()}: {row.missing.item()}.", "  ")
+    about = (headline(table), shaking(table, case), scatter(case))
+    remarks = [text for row in _rows(table) for text in (crushed(row), _missing(row)) if text]
     searched = table.measure.values[(table.kind == "least").values]
     if searched.size and not any("dashpot" in str(name) for name in searched):
-        lines += paragraph(NO_DASHPOT, "  ")
-    return [*lines, *paragraph(_notes(table)), *paragraph(TIMES if "record" in table.dims else "")]
+        remarks.append(NO_DASHPOT)
+    return [
+        opening(case, doubts(table, case.pair, float(built.required_gap), peaks)),
+        Section("", texts([floors(case)])),
+        Section("", [*texts(about), *unknowns(case, "needed gaps and shares are those")]),
+        Section("", [_motions(table)]),
+        *_in_records(table),
+        Section("", [Items(remarks)]),
+        Section("", texts([_notes(table), TIMES if "record" in table.dims else ""])),
+    ]
+
+
+def _in_records(table: xr.Dataset) -> list[Section]:
+    """A table of each record, or of all of them where they are many; none without records."""
+    if "quantile" in table.dims:
+        what = (
+            f"In {table.sizes['record']} records; the values are not exceeded in half of them and in "
+            f"{_levels(table)[-1]} of them"
+        )
+        return [Section(what, [_over_records(table)])]
+    records = table.record.values if "record" in table.dims else ()
+    return [Section(f"In {name}", [_recorded(table.sel(record=name))]) for name in records]
+
+
+def _missing(row: xr.Dataset) -> str:
+    return f"{row.measure.item()}: {row.missing.item()}." if row.missing.item() else ""
 
 
 def crushed(row: xr.Dataset) -> str:
@@ -141,7 +145,7 @@ def _rows(table: xr.Dataset) -> list[xr.Dataset]:
     return [table.isel(measure=n) for n in range(table.sizes["measure"])]
 
 
-def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+def _motions(table: xr.Dataset) -> Table:
     extras = {
         name: head
         for name, head in {
@@ -172,10 +176,10 @@ def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
                 centimetres(float(row.relative_displacement_std)),
             ]
         )
-    return heads, rows
+    return Table.of(heads, rows)
 
 
-def _recorded(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+def _recorded(table: xr.Dataset) -> Table:
     heads = ["measure", "times", "impacts", "force [MN]", "pressed [cm]"]
     linked = bool(table.largest_link_force.notnull().any())
     heads += ["link [MN]"] if linked else []
@@ -191,15 +195,15 @@ def _recorded(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
         for row in _rows(table)
         if np.isfinite(float(row.amplification_1))
     ]
-    return heads, rows
+    return Table.of(heads, rows)
 
 
 def _levels(table: xr.Dataset) -> list[str]:
     return [f"{100 * level:.4g}{SPACE}%" for level in table["quantile"].values]
 
 
-def _over_records(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    """Heads and rows: the effect of each measure in many records, by quantiles."""
+def _over_records(table: xr.Dataset) -> Table:
+    """The effect of each measure in many records, by quantiles."""
     heads = ["measure", "do not meet", *(f"times, {level}" for level in _levels(table))]
     heads += ["impacts", "force [MN]"]
     rows = []
@@ -216,7 +220,7 @@ def _over_records(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
                 " | ".join(short(float(at.record_largest_force) / 1e6) for at in each),
             ]
         )
-    return heads, rows
+    return Table.of(heads, rows)
 
 
 def _dashpot(row: xr.Dataset) -> str:

@@ -14,15 +14,16 @@ from stochlin.analyses.records.files import METRES
 from stochlin.views.pounding.floors import LINE, WIDTH, levels_of
 from stochlin.views.pounding.pictures import caption_of
 from stochlin.views.pounding.words import ALONE, JUMPS
+from stochlin.views.shared.blocks import Section, Table, Text, texts
 from stochlin.views.shared.descriptions import site_in_words
-from stochlin.views.shared.screen import columns, cut, paragraph
+from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import AS_GIVEN, CURVES, styled
 from stochlin.views.shared.uncertain import at_medians
 from stochlin.views.shared.words import (
     MISSING,
-    doubted,
     floors,
     in_g,
+    opening,
     per_cent,
     scatter,
     shaking,
@@ -58,40 +59,41 @@ HEAD, PANEL, BETWEEN, AXIS, KEY = 0.35, 2.2, 0.55, 0.62, 0.45  # inches, of the 
 LEFT, RIGHT, APART = 0.09, 0.98, 0.1  # of its width
 
 
-def ensemble_lines(case: Case, table: xr.Dataset) -> list[str]:
-    """The lines for the screen for many motions."""
+def ensemble_sections(case: Case, table: xr.Dataset) -> list[Section]:
+    """How often buildings meet, and means and quantiles of what that does."""
     over = str(table.status.dims[0])
-    good = int((table.status == 0).sum())
+    simulated, meets = over == "path", "neighbours" in table.dims
+    count, good = table.sizes[over], int((table.status == 0).sum())
     strongest = table[["peak_ground_acceleration"]].max()
     peaks = tuple(map(float, table.peak.max({*table.peak.dims} - {"structure"})))
-    doubtful = doubts(strongest, case.buildings, peaks=peaks)
-    lines = [*paragraph(doubted(doubtful)), case.title, *paragraph(floors(case)), ""]
-    motions, strength = f"{table.sizes[over]} records", _strengths(table)
-    if over == "path":
-        motions = (
-            f"{table.sizes[over]} simulated motions of {case.duration:.4g} s, {site_in_words(case)}"
-        )
-        strength = shaking(table, case)
-    lines += paragraph(f"{motions}: {_shares(table) if 'neighbours' in table.dims else ALONE}")
-    lines += [*paragraph(strength), *(paragraph(scatter(case)) if over == "path" else [])]
-    lines += paragraph(at_medians(case))
-    if good < table.sizes[over]:
-        why = next(str(text) for text in table.missing.values if text)
-        lines += ["", *paragraph(FAILED.format(table.sizes[over] - good, table.sizes[over], why))]
-    if "column_force_quantile" in table:
-        lines += ["", *paragraph(_columns_met(table))]
+    motions = f"{count} records"
+    if simulated:
+        motions = f"{count} simulated motions of {case.duration:.4g} s, {site_in_words(case)}"
+    about = [
+        f"{motions}: {_shares(table) if meets else ALONE}",
+        *((shaking(table, case), scatter(case)) if simulated else (_strengths(table),)),
+        at_medians(case),
+    ]
+    why = next((str(text) for text in table.missing.values if text), "")
+    failed = FAILED.format(count - good, count, why) if good < count else ""
+    columns = _columns_met(table) if "column_force_quantile" in table else ""
     heads = ["", "mean", *(per_cent(level) for level in table["quantile"].values)]
     rows: list[list[str]] = []
     for pair in range(table.sizes.get("neighbours", 0)):
         rows += _gap_rows(table.isel(neighbours=pair), heads)
     for number in range(table.sizes["structure"]):
         rows += _building_rows(table.isel(structure=number), heads)
-    lines += ["", *(line.rstrip() for line in columns(heads, rows)), ""]
-    meets = "neighbours" in table.dims
     notes = [f"{ERRORS} {FORCES}" if meets else ERRORS]
     notes += [STOREYS if meets else STOREYS_ALONE] * ("floor" in table.dims)
     notes += [JUMPS] * (meets and bool(table.hardest_force_between_mean.isnull().any()))
-    return [*lines, *paragraph(" ".join(notes))]
+    return [
+        opening(case, doubts(strongest, case.buildings, peaks=peaks)),
+        Section("", texts([floors(case)])),
+        Section("", texts(about)),
+        Section("", texts([failed])),
+        Section("", texts([columns])),
+        Section("", [Table.of(heads, rows), Text(" ".join(notes))]),
+    ]
 
 
 def _strengths(table: xr.Dataset) -> str:

@@ -13,6 +13,7 @@ from stochlin.views.shared.screen import (
     PICTURES,
     bad_input,
     check_target,
+    lines,
     progress_bar,
     show,
     write,
@@ -82,8 +83,8 @@ def gap(
         from stochlin.analyses.tables.storage import FORMATS, whole_file
         from stochlin.views.sensitivity.pictures import draw_sensitivity
         from stochlin.views.separation.pictures import answer_figure
-        from stochlin.views.separation.report import report_page
-        from stochlin.views.separation.words import answer_lines, names_of
+        from stochlin.views.separation.report import answer_sections, report_page
+        from stochlin.views.separation.words import names_of
 
         described = read_case(case)
         check_target("--report", report, REPORTS, described.inputs)
@@ -96,7 +97,7 @@ def gap(
         with progress_bar("simulating") as progress:
             answer = answer_case(described, progress, sensitivity is not None)
         page = report_page(answer) if report else ""
-        show(answer_lines(answer))
+        show(lines(answer_sections(answer)))
         table = answer.table(samples=data is not None and data.suffix.lower() == ".nc")
         write(table, data, picture, lambda _: answer_figure(answer))
         if answer.matters is not None:

@@ -13,8 +13,9 @@ from stochlin.messages import hyphenated
 from stochlin.models.buildings import ShearBuilding
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import ductilities, rows
+from stochlin.views.shared.blocks import Term, Terms
 from stochlin.views.shared.descriptions import site_in_words, source_in_words
-from stochlin.views.shared.words import length, per_cent, valued
+from stochlin.views.shared.words import SPACE, length, per_cent, valued
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,21 +108,19 @@ def _law(building: AnyBuilding) -> str:
     return hyphenated(type(law).__name__)
 
 
-def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
-    """The case as it was read: group, name, value with units."""
+def facts(answer: CaseAnswer) -> list[Terms]:
+    """The case as it was read, with units, in groups."""
     case = answer.case
     acceleration = answer.rms_acceleration / METRES["g"]
-    rms = f"{acceleration:.2g} g" if np.isfinite(acceleration) else "unbounded (white noise)"
-    ground = [("Site", "ground", site_in_words(case))]
-    ground += [("Site", *fact) for fact in _parameters(case.ground)]
-    ground.append(("Site", "rms acceleration in the strong part", rms))
+    rms = f"{acceleration:.2g}{SPACE}g" if np.isfinite(acceleration) else "unbounded (white noise)"
+    ground = [("ground", site_in_words(case)), *_parameters(case.ground)]
+    ground.append(("rms acceleration in the strong part", rms))
     if source := source_in_words(case):
-        ground.append(("Site", "source", source))
-    motion = [("Motion", "duration", f"{case.duration:g} s")]
-    shape = hyphenated(type(case.envelope).__name__) if case.envelope else "none"
-    motion.append(("Motion", "envelope", shape))
-    motion += [("Motion", *fact) for fact in (_parameters(case.envelope) if case.envelope else [])]
-    motion.append(("Motion", "scatter from motion to motion", f"{case.scatter:g}"))
+        ground.append(("source", source))
+    motion = [("duration", f"{case.duration:g}{SPACE}s")]
+    motion.append(("envelope", hyphenated(type(case.envelope).__name__) if case.envelope else "none"))
+    motion += _parameters(case.envelope) if case.envelope else []
+    motion.append(("scatter from motion to motion", f"{case.scatter:g}"))
     wanted = [
         ("confidence", per_cent(case.confidence, 1)),
         (f"existing {subject_of(case).gap}", "none" if case.gap is None else length(case.gap)),
@@ -129,12 +128,11 @@ def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
         ("zone of Mexico City", case.zone or "not given"),
         ("simulated motions", f"{case.paths}, seed {case.seed}"),
     ]
-    both = [
-        (f"Building {n}", *fact)
-        for n, building in enumerate(case.buildings, start=1)
-        for fact in _building(building, answer.separation, n)
-    ]
-    return [*ground, *motion, *both, *(("Separation", *fact) for fact in wanted)]
+    groups = {"Site": ground, "Motion": motion}
+    for n, building in enumerate(case.buildings, start=1):
+        groups[f"Building {n}"] = _building(building, answer.separation, n)
+    groups["Separation"] = wanted
+    return [Terms([Term(*fact) for fact in members], group) for group, members in groups.items()]
 
 
 def _yes_no(case: Case, name: str) -> str:
@@ -149,7 +147,7 @@ def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tup
     of = ""
     if isinstance(structure, ShearBuilding):
         of = " of the first mode"
-        parameters = [(f"period{of}", f"{building.period:.4g} s"), *parameters]
+        parameters = [(f"period{of}", f"{building.period:.4g}{SPACE}s"), *parameters]
         parameters += [
             (name, valued(value, "1")) for name, value in (structure.law_parameters or {}).items()
         ]
@@ -160,7 +158,7 @@ def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tup
         parameters = [fact for fact in parameters if fact[0] not in shown] + list(shown.items())
     else:
         parameters = [fact for fact in parameters if fact[0] != "peak factor"]
-    height = "not given" if building.height is None else f"{building.height:g} m"
+    height = "not given" if building.height is None else f"{building.height:g}{SPACE}m"
     strength = building.strength.replace("_", " ")
     return [
         ("name", building.name),

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.optimize import isotonic_regression
 
 from stochlin.views.separation.storeys import LINE, caption_of, draw_heights
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import RuleLine, rows
+from stochlin.views.shared.page import PAGE_STYLE
 from stochlin.views.shared.style import CURVES, filled, styled
 from stochlin.views.shared.words import BEYOND, FAR
 from stochlin.views.sites.pictures import draw_spectrum
@@ -23,7 +25,6 @@ if TYPE_CHECKING:
 
 WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
 NAME_WIDTH = 36  # characters of the name of a rule on one line
-PAGE_STYLE = {"font.size": 10, "hatch.linewidth": 0.7, "svg.fonttype": "path"}
 # Face, hatch: told apart in grey and in print.
 VERDICTS = {
     "answer": ("#1b1b1b", ""),
@@ -32,8 +33,7 @@ VERDICTS = {
     "within error": ("#f2f2f2", "xx"),
 }
 EDGE = "#1b1b1b"
-NEAR, CHARACTER = 0.015, 0.017  # of the axis: gaps as near as this share a label; width of a digit
-TOP, LEVELS = 1.4, 5  # of the distribution: upper end of its axis, heights of labels
+NEAR, APART = 0.015, 0.038  # of the axis: gaps as near as this share a label; between labels
 
 
 @styled(PAGE_STYLE)
@@ -88,9 +88,9 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
     now = 100 * answer.existing.attrs["gap_m"] if answer.existing is not None else np.inf
     if now < 1.6 * right:  # farther off it would squeeze the rest
         right = max(right, 1.3 * now)
-        axes.axvline(now, ymax=1 / TOP, color="#2166ac", lw=1.2, ls=(0, (6, 1.5, 1, 1.5)))
+        axes.axvline(now, color="#2166ac", lw=1.2, ls=(0, (6, 1.5, 1, 1.5)))
         axes.text(now + 0.01 * right, 0.02, f"existing {about.gap}", size=9, color="#1d4f86")
-    axes.set(xlim=(0, right), ylim=(0, TOP))
+    axes.set(xlim=(0, right), ylim=(0, 1.02))
     far = [f"{row.number}: {row.gap} cm {BEYOND}" for row in shown if gaps[row.number] > right]
     axes.text(0.99 * right, 0.84, "\n".join(far), ha="right", va="top", size=9)
     shown = [row for row in shown if gaps[row.number] <= right]
@@ -228,20 +228,18 @@ def _legend_above(axes: Axes) -> None:
 
 
 def _rule_numbers(axes: Axes, shown: list[RuleLine], gaps: dict[int, float], right: float) -> None:
-    """Numbers of the rules above the curve, those at one gap together, neighbours on other heights."""
-    groups: list[list[int]] = []
+    """Numbers of the rules in a row above the curve, those at one gap together, each led to its gap."""
+    groups: list[list[RuleLine]] = []
     for row in sorted(shown, key=lambda row: gaps[row.number]):
-        if groups and gaps[row.number] - gaps[groups[-1][0]] < NEAR * right:
-            groups[-1].append(row.number)
+        if groups and gaps[row.number] - gaps[groups[-1][0].number] < NEAR * right:
+            groups[-1].append(row)
         else:
-            groups.append([row.number])
-    ends = [0.0] * LEVELS  # where the last label of each height ends
-    for group in groups:
-        at = float(np.mean([gaps[number] for number in group]))
-        text = ",".join(map(str, sorted(group)))
-        half = 0.5 * (len(text) + 1) * CHARACTER * right
-        level = next((n for n, end in enumerate(ends) if at - half > end), LEVELS - 1)
-        ends[level] = at + half
-        height = 1.05 + (TOP - 1.05) / LEVELS * level
-        axes.plot([at, at], [1.0, height], color="0.6", lw=0.6, zorder=1)
-        axes.text(at, height, text, size=8.5, ha="center", va="bottom")
+            groups.append([row])
+    at = [float(np.mean([gaps[row.number] for row in group])) for group in groups]
+    apart = APART * right * np.arange(len(groups))
+    place = isotonic_regression(np.array(at) - apart).x + apart  # as near as labels can stand
+    for gap, label, group in zip(at, place, groups, strict=True):
+        text = ", ".join(str(number) for number in sorted(row.number for row in group))
+        line: Any = {"color": "0.6", "lw": 0.6, "clip_on": False, "zorder": 1}
+        axes.plot([gap, gap, label], [1.0, 1.05, 1.1], **line)
+        axes.text(label, 1.11, text, size=8.5, rotation=90, ha="center", va="bottom")

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stochlin.analyses.records.files import METRES
 from stochlin.models.hazards import HazardCurve
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.shared.screen import columns, paragraph
+from stochlin.views.shared.blocks import Block, Table, Text, texts
 from stochlin.views.shared.symbols import typeset
 from stochlin.views.shared.words import MISSING, SPACE, centimetres, length, per_cent
 
@@ -25,20 +25,11 @@ LITTLE = 0.05  # of the rate, left out at either end
 NOTICED = 0.1  # of the rate, or of the motions, that the hazard's table leaves out
 
 
-class RiskWords(NamedTuple):
-    """The words and the table of a risk."""
-
-    sentences: list[str]
-    heads: tuple[str, ...]
-    rows: list[tuple[str, ...]]
-    note: str
-
-
-def risk_words(answer: CaseAnswer) -> RiskWords | None:
-    """The frequency of pounding for each gap of interest; None where the case has no hazard."""
+def risk_blocks(answer: CaseAnswer) -> list[Block]:
+    """The frequency of pounding for each gap of interest; empty where the case has no hazard."""
     table = answer.risk
     if table is None:
-        return None
+        return []
     rows = [_row(table.isel(risk_gap=n)) for n in range(table.sizes["risk_gap"])]
     heads = ("gap", "[cm]", "per year", "once in", f"in {table.attrs['risk_years']:g} years", "interval")
     note = (
@@ -46,16 +37,7 @@ def risk_words(answer: CaseAnswer) -> RiskWords | None:
         f"intensities of the hazard; the intervals, of 95{SPACE}%, are those of the sampling of "
         "motions. Different years are taken as independent."
     )
-    return RiskWords(_sentences(answer, table), heads, rows, note)
-
-
-def risk_lines(answer: CaseAnswer) -> list[str]:
-    """The same for the screen; nothing where the case has no hazard."""
-    words = risk_words(answer)
-    if words is None:
-        return []
-    lines = [line for sentence in words.sentences for line in paragraph(sentence)]
-    return ["", *lines, "", *columns(words.heads, words.rows), "", *paragraph(words.note)]
+    return [*texts(risk_sentences(answer)), Table.of(heads, rows), Text(note, "note")]
 
 
 def risk_figure(answer: CaseAnswer) -> Figure:
@@ -124,7 +106,11 @@ def _years(rate: float) -> str:
     return f"{float(f'{1 / rate:.2g}'):.0f}{SPACE}years" if rate else MISSING
 
 
-def _sentences(answer: CaseAnswer, table: xr.Dataset) -> list[str]:
+def risk_sentences(answer: CaseAnswer) -> list[str]:
+    """The frequency for the first of these gaps, and the gap for the risk allowed."""
+    table = answer.risk
+    if table is None:
+        return []
     about = subject_of(answer.case)
     risk, years = table.isel(risk_gap=0), table.attrs["risk_years"]
     rate, low, high = (float(risk[f"risk_annual_rate{end}"]) for end in ("", "_lower", "_upper"))

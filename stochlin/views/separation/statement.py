@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from stochlin.views.separation import words
 from stochlin.views.separation.facts import models
-from stochlin.views.separation.risk import risk_words
+from stochlin.views.separation.risk import risk_sentences
 from stochlin.views.separation.subjects import subject_of
+from stochlin.views.shared.blocks import Term
 from stochlin.views.shared.descriptions import site_in_words, source_in_words
 from stochlin.views.shared.uncertain import contained
 from stochlin.views.shared.words import SPACE, scatter, shaking
@@ -19,7 +20,7 @@ KNOWN = "All parameters are taken as known; their errors are not in the answer."
 SIGNED = ("Date", "Prepared by", "Checked by")  # by hand: the same case makes the same page
 
 
-def statement(answer: CaseAnswer) -> list[tuple[str, str]]:
+def statement(answer: CaseAnswer) -> list[Term]:
     """What was asked, by which method, with what result and error, and by which program."""
     case, table, about = answer.case, answer.separation, subject_of(answer.case)
     site = ": ".join(filter(None, (site_in_words(case), source_in_words(case))))
@@ -50,8 +51,8 @@ def statement(answer: CaseAnswer) -> list[tuple[str, str]]:
             "give the same numbers.",
         ),
     ]
-    if (risk := risk_words(answer)) is not None:
-        said.insert(3, ("Risk", " ".join(risk.sentences)))
+    if sentences := risk_sentences(answer):
+        said.insert(3, ("Risk", " ".join(sentences)))
     if answer.existing is not None:
         said.insert(3, (f"Existing {about.gap}", words.existing(answer.existing, case)))
-    return said
+    return [Term(name, text) for name, text in said]

@@ -8,6 +8,7 @@ import numpy as np
 
 from stochlin.analyses.records.files import METRES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
+from stochlin.views.shared.blocks import Section, Text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 BEYOND = "\N{RIGHTWARDS ARROW}"
+IN_SI = {"1": 1.0, "g": METRES["g"], "m/s": 1.0, "ms": 1e-3, "kJ": 1e3, "MN": 1e6, "MN/m": 1e6}
 LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
+SHORT = 0.5  # m: lengths below, such as drifts, are in cm
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 CAPITALS = {
     **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb")},
@@ -76,10 +79,16 @@ def short(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
+def number(value: float, unit: str = "1") -> str:
+    """A number in SI as it stands in a table in this unit, three digits; missing ones as a dash."""
+    return centimetres(value) if unit == "cm" else short(value / IN_SI[unit])
+
+
 def valued(value: npt.ArrayLike, units: str, digits: int = 4) -> str:
     """A parameter with its unit; storey by storey where they differ."""
-    unit, scale = shown_unit(units)
-    each = [rounded(number, digits) for number in np.atleast_1d(scale * np.asarray(value))]
+    numbers = np.atleast_1d(np.asarray(value))
+    unit, scale = shown_unit(units, np.abs(numbers).max())
+    each = [rounded(number, digits) for number in scale * numbers]
     return ", ".join(each if len(set(each)) > 1 else each[:1]) + unit
 
 
@@ -88,11 +97,13 @@ def rounded(value: float, digits: int = 4) -> str:
     return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
 
 
-def shown_unit(units: str) -> tuple[str, float]:
-    """A unit as it stands behind a number, and what a number in SI is multiplied by."""
+def shown_unit(units: str, largest: float = np.inf) -> tuple[str, float]:
+    """A unit as it stands behind numbers up to this size, and what a number in SI is multiplied by."""
     unit, scale = LARGE.get(units, (units, 1.0))
-    unit = unit.replace("^2", "²").replace("^3", "³")
-    return f" {unit}" if units != "1" else "", scale
+    if units == "m" and largest < SHORT:
+        unit, scale = "cm", 100.0
+    unit = unit.replace("^2", "²").replace("^3", "³").replace(" ", SPACE)
+    return f"{SPACE}{unit}" if units != "1" else "", scale
 
 
 def columns_hit(slabs: Sequence[SlabOnColumn]) -> str:
@@ -119,7 +130,7 @@ def scatter(case: Case) -> str:
 
 def in_g(acceleration: float) -> str:
     """An acceleration in g."""
-    return f"{short(acceleration / METRES['g'])}{SPACE}g"
+    return f"{number(acceleration, 'g')}{SPACE}g"
 
 
 def shaking(table: xr.Dataset, case: Case) -> str:
@@ -185,9 +196,10 @@ def in_records(found: xr.Dataset, count: int) -> str:
     )
 
 
-def doubted(doubts: Sequence[str]) -> str:
-    """Doubtful input, as the first line of an answer; empty if there is none."""
-    return f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else ""
+def opening(case: Case, doubts: Sequence[str]) -> Section:
+    """Doubtful input as the first line of an answer, if there is any, and the title of the case."""
+    doubt = f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else ""
+    return Section("", [Text(doubt, "doubt"), Text(case.title, "title")])
 
 
 def floors(case: Case) -> str:
