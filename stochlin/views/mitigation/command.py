@@ -9,9 +9,8 @@ import click
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
-    PICTURES,
     bad_input,
-    check_target,
+    data_target,
     lines,
     progress_bar,
     show,
@@ -48,9 +47,7 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
         from stochlin.views.mitigation.words import answer_sections
 
         described = read_case(case)
-        data = out if out or not picture else picture.with_suffix(".nc")
-        check_target("--out" if out else "--picture", data, FORMATS, described.inputs)
-        check_target("--picture", picture, PICTURES, described.inputs)
+        data = data_target(out, picture, FORMATS, described.inputs)
         with progress_bar("measures") as progress:
             table = mitigate_case(described, progress)
         show(lines(answer_sections(table, described)))

@@ -14,6 +14,7 @@ from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
+    along,
     centimetres,
     floors,
     length,
@@ -22,6 +23,7 @@ from stochlin.views.shared.words import (
     scatter,
     shaking,
     short,
+    with_interval,
 )
 
 if TYPE_CHECKING:
@@ -60,7 +62,7 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[Section]:
     built = table.isel(measure=0)
     peaks = float(built.peak_mean_1), float(built.peak_mean_2)
     about = (headline(table), shaking(table, case), scatter(case))
-    remarks = [text for row in _rows(table) for text in (crushed(row), _missing(row)) if text]
+    remarks = [text for row in along(table, "measure") for text in (crushed(row), _missing(row)) if text]
     searched = table.measure.values[(table.kind == "least").values]
     if searched.size and not any("dashpot" in str(name) for name in searched):
         remarks.append(NO_DASHPOT)
@@ -135,14 +137,10 @@ def headline(table: xr.Dataset) -> str:
     measures = table.where(table.kind == "given", drop=True)
     words = {SAFE: "enough", UNSAFE: "not enough"}
     parts = []
-    for row in _rows(measures):
+    for row in along(measures, "measure"):
         verdict = words.get(int(row.verdict), "undecided within the error of the simulation")
         parts.append(f"{row.measure.item()}, {verdict}")
     return f"{sentence} The measures of the file: {'; '.join(parts)}." if parts else sentence
-
-
-def _rows(table: xr.Dataset) -> list[xr.Dataset]:
-    return [table.isel(measure=n) for n in range(table.sizes["measure"])]
 
 
 def _motions(table: xr.Dataset) -> Table:
@@ -160,8 +158,8 @@ def _motions(table: xr.Dataset) -> Table:
     meanings = dict(enumerate(table.verdict.attrs["flag_meanings"].split()))
     meanings[NOT_AVAILABLE] = "none found"
     rows = []
-    for row in _rows(table):
-        low, high = (centimetres(float(row[f"required_gap_{end}"])) for end in ("lower", "upper"))
+    for row in along(table, "measure"):
+        needed, low, high = map(centimetres, with_interval(row, "required_gap"))
         rows.append(
             [
                 cut(row.measure.item(), WIDE),
@@ -169,7 +167,7 @@ def _motions(table: xr.Dataset) -> Table:
                 short(float(row.link_stiffness) / 1e6),
                 _dashpot(row),
                 *(_unlike_built(row, table, name) for name in extras),
-                centimetres(float(row.required_gap)),
+                needed,
                 f"{low} to {high}" if np.isfinite(float(row.required_gap)) else MISSING,
                 per_cent(float(row.no_pounding_probability), 1),
                 meanings[int(row.verdict)].replace("_", " "),
@@ -192,7 +190,7 @@ def _recorded(table: xr.Dataset) -> Table:
             centimetres(float(row.deepest_compression)),
             *([short(float(row.largest_link_force) / 1e6)] if linked else []),
         ]
-        for row in _rows(table)
+        for row in along(table, "measure")
         if np.isfinite(float(row.amplification_1))
     ]
     return Table.of(heads, rows)
@@ -207,10 +205,10 @@ def _over_records(table: xr.Dataset) -> Table:
     heads = ["measure", "do not meet", *(f"times, {level}" for level in _levels(table))]
     heads += ["impacts", "force [MN]"]
     rows = []
-    for row in _rows(table):
+    for row in along(table, "measure"):
         if not np.isfinite(float(row.record_no_pounding_probability)):
             continue
-        each = [row.isel(quantile=n) for n in range(row.sizes["quantile"])]
+        each = along(row, "quantile")
         rows.append(
             [
                 cut(row.measure.item(), WIDE),

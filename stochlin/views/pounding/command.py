@@ -15,6 +15,7 @@ from stochlin.views.shared.screen import (
     PICTURES,
     bad_input,
     check_target,
+    data_target,
     lines,
     progress_bar,
     show,
@@ -111,9 +112,7 @@ def _together(
     from stochlin.analyses.tables.storage import FORMATS
     from stochlin.views.pounding.ensembles import draw_ensemble, ensemble_sections
 
-    data = out if out or not picture else picture.with_suffix(TABLES[0])
-    check_target("--out" if out else "--picture", data, FORMATS, case.inputs)
-    check_target("--picture", picture, PICTURES, case.inputs)
+    data = data_target(out, picture, FORMATS, case.inputs)
     with progress_bar("pounding") as progress:
         table = pound_motions(case, motions, progress, steps_per_contact=steps_per_contact)
     show(lines(ensemble_sections(case, table)))

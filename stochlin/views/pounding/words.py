@@ -18,6 +18,7 @@ from stochlin.views.shared.uncertain import at_medians
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
+    along,
     centimetres,
     floors,
     length,
@@ -75,7 +76,9 @@ def answer_sections(case: Case, tables: Mapping[str, xr.Dataset]) -> list[Sectio
 
 
 def _in_record(case: Case, record: str, table: xr.Dataset) -> list[Block]:
-    columns = [Text(columns_met(table)), _struck(table)] if "column" in table.coords else []
+    columns: list[Block] = []
+    if "column" in table.coords:
+        columns = [Text(columns_met(table)), _struck(table)]
     responses = (_buildings, _borne, _contacts) if "contact" in table.dims else (_alone,)
     return [
         *texts([f"{record}: {headline(table)}", recorded_shaking(table, case)]),
@@ -165,7 +168,7 @@ def _alone(table: xr.Dataset) -> Table:
     if "floor" not in table.dims:
         columns["ductility"] = ("peak_ductility", "1")
         return Table.of([*columns], [_measured(building, columns)])
-    floors_down = [building.isel(floor=n) for n in reversed(range(building.sizes["floor"]))]
+    floors_down = along(building, "floor")[::-1]
     rows = [
         [str(int(floor.floor)), f"{float(floor.floor_level):.4g}", *_measured(floor, columns)]
         for floor in floors_down
@@ -227,7 +230,7 @@ def _struck(table: xr.Dataset) -> Table:
     """The columns that slabs have hit, storey by storey; no rows if none was."""
     hit = table.isel(contact=np.flatnonzero(table.column_force > 0))
     worst: dict[tuple[int, int], xr.Dataset] = {}
-    for contact in (hit.isel(contact=n) for n in range(hit.sizes["contact"])):
+    for contact in along(hit, "contact"):
         place = int(contact[str(contact.column.item())]), int(contact.storey)
         if place not in worst or contact.column_force > worst[place].column_force:
             worst[place] = contact
@@ -266,7 +269,7 @@ def _contacts(table: xr.Dataset) -> Table:
         "lost [kJ]": ("contact_energy", "kJ"),
     }
     rows = []
-    for contact in (table.isel(contact=n) for n in range(table.sizes["contact"])):
+    for contact in along(table, "contact"):
         closest = f"{round(100 * float(contact.least_clearance), 2) + 0:.2f}"  # zero without a sign
         named = f"{int(contact.left)} | {int(contact.right)}"
         if "level" in table.coords:

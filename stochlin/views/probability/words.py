@@ -13,6 +13,7 @@ from stochlin.views.shared.blocks import Block, Items, Section, Table, Text, tex
 from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import (
     SPACE,
+    along,
     centimetres,
     floors,
     length,
@@ -20,6 +21,7 @@ from stochlin.views.shared.words import (
     over_records,
     scatter,
     shaking,
+    with_interval,
 )
 
 if TYPE_CHECKING:
@@ -78,9 +80,7 @@ def _wanted(answer: ProbabilityAnswer) -> str:
     formulas = [f"{length(float(table.required_gap))} by formula"]
     if bool(table.required_gap_corrected.notnull()):
         formulas.append(f"{length(float(table.required_gap_corrected))} corrected")
-    simulated, low, high = (
-        float(table[f"required_gap_simulated{end}"]) for end in ("", "_lower", "_upper")
-    )
+    simulated, low, high = with_interval(table, "required_gap_simulated")
     return (
         f"Gap for a confidence of {100 * answer.case.confidence:.4g}{SPACE}%: {', '.join(formulas)}, "
         f"{length(simulated)} simulated ({centimetres(low)} to {centimetres(high)})."
@@ -118,7 +118,7 @@ def _of_records(answer: ProbabilityAnswer) -> list[Block]:
         return [Text(over_records(answer.over_records, len(case.records), gap))]
     if records is None:
         return [Text(NO_RECORDS if case.records else "")]
-    ends = (records.isel(record=n, record_time=-1) for n in range(records.sizes["record"]))
+    ends = along(records.isel(record_time=-1), "record")
     return [Items([_in_record(end, gap, case.confidence) for end in ends])]
 
 
@@ -140,7 +140,7 @@ def _beyond_the_map(case: Case) -> str:
 def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> list[str]:
     """Four decimals; a word for values outside the map of the bias."""
     confidences = [float(row[STEM + ending]) for _, ending in shown]
-    low, high = (float(row[f"{STEM}_simulated_{end}"]) for end in ("lower", "upper"))
+    _, low, high = with_interval(row, f"{STEM}_simulated")
     return [
         f"{float(row.time):.2f}",
         *("unknown" if np.isnan(value) else f"{value:.4f}" for value in confidences),

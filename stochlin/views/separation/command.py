@@ -13,6 +13,7 @@ from stochlin.views.shared.screen import (
     PICTURES,
     bad_input,
     check_target,
+    data_target,
     lines,
     progress_bar,
     show,
@@ -88,9 +89,7 @@ def gap(
 
         described = read_case(case)
         check_target("--report", report, REPORTS, described.inputs)
-        data = out if out or not picture else picture.with_suffix(".nc")
-        check_target("--out" if out else "--picture", data, FORMATS, described.inputs)
-        check_target("--picture", picture, PICTURES, described.inputs)
+        data = data_target(out, picture, FORMATS, described.inputs)
         beside = None if sensitivity is None else sensitivity.with_suffix(".nc")
         check_target("--sensitivity", sensitivity, PICTURES, described.inputs)
         check_target("--sensitivity", beside, FORMATS, described.inputs)

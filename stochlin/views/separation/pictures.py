@@ -11,8 +11,8 @@ from stochlin.views.separation.storeys import LINE, caption_of, draw_heights
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import RuleLine, rows
 from stochlin.views.shared.page import PAGE_STYLE
-from stochlin.views.shared.style import CURVES, filled, styled
-from stochlin.views.shared.words import BEYOND, FAR
+from stochlin.views.shared.style import CURVES, filled, legend_above, open_frame, styled, swatches
+from stochlin.views.shared.words import BEYOND, FAR, with_interval
 from stochlin.views.sites.pictures import draw_spectrum
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def rules_figure(answer: CaseAnswer, caption: str = "") -> Figure:
     gaps = [100 * _gap(answer, row) for row in shown]
     names = [filled([f"{row.number}  {row.label}"], NAME_WIDTH) for row in shown]
     wide = any("\n" in name for name in names)
-    pitch, middle = (0.34, 0.1) if wide else (0.235, 0.3)
+    pitch = 0.34 if wide else 0.235
     foot = LINE * (caption.count("\n") + 2) if caption else 0.0
     height = pitch * len(shown) + 1.35 + foot
     figure, axes = _blank(height)
@@ -71,7 +71,9 @@ def rules_figure(answer: CaseAnswer, caption: str = "") -> Figure:
     axes.grid(visible=False, axis="y")
     axes.invert_yaxis()
     axes.set(ylim=(len(shown) - 0.4, -0.6), xlim=(0, right), xlabel=_axis(answer))
-    _verdict_legend(axes, {row.verdict for row in shown}, middle)
+    verdicts = {row.verdict for row in shown}
+    looks = {verdict: look for verdict, look in VERDICTS.items() if verdict in verdicts}
+    legend_above(axes, 2, 9, swatches(looks, EDGE))
     return figure
 
 
@@ -138,7 +140,7 @@ def spectrum_figure(answer: CaseAnswer) -> Figure:
     axes.set(xlim=(period.min(), period.max()), ylim=(0, None))
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.set(xlabel="period [s]", ylabel="two-sided PSD [m$^2$/s$^3$]")
-    _legend_above(axes)
+    legend_above(axes, 3, 9)
     return figure
 
 
@@ -156,7 +158,7 @@ def records_figure(answer: CaseAnswer) -> Figure:
     axes.set_ylim(len(gaps) - 0.4, -0.6)
     axes.set(xlim=(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1))
     axes.set(xlabel=_axis(answer))
-    _legend_above(axes)
+    legend_above(axes, 3, 9)
     return figure
 
 
@@ -173,7 +175,7 @@ def _many_records(answer: CaseAnswer, gaps: np.ndarray) -> Figure:
     _answer_line(axes, answer)
     right = 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1
     axes.set(xlim=(0, right), ylim=(0, 1.02), xlabel=_axis(answer), ylabel="share of the records")
-    _legend_above(axes)
+    legend_above(axes, 3, 9)
     return figure
 
 
@@ -191,40 +193,17 @@ def _blank(height: float) -> tuple[Figure, Axes]:
 
     figure = Figure(figsize=(WIDTH, height), layout="constrained")
     axes = figure.add_subplot()
-    axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    open_frame(axes)
     return figure, axes
 
 
 def _answer_line(axes: Axes, answer: CaseAnswer) -> None:
     table = answer.separation
-    low, high = (100 * float(table[f"gap_{end}"][0]) for end in ("lower", "upper"))
+    low, high = (100 * end for end in with_interval(table.isel(rule=0), "gap")[1:])
     if np.isfinite(high):
         axes.axvspan(low, high, color="0.6", alpha=0.55, lw=0, zorder=1.5)
     line: Any = {"color": "#1b1b1b", "lw": 1.2, "ls": (0, (4, 2)), "zorder": 3}
     axes.axvline(100 * float(table.gap[0]), label="the answer, with its 95 % interval", **line)
-
-
-def _verdict_legend(axes: Axes, verdicts: set[str], middle: float) -> None:
-    from matplotlib.patches import Patch
-
-    patches = [
-        Patch(facecolor=face, hatch=hatch, edgecolor=EDGE, lw=0.6, label=word)
-        for word, (face, hatch) in VERDICTS.items()
-        if word in verdicts
-    ]
-    axes.legend(
-        handles=patches, ncols=4, loc="lower center", bbox_to_anchor=(middle, 1.0), fontsize=9,
-        columnspacing=1.0, handlelength=1.4, handletextpad=0.5,
-    )  # fmt: skip
-
-
-def _legend_above(axes: Axes) -> None:
-    axes.legend(
-        loc="lower right", bbox_to_anchor=(1, 1.0), ncols=3, borderaxespad=0.2, fontsize=9,
-        columnspacing=1.0,
-    )  # fmt: skip
 
 
 def _rule_numbers(axes: Axes, shown: list[RuleLine], gaps: dict[int, float], right: float) -> None:

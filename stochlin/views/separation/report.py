@@ -150,14 +150,9 @@ def _assumptions(answer: CaseAnswer) -> Terms:
     """The assumptions of each rule, why it is not available, and its source and mark."""
     terms = []
     for row in words.rows(answer):
-        missing = f"Not available: {row.missing}." if row.missing else ""
-        texts_of = (f"{row.assumptions}." if row.assumptions else "", missing)
-        notes = (f"{row.reference}." if row.reference else "", f"Mark{SPACE}{row.mark}." if row.mark else "")
-        terms.append(
-            Term(
-                f"{row.number} {row.label}",
-                " ".join(filter(None, texts_of)),
-                " ".join(filter(None, notes)),
-            )
-        )
+        missing = row.missing and f"Not available: {row.missing}."
+        mark = row.mark and f"Mark{SPACE}{row.mark}."
+        text = f"{row.assumptions and row.assumptions + '.'} {missing}"
+        note = f"{row.reference and row.reference + '.'} {mark}"
+        terms.append(Term(f"{row.number} {row.label}", text.strip(), note.strip()))
     return Terms(terms)

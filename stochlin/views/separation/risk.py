@@ -10,8 +10,17 @@ from stochlin.analyses.records.files import METRES
 from stochlin.models.hazards import HazardCurve
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.blocks import Block, Table, Text, texts
+from stochlin.views.shared.style import open_frame
 from stochlin.views.shared.symbols import typeset
-from stochlin.views.shared.words import MISSING, SPACE, centimetres, length, per_cent
+from stochlin.views.shared.words import (
+    MISSING,
+    SPACE,
+    along,
+    centimetres,
+    length,
+    per_cent,
+    with_interval,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,7 +39,7 @@ def risk_blocks(answer: CaseAnswer) -> list[Block]:
     table = answer.risk
     if table is None:
         return []
-    rows = [_row(table.isel(risk_gap=n)) for n in range(table.sizes["risk_gap"])]
+    rows = [_row(of_gap) for of_gap in along(table, "risk_gap")]
     heads = ("gap", "[cm]", "per year", "once in", f"in {table.attrs['risk_years']:g} years", "interval")
     note = (
         f"From {table.attrs['risk_paths']} motions at each of {table.sizes['risk_intensity']} "
@@ -46,7 +55,7 @@ def risk_figure(answer: CaseAnswer) -> Figure:
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     assert answer.risk is not None
-    risk, (unit, label) = answer.risk.isel(risk_gap=0), _axis(answer)
+    risk, (name, units, unit) = answer.risk.isel(risk_gap=0), _measure(answer)
     figure = Figure(figsize=SIZE, layout="constrained")
     above, below = figure.subplots(2, sharex=True)
     x = risk.risk_intensity.values / unit
@@ -65,16 +74,14 @@ def risk_figure(answer: CaseAnswer) -> Figure:
     below.set(
         xscale="log",
         xlim=(edges[0], edges[-1]),
-        xlabel=typeset(label),
+        xlabel=typeset(f"{name} [{units}]"),
         ylabel="share of the\nfrequency [%]",
     )
     below.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     below.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     below.xaxis.set_minor_formatter(NullFormatter())
-    for axes in (above, below):
-        axes.set_axisbelow(True)
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
+    open_frame(above)
+    open_frame(below)
     return figure
 
 
@@ -90,14 +97,14 @@ def risk_caption(answer: CaseAnswer) -> str:
 
 
 def _row(risk: xr.Dataset) -> tuple[str, ...]:
-    rate, of_years = float(risk.risk_annual_rate), "risk_probability_in_years"
-    low, high = (per_cent(float(risk[f"{of_years}_{end}"]), 1) for end in ("lower", "upper"))
+    rate = float(risk.risk_annual_rate)
+    share, low, high = (per_cent(value, 1) for value in with_interval(risk, "risk_probability_in_years"))
     return (
         GAPS[str(risk.risk_of.item())],
         centimetres(float(risk.risk_gap)),
         f"{rate:.2g}",
         _years(rate),
-        per_cent(float(risk[of_years]), 1),
+        share,
         f"{low} to {high}",
     )
 
@@ -113,7 +120,7 @@ def risk_sentences(answer: CaseAnswer) -> list[str]:
         return []
     about = subject_of(answer.case)
     risk, years = table.isel(risk_gap=0), table.attrs["risk_years"]
-    rate, low, high = (float(risk[f"risk_annual_rate{end}"]) for end in ("", "_lower", "_upper"))
+    rate, low, high = with_interval(risk, "risk_annual_rate")
     which = "existing " if risk.risk_of.item() == "existing" else ""
     gap = f"the {which}{about.gap} of {length(float(risk.risk_gap))}"
     sentences = [f"With {gap} {about.met} in none of the motions, at any intensity of the hazard."]
@@ -125,9 +132,10 @@ def risk_sentences(answer: CaseAnswer) -> list[str]:
             f"{per_cent(float(risk.risk_probability_in_years), 1)}. {_strongest(answer, risk)}"
         ]
     if "risk_required_gap" in table:
-        needed, *ends = (float(table[f"risk_required_gap{end}"]) for end in ("", "_lower", "_upper"))
+        needed, *ends = with_interval(table, "risk_required_gap")
         sentences.append(
-            f"For the risk allowed, {_allowed(answer)}, {about.stand_at.format(gap=length(needed))} "
+            f"For the risk allowed, {_allowed(answer)}, {about.they} "
+            f"{about.stand.format(gap=length(needed))} "
             f"({' to '.join(map(centimetres, ends))})."
         )
     return sentences + _left_out(answer, risk)
@@ -141,9 +149,8 @@ def _allowed(answer: CaseAnswer) -> str:
 def _left_out(answer: CaseAnswer, risk: xr.Dataset) -> list[str]:
     """The part beyond the table of the hazard, where it could be large."""
     sentences, rate, weakest = [], float(risk.risk_annual_rate), float(risk.risk_pounding_probability[0])
-    unit, label = _axis(answer)
+    name, units, unit = _measure(answer)
     if isinstance(answer.case.hazard, HazardCurve) and weakest > NOTICED:
-        name, units = _named(label)
         least = f"{float(risk.risk_intensity[0]) / unit:.2g}{SPACE}{units}"
         sentences.append(
             f"The hazard begins at {name} {least}, with which {subject_of(answer.case).meet} in "
@@ -169,27 +176,20 @@ def _strongest(answer: CaseAnswer, risk: xr.Dataset) -> str:
     """The intensities that contribute nine tenths of the rate."""
     edges, share = _shares(risk)
     above = 1 - np.append(0.0, np.cumsum(share))
-    unit, label = _axis(answer)
+    name, units, unit = _measure(answer)
     low = edges[np.flatnonzero(above >= 1 - LITTLE)[-1]] / unit
     high = edges[np.flatnonzero(above <= LITTLE)[0]] / unit
-    name, units = _named(label)
     begin = f"{low:.2g} to {high:.2g}{SPACE}{units}" if low else f"less than {high:.2g}{SPACE}{units}"
     if not np.isfinite(high):
         begin = f"more than {low:.2g}{SPACE}{units}"
     return f"Nine tenths of this frequency come from shaking of {name} {begin}."
 
 
-def _named(label: str) -> tuple[str, str]:
-    """The name of an axis and its unit."""
-    name, _, units = label.rstrip("]").rpartition(" [")
-    return name, units
-
-
-def _axis(answer: CaseAnswer) -> tuple[float, str]:
-    """Unit of the intensity in SI, and its name with the unit."""
+def _measure(answer: CaseAnswer) -> tuple[str, str, float]:
+    """The name of the intensity of the hazard, its unit, and that in SI."""
     hazard = answer.case.hazard
     assert hazard is not None
     if hazard.measure == "intensity":
-        return 1.0, "S0 [m²/s³]"
+        return "S0", "m²/s³", 1.0
     name = "PGA" if hazard.period is None else f"Sa({hazard.period:.3g} s)"
-    return METRES["g"], f"{name} [g]"
+    return name, "g", METRES["g"]

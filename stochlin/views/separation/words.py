@@ -11,6 +11,7 @@ from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.blocks import Block, Items, Row, Table, Text
 from stochlin.views.shared.words import (
     SPACE,
+    along,
     centimetres,
     floors,
     length,
@@ -19,6 +20,7 @@ from stochlin.views.shared.words import (
     rule_label,
     scatter,
     shaking,
+    with_interval,
 )
 from stochlin.views.sites.words import fit_in_words
 
@@ -96,7 +98,7 @@ def rows(answer: CaseAnswer) -> list[RuleLine]:
             verdict=meanings[int(row.verdict)].replace("_", " "),
             **{name: str(row[name].item()) for name in SHOWN_TEXTS},
         )
-        for n, row in enumerate((table.isel(rule=i) for i in range(table.sizes["rule"])), start=1)
+        for n, row in enumerate(along(table, "rule"), start=1)
     ]
 
 
@@ -137,9 +139,9 @@ def names_of(answer: CaseAnswer) -> dict[str, str]:
 
 def headline(answer: CaseAnswer) -> str:
     """The answer in one sentence."""
-    first, *others = (building.name for building in answer.case.one_or_two)
+    names = " and ".join(building.name for building in answer.case.one_or_two)
     gap = length(float(answer.separation.gap[0]))
-    return subject_of(answer.case).stand.format(first=first, second="".join(others), gap=gap)
+    return f"{names} {subject_of(answer.case).stand.format(gap=gap)}."
 
 
 def confidence(case: Case) -> str:
@@ -149,7 +151,7 @@ def confidence(case: Case) -> str:
 
 def interval(table: xr.Dataset) -> str:
     """The interval of the answer, of 95 %."""
-    low, high = (float(table[f"gap_{end}"][0]) for end in ("lower", "upper"))
+    _, low, high = with_interval(table.isel(rule=0), "gap")
     if np.isfinite(high):
         return f"{centimetres(low)} to {length(high)}"
     return f"{length(low)} or more; the motions are too few for an upper end"
@@ -193,9 +195,9 @@ def allowances(answer: CaseAnswer) -> list[Block]:
     limits, case, about = answer.existing, answer.case, subject_of(answer.case)
     enough = float(limits.required_gap) <= float(limits.attrs["gap_m"])
     now = float(case.ground.arrays()["intensity"])
-    intensity, damping = float(limits.largest_intensity), float(limits.least_added_damping)
-    ends = [float(limits[f"least_added_damping_{end}"]) for end in ("lower", "upper")]
-    bracket = f" [{per_cent(ends[0], 1)} to {per_cent(ends[1], 1)}]" if ends[0] < ends[1] else ""
+    intensity = float(limits.largest_intensity)
+    damping, low, high = with_interval(limits, "least_added_damping")
+    bracket = f" [{per_cent(low, 1)} to {per_cent(high, 1)}]" if low < high else ""
     more = f"at least {per_cent(damping, 1)}{bracket} more{'' if case.alone else ' in both'}"
     more = more if damping else "no additional damping is needed"
     strongest = f"S0 up to {_with_interval(limits, 'largest_intensity')} m²/s³ (now {now:.3g})"
@@ -304,8 +306,7 @@ def _verdicts(answer: CaseAnswer) -> str:
 
 def existing(found: xr.Dataset, case: Case) -> str:
     """Whether the existing gap is enough."""
-    name = "no_pounding_probability"
-    share, low, high = (float(found[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
+    share, low, high = with_interval(found, "no_pounding_probability")
     word, about = "undecided within the error of the simulation", subject_of(case)
     if low >= case.confidence:
         word = "enough"

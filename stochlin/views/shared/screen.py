@@ -181,6 +181,16 @@ def check_target(
             )
 
 
+def data_target(
+    out: Path | None, picture: Path | None, allowed: Sequence[str], inputs: Iterable[Path] = ()
+) -> Path | None:
+    """Where the data go, where that is asked for or beside the picture; raises as `check_target`."""
+    data = out if out or not picture else picture.with_suffix(allowed[0])
+    check_target("--out" if out else "--picture", data, allowed, inputs)
+    check_target("--picture", picture, PICTURES, inputs)
+    return data
+
+
 def write(
     table: xr.Dataset, out: Path | None, picture: Path | None, draw: Callable[[xr.Dataset], Figure]
 ) -> None:
@@ -235,7 +245,7 @@ def _written(block: Block) -> list[str]:
 def _columns(table: Table) -> list[str]:
     """The first column and those of words to the left, the others to the right."""
     rows = [table.heads, *(row.cells for row in table.rows)]
-    columns = []
+    columns: list[list[str]] = []
     for head, cells in zip(table.heads, zip(*rows, strict=True), strict=True):
         wide = max(map(len, cells))
         left = not columns or head in table.words
