@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stochlin.analyses.records.files import METRES
+from stochlin.analyses.risk.rates import range_of_rate, shares_of_rate
 from stochlin.models.hazards import HazardCurve
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.blocks import Block, Table, Text, texts
@@ -65,7 +66,7 @@ def risk_figure(answer: CaseAnswer) -> Figure:
     bad = "across the line" if answer.case.alone else "with pounding"
     above.set(ylim=(-2, 102), ylabel=f"motions\n{bad} [%]")
     above.legend(loc="upper left", fontsize=9)
-    edges, share = _shares(risk)
+    edges, share = shares_of_rate(risk)
     # What is weaker or stronger than all that is simulated is as wide as the interval beside it.
     first, last = edges[1] ** 2 / edges[2], edges[-2] ** 2 / edges[-3]
     edges = np.array([first, *edges[1:-1], last]) / unit
@@ -166,23 +167,14 @@ def _left_out(answer: CaseAnswer, risk: xr.Dataset) -> list[str]:
     return sentences
 
 
-def _shares(risk: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Edges of the intervals of intensities, from 0 to infinity, and their parts of the rate."""
-    parts = risk.risk_annual_rate_by_intensity.values
-    return np.append(risk.risk_from_intensity.values, np.inf), parts / (parts.sum() or 1.0)
-
-
 def _strongest(answer: CaseAnswer, risk: xr.Dataset) -> str:
     """The intensities that contribute nine tenths of the rate."""
-    edges, share = _shares(risk)
-    above = 1 - np.append(0.0, np.cumsum(share))
     name, units, unit = _measure(answer)
-    low = edges[np.flatnonzero(above >= 1 - LITTLE)[-1]] / unit
-    high = edges[np.flatnonzero(above <= LITTLE)[0]] / unit
-    begin = f"{low:.2g} to {high:.2g}{SPACE}{units}" if low else f"less than {high:.2g}{SPACE}{units}"
+    low, high = (end / unit for end in range_of_rate(risk, LITTLE))
+    within = f"{low:.2g} to {high:.2g}{SPACE}{units}" if low else f"less than {high:.2g}{SPACE}{units}"
     if not np.isfinite(high):
-        begin = f"more than {low:.2g}{SPACE}{units}"
-    return f"Nine tenths of this frequency come from shaking of {name} {begin}."
+        within = f"more than {low:.2g}{SPACE}{units}"
+    return f"Nine tenths of this frequency come from shaking of {name} {within}."
 
 
 def _measure(answer: CaseAnswer) -> tuple[str, str, float]:
