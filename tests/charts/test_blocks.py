@@ -58,6 +58,12 @@ def test_a_table_that_is_hardly_too_wide_moves_together() -> None:
     assert line == " ".join(cells)
 
 
+def test_columns_are_as_wide_as_their_signs_are_on_the_screen() -> None:
+    rows = [("S0", "0.01 m²/s³", "1"), ("T", "0.5 s", "2")]
+    *_, first, second = lines([Section("", [Table.of("abc", rows, ("b",))])])
+    assert first.index("1", 8) == second.index("2")
+
+
 def test_the_page_has_the_same_and_leaves_out_what_is_empty() -> None:
     text = page("A title", SECTIONS, ["foot"], ["annex"])
     body = text.partition("<main>")[2]

@@ -121,7 +121,8 @@ def _records(answer: CaseAnswer) -> list[Block]:
     """A row for each record: the gap that it needs, and the peaks."""
     table, case = answer.separation, answer.case
     heads = {"record_separation": f"{subject_of(case).gap} [cm]"}
-    heads |= {f"record_peak_{n}": f"peak {n} [cm]" for n in (1, 2) if f"record_peak_{n}" in table}
+    peaks = {1: "peak [cm]"} if case.alone else {1: "peak 1 [cm]", 2: "peak 2 [cm]"}
+    heads |= {f"record_peak_{n}": head for n, head in peaks.items()}
     rows = [
         (f"{n + 1}  {record}", *(centimetres(float(table[name][n])) for name in heads))
         for n, record in enumerate(case.records)

@@ -246,7 +246,8 @@ def _columns(table: Table) -> list[str]:
     """The first column and those of words to the left, the others to the right."""
     rows = [table.heads, *(row.cells for row in table.rows)]
     columns: list[list[str]] = []
-    for head, cells in zip(table.heads, zip(*rows, strict=True), strict=True):
+    for head, texts in zip(table.heads, zip(*rows, strict=True), strict=True):
+        cells = [text.translate(PLAIN) for text in texts]  # as wide as they are when shown
         wide = max(map(len, cells))
         left = not columns or head in table.words
         columns.append([cell.ljust(wide) if left else cell.rjust(wide) for cell in cells])
