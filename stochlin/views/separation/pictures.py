@@ -11,7 +11,15 @@ from stochlin.views.separation.storeys import LINE, caption_of, draw_heights
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import RuleLine, rows
 from stochlin.views.shared.page import PAGE_STYLE
-from stochlin.views.shared.style import CURVES, filled, legend_above, open_frame, styled, swatches
+from stochlin.views.shared.style import (
+    CURVES,
+    filled,
+    legend_above,
+    name_rows,
+    open_frame,
+    styled,
+    swatches,
+)
 from stochlin.views.shared.words import BEYOND, FAR, with_interval
 from stochlin.views.sites.pictures import draw_spectrum
 
@@ -66,14 +74,14 @@ def rules_figure(answer: CaseAnswer, caption: str = "") -> Figure:
         if gap > right:
             axes.text(0.98 * right, at, f"{row.gap} cm {BEYOND}", ha="right", va="center", size=9)
     _answer_line(axes, answer)
-    axes.set_yticks(place, names)
-    axes.tick_params(axis="y", length=0)
-    axes.grid(visible=False, axis="y")
-    axes.invert_yaxis()
-    axes.set(ylim=(len(shown) - 0.4, -0.6), xlim=(0, right), xlabel=_axis(answer))
+    name_rows(axes, place, names)
+    axes.set(xlim=(0, right), xlabel=_axis(answer))
     verdicts = {row.verdict for row in shown}
     looks = {verdict: look for verdict, look in VERDICTS.items() if verdict in verdicts}
-    legend_above(axes, 2, 9, swatches(looks, EDGE))
+    figure.legend(
+        handles=swatches(looks, EDGE), loc="outside upper center", ncols=4, fontsize=9,
+        columnspacing=1.0, handlelength=1.4, handletextpad=0.5,
+    )  # fmt: skip
     return figure
 
 
@@ -153,9 +161,7 @@ def records_figure(answer: CaseAnswer) -> Figure:
     place = np.arange(len(gaps))
     axes.barh(place, gaps, 0.6, color="#d9d3c7", edgecolor=EDGE, lw=0.6, zorder=2)
     _answer_line(axes, answer)
-    axes.set_yticks(place, _named(answer.case.records))
-    axes.grid(visible=False, axis="y")
-    axes.set_ylim(len(gaps) - 0.4, -0.6)
+    name_rows(axes, place, _named(answer.case.records))
     axes.set(xlim=(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1))
     axes.set(xlabel=_axis(answer))
     legend_above(axes, 3, 9)

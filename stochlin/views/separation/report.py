@@ -122,7 +122,7 @@ def _records(answer: CaseAnswer) -> list[Block]:
     table, case = answer.separation, answer.case
     heads = {"record_separation": f"{subject_of(case).gap} [cm]"}
     peaks = {1: "peak [cm]"} if case.alone else {1: "peak 1 [cm]", 2: "peak 2 [cm]"}
-    heads |= {f"record_peak_{n}": head for n, head in peaks.items()}
+    heads |= {f"record_peak_{n}": head for n, head in peaks.items() if f"record_peak_{n}" in table}
     rows = [
         (f"{n + 1}  {record}", *(centimetres(float(table[name][n])) for name in heads))
         for n, record in enumerate(case.records)

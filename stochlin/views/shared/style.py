@@ -126,6 +126,14 @@ def open_frame(axes: Axes, sides: Sequence[str] = ("top", "right")) -> None:
         axes.spines[side].set_visible(False)
 
 
+def name_rows(axes: Axes, place: Any, names: Sequence[str], size: float | None = None) -> None:
+    """Names beside rows that run downwards, each at its place, without ticks and lines of a grid."""
+    axes.set_yticks(place, names)
+    axes.tick_params(axis="y", length=0, labelsize=size)
+    axes.grid(visible=False, axis="y")
+    axes.set_ylim(np.max(place, initial=0.0) + 0.6, -0.6)
+
+
 def describe(figure: Figure, left: float, foot: float, title: str, caption: str) -> None:
     """The title above a picture, and its caption from ``foot`` inches down."""
     height = float(figure.get_figheight())
