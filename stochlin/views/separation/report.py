@@ -10,7 +10,6 @@ from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import facts as small_print
 from stochlin.views.separation import pictures, words
 from stochlin.views.separation.risk import risk_blocks, risk_caption, risk_figure
-from stochlin.views.separation.statement import SIGNED, statement
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.blocks import Block, Items, Picture, Section, Table, Term, Terms, Text, texts
@@ -27,7 +26,7 @@ def answer_sections(answer: CaseAnswer) -> list[Section]:
     """The answer first, then the existing gap, the risk and the rules, and the small print."""
     case, about = answer.case, subject_of(answer.case)
     missing = [f"{row.rule}: {row.missing}" for row in words.rows(answer) if row.missing]
-    signed = [Text(name, "signed") for name in SIGNED]
+    signed = [Text(name, "signed") for name in small_print.SIGNED]
     summed_up = (
         f"{case.title}. This statement sums up the page for a reviewer: rational analysis of the "
         f"{about.gap} by nonlinear simulation."
@@ -49,7 +48,7 @@ def answer_sections(answer: CaseAnswer) -> list[Section]:
         Section("Assumptions of each rule", [_assumptions(answer)], on_screen=False, columns=True),
         Section(
             "Statement of the analysis",
-            [Text(summed_up), Terms(statement(answer)), *signed],
+            [Text(summed_up), Terms(small_print.statement(answer)), *signed],
             on_screen=False,
         ),
     ]
