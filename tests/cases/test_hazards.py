@@ -15,7 +15,8 @@ from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.messages import DoubtfulInput
 from stochlin.views.command import main
-from stochlin.views.separation.risk import risk_figure, risk_lines, risk_words
+from stochlin.views.separation.risk import risk_blocks, risk_figure, risk_sentences
+from stochlin.views.shared.blocks import Table
 
 pytestmark = pytest.mark.invariant
 
@@ -196,7 +197,7 @@ def test_a_risk_of_a_year_is_said_to_be_one(tmp_path):
         DoubtfulInput, match=r"separation.risk = 0.02 is .* per year, here once in 50 years"
     ):
         case = read(tmp_path, HAZARD + POINTS, "risk = 0.02\n")
-    words = " ".join(risk_words(answer_case(case)).sentences)
+    words = " ".join(risk_sentences(answer_case(case)))
     assert "For the risk allowed, 0.02 per year (once in 50\N{NO-BREAK SPACE}years)" in words
 
 
@@ -258,15 +259,21 @@ def test_risk_of_a_case_is_that_from_python(answered):
     assert set(answered.table(samples=False).dims) == {"rule"}
 
 
+def table_of(answer):
+    (table,) = (block for block in risk_blocks(answer) if isinstance(block, Table))
+    return table
+
+
 def test_words_and_picture_of_a_risk(answered):
-    text = " ".join("\n".join(risk_lines(answered)).split())
+    text = " ".join(risk_sentences(answered)).replace("\N{NO-BREAK SPACE}", " ")
     rate = float(answered.risk.risk_annual_rate[0])
     assert f"with the existing gap of 4.0 cm, they pound {rate:.2g} times a year" in text
     assert "For the risk allowed, 5 % in 30 years, they should stand" in text
-    assert "in 30 years" in text
+    table = table_of(answered)
+    assert "in 30 years" in table.heads
     bars = risk_figure(answered).axes[1].patches
     assert sum(bar.get_height() for bar in bars) == pytest.approx(100)
-    assert [row[0] for row in risk_words(answered).rows] == [
+    assert [row.cells[0] for row in table.rows] == [
         "existing",
         "the answer above",
         "for the risk allowed",
@@ -276,13 +283,14 @@ def test_words_and_picture_of_a_risk(answered):
 @pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # 1 g in 100 years
 def test_a_hazard_that_leaves_much_out_says_so(tmp_path):
     lines = 'intensities = ["1 g", "2 g"]\nfrequencies = [0.01, 0.001]\n'
-    told = risk_words(answer_case(read(tmp_path, HAZARD + lines))).sentences
+    told = risk_sentences(answer_case(read(tmp_path, HAZARD + lines)))
     assert "The hazard begins at PGA 1\N{NO-BREAK SPACE}g" in told[1]
     lines = 'intensities = ["0.001 g", "0.005 g"]\nfrequencies = [0.1, 0.02]\n'
-    found = risk_words(answer_case(read(tmp_path, HAZARD + lines)))
-    assert "pounded in none of the motions" in found.sentences[0]
-    assert "could add up to 0.02 a year" in found.sentences[1]
-    assert found.rows[0][2:5] == ("0", "\N{EN DASH}", "0.0\N{NO-BREAK SPACE}%")
+    answer = answer_case(read(tmp_path, HAZARD + lines))
+    none, more = risk_sentences(answer)
+    assert "pounded in none of the motions" in none
+    assert "could add up to 0.02 a year" in more
+    assert table_of(answer).rows[0].cells[2:5] == ("0", "\N{EN DASH}", "0.0\N{NO-BREAK SPACE}%")
 
 
 def test_the_command_writes_risk_on_screen_page_and_file(tmp_path):

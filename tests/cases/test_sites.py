@@ -342,7 +342,7 @@ def test_the_shaking_of_a_record_is_printed_by_pound(suite):
     one = sl.read_record(suite / "records/m00.at2")
     found = sl.response_spectrum(one, [1.0, 0.6], 0.05).pseudo_acceleration.values.ravel() / G
     peak = float(abs(one).max()) / G
-    told = f"PGA {peak:.3g} g, Sa (damping 5 %) {found[0]:.3g} g at 1 s, {found[1]:.3g} g at 0.6 s, rms"
+    told = f"PGA {peak:.3g} g, Sa (damping 5 %) {found[0]:.3g} g at 1 s, {found[1]:.3g} g at 0.6 s; rms"
     assert told in words
 
 

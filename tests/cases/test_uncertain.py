@@ -13,10 +13,10 @@ from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.pounding import pound_case
 from stochlin.analyses.cases.probability import judge_gap
 from stochlin.analyses.cases.separation import answer_case
-from stochlin.views.pounding.words import answer_lines as pound_lines
-from stochlin.views.probability.words import answer_lines as probability_lines
-from stochlin.views.separation.report import report_page
-from stochlin.views.separation.words import answer_lines
+from stochlin.views.pounding.words import answer_sections as pound_sections
+from stochlin.views.probability.words import answer_sections as probability_sections
+from stochlin.views.separation.report import answer_sections, report_page
+from stochlin.views.shared.screen import lines
 
 pytestmark = pytest.mark.invariant
 
@@ -207,17 +207,17 @@ def test_answers_say_what_is_not_known_and_that_they_contain_it(tmp_path):
     told = "Old block, period of small oscillations"
     answer = answer_case(case)
     assert answer.separation.input.values.tolist() == ["structure_1.period", "structure_1.damping"]
-    screen, page = "\n".join(answer_lines(answer)), report_page(answer)
+    screen, page = "\n".join(lines(answer_sections(answer))), report_page(answer)
     for text in (screen, page):
         assert told in text
-        assert "0.72 to 1.39 s" in text  # exp of 1.645 times 0.2
+        assert "0.72 to 1.39\N{NO-BREAK SPACE}s" in text  # exp of 1.645 times 0.2
         assert "0.032 to 0.068" in text
         assert "the gap is that of" in " ".join(text.split())
     assert "the uncertainty of the others is in the answer" in page
     judged = judge_gap(case, 0.05)
-    assert told in "\n".join(probability_lines(judged))
+    assert told in "\n".join(lines(probability_sections(judged)))
     assert "input_factor" in judged.whole()
-    sure = "\n".join(answer_lines(answer_case(read(tmp_path, case_text(OSCILLATOR)))))
+    sure = "\n".join(lines(answer_sections(answer_case(read(tmp_path, case_text(OSCILLATOR))))))
     assert "known exactly" not in sure
 
 
@@ -231,5 +231,5 @@ def test_pounding_in_a_record_says_that_it_is_that_of_the_medians(tmp_path):
     contact = '[contact]\nmodel = "linear_spring"\nstiffness = "100 MN/m"\n'
     text = text.replace("floors", 'existing = "5 cm"\nfloors') + contact
     case = read(tmp_path, text)
-    said = " ".join("\n".join(pound_lines(case, pound_case(case))).split())
+    said = " ".join("\n".join(lines(pound_sections(case, pound_case(case)))).split())
     assert "here they are taken at their medians" in said

@@ -19,7 +19,7 @@ def plain(text):
 
 def test_numbers_have_their_units_and_zeros_are_left_out():
     building = sl.Bilinear(0.6, 0.05, 0.05, yield_displacement=0.02, mass=1.5e6)
-    told = "Bilinear, period 0.6 s, damping 0.05, hardening 0.05, yield displacement 0.02 m, "
+    told = "Bilinear, period 0.6 s, damping 0.05, hardening 0.05, yield displacement 2 cm, "
     told += "peak factor 3, mass 1500 t"
     assert plain(in_words(building.describe())) == told
     damper = sl.Link(stiffness=0.0, damping_constant=5e6)
@@ -27,11 +27,11 @@ def test_numbers_have_their_units_and_zeros_are_left_out():
 
 
 def test_what_the_role_says_is_not_said_twice():
-    assert plain(in_words(Gap(0.05).describe(), "gap")) == "0.05 m"
+    assert plain(in_words(Gap(0.05).describe(), "gap")) == "5 cm"
     attrs = {"first": "Bilinear(period=1)", "gap": "Gap(gap=0.05)", "title": "not a role"}
     assert list(map(plain, roles_in_words(attrs))) == [
         "building 1: Bilinear, period 1 s",
-        "gap: 0.05 m",
+        "gap: 5 cm",
     ]
 
 
@@ -51,7 +51,7 @@ def test_uncertain_numbers_and_places_have_units_and_words():
     period, strength = sl.Uncertain(0.6, 0.2), sl.Uncertain.between(0.02, 0.03)
     told = in_words(sl.Bilinear(period, 0.05, 0.05, yield_displacement=strength).describe())
     assert "period 0.6 s ± 20 %" in plain(told)
-    assert "yield displacement 0.02 to 0.03 m" in plain(told)
+    assert "yield displacement 2 to 3 cm" in plain(told)
     brace = sl.Link(stiffness=1e8, structures=(1, 1), floors=(1, 0))
     assert plain(in_words(brace.describe())).endswith("floors 1 and the ground, inside building 1")
 

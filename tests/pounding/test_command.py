@@ -257,8 +257,7 @@ def test_slabs_that_hit_columns_are_said_loudly(tmp_path: Path) -> None:
         drawn = sorted(x for line in panels[2].get_lines() for x in line.get_xdata())
         forces = table.column_force.values
         assert drawn == pytest.approx(sorted(forces[forces > 0] / 1e6))
-        labels = [text.get_text() for text in draw_pound(table).axes[0].get_legend().get_texts()]
-        assert "SLAB AGAINST COLUMN" in labels
+        assert "SLAB AGAINST COLUMN" in draw_pound(table).axes[0].texts[0].get_text()
         tall, low = (table.displacement.sel(structure=n) for n in (1, 2))
         there = low.sel(floor=1) * (3.0 / 3.6)
         least = float((0.01 + there - tall.sel(floor=1)).min())

@@ -38,7 +38,7 @@ def test_prints_saves_and_draws(case, tmp_path):
     assert picture.stat().st_size > 10_000
     with xr.open_dataset(out, engine="scipy") as table:
         last = float(table.confidence_of_no_pounding_simulated[-1])
-    assert f"{last:11.4f}" in done.output
+    assert f"{last:.4f}" in done.output
     said = " ".join(done.output.split())
     assert "within the range of its map; here the ground is Clough-" in said
     assert "the column formula: for buildings like these it may be far off. The column" in said
@@ -70,7 +70,7 @@ def test_buildings_with_storeys_have_all_parameters_in_the_picture(tmp_path):
     assert "crossings in clumps" in labels
     assert {"$u_1 - u_2$ by formula", "simulated"} <= set(labels)
     caption = figure.texts[-1]
-    assert "gap: 0.05\N{NO-BREAK SPACE}m" in caption.get_text()
+    assert "gap: 5\N{NO-BREAK SPACE}cm" in caption.get_text()
     figure.draw_without_rendering()
     assert caption.get_window_extent().y0 >= 0
 

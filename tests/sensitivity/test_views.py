@@ -11,7 +11,9 @@ from click.testing import CliRunner
 
 import stochlin as sl
 from stochlin.views.command import main
-from stochlin.views.sensitivity.words import lines, rows, sentences
+from stochlin.views.sensitivity.words import blocks, rows, sentences
+from stochlin.views.shared.blocks import Section
+from stochlin.views.shared.screen import lines
 from stochlin.views.shared.words import MINUS, SPACE
 
 pytestmark = pytest.mark.cli
@@ -46,7 +48,7 @@ def test_sentences_name_what_matters(table):
     assert re.match(r"Among the uncertain inputs, the gap depends most on the \w+ of Annex: ", first)
     assert "the motions, and motions and inputs together" in shares
     assert "If all inputs were known" in medians
-    assert all(len(line) <= 100 for line in lines(table))
+    assert all(len(line) <= 100 for line in lines([Section("Influence of the inputs", blocks(table))]))
 
 
 def test_without_anything_uncertain_there_are_no_shares():
@@ -80,7 +82,7 @@ def test_the_page_of_a_case_with_uncertain_periods(tmp_path):
     result = CliRunner().invoke(main, ["gap", str(tmp_path / "case.toml"), *options])
     assert result.exit_code == 0, result.output
     assert "Influence of the inputs:" in result.output
-    assert "period of Annex" in page.read_text(encoding="utf-8").split('id="matters"')[1]
+    assert "period of Annex" in page.read_text(encoding="utf-8").split("Influence of the inputs")[1]
     with xr.open_dataset(picture.with_suffix(".nc")) as saved:
         assert saved.uncertain.values.tolist().count(1) == 1
         assert len(sl.charts.draw_sensitivity(saved).axes) == 1

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.optimize
+import xarray as xr
 from scipy.special import log_ndtr
 
 from stochlin.kernels.basics.arrays import Array
@@ -140,3 +141,17 @@ def lognormal_rate(fragility: Fragility, frequency: Callable[[Array], Array]) ->
     z = np.linspace(-REACH, REACH, POINTS)
     weight = np.exp(-0.5 * z**2) / np.sqrt(2 * np.pi) * (z[1] - z[0])
     return float(weight @ frequency(fragility.median * np.exp(fragility.dispersion * z)))
+
+
+def shares_of_rate(risk: xr.Dataset) -> tuple[Array, Array]:
+    """Edges of the intervals of intensities, from 0 to infinity, and their parts of the rate."""
+    parts = risk.risk_annual_rate_by_intensity.values
+    return np.append(risk.risk_from_intensity.values, np.inf), parts / (parts.sum() or 1.0)
+
+
+def range_of_rate(risk: xr.Dataset, left_out: float) -> tuple[float, float]:
+    """The intensities between which the rate arises, but for such a part of it at either end."""
+    edges, shares = shares_of_rate(risk)
+    above = 1 - np.append(0.0, np.cumsum(shares))
+    low = edges[np.flatnonzero(above >= 1 - left_out)[-1]]
+    return float(low), float(edges[np.flatnonzero(above <= left_out)[0]])

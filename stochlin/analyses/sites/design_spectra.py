@@ -116,7 +116,7 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
         1 + period / rise * (2.5 * eta - 1),
         2.5 * eta * plateau / after * np.minimum(1, long / after),
     )
-    source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag:g} m/s^2"
+    source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag / METRES['g']:.4g} g"
     curve = _code_spectrum(period, peak * shape, damping, source)
     return curve.assign_attrs(code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}")
 
@@ -184,7 +184,8 @@ def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
         0.4 + 0.6 * period / (0.2 * corner),
         corner / after * np.minimum(1, tl / after),
     )
-    source = f"ASCE 7, SDS = {sds:g}, SD1 = {sd1:g} m/s^2, TL = {tl:g} s"
+    short, long = (value / METRES["g"] for value in (sds, sd1))
+    source = f"ASCE 7, SDS = {short:.4g} g, SD1 = {long:.4g} g, TL = {tl:g} s"
     curve = _code_spectrum(period, sds * shape, 0.05, source)
     return curve.assign_attrs(code="asce_7", sds=float(sds), sd1=float(sd1), tl=float(tl))
 

@@ -9,9 +9,9 @@ import click
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
-    PICTURES,
     bad_input,
-    check_target,
+    data_target,
+    lines,
     progress_bar,
     show,
     write,
@@ -44,15 +44,13 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
         from stochlin.analyses.cases.mitigation import mitigate_case
         from stochlin.analyses.tables.storage import FORMATS
         from stochlin.views.mitigation.pictures import draw_measures
-        from stochlin.views.mitigation.words import answer_lines
+        from stochlin.views.mitigation.words import answer_sections
 
         described = read_case(case)
-        data = out if out or not picture else picture.with_suffix(".nc")
-        check_target("--out" if out else "--picture", data, FORMATS, described.inputs)
-        check_target("--picture", picture, PICTURES, described.inputs)
+        data = data_target(out, picture, FORMATS, described.inputs)
         with progress_bar("measures") as progress:
             table = mitigate_case(described, progress)
-        show(answer_lines(table, described))
+        show(lines(answer_sections(table, described)))
         rows = table
         if data is not None and data.suffix.lower() == ".csv":  # a row a measure, and a record
             rows = table.drop_dims("quantile", errors="ignore")

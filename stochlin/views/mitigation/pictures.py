@@ -9,7 +9,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.views.shared.descriptions import in_words, roles_in_words
-from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
+from stochlin.views.shared.style import AS_GIVEN, CURVES, describe, filled, legend_above, styled
+from stochlin.views.shared.words import along
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,7 +40,7 @@ def draw_measures(dataset: xr.Dataset) -> Figure:
     foot = FOOT + LINE * (caption.count("\n") + 1)
     count = dataset.sizes["measure"]
     named = _named(dataset) if recorded else []
-    head = HEAD + LINE * max(4, 1 + sum(1 + name.count("\n") for name in named))
+    head = HEAD + LINE * max(4, 2 + sum(1 + name.count("\n") for name in named))
     height = head + ROW * (count + 0.6) + foot
     figure = Figure(figsize=(WIDTH, height))
     end = MIDDLE if recorded else ALONE
@@ -54,14 +55,9 @@ def draw_measures(dataset: xr.Dataset) -> Figure:
         axes.set_ylim(count - 0.4, -0.6)
         axes.set_yticks(range(count))
         axes.tick_params(labelleft=axes is gaps, length=0)
-        if axes.get_legend_handles_labels()[1]:
-            axes.legend(
-                loc="lower left", bbox_to_anchor=(0, 1.0), borderaxespad=0.2, fontsize=7,
-                labelspacing=0.2,
-            )  # fmt: skip
+        legend_above(axes, 1, 7)
     gaps.set_yticklabels([filled([str(n)], NAME) for n in dataset.measure.values], size=7.5)
-    figure.text(0.02, 1 - 0.2 / height, dataset.attrs["title"], size=10)
-    figure.text(0.02, (foot - FOOT) / height, caption, va="top", size=7.5)
+    describe(figure, 0.02, foot - FOOT, dataset.attrs["title"], caption)
     return figure
 
 
@@ -117,7 +113,8 @@ def _amplifications(axes: Axes, dataset: xr.Dataset, named: list[str]) -> None:
             values = peaks[f"{'record_' * many}amplification_{n}"]
             at = place + 0.12 * (2 * n - 3)
             axes.plot(values, at, marker=marker, markerfacecolor=face, label=label, **style)
-    axes.plot([], [], " ", label="filled: building 1, open: building 2")
+    for name, face in (("building 1", "0.35"), ("building 2", "white")):
+        axes.plot([], [], **style | {"color": "0.35"}, marker="o", markerfacecolor=face, label=name)
     axes.axvline(1, color="0.5", lw=0.8)
     axes.set_xlabel("peak, relative to that\nas built and alone")
 
@@ -127,7 +124,7 @@ def _caption(dataset: xr.Dataset) -> str:
     lines = roles_in_words(attrs, "first", "second", "ground", "contact")
     motions = f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}"
     lines.append(f"{motions}; bars: 95 % interval")
-    for row in (dataset.isel(measure=n) for n in range(dataset.sizes["measure"])):
+    for row in along(dataset, "measure"):
         if row.kind.item() == "given":
             lines.append(f"{row.measure.item()}: {in_words(row.description.item(), 'measure')}")
     return filled(lines, CAPTION, "    ")

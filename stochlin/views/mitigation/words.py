@@ -8,19 +8,22 @@ import numpy as np
 
 from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, SAFE, UNSAFE
-from stochlin.views.shared.screen import columns, cut, paragraph
-from stochlin.views.shared.uncertain import unknown_lines
+from stochlin.views.shared.blocks import Items, Section, Table, texts
+from stochlin.views.shared.screen import cut
+from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
+    along,
     centimetres,
-    doubted,
     floors,
     length,
+    opening,
     per_cent,
     scatter,
     shaking,
     short,
+    with_interval,
 )
 
 if TYPE_CHECKING:
@@ -54,37 +57,40 @@ TIMES = (
 )
 
 
-def answer_lines(table: xr.Dataset, case: Case) -> list[str]:
-    """All that the screen shows."""
+def answer_sections(table: xr.Dataset, case: Case) -> list[Section]:
+    """The answer, the measures in simulated motions and in records, and what their columns mean."""
     built = table.isel(measure=0)
     peaks = float(built.peak_mean_1), float(built.peak_mean_2)
-    doubtful = doubts(table, case.pair, float(built.required_gap), peaks)
-    lines = [*paragraph(doubted(doubtful)), case.title, *paragraph(floors(case)), ""]
-    lines += [
-        *paragraph(headline(table)),
-        *paragraph(shaking(table, case)),
-        *paragraph(scatter(case)),
-        *unknown_lines(case, "needed gaps and shares are those"),
-        "",
-    ]
-    lines += [*columns(*_motions(table)), ""]
-    if "quantile" in table.dims:
-        count = table.sizes["record"]
-        lines += [
-            f"In {count} records; the values are not exceeded in half of them and in "
-            f"{_levels(table)[-1]} of them:"
-        ]
-        lines += [*columns(*_over_records(table)), ""]
-    for record in table.record.values if {"record", "quantile"} & {*table.dims} == {"record"} else ():
-        lines += [f"In {record}:", *columns(*_recorded(table.sel(record=record))), ""]
-    for row in _rows(table):
-        lines += paragraph(crushed(row), "  ")
-        if row.missing.item():
-            lines += paragraph(f"{row.measure.item()}: {row.missing.item()}.", "  ")
+    about = (headline(table), shaking(table, case), scatter(case))
+    remarks = [text for row in along(table, "measure") for text in (crushed(row), _missing(row)) if text]
     searched = table.measure.values[(table.kind == "least").values]
     if searched.size and not any("dashpot" in str(name) for name in searched):
-        lines += paragraph(NO_DASHPOT, "  ")
-    return [*lines, *paragraph(_notes(table)), *paragraph(TIMES if "record" in table.dims else "")]
+        remarks.append(NO_DASHPOT)
+    return [
+        opening(case, doubts(table, case.pair, float(built.required_gap), peaks)),
+        Section("", texts([floors(case)])),
+        Section("", [*texts(about), *unknowns(case, "needed gaps and shares are those")]),
+        Section("", [_motions(table)]),
+        *_in_records(table),
+        Section("", [Items(remarks)]),
+        Section("", texts([_notes(table), TIMES if "record" in table.dims else ""])),
+    ]
+
+
+def _in_records(table: xr.Dataset) -> list[Section]:
+    """A table of each record, or of all of them where they are many; none without records."""
+    if "quantile" in table.dims:
+        what = (
+            f"In {table.sizes['record']} records; the values are not exceeded in half of them and in "
+            f"{_levels(table)[-1]} of them"
+        )
+        return [Section(what, [_over_records(table)])]
+    records = table.record.values if "record" in table.dims else ()
+    return [Section(f"In {name}", [_recorded(table.sel(record=name))]) for name in records]
+
+
+def _missing(row: xr.Dataset) -> str:
+    return f"{row.measure.item()}: {row.missing.item()}." if row.missing.item() else ""
 
 
 def crushed(row: xr.Dataset) -> str:
@@ -131,17 +137,13 @@ def headline(table: xr.Dataset) -> str:
     measures = table.where(table.kind == "given", drop=True)
     words = {SAFE: "enough", UNSAFE: "not enough"}
     parts = []
-    for row in _rows(measures):
+    for row in along(measures, "measure"):
         verdict = words.get(int(row.verdict), "undecided within the error of the simulation")
         parts.append(f"{row.measure.item()}, {verdict}")
     return f"{sentence} The measures of the file: {'; '.join(parts)}." if parts else sentence
 
 
-def _rows(table: xr.Dataset) -> list[xr.Dataset]:
-    return [table.isel(measure=n) for n in range(table.sizes["measure"])]
-
-
-def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+def _motions(table: xr.Dataset) -> Table:
     extras = {
         name: head
         for name, head in {
@@ -156,8 +158,8 @@ def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
     meanings = dict(enumerate(table.verdict.attrs["flag_meanings"].split()))
     meanings[NOT_AVAILABLE] = "none found"
     rows = []
-    for row in _rows(table):
-        low, high = (centimetres(float(row[f"required_gap_{end}"])) for end in ("lower", "upper"))
+    for row in along(table, "measure"):
+        needed, low, high = map(centimetres, with_interval(row, "required_gap"))
         rows.append(
             [
                 cut(row.measure.item(), WIDE),
@@ -165,17 +167,17 @@ def _motions(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
                 short(float(row.link_stiffness) / 1e6),
                 _dashpot(row),
                 *(_unlike_built(row, table, name) for name in extras),
-                centimetres(float(row.required_gap)),
+                needed,
                 f"{low} to {high}" if np.isfinite(float(row.required_gap)) else MISSING,
                 per_cent(float(row.no_pounding_probability), 1),
                 meanings[int(row.verdict)].replace("_", " "),
                 centimetres(float(row.relative_displacement_std)),
             ]
         )
-    return heads, rows
+    return Table.of(heads, rows)
 
 
-def _recorded(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
+def _recorded(table: xr.Dataset) -> Table:
     heads = ["measure", "times", "impacts", "force [MN]", "pressed [cm]"]
     linked = bool(table.largest_link_force.notnull().any())
     heads += ["link [MN]"] if linked else []
@@ -188,25 +190,25 @@ def _recorded(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
             centimetres(float(row.deepest_compression)),
             *([short(float(row.largest_link_force) / 1e6)] if linked else []),
         ]
-        for row in _rows(table)
+        for row in along(table, "measure")
         if np.isfinite(float(row.amplification_1))
     ]
-    return heads, rows
+    return Table.of(heads, rows)
 
 
 def _levels(table: xr.Dataset) -> list[str]:
     return [f"{100 * level:.4g}{SPACE}%" for level in table["quantile"].values]
 
 
-def _over_records(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    """Heads and rows: the effect of each measure in many records, by quantiles."""
+def _over_records(table: xr.Dataset) -> Table:
+    """The effect of each measure in many records, by quantiles."""
     heads = ["measure", "do not meet", *(f"times, {level}" for level in _levels(table))]
     heads += ["impacts", "force [MN]"]
     rows = []
-    for row in _rows(table):
+    for row in along(table, "measure"):
         if not np.isfinite(float(row.record_no_pounding_probability)):
             continue
-        each = [row.isel(quantile=n) for n in range(row.sizes["quantile"])]
+        each = along(row, "quantile")
         rows.append(
             [
                 cut(row.measure.item(), WIDE),
@@ -216,7 +218,7 @@ def _over_records(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
                 " | ".join(short(float(at.record_largest_force) / 1e6) for at in each),
             ]
         )
-    return heads, rows
+    return Table.of(heads, rows)
 
 
 def _dashpot(row: xr.Dataset) -> str:

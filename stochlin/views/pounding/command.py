@@ -15,6 +15,8 @@ from stochlin.views.shared.screen import (
     PICTURES,
     bad_input,
     check_target,
+    data_target,
+    lines,
     progress_bar,
     show,
     write,
@@ -82,7 +84,7 @@ def pound(
         from stochlin.analyses.cases.storeys import StoreyBuilding
         from stochlin.views.pounding.floors import draw_floors
         from stochlin.views.pounding.pictures import draw_pound
-        from stochlin.views.pounding.words import answer_lines
+        from stochlin.views.pounding.words import answer_sections
 
         described = read_case(case)
         if motions is not None or len(described.records) > MOST_RECORDS:
@@ -96,7 +98,7 @@ def pound(
         saved = _by_record("--out" if out else "--picture", data, TABLES, described)
         with progress_bar("pounding") as progress:
             tables = pound_case(described, progress, steps_per_contact=steps_per_contact)
-        show(answer_lines(described, tables))
+        show(lines(answer_sections(described, tables)))
         for record, table in tables.items():
             write(table, saved.get(record), drawn.get(record), draw_pound)
             write(table, None, storeys.get(record), draw_floors)
@@ -108,14 +110,12 @@ def _together(
     """Show and save the results of many motions."""
     from stochlin.analyses.cases.pounding import by_motion, pound_motions
     from stochlin.analyses.tables.storage import FORMATS
-    from stochlin.views.pounding.ensembles import draw_ensemble, ensemble_lines
+    from stochlin.views.pounding.ensembles import draw_ensemble, ensemble_sections
 
-    data = out if out or not picture else picture.with_suffix(TABLES[0])
-    check_target("--out" if out else "--picture", data, FORMATS, case.inputs)
-    check_target("--picture", picture, PICTURES, case.inputs)
+    data = data_target(out, picture, FORMATS, case.inputs)
     with progress_bar("pounding") as progress:
         table = pound_motions(case, motions, progress, steps_per_contact=steps_per_contact)
-    show(ensemble_lines(case, table))
+    show(lines(ensemble_sections(case, table)))
     sheet = data is not None and data.suffix.lower() not in TABLES
     write(by_motion(table) if sheet else table, data, None, draw_ensemble)
     write(table, None, picture, draw_ensemble)

@@ -11,22 +11,26 @@ import xarray as xr
 from stochlin.analyses.cases.pounding import is_oscillator
 from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.records.files import METRES
-from stochlin.views.pounding.floors import LINE, WIDTH, levels_of
+from stochlin.views.pounding.floors import ALONE as THIN
+from stochlin.views.pounding.floors import LINE, NAME, WIDTH, levels_of, looks_of, profile
 from stochlin.views.pounding.pictures import caption_of
 from stochlin.views.pounding.words import ALONE, JUMPS
+from stochlin.views.shared.blocks import Section, Table, Text, texts
 from stochlin.views.shared.descriptions import site_in_words
-from stochlin.views.shared.screen import columns, cut, paragraph
-from stochlin.views.shared.style import AS_GIVEN, CURVES, styled
+from stochlin.views.shared.screen import cut
+from stochlin.views.shared.style import AS_GIVEN, CURVES, describe, legend_above, styled
 from stochlin.views.shared.uncertain import at_medians
 from stochlin.views.shared.words import (
     MISSING,
-    doubted,
+    along,
     floors,
     in_g,
+    opening,
     per_cent,
     scatter,
     shaking,
     short,
+    with_interval,
 )
 
 if TYPE_CHECKING:
@@ -35,7 +39,6 @@ if TYPE_CHECKING:
 
     from stochlin.analyses.cases.case import Case
 
-NAME = 24  # characters of a name
 SHOWN = 0.84  # the quantile of profiles
 ERRORS = (
     "Mean: with its standard error. The 95 % intervals of the quantiles are in brackets; over: the "
@@ -58,40 +61,41 @@ HEAD, PANEL, BETWEEN, AXIS, KEY = 0.35, 2.2, 0.55, 0.62, 0.45  # inches, of the 
 LEFT, RIGHT, APART = 0.09, 0.98, 0.1  # of its width
 
 
-def ensemble_lines(case: Case, table: xr.Dataset) -> list[str]:
-    """The lines for the screen for many motions."""
+def ensemble_sections(case: Case, table: xr.Dataset) -> list[Section]:
+    """How often buildings meet, and means and quantiles of what that does."""
     over = str(table.status.dims[0])
-    good = int((table.status == 0).sum())
+    simulated, meets = over == "path", "neighbours" in table.dims
+    count, good = table.sizes[over], int((table.status == 0).sum())
     strongest = table[["peak_ground_acceleration"]].max()
     peaks = tuple(map(float, table.peak.max({*table.peak.dims} - {"structure"})))
-    doubtful = doubts(strongest, case.buildings, peaks=peaks)
-    lines = [*paragraph(doubted(doubtful)), case.title, *paragraph(floors(case)), ""]
-    motions, strength = f"{table.sizes[over]} records", _strengths(table)
-    if over == "path":
-        motions = (
-            f"{table.sizes[over]} simulated motions of {case.duration:.4g} s, {site_in_words(case)}"
-        )
-        strength = shaking(table, case)
-    lines += paragraph(f"{motions}: {_shares(table) if 'neighbours' in table.dims else ALONE}")
-    lines += [*paragraph(strength), *(paragraph(scatter(case)) if over == "path" else [])]
-    lines += paragraph(at_medians(case))
-    if good < table.sizes[over]:
-        why = next(str(text) for text in table.missing.values if text)
-        lines += ["", *paragraph(FAILED.format(table.sizes[over] - good, table.sizes[over], why))]
-    if "column_force_quantile" in table:
-        lines += ["", *paragraph(_columns_met(table))]
+    motions = f"{count} records"
+    if simulated:
+        motions = f"{count} simulated motions of {case.duration:.4g} s, {site_in_words(case)}"
+    about = [
+        f"{motions}: {_shares(table) if meets else ALONE}",
+        *((shaking(table, case), scatter(case)) if simulated else (_strengths(table),)),
+        at_medians(case),
+    ]
+    why = next((str(text) for text in table.missing.values if text), "")
+    failed = FAILED.format(count - good, count, why) if good < count else ""
+    columns = _columns_met(table) if "column_force_quantile" in table else ""
     heads = ["", "mean", *(per_cent(level) for level in table["quantile"].values)]
     rows: list[list[str]] = []
-    for pair in range(table.sizes.get("neighbours", 0)):
-        rows += _gap_rows(table.isel(neighbours=pair), heads)
-    for number in range(table.sizes["structure"]):
-        rows += _building_rows(table.isel(structure=number), heads)
-    lines += ["", *(line.rstrip() for line in columns(heads, rows)), ""]
-    meets = "neighbours" in table.dims
+    for of_pair in along(table, "neighbours") if meets else ():
+        rows += _gap_rows(of_pair, heads)
+    for building in along(table, "structure"):
+        rows += _building_rows(building, heads)
     notes = [f"{ERRORS} {FORCES}" if meets else ERRORS]
     notes += [STOREYS if meets else STOREYS_ALONE] * ("floor" in table.dims)
     notes += [JUMPS] * (meets and bool(table.hardest_force_between_mean.isnull().any()))
-    return [*lines, *paragraph(" ".join(notes))]
+    return [
+        opening(case, doubts(strongest, case.buildings, peaks=peaks)),
+        Section("", texts([floors(case)])),
+        Section("", texts(about)),
+        Section("", texts([failed])),
+        Section("", texts([columns])),
+        Section("", [Table.of(heads, rows), Text(" ".join(notes))]),
+    ]
 
 
 def _strengths(table: xr.Dataset) -> str:
@@ -103,11 +107,8 @@ def _strengths(table: xr.Dataset) -> str:
 def _shares(table: xr.Dataset) -> str:
     """The share of the motions in which neighbours meet."""
     shares = []
-    for pair in range(table.sizes["neighbours"]):
-        of_pair = table.isel(neighbours=pair)
-        share, low, high = (
-            per_cent(float(of_pair[f"pounding_probability{end}"])) for end in ("", "_lower", "_upper")
-        )
+    for of_pair in along(table, "neighbours"):
+        share, low, high = map(per_cent, with_interval(of_pair, "pounding_probability"))
         left, right = str(of_pair.neighbours.item()).split(" | ")
         shares.append(f"buildings {left} and {right} hit in {share} of them ({low} to {high})")
     return f"{'; '.join(shares)}."
@@ -224,12 +225,8 @@ def draw_ensemble(dataset: xr.Dataset) -> Figure:
         axes.set(xlim=(0, None), xlabel=label)
     panels[-2].set_ylabel("height [m]" if storeys else "share of motions with more")
     for axes, ncols in ((panels[0], 4), (panels[-2], 3)):
-        handles = axes.get_legend_handles_labels()[0]
-        if handles:
-            above: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0), "borderaxespad": 0.2}
-            axes.legend(**above, ncols=ncols, fontsize=8, handlelength=3)
-    figure.text(LEFT, 1 - 0.2 / height, dataset.attrs["title"], size=10)
-    figure.text(LEFT, (foot - AXIS) / height, caption, va="top", size=7.5)
+        legend_above(axes, ncols, 8)
+    describe(figure, LEFT, foot - AXIS, dataset.attrs["title"], caption)
     return figure
 
 
@@ -252,14 +249,14 @@ def _gaps(left: Axes, right: Axes, dataset: xr.Dataset) -> None:
 
 
 def _exceeded(axes: Axes, dataset: xr.Dataset, stem: str, scale: float) -> None:
-    for (color, dash), number in zip(cycle(CURVES), range(dataset.sizes["structure"]), strict=False):
+    meets = "neighbours" in dataset.dims
+    for number, (name, look) in enumerate(looks_of(dataset)):
         table = dataset.isel(structure=number)
-        style: Any = {"color": color, "linestyle": dash}
-        label = f"{number + 1} {cut(str(table.building.item()), NAME)}"
-        _exceedance(axes, scale * table[stem].values, style | {"lw": 1.6, "label": label})
-        if "neighbours" in table.dims:
+        style: Any = {"color": look["color"], "linestyle": look["linestyle"]}
+        _exceedance(axes, scale * table[stem].values, style | {"lw": 1.6, "label": name})
+        if meets:
             _exceedance(axes, scale * table[f"{stem}_alone"].values, style | {"lw": 0.6})
-    if "neighbours" in dataset.dims:
+    if meets:
         axes.plot([], [], color="0.35", lw=0.6, label="thin: alone")
     axes.set_ylim(0, 1.02)
 
@@ -272,22 +269,16 @@ def _exceedance(axes: Axes, samples: np.ndarray, style: dict[str, Any]) -> None:
 
 
 def _over_height(axes: Axes, dataset: xr.Dataset, stem: str, scale: float) -> None:
-    at = {"quantile": _level(dataset)}
-    looks = cycle(zip(CURVES, "osD^vP", strict=True))
-    for number, ((color, dash), marker) in zip(range(dataset.sizes["structure"]), looks, strict=False):
-        table, levels = dataset.isel(structure=number), levels_of(dataset, number)
-        style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 4}
-        label = f"{number + 1} {cut(str(table.building.item()), NAME)}"
-        ends = ("", "_alone")
+    meets = "neighbours" in dataset.dims
+    at = dataset.sel(quantile=_level(dataset))
+    for number, (name, style) in enumerate(looks_of(dataset)):
+        table, levels = at.isel(structure=number), levels_of(dataset, number)
         with_hits, alone = (
-            scale * table[f"{stem}{end}_quantile"].sel(at).values[: levels.size] for end in ends
+            scale * table[f"{stem}{end}_quantile"].values[: levels.size] for end in ("", "_alone")
         )
-        if "neighbours" in table.dims:
-            axes.plot(alone, levels, **style | {"mfc": "white", "lw": 0.7})
-        axes.plot(with_hits, levels, label=label, lw=1.3, **style)
-    if "neighbours" in dataset.dims:
-        thin: Any = {"color": "0.35", "marker": "o", "mfc": "white", "ms": 4, "lw": 0.7}
-        axes.plot([], [], label="open, thin: alone", **thin)
+        profile(axes, levels, with_hits, alone if meets else None, name, style)
+    if meets:
+        axes.plot([], [], label="open, thin: alone", **THIN)
     axes.set_ylim(0, None)
 
 

@@ -12,10 +12,10 @@ from stochlin.analyses.cases.pounding import is_oscillator
 from stochlin.analyses.records.files import METRES
 from stochlin.views.pounding.pictures import caption_of
 from stochlin.views.shared.screen import cut
-from stochlin.views.shared.style import AS_GIVEN, CURVES, styled
+from stochlin.views.shared.style import AS_GIVEN, CURVES, describe, legend_above, styled
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -24,6 +24,7 @@ WIDTH, HEAD, PANEL, AXIS, LINE = 7.2, 0.35, 2.9, 0.62, 0.135  # inches; the last
 LEFT, RIGHT, BETWEEN = 0.09, 0.98, 0.03  # of the width
 NAME, IN_A_ROW = 24, 3  # characters of a name in the legend, and how many of them
 MEGA = 1e-6
+ALONE: Any = {"color": "0.35", "marker": "o", "mfc": "white", "ms": 4, "lw": 0.7}  # in a legend
 
 
 @styled(AS_GIVEN)
@@ -65,42 +66,48 @@ def draw_floors(dataset: xr.Dataset) -> Figure:
         figure.add_axes((LEFT + n * (wide + BETWEEN), foot / height, wide, PANEL / height))
         for n in range(len(labels))
     ]
-    looks = cycle(zip(CURVES, "osD^vP", strict=True))
-    for number, ((color, dash), marker) in zip(range(dataset.sizes["structure"]), looks, strict=False):
-        style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 4, "lw": 1.3}
-        _profiles(panels, dataset.isel(structure=number), levels_of(dataset, number), style)
+    for number, (name, style) in enumerate(looks_of(dataset)):
+        _profiles(panels, dataset.isel(structure=number), levels_of(dataset, number), name, style)
         if struck:
             _columns(panels[2], dataset, number, style)
-    style = {"color": "0.35", "marker": "o", "mfc": "white", "ms": 4, "lw": 0.7}
     if "contact" in dataset.dims:
-        panels[0].plot([], [], label="open, thin: standing alone", **style)
+        panels[0].plot([], [], label="open, thin: standing alone", **ALONE)
     for axes, name in zip(panels, labels, strict=True):
         axes.set(xlim=(0, None), ylim=(0, 1.04 * _top(dataset)), xlabel=name)
         axes.tick_params(labelleft=axes is panels[0])
     panels[0].set_ylabel("height [m]")
-    panels[0].legend(
-        loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=IN_A_ROW, borderaxespad=0.2, fontsize=8,
-        handlelength=3,
-    )  # fmt: skip
-    figure.text(LEFT, 1 - 0.2 / height, dataset.attrs["title"], size=10)
-    figure.text(LEFT, (foot - AXIS) / height, caption, va="top", size=7.5)
+    legend_above(panels[0], IN_A_ROW, 8)
+    describe(figure, LEFT, foot - AXIS, dataset.attrs["title"], caption)
     return figure
 
 
+def looks_of(dataset: xr.Dataset) -> Iterator[tuple[str, dict[str, Any]]]:
+    """The name of each building in a legend, and how its profile is drawn."""
+    looks = cycle(zip(CURVES, "osD^vP", strict=True))
+    for number, ((color, dash), marker) in zip(dataset.structure.values, looks, strict=False):
+        name = str(dataset.building.sel(structure=number).item())
+        style: dict[str, Any] = {"color": color, "linestyle": dash, "marker": marker, "ms": 4, "lw": 1.3}
+        yield cut(f"{number} {name}", NAME), style
+
+
+def profile(axes: Axes, levels: Any, with_hits: Any, alone: Any, name: str, style: Any) -> None:
+    """Peaks over height; those of the building alone, if there are any, thin and open."""
+    if alone is not None:
+        axes.plot(alone, levels, **style | {"mfc": "white", "lw": 0.7})
+    axes.plot(with_hits, levels, label=name, **style)
+
+
 def _profiles(
-    panels: Sequence[Axes], table: xr.Dataset, levels: np.ndarray, style: dict[str, Any]
+    panels: Sequence[Axes], table: xr.Dataset, levels: np.ndarray, name: str, style: dict[str, Any]
 ) -> None:
     """Peaks of one building at its floors, and at the middle of its storeys."""
     middle = levels if is_oscillator(table) else 0.5 * (levels + np.append(0.0, levels[:-1]))
-    name = cut(f"{int(table.structure)} {table.building.item()}", NAME)
     for axes, peak, scale, at in (
         (panels[0], "peak_acceleration", 1 / METRES["g"], levels),
         (panels[1], "peak_storey_shear", MEGA, middle),
     ):
         with_hits, alone = (scale * table[f"{peak}{end}"].values[: at.size] for end in ("", "_alone"))
-        if "contact" in table.dims:
-            axes.plot(alone, at, **style | {"mfc": "white", "lw": 0.7})
-        axes.plot(with_hits, at, label=name, **style)
+        profile(axes, at, with_hits, alone if "contact" in table.dims else None, name, style)
 
 
 def _columns(axes: Axes, dataset: xr.Dataset, number: int, style: dict[str, Any]) -> None:

@@ -18,7 +18,7 @@ from stochlin.analyses.cases.pounding import (
 )
 from stochlin.analyses.pounding.rows import COLUMN
 from stochlin.views.shared.descriptions import in_words, roles_in_words
-from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
+from stochlin.views.shared.style import AS_GIVEN, CURVES, describe, filled, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,8 +94,7 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
         axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.03), borderaxespad=0, fontsize=8)
     for axes in {panels[over_time - 1], panels[-1]}:
         axes.set_xlabel("time [s]")
-    figure.text(LEFT, 1 - 0.2 / height, dataset.attrs["title"], size=10)
-    figure.text(LEFT, (foot - AXIS) / height, caption, va="top", size=7.5)
+    describe(figure, LEFT, foot - AXIS, dataset.attrs["title"], caption)
     return figure
 
 
@@ -122,9 +121,8 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
         transform = axes.get_xaxis_transform()
         axes.plot(hits, np.full(hits.size, 1.0), transform=transform, label="impact", **style)
     if "level" in dataset.coords:
-        axes.plot([], [], ls="", label=f"{float(contact.level):.4g} m up")
-    if struck:
-        axes.plot([], [], ls="", label="SLAB AGAINST COLUMN")
+        where = f"{float(contact.level):.4g} m up{', SLAB AGAINST COLUMN' * struck}"
+        axes.text(0.01, 0.97, where, transform=axes.transAxes, va="top", size=8)
     axes.set_ylabel("place [cm]")
 
 

@@ -11,16 +11,19 @@ from stochlin.analyses.cases.pounding import energy_of, is_oscillator
 from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
 from stochlin.analyses.records.files import METRES
+from stochlin.views.shared.blocks import Block, Section, Table, Text, texts
 from stochlin.views.shared.descriptions import site_in_words
-from stochlin.views.shared.screen import columns, cut, paragraph
+from stochlin.views.shared.screen import cut
 from stochlin.views.shared.uncertain import at_medians
 from stochlin.views.shared.words import (
     MISSING,
     SPACE,
+    along,
     centimetres,
-    doubted,
     floors,
     length,
+    number,
+    opening,
     per_cent,
     recorded_shaking,
     short,
@@ -60,22 +63,29 @@ STRENGTH = (
 )
 
 
-def answer_lines(case: Case, tables: Mapping[str, xr.Dataset]) -> list[str]:
-    """All that the screen shows, record by record."""
+def answer_sections(case: Case, tables: Mapping[str, xr.Dataset]) -> list[Section]:
+    """All that is shown, record by record, and the meaning of the columns."""
     doubts_of = {record: _doubts(table, case) for record, table in tables.items()}
     doubtful = [f"in {record} {doubt}" for record, several in doubts_of.items() for doubt in several]
-    lines = [*paragraph(doubted(doubtful)), case.title, *paragraph(floors(case))]
-    lines += paragraph(at_medians(case))
-    for record, table in tables.items():
-        lines += ["", *paragraph(f"{record}: {headline(table)}")]
-        lines += [*paragraph(recorded_shaking(table, case)), ""]
-        if "column" in table.coords:
-            lines += [*paragraph(columns_met(table)), "", *_struck(table)]
-        for each in (_buildings, _borne, _contacts) if "contact" in table.dims else (_alone,):
-            lines += [*columns(*each(table)), ""]
-        lines += paragraph(energies(table))
-        lines += paragraph(step_error(table))
-    return [*lines, "", *paragraph(_notes(case, next(iter(tables.values()))))]
+    return [
+        opening(case, doubtful),
+        Section("", texts([floors(case), at_medians(case)])),
+        *(Section("", _in_record(case, record, table)) for record, table in tables.items()),
+        Section("", texts([_notes(case, next(iter(tables.values())))])),
+    ]
+
+
+def _in_record(case: Case, record: str, table: xr.Dataset) -> list[Block]:
+    columns: list[Block] = []
+    if "column" in table.coords:
+        columns = [Text(columns_met(table)), _struck(table)]
+    responses = (_buildings, _borne, _contacts) if "contact" in table.dims else (_alone,)
+    return [
+        *texts([f"{record}: {headline(table)}", recorded_shaking(table, case)]),
+        *columns,
+        *(response(table) for response in responses),
+        *texts([energies(table), step_error(table)]),
+    ]
 
 
 def _doubts(table: xr.Dataset, case: Case) -> list[str]:
@@ -96,7 +106,7 @@ def headline(table: xr.Dataset) -> str:
     sentence = f"{count} impact{'s' * (count > 1)}, the first at {begin:.2f} s."
     force, speed = float(table.largest_force.max(skipna=False)), float(table.fastest_approach.max())
     if np.isfinite(force):
-        return f"{sentence} Largest force {short(force / 1e6)} MN, fastest approach {short(speed)} m/s."
+        return f"{sentence} Largest force {number(force, 'MN')} MN, fastest approach {short(speed)} m/s."
     return f"{sentence} Fastest approach {short(speed)} m/s; this contact gives no forces."
 
 
@@ -109,7 +119,7 @@ def columns_met(table: xr.Dataset) -> str:
         return f"{begin} at {met} contact{'s' * (met > 1)}; in this record no column is hit."
     contact = table.isel(contact=int(table.column_force.argmax("contact")))
     struck = int(contact[str(contact.column.item())])
-    force = f"{short(float(contact.column_force) / 1e6)} MN"
+    force = f"{number(float(contact.column_force), 'MN')} MN"
     if np.isfinite(float(contact.column_force_share)):
         force += f", {per_cent(float(contact.column_force_share))} of the storey's shear at yield"
     return (
@@ -122,7 +132,7 @@ def columns_met(table: xr.Dataset) -> str:
 
 def energies(table: xr.Dataset) -> str:
     """The energy balance, and its error."""
-    energy = short(float(energy_of(table.isel(time=-1), "input")) / 1e3)
+    energy = number(float(energy_of(table.isel(time=-1), "input")), "kJ")
     share = {str(name): float(table.energy_share.sel(sink=name)) for name in table.sink.values}
     meets = "contact" in table.dims
     sinks = {name: word for name, word in SINKS.items() if meets or name != "contacts"}
@@ -142,63 +152,71 @@ def step_error(table: xr.Dataset) -> str:
     return f"{sentence} CAUTION: more than {per_cent(LARGE_ERROR)}; take more --steps-per-contact."
 
 
-def _alone(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    """Heads and rows: the response of a single building, floor by floor from the roof down."""
+def _measured(row: xr.Dataset, columns: Mapping[str, tuple[str, str]]) -> list[str]:
+    """Numbers of a row, by the head of their column the name of the variable and the unit."""
+    return [number(float(row[name]), unit) for name, unit in columns.values()]
+
+
+def _alone(table: xr.Dataset) -> Table:
+    """The response of a single building, floor by floor from the roof down."""
     building = table.isel(structure=0)
-    heads = ["peak [cm]", "accel. [g]", "shear [MN]"]
-    scales = {"peak": 100.0, "peak_acceleration": 1 / METRES["g"], "peak_storey_shear": 1e-6}
+    columns = {
+        "peak [cm]": ("peak", "cm"),
+        "accel. [g]": ("peak_acceleration", "g"),
+        "shear [MN]": ("peak_storey_shear", "MN"),
+    }
     if "floor" not in table.dims:
-        values = [short(scale * float(building[name])) for name, scale in scales.items()]
-        return [*heads, "ductility"], [[*values, short(float(building.peak_ductility))]]
+        columns["ductility"] = ("peak_ductility", "1")
+        return Table.of([*columns], [_measured(building, columns)])
+    floors_down = along(building, "floor")[::-1]
+    rows = [
+        [str(int(floor.floor)), f"{float(floor.floor_level):.4g}", *_measured(floor, columns)]
+        for floor in floors_down
+    ]
+    return Table.of(["floor", "height [m]", *columns], rows)
+
+
+def _buildings(table: xr.Dataset) -> Table:
+    """The effect of pounding on each building."""
     rows = []
-    for floor in (building.isel(floor=n) for n in reversed(range(building.sizes["floor"]))):
-        place = [str(int(floor.floor)), f"{float(floor.floor_level):.4g}"]
-        rows.append([*place, *(short(scale * float(floor[name])) for name, scale in scales.items())])
-    return ["floor", "height [m]", *heads], rows
+    for place, name in enumerate(table.building.values, start=1):
+        building = table.isel(structure=place - 1)
+        cells = _roof(building) if "floor" in table.dims else _whole(building)
+        rows.append([f"{place}  {cut(str(name), LONGEST_NAME)}", *cells])
+    more = ["worst"] if "floor" in table.dims else ["estimate", "ductility"]
+    return Table.of(["building", "peak [cm]", "alone [cm]", "times", *more], rows)
 
 
-def _buildings(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    """Heads and rows: the effect of pounding on each building."""
-    names = [
-        f"{n}  {cut(str(name), LONGEST_NAME)}" for n, name in enumerate(table.building.values, start=1)
+def _whole(building: xr.Dataset) -> list[str]:
+    """Peaks of an oscillator, their ratio, the estimate of it, and the ductility."""
+    ratios = ("amplification", "largest_radius_amplification", "peak_ductility")
+    values = (float(building[name]) for name in ratios)
+    return [
+        *(centimetres(float(building[name])) for name in ("peak", "peak_alone")),
+        *(f"{value:.2f}" if np.isfinite(value) else MISSING for value in values),
     ]
-    if "floor" in table.dims:
-        return ["building", "peak [cm]", "alone [cm]", "times", "worst"], [
-            [name, *_roof(table.isel(structure=number))] for number, name in enumerate(names)
-        ]
-    heads = ["building", "peak [cm]", "alone [cm]", "times", "estimate", "ductility"]
-    columns = [
-        names,
-        [centimetres(value) for value in table.peak.values],
-        [centimetres(value) for value in table.peak_alone.values],
-        *(
-            [f"{value:.2f}" if np.isfinite(value) else MISSING for value in table[name].values]
-            for name in ("amplification", "largest_radius_amplification", "peak_ductility")
-        ),
-    ]
-    return heads, [list(row) for row in zip(*columns, strict=True)]
 
 
-def _borne(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    """Heads and rows: accelerations, shears, and the work of impacts on each building."""
+def _borne(table: xr.Dataset) -> Table:
+    """Accelerations, shears, and the work of impacts on each building."""
     storeys = "floor" in table.dims
     heads = ["building", "accel. [g]", "alone", *["floor"] * storeys, "base [MN]", "alone"]
     heads += [*["storey shear"] * storeys, "hits give [kJ]"]
     rows = []
-    for number, name in enumerate(table.building.values):
-        building = table.isel(structure=number)
+    for place, name in enumerate(table.building.values):
+        building = table.isel(structure=place)
         known = storeys and not is_oscillator(building)
         most = (
             building.isel(floor=int(building.peak_acceleration.argmax("floor"))) if storeys else building
         )
-        row = [f"{number + 1}  {cut(str(name), SHORTER_NAME)}"]
+        row = [f"{place + 1}  {cut(str(name), SHORTER_NAME)}"]
         row += [f"{float(most[f'peak_acceleration{end}']) / METRES['g']:.2f}" for end in ("", "_alone")]
         row += [str(int(most.floor)) if known else MISSING] if storeys else []
-        row += [short(float(building[f"peak_base_shear{end}"]) / 1e6) for end in ("", "_alone")]
+        row += [number(float(building[f"peak_base_shear{end}"]), "MN") for end in ("", "_alone")]
         row += [_shear(building) if known else MISSING] if storeys else []
         work = float(building.energy_received) / 1e3
         rows.append([*row, f"{work:+.3g}" if work else "0"])
-    return heads, rows
+    return Table.of(heads, rows)
 
 
 def _shear(building: xr.Dataset) -> str:
@@ -208,11 +226,11 @@ def _shear(building: xr.Dataset) -> str:
     return f"{float(worst):.2f}, storey {int(worst.floor)}"
 
 
-def _struck(table: xr.Dataset) -> list[str]:
-    """A table of the columns that slabs have hit, storey by storey; nothing if none was."""
+def _struck(table: xr.Dataset) -> Table:
+    """The columns that slabs have hit, storey by storey; no rows if none was."""
     hit = table.isel(contact=np.flatnonzero(table.column_force > 0))
     worst: dict[tuple[int, int], xr.Dataset] = {}
-    for contact in (hit.isel(contact=n) for n in range(hit.sizes["contact"])):
+    for contact in along(hit, "contact"):
         place = int(contact[str(contact.column.item())]), int(contact.storey)
         if place not in worst or contact.column_force > worst[place].column_force:
             worst[place] = contact
@@ -221,13 +239,13 @@ def _struck(table: xr.Dataset) -> list[str]:
             f"{building}  {cut(str(table.building.values[building - 1]), LONGEST_NAME)}",
             str(storey),
             f"{float(contact.level):.4g}",
-            short(float(contact.column_force) / 1e6),
+            number(float(contact.column_force), "MN"),
             per_cent(float(contact.column_force_share)),
         ]
         for (building, storey), contact in sorted(worst.items(), key=lambda item: item[0])
     ]
     heads = ["columns of", "storey", "hit at [m]", "force [MN]", "of the shear at yield"]
-    return [*columns(heads, rows), ""] if rows else []
+    return Table.of(heads, rows)
 
 
 def _roof(table: xr.Dataset) -> list[str]:
@@ -242,25 +260,24 @@ def _roof(table: xr.Dataset) -> list[str]:
     ]
 
 
-def _contacts(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
-    """Heads and rows: what happens at each contact."""
-    heads = ["contact", "gap [cm]", "closest [cm]", "impacts", "force [MN]", "approach [m/s]"]
-    heads += ["longest [ms]", "lost [kJ]"]
+def _contacts(table: xr.Dataset) -> Table:
+    """What happens at each contact."""
+    columns = {
+        "force [MN]": ("hardest_force", "MN"),
+        "approach [m/s]": ("fastest_approach", "m/s"),
+        "longest [ms]": ("longest_impact", "ms"),
+        "lost [kJ]": ("contact_energy", "kJ"),
+    }
     rows = []
-    for number in range(table.sizes["contact"]):
-        contact = table.isel(contact=number)
+    for contact in along(table, "contact"):
         closest = f"{round(100 * float(contact.least_clearance), 2) + 0:.2f}"  # zero without a sign
-        scales = {"hardest_force": 1e-6, "fastest_approach": 1, "longest_impact": 1e3}
-        scales |= {"contact_energy": 1e-3}
-        numbers = [short(scale * float(contact[name])) for name, scale in scales.items()]
         named = f"{int(contact.left)} | {int(contact.right)}"
         if "level" in table.coords:
             named += f", {float(contact.level):.4g} m up"
             named += "*" if str(contact.kind.item()) == SLAB_TO_COLUMN else ""
-        rows.append(
-            [named, centimetres(float(contact.gap)), closest, str(int(contact.impacts)), *numbers]
-        )
-    return heads, rows
+        begin = [named, centimetres(float(contact.gap)), closest, str(int(contact.impacts))]
+        rows.append(begin + _measured(contact, columns))
+    return Table.of(["contact", "gap [cm]", "closest [cm]", "impacts", *columns], rows)
 
 
 def _notes(case: Case, table: xr.Dataset) -> str:

@@ -13,6 +13,7 @@ from stochlin.views.shared.screen import (
     PICTURES,
     bad_input,
     check_target,
+    lines,
     progress_bar,
     show,
     write,
@@ -43,7 +44,7 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
     from stochlin.analyses.cases.probability import judge_gap
     from stochlin.analyses.tables.storage import FORMATS
     from stochlin.views.probability.pictures import draw_pounding
-    from stochlin.views.probability.words import answer_lines
+    from stochlin.views.probability.words import answer_sections
 
     with bad_input():
         described = read_case(case)
@@ -55,7 +56,7 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
             raise ValueError(f"{described.file} has no existing gap; give it there, or --gap 5cm")
         with progress_bar("simulating") as progress:
             answer = judge_gap(described, chosen, progress)
-        show(answer_lines(answer))
+        show(lines(answer_sections(answer)))
         by_row = out is not None and out.suffix.lower() == ".csv"
         write(answer.rows() if by_row else answer.whole(), out, None, draw_pounding)
         write(answer.whole(), None, picture, draw_pounding)

@@ -5,11 +5,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from stochlin.models.grounds import KanaiTajimi, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.views.shared.screen import paragraph
-from stochlin.views.shared.uncertain import unknown_lines
-from stochlin.views.shared.words import doubted, floors, over_records, scatter, shaking
+from stochlin.views.shared.blocks import Block, Items, Section, Table, Text, texts
+from stochlin.views.shared.uncertain import unknowns
+from stochlin.views.shared.words import (
+    SPACE,
+    along,
+    centimetres,
+    floors,
+    length,
+    opening,
+    over_records,
+    scatter,
+    shaking,
+    with_interval,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,59 +52,74 @@ NO_RECORDS = (
 )
 
 
-def answer_lines(answer: ProbabilityAnswer) -> list[str]:
-    """The lines for the screen."""
-    case, gap, table, records = answer.case, answer.gap, answer.table, answer.records
+def answer_sections(answer: ProbabilityAnswer) -> list[Section]:
+    """The course of the confidence, then the gap for the wanted one, cautions and records."""
+    case, table = answer.case, answer.table
+    between = (
+        f"{case.first.name} (left) and {case.second.name}, gap {length(answer.gap)}, "
+        f"{case.duration:.4g}{SPACE}s"
+    )
+    about = (between, floors(case), shaking(answer.shaking, case), scatter(case))
     shown = [column for column in COLUMNS if _known(table, column[1])]
-    lines = [
-        *paragraph(doubted(answer.doubts())),
-        case.title,
-        f"{case.first.name} (left) and {case.second.name}, gap {gap:.4g} m, {case.duration:.4g} s",
-        *paragraph(floors(case)),
-        *paragraph(shaking(answer.shaking, case)),
-        *paragraph(scatter(case)),
-        *unknown_lines(case, "the simulated confidence is that"),
-        "",
-        "Confidence of no pounding up to each time",
-        f"{'time [s]':>9}" + "".join(f"{name:>11}" for name, _ in shown) + f"{'95 % interval':>22}",
-    ]
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
-    lines += [_instant(table.isel(time=index), shown) for index in range(0, table.sizes["time"], step)]
-    lines += [
-        "",
-        f"Gap for a confidence of {case.confidence:g}: {_formulas(table)}"
-        f"{float(table.required_gap_simulated):.4f} m simulated "
-        f"({float(table.required_gap_simulated_lower):.4f} to "
-        f"{float(table.required_gap_simulated_upper):.4f})",
+    rows = [_instant(table.isel(time=n), shown) for n in range(0, table.sizes["time"], step)]
+    heads = ("time [s]", *(name for name, _ in shown), "95 % interval")
+    comment = table.attrs.get("comment", "").replace("α", "hardening").replace("≤", "<=")
+    return [
+        opening(case, answer.doubts()),
+        Section("", [*texts(about), *unknowns(case, "the simulated confidence is that")]),
+        Section("Confidence of no pounding up to each time", [Table.of(heads, rows)]),
+        Section("", texts([_wanted(answer), *_cautions(answer, shown)])),
+        Section("", [*_of_records(answer), Text(comment)]),
     ]
+
+
+def _wanted(answer: ProbabilityAnswer) -> str:
+    """The gap for the wanted confidence, by formula and simulated."""
+    table = answer.table
+    formulas = [f"{length(float(table.required_gap))} by formula"]
+    if bool(table.required_gap_corrected.notnull()):
+        formulas.append(f"{length(float(table.required_gap_corrected))} corrected")
+    simulated, low, high = with_interval(table, "required_gap_simulated")
+    return (
+        f"Gap for a confidence of {100 * answer.case.confidence:.4g}{SPACE}%: {', '.join(formulas)}, "
+        f"{length(simulated)} simulated ({centimetres(low)} to {centimetres(high)})."
+    )
+
+
+def _cautions(answer: ProbabilityAnswer, shown: Sequence[tuple[str, str]]) -> list[str]:
+    """What the formulas do not contain, where that matters here."""
+    case, table = answer.case, answer.table
+    cautions = []
     if f"{STEM}_corrected" in table and not _known(table, "_corrected"):
-        lines += paragraph(NOT_CORRECTED.format(_beyond_the_map(case)))
+        cautions.append(NOT_CORRECTED.format(_beyond_the_map(case)))
     if "governing_height" in table:
-        lines.append(
+        cautions.append(
             f"The formulas are for the worst height, {float(table.governing_height):.4g} m; the "
             "simulated confidence is for all heights at once."
         )
     last = table.isel(time=-1)
     for name, ending in shown:
         if int(table.get(f"caution{ending}", 0)) and bool(last[STEM + ending].notnull()):
-            lines += paragraph(UNRELIABLE.format(name))
+            cautions.append(UNRELIABLE.format(name))
     yields = case.first.structure.yields or case.second.structure.yields
     if yields and bool(table.permanent_set.any()):
         end = table.attrs["strong_shaking_end_s"]
-        lines.append(
+        cautions.append(
             f"After {end:.3g} s the formula no longer includes the permanent set of yielding buildings."
         )
-    if records is not None:
-        for n in range(records.sizes["record"]):
-            end = records.isel(record=n, record_time=-1)
-            lines += paragraph(_in_record(end, gap, case.confidence), "  ")
+    return cautions
+
+
+def _of_records(answer: ProbabilityAnswer) -> list[Block]:
+    """Each record by the hybrid method, or many of them together."""
+    case, gap, records = answer.case, answer.gap, answer.records
     if answer.over_records is not None:
-        lines += paragraph(over_records(answer.over_records, len(case.records), gap))
-    elif case.records and records is None:
-        lines.append(NO_RECORDS)
-    if "comment" in table.attrs:
-        lines += paragraph(table.attrs["comment"].replace("α", "hardening").replace("≤", "<="))
-    return lines
+        return [Text(over_records(answer.over_records, len(case.records), gap))]
+    if records is None:
+        return [Text(NO_RECORDS if case.records else "")]
+    ends = along(records.isel(record_time=-1), "record")
+    return [Items([_in_record(end, gap, case.confidence) for end in ends])]
 
 
 def _known(table: xr.Dataset, ending: str) -> bool:
@@ -109,21 +137,15 @@ def _beyond_the_map(case: Case) -> str:
     return "the buildings are outside this range"
 
 
-def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> str:
-    values = "".join(_number(row[STEM + ending], 11) for _, ending in shown)
-    low, high = (float(row[f"{STEM}_simulated_{end}"]) for end in ("lower", "upper"))
-    return f"{float(row.time):9.2f}{values}{low:12.4f} to {high:.4f}"
-
-
-def _formulas(table: xr.Dataset) -> str:
-    known = bool(table.required_gap_corrected.notnull())
-    corrected = f"{float(table.required_gap_corrected):.4f} m corrected, " if known else ""
-    return f"{float(table.required_gap):.4f} m by formula, {corrected}"
-
-
-def _number(value: xr.DataArray, width: int) -> str:
+def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> list[str]:
     """Four decimals; a word for values outside the map of the bias."""
-    return f"{'unknown':>{width}}" if bool(value.isnull()) else f"{float(value):{width}.4f}"
+    confidences = [float(row[STEM + ending]) for _, ending in shown]
+    _, low, high = with_interval(row, f"{STEM}_simulated")
+    return [
+        f"{float(row.time):.2f}",
+        *("unknown" if np.isnan(value) else f"{value:.4f}" for value in confidences),
+        f"{low:.4f} to {high:.4f}",
+    ]
 
 
 def _in_record(end: xr.Dataset, gap: float, wanted: float) -> str:
@@ -133,11 +155,11 @@ def _in_record(end: xr.Dataset, gap: float, wanted: float) -> str:
         f"Record {end.record.item()}, hybrid method: confidence {float(end[f'record_{STEM}']):.4f} with "
         f"one phase between the buildings, {float(end[f'record_{STEM}_fresh_phase']):.4f} with a new "
         f"phase every cycle (rho {float(end.record_rho):.3f}); gap for a confidence of "
-        f"{wanted:g}: {float(end.record_required_gap):.4f} m. The record itself "
-        f"needs {float(end.record_separation):.4f} m."
+        f"{100 * wanted:.4g}{SPACE}%: {length(float(end.record_required_gap))}. The record itself "
+        f"needs {length(float(end.record_separation))}."
     )
     if apart <= gap:
         return sentence
     return (
-        f"{sentence} The energy radii differ by up to {apart:.4f} m, so that no phase avoids pounding."
+        f"{sentence} The energy radii differ by up to {length(apart)}, so that no phase avoids pounding."
     )

@@ -8,7 +8,15 @@ import numpy as np
 
 from stochlin.views.sensitivity.words import CENTIMETRES, EXAMPLE, NAMES, asked, rows
 from stochlin.views.shared.descriptions import roles_in_words
-from stochlin.views.shared.style import AS_GIVEN, filled, styled
+from stochlin.views.shared.style import (
+    AS_GIVEN,
+    filled,
+    legend_above,
+    name_rows,
+    open_frame,
+    styled,
+    swatches,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -54,7 +62,6 @@ def draw_sensitivity(
         If the dataset is another one.
     """
     from matplotlib.figure import Figure
-    from matplotlib.patches import Patch
 
     if "gap_change" not in dataset or "input" not in dataset.dims:
         raise ValueError(
@@ -85,22 +92,10 @@ def draw_sensitivity(
             axes.plot([change - error, change + error], [at + shift] * 2, color=EDGE, lw=1.0, zorder=3)
             right = max(right, abs(change) + error)
     axes.axvline(0, color=EDGE, lw=0.8, zorder=4)
-    axes.set_yticks(place, labels)
-    axes.tick_params(axis="y", length=0, labelsize=8.5)
-    axes.grid(visible=False, axis="y")
-    axes.set_axisbelow(True)
-    axes.set(xlim=(-1.05 * right, 1.05 * right), ylim=(rows_high - 0.5, -0.5))
-    axes.set(xlabel=f"change of the {asked(dataset)} [cm]")
-    for side in ("top", "right", "left"):
-        axes.spines[side].set_visible(False)
-    axes.legend(
-        handles=[
-            Patch(facecolor=face, hatch=hatch, edgecolor=EDGE, lw=0.6, label=f"input {end}")
-            for end, (face, hatch) in ENDS.items()
-        ],
-        loc="lower right", bbox_to_anchor=(1.02, 1.0), ncols=2, borderaxespad=0.2, fontsize=8.5,
-        columnspacing=1.2, handlelength=1.6,
-    )  # fmt: skip
+    name_rows(axes, place, labels, 8.5)
+    axes.set(xlim=(-1.05 * right, 1.05 * right), xlabel=f"change of the {asked(dataset)} [cm]")
+    open_frame(axes, ("top", "right", "left"))
+    legend_above(axes, handles=swatches({f"input {end}": look for end, look in ENDS.items()}, EDGE))
     figure.text(0.02, foot / height, text, va="top", size=8.5)
     return figure
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stochlin.models.buildings import OF_STOREYS
-from stochlin.views.shared.screen import PLAIN, paragraph
-from stochlin.views.shared.words import LARGE, MINUS, MISSING, SPACE, per_cent, short
+from stochlin.views.shared.blocks import Block, Table, Text, texts
+from stochlin.views.shared.words import MINUS, MISSING, SPACE, per_cent, short, shown_unit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -95,9 +95,8 @@ def _value(one: xr.Dataset, key: str, factor: float) -> str:
     unit, median = str(one.input_unit.item()), float(one.input_median)
     if unit == "1" and key in OF_STOREYS:
         return f"{factor:.2f}{SPACE}times"
-    unit, scale = {"m": ("cm", CENTIMETRES), **LARGE}.get(unit, (unit, 1.0))
-    unit = unit.replace("^2", "²").replace("^3", "³")
-    return f"{short(scale * median * factor)}{'' if unit == '1' else SPACE + unit}"
+    unit, scale = shown_unit(unit, median)
+    return f"{short(scale * median * factor)}{unit}"
 
 
 def _signed(value: float, digits: int) -> str:
@@ -149,22 +148,13 @@ def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
     return text
 
 
-def lines(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
-    """The lines for the screen."""
-    shown = rows(table, names)
-    table_lines = ["", "Influence of the inputs:"]
-    for sentence in sentences(table, names):
-        table_lines += paragraph(sentence)
-    if not shown:
-        return table_lines
-    columns = ("label", "range", "change", "elasticity", "share")
-    share = "share" if table.uncertain.any() else ""
-    heads = ("input", "range", f"{asked(table)} [cm]", "elasticity", share)
-    cells = [heads, *([getattr(row, name).translate(PLAIN) for name in columns] for row in shown)]
-    wide = [max(len(row[n]) for row in cells) for n in range(len(columns))]
-    table_lines.append("")
-    for row in cells:
-        aligned = (f"{text:<{w}}" if n < 2 else f"{text:>{w}}"
-                   for n, (text, w) in enumerate(zip(row, wide, strict=True)))  # fmt: skip
-        table_lines.append("  ".join(aligned).rstrip())
-    return [*table_lines, "", *paragraph(note(table))]
+def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[Block]:
+    """The sentences, a row for each input, and the meaning of the columns."""
+    heads = ["input", "range", f"{asked(table)} [cm]", "elasticity"]
+    heads += ["share"] if table.uncertain.any() else []
+    cells = [
+        (row.label, row.range, row.change, row.elasticity, row.share)[: len(heads)]
+        for row in rows(table, names)
+    ]
+    meaning = [Text(note(table), "note")] if cells else []
+    return [*texts(sentences(table, names)), Table.of(heads, cells, ("range",)), *meaning]

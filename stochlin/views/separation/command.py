@@ -13,6 +13,8 @@ from stochlin.views.shared.screen import (
     PICTURES,
     bad_input,
     check_target,
+    data_target,
+    lines,
     progress_bar,
     show,
     write,
@@ -82,21 +84,19 @@ def gap(
         from stochlin.analyses.tables.storage import FORMATS, whole_file
         from stochlin.views.sensitivity.pictures import draw_sensitivity
         from stochlin.views.separation.pictures import answer_figure
-        from stochlin.views.separation.report import report_page
-        from stochlin.views.separation.words import answer_lines, names_of
+        from stochlin.views.separation.report import answer_sections, report_page
+        from stochlin.views.separation.words import names_of
 
         described = read_case(case)
         check_target("--report", report, REPORTS, described.inputs)
-        data = out if out or not picture else picture.with_suffix(".nc")
-        check_target("--out" if out else "--picture", data, FORMATS, described.inputs)
-        check_target("--picture", picture, PICTURES, described.inputs)
+        data = data_target(out, picture, FORMATS, described.inputs)
         beside = None if sensitivity is None else sensitivity.with_suffix(".nc")
         check_target("--sensitivity", sensitivity, PICTURES, described.inputs)
         check_target("--sensitivity", beside, FORMATS, described.inputs)
         with progress_bar("simulating") as progress:
             answer = answer_case(described, progress, sensitivity is not None)
         page = report_page(answer) if report else ""
-        show(answer_lines(answer))
+        show(lines(answer_sections(answer)))
         table = answer.table(samples=data is not None and data.suffix.lower() == ".nc")
         write(table, data, picture, lambda _: answer_figure(answer))
         if answer.matters is not None:

@@ -1,4 +1,4 @@
-"""The case as it was read, and the uncertainties of its answer: the small print of the page."""
+"""The small print of the page: the case as it was read, its uncertainties, a statement to sign."""
 
 from __future__ import annotations
 
@@ -11,10 +11,13 @@ from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.records.files import METRES
 from stochlin.messages import hyphenated
 from stochlin.models.buildings import ShearBuilding
+from stochlin.views.separation.risk import risk_sentences
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.separation.words import ductilities, rows
+from stochlin.views.separation.words import confidence, ductilities, existing, headline, interval, rows
+from stochlin.views.shared.blocks import Term, Terms
 from stochlin.views.shared.descriptions import site_in_words, source_in_words
-from stochlin.views.shared.words import length, per_cent, valued
+from stochlin.views.shared.uncertain import contained
+from stochlin.views.shared.words import SPACE, length, per_cent, scatter, shaking, valued
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,6 +36,8 @@ LINE = (
     "neighbours that each stay on their own side cannot meet; if the neighbour stands nearer to the "
     "line, compute the gap between both buildings."
 )
+KNOWN = "All parameters are taken as known; their errors are not in the answer."
+SIGNED = ("Date", "Prepared by", "Checked by")  # by hand: the same case makes the same page
 
 
 def uncertainties(answer: CaseAnswer) -> list[str]:
@@ -107,38 +112,32 @@ def _law(building: AnyBuilding) -> str:
     return hyphenated(type(law).__name__)
 
 
-def facts(answer: CaseAnswer) -> list[tuple[str, str, str]]:
-    """The case as it was read: group, name, value with units."""
+def facts(answer: CaseAnswer) -> list[Terms]:
+    """The case as it was read, with units, in groups."""
     case = answer.case
     acceleration = answer.rms_acceleration / METRES["g"]
-    rms = f"{acceleration:.2g} g" if np.isfinite(acceleration) else "unbounded (white noise)"
-    ground = [("Site", "ground", site_in_words(case))]
-    ground += [("Site", *fact) for fact in _parameters(case.ground)]
-    ground.append(("Site", "rms acceleration in the strong part", rms))
+    rms = f"{acceleration:.2g}{SPACE}g" if np.isfinite(acceleration) else "unbounded (white noise)"
+    ground = [("ground", site_in_words(case)), *_parameters(case.ground)]
+    ground.append(("rms acceleration in the strong part", rms))
     if source := source_in_words(case):
-        ground.append(("Site", "source", source))
-    motion = [("Motion", "duration", f"{case.duration:g} s")]
-    shape = hyphenated(type(case.envelope).__name__) if case.envelope else "none"
-    motion.append(("Motion", "envelope", shape))
-    motion += [("Motion", *fact) for fact in (_parameters(case.envelope) if case.envelope else [])]
-    motion.append(("Motion", "scatter from motion to motion", f"{case.scatter:g}"))
+        ground.append(("source", source))
+    motion = [("duration", f"{case.duration:g}{SPACE}s")]
+    motion.append(("envelope", hyphenated(type(case.envelope).__name__) if case.envelope else "none"))
+    motion += _parameters(case.envelope) if case.envelope else []
+    motion.append(("scatter from motion to motion", f"{case.scatter:g}"))
+    answered = [(label, "yes" if getattr(case, name) else "no") for name, label in TOLD.items()]
     wanted = [
         ("confidence", per_cent(case.confidence, 1)),
         (f"existing {subject_of(case).gap}", "none" if case.gap is None else length(case.gap)),
-        *([] if case.alone else [(label, _yes_no(case, name)) for name, label in TOLD.items()]),
+        *([] if case.alone else answered),
         ("zone of Mexico City", case.zone or "not given"),
         ("simulated motions", f"{case.paths}, seed {case.seed}"),
     ]
-    both = [
-        (f"Building {n}", *fact)
-        for n, building in enumerate(case.buildings, start=1)
-        for fact in _building(building, answer.separation, n)
-    ]
-    return [*ground, *motion, *both, *(("Separation", *fact) for fact in wanted)]
-
-
-def _yes_no(case: Case, name: str) -> str:
-    return "yes" if getattr(case, name) else "no"
+    groups = {"Site": ground, "Motion": motion}
+    for n, building in enumerate(case.buildings, start=1):
+        groups[f"Building {n}"] = _building(building, answer.separation, n)
+    groups["Separation"] = wanted
+    return [Terms([Term(*fact) for fact in members], group) for group, members in groups.items()]
 
 
 def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tuple[str, str]]:
@@ -149,7 +148,7 @@ def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tup
     of = ""
     if isinstance(structure, ShearBuilding):
         of = " of the first mode"
-        parameters = [(f"period{of}", f"{building.period:.4g} s"), *parameters]
+        parameters = [(f"period{of}", f"{building.period:.4g}{SPACE}s"), *parameters]
         parameters += [
             (name, valued(value, "1")) for name, value in (structure.law_parameters or {}).items()
         ]
@@ -160,7 +159,7 @@ def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tup
         parameters = [fact for fact in parameters if fact[0] not in shown] + list(shown.items())
     else:
         parameters = [fact for fact in parameters if fact[0] != "peak factor"]
-    height = "not given" if building.height is None else f"{building.height:g} m"
+    height = "not given" if building.height is None else f"{building.height:g}{SPACE}m"
     strength = building.strength.replace("_", " ")
     return [
         ("name", building.name),
@@ -180,3 +179,41 @@ def _parameters(model: object) -> list[tuple[str, str]]:
         if "units" in field.metadata and value is not None:
             facts.append((field.metadata["long_name"], valued(value, field.metadata["units"])))
     return facts
+
+
+def statement(answer: CaseAnswer) -> list[Term]:
+    """What was asked, by which method, with what result and error, and by which program."""
+    case, table, about = answer.case, answer.separation, subject_of(answer.case)
+    site = ": ".join(filter(None, (site_in_words(case), source_in_words(case))))
+    said = [
+        ("Result", headline(answer)),
+        (
+            "Criterion",
+            f"{about.kept.capitalize()} in {confidence(case)} of the motions of the site, if the "
+            f"{about.gap} is at least this result.",
+        ),
+        (
+            "Error",
+            f"The 95{SPACE}% interval of the {about.gap} is {interval(table)}. It covers the "
+            f"sampling of {case.paths} motions; 'Limits of this answer' lists what it leaves out.",
+        ),
+        (
+            "Method",
+            f"Nonlinear time-history simulation of {about.the_buildings} in {case.paths} random ground "
+            f"motions of {case.duration:g}{SPACE}s, Gaussian filtered noise with an envelope: "
+            f"{models(case)[0]}.",
+        ),
+        ("Site", f"{site}. {shaking(answer.shaking, case)} {scatter(case)}".strip()),
+        ("Uncertainty", contained(case, f"the {about.gap} is that") or KNOWN),
+        ("Inputs", f"They are listed under 'The case', as read from {case.file}."),
+        (
+            "Program",
+            f"stochlin {table.attrs['stochlin_version']}, seed {case.seed}. The same file and version "
+            "give the same numbers.",
+        ),
+    ]
+    if sentences := risk_sentences(answer):
+        said.insert(3, ("Risk", " ".join(sentences)))
+    if answer.existing is not None:
+        said.insert(3, (f"Existing {about.gap}", existing(answer.existing, case)))
+    return [Term(name, text) for name, text in said]

@@ -5,12 +5,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.optimize import isotonic_regression
 
 from stochlin.views.separation.storeys import LINE, caption_of, draw_heights
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import RuleLine, rows
-from stochlin.views.shared.style import CURVES, filled, styled
-from stochlin.views.shared.words import BEYOND, FAR
+from stochlin.views.shared.page import PAGE_STYLE
+from stochlin.views.shared.style import (
+    CURVES,
+    filled,
+    legend_above,
+    name_rows,
+    open_frame,
+    styled,
+    swatches,
+)
+from stochlin.views.shared.words import BEYOND, FAR, with_interval
 from stochlin.views.sites.pictures import draw_spectrum
 
 if TYPE_CHECKING:
@@ -23,7 +33,6 @@ if TYPE_CHECKING:
 
 WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
 NAME_WIDTH = 36  # characters of the name of a rule on one line
-PAGE_STYLE = {"font.size": 10, "hatch.linewidth": 0.7, "svg.fonttype": "path"}
 # Face, hatch: told apart in grey and in print.
 VERDICTS = {
     "answer": ("#1b1b1b", ""),
@@ -32,8 +41,7 @@ VERDICTS = {
     "within error": ("#f2f2f2", "xx"),
 }
 EDGE = "#1b1b1b"
-NEAR, CHARACTER = 0.015, 0.017  # of the axis: gaps as near as this share a label; width of a digit
-TOP, LEVELS = 1.4, 5  # of the distribution: upper end of its axis, heights of labels
+NEAR, APART = 0.015, 0.038  # of the axis: gaps as near as this share a label; between labels
 
 
 @styled(PAGE_STYLE)
@@ -51,7 +59,7 @@ def rules_figure(answer: CaseAnswer, caption: str = "") -> Figure:
     gaps = [100 * _gap(answer, row) for row in shown]
     names = [filled([f"{row.number}  {row.label}"], NAME_WIDTH) for row in shown]
     wide = any("\n" in name for name in names)
-    pitch, middle = (0.34, 0.1) if wide else (0.235, 0.3)
+    pitch = 0.34 if wide else 0.235
     foot = LINE * (caption.count("\n") + 2) if caption else 0.0
     height = pitch * len(shown) + 1.35 + foot
     figure, axes = _blank(height)
@@ -66,12 +74,14 @@ def rules_figure(answer: CaseAnswer, caption: str = "") -> Figure:
         if gap > right:
             axes.text(0.98 * right, at, f"{row.gap} cm {BEYOND}", ha="right", va="center", size=9)
     _answer_line(axes, answer)
-    axes.set_yticks(place, names)
-    axes.tick_params(axis="y", length=0)
-    axes.grid(visible=False, axis="y")
-    axes.invert_yaxis()
-    axes.set(ylim=(len(shown) - 0.4, -0.6), xlim=(0, right), xlabel=_axis(answer))
-    _verdict_legend(axes, {row.verdict for row in shown}, middle)
+    name_rows(axes, place, names)
+    axes.set(xlim=(0, right), xlabel=_axis(answer))
+    verdicts = {row.verdict for row in shown}
+    looks = {verdict: look for verdict, look in VERDICTS.items() if verdict in verdicts}
+    figure.legend(
+        handles=swatches(looks, EDGE), loc="outside upper center", ncols=4, fontsize=9,
+        columnspacing=1.0, handlelength=1.4, handletextpad=0.5,
+    )  # fmt: skip
     return figure
 
 
@@ -88,9 +98,9 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
     now = 100 * answer.existing.attrs["gap_m"] if answer.existing is not None else np.inf
     if now < 1.6 * right:  # farther off it would squeeze the rest
         right = max(right, 1.3 * now)
-        axes.axvline(now, ymax=1 / TOP, color="#2166ac", lw=1.2, ls=(0, (6, 1.5, 1, 1.5)))
+        axes.axvline(now, color="#2166ac", lw=1.2, ls=(0, (6, 1.5, 1, 1.5)))
         axes.text(now + 0.01 * right, 0.02, f"existing {about.gap}", size=9, color="#1d4f86")
-    axes.set(xlim=(0, right), ylim=(0, TOP))
+    axes.set(xlim=(0, right), ylim=(0, 1.02))
     far = [f"{row.number}: {row.gap} cm {BEYOND}" for row in shown if gaps[row.number] > right]
     axes.text(0.99 * right, 0.84, "\n".join(far), ha="right", va="top", size=9)
     shown = [row for row in shown if gaps[row.number] <= right]
@@ -138,7 +148,7 @@ def spectrum_figure(answer: CaseAnswer) -> Figure:
     axes.set(xlim=(period.min(), period.max()), ylim=(0, None))
     axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     axes.set(xlabel="period [s]", ylabel="two-sided PSD [m$^2$/s$^3$]")
-    _legend_above(axes)
+    legend_above(axes, 3, 9)
     return figure
 
 
@@ -151,12 +161,10 @@ def records_figure(answer: CaseAnswer) -> Figure:
     place = np.arange(len(gaps))
     axes.barh(place, gaps, 0.6, color="#d9d3c7", edgecolor=EDGE, lw=0.6, zorder=2)
     _answer_line(axes, answer)
-    axes.set_yticks(place, _named(answer.case.records))
-    axes.grid(visible=False, axis="y")
-    axes.set_ylim(len(gaps) - 0.4, -0.6)
+    name_rows(axes, place, _named(answer.case.records))
     axes.set(xlim=(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1))
     axes.set(xlabel=_axis(answer))
-    _legend_above(axes)
+    legend_above(axes, 3, 9)
     return figure
 
 
@@ -173,7 +181,7 @@ def _many_records(answer: CaseAnswer, gaps: np.ndarray) -> Figure:
     _answer_line(axes, answer)
     right = 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1
     axes.set(xlim=(0, right), ylim=(0, 1.02), xlabel=_axis(answer), ylabel="share of the records")
-    _legend_above(axes)
+    legend_above(axes, 3, 9)
     return figure
 
 
@@ -191,57 +199,32 @@ def _blank(height: float) -> tuple[Figure, Axes]:
 
     figure = Figure(figsize=(WIDTH, height), layout="constrained")
     axes = figure.add_subplot()
-    axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    open_frame(axes)
     return figure, axes
 
 
 def _answer_line(axes: Axes, answer: CaseAnswer) -> None:
     table = answer.separation
-    low, high = (100 * float(table[f"gap_{end}"][0]) for end in ("lower", "upper"))
+    low, high = (100 * end for end in with_interval(table.isel(rule=0), "gap")[1:])
     if np.isfinite(high):
         axes.axvspan(low, high, color="0.6", alpha=0.55, lw=0, zorder=1.5)
     line: Any = {"color": "#1b1b1b", "lw": 1.2, "ls": (0, (4, 2)), "zorder": 3}
     axes.axvline(100 * float(table.gap[0]), label="the answer, with its 95 % interval", **line)
 
 
-def _verdict_legend(axes: Axes, verdicts: set[str], middle: float) -> None:
-    from matplotlib.patches import Patch
-
-    patches = [
-        Patch(facecolor=face, hatch=hatch, edgecolor=EDGE, lw=0.6, label=word)
-        for word, (face, hatch) in VERDICTS.items()
-        if word in verdicts
-    ]
-    axes.legend(
-        handles=patches, ncols=4, loc="lower center", bbox_to_anchor=(middle, 1.0), fontsize=9,
-        columnspacing=1.0, handlelength=1.4, handletextpad=0.5,
-    )  # fmt: skip
-
-
-def _legend_above(axes: Axes) -> None:
-    axes.legend(
-        loc="lower right", bbox_to_anchor=(1, 1.0), ncols=3, borderaxespad=0.2, fontsize=9,
-        columnspacing=1.0,
-    )  # fmt: skip
-
-
 def _rule_numbers(axes: Axes, shown: list[RuleLine], gaps: dict[int, float], right: float) -> None:
-    """Numbers of the rules above the curve, those at one gap together, neighbours on other heights."""
-    groups: list[list[int]] = []
+    """Numbers of the rules in a row above the curve, those at one gap together, each led to its gap."""
+    groups: list[list[RuleLine]] = []
     for row in sorted(shown, key=lambda row: gaps[row.number]):
-        if groups and gaps[row.number] - gaps[groups[-1][0]] < NEAR * right:
-            groups[-1].append(row.number)
+        if groups and gaps[row.number] - gaps[groups[-1][0].number] < NEAR * right:
+            groups[-1].append(row)
         else:
-            groups.append([row.number])
-    ends = [0.0] * LEVELS  # where the last label of each height ends
-    for group in groups:
-        at = float(np.mean([gaps[number] for number in group]))
-        text = ",".join(map(str, sorted(group)))
-        half = 0.5 * (len(text) + 1) * CHARACTER * right
-        level = next((n for n, end in enumerate(ends) if at - half > end), LEVELS - 1)
-        ends[level] = at + half
-        height = 1.05 + (TOP - 1.05) / LEVELS * level
-        axes.plot([at, at], [1.0, height], color="0.6", lw=0.6, zorder=1)
-        axes.text(at, height, text, size=8.5, ha="center", va="bottom")
+            groups.append([row])
+    at = [float(np.mean([gaps[row.number] for row in group])) for group in groups]
+    apart = APART * right * np.arange(len(groups))
+    place = isotonic_regression(np.array(at) - apart).x + apart  # as near as labels can stand
+    for gap, label, group in zip(at, place, groups, strict=True):
+        text = ", ".join(str(number) for number in sorted(row.number for row in group))
+        line: Any = {"color": "0.6", "lw": 0.6, "clip_on": False, "zorder": 1}
+        axes.plot([gap, gap, label], [1.0, 1.05, 1.1], **line)
+        axes.text(label, 1.11, text, size=8.5, rotation=90, ha="center", va="bottom")

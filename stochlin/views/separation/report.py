@@ -1,179 +1,112 @@
-"""The page of ``stochlin gap --report``: one self-contained HTML file."""
+"""All that ``stochlin gap`` shows of an answer, on the screen and on its page."""
 
 from __future__ import annotations
 
-import io
-import re
-from collections.abc import Callable, Iterable
-from itertools import groupby
-from typing import TYPE_CHECKING, Any, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING
 
 from stochlin.views.sensitivity import words as what_matters
 from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import facts as small_print
 from stochlin.views.separation import pictures, words
-from stochlin.views.separation.risk import risk_caption, risk_figure, risk_words
-from stochlin.views.separation.statement import SIGNED, statement
+from stochlin.views.separation.risk import risk_blocks, risk_caption, risk_figure
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.shared.style import STYLE
-from stochlin.views.shared.symbols import typeset_html
-from stochlin.views.shared.uncertain import HEADS, unknowns
-from stochlin.views.shared.words import centimetres, doubted
+from stochlin.views.shared.blocks import Block, Items, Picture, Section, Table, Term, Terms, Text, texts
+from stochlin.views.shared.page import page
+from stochlin.views.shared.uncertain import unknowns
+from stochlin.views.shared.words import SPACE, centimetres, opening
 from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
-    import xarray as xr
-    from markupsafe import Markup
-    from matplotlib.figure import Figure
-
     from stochlin.analyses.cases.separation import CaseAnswer
 
-KINDS = {
-    "simulation": "simulation",
-    "equation_3": "eq. (3) with a correlation coefficient",
-    "linearization": "linearization",
-    "code": "building codes and their families of rules",
-}
 
-
-class Picture(NamedTuple):
-    """A picture with its description in words."""
-
-    title: str
-    svg: Markup
-    caption: str
+def answer_sections(answer: CaseAnswer) -> list[Section]:
+    """The answer first, then the existing gap, the risk and the rules, and the small print."""
+    case, about = answer.case, subject_of(answer.case)
+    missing = [f"{row.rule}: {row.missing}" for row in words.rows(answer) if row.missing]
+    signed = [Text(name, "signed") for name in small_print.SIGNED]
+    summed_up = (
+        f"{case.title}. This statement sums up the page for a reviewer: rational analysis of the "
+        f"{about.gap} by nonlinear simulation."
+    )
+    return [
+        opening(case, answer.doubts()),
+        Section("", [Text(words.headline(answer), "answer"), *texts(words.summary(answer))]),
+        Section("Uncertain parameters", unknowns(case, f"the {about.gap} is that")),
+        Section(f"The existing {about.gap}", words.allowances(answer)),
+        Section(f"How often {about.meet}", risk_blocks(answer)),
+        Section("The rules and the answer", [words.rules_table(answer)]),
+        Section("", [Items(missing)], on_page=False),
+        Section("", words.rules_notes(answer)),
+        Section("Limits of this answer", [Items(small_print.uncertainties(answer))], on_screen=False),
+        Section("Pictures", _pictures(answer), on_screen=False, columns=True),
+        Section("The records", _records(answer), on_screen=False),
+        Section("Influence of the inputs", _influence(answer)),
+        Section("The case", small_print.facts(answer), on_screen=False, columns=True),
+        Section("Assumptions of each rule", [_assumptions(answer)], on_screen=False, columns=True),
+        Section(
+            "Statement of the analysis",
+            [Text(summed_up), Terms(small_print.statement(answer)), *signed],
+            on_screen=False,
+        ),
+    ]
 
 
 def report_page(answer: CaseAnswer) -> str:
-    """The page of an answer: HTML with pictures and style within; text of the case file is escaped."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    environment = Environment(
-        loader=PackageLoader("stochlin.views.separation", "."),
-        autoescape=True,
-        undefined=StrictUndefined,
-        finalize=_set_symbols(answer),
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    table = answer.separation
-    shown = words.rows(answer)
-    return environment.get_template("report.html").render(
-        case=answer.case,
-        subject=subject_of(answer.case),
-        doubt=doubted(answer.doubts()),
-        headline=words.headline(answer),
-        summary=words.summary(answer),
-        allowances=words.allowances(answer),
-        unknowns=unknowns(answer.case),
-        unknown_heads=HEADS,
-        risk=risk_words(answer),
-        rows=shown,
-        kinds=[(KINDS[kind], list(group)) for kind, group in groupby(shown, lambda row: row.kind)],
-        columns=words.columns(answer.case),
-        marks=words.MARKS,
-        families=words.families(answer.case),
-        pictures=_pictures(answer),
-        facts=_grouped(small_print.facts(answer)),
-        records=_records(answer),
-        matters=None if answer.matters is None else _matters(answer, answer.matters),
-        uncertainties=small_print.uncertainties(answer),
-        statement=statement(answer),
-        signed=SIGNED,
-        references=table.attrs["references"],
-        history=table.attrs["history"],
-    )
-
-
-def _set_symbols(answer: CaseAnswer) -> Callable[[Any], Any]:
-    """A function that typesets the symbols of a text, except in names of the user."""
-    from markupsafe import Markup
-
-    case = answer.case
+    """The page of an answer; text of the case file is escaped."""
+    case, attrs = answer.case, answer.separation.attrs
     as_given = [case.file, case.title, *(building.name for building in case.buildings), *case.records]
-
-    def typeset(value: Any) -> Any:
-        plain = isinstance(value, str) and not isinstance(value, Markup)
-        return Markup(typeset_html(value, as_given)) if plain else value
-
-    return typeset
+    footer = [attrs["references"], f"{attrs['history']}, from {case.file}."]
+    title = f"{case.title}: {subject_of(case).page}"
+    return page(title, answer_sections(answer), footer, as_given)
 
 
 def _pictures(answer: CaseAnswer) -> list[Picture]:
     gap, about = centimetres(float(answer.separation.gap[0])), subject_of(answer.case)
     lines = "lines are the elastic periods" if not answer.case.alone else "line is the elastic period"
     drawn = [
-        (
+        Picture(
             f"{about.gap.capitalize()}s by rule",
-            pictures.rules_figure,
             f"Each rule's {about.gap} against the answer, {gap} cm (dashed, its 95 % interval grey). "
             "Numbers as in the table.",
+            partial(pictures.rules_figure, answer),
         ),
-        (
+        Picture(
             f"How often a {about.gap} is enough",
-            pictures.distribution_figure,
             f"Share of the simulated motions in which {about.would}. The "
             "rules stand on the curve, squares where they are unsafe or within error; their numbers are "
             "those of the table.",
+            partial(pictures.distribution_figure, answer),
         ),
-        (
+        Picture(
             f"The ground and {about.the_buildings}",
-            pictures.spectrum_figure,
             f"{_of_site(answer)} The {lines} of {about.the_buildings}; yielding lengthens "
             f"{'it' if answer.case.alone else 'them'}.",
+            partial(pictures.spectrum_figure, answer),
         ),
     ]
     if "height" in answer.separation.dims:
-        drawn.insert(
-            1,
-            (
-                "Gap over height and storey drifts",
-                lambda answer: draw_heights(answer.table(), caption=False),
-                f"Above, the {about.gap} that is needed at each height, and the height that governs. "
-                f"One {about.gap} for all heights has to be the largest of these or more, since "
-                "different motions need it at different heights. Below, the drifts of storeys, and "
-                "their drifts at yield.",
-            ),
+        over_height = Picture(
+            "Gap over height and storey drifts",
+            f"Above, the {about.gap} that is needed at each height, and the height that governs. "
+            f"One {about.gap} for all heights has to be the largest of these or more, since "
+            "different motions need it at different heights. Below, the drifts of storeys, and "
+            "their drifts at yield.",
+            partial(draw_heights, answer.table(), caption=False),
         )
+        drawn.insert(1, over_height)
     if answer.risk is not None:
-        drawn.append((f"How often {about.meet}", risk_figure, risk_caption(answer)))
+        title = f"How often {about.meet}"
+        drawn.append(Picture(title, risk_caption(answer), partial(risk_figure, answer)))
     if answer.case.records:
-        drawn.append(
-            (
-                "Recorded motions",
-                pictures.records_figure,
-                f"{about.gap.capitalize()} that would just have been enough in each record, against "
-                f"the answer. {about.records}".strip(),
-            )
+        text = (
+            f"{about.gap.capitalize()} that would just have been enough in each record, against "
+            f"the answer. {about.records}"
         )
-    return [
-        Picture(title, _svg(draw, answer, f"p{n}", f"{title}. {text}"), text)
-        for n, (title, draw, text) in enumerate(drawn, start=1)
-    ]
-
-
-def _matters(answer: CaseAnswer, table: xr.Dataset) -> dict[str, Any]:
-    """The influence of the inputs: sentences, a row for each input, the columns and the picture."""
-    names, quantity = words.names_of(answer), what_matters.asked(table)
-    text = (
-        f"Change of the {quantity} with each input at the ends of its range; lines: standard errors. "
-        "Numbers and ranges as in the table."
-    )
-    picture = _svg(
-        lambda _: draw_sensitivity(table, names, caption=False),
-        answer,
-        "m",
-        f"Influence of the inputs. {text}",
-    )
-    return {
-        "sentences": what_matters.sentences(table, names),
-        "rows": what_matters.rows(table, names),
-        "asked": quantity,
-        "shares": bool(table.uncertain.any()),
-        "note": what_matters.note(table),
-        "picture": Picture(f"Influence of each input on the {quantity}", picture, text),
-    }
+        drawn.append(Picture("Recorded motions", text.strip(), partial(pictures.records_figure, answer)))
+    return drawn
 
 
 def _of_site(answer: CaseAnswer) -> str:
@@ -183,33 +116,43 @@ def _of_site(answer: CaseAnswer) -> str:
     return " ".join([*sentences, "Below, the ratio with its 95 % interval; dotted, 6 % to either side."])
 
 
-def _svg(draw: Callable[[CaseAnswer], Figure], answer: CaseAnswer, prefix: str, text: str) -> Markup:
-    """A picture for HTML: without prolog, with ids of its own, and with its text for screen readers."""
-    import matplotlib as mpl
-    from markupsafe import Markup, escape
-
-    with mpl.rc_context(STYLE | pictures.PAGE_STYLE), io.StringIO() as stream:
-        draw(answer).savefig(stream, format="svg", metadata={"Date": None})
-        svg = stream.getvalue()
-    svg = re.sub(r"<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
-    svg = re.sub(r"<!--.*?-->\n?", "", svg, flags=re.DOTALL)
-    svg = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", svg)
-    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{escape(text)}"', 1))
-
-
-def _grouped(facts: Iterable[tuple[str, str, str]]) -> list[tuple[str, list[tuple[str, str]]]]:
-    return [
-        (group, [(name, value) for _, name, value in members])
-        for group, members in groupby(facts, lambda fact: fact[0])
+def _records(answer: CaseAnswer) -> list[Block]:
+    """A row for each record: the gap that it needs, and the peaks."""
+    table, case = answer.separation, answer.case
+    heads = {"record_separation": f"{subject_of(case).gap} [cm]"}
+    peaks = {1: "peak [cm]"} if case.alone else {1: "peak 1 [cm]", 2: "peak 2 [cm]"}
+    heads |= {f"record_peak_{n}": head for n, head in peaks.items() if f"record_peak_{n}" in table}
+    rows = [
+        (f"{n + 1}  {record}", *(centimetres(float(table[name][n])) for name in heads))
+        for n, record in enumerate(case.records)
     ]
+    return [Table.of(("record", *heads.values()), rows)]
 
 
-def _records(answer: CaseAnswer) -> list[tuple[str, list[str]]]:
-    """Name of each record, and its gap and the peaks in cm."""
-    table = answer.separation
-    known = ("record_separation", "record_peak_1", "record_peak_2")
-    names = [name for name in known if name in table]
-    return [
-        (record, [centimetres(float(table[name][n])) for name in names])
-        for n, record in enumerate(answer.case.records)
-    ]
+def _influence(answer: CaseAnswer) -> list[Block]:
+    """The influence of the inputs: sentences, a row for each input, and the picture."""
+    table = answer.matters
+    if table is None:
+        return []
+    names, quantity = words.names_of(answer), what_matters.asked(table)
+    if not what_matters.rows(table, names):
+        return what_matters.blocks(table, names)
+    text = (
+        f"Change of the {quantity} with each input at the ends of its range; lines: standard errors. "
+        "Numbers and ranges as in the table."
+    )
+    draw = partial(draw_sensitivity, table, names, caption=False)
+    picture = Picture(f"Influence of each input on the {quantity}", text, draw)
+    return [*what_matters.blocks(table, names), picture]
+
+
+def _assumptions(answer: CaseAnswer) -> Terms:
+    """The assumptions of each rule, why it is not available, and its source and mark."""
+    terms = []
+    for row in words.rows(answer):
+        missing = row.missing and f"Not available: {row.missing}."
+        mark = row.mark and f"Mark{SPACE}{row.mark}."
+        text = f"{row.assumptions and row.assumptions + '.'} {missing}"
+        note = f"{row.reference and row.reference + '.'} {mark}"
+        terms.append(Term(f"{row.number} {row.label}", text.strip(), note.strip()))
+    return Terms(terms)

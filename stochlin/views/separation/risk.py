@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stochlin.analyses.records.files import METRES
+from stochlin.analyses.risk.rates import range_of_rate, shares_of_rate
 from stochlin.models.hazards import HazardCurve
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.shared.screen import columns, paragraph
+from stochlin.views.shared.blocks import Block, Table, Text, texts
+from stochlin.views.shared.style import open_frame
 from stochlin.views.shared.symbols import typeset
-from stochlin.views.shared.words import MISSING, SPACE, centimetres, length, per_cent
+from stochlin.views.shared.words import (
+    MISSING,
+    SPACE,
+    along,
+    centimetres,
+    length,
+    per_cent,
+    with_interval,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,37 +35,19 @@ LITTLE = 0.05  # of the rate, left out at either end
 NOTICED = 0.1  # of the rate, or of the motions, that the hazard's table leaves out
 
 
-class RiskWords(NamedTuple):
-    """The words and the table of a risk."""
-
-    sentences: list[str]
-    heads: tuple[str, ...]
-    rows: list[tuple[str, ...]]
-    note: str
-
-
-def risk_words(answer: CaseAnswer) -> RiskWords | None:
-    """The frequency of pounding for each gap of interest; None where the case has no hazard."""
+def risk_blocks(answer: CaseAnswer) -> list[Block]:
+    """The frequency of pounding for each gap of interest; empty where the case has no hazard."""
     table = answer.risk
     if table is None:
-        return None
-    rows = [_row(table.isel(risk_gap=n)) for n in range(table.sizes["risk_gap"])]
+        return []
+    rows = [_row(of_gap) for of_gap in along(table, "risk_gap")]
     heads = ("gap", "[cm]", "per year", "once in", f"in {table.attrs['risk_years']:g} years", "interval")
     note = (
         f"From {table.attrs['risk_paths']} motions at each of {table.sizes['risk_intensity']} "
         f"intensities of the hazard; the intervals, of 95{SPACE}%, are those of the sampling of "
         "motions. Different years are taken as independent."
     )
-    return RiskWords(_sentences(answer, table), heads, rows, note)
-
-
-def risk_lines(answer: CaseAnswer) -> list[str]:
-    """The same for the screen; nothing where the case has no hazard."""
-    words = risk_words(answer)
-    if words is None:
-        return []
-    lines = [line for sentence in words.sentences for line in paragraph(sentence)]
-    return ["", *lines, "", *columns(words.heads, words.rows), "", *paragraph(words.note)]
+    return [*texts(risk_sentences(answer)), Table.of(heads, rows), Text(note, "note")]
 
 
 def risk_figure(answer: CaseAnswer) -> Figure:
@@ -64,7 +56,7 @@ def risk_figure(answer: CaseAnswer) -> Figure:
     from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     assert answer.risk is not None
-    risk, (unit, label) = answer.risk.isel(risk_gap=0), _axis(answer)
+    risk, (name, units, unit) = answer.risk.isel(risk_gap=0), _measure(answer)
     figure = Figure(figsize=SIZE, layout="constrained")
     above, below = figure.subplots(2, sharex=True)
     x = risk.risk_intensity.values / unit
@@ -74,7 +66,7 @@ def risk_figure(answer: CaseAnswer) -> Figure:
     bad = "across the line" if answer.case.alone else "with pounding"
     above.set(ylim=(-2, 102), ylabel=f"motions\n{bad} [%]")
     above.legend(loc="upper left", fontsize=9)
-    edges, share = _shares(risk)
+    edges, share = shares_of_rate(risk)
     # What is weaker or stronger than all that is simulated is as wide as the interval beside it.
     first, last = edges[1] ** 2 / edges[2], edges[-2] ** 2 / edges[-3]
     edges = np.array([first, *edges[1:-1], last]) / unit
@@ -83,16 +75,14 @@ def risk_figure(answer: CaseAnswer) -> Figure:
     below.set(
         xscale="log",
         xlim=(edges[0], edges[-1]),
-        xlabel=typeset(label),
+        xlabel=typeset(f"{name} [{units}]"),
         ylabel="share of the\nfrequency [%]",
     )
     below.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     below.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
     below.xaxis.set_minor_formatter(NullFormatter())
-    for axes in (above, below):
-        axes.set_axisbelow(True)
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
+    open_frame(above)
+    open_frame(below)
     return figure
 
 
@@ -108,14 +98,14 @@ def risk_caption(answer: CaseAnswer) -> str:
 
 
 def _row(risk: xr.Dataset) -> tuple[str, ...]:
-    rate, of_years = float(risk.risk_annual_rate), "risk_probability_in_years"
-    low, high = (per_cent(float(risk[f"{of_years}_{end}"]), 1) for end in ("lower", "upper"))
+    rate = float(risk.risk_annual_rate)
+    share, low, high = (per_cent(value, 1) for value in with_interval(risk, "risk_probability_in_years"))
     return (
         GAPS[str(risk.risk_of.item())],
         centimetres(float(risk.risk_gap)),
         f"{rate:.2g}",
         _years(rate),
-        per_cent(float(risk[of_years]), 1),
+        share,
         f"{low} to {high}",
     )
 
@@ -124,10 +114,14 @@ def _years(rate: float) -> str:
     return f"{float(f'{1 / rate:.2g}'):.0f}{SPACE}years" if rate else MISSING
 
 
-def _sentences(answer: CaseAnswer, table: xr.Dataset) -> list[str]:
+def risk_sentences(answer: CaseAnswer) -> list[str]:
+    """The frequency for the first of these gaps, and the gap for the risk allowed."""
+    table = answer.risk
+    if table is None:
+        return []
     about = subject_of(answer.case)
     risk, years = table.isel(risk_gap=0), table.attrs["risk_years"]
-    rate, low, high = (float(risk[f"risk_annual_rate{end}"]) for end in ("", "_lower", "_upper"))
+    rate, low, high = with_interval(risk, "risk_annual_rate")
     which = "existing " if risk.risk_of.item() == "existing" else ""
     gap = f"the {which}{about.gap} of {length(float(risk.risk_gap))}"
     sentences = [f"With {gap} {about.met} in none of the motions, at any intensity of the hazard."]
@@ -139,9 +133,10 @@ def _sentences(answer: CaseAnswer, table: xr.Dataset) -> list[str]:
             f"{per_cent(float(risk.risk_probability_in_years), 1)}. {_strongest(answer, risk)}"
         ]
     if "risk_required_gap" in table:
-        needed, *ends = (float(table[f"risk_required_gap{end}"]) for end in ("", "_lower", "_upper"))
+        needed, *ends = with_interval(table, "risk_required_gap")
         sentences.append(
-            f"For the risk allowed, {_allowed(answer)}, {about.stand_at.format(gap=length(needed))} "
+            f"For the risk allowed, {_allowed(answer)}, {about.they} "
+            f"{about.stand.format(gap=length(needed))} "
             f"({' to '.join(map(centimetres, ends))})."
         )
     return sentences + _left_out(answer, risk)
@@ -155,9 +150,8 @@ def _allowed(answer: CaseAnswer) -> str:
 def _left_out(answer: CaseAnswer, risk: xr.Dataset) -> list[str]:
     """The part beyond the table of the hazard, where it could be large."""
     sentences, rate, weakest = [], float(risk.risk_annual_rate), float(risk.risk_pounding_probability[0])
-    unit, label = _axis(answer)
+    name, units, unit = _measure(answer)
     if isinstance(answer.case.hazard, HazardCurve) and weakest > NOTICED:
-        name, units = _named(label)
         least = f"{float(risk.risk_intensity[0]) / unit:.2g}{SPACE}{units}"
         sentences.append(
             f"The hazard begins at {name} {least}, with which {subject_of(answer.case).meet} in "
@@ -173,37 +167,21 @@ def _left_out(answer: CaseAnswer, risk: xr.Dataset) -> list[str]:
     return sentences
 
 
-def _shares(risk: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Edges of the intervals of intensities, from 0 to infinity, and their parts of the rate."""
-    parts = risk.risk_annual_rate_by_intensity.values
-    return np.append(risk.risk_from_intensity.values, np.inf), parts / (parts.sum() or 1.0)
-
-
 def _strongest(answer: CaseAnswer, risk: xr.Dataset) -> str:
     """The intensities that contribute nine tenths of the rate."""
-    edges, share = _shares(risk)
-    above = 1 - np.append(0.0, np.cumsum(share))
-    unit, label = _axis(answer)
-    low = edges[np.flatnonzero(above >= 1 - LITTLE)[-1]] / unit
-    high = edges[np.flatnonzero(above <= LITTLE)[0]] / unit
-    name, units = _named(label)
-    begin = f"{low:.2g} to {high:.2g}{SPACE}{units}" if low else f"less than {high:.2g}{SPACE}{units}"
+    name, units, unit = _measure(answer)
+    low, high = (end / unit for end in range_of_rate(risk, LITTLE))
+    within = f"{low:.2g} to {high:.2g}{SPACE}{units}" if low else f"less than {high:.2g}{SPACE}{units}"
     if not np.isfinite(high):
-        begin = f"more than {low:.2g}{SPACE}{units}"
-    return f"Nine tenths of this frequency come from shaking of {name} {begin}."
+        within = f"more than {low:.2g}{SPACE}{units}"
+    return f"Nine tenths of this frequency come from shaking of {name} {within}."
 
 
-def _named(label: str) -> tuple[str, str]:
-    """The name of an axis and its unit."""
-    name, _, units = label.rstrip("]").rpartition(" [")
-    return name, units
-
-
-def _axis(answer: CaseAnswer) -> tuple[float, str]:
-    """Unit of the intensity in SI, and its name with the unit."""
+def _measure(answer: CaseAnswer) -> tuple[str, str, float]:
+    """The name of the intensity of the hazard, its unit, and that in SI."""
     hazard = answer.case.hazard
     assert hazard is not None
     if hazard.measure == "intensity":
-        return 1.0, "S0 [m²/s³]"
+        return "S0", "m²/s³", 1.0
     name = "PGA" if hazard.period is None else f"Sa({hazard.period:.3g} s)"
-    return METRES["g"], f"{name} [g]"
+    return name, "g", METRES["g"]

@@ -9,7 +9,7 @@ import xarray as xr
 
 from stochlin.views.separation.subjects import gap_of
 from stochlin.views.shared.descriptions import roles_in_words
-from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
+from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, legend_above, open_frame, styled
 from stochlin.views.shared.words import rule_label
 
 if TYPE_CHECKING:
@@ -72,12 +72,8 @@ def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
         top -= own + head
         axes.set_position((LEFT, top / height, RIGHT - LEFT, own / height))
         top -= AXIS
-        axes.legend(
-            loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, borderaxespad=0.2, fontsize=8.5,
-            columnspacing=1.2, handlelength=2.6, labelspacing=0.25,
-        )  # fmt: skip
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
+        legend_above(axes)
+        open_frame(axes)
         axes.set(xlim=(0, None))
     figure.text(0.02, foot / height, text, va="top", size=8.5)
     return figure

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 
 
 class Subject(NamedTuple):
-    """The words that differ; ``{gap}`` and ``{name}`` stand for a length and a name."""
+    """The words that differ; ``{gap}`` stands for a length."""
 
     page: str  # title
     gap: str  # what is asked
-    stand: str  # the answer
+    stand: str  # what one does or both do, by the answer
     kept: str  # what a gap that is wide enough does
     keeping: str
     they: str
@@ -31,14 +31,13 @@ class Subject(NamedTuple):
     records: str  # what a set-back in a record is of
     meet: str  # what is not wanted
     met: str
-    stand_at: str  # the answer of a risk
     labels: Mapping[str, str]  # of rules that have another name here
 
 
 PAIR = Subject(
     page="the gap between two buildings",
     gap="gap",
-    stand="{first} and {second} should stand {gap} apart.",
+    stand="should stand {gap} apart",
     kept="they do not touch",
     keeping="keeps them apart",
     they="they",
@@ -52,13 +51,12 @@ PAIR = Subject(
     records="",
     meet="they pound",
     met="they pounded",
-    stand_at="they should stand {gap} apart",
     labels={},
 )
 ALONE = Subject(
     page="the set-back from the property line",
     gap="set-back",
-    stand="{first} should stand {gap} away from its property line.",
+    stand="should stand {gap} away from its property line",
     kept="it stays on its side of the line",
     keeping="keeps it on its side of the line",
     they="it",
@@ -73,7 +71,6 @@ ALONE = Subject(
     "up to the peak.",
     meet="it crosses its property line",
     met="it crossed its property line",
-    stand_at="it should stand {gap} away from its property line",
     labels={"share_of_sum": "share of its peak", "share_of_height": "share of its height"},
 )
 

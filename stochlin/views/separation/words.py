@@ -7,16 +7,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stochlin.analyses.cases.storeys import StoreyBuilding
-from stochlin.views.sensitivity import words as matters
-from stochlin.views.separation.risk import risk_lines
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.shared.screen import columns as in_columns
-from stochlin.views.shared.screen import paragraph
-from stochlin.views.shared.uncertain import HEADS, contained, unknowns
+from stochlin.views.shared.blocks import Block, Items, Row, Table, Text
 from stochlin.views.shared.words import (
     SPACE,
+    along,
     centimetres,
-    doubted,
     floors,
     length,
     over_records,
@@ -24,6 +20,7 @@ from stochlin.views.shared.words import (
     rule_label,
     scatter,
     shaking,
+    with_interval,
 )
 from stochlin.views.sites.words import fit_in_words
 
@@ -33,6 +30,12 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
     from stochlin.analyses.cases.separation import CaseAnswer
 
+KINDS = {
+    "simulation": "",
+    "equation_3": "eq. (3) with a correlation coefficient",
+    "linearization": "linearization",
+    "code": "building codes and their families of rules",
+}
 MARKS = (
     "Marks: S, formula seen in a copy of its source; C, derived and checked; P, printed in the paper; "
     "M, not compared with its printed source."
@@ -65,21 +68,6 @@ class RuleLine(NamedTuple):
     missing: str
 
 
-def columns(case: Case) -> str:
-    """The meaning of the columns of the table of rules."""
-    about = subject_of(case)
-    return (
-        f"Error: the rule's {about.gap} relative to the answer; negative is unsafe. "
-        f"{about.column.capitalize()}: share of the simulated motions in which {about.share}. Within "
-        "error: the difference is within the error of the simulation."
-    )
-
-
-def families(case: Case) -> str:
-    """The meaning of the families of rules."""
-    return f"{subject_of(case).families}: {FAMILIES}"
-
-
 def _of_each(table: xr.Dataset, name: str) -> list[float]:
     """A number for each building of the case."""
     return [float(table[f"{name}_{n}"]) for n in (1, 2) if f"{name}_{n}" in table]
@@ -110,41 +98,37 @@ def rows(answer: CaseAnswer) -> list[RuleLine]:
             verdict=meanings[int(row.verdict)].replace("_", " "),
             **{name: str(row[name].item()) for name in SHOWN_TEXTS},
         )
-        for n, row in enumerate((table.isel(rule=i) for i in range(table.sizes["rule"])), start=1)
+        for n, row in enumerate(along(table, "rule"), start=1)
     ]
 
 
-def answer_lines(answer: CaseAnswer) -> list[str]:
-    """The lines for the screen: the answer in words, the table, and its explanation."""
-    doubt = paragraph(doubted(answer.doubts()))
-    lines = [*doubt, answer.case.title, "", *paragraph(headline(answer))]
-    for sentence in summary(answer):
-        lines += paragraph(sentence)
-    allowed = allowances(answer)
-    if allowed:
-        lines += ["", *paragraph(allowed[0])]
-        lines += [line for text in allowed[1:] for line in paragraph(f"  {text}", "    ")]
-    if unknown := unknowns(answer.case):
-        lines += ["", *in_columns(HEADS, unknown)]
-    lines += risk_lines(answer)
-    shown, about = rows(answer), subject_of(answer.case)
-    wide, head = max(len(row.rule) for row in shown), f"{about.gap} [cm]"
-    lines += [
-        "",
-        f"{'rule':{wide}}  {head}  error  {about.column:>7}  {'verdict':13}  {'mark':6}  family",
+def rules_table(answer: CaseAnswer) -> Table:
+    """A row for each rule: on the screen by its name in files, on a page by its number and title."""
+    about = subject_of(answer.case)
+    heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark", "family")
+    table_rows = [
+        Row(
+            (row.rule, row.gap, row.error, row.probability, row.verdict, row.mark, row.family),
+            label=f"{row.number}{SPACE}{SPACE}{row.label.removeprefix('eq. (3), ')}",
+            group=KINDS[row.kind],
+            look=row.verdict,
+        )
+        for row in rows(answer)
     ]
-    lines += [
-        f"{row.rule:{wide}}  {row.gap:>{len(head)}} {row.error:>6}  {row.probability:>7}  "
-        f"{row.verdict:13}  {row.mark:6}  {row.family}".rstrip()
-        for row in shown
+    return Table(heads, table_rows, words=heads[4:], minor=heads[5:])
+
+
+def rules_notes(answer: CaseAnswer) -> list[Text]:
+    """The meaning of the columns, marks and families."""
+    about = subject_of(answer.case)
+    columns = (
+        f"Error: the rule's {about.gap} relative to the answer; negative is unsafe. "
+        f"{about.column.capitalize()}: share of the simulated motions in which {about.share}. Within "
+        "error: the difference is within the error of the simulation."
+    )
+    return [
+        Text(text, "note") for text in (about.rules, columns, MARKS, f"{about.families}: {FAMILIES}")
     ]
-    lines += [""]
-    for row in shown:
-        if row.missing:
-            lines += paragraph(f"{row.rule}: {row.missing}", "  ")
-    texts = (about.rules, columns(answer.case), MARKS, families(answer.case))
-    lines += [line for text in texts if text for line in paragraph(text)]
-    return lines if answer.matters is None else lines + matters.lines(answer.matters, names_of(answer))
 
 
 def names_of(answer: CaseAnswer) -> dict[str, str]:
@@ -155,9 +139,9 @@ def names_of(answer: CaseAnswer) -> dict[str, str]:
 
 def headline(answer: CaseAnswer) -> str:
     """The answer in one sentence."""
-    first, *others = (building.name for building in answer.case.one_or_two)
+    names = " and ".join(building.name for building in answer.case.one_or_two)
     gap = length(float(answer.separation.gap[0]))
-    return subject_of(answer.case).stand.format(first=first, second="".join(others), gap=gap)
+    return f"{names} {subject_of(answer.case).stand.format(gap=gap)}."
 
 
 def confidence(case: Case) -> str:
@@ -167,7 +151,7 @@ def confidence(case: Case) -> str:
 
 def interval(table: xr.Dataset) -> str:
     """The interval of the answer, of 95 %."""
-    low, high = (float(table[f"gap_{end}"][0]) for end in ("lower", "upper"))
+    _, low, high = with_interval(table.isel(rule=0), "gap")
     if np.isfinite(high):
         return f"{centimetres(low)} to {length(high)}"
     return f"{length(low)} or more; the motions are too few for an upper end"
@@ -181,7 +165,6 @@ def summary(answer: CaseAnswer) -> list[str]:
         f"With that {about.gap} {about.kept} in {confidence(case)} of motions like the one "
         f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
         f"the {about.gap} is {interval(table)}.",
-        contained(case, f"the {about.gap} is that"),
         shaking(answer.shaking, case),
         scatter(case),
         _heights(answer),
@@ -205,30 +188,27 @@ def summary(answer: CaseAnswer) -> list[str]:
     return [sentence for sentence in sentences if sentence]
 
 
-def allowances(answer: CaseAnswer) -> list[str]:
+def allowances(answer: CaseAnswer) -> list[Block]:
     """Changes that make the existing gap sufficient, or the limits up to which it is."""
     if answer.existing is None:
         return []
     limits, case, about = answer.existing, answer.case, subject_of(answer.case)
     enough = float(limits.required_gap) <= float(limits.attrs["gap_m"])
     now = float(case.ground.arrays()["intensity"])
-    intensity, damping = float(limits.largest_intensity), float(limits.least_added_damping)
-    ends = [float(limits[f"least_added_damping_{end}"]) for end in ("lower", "upper")]
-    bracket = f" [{per_cent(ends[0], 1)} to {per_cent(ends[1], 1)}]" if ends[0] < ends[1] else ""
+    intensity = float(limits.largest_intensity)
+    damping, low, high = with_interval(limits, "least_added_damping")
+    bracket = f" [{per_cent(low, 1)} to {per_cent(high, 1)}]" if low < high else ""
     more = f"at least {per_cent(damping, 1)}{bracket} more{'' if case.alone else ' in both'}"
     more = more if damping else "no additional damping is needed"
-    return [
+    strongest = f"S0 up to {_with_interval(limits, 'largest_intensity')} m²/s³ (now {now:.3g})"
+    begin = (
         f"The existing {about.gap} stays sufficient up to these values, each changed alone:"
         if enough
-        else f"Each of these changes alone would make the existing {about.gap} sufficient:",
-        *_strength(limits, answer.separation),
-        "Shaking: "
-        + _limit(
-            intensity, f"S0 up to {_with_interval(limits, 'largest_intensity')} m²/s³ (now {now:.3g})"
-        ),
-        "Damping: " + _limit(damping, more),
-        f"Searched: {limits.attrs['searched']}. In brackets: 95 % intervals.",
-    ]
+        else f"Each of these changes alone would make the existing {about.gap} sufficient:"
+    )
+    changes = [f"Shaking: {_limit(intensity, strongest)}", f"Damping: {_limit(damping, more)}"]
+    note = f"Searched: {limits.attrs['searched']}. In brackets: 95 % intervals."
+    return [Text(begin), Items(_strength(limits, answer.separation) + changes), Text(note, "note")]
 
 
 def _heights(answer: CaseAnswer) -> str:
@@ -326,8 +306,7 @@ def _verdicts(answer: CaseAnswer) -> str:
 
 def existing(found: xr.Dataset, case: Case) -> str:
     """Whether the existing gap is enough."""
-    name = "no_pounding_probability"
-    share, low, high = (float(found[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
+    share, low, high = with_interval(found, "no_pounding_probability")
     word, about = "undecided within the error of the simulation", subject_of(case)
     if low >= case.confidence:
         word = "enough"

@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from stochlin.messages import hyphenated
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts.base import CONTACTS
@@ -18,7 +20,7 @@ from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import Model
 from stochlin.models.structures import LAWS, Gap
-from stochlin.views.shared.words import SPACE, rounded, rule_label, shown_unit
+from stochlin.views.shared.words import rounded, rule_label, shown_unit
 
 if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
@@ -96,24 +98,23 @@ def source_in_words(case: Case) -> str:
 def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> str:
     """``mass 2000 t``; empty of a zero that says that there is nothing."""
     field = getattr(kind, "__dataclass_fields__", {}).get(name)
-    unit, scale = shown_unit(field.metadata.get("units", "1") if field else "1")
-    unit = unit.replace(" ", SPACE)
+    units = field.metadata.get("units", "1") if field else "1"
     colon = ":" if OF_ONE.search(name) else ""
     words = "" if name == role else f"{OF_ONE.sub(' of building ', name).replace('_', ' ')}{colon} "
     if WITHIN.search(value):
         return words + COUNT.sub(r"\1 times ", _bracketed(value, name))
     if NUMBER.fullmatch(value):
         absent = float(value) == 0 and (not field or field.default == 0)
-        return "" if absent else f"{words}{rounded(scale * float(value))}{unit}"
+        return "" if absent else words + _measured(value, units)
     over = OVER.fullmatch(value)
     if over:
         count, numbers, dimensions = over.groups()
         every = f"{count} times " if count else ""
-        shown = _scaled(numbers, scale)
-        return f"{words}{every}{shown}{unit} over {dimensions.replace('storey', 'the storeys')}"
+        places = dimensions.replace("storey", "the storeys")
+        return f"{words}{every}{_measured(numbers, units)} over {places}"
     if uncertain := UNCERTAIN.fullmatch(value):
         spread = f" ± {uncertain[2]}" if uncertain[2] else ""
-        return f"{words}{_scaled(uncertain[1], scale)}{unit}{spread}"
+        return f"{words}{_measured(uncertain[1], units)}{spread}"
     if several := SEVERAL.fullmatch(value):
         return _ends(name, words, several[1].rstrip(",").split(", "))
     return f"{words}{value}".strip()
@@ -127,9 +128,11 @@ def _ends(name: str, words: str, each: list[str]) -> str:
     return f"{words.replace('structure', 'building')}{' and '.join(ends)}"
 
 
-def _scaled(text: str, scale: float) -> str:
-    """A number in the unit that is shown; what is no number unchanged."""
-    return NUMBER.sub(lambda found: rounded(scale * float(found[0])), text)
+def _measured(text: str, units: str) -> str:
+    """The numbers of a text in the unit that is shown, and that unit."""
+    numbers = [abs(float(number)) for number in NUMBER.findall(text)]
+    unit, scale = shown_unit(units, max(numbers, default=np.inf))
+    return NUMBER.sub(lambda number: rounded(scale * float(number[0])), text) + unit
 
 
 def _parts(given: str) -> Iterator[str]:

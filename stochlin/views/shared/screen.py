@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,7 @@ from stochlin.messages import (
     sentence,
 )
 from stochlin.registry import Registry
+from stochlin.views.shared.blocks import Block, Items, Section, Table, Text
 from stochlin.views.shared.symbols import LETTERS
 
 if TYPE_CHECKING:
@@ -179,6 +181,16 @@ def check_target(
             )
 
 
+def data_target(
+    out: Path | None, picture: Path | None, allowed: Sequence[str], inputs: Iterable[Path] = ()
+) -> Path | None:
+    """Where the data go, where that is asked for or beside the picture; raises as `check_target`."""
+    data = out if out or not picture else picture.with_suffix(allowed[0])
+    check_target("--out" if out else "--picture", data, allowed, inputs)
+    check_target("--picture", picture, PICTURES, inputs)
+    return data
+
+
 def write(
     table: xr.Dataset, out: Path | None, picture: Path | None, draw: Callable[[xr.Dataset], Figure]
 ) -> None:
@@ -210,14 +222,40 @@ def cut(name: str, wide: int) -> str:
     return name if len(name) <= wide else f"{name[: wide - 3]}..."
 
 
-def columns(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    """A table as text: the first column to the left, the others to the right."""
-    all_rows = [heads, *rows]
-    wide = [max(len(row[n]) for row in all_rows) for n in range(len(heads))]
-    return [
-        "  ".join([row[0].ljust(wide[0]), *(row[n].rjust(wide[n]) for n in range(1, len(heads)))])
-        for row in all_rows
+def lines(sections: Iterable[Section]) -> list[str]:
+    """Sections as text: a line without text between them, and around every table."""
+    shown: list[str] = []
+    for section in sections:
+        written = [line for block in section.blocks for line in _written(block)]
+        if section.on_screen and written:
+            shown += ["", *([f"{section.title}:"] if section.title else []), *written]
+    apart = [line for before, line in pairwise(["", *shown]) if before or line]
+    return apart if apart[-1] else apart[:-1]
+
+
+def _written(block: Block) -> list[str]:
+    """The lines of a block; pictures and names with their meaning are for pages."""
+    if isinstance(block, Text):
+        return paragraph(block.text)
+    if isinstance(block, Items):
+        return [line for text in block.texts for line in paragraph(f"  {text}", "    ")]
+    return _columns(block) if isinstance(block, Table) and block.rows else []
+
+
+def _columns(table: Table) -> list[str]:
+    """The first column and those of words to the left, the others to the right."""
+    rows = [table.heads, *(row.cells for row in table.rows)]
+    columns: list[list[str]] = []
+    for head, texts in zip(table.heads, zip(*rows, strict=True), strict=True):
+        cells = [text.translate(PLAIN) for text in texts]  # as wide as they are when shown
+        wide = max(map(len, cells))
+        left = not columns or head in table.words
+        columns.append([cell.ljust(wide) if left else cell.rjust(wide) for cell in cells])
+    lines_apart = [
+        [apart.join(cells).rstrip() for cells in zip(*columns, strict=True)] for apart in ("  ", " ")
     ]
+    fitting = next((rows for rows in lines_apart if max(map(len, rows)) <= WIDTH), lines_apart[0])
+    return ["", *fitting, ""]
 
 
 def on_screen(table: xr.Dataset) -> str:

@@ -99,6 +99,48 @@ def label_axis(axes: Axes, way: Literal["x", "y"], values: xr.DataArray) -> None
     axes.set(**{f"{way}label": quantity(values)})
 
 
+def legend_above(axes: Axes, columns: int = 2, size: float = 8.5, handles: Any = None) -> None:
+    """The legend above the axes, in so many columns; none where nothing has a label."""
+    handles = axes.get_legend_handles_labels()[0] if handles is None else handles
+    if handles:
+        axes.legend(
+            handles=handles, loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=columns,
+            borderaxespad=0.2, fontsize=size, columnspacing=1.2, handlelength=2.6, labelspacing=0.25,
+        )  # fmt: skip
+
+
+def swatches(looks: Mapping[str, tuple[str, str]], edge: str) -> list[Any]:
+    """Handles of a legend: for each label a patch with its face and hatch."""
+    from matplotlib.patches import Patch
+
+    return [
+        Patch(facecolor=face, hatch=hatch, edgecolor=edge, lw=0.6, label=label)
+        for label, (face, hatch) in looks.items()
+    ]
+
+
+def open_frame(axes: Axes, sides: Sequence[str] = ("top", "right")) -> None:
+    """Axes without lines at these sides, and with the grid behind what is drawn."""
+    axes.set_axisbelow(True)
+    for side in sides:
+        axes.spines[side].set_visible(False)
+
+
+def name_rows(axes: Axes, place: Any, names: Sequence[str], size: float | None = None) -> None:
+    """Names beside rows that run downwards, each at its place, without ticks and lines of a grid."""
+    axes.set_yticks(place, names)
+    axes.tick_params(axis="y", length=0, labelsize=size)
+    axes.grid(visible=False, axis="y")
+    axes.set_ylim(np.max(place, initial=0.0) + 0.6, -0.6)
+
+
+def describe(figure: Figure, left: float, foot: float, title: str, caption: str) -> None:
+    """The title above a picture, and its caption from ``foot`` inches down."""
+    height = float(figure.get_figheight())
+    figure.text(left, 1 - 0.2 / height, title, size=10)
+    figure.text(left, foot / height, caption, va="top", size=7.5)
+
+
 def legend_beside(axes: Axes) -> None:
     """The legend to the right of the axes."""
     axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0)

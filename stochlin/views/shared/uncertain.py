@@ -5,24 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from stochlin.models.buildings import RegularBuilding
-from stochlin.views.shared.screen import columns, paragraph
-from stochlin.views.shared.words import shown_unit, valued
+from stochlin.views.shared.blocks import Block, Table, Text
+from stochlin.views.shared.words import valued
 
 if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
     from stochlin.models.uncertain import Uncertain, UncertainModel
 
-HEADS = ("uncertain parameter", "median", "90 % range")
 WITHIN = 0.05, 0.95
-
-
-def unknowns(case: Case) -> list[tuple[str, ...]]:
-    """A row for each uncertain parameter."""
-    return [
-        _row(of, model, name, uncertain)
-        for of, model in case.uncertain.items()
-        for name, uncertain in model.uncertain.items()
-    ]
 
 
 def contained(case: Case, what: str) -> str:
@@ -36,10 +26,15 @@ def contained(case: Case, what: str) -> str:
     )
 
 
-def unknown_lines(case: Case, what: str) -> list[str]:
-    """Both for the screen; nothing where all is known."""
-    rows = unknowns(case)
-    return [*paragraph(contained(case, what)), *columns(HEADS, rows)] if rows else []
+def unknowns(case: Case, what: str) -> list[Block]:
+    """Both this statement and a row for each of them; nothing to show where all is known."""
+    rows = [
+        _row(of, model, name, uncertain)
+        for of, model in case.uncertain.items()
+        for name, uncertain in model.uncertain.items()
+    ]
+    heads = ("uncertain parameter", "median", "90 % range")
+    return [Text(contained(case, what)), Table.of(heads, rows)]
 
 
 def at_medians(case: Case) -> str:
@@ -53,6 +48,5 @@ def _row(of: str, model: UncertainModel, name: str, uncertain: Uncertain) -> tup
     regular = "storeys" in model.arguments and name in RegularBuilding.parameter_names()
     kind = RegularBuilding if regular else type(median)
     units, long_name = kind.units(name), kind.__dataclass_fields__[name].metadata["long_name"]
-    unit, _ = shown_unit(units)
-    low, high = (valued(uncertain.at(share), units, 3).removesuffix(unit) for share in WITHIN)
-    return f"{of}, {long_name}", valued(uncertain.median, units), f"{low} to {high}{unit}"
+    ends = valued([uncertain.at(share) for share in WITHIN], units, 3).replace(", ", " to ")
+    return f"{of}, {long_name}", valued(uncertain.median, units), ends

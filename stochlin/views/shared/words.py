@@ -8,9 +8,10 @@ import numpy as np
 
 from stochlin.analyses.records.files import METRES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
+from stochlin.views.shared.blocks import Section, Text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Sequence
 
     import numpy.typing as npt
     import xarray as xr
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 BEYOND = "\N{RIGHTWARDS ARROW}"
+IN_SI = {"1": 1.0, "g": METRES["g"], "m/s": 1.0, "ms": 1e-3, "kJ": 1e3, "MN": 1e6, "MN/m": 1e6}
 LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
+SHORT = 0.5  # m: lengths below, such as drifts, are in cm
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 CAPITALS = {
     **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb")},
@@ -53,6 +56,17 @@ def length(metres: float) -> str:
     return f"{centimetres(metres)}{SPACE}cm"
 
 
+def with_interval(table: xr.Dataset, name: str) -> tuple[float, float, float]:
+    """A number of a table, and the ends of its interval."""
+    value, low, high = (float(table[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
+    return value, low, high
+
+
+def along(table: xr.Dataset, dimension: str) -> list[xr.Dataset]:
+    """The parts of a table along a dimension, in their order."""
+    return [table.isel({dimension: place}) for place in range(table.sizes[dimension])]
+
+
 def per_cent(share: float, digits: int = 0, sign: str = "") -> str:
     """A share in per cent."""
     if not np.isfinite(share):
@@ -76,10 +90,16 @@ def short(value: float) -> str:
     return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
 
 
+def number(value: float, unit: str = "1") -> str:
+    """A number in SI as it stands in a table in this unit, three digits; missing ones as a dash."""
+    return centimetres(value) if unit == "cm" else short(value / IN_SI[unit])
+
+
 def valued(value: npt.ArrayLike, units: str, digits: int = 4) -> str:
     """A parameter with its unit; storey by storey where they differ."""
-    unit, scale = shown_unit(units)
-    each = [rounded(number, digits) for number in np.atleast_1d(scale * np.asarray(value))]
+    numbers = np.atleast_1d(np.asarray(value))
+    unit, scale = shown_unit(units, np.abs(numbers).max())
+    each = [rounded(number, digits) for number in scale * numbers]
     return ", ".join(each if len(set(each)) > 1 else each[:1]) + unit
 
 
@@ -88,11 +108,13 @@ def rounded(value: float, digits: int = 4) -> str:
     return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
 
 
-def shown_unit(units: str) -> tuple[str, float]:
-    """A unit as it stands behind a number, and what a number in SI is multiplied by."""
+def shown_unit(units: str, largest: float = np.inf) -> tuple[str, float]:
+    """A unit as it stands behind numbers up to this size, and what a number in SI is multiplied by."""
     unit, scale = LARGE.get(units, (units, 1.0))
-    unit = unit.replace("^2", "²").replace("^3", "³")
-    return f" {unit}" if units != "1" else "", scale
+    if units == "m" and largest < SHORT:
+        unit, scale = "cm", 100.0
+    unit = unit.replace("^2", "²").replace("^3", "³").replace(" ", SPACE)
+    return f"{SPACE}{unit}" if units != "1" else "", scale
 
 
 def columns_hit(slabs: Sequence[SlabOnColumn]) -> str:
@@ -119,75 +141,64 @@ def scatter(case: Case) -> str:
 
 def in_g(acceleration: float) -> str:
     """An acceleration in g."""
-    return f"{short(acceleration / METRES['g'])}{SPACE}g"
+    return f"{number(acceleration, 'g')}{SPACE}g"
 
 
 def shaking(table: xr.Dataset, case: Case) -> str:
     """The strength of the motions of an answer, in measures that engineers use."""
-    of_each = {
-        f"{building.period:.3g} s": in_g(float(table[f"spectral_acceleration_{n}"]))
-        for n, building in enumerate(case.buildings, start=1)
-    }
-    spectral = f"Sa (damping 5{SPACE}%) {_at_periods(of_each)}"
+    accelerations = [
+        float(table[f"spectral_acceleration_{n}"]) for n in range(1, len(case.buildings) + 1)
+    ]
     at_median = " at median strength" if case.scatter else ""
-    begin = f"The shaking, mean of the motions{at_median}:"
+    begin, spectral = f"The shaking, mean of the motions{at_median}:", _spectral(case, accelerations)
     strength = f"S0 {float(table.ground_intensity):.3g} m²/s³"
     if np.isnan(table.peak_ground_acceleration):
         return f"{begin} {spectral}; white noise of {strength} has no PGA or rms."
-    peak, rms = (in_g(float(table[f"{n}_acceleration"])) for n in ("peak_ground", "rms"))
-    return f"{begin} PGA {peak}, {spectral}; rms {rms} in the strong part, {strength}."
+    return f"{begin} {_peak_and_rms(table, spectral)}, {strength}."
 
 
 def recorded_shaking(table: xr.Dataset, case: Case) -> str:
     """How strong a record is."""
-    accelerations = table.spectral_acceleration.values
-    of_each = {
+    spectral = _spectral(case, table.spectral_acceleration.values)
+    return f"The shaking: {_peak_and_rms(table, spectral)}."
+
+
+def _spectral(case: Case, accelerations: Iterable[float]) -> str:
+    """The spectral accelerations at the periods of the buildings; of equal periods one."""
+    at_periods = {
         f"{building.period:.3g} s": in_g(float(acceleration))
         for building, acceleration in zip(case.buildings, accelerations, strict=True)
     }
-    return (
-        f"The shaking: PGA {in_g(float(table.peak_ground_acceleration))}, Sa (damping 5{SPACE}%) "
-        f"{_at_periods(of_each)}, rms {in_g(float(table.rms_acceleration))} in the strong part."
-    )
+    shown = ", ".join(f"{acceleration} at {period}" for period, acceleration in at_periods.items())
+    return f"Sa (damping 5{SPACE}%) {shown}"
 
 
-def _at_periods(of_each: Mapping[str, str]) -> str:
-    return ", ".join(f"{shown} at {period}" for period, shown in of_each.items())
+def _peak_and_rms(table: xr.Dataset, spectral: str) -> str:
+    peak, rms = (in_g(float(table[f"{n}_acceleration"])) for n in ("peak_ground", "rms"))
+    return f"PGA {peak}, {spectral}; rms {rms} in the strong part"
 
 
 def over_records(found: xr.Dataset, count: int, gap: float, what: str = "gap") -> str:
     """The gap [m] in many records, in place of one number for each."""
     parts = []
-    for level in found["quantile"].values:
-        quantile = found.sel(quantile=level)
-        low, high = (float(quantile[f"record_gap_quantile_{end}"]) for end in ("lower", "upper"))
-        to = (
-            f"{centimetres(low)} to {centimetres(high)}"
-            if np.isfinite(high)
-            else ("too few records for an interval")
-        )
-        parts.append(
-            f"{length(float(quantile.record_gap_quantile))} in {100 * level:.4g}{SPACE}% of them ({to})"
-        )
+    for quantile in along(found, "quantile"):
+        needed, low, high = with_interval(quantile, "record_gap_quantile")
+        ends = f"{centimetres(low)} to {centimetres(high)}"
+        ends = ends if np.isfinite(high) else "too few records for an interval"
+        share = 100 * float(quantile["quantile"])
+        parts.append(f"{length(needed)} in {share:.4g}{SPACE}% of them ({ends})")
+    share, low, high = with_interval(found, "record_no_pounding_probability")
     return (
         f"The {count} recorded motions would have needed {', '.join(parts)}. A {what} of {length(gap)} "
-        f"is enough {in_records(found, count)}."
+        f"is enough in {round(share * count)} of {count}, {per_cent(share)} ({per_cent(low)} to "
+        f"{per_cent(high)}, as if they were independent)."
     )
 
 
-def in_records(found: xr.Dataset, count: int) -> str:
-    """The number of records without contact."""
-    name = "record_no_pounding_probability"
-    share, low, high = (float(found[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
-    return (
-        f"in {round(share * count)} of {count}, {per_cent(share)} ({per_cent(low)} to {per_cent(high)}, "
-        "as if they were independent)"
-    )
-
-
-def doubted(doubts: Sequence[str]) -> str:
-    """Doubtful input, as the first line of an answer; empty if there is none."""
-    return f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else ""
+def opening(case: Case, doubts: Sequence[str]) -> Section:
+    """Doubtful input as the first line of an answer, if there is any, and the title of the case."""
+    doubt = f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else ""
+    return Section("", [Text(doubt, "doubt"), Text(case.title, "title")])
 
 
 def floors(case: Case) -> str:

@@ -9,7 +9,15 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.files import METRES
-from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, plain_ticks, styled
+from stochlin.views.shared.style import (
+    AS_GIVEN,
+    CURVES,
+    filled,
+    legend_above,
+    open_frame,
+    plain_ticks,
+    styled,
+)
 from stochlin.views.shared.words import per_cent
 from stochlin.views.sites.words import fit_in_words
 
@@ -70,10 +78,7 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
     for axes, own in inner:
         axes.set_position((LEFT, (top - own) / height, RIGHT - LEFT, own / height))
         top -= own + BETWEEN
-    upper.legend(
-        loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=2, borderaxespad=0.2, fontsize=8.5,
-        columnspacing=1.2, handlelength=2.6, labelspacing=0.25,
-    )  # fmt: skip
+    legend_above(upper)
     figure.text(0.02, foot / height, text, va="top", size=8)
     return figure
 
@@ -113,7 +118,7 @@ def spectrum_panels(
     for axes in filter(None, (upper, lower)):
         axes.set(xscale="log", xlim=(period[0], period[-1]))
         plain_ticks(axes.xaxis, [tick for tick in TICKS if period[0] <= tick <= period[-1] * 1.001])
-        axes.spines["top"].set_visible(False)
+        open_frame(axes, ("top",))
     (upper if lower is None else lower).set_xlabel("period [s]")
 
 

@@ -1,0 +1,61 @@
+"""Sections as a page: one self-contained HTML file."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterable, Sequence
+from itertools import count
+from typing import TYPE_CHECKING, Any
+
+from stochlin.views.shared.blocks import Picture, Section
+from stochlin.views.shared.style import STYLE
+from stochlin.views.shared.symbols import typeset_html
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+PAGE_STYLE = {"font.size": 10, "hatch.linewidth": 0.7, "svg.fonttype": "path"}
+
+
+def page(
+    title: str, sections: Sequence[Section], footer: Sequence[str], as_given: Iterable[str] = ()
+) -> str:
+    """HTML with pictures and style within; ``as_given`` are names without symbols, the user's."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    names = tuple(as_given)
+
+    def typeset(value: Any) -> Any:
+        """Escaped, with the symbols of formulas."""
+        plain = isinstance(value, str) and not isinstance(value, Markup)
+        return Markup(typeset_html(value, names)) if plain else value
+
+    environment = Environment(
+        loader=PackageLoader("stochlin.views.shared", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=typeset,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    prefixes = (f"p{number}" for number in count(1))
+    environment.globals["svg"] = lambda picture: _svg(picture, next(prefixes))
+    shown = [section for section in sections if section.on_page]
+    return environment.get_template("page.html").render(title=title, sections=shown, footer=footer)
+
+
+def _svg(picture: Picture, prefix: str) -> Markup:
+    """A picture for HTML: without prolog, with ids of its own, and with its text for screen readers."""
+    import matplotlib as mpl
+    from markupsafe import Markup, escape
+
+    with mpl.rc_context(STYLE | PAGE_STYLE), io.StringIO() as stream:
+        picture.draw().savefig(stream, format="svg", metadata={"Date": None})
+        svg = stream.getvalue()
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
+    svg = re.sub(r"<!--.*?-->\n?", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", svg)
+    label = escape(f"{picture.title}. {picture.caption}")
+    return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"', 1))
