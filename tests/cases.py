@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
+import xarray as xr
 from click.testing import CliRunner
 from scipy.integrate import quad
 from scipy.special import ndtr
@@ -130,6 +131,12 @@ def _output(command: str) -> str:
     result = CliRunner().invoke(main, arguments, default_map=FEW_MOTIONS)
     assert result.exit_code == 0, result.output
     return result.output
+
+
+def axis(name: str, values: Any, chunk: int | None = None) -> xr.DataArray:
+    """Values over a dimension of that name, which are its labels, too; in chunks for dask, or whole."""
+    array = xr.DataArray(values, dims=name, coords={name: values})
+    return array if chunk is None else array.chunk(chunk)
 
 
 def log_uniform(rng: np.random.Generator, limits: tuple[float, float], size: int | None = None) -> Any:

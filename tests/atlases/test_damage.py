@@ -18,14 +18,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from cases import with_slow
-from click.testing import CliRunner
+from commands import answered, invoke, refused
 from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.analyses.atlases import store as atlas_store
 from stochlin.analyses.atlases.checksums import CHECKS, CHECKSUM, CHECKSUMS, DamagedError
-from stochlin.views.command import main
 
 pytestmark = pytest.mark.invariant
 
@@ -317,11 +316,10 @@ def test_an_atlas_without_checksums_is_read_and_says_so(kept, tmp_path):
         sl.write_atlas(SPEC, path)
     with warnings.catch_warnings():
         warnings.simplefilter("default")
-        done = CliRunner().invoke(main, ["lookup", str(path), *OPTIONS])
-        assert done.exit_code == 0
+        done = answered("lookup", path, *OPTIONS)
         assert done.output.startswith(f"Warning: {path} was written before")
         shutil.rmtree(path / "rho/c/0/0")
-        done = CliRunner().invoke(main, ["lookup", str(path), *OPTIONS])
+        done = invoke("lookup", path, *OPTIONS)
     assert done.exit_code == 2
     assert "rho is missing where status says that it was found" in done.output
 
@@ -397,11 +395,8 @@ def test_too_little_memory_is_said(path, monkeypatch):
 def test_refusals_on_the_command_line_stand_alone(path, tmp_path):
     spec = 'ground = "white_noise"\n[parameters]\nperiod_1 = [1, 2]\nperiod_2 = 1\ndamping = 0.05\n'
     (tmp_path / "spec.toml").write_text(spec)
-    done = CliRunner().invoke(main, ["atlas", str(tmp_path / "spec.toml"), "--out", str(path)])
-    assert done.exit_code == 2
-    assert done.output.startswith("Usage: ")
-    assert "another specification" in done.output
+    done = refused("atlas", tmp_path / "spec.toml", "--out", path)
+    assert done.startswith("Usage: ")
+    assert "another specification" in done
     flip(path / "rho" / FIRST)
-    done = CliRunner().invoke(main, ["lookup", str(path), *OPTIONS])
-    assert done.exit_code == 2
-    assert f"chunk {FIRST} of rho is damaged" in done.output
+    assert f"chunk {FIRST} of rho is damaged" in refused("lookup", path, *OPTIONS)

@@ -15,14 +15,13 @@ from typing import Any
 import cases
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from commands import invoke
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.analyses.atlases.specification import read_specification
 from stochlin.messages import LONGEST_MESSAGE
-from stochlin.views.command import main
 
 pytestmark = [pytest.mark.invariant, pytest.mark.slow]
 
@@ -274,7 +273,7 @@ def test_specifications(folder: Path, text: str) -> None:
 @given(text=mutated(forms_of_the_case()[1:4] + storeyed_forms()))
 def test_commands_answer_or_say_what_is_wrong(folder: Path, text: str) -> None:
     path = written(folder / "case.toml", text)
-    done = CliRunner().invoke(main, ["pound", str(path)])
+    done = invoke("pound", path)
     assert done.exit_code in (0, 1, 2), done.output
     assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)
     said = done.output.splitlines()

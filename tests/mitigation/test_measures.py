@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import xarray as xr
+from motions import smooth_noise
 
 import stochlin as sl
 from stochlin.analyses.separation.searches import CLOSE
@@ -30,10 +30,8 @@ def pair(**changes):
     ]
 
 
-def record(samples=400, dt=0.02):
-    noise = np.random.default_rng(11).standard_normal(samples + 10)
-    values = 2.5 * np.convolve(noise, np.hanning(11), mode="valid")[:samples] / 3
-    return xr.DataArray(values, dims="time", coords={"time": dt * np.arange(samples)})
+def record(samples=400):
+    return 2.5 * smooth_noise(samples, 11) / 3
 
 
 @pytest.fixture(scope="module")

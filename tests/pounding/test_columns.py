@@ -5,8 +5,8 @@ from __future__ import annotations
 import hypothesis.strategies as st
 import numpy as np
 import pytest
-import xarray as xr
 from hypothesis import given, settings
+from motions import shaking
 
 import stochlin as sl
 from stochlin.analyses.pounding.rows import build_row
@@ -25,13 +25,6 @@ CONTACTS = {
     "hertz-damp": sl.HertzDamp(2e9, restitution=0.65),
     "jankowski": sl.Jankowski(2e9, restitution=0.65),
 }
-
-
-def shaking(samples=400, seed=0, size=3.0, dt=0.02):
-    noise = np.random.default_rng(seed).standard_normal(samples + 14)
-    smooth = np.convolve(noise, np.hanning(15), mode="valid")
-    values = size * smooth * np.sin(np.pi * np.arange(samples) / samples)
-    return xr.DataArray(values, dims="time", coords={"time": dt * np.arange(samples)})
 
 
 def building(heights, stiffness=2e8, mass=2e5, **other):

@@ -11,6 +11,7 @@ import scipy.integrate
 import xarray as xr
 from cases import with_slow
 from hypothesis import given, settings
+from motions import smooth_noise
 
 import stochlin as sl
 
@@ -22,10 +23,8 @@ PACE = 0.2  # [m/s]: where all dashpots of the tests have one force
 CONSTANT = 2e5  # [N s/m]: of the linear one
 
 
-def record(samples: int = 200, dt: float = 0.02) -> xr.DataArray:
-    noise = np.random.default_rng(7).standard_normal(samples + 10)
-    values = 2.0 * np.convolve(noise, np.hanning(11), mode="valid") / 3
-    return xr.DataArray(values[:samples], dims="time", coords={"time": dt * np.arange(samples)})
+def record(samples: int = 200) -> xr.DataArray:
+    return 2.0 * smooth_noise(samples, 7) / 3
 
 
 def pair(**law: Any) -> list[sl.Bilinear]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 
 import hypothesis.strategies as st
 import numpy as np
@@ -12,6 +11,7 @@ import sympy
 import xarray as xr
 from cases import with_slow
 from hypothesis import given, settings
+from motions import motion, needs_records, recorded, shaking
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
@@ -19,14 +19,6 @@ from stochlin.kernels.simulation import contacts as forces
 
 pytestmark = pytest.mark.oracle
 
-RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
-needs_records = pytest.mark.skipif(
-    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
-)
-READ = {
-    "SCT": ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0}),
-    "Taft": ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01}),
-}
 CONTACTS = {
     "spring": sl.LinearSpring(5e7),
     "kelvin": sl.Kelvin(5e7, restitution=0.65),
@@ -41,15 +33,8 @@ BALANCE = 1e-6  # promised; measured: 1e-9 and better
 HISTORY = ("displacement", "velocity", "contact_force")
 
 
-def motion(values, dt=0.02, start=0.0):
-    values = np.asarray(values, float)
-    return xr.DataArray(values, dims="time", coords={"time": start + dt * np.arange(values.size)})
-
-
-def synthetic(samples=600, dt=0.02, seed=0, size=1.5):
-    noise = np.random.default_rng(seed).standard_normal(samples + 14)
-    smooth = np.convolve(noise, np.hanning(15), mode="valid")
-    return motion(size * smooth * np.sin(np.pi * np.arange(samples) / samples), dt)
+def synthetic(samples=600, seed=0, size=1.5):
+    return shaking(samples, seed, size)
 
 
 def soft(**other):
@@ -89,11 +74,10 @@ def test_energy_balances_for_every_contact(name):
 
 
 @needs_records
-@pytest.mark.parametrize("record", READ)
+@pytest.mark.parametrize("record", ["SCT", "Taft"])
 @pytest.mark.parametrize("name", CONTACTS)
 def test_energy_balances_on_records(record, name):
-    file, options = READ[record]
-    part = sl.strong_part(sl.read_record(RECORDS / file, **options))
+    part = sl.strong_part(recorded(record))
     weak = soft(yield_displacement=0.01), stiff(yield_displacement=0.003)
     table = sl.pound(weak, 0.004, CONTACTS[name], part)
     assert table.sizes["impact"] > 5

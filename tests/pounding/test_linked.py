@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import scipy.integrate
 import scipy.linalg
-import xarray as xr
 from hypothesis import given, settings
+from motions import smooth_noise
 
 import stochlin as sl
 
@@ -18,10 +18,8 @@ FAR = 10.0  # [m]: no contact
 SPRING = sl.LinearSpring(1e8)
 
 
-def record(samples=300, dt=0.02):
-    noise = np.random.default_rng(7).standard_normal(samples + 10)
-    values = 2.0 * np.convolve(noise, np.hanning(11), mode="valid") / 3
-    return xr.DataArray(values[:samples], dims="time", coords={"time": dt * np.arange(samples)})
+def record(samples=300):
+    return 2.0 * smooth_noise(samples, 7) / 3
 
 
 def pair(**law):

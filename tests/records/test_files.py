@@ -7,16 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from motions import FOLDER, motion, needs_records, recorded
 
 import stochlin as sl
 
 pytestmark = pytest.mark.oracle
 
 G = 9.80665
-RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
-needs_records = pytest.mark.skipif(
-    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
-)
 
 WAVE = [round(float(value), 6) for value in np.sin(np.arange(40) / 3) * 0.1]
 
@@ -64,7 +61,7 @@ def at2(header: str, values: list[float] = WAVE, units: str = "G") -> str:
     ],
 )
 def test_published_peaks(name, options, peak, samples, step):
-    record = sl.read_record(RECORDS / name, **options)
+    record = sl.read_record(FOLDER / name, **options)
     assert float(abs(record).max()) / G == pytest.approx(peak, abs=5e-5)
     assert record.sizes == {"time": samples}
     assert record.attrs["dt"] == step
@@ -75,12 +72,12 @@ def test_published_peaks(name, options, peak, samples, step):
 @needs_records
 def test_a_step_that_contradicts_a_real_time_column_is_refused():
     with pytest.raises(ValueError, match=r"dt = 0\.01 contradicts the time, whose step is 0\.02 s"):
-        sl.read_record(RECORDS / "sct190985.txt", units="g", column=1, time_column=0, dt=0.01)
+        recorded("SCT", column=1, dt=0.01)
 
 
 @needs_records
 def test_lake_bed_spectrum_peaks_at_its_published_period():
-    record = sl.read_record(RECORDS / "sct190985.txt", units="g", column=2, time_column=0)
+    record = recorded("SCT")
     spectra = sl.fit_spectra(record, sl.WhiteNoise(), part=(0, 1))
     peak = float(spectra.psd_record.idxmax("frequency"))
     step = 2.05**2 / 163.4  # of neighbouring Fourier periods
@@ -412,8 +409,7 @@ def test_missing_file(tmp_path):
 
 
 def history(values, step=0.01, **attrs):
-    values = np.asarray(values, float)
-    return xr.DataArray(values, dims="time", coords={"time": step * np.arange(values.size)}, attrs=attrs)
+    return motion(values, step, **attrs)
 
 
 def test_strong_part_of_a_constant_signal():

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.linalg
 import xarray as xr
-from cases import with_slow
+from cases import axis, with_slow
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from motions import RECORDS, motion, needs_records, recorded, shaking
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
@@ -20,16 +20,6 @@ from stochlin.analyses.tables import labels
 
 pytestmark = pytest.mark.oracle
 
-RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
-needs_records = pytest.mark.skipif(
-    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
-)
-READ = {
-    "SCT": ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0}),
-    "Taft": ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01}),
-    "El Centro": ("elc180.AT2", {}),
-    "Kobe": ("NIS090.AT2", {"units": "g", "dt": 0.01}),
-}
 PEAKS = (
     "displacement_max",
     "velocity_max",
@@ -40,21 +30,9 @@ SPENT = ("input_energy_per_mass", "viscous_energy_per_mass", "hysteretic_energy_
 ACCURACY = 1e-3  # promised for peaks between samples; measured: 2e-4 and better
 
 
-def read(name):
-    file, options = READ[name]
-    return sl.read_record(RECORDS / file, **options)
-
-
-def motion(values, dt=0.02, start=0.0):
-    values = np.asarray(values, float)
-    return xr.DataArray(values, dims="time", coords={"time": start + dt * np.arange(values.size)})
-
-
 def synthetic(samples=300, dt=0.02, seed=0, size=2.0):
     """Coloured noise under half a sine wave: some tenths of a second are its periods."""
-    noise = np.random.default_rng(seed).standard_normal(samples + 8)
-    smooth = np.convolve(noise, np.hanning(9), mode="valid")
-    return motion(size * smooth * np.sin(np.pi * np.arange(samples) / samples), dt)
+    return shaking(samples, seed, size, dt, width=9)
 
 
 def exact_linear(record, period, damping, refine):
@@ -201,10 +179,10 @@ def test_resonance():
 
 
 @needs_records
-@pytest.mark.parametrize("name", READ)
+@pytest.mark.parametrize("name", RECORDS)
 @pytest.mark.parametrize("period", [0.02, 0.1, 0.5, 2.0])
 def test_elastic_peaks_on_records(name, period):
-    record = read(name)
+    record = recorded(name)
     refine = max(8, int(40 * record.attrs["dt"] / period))
     u, v = exact_linear(record, period, 0.05, refine)
     w = 2 * np.pi / period
@@ -260,7 +238,7 @@ def test_bilinear_peaks_against_adaptive_integration(case, seed):
     ],
 )
 def test_bilinear_peaks_on_records(name, start, end, period, uy):
-    record = read(name).sel(time=slice(start, end))
+    record = recorded(name).sel(time=slice(start, end))
     peaks, _, slip = by_events(record, period, 0.05, 0.05, uy, samples=12)
     table = sl.response_spectrum(record, period, 0.05, hardening=0.05, yield_displacement=uy)
     for variable in PEAKS:
@@ -496,10 +474,6 @@ def test_equal_structures_need_no_gap():
 
 
 # --- Tables, labels, refusals -------------------------------------------------------------------------
-
-
-def axis(name, values):
-    return xr.DataArray(values, dims=name, coords={name: values})
 
 
 def test_a_table_holds_its_cells():

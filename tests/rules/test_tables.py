@@ -7,6 +7,7 @@ import io
 import numpy as np
 import pytest
 import xarray as xr
+from cases import axis
 
 import stochlin as sl
 
@@ -15,10 +16,6 @@ pytestmark = pytest.mark.invariant
 GROUND = sl.KanaiTajimi(1.0, 0.3)
 YIELDING = {"damping": 0.05, "hardening": 0.05, "reduction_factor": 3.0}
 PAIR = {"damping_1": 0.05, "damping_2": 0.03, "hardening_1": 0.05, "hardening_2": 0.1}
-
-
-def axis(name, values):
-    return xr.DataArray(values, dims=name, coords={name: values}, attrs={"units": "s"})
 
 
 def period():

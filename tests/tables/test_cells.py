@@ -8,6 +8,7 @@ import cases
 import numpy as np
 import pytest
 import xarray as xr
+from cases import axis
 
 import stochlin as sl
 
@@ -16,10 +17,6 @@ pytestmark = pytest.mark.invariant
 NUMBERS = ["rho", "displacement_std_1", "displacement_std_2", "ductility_std_1", "ductility_std_2"]
 GROUND = sl.KanaiTajimi(period=1.0, damping=0.2)
 CLOSURES = ["gaussian", "clipped", "drift", "narrow_band"]
-
-
-def axis(name, values):
-    return xr.DataArray(np.array(values), dims=name, coords={name: values})
 
 
 def pair_of_axes():

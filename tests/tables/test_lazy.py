@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import xarray as xr
+from cases import axis
 
 import stochlin as sl
 
@@ -22,10 +22,6 @@ OPTIONS = [
 ]
 
 
-def axis(name, values):
-    return xr.DataArray(np.array(values, float), dims=name, coords={name: np.array(values, float)})
-
-
 def models(chunk_1=None, chunk_2=None):
     """Two structures and a ground; a shared dimension, and cells that fail."""
     axes = {
@@ -35,7 +31,7 @@ def models(chunk_1=None, chunk_2=None):
         "ground_damping": ([0.05, 0.3], 1),
     }
     arrays = {
-        name: axis(name, values).chunk(chunk) if chunk_1 else axis(name, values)
+        name: axis(name, np.array(values, float), chunk if chunk_1 else None)
         for name, (values, chunk) in axes.items()
     }
     shared = {"damping": 0.05, "hardening": 0.05, "reduction_factor": arrays["reduction_factor"]}
