@@ -139,6 +139,20 @@ def axis(name: str, values: Any, chunk: int | None = None) -> xr.DataArray:
     return array if chunk is None else array.chunk(chunk)
 
 
+def check_labels(table: xr.Dataset) -> None:
+    """Every variable says what it is and in which unit, or what its flags mean; the table, its source."""
+    for name, variable in table.data_vars.items():
+        assert variable.attrs["long_name"], name
+        if "flag_meanings" in variable.attrs:
+            flags = variable.attrs["flag_values"]
+            assert len(variable.attrs["flag_meanings"].split()) == len(flags), name
+            assert variable.dtype == flags.dtype == np.int8, name
+        else:
+            assert variable.attrs["units"] or variable.dtype.kind in "Ub", name
+    assert {"title", "references", "stochlin_version", "history"} <= set(table.attrs)
+    assert table.attrs["stochlin_version"] == sl.__version__
+
+
 def log_uniform(rng: np.random.Generator, limits: tuple[float, float], size: int | None = None) -> Any:
     """Numbers whose logarithm is uniform between the logarithms of the limits."""
     return np.exp(rng.uniform(*np.log(limits), size))

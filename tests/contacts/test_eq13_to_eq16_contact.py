@@ -6,6 +6,7 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 import xarray as xr
+from cases import check_labels
 from hypothesis import given
 
 import stochlin as sl
@@ -251,10 +252,8 @@ def test_contacts_of_other_laws_need_not_be_shorter_with_less_restitution():
 def test_charts_say_what_they_are():
     charts = [contact_loop_chart(), contact_history_chart(), restitution_chart()]
     for chart in charts:
-        for name, variable in chart.data_vars.items():
-            assert variable.attrs["units"] == "1", name
-            assert variable.attrs["long_name"], name
-        assert {"title", "references", "history", "stochlin_version"} <= set(chart.attrs)
+        check_labels(chart)
+        assert {variable.attrs["units"] for variable in chart.data_vars.values()} == {"1"}
         assert chart.element.attrs["long_name"]
     assert charts[1].attrs["Kelvin"] == "Kelvin(stiffness=1, damping=0.5)"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
-from cases import axis, with_slow
+from cases import axis, check_labels, with_slow
 from commands import answered, refused
 
 import stochlin as sl
@@ -43,9 +43,7 @@ def test_table_has_the_labels_of_linearization():
     assert set(linearized.data_vars) - {"bias", "bias_1", "bias_2", "caution"} <= set(
         simulated.data_vars
     )
-    for name, variable in simulated.data_vars.items():
-        assert name == "status" or variable.attrs["units"], name
-        assert variable.attrs["long_name"], name
+    check_labels(simulated)
     assert simulated.attrs["paths"] == FEW["paths"]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
-from cases import with_slow
+from cases import check_labels, with_slow
 from hypothesis import given
 from hypothesis import strategies as st
 from motions import RECORDS, motion, needs_records, recorded
@@ -111,8 +111,7 @@ def check_record(record, first=ONE, second=TWO):
 def test_hybrid_of_a_made_record(quake):
     table = check_record(quake)
     assert table.attrs["record"] == "made"
-    for name, variable in table.data_vars.items():
-        assert variable.attrs["long_name"], name
+    check_labels(table)
 
 
 def test_hybrid_of_yielding_structures_takes_their_strength_from_the_ground(quake):

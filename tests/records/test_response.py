@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import xarray as xr
-from cases import axis, with_slow
+from cases import axis, check_labels, with_slow
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from motions import RECORDS, motion, needs_records, recorded, shaking
@@ -543,10 +543,7 @@ def test_everything_has_units_and_a_name():
         record_charts.recorded_gap_chart(record, 0.05, points=4),
     ]
     for table in tables:
-        assert table.attrs["title"]
-        for name, variable in table.data_vars.items():
-            assert variable.attrs["long_name"], name
-            assert "units" in variable.attrs or name == "status", name
+        check_labels(table)
 
 
 GOOD = {"period": 0.5, "damping": 0.05}
