@@ -140,7 +140,7 @@ def axis(name: str, values: Any, chunk: int | None = None) -> xr.DataArray:
 
 
 def check_labels(table: xr.Dataset) -> None:
-    """Every variable says what it is and in which unit, or what its flags mean; the table, its source."""
+    """Every variable has a name and a unit, or flags and their meanings; the table says its source."""
     for name, variable in table.data_vars.items():
         assert variable.attrs["long_name"], name
         if "flag_meanings" in variable.attrs:

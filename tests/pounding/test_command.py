@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from cases import recorded_example, with_slow
+from cases import recorded_example, with_buildings, with_slow
 from click.testing import Result
 from commands import answered, invoke, refused
 from hypothesis import given, settings
@@ -160,12 +160,22 @@ def test_a_picture_alone_has_its_data_beside_it(tmp_path: Path) -> None:
         assert (tmp_path / name).read_bytes() == (again / name).read_bytes()
 
 
-STOREYS = """masses = {masses}
-stiffnesses = {stiffnesses}
-heights = {heights}
-damping = "5 %"
-{strength}
-"""
+YIELDS = 'hardening = 0.05\nyield_drifts = "1 cm"'
+
+
+def storeys(count: int, stiffness: str, height: str = "3 m", strength: str = YIELDS) -> str:
+    """A building of so many equal storeys."""
+    lists = {"masses": "300 t", "stiffnesses": stiffness, "heights": height}
+    lines = [f"{name} = {[value] * count}" for name, value in lists.items()]
+    return "\n".join([*lines, 'damping = "5 %"', strength, ""])
+
+
+def with_row(*buildings: str, gaps: str = '"1 cm"') -> str:
+    """The example with these buildings and gaps in place of its own."""
+    numbered = (f"[building_{n}]\n{lines}" for n, lines in enumerate(buildings, start=1))
+    return with_buildings(*numbered).replace('existing = "5 cm" ', f"existing = {gaps} ")
+
+
 THIRD = """[building_3]
 name = "Costs $ a_b $"
 period = "0.3 s"
@@ -178,24 +188,11 @@ mass = "600 t"
 
 @pytest.mark.slow
 def test_towers_and_rows_are_said_and_drawn(tmp_path: Path) -> None:
-    example = sl.example_case()
-    start, end = example.index("[building_1]"), example.index("[separation]")
-    tall = STOREYS.format(
-        masses=["300 t"] * 4,
-        stiffnesses=["350 MN/m"] * 4,
-        heights=["3 m"] * 4,
-        strength='hardening = 0.05\nyield_drifts = "1 cm"',
-    )
-    low = STOREYS.format(
-        masses=["300 t"] * 2,
-        stiffnesses=["900 MN/m"] * 2,
-        heights=["3 m"] * 2,
-        strength="elastic = true",
-    )
-    towers = f"[building_1]\n{tall}\n[building_2]\n{low}\n[building_3]\n{tall}\n"
-    gaps = 'existing = ["1 cm", "2 cm"] '
-    for buildings, contacts in ((towers, 4), (example[start:end] + THIRD, 2)):
-        text = (example[:start] + buildings + example[end:]).replace('existing = "5 cm" ', gaps)
+    tall, gaps = storeys(4, "350 MN/m"), '["1 cm", "2 cm"]'
+    low = storeys(2, "900 MN/m", strength="elastic = true")
+    third = sl.example_case().replace("[separation]", f"{THIRD}[separation]")
+    third = third.replace('existing = "5 cm" ', f"existing = {gaps} ")
+    for text, contacts in ((with_row(tall, low, tall, gaps=gaps), 4), (third, 2)):
         for model in ('model = "kelvin"', 'model = "stereomechanical"'):
             lines = text.replace('model = "kelvin"', model, 1)
             if "stereo" in model:
@@ -222,20 +219,7 @@ def test_towers_and_rows_are_said_and_drawn(tmp_path: Path) -> None:
 
 
 def test_slabs_that_hit_columns_are_said_loudly(tmp_path: Path) -> None:
-    example = sl.example_case()
-    start, end = example.index("[building_1]"), example.index("[separation]")
-    yields = 'hardening = 0.05\nyield_drifts = "1 cm"'
-    storeys = [
-        STOREYS.format(
-            masses=["300 t"] * n, stiffnesses=[k] * n, heights=[height] * n, strength=strength
-        )
-        for n, k, height, strength in (
-            (4, "350 MN/m", "3 m", yields),
-            (2, "900 MN/m", "3.6 m", "elastic = true"),
-        )
-    ]
-    towers = "".join(f"[building_{n}]\n{text}\n" for n, text in enumerate(storeys, start=1))
-    text = (example[:start] + towers + example[end:]).replace('existing = "5 cm" ', 'existing = "1 cm" ')
+    text = with_row(storeys(4, "350 MN/m"), storeys(2, "900 MN/m", "3.6 m", "elastic = true"))
     done = answered("pound", case_file(tmp_path, ("r", 0.4), text=text), "--picture", tmp_path / "p.png")
     shown = " ".join(done.output.split())
     with xr.open_dataset(tmp_path / "p.nc") as table:
@@ -266,19 +250,10 @@ def test_slabs_that_hit_columns_are_said_loudly(tmp_path: Path) -> None:
 def test_what_floors_and_storeys_bear_is_said_and_drawn(tmp_path: Path) -> None:
     """In a row of a tower between two oscillators, which have no floors, and of these alone."""
     single = 'period = "0.3 s"\ndamping = "5 %"\nelastic = true\nmass = "600 t"\n'
-    tall = STOREYS.format(
-        masses=["300 t"] * 4,
-        stiffnesses=["350 MN/m"] * 4,
-        heights=["3 m"] * 4,
-        strength='hardening = 0.05\nyield_drifts = "1 cm"',
-    )
-    example = sl.example_case()
-    start, end = example.index("[building_1]"), example.index("[separation]")
-    gaps = 'existing = ["1 cm", "1 cm"] '
+    tall = storeys(4, "350 MN/m")
     for middle in (tall, single.replace("0.3 s", "0.7 s")):
         name = "A tower of a long name" if middle is tall else "Middle"
-        rows = f"[building_1]\n{single}[building_2]\nname = '{name}'\n{middle}[building_3]\n{single}"
-        text = (example[:start] + rows + example[end:]).replace('existing = "5 cm" ', gaps)
+        text = with_row(single, f"name = '{name}'\n{middle}", single, gaps='["1 cm", "1 cm"]')
         folder = tmp_path / ("storeys" if middle is tall else "single")
         folder.mkdir()
         done = answered("pound", case_file(folder, ("r", 0.4), text=text), "--picture", folder / "p.png")
@@ -393,11 +368,11 @@ HEIGHTS = ["4 m", "3 m", "3 m"]
 
 @st.composite
 def storeyed(draw: Any) -> str:
-    storeys = draw(st.integers(1, 3))
-    masses = [f"{draw(number(100, 500))} t" for _ in range(storeys)]
-    stiffnesses = [f"{draw(number(100, 900))} MN/m" for _ in range(storeys)]
+    count = draw(st.integers(1, 3))
+    masses = [f"{draw(number(100, 500))} t" for _ in range(count)]
+    stiffnesses = [f"{draw(number(100, 900))} MN/m" for _ in range(count)]
     strength = draw(st.sampled_from(["elastic = true", 'hardening = 0.1\nyield_drifts = "1 cm"']))
-    lists = {"masses": masses, "stiffnesses": stiffnesses, "heights": HEIGHTS[:storeys]}
+    lists = {"masses": masses, "stiffnesses": stiffnesses, "heights": HEIGHTS[:count]}
     return (
         "".join(f"{key} = {value}\n" for key, value in lists.items()) + draw(damping) + strength + "\n"
     )
@@ -458,20 +433,16 @@ def test_energy_of_any_case_is_balanced(model: str, data: st.DataObject) -> None
 # --- Many motions -----------------------------------------------------------------------------------
 
 
-def regular(storeys: int, period: float) -> str:
+def regular(count: int, period: float) -> str:
     return (
-        f'period = "{period} s"\ndamping = "5 %"\nstoreys = {storeys}\nstorey_height = "3 m"\n'
+        f'period = "{period} s"\ndamping = "5 %"\nstoreys = {count}\nstorey_height = "3 m"\n'
         'floor_mass = "400 t"\nhardening = "5 %"\nbase_shear_coefficient = 0.2\n'
     )
 
 
 def of_storeys(low_storey: str = "3 m") -> str:
-    example = sl.example_case()
-    start, end = example.index("[building_1]"), example.index("[separation]")
     tall, low = (regular(*one) for one in ((4, 0.6), (2, 0.3)))
-    low = low.replace("3 m", low_storey)
-    towers = f"[building_1]\n{tall}\n[building_2]\n{low}\n"
-    return (example[:start] + towers + example[end:]).replace('existing = "5 cm" ', 'existing = "1 cm" ')
+    return with_row(tall, low.replace("3 m", low_storey))
 
 
 @pytest.mark.parametrize("kind", with_slow(["oscillators", "storeys", "columns"], {"storeys"}))
