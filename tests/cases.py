@@ -139,6 +139,12 @@ def axis(name: str, values: Any, chunk: int | None = None) -> xr.DataArray:
     return array if chunk is None else array.chunk(chunk)
 
 
+def assert_near(found: Any, wanted: Any, share: float) -> None:
+    """No difference is more than this share of the largest number."""
+    largest = np.nanmax(np.abs(np.asarray(wanted)))
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=share * largest)
+
+
 def check_labels(table: xr.Dataset) -> None:
     """Every variable has a name and a unit, or flags and their meanings; the table says its source."""
     for name, variable in table.data_vars.items():

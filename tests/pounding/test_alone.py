@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from cases import recorded_example
+from cases import assert_near, recorded_example
 from commands import answered, refused
 
 import stochlin as sl
@@ -40,7 +40,7 @@ def test_it_is_a_building_of_a_row_that_never_meets(structure):
         own, other = alone[name].isel(structure=0), row[name].isel(structure=0)
         if "floor" in row[name].dims and "floor" not in own.dims:
             other = other.isel(floor=0, drop=True)
-        np.testing.assert_allclose(own, other, rtol=0, atol=1e-4 * float(abs(own).max()))
+        assert_near(other, own, 1e-4)
     for name in ("input", "kinetic", "elastic", "viscous", "hysteretic"):
         own, other = (table[f"{name}_energy"].isel(structure=0) for table in (alone, row))
         np.testing.assert_allclose(own, other, rtol=0, atol=1e-4 * float(alone.input_energy.max()))
@@ -54,7 +54,7 @@ def test_beside_its_equal_it_is_nearly_the_same_number(structure):
     row = sl.pound([structure, structure], FAR, CONTACT, RECORD).isel(structure=0)
     for name in ("displacement", "acceleration", "storey_shear", "hysteretic_energy", "peak"):
         own = alone[name].isel(structure=0)
-        np.testing.assert_allclose(own, row[name], rtol=0, atol=1e-9 * float(abs(own).max()))
+        assert_near(row[name], own, 1e-9)
 
 
 @pytest.mark.oracle

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hypothesis.strategies as st
 import numpy as np
 import pytest
+from cases import assert_near
 from hypothesis import given, settings
 from motions import shaking
 
@@ -98,8 +99,7 @@ def test_a_column_met_at_its_floor_is_that_floor(name):
         left = np.maximum(known.weights, 0.0)
         met = Contacts.of(laws, 5, left, right, known.gap)
         columns, _ = run(standing.row._replace(contacts=met))
-        size = np.abs(slabs).max()
-        np.testing.assert_allclose(columns, slabs, rtol=0, atol=1e3 * share * size)
+        assert_near(columns, slabs, 1e3 * share)
 
 
 def test_two_columns_met_beside_two_floors_are_slabs_that_meet():
@@ -110,8 +110,8 @@ def test_two_columns_met_beside_two_floors_are_slabs_that_meet():
     beside = sl.pound([tall, near], 0.005, sl.LinearSpring(1e8), record)
     assert (level.sizes["contact"], beside.sizes["contact"]) == (2, 4)
     assert level.sizes["impact"] > 3
-    size = float(abs(level.displacement).max())  # shares of 6e-5, handed on from hit to hit
-    np.testing.assert_allclose(beside.displacement, level.displacement, rtol=0, atol=2e-3 * size)
+    # shares of 6e-5, handed on from hit to hit
+    assert_near(beside.displacement, level.displacement, 2e-3)
 
 
 def test_mirror_image_of_columns():
@@ -121,12 +121,10 @@ def test_mirror_image_of_columns():
         mirror = sl.pound([LOW, TALL], gap, CONTACTS[name], -record)
         assert table.sizes["impact"] == mirror.sizes["impact"] > 5
         there = -mirror.displacement.isel(structure=[1, 0])
-        size = float(abs(table.displacement).max())
-        np.testing.assert_allclose(there, table.displacement, rtol=0, atol=1e-6 * size)
+        assert_near(there, table.displacement, 1e-6)
         np.testing.assert_allclose(mirror.column_force, table.column_force, rtol=1e-4)
         handed = mirror.energy_transferred.isel(side=[1, 0])
-        size = float(abs(handed).max())
-        np.testing.assert_allclose(handed, table.energy_transferred, rtol=0, atol=1e-4 * size)
+        assert_near(table.energy_transferred, handed, 1e-4)
 
 
 @settings(max_examples=20)
@@ -167,5 +165,4 @@ def test_far_apart_an_oscillator_in_a_mixed_row_is_a_storey():
         sl.pound([TALL, other], 5.0, CONTACTS["kelvin"], shaking()) for other in (oscillator, storey)
     )
     assert (mixed.sizes["contact"], known.sizes["contact"]) == (1, 5)
-    size = float(abs(known.displacement).max())
-    np.testing.assert_allclose(mixed.displacement, known.displacement, rtol=0, atol=1e-9 * size)
+    assert_near(mixed.displacement, known.displacement, 1e-9)

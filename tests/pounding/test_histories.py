@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sympy
 import xarray as xr
-from cases import with_slow
+from cases import assert_near, with_slow
 from hypothesis import given, settings
 from motions import motion, needs_records, recorded, shaking
 from scipy.integrate import solve_ivp
@@ -256,8 +256,7 @@ def test_far_apart_each_moves_as_alone():
     for n, structure in enumerate(pair):
         alone = sl.respond(structure, record)
         for name in ("displacement", "velocity"):
-            size = float(abs(alone[name]).max())
-            np.testing.assert_allclose(table[name][:, n], alone[name], rtol=0, atol=2e-5 * size)
+            assert_near(table[name][:, n], alone[name], 2e-5)
         spectrum = sl.response_spectrum(
             record,
             structure.period,
@@ -284,9 +283,8 @@ def test_mirror_image(name):
     for variable, sign in (("displacement", -1), ("velocity", -1), ("contact_force", 1)):
         dim = "contact" if variable == "contact_force" else "structure"
         there = sign * mirror[variable].isel({dim: slice(None, None, -1)}).to_numpy()
-        size = float(abs(table[variable]).max())
         # Rounding differs, and grows from impact to impact.
-        np.testing.assert_allclose(there, table[variable], rtol=0, atol=1e-5 * size)
+        assert_near(there, table[variable], 1e-5)
     assert mirror.sizes["impact"] == table.sizes["impact"]
 
 
@@ -318,8 +316,7 @@ def test_output_step_changes_nothing():
             for variable in ("impact_time", "largest_force", "energy_lost", "peak"):
                 np.testing.assert_array_equal(other[variable], table[variable])
         for variable in HISTORY:
-            size = float(np.abs(table[variable]).max())  # times of outputs are rounded
-            np.testing.assert_allclose(fine[variable][::4], table[variable], rtol=0, atol=1e-11 * size)
+            assert_near(fine[variable][::4], table[variable], 1e-11)  # times of outputs are rounded
         assert odd.sizes["time"] == int(299 * 0.02 / 0.0173) + 1
         check_energy(odd)
 
@@ -480,8 +477,7 @@ def test_one_storey_is_one_degree_of_freedom(name):
     two = sl.pound(buildings, 0.01, CONTACTS[name], record)
     assert one.sizes["impact"] == two.sizes["impact"] > 3
     for variable in ("displacement", "velocity"):
-        size = float(abs(one[variable]).max())
-        np.testing.assert_allclose(two[variable].isel(floor=0), one[variable], rtol=0, atol=1e-7 * size)
+        assert_near(two[variable].isel(floor=0), one[variable], 1e-7)
 
 
 def test_tall_beside_low_meets_at_the_low_ones_floors():
@@ -514,7 +510,7 @@ def test_elastic_tower_alone_follows_its_modes():
         alone = sl.respond(sl.Bilinear(period, 0.05), record).displacement.to_numpy()
         wanted += np.outer(alone, shape) * (shape.sum() * mass)
     found = table.displacement.sel(structure=1)
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-5 * abs(wanted).max())
+    assert_near(found, wanted, 1e-5)
 
 
 # --- The estimate -----------------------------------------------------------------------------------

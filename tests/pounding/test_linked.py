@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy.integrate
 import scipy.linalg
+from cases import assert_near
 from hypothesis import given, settings
 from motions import smooth_noise
 
@@ -60,11 +61,11 @@ def test_linear_histories(link):
     table = sl.pound(pair(), FAR, SPRING, motion, link=link, steps_per_contact=128)
     exact = reference(pair(), link, motion)
     # 2e-4 at 16 steps, and a 64th of it here
-    np.testing.assert_allclose(table.displacement, exact, rtol=0, atol=1e-5 * abs(exact).max())
+    assert_near(table.displacement, exact, 1e-5)
     force = link.stiffness * (exact[:, 0] - exact[:, 1])
     velocity = table.velocity[:, 0] - table.velocity[:, 1]
     force += link.damping_constant * velocity.values
-    np.testing.assert_allclose(table.link_force[:, 0], force, rtol=0, atol=2e-5 * abs(force).max())
+    assert_near(table.link_force[:, 0], force, 2e-5)
 
 
 def test_a_rigid_link_makes_one_structure_of_two():
@@ -212,7 +213,7 @@ def test_yielding_links_and_links_with_slack_move_as_by_another_integrator():
     assert float(table.link_force[:, 1].max()) == pytest.approx(0, abs=1e-6)
     wanted = integrated(row, motion, [(0, 4, bilinear), (1, 2, pulls)])
     # scipy steps over the kinks of the laws
-    np.testing.assert_allclose(flat(table, row), wanted, rtol=0, atol=2e-5 * abs(wanted).max())
+    assert_near(flat(table, row), wanted, 2e-5)
 
 
 def test_links_of_no_slack_to_both_sides_are_a_spring():
@@ -222,8 +223,7 @@ def test_links_of_no_slack_to_both_sides_are_a_spring():
     size = float(abs(tables[0].displacement).max())
     np.testing.assert_allclose(*[t.displacement for t in tables], rtol=0, atol=1e-7 * size)
     force = tables[1].link_force[:, 0] - tables[1].link_force[:, 1]
-    size = float(abs(force).max())
-    np.testing.assert_allclose(force, tables[0].link_force[:, 0], rtol=0, atol=1e-6 * size)
+    assert_near(tables[0].link_force[:, 0], force, 1e-6)
 
 
 def test_a_link_that_hardly_yields_is_elastic_and_one_of_much_slack_is_none():
@@ -231,8 +231,7 @@ def test_a_link_that_hardly_yields_is_elastic_and_one_of_much_slack_is_none():
     known, found = (
         sl.pound(pair(), 0.005, SPRING, record(), link=link) for link in (sl.Link(3e7, 1e5), firm)
     )
-    size = float(abs(known.displacement).max())
-    np.testing.assert_allclose(found.displacement, known.displacement, rtol=0, atol=1e-8 * size)
+    assert_near(found.displacement, known.displacement, 1e-8)
     known, found = (
         sl.pound(pair(), 0.005, SPRING, record(), link=link) for link in (None, sl.Link(3e7, slack=9.0))
     )
@@ -274,7 +273,7 @@ def test_weight_above_moves_buildings_as_by_another_integrator():
     assert (0.02 * 8e7 - row[0].geometric_stiffness()).min() < 2e6
     table = sl.pound(row, FAR, SPRING, motion, steps_per_contact=64)
     wanted = integrated(row, motion, [])
-    np.testing.assert_allclose(flat(table, row), wanted, rtol=0, atol=2e-5 * abs(wanted).max())
+    assert_near(flat(table, row), wanted, 2e-5)
     assert float(table.energy_balance_error.max()) < 1e-8
 
 
