@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.integrate import solve_ivp
 
 import stochlin as sl
 
@@ -53,3 +56,22 @@ def shaking(
 ) -> xr.DataArray:
     """Such noise under half a sine wave."""
     return size * smooth_noise(samples, seed, width, dt) * np.sin(np.pi * np.arange(samples) / samples)
+
+
+def from_sample_to_sample(
+    rates: Callable[..., Any],
+    record: xr.DataArray,
+    size: int,
+    mend: Callable[[Any], Any] = lambda state: state,
+    **options: Any,
+) -> Any:
+    """States (samples, size) from rest by scipy, which begins anew at each sample.
+
+    ``rates(t, state, ground, slope)`` has the time since the sample, the acceleration of the ground
+    there and its slope; a state is mended at the end of each interval.
+    """
+    dt, states = float(record.time[1] - record.time[0]), [np.zeros(size)]
+    for begin, end in pairwise(record.to_numpy()):
+        interval = {"args": (begin, (end - begin) / dt), **options}
+        states.append(mend(solve_ivp(rates, (0, dt), states[-1], **interval).y[:, -1]))
+    return np.array(states)

@@ -11,7 +11,7 @@ import sympy
 import xarray as xr
 from cases import assert_near, with_slow
 from hypothesis import given, settings
-from motions import motion, needs_records, recorded, shaking
+from motions import from_sample_to_sample, motion, needs_records, recorded, shaking
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
@@ -129,23 +129,11 @@ def by_scipy(pair, gap, contact, record):
         a = -ground - slope * t - 2 * xi * w * v - w**2 * (alpha * u + (1 - alpha) * z) + push
         return np.concatenate([v, a, dz])
 
-    dt, state, found = float(record.time[1] - record.time[0]), np.zeros(6), [np.zeros(2)]
-    for begin, end in pairwise(record.to_numpy()):
-        run = solve_ivp(
-            rates,
-            (0, dt),
-            state,
-            args=(begin, (end - begin) / dt),
-            method="DOP853",
-            rtol=1e-9,
-            atol=1e-12,
-            max_step=dt / 20,
-        )
-        state = run.y[:, -1]
-        if not bouc_wen:
-            state[4:] = np.clip(state[4:], -uy, uy)
-        found.append(state[:2].copy())
-    return np.array(found).T
+    def mend(state):
+        return state if bouc_wen else np.append(state[:4], np.clip(state[4:], -uy, uy))
+
+    options = {"method": "DOP853", "rtol": 1e-9, "atol": 1e-12, "max_step": 1e-3}
+    return from_sample_to_sample(rates, record, 6, mend, **options)[:, :2].T
 
 
 @pytest.mark.parametrize("name", with_slow(["kelvin", "impact kelvin", "no tension"], {"no tension"}))

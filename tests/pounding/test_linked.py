@@ -9,7 +9,7 @@ import scipy.integrate
 import scipy.linalg
 from cases import assert_near
 from hypothesis import given, settings
-from motions import smooth_noise
+from motions import from_sample_to_sample, smooth_noise
 
 import stochlin as sl
 
@@ -38,19 +38,11 @@ def reference(structures, link, motion):
     tie = np.array([[1.0, -1.0], [-1.0, 1.0]])
     stiffness = (np.diag(m * w**2) + link.stiffness * tie) / m[:, None]
     damping = (np.diag(2 * xi * w * m) + link.damping_constant * tie) / m[:, None]
-    time, ground = motion.time.values, motion.values
-    state, out = np.zeros(4), [np.zeros(2)]
-    for t, a, b in zip(time[:-1], ground[:-1], ground[1:], strict=True):
-        slope = (b - a) / (time[1] - time[0])
 
-        def rates(s, x, t=t, a=a, slope=slope):
-            return np.append(x[2:], -stiffness @ x[:2] - damping @ x[2:] - a - slope * (s - t))
+    def rates(t, x, ground, slope):
+        return np.append(x[2:], -stiffness @ x[:2] - damping @ x[2:] - ground - slope * t)
 
-        span = (t, t + time[1] - time[0])
-        solved = scipy.integrate.solve_ivp(rates, span, state, rtol=1e-11, atol=1e-14, method="DOP853")
-        state = solved.y[:, -1]
-        out.append(state[:2])
-    return np.array(out)
+    return from_sample_to_sample(rates, motion, 4, method="DOP853", rtol=1e-11, atol=1e-14)[:, :2]
 
 
 @pytest.mark.parametrize(
@@ -170,17 +162,12 @@ def integrated(row, motion, links, p_delta=False):
             [v, force / mass, np.where((abs(y) >= uy) & (y * pace > 0), 0, pace), slips]
         )
 
-    dt = float(motion.time[1] - motion.time[0])
-    state, found = np.zeros(3 * n + len(links)), [np.zeros(n)]
-    for begin, end in zip(motion.values[:-1], motion.values[1:], strict=True):
-        run = scipy.integrate.solve_ivp(
-            rates, (0, dt), state, "DOP853", rtol=1e-9, atol=1e-12, max_step=dt / 20,
-            args=(begin, (end - begin) / dt),
-        )  # fmt: skip
-        state = run.y[:, -1]
+    def mend(state):
         state[2 * n : 3 * n] = np.clip(state[2 * n : 3 * n], -uy, uy)
-        found.append(state[:n].copy())
-    return np.array(found)
+        return state
+
+    options = {"method": "DOP853", "rtol": 1e-9, "atol": 1e-12, "max_step": 1e-3}
+    return from_sample_to_sample(rates, motion, 3 * n + len(links), mend, **options)[:, :n]
 
 
 def flat(table, row):
