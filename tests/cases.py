@@ -45,6 +45,15 @@ BEYOND = {
     "ground_damping": (0.005, 0.9),
 }
 
+# Moments (sigma_v, sigma_z, correlation), and c_eq and k_eq of the bilinear law to ten digits.
+KNOWN_COEFFICIENTS = [
+    ((1, 0.5, 0.3), -0.9649205716, 0.1627194350),
+    ((2, 1, 0), -0.8413447461, 0.3861294105),
+    ((1.5, 2, -0.4), -0.8061917271, 0.1448614462),
+    ((1, 1.2, 0.6), -0.6608020945, 0.2957894622),
+    ((3, 0.7, 0.8), -0.8485191123, 1.4167065906),
+]
+
 FIRM_SITE = """\
 [site]
 ground = "firm"

@@ -241,7 +241,7 @@ def test_what_cannot_be_mended_is_said(path, kept):
     place=st.floats(0, 1, exclude_max=True),
     bit=st.integers(0, 7),
 )
-def test_any_bit(kept, where, place, bit):
+def test_any_flipped_bit_is_refused_or_changes_nothing(kept, where, place, bit):
     """One bit of one file: what is read then is nothing, or the same."""
     files = sorted(file for file in (kept[0] / "good.zarr").rglob("*") if file.is_file())
     file = files[int(where * len(files))]

@@ -70,7 +70,7 @@ def force(kind, d, v):
         (sl.ImpactKelvin, STIFFNESS * D + DASHPOT * np.maximum(V, 0)),
     ],
 )
-def test_force(kind, expected):
+def test_force_is_that_of_spring_and_dashpot_and_none_without_contact(kind, expected):
     np.testing.assert_allclose(force(kind, D, V), expected, rtol=1e-14)
     np.testing.assert_array_equal(force(kind, -D, V), 0)
     np.testing.assert_array_equal(force(kind, 0.0, V), 0)
@@ -108,7 +108,7 @@ def test_eq15_is_no_other_element_s():
         (sl.ImpactKelvin, [0.8626, 0.6715, 0.5463, 0.3941]),
     ],
 )
-def test_fig8_values(kind, values):
+def test_restitution_has_the_values_of_fig8(kind, values):
     np.testing.assert_allclose(kind.restitution([0.1, 0.3, 0.5, 0.9]), values, rtol=0, atol=5.1e-5)
 
 
@@ -119,7 +119,7 @@ def test_damping_for_the_usual_restitution(kind, ratio):
     assert kind.damping_ratio(0.65) == pytest.approx(ratio, abs=5.1e-5)
 
 
-def test_hertz_damp_values():
+def test_hertz_damp_has_its_known_values():
     np.testing.assert_allclose(sl.HertzDamp.damping_factor([0.5, 0.65]), [1.4328, 0.7931], atol=5.1e-5)
 
 
@@ -269,7 +269,7 @@ def test_charts_say_what_they_are():
         (lambda: restitution_chart(largest=0), "largest = 0 is out of range"),
     ],
 )
-def test_charts_refuse(call, message):
+def test_charts_refuse_numbers_out_of_range(call, message):
     with pytest.raises(ValueError, match=message):
         call()
 

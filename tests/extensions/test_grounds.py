@@ -111,7 +111,7 @@ seed = 1
 
 
 @pytest.mark.slow
-def test_a_case_file(toy, tmp_path):
+def test_a_case_file_takes_the_ground_by_its_name(toy, tmp_path):
     (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
     text = done(toy("gap", "case.toml"))
     assert "left and right should stand" in text
@@ -122,7 +122,7 @@ def test_a_case_file(toy, tmp_path):
 
 
 @pytest.mark.slow
-def test_an_atlas(toy, tmp_path):
+def test_an_atlas_takes_the_ground_by_its_name(toy, tmp_path):
     pytest.importorskip("zarr")
     spec = """
         ground = "two_layers"

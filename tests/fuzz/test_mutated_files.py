@@ -253,19 +253,21 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @examples(1500)
 @given(text=mutated(forms_of_the_case()))
-def test_case_files(folder: Path, text: str) -> None:
+def test_mutated_case_files_are_read_or_refused_in_words(folder: Path, text: str) -> None:
     check(lambda: sl.read_case(written(folder / "case.toml", text)))
 
 
 @examples(4000)
 @given(text=mutated(list(RECORDS.values())), options=st.sampled_from(OPTIONS))
-def test_records(folder: Path, text: str, options: dict[str, Any]) -> None:
+def test_mutated_records_are_read_or_refused_in_words(
+    folder: Path, text: str, options: dict[str, Any]
+) -> None:
     check(lambda: sl.read_record(written(folder / "record.txt", text), **options))
 
 
 @examples(2000)
 @given(text=mutated([SPECIFICATION]))
-def test_specifications(folder: Path, text: str) -> None:
+def test_mutated_specifications_are_read_or_refused_in_words(folder: Path, text: str) -> None:
     check(lambda: read_specification(written(folder / "spec.toml", text)))
 
 

@@ -154,7 +154,7 @@ def test_a_gap_that_is_enough_asks_for_nothing_more(enough):
         ),
     ],
 )
-def test_bad_cases(tmp_path, changes, told):
+def test_cases_that_have_no_answer_are_refused_in_words(tmp_path, changes, told):
     assert told in refused("mitigate", case_file(tmp_path, *changes))
 
 

@@ -261,7 +261,7 @@ def test_bumpers_without_records_say_what_is_missing():
         ({"measures": {"l": sl.Measure(link=sl.Link([1e6, 2e6]))}}, "stiffness is an array"),
     ],
 )
-def test_bad_input(changes, told):
+def test_options_out_of_range_are_refused(changes, told):
     options = {"gap": GAP, "measures": {}} | MOTION | changes
     with pytest.raises((ValueError, TypeError), match=told):
         sl.mitigate(*pair(), GROUND, DURATION, **options)
@@ -290,7 +290,7 @@ def test_strength_of_what_never_yields_is_refused():
         ({"contact": LINK}, TypeError, "contact = Link.* is of the wrong kind"),
     ],
 )
-def test_bad_measures(given, error, told):
+def test_measures_that_cannot_be_built_are_refused(given, error, told):
     with pytest.raises(error, match=f"Measure: {told}"):
         sl.Measure(**given)
 

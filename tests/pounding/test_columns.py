@@ -114,7 +114,7 @@ def test_two_columns_met_beside_two_floors_are_slabs_that_meet():
     assert_near(beside.displacement, level.displacement, 2e-3)
 
 
-def test_mirror_image_of_columns():
+def test_a_mirrored_pair_with_columns_moves_as_the_mirror_image():
     record, gap = shaking(300), 0.005
     for name in ("kelvin", "no tension", "hertz"):
         table = sl.pound([TALL, LOW], gap, CONTACTS[name], record)

@@ -295,7 +295,9 @@ def test_what_floors_and_storeys_bear_is_said_and_drawn(tmp_path: Path) -> None:
         ('[[site.records]]\npath = "r', '[[site.recordings]]\npath = "r', "did you mean records?"),
     ],
 )
-def test_bad_cases_write_nothing(old: str, new: str, says: str, tmp_path: Path) -> None:
+def test_cases_that_cannot_pound_are_refused_and_write_nothing(
+    old: str, new: str, says: str, tmp_path: Path
+) -> None:
     path = case_file(tmp_path, ("r", 0.1))
     text = path.read_text()
     assert old in text
@@ -316,7 +318,7 @@ def test_bad_cases_write_nothing(old: str, new: str, says: str, tmp_path: Path) 
         (("case.toml", "--out", "p.nc"), "too much alike"),
     ],
 )
-def test_bad_commands(
+def test_commands_with_wrong_files_are_refused(
     arguments: tuple[str, ...], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -525,7 +527,7 @@ def test_motions_that_failed_are_said_loudly(tmp_path: Path) -> None:
         ((), "--motions 100 for simulated ones"),
     ],
 )
-def test_bad_commands_of_many_motions(
+def test_commands_of_many_motions_with_wrong_options_are_refused(
     arguments: tuple[str, ...], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

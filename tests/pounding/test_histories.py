@@ -262,7 +262,7 @@ def test_identical_buildings_never_pound(name):
 
 
 @pytest.mark.parametrize("name", CONTACTS)
-def test_mirror_image(name):
+def test_a_mirrored_row_moves_as_the_mirror_image(name):
     record, row = synthetic(300, size=3.0), [soft(), stiff(), soft(mass=1e5)]
     gaps = [0.01, 0.015]
     table = sl.pound(row, gaps, CONTACTS[name], record)

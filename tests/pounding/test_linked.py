@@ -48,7 +48,7 @@ def reference(structures, link, motion):
 @pytest.mark.parametrize(
     "link", [sl.Link(3e7, 0.0), sl.Link(0.0, 2e6), sl.Link(5e6, 4e5)], ids=("spring", "dashpot", "both")
 )
-def test_linear_histories(link):
+def test_linear_pairs_move_as_by_another_integrator(link):
     motion = record(120)
     table = sl.pound(pair(), FAR, SPRING, motion, link=link, steps_per_contact=128)
     exact = reference(pair(), link, motion)
@@ -120,7 +120,7 @@ def test_only_the_linked_neighbours_have_a_link():
         (sl.Link([1e7, 2e7]), "link: stiffness is an array"),
     ],
 )
-def test_bad_links(link, told):
+def test_links_that_do_not_fit_the_row_are_refused(link, told):
     with pytest.raises((ValueError, TypeError), match=told):
         sl.pound(pair(), FAR, SPRING, record(), link=link)
 

@@ -60,7 +60,7 @@ def at2(header: str, values: list[float] = WAVE, units: str = "G") -> str:
         ("NIS090.AT2", {"units": "g", "dt": 0.01}, 0.5027, 4096, 0.01),
     ],
 )
-def test_published_peaks(name, options, peak, samples, step):
+def test_records_have_their_published_peaks(name, options, peak, samples, step):
     record = sl.read_record(FOLDER / name, **options)
     assert float(abs(record).max()) / G == pytest.approx(peak, abs=5e-5)
     assert record.sizes == {"time": samples}
@@ -156,7 +156,7 @@ def test_at2_states_its_units(tmp_path):
         "# México\n".encode("latin-1") + lines(times(), WAVE).encode(),
     ],
 )
-def test_columns_of_text(tmp_path, text):
+def test_columns_are_taken_by_number(tmp_path, text):
     path = write(tmp_path, text)
     for column in (1, None):
         record = sl.read_record(path, units="m/s^2", column=column, time_column=0)
@@ -165,7 +165,7 @@ def test_columns_of_text(tmp_path, text):
         assert record.attrs["dt"] == 0.02
 
 
-def test_columns_by_name(tmp_path):
+def test_columns_are_taken_by_name(tmp_path):
     other = [2 * value for value in WAVE]
     text = "time,north [gal],east [gal]\n" + lines(times(), WAVE, other, separator=",")
     path = write(tmp_path, text)
@@ -183,7 +183,7 @@ def test_unused_columns_may_hold_text(tmp_path):
 
 
 @pytest.mark.parametrize("spelling", [".5E-03", "+0.5e-3", ".5D-03", "0.5d-3", "5.E-4", "0.0005"])
-def test_fortran_numbers(tmp_path, spelling):
+def test_fortran_numbers_are_read(tmp_path, spelling):
     path = write(tmp_path, "\n".join([spelling] * 20))
     np.testing.assert_array_equal(sl.read_record(path, dt=0.01, units="m/s^2"), 0.0005)
 
@@ -200,7 +200,7 @@ def test_fortran_numbers(tmp_path, spelling):
         ("mm/s^2", 0.001),
     ],
 )
-def test_units(tmp_path, units, metres):
+def test_units_become_metres(tmp_path, units, metres):
     record = sl.read_record(write(tmp_path, lines(WAVE)), dt=0.01, units=units)
     np.testing.assert_allclose(record, np.array(WAVE) * metres, rtol=1e-15)
 
@@ -400,7 +400,7 @@ def test_what_is_hardly_meant_is_asked_about(tmp_path, text, options, message):
     assert record.sizes == {"time": 40}
 
 
-def test_missing_file(tmp_path):
+def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"absent\.txt"):
         sl.read_record(tmp_path / "absent.txt", **READY)
 

@@ -84,7 +84,7 @@ def standard_errors(wg, xig, duration, estimator, low, high):
     ],
     ids=["SCT NS", "SCT EW", "Taft"],
 )
-def test_published_fits(record, wg, xig, tolerance):
+def test_fits_are_those_that_were_published(record, wg, xig, tolerance):
     ground = sl.fit_ground(record())
     assert TAU / ground.period == pytest.approx(wg, rel=0.005)
     assert ground.damping == pytest.approx(xig, rel=tolerance)
@@ -250,7 +250,7 @@ def test_white_noise_has_no_ground_period():
         ({"frequency_range": (np.nan, 20.0)}, "is out of range"),
     ],
 )
-def test_refuses_options(options, message):
+def test_options_of_a_fit_out_of_range_are_refused(options, message):
     record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 40.0)
     with pytest.raises(ValueError, match=message):
         sl.fit_ground(record, **options)
@@ -275,7 +275,7 @@ def test_spectra_refuse_what_is_no_ground():
 
 @pytest.mark.parametrize("samples", [1000, 1001])
 @pytest.mark.parametrize("part", [(0, 1), (0.05, 0.95)])
-def test_parseval(samples, part):
+def test_the_spectrum_of_a_record_has_its_energy(samples, part):
     record = motion(np.random.default_rng(2).standard_normal(samples) + 0.5)
     spectra = sl.fit_spectra(record, sl.WhiteNoise(), part=part)
     strong = sl.strong_part(record, *part)
@@ -334,7 +334,7 @@ def test_spectra_are_labelled(tmp_path):
 # --- Named grounds ----------------------------------------------------------------------------------
 
 
-def test_names():
+def test_names_of_grounds_are_listed():
     assert sl.ground_names() == (
         *("firm", "medium", "soft", "ec8_a", "ec8_b", "ec8_c", "ec8_d", "ec8_e"),
         *("taft_1952_yeh_wen", "mexico_city_1985_yeh_wen", "sct_1985_ns", "sct_1985_ew", "taft_1952"),
@@ -342,7 +342,7 @@ def test_names():
 
 
 @pytest.mark.parametrize("name", sl.ground_names())
-def test_every_named_ground(name):
+def test_every_named_ground_has_a_source_and_takes_an_intensity(name):
     ground = sl.named_ground(name, intensity=0.3)
     assert ground.intensity == 0.3
     assert len(ground.source) > 20
@@ -362,7 +362,7 @@ def test_every_named_ground(name):
         ("mexico_city_1985_yeh_wen", 4.2, 0.1, 0.23, 0.1),
     ],
 )
-def test_named_spectra(name, wg, xig, wf, xif):
+def test_named_grounds_have_their_published_spectra(name, wg, xig, wf, xif):
     frequency = np.geomspace(0.05, 100, 50)
     expected = clough_penzien_psd(frequency, wg, xig, wf, xif, 2.0)
     np.testing.assert_allclose(sl.named_ground(name, 2.0).psd(frequency), expected, rtol=1e-12)

@@ -140,7 +140,7 @@ def test_very_long_periods_integrate_the_ground_twice():
 
 
 @pytest.mark.parametrize("damping", [0.01, 0.2, 0.95])
-def test_free_vibration(damping):
+def test_free_vibration_is_the_logarithmic_spiral(damping):
     """After a pulse the state turns by the logarithmic spiral of a damped oscillator."""
     record = motion([0, 3, 1, 0] + [0] * 500)
     w = 2 * np.pi / 0.7
@@ -168,7 +168,7 @@ def test_peaks_of_a_step_of_acceleration(period, damping):
     assert float(table.velocity_max) == pytest.approx(peak, rel=1e-4)
 
 
-def test_resonance():
+def test_resonance_grows_to_the_closed_form():
     """On a sine wave of its own period a structure grows to 1/(2 xi) times the static displacement."""
     t = np.arange(40 * 1000 + 1) / 1000
     table = sl.response_spectrum(motion(np.sin(2 * np.pi * t), 1e-3), 1.0, 0.02)
@@ -403,7 +403,7 @@ def test_limits_are_elastic(case):
     np.testing.assert_allclose(same, exact, rtol=0, atol=1e-10 * peak)
 
 
-def test_time_scale():
+def test_twice_as_slow_a_motion_moves_twice_the_period_four_times_as_far():
     """Twice as slow a motion moves a structure of twice the period four times as far."""
     record = synthetic()
     slow = record.assign_coords(time=2 * record.time)

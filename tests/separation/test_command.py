@@ -497,7 +497,7 @@ def test_bad_files_write_nothing(old: str, new: str, at: str, says: list[str], t
         (("case.toml", "--report", "no/such/gap.html"), "there is no folder no/such"),
     ],
 )
-def test_bad_commands(
+def test_commands_with_wrong_files_are_refused(
     arguments: tuple[str, ...], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -64,7 +64,7 @@ def test_chunks_of_a_single_cell():
     assert_same_bits(sl.correlate(*parts), sl.correlate(*whole))
 
 
-def test_a_structure_alone():
+def test_a_structure_alone_has_the_same_bits_in_chunks():
     first, _, ground = models(7, 5)
     eager, _, same = models()
     for closure in ("gaussian", "clipped"):
