@@ -4,8 +4,6 @@ Nothing here uses a formula of the package: matrices are written from the equati
 expectations are integrated numerically.
 """
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Callable, Collection, Iterable, Sequence

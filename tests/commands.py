@@ -1,7 +1,5 @@
 """Commands as users type them, run within the process of the tests."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from click.testing import CliRunner, Result

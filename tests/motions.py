@@ -1,7 +1,5 @@
 """Motions of the ground that several test files share: recorded ones, and made-up ones."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path

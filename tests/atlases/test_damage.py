@@ -1,7 +1,5 @@
 """A damaged atlas never reads as good: the message names the file, and `write_atlas` mends just that."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import json

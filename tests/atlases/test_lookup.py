@@ -1,7 +1,5 @@
 """Cases looked up in an atlas."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.interpolate

@@ -1,7 +1,5 @@
 """An atlas outlives its process, its disk and its workers, and ends as one that ran through."""
 
-from __future__ import annotations
-
 import errno
 import multiprocessing
 import os

@@ -1,7 +1,5 @@
 """Pictures for print: of the width of a column, without words of their own, with text of 7 points."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib as mpl

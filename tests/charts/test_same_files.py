@@ -1,7 +1,5 @@
 """Files of charts: six digits, no version, and the same bytes on other processors."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Figs. 3b, 4 and 5a: effective rules, the drift closure and simulation beside linearization."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

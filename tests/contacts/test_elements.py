@@ -1,7 +1,5 @@
 """Contacts against an integration of two free masses, against mpmath, and on the way there and back."""
 
-from __future__ import annotations
-
 import hypothesis.strategies as st
 import mpmath
 import numpy as np

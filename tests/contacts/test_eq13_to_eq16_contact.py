@@ -1,7 +1,5 @@
 """Eqs. (13) to (16) and Figs. 6 to 8: impact, contact elements, and what they leave of a velocity."""
 
-from __future__ import annotations
-
 import hypothesis.strategies as st
 import numpy as np
 import pytest

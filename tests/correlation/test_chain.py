@@ -1,7 +1,5 @@
 """Tables by the chain of state matrix, Lyapunov equation and coefficients, all cells at once."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import cases

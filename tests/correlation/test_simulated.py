@@ -1,7 +1,5 @@
 """Tables by simulation: the same labels as by linearization, the same numbers as `simulate`."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Simulated correlations in chunks of dask: lazy, and those of the whole table to the last bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """The compiled table of pairs: against 60 digits, plain numpy, and itself cut otherwise."""
 
-from __future__ import annotations
-
 import cases
 import mpmath
 import numpy as np

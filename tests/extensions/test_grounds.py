@@ -1,7 +1,5 @@
 """A ground from outside, that of the documentation: in commands, case files, atlases, the explorer."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

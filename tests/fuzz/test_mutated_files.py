@@ -3,8 +3,6 @@
 A minute or so here; ``make fuzz`` goes on for an hour, with examples of its own each time.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import warnings

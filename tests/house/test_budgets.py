@@ -1,7 +1,5 @@
 """Every room keeps within its budget of code lines, which `budgets.toml` has; so does the whole."""
 
-from __future__ import annotations
-
 import ast
 import io
 import tokenize

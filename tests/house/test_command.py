@@ -1,7 +1,5 @@
 """The command line as its user meets it: output, files, errors and exit statuses."""
 
-from __future__ import annotations
-
 import errno
 import os
 import signal

@@ -1,7 +1,5 @@
 """Commands where nothing is compiled, where nothing can be kept, and on one core."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

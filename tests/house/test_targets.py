@@ -1,7 +1,5 @@
 """What commands write: never over what they read, through links, and refused before any work."""
 
-from __future__ import annotations
-
 import errno
 import os
 import time

@@ -1,7 +1,5 @@
 """After ``stochlin warmup`` nothing is compiled any more."""
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 from concurrent.futures import ProcessPoolExecutor

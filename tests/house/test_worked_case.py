@@ -1,7 +1,5 @@
 """The worked case of the documentation: it runs as printed, and the page shows what it prints."""
 
-from __future__ import annotations
-
 import html
 import re
 import shlex

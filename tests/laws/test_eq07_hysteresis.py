@@ -1,7 +1,5 @@
 """Eqs. (7), (9), (10): the bilinear law and its Gaussian coefficients; the Bouc-Wen law beside it."""
 
-from __future__ import annotations
-
 import cases
 import mpmath
 import numpy as np

@@ -1,7 +1,5 @@
 """Eqs. (9) and (10) by themselves: known values, integration, the ends of the loop, what is refused."""
 
-from __future__ import annotations
-
 import cases
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Grounds in parallel: spectra and covariances of linear structures add, and a simulation agrees."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The fast path, block by block and in closed form, against the augmented state matrix it replaces."""
 
-from __future__ import annotations
-
 import cases
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Storeys and links linearized: known numbers, closed forms of pairs, 60 digits, limits, symmetries."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

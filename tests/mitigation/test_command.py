@@ -1,7 +1,5 @@
 """``stochlin mitigate``: what it says, saves and draws."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """The table of measures against what its rows are made of, called one by one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from motions import smooth_noise

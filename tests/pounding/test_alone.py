@@ -1,7 +1,5 @@
 """One building alone through a motion: what it bears and where its energy goes, as in a row."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

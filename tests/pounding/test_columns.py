@@ -1,7 +1,5 @@
 """Slabs that meet columns: limits, symmetry, one hit by hand, and the balance of energy."""
 
-from __future__ import annotations
-
 import hypothesis.strategies as st
 import numpy as np
 import pytest

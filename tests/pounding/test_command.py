@@ -1,7 +1,5 @@
 """``stochlin pound``: what it says, saves and draws, and the energy balance of any valid case."""
 
-from __future__ import annotations
-
 import inspect
 import re
 import tempfile

@@ -1,7 +1,5 @@
 """Devices inside buildings, and dashpots with an exponent, in buildings that pound."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import hypothesis.strategies as st

@@ -1,7 +1,5 @@
 """What floors and storeys bear: accelerations, shears, forces of links, and the energy of each hit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

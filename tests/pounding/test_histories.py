@@ -1,7 +1,5 @@
 """Pounding histories: against adaptive integration, limits, symmetry, scaling, and their own energy."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import hypothesis.strategies as st

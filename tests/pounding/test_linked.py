@@ -1,7 +1,5 @@
 """Linked buildings through a motion, with and without contact."""
 
-from __future__ import annotations
-
 import hypothesis.strategies as st
 import numpy as np
 import pytest

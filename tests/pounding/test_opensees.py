@@ -1,7 +1,5 @@
 """The same pounding pairs in OpenSeesPy: oscillators, and frames of unequal storeys, all of Steel01."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from motions import smooth_noise

@@ -1,7 +1,5 @@
 """``stochlin probability``: a case file in, a table, a picture and a file out."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

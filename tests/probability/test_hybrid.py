@@ -1,7 +1,5 @@
 """The hybrid method, fits of envelopes, evolutionary spectra, and their pictures."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

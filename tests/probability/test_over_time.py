@@ -1,7 +1,5 @@
 """Probability of pounding: against simulation, its own limits, and the formulas of the crossings."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.integrate

@@ -1,7 +1,5 @@
 """Eqs. (1) and (2): the pseudo energy radius is an energy, and a bound of the peaks."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Records: published check values, every format and every refusal."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

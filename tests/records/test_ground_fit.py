@@ -1,7 +1,5 @@
 """Fitted grounds: published fits, recovery of a known ground, scaling; and the named grounds."""
 
-from __future__ import annotations
-
 import re
 
 import cases

@@ -1,7 +1,5 @@
 """Response to records: against adaptive integration, matrix exponentials, closed forms and energy."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

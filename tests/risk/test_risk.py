@@ -1,7 +1,5 @@
 """Risk of two buildings, against counting in motions of drawn intensities."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Effective properties and separation rules: their formulas by other roads, limits and invariance."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """What matters for a gap: exact cases, finite differences of independent runs, shares in closed form."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

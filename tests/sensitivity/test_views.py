@@ -1,7 +1,5 @@
 """What matters in words, as a picture, and in the page of a case."""
 
-from __future__ import annotations
-
 import re
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What the paper says of gaps: by codes, by the sum of squares, and by eq. (3) with energy radii."""
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import combinations
 

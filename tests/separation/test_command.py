@@ -1,7 +1,5 @@
 """``stochlin gap``: the answer on the screen, in a file and on a page, and what it says of bad input."""
 
-from __future__ import annotations
-
 import html
 import itertools
 import re

@@ -1,7 +1,5 @@
 """Eq. (3) with the energy radii of a record, and the least damping that it asks for."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

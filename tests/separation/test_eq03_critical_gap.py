@@ -1,7 +1,5 @@
 """Eq. (3): the double difference combination, its three exact cases, and what it stands for."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Gaps in motions that differ in strength: of a linear pair they go by the factors of the motions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

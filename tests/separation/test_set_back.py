@@ -1,7 +1,5 @@
 """The set-back of one building: against its own peaks, a neighbour that hardly moves, and by hand."""
 
-from __future__ import annotations
-
 import html
 import re
 from pathlib import Path

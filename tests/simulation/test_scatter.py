@@ -1,7 +1,5 @@
 """Scatter from motion to motion: the same motions, each times a lognormal factor of its own."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.stats

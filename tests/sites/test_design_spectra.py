@@ -1,7 +1,5 @@
 """Design spectra against the formulas of their codes, written out by hand; files of spectra."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Simulated motions have the spectrum that their ground was fitted to."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Motions fitted to a record carry its energy and have its response spectrum."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

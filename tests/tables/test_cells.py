@@ -1,7 +1,5 @@
 """A table is its cells: labels, order and neighbours have no say in the numbers."""
 
-from __future__ import annotations
-
 import io
 
 import cases

@@ -1,7 +1,5 @@
 """Tables that are computed cell by cell: lazy, in chunks, on clusters, and the same to the last bit."""
 
-from __future__ import annotations
-
 import os
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tables that dask holds: lazy, and the same to the last bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from cases import axis

@@ -1,7 +1,5 @@
 """What asks for too much memory or time is refused before the work, with the number and the cure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
