@@ -25,7 +25,9 @@ pytestmark = pytest.mark.cli
 
 FORMULAS = ("fig3a", "fig3b", "fig6", "fig7", "fig8")  # of no ground
 OF_MOTIONS = ("fig1", "fig1b", "fig2")
+PAIR = ("--period-1", "0.7s", "--period-2", "1s")
 YIELDING = ("--hardening", 0.05, "--reduction-factor", 4)
+KANAI_TAJIMI = ("--ground", "kanai-tajimi")
 FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")
 # A pair of points and of reduction factors in each, and few motions.
 QUICK_CHARTS = {
@@ -35,9 +37,7 @@ RECORDED = ("site_spectrum", "fig1", "fig1b", "per_spectrum", "fig2", "added_dam
 
 
 def test_rho_of_a_pair_is_the_librarys() -> None:
-    result = answered(
-        "rho", "--period-1", "0.7s", "--period-2", "1s", "--hardening", 0.05, "--reduction-factor", 4
-    )
+    result = answered("rho", *PAIR, *YIELDING)
     first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0))
     rho = float(sl.correlate(first, second, sl.WhiteNoise()).rho)
     assert f"{rho:.6g}" in result.output
@@ -46,7 +46,7 @@ def test_rho_of_a_pair_is_the_librarys() -> None:
 
 
 def test_rho_of_elastic_structures_needs_no_caution() -> None:
-    result = answered("rho", "--period-1", "0.7s", "--period-2", "1s")
+    result = answered("rho", *PAIR)
     assert "Caution" not in result.output
 
 
@@ -87,10 +87,9 @@ def test_names_are_taken_with_either_dash() -> None:
 
 @pytest.mark.parametrize("closure", closure_names())
 def test_every_closure_is_an_option_of_rho(closure: str, tmp_path: Path) -> None:
-    options = ("--hardening", 0.05, "--reduction-factor", 4, "--closure", closure)
     periods = ("--period-1", "0.5s,0.9s", "--period-2", "0.7s")
     out = tmp_path / "table.nc"
-    answered("rho", *periods, *options, "--out", out)
+    answered("rho", *periods, *YIELDING, "--closure", closure, "--out", out)
     first, second = (
         sl.Bilinear(period, 0.05, 0.05, reduction_factor=4) for period in (np.array([0.5, 0.9]), 0.7)
     )
@@ -100,18 +99,7 @@ def test_every_closure_is_an_option_of_rho(closure: str, tmp_path: Path) -> None
 
 
 def test_effective_properties_by_a_rule_of_ones_own_choice() -> None:
-    given = (
-        "rho",
-        "--period-1",
-        "0.7s",
-        "--period-2",
-        "1s",
-        "--hardening",
-        0.05,
-        "--reduction-factor",
-        4,
-    )
-    given += ("--method", "effective", "--rule", "secant")
+    given = ("rho", *PAIR, *YIELDING, "--method", "effective", "--rule", "secant")
     result = answered(*given)
     first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0))
     table = sl.correlate(first, second, sl.WhiteNoise(), "effective", rule="secant")
@@ -160,21 +148,12 @@ def test_named_ground_and_white_noise_method() -> None:
         (("--period", "1s", "--hardening", "0", "--reduction-factor", "4"), "stationary displacement"),
         (("--period", "1s", "--reduction-factor", "4"), "--hardening is not given"),
         (
-            (
-                "--period",
-                "1s",
-                "--ground",
-                "kanai-tajimi",
-                "--ground-period",
-                "-2s",
-                "--ground-damping",
-                "1",
-            ),
+            ("--period", "1s", *KANAI_TAJIMI, "--ground-period", "-2s", "--ground-damping", "1"),
             "KanaiTajimi: --ground-period -2 is out",
         ),
         (("--period", "1s", "--closure", "clipped", "--law", "bouc_wen"), "--closure 'clipped' is not"),
         (("--period", "1s", "--ground", "moon"), "firm"),
-        (("--period", "1s", "--ground", "kanai-tajimi"), "--ground-period, --ground-damping"),
+        (("--period", "1s", *KANAI_TAJIMI), "--ground-period, --ground-damping"),
         (("--period", "1s", "--ground-period", "2s"), "does not apply"),
         (("--period", "1s", "--out", "table.xlsx"), "allowed: .nc or .csv"),
         (("--period", "1s", "--out", "no/such/folder/t.nc"), "no/such/folder"),
@@ -204,11 +183,8 @@ def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:
     options = ("--damping", 0.02, "--reduction-factors", "1,3", "--points", 9, "--format", "svg")
     options += ("--simulated-points", 0)
     answered("charts", "fig4b", *options, "--out", tmp_path)
-    assert {path.name for path in tmp_path.iterdir()} == {
-        "fig4b.nc",
-        "fig4b.svg",
-        "fig4b_comparison.svg",
-    }
+    files = {"fig4b.nc", "fig4b.svg", "fig4b_comparison.svg"}
+    assert {path.name for path in tmp_path.iterdir()} == files
     with xr.open_dataset(tmp_path / "fig4b.nc") as chart:
         assert chart.reduction_factor.values.tolist() == [1, 3]
         assert "ξ = 0.02" in chart.attrs["caption"]
