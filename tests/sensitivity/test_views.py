@@ -1,13 +1,16 @@
 """What matters in words, as a picture, and in the page of a case."""
 
+from __future__ import annotations
+
 import re
 
 import numpy as np
 import pytest
 import xarray as xr
-from commands import answered
+from click.testing import CliRunner
 
 import stochlin as sl
+from stochlin.views.command import main
 from stochlin.views.sensitivity.words import lines, rows, sentences
 from stochlin.views.shared.words import MINUS, SPACE
 
@@ -74,7 +77,8 @@ def test_the_page_of_a_case_with_uncertain_periods(tmp_path):
     (tmp_path / "case.toml").write_text(text, encoding="utf-8")
     page, picture = tmp_path / "page.html", tmp_path / "tornado.svg"
     options = ["--report", str(page), "--sensitivity", str(picture)]
-    result = answered("gap", tmp_path / "case.toml", *options)
+    result = CliRunner().invoke(main, ["gap", str(tmp_path / "case.toml"), *options])
+    assert result.exit_code == 0, result.output
     assert "Influence of the inputs:" in result.output
     assert "period of Annex" in page.read_text(encoding="utf-8").split('id="matters"')[1]
     with xr.open_dataset(picture.with_suffix(".nc")) as saved:
