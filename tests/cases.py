@@ -4,8 +4,6 @@ Nothing here uses a formula of the package: matrices are written from the equati
 expectations are integrated numerically.
 """
 
-from __future__ import annotations
-
 import re
 import shlex
 from collections.abc import Callable, Collection, Iterable, Sequence
@@ -16,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.linalg
+import xarray as xr
 from click.testing import CliRunner
 from scipy.integrate import quad
 from scipy.special import ndtr
@@ -43,6 +42,15 @@ BEYOND = {
     "ground_period": (1.0, 1.0),
     "ground_damping": (0.005, 0.9),
 }
+
+# Moments (sigma_v, sigma_z, correlation), and c_eq and k_eq of the bilinear law to ten digits.
+KNOWN_COEFFICIENTS = [
+    ((1, 0.5, 0.3), -0.9649205716, 0.1627194350),
+    ((2, 1, 0), -0.8413447461, 0.3861294105),
+    ((1.5, 2, -0.4), -0.8061917271, 0.1448614462),
+    ((1, 1.2, 0.6), -0.6608020945, 0.2957894622),
+    ((3, 0.7, 0.8), -0.8485191123, 1.4167065906),
+]
 
 FIRM_SITE = """\
 [site]
@@ -130,6 +138,32 @@ def _output(command: str) -> str:
     result = CliRunner().invoke(main, arguments, default_map=FEW_MOTIONS)
     assert result.exit_code == 0, result.output
     return result.output
+
+
+def axis(name: str, values: Any, chunk: int | None = None) -> xr.DataArray:
+    """Values over a dimension of that name, which are its labels, too; in chunks for dask, or whole."""
+    array = xr.DataArray(values, dims=name, coords={name: values})
+    return array if chunk is None else array.chunk(chunk)
+
+
+def assert_near(found: Any, wanted: Any, share: float) -> None:
+    """No difference is more than this share of the largest number."""
+    largest = np.nanmax(np.abs(np.asarray(wanted)))
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=share * largest)
+
+
+def check_labels(table: xr.Dataset) -> None:
+    """Every variable has a name and a unit, or flags and their meanings; the table says its source."""
+    for name, variable in table.data_vars.items():
+        assert variable.attrs["long_name"], name
+        if "flag_meanings" in variable.attrs:
+            flags = variable.attrs["flag_values"]
+            assert len(variable.attrs["flag_meanings"].split()) == len(flags), name
+            assert variable.dtype == flags.dtype == np.int8, name
+        else:
+            assert variable.attrs["units"] or variable.dtype.kind in "Ub", name
+    assert {"title", "references", "stochlin_version", "history"} <= set(table.attrs)
+    assert table.attrs["stochlin_version"] == sl.__version__
 
 
 def log_uniform(rng: np.random.Generator, limits: tuple[float, float], size: int | None = None) -> Any:

@@ -1,7 +1,5 @@
 """Shared configuration: makes ``tests/cases.py`` importable and property tests repeatable."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import settings
 from opensees_models import load_opensees

@@ -1,7 +1,5 @@
 """Frames of Bouc-Wen storeys by the method of Runge and Kutta, without anything of the library."""
 
-from __future__ import annotations
-
 from math import pi
 from typing import NamedTuple
 

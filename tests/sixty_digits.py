@@ -1,7 +1,5 @@
 """Lyapunov equations in 60 digits: those of the fast path and of systems are held against them."""
 
-from __future__ import annotations
-
 import cases
 import mpmath
 

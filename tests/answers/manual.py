@@ -5,8 +5,6 @@ how it is solved. In them ``<< T >>`` is a number of ``independent.json``, ``<< 
 same to four digits.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """`make answers`: rerun the cases, or those that are named, write down what moved and show it."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import sys

@@ -1,7 +1,5 @@
 """Answers that are kept: what a user did before, done again, number by number."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Specifications of an atlas: what is wrong is said before any work."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """An atlas outlives its process, its disk and its workers, and ends as one that ran through."""
 
-from __future__ import annotations
-
 import errno
 import multiprocessing
 import os
@@ -115,7 +113,7 @@ def test_killed_at_random_moments(whole, tmp_path):
 
 
 @pytest.mark.slow
-def test_full_disk(whole, tmp_path, monkeypatch):
+def test_a_full_disk_is_told_and_the_rest_written_later(whole, tmp_path, monkeypatch):
     """The disk takes five blocks, then no more; with room again the rest is written."""
     target, write, count = tmp_path / "a.zarr", atlas_store.write_block, 0
 

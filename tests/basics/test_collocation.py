@@ -1,7 +1,5 @@
 """Panels of Lobatto's nodes: against polynomials, and exponentials against those of scipy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

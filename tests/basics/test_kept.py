@@ -1,7 +1,5 @@
 """Compiled functions that are kept on the disk: nothing that befalls it stops or changes them."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import shutil

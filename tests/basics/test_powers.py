@@ -33,7 +33,7 @@ def test_powers_are_exact_but_for_the_rounding_of_the_logarithm():
 
 
 @pytest.mark.parametrize(("exponent", "expected"), [(2.5, 0.0), (0.0, 1.0), (-1.0, np.inf)])
-def test_powers_of_zero(exponent, expected):
+def test_powers_of_zero_are_their_limits(exponent, expected):
     assert power(0.0, exponent) == expected
 
 

@@ -1,7 +1,5 @@
 """Shear buildings, links, and both as one system: against closed forms, and what is wrong is said."""
 
-from __future__ import annotations
-
 import dataclasses
 from typing import Any
 

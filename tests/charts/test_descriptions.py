@@ -1,7 +1,5 @@
 """Models in words, as captions of pictures have them."""
 
-from __future__ import annotations
-
 import pytest
 
 import stochlin as sl

@@ -1,7 +1,5 @@
 """Fig. 5b: the amplification of standard deviations and of maxima, beside what linearization says."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Figs. 6 to 8 as they are drawn, and the files of them that come with the project."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib.image

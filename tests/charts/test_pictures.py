@@ -1,7 +1,5 @@
 """Which picture a chart dataset becomes: the one its attribute names, and of older files the same."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,17 +1,14 @@
 """Pictures for print: of the width of a column, without words of their own, with text of 7 points."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib as mpl
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from commands import answered, refused
 from matplotlib.text import Text
 
 import stochlin as sl
-from stochlin.views.command import main
 
 pytestmark = pytest.mark.cli
 
@@ -74,10 +71,8 @@ def test_a_chart_without_other_methods_has_no_second_picture():
 
 def test_the_command_draws_for_print(tmp_path):
     command = ["charts", "fig3a", "--points", "5", "--format", "svg", "--out", str(tmp_path)]
-    assert CliRunner().invoke(main, [*command, "--print-width", "84mm"]).exit_code == 0
+    answered(*command, "--print-width", "84mm")
     points = 72 * 0.084 / 0.0254
     assert f'width="{points:.6g}'[:10] in (tmp_path / "fig3a.svg").read_text()
-    refused = CliRunner().invoke(main, [*command, "--print-width", "84cm"])
-    assert refused.exit_code == 2
-    assert "--print-width 0.84 is out of range" in refused.output
+    assert "--print-width 0.84 is out of range" in refused(*command, "--print-width", "84cm")
     assert mpl.rcParams["font.size"] == mpl.rcParamsDefault["font.size"]

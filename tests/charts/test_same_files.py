@@ -1,7 +1,5 @@
 """Files of charts: six digits, no version, and the same bytes on other processors."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -11,11 +9,10 @@ import matplotlib.image
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from commands import answered
 
 import stochlin as sl
 from stochlin.analyses.charts.charts import for_file, rounded
-from stochlin.views.command import main
 from stochlin.views.shared.style import SCREEN, save
 
 pytestmark = pytest.mark.invariant
@@ -84,7 +81,7 @@ def test_noise_is_rounded_away_and_six_digits_stay():
 def test_pictures_are_drawn_from_the_rounded_data(tmp_path):
     """A picture of the file is the picture beside the file."""
     command = ["charts", "fig3a", "--points", "9", "--out", str(tmp_path)]
-    assert CliRunner().invoke(main, command).exit_code == 0
+    answered(*command)
     with xr.open_dataset(tmp_path / "fig3a.nc") as chart:
         save(sl.charts.draw(chart.load()), tmp_path / "again.png", SCREEN)
     told, again = (matplotlib.image.imread(tmp_path / f"{name}.png") for name in ("fig3a", "again"))
@@ -101,8 +98,7 @@ def test_either_solver_draws_the_same_chart(tmp_path):
         given = [*SMALL[:-1], "--simulated-points", "0", chart]
         for solver in ("closed_form", "lyapunov"):
             arguments = [*given, "--solver", solver, "--out", str(tmp_path / solver)]
-            result = CliRunner().invoke(main, arguments)
-            assert result.exit_code == 0, result.output
+            answered(*arguments)
         names = [f"{chart}.nc", f"{chart}.png"]
         one, two = (
             [(tmp_path / s / n).read_bytes() for n in names] for s in ("closed_form", "lyapunov")

@@ -1,17 +1,14 @@
 """Figs. 3b, 4 and 5a: effective rules, the drift closure and simulation beside linearization."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from commands import invoke
 
 import stochlin as sl
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
-from stochlin.views.command import main
 
 pytestmark = pytest.mark.paper
 
@@ -300,9 +297,7 @@ def test_a_curve_that_is_not_named_is_neither_computed_nor_drawn():
 
 def test_the_command_takes_curves_by_name(tmp_path):
     def run(*given):
-        return CliRunner().invoke(
-            main, ["charts", "fig3b", *given, "--points", "9", "--out", str(tmp_path)]
-        )
+        return invoke("charts", "fig3b", *given, "--points", "9", "--out", tmp_path)
 
     assert run("--curves", f"{JENG},iwan-1980").exit_code == 0
     with xr.open_dataset(tmp_path / "fig3b.nc") as chart:

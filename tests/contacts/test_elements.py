@@ -1,7 +1,5 @@
 """Contacts against an integration of two free masses, against mpmath, and on the way there and back."""
 
-from __future__ import annotations
-
 import hypothesis.strategies as st
 import mpmath
 import numpy as np
@@ -160,7 +158,7 @@ def test_what_formulas_deliver_is_what_the_masses_do(kind, formula, asked):
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
-def test_hertz_contact_time(exponent):
+def test_hertz_contact_time_is_that_of_another_integrator(exponent):
     contact = sl.Hertz(stiffness=3e6, exponent=exponent)
     time, e = delivered(contact, 4e3, 9e3, 0.6)
     assert e == pytest.approx(1, abs=1e-9)
@@ -347,7 +345,7 @@ def test_restitution_falls_with_damping(kind):
         (sl.HertzDamp, 2 / 3),
     ],
 )
-def test_little_damping(kind, slope):
+def test_with_little_damping_restitution_falls_at_the_slope_of_its_series(kind, slope):
     xi = 1e-5
     assert 1 - kind.restitution(xi) == pytest.approx(slope * xi, rel=1e-4)  # next order: xi^2
     inverse = kind.damping_factor if kind is sl.HertzDamp else kind.damping_ratio
@@ -356,7 +354,7 @@ def test_little_damping(kind, slope):
     assert kind.restitution(0.0) == 1
 
 
-def test_much_damping():
+def test_with_much_damping_restitution_has_its_limit():
     # L = xi A -> log(2 xi); the Hertz-damp contact parts at v0/a
     assert sl.ImpactKelvin.restitution(1e7) == pytest.approx(0.5e-7, rel=1e-12)
     assert sl.NoTensionKelvin.restitution(1e7) == pytest.approx(0.25e-14, rel=1e-12)
@@ -423,7 +421,7 @@ def test_answers_have_the_shape_of_the_question(kind):
         ({"restitution": 0.5, "stiffness": -1}, ValueError, "stiffness = -1 is out of range"),
     ],
 )
-def test_refusals(kind, arguments, error, message):
+def test_elements_out_of_range_are_refused_by_their_names(kind, arguments, error, message):
     with pytest.raises(error, match=f"^{kind.__name__}: .*{message}"):
         kind(**({"stiffness": 1e8} | arguments))
 
@@ -456,7 +454,7 @@ def test_refusals(kind, arguments, error, message):
         (lambda: sl.LinearSpring(1.0).force(0, 0, -1, 1), ValueError, "approach_velocity = -1 is out"),
     ],
 )
-def test_more_refusals(call, error, message):
+def test_questions_out_of_range_are_refused_with_what_is_allowed(call, error, message):
     with pytest.raises(error, match=message):
         call()
 
@@ -478,7 +476,7 @@ def test_cells_out_of_range_do_not_spoil_their_neighbours():
     np.testing.assert_allclose(apart, [0.25, np.nan])
 
 
-def test_descriptions():
+def test_elements_describe_themselves_with_their_numbers():
     assert sl.Jankowski(2e9, damping_ratio=0.3).describe() == "Jankowski(stiffness=2e+09, damping=0.3)"
     assert sl.Stereomechanical(0.5).describe() == "Stereomechanical(restitution=0.5)"
     assert sl.Stereomechanical(0.5).e == 0.5

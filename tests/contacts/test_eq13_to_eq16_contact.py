@@ -1,11 +1,10 @@
 """Eqs. (13) to (16) and Figs. 6 to 8: impact, contact elements, and what they leave of a velocity."""
 
-from __future__ import annotations
-
 import hypothesis.strategies as st
 import numpy as np
 import pytest
 import xarray as xr
+from cases import check_labels
 from hypothesis import given
 
 import stochlin as sl
@@ -69,7 +68,7 @@ def force(kind, d, v):
         (sl.ImpactKelvin, STIFFNESS * D + DASHPOT * np.maximum(V, 0)),
     ],
 )
-def test_force(kind, expected):
+def test_force_is_that_of_spring_and_dashpot_and_none_without_contact(kind, expected):
     np.testing.assert_allclose(force(kind, D, V), expected, rtol=1e-14)
     np.testing.assert_array_equal(force(kind, -D, V), 0)
     np.testing.assert_array_equal(force(kind, 0.0, V), 0)
@@ -107,7 +106,7 @@ def test_eq15_is_no_other_element_s():
         (sl.ImpactKelvin, [0.8626, 0.6715, 0.5463, 0.3941]),
     ],
 )
-def test_fig8_values(kind, values):
+def test_restitution_has_the_values_of_fig8(kind, values):
     np.testing.assert_allclose(kind.restitution([0.1, 0.3, 0.5, 0.9]), values, rtol=0, atol=5.1e-5)
 
 
@@ -118,7 +117,7 @@ def test_damping_for_the_usual_restitution(kind, ratio):
     assert kind.damping_ratio(0.65) == pytest.approx(ratio, abs=5.1e-5)
 
 
-def test_hertz_damp_values():
+def test_hertz_damp_has_its_known_values():
     np.testing.assert_allclose(sl.HertzDamp.damping_factor([0.5, 0.65]), [1.4328, 0.7931], atol=5.1e-5)
 
 
@@ -251,10 +250,8 @@ def test_contacts_of_other_laws_need_not_be_shorter_with_less_restitution():
 def test_charts_say_what_they_are():
     charts = [contact_loop_chart(), contact_history_chart(), restitution_chart()]
     for chart in charts:
-        for name, variable in chart.data_vars.items():
-            assert variable.attrs["units"] == "1", name
-            assert variable.attrs["long_name"], name
-        assert {"title", "references", "history", "stochlin_version"} <= set(chart.attrs)
+        check_labels(chart)
+        assert {variable.attrs["units"] for variable in chart.data_vars.values()} == {"1"}
         assert chart.element.attrs["long_name"]
     assert charts[1].attrs["Kelvin"] == "Kelvin(stiffness=1, damping=0.5)"
 
@@ -270,7 +267,7 @@ def test_charts_say_what_they_are():
         (lambda: restitution_chart(largest=0), "largest = 0 is out of range"),
     ],
 )
-def test_charts_refuse(call, message):
+def test_charts_refuse_numbers_out_of_range(call, message):
     with pytest.raises(ValueError, match=message):
         call()
 

@@ -1,7 +1,5 @@
 """Amplification of maximum displacements, as the caption of Fig. 5b has it."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Whether the caution of the difference of displacements protects: 500 simulated pairs of each kind."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

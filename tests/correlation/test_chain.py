@@ -1,7 +1,5 @@
 """Tables by the chain of state matrix, Lyapunov equation and coefficients, all cells at once."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import cases
@@ -9,6 +7,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import xarray as xr
+from cases import axis
 
 import stochlin as sl
 from stochlin.analyses.correlation import linearized
@@ -92,13 +91,9 @@ def test_no_closed_form_of_a_pair_is_called(monkeypatch):
     assert sl.correlate(*pair, ground, solver="lyapunov").rho.notnull().all()
 
 
-def axis(name, *periods):
-    return xr.DataArray(list(periods), dims=name, coords={name: list(periods)})
-
-
 TABLE = [
-    sl.Bilinear(axis("one", 0.5, 1.0), 0.05, 0.05, reduction_factor=axis("R", 1.5, 4.0)),
-    sl.Bilinear(axis("two", 0.7, 2.0, 3.0), 0.05, 0.05, reduction_factor=axis("R", 1.5, 4.0)),
+    sl.Bilinear(axis("one", [0.5, 1.0]), 0.05, 0.05, reduction_factor=axis("R", [1.5, 4.0])),
+    sl.Bilinear(axis("two", [0.7, 2.0, 3.0]), 0.05, 0.05, reduction_factor=axis("R", [1.5, 4.0])),
 ]
 LAKE_BED = sl.KanaiTajimi(2.0, 0.05)
 
@@ -123,7 +118,7 @@ def test_a_cell_of_a_table_is_its_single_system(iteration):
 @pytest.mark.invariant
 def test_a_cell_that_does_not_converge_touches_no_other():
     """Of a structure a million million times too weak, and of one that is out of range."""
-    strengths = axis("uy", 0.05, 1e-30, -1.0, 0.1)
+    strengths = axis("uy", [0.05, 1e-30, -1.0, 0.1])
     first = replace(TABLE[0].isel({"R": 0}), reduction_factor=None, yield_displacement=strengths)
     second = sl.Bilinear(1.5, 0.05, 0.05, reduction_factor=2.0)
     limits = {"max_iterations": 40, "solver": "lyapunov"}
@@ -181,7 +176,7 @@ def test_a_substitution_that_ends_nowhere_says_so():
         ({"closure": "drift"}, "closure = 'drift'; allowed: .*gaussian and clipped"),
         ({"closure": "narrow_band"}, "closure = 'narrow_band'; allowed: .*gaussian and clipped"),
         ({"method": "simulation"}, "method = 'simulation'.*allowed: method linearization"),
-        ({"second": sl.Bilinear(axis("one", 1.0, 2.0, 3.0), 0.05)}, "different dimension names"),
+        ({"second": sl.Bilinear(axis("one", [1.0, 2.0, 3.0]), 0.05)}, "different dimension names"),
         ({"second": sl.Bilinear(np.geomspace(0.1, 4, 20_000_000), 0.05)}, "allowed: .*fewer cells"),
     ],
 )

@@ -1,7 +1,5 @@
 """What the paper says of eq. (4), of linearization and of the ground, against simulation."""
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import pairwise
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Eq. (4): two linear oscillators under one white noise. The paper calls it approximate; it is exact."""
 
-from __future__ import annotations
-
 import cases
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Parameters that are extreme but allowed: a number, or NaN with a status, and never a warning."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

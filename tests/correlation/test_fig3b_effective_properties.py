@@ -1,7 +1,5 @@
 """Fig. 3b: eq. (4) with effective properties, as far as the paper's claim goes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

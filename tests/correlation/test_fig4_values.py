@@ -1,7 +1,5 @@
 """Correlation beyond eq. (4): narrow-banded ground and yielding, at the points of Figs. 3 to 5."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The quadratic form of nearly equal structures: a form that is known is found again."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given

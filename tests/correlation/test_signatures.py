@@ -1,7 +1,5 @@
 """What simulated references tell of two drifting structures: algebra, limits, simulations."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

@@ -1,24 +1,17 @@
 """Tables by simulation: the same labels as by linearization, the same numbers as `simulate`."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr
-from cases import with_slow
-from click.testing import CliRunner
+from cases import axis, check_labels, with_slow
+from commands import answered, refused
 
 import stochlin as sl
-from stochlin.views.command import main
 
 pytestmark = pytest.mark.invariant
 
 FEW = {"paths": 64, "relaxation_times": 3.0}
 LAKEBED = sl.KanaiTajimi(period=2.0, damping=0.05)
-
-
-def axis(name, values):
-    return xr.DataArray(values, dims=name, coords={name: values})
 
 
 def building(period, **changes):
@@ -48,9 +41,7 @@ def test_table_has_the_labels_of_linearization():
     assert set(linearized.data_vars) - {"bias", "bias_1", "bias_2", "caution"} <= set(
         simulated.data_vars
     )
-    for name, variable in simulated.data_vars.items():
-        assert name == "status" or variable.attrs["units"], name
-        assert variable.attrs["long_name"], name
+    check_labels(simulated)
     assert simulated.attrs["paths"] == FEW["paths"]
 
 
@@ -127,8 +118,7 @@ def test_progress_runs_to_one():
 @pytest.mark.parametrize("name", with_slow(["fig5a", "fig4b", "fig5b"], {"fig4b", "fig5b"}))
 def test_command_draws_both_and_the_difference(name, tmp_path):
     small = ["--points", "3", "--paths", "32", "--reduction-factors", "4", "--out", str(tmp_path)]
-    result = CliRunner().invoke(main, ["verify", name, *small])
-    assert result.exit_code == 0, result.output
+    result = answered("verify", name, *small)
     assert "standard error" in result.output
     assert (tmp_path / f"{name}_verified.png").exists()
     if name != "fig5b":
@@ -139,6 +129,4 @@ def test_command_draws_both_and_the_difference(name, tmp_path):
 
 def test_a_chart_that_is_not_simulated_is_refused_with_those_that_are(tmp_path):
     small = ["--points", "3", "--paths", "32", "--reduction-factors", "4", "--out", str(tmp_path)]
-    refused = CliRunner().invoke(main, ["verify", "fig3a", *small])
-    assert refused.exit_code == 2
-    assert "fig4a" in refused.output
+    assert "fig4a" in refused("verify", "fig3a", *small)

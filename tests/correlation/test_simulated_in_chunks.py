@@ -1,10 +1,9 @@
 """Simulated correlations in chunks of dask: lazy, and those of the whole table to the last bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr
+from cases import axis
 
 import stochlin as sl
 
@@ -14,11 +13,6 @@ pytest.importorskip("dask", reason="dask is in the extra 'scale'")
 
 GROUND = sl.KanaiTajimi(0.5, 0.3, intensity=0.01)
 OPTIONS = {"method": "simulation", "paths": 64, "relaxation_times": 5}
-
-
-def axis(name, values, chunk=None):
-    array = xr.DataArray(np.array(values), dims=name, coords={name: np.array(values)})
-    return array if chunk is None else array.chunk(chunk)
 
 
 def elastic(chunk=None):

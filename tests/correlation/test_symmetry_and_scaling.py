@@ -1,7 +1,5 @@
 """What must hold for any two structures on any ground, whatever the numbers are."""
 
-from __future__ import annotations
-
 import cases
 import numpy as np
 import pytest

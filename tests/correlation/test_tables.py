@@ -1,7 +1,5 @@
 """The compiled table of pairs: against 60 digits, plain numpy, and itself cut otherwise."""
 
-from __future__ import annotations
-
 import cases
 import mpmath
 import numpy as np
@@ -103,7 +101,7 @@ def test_random_pairs_a_million_to_one_in_period(seed):
 
 @pytest.mark.parametrize("ratio", [1e-3, 1e-2, 1e2, 1e3])
 @pytest.mark.parametrize("slip", [1e-16, 1e-6, 0.2])
-def test_far_apart(ratio, slip):
+def test_periods_far_apart_keep_their_digits(ratio, slip):
     rng = np.random.default_rng(41)
     check(draw(rng, 1.0, slip), draw(rng, ratio, slip), (2 * np.pi, 0.3))
 

@@ -3,8 +3,6 @@
 Roberts and Spanos (1990), Random vibration and statistical linearization, ch. 6.
 """
 
-from __future__ import annotations
-
 import cases
 import numpy as np
 import pytest

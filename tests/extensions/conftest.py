@@ -1,7 +1,5 @@
 """A package from outside that extends stochlin: installed into a folder, used from the command line."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

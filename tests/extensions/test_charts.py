@@ -1,7 +1,5 @@
 """Charts from outside: one file, computed, saved, drawn and verified by the command line."""
 
-from __future__ import annotations
-
 import re
 
 import matplotlib.image

@@ -1,7 +1,5 @@
 """Commands from outside: one file, listed and run by the command line."""
 
-from __future__ import annotations
-
 import pytest
 
 import stochlin as sl

@@ -1,7 +1,5 @@
 """A contact element from outside: the one of the documentation, through ``stochlin pound``."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A ground from outside, that of the documentation: in commands, case files, atlases, the explorer."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg
@@ -111,7 +109,7 @@ seed = 1
 
 
 @pytest.mark.slow
-def test_a_case_file(toy, tmp_path):
+def test_a_case_file_takes_the_ground_by_its_name(toy, tmp_path):
     (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
     text = done(toy("gap", "case.toml"))
     assert "left and right should stand" in text
@@ -122,7 +120,7 @@ def test_a_case_file(toy, tmp_path):
 
 
 @pytest.mark.slow
-def test_an_atlas(toy, tmp_path):
+def test_an_atlas_takes_the_ground_by_its_name(toy, tmp_path):
     pytest.importorskip("zarr")
     spec = """
         ground = "two_layers"

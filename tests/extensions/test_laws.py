@@ -1,7 +1,5 @@
 """A hysteresis law from outside: one class in one file, known to every command."""
 
-from __future__ import annotations
-
 import tomllib
 
 import cases

@@ -1,7 +1,5 @@
 """The registry: found when asked for, in their order, each name once, and what is wrong is said."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

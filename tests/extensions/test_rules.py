@@ -1,7 +1,5 @@
 """Rules from outside: a code rule and one for effective properties, in the tables of every command."""
 
-from __future__ import annotations
-
 import math
 import re
 

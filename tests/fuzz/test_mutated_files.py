@@ -3,8 +3,6 @@
 A minute or so here; ``make fuzz`` goes on for an hour, with examples of its own each time.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import warnings
@@ -15,14 +13,13 @@ from typing import Any
 import cases
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from commands import invoke
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.analyses.atlases.specification import read_specification
 from stochlin.messages import LONGEST_MESSAGE
-from stochlin.views.command import main
 
 pytestmark = [pytest.mark.invariant, pytest.mark.slow]
 
@@ -254,19 +251,21 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @examples(1500)
 @given(text=mutated(forms_of_the_case()))
-def test_case_files(folder: Path, text: str) -> None:
+def test_mutated_case_files_are_read_or_refused_in_words(folder: Path, text: str) -> None:
     check(lambda: sl.read_case(written(folder / "case.toml", text)))
 
 
 @examples(4000)
 @given(text=mutated(list(RECORDS.values())), options=st.sampled_from(OPTIONS))
-def test_records(folder: Path, text: str, options: dict[str, Any]) -> None:
+def test_mutated_records_are_read_or_refused_in_words(
+    folder: Path, text: str, options: dict[str, Any]
+) -> None:
     check(lambda: sl.read_record(written(folder / "record.txt", text), **options))
 
 
 @examples(2000)
 @given(text=mutated([SPECIFICATION]))
-def test_specifications(folder: Path, text: str) -> None:
+def test_mutated_specifications_are_read_or_refused_in_words(folder: Path, text: str) -> None:
     check(lambda: read_specification(written(folder / "spec.toml", text)))
 
 
@@ -274,7 +273,7 @@ def test_specifications(folder: Path, text: str) -> None:
 @given(text=mutated(forms_of_the_case()[1:4] + storeyed_forms()))
 def test_commands_answer_or_say_what_is_wrong(folder: Path, text: str) -> None:
     path = written(folder / "case.toml", text)
-    done = CliRunner().invoke(main, ["pound", str(path)])
+    done = invoke("pound", path)
     assert done.exit_code in (0, 1, 2), done.output
     assert done.exception is None or isinstance(done.exception, SystemExit), repr(done.exception)
     said = done.output.splitlines()

@@ -1,7 +1,5 @@
 """Case files that name files of all kinds: those of their folder are read, nothing else is opened."""
 
-from __future__ import annotations
-
 import os
 import socket
 import sys

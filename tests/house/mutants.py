@@ -11,8 +11,6 @@ At the end, the tests that caught a mutant run on the unchanged copy, where they
 compiles the kernels that its tests call. 60 mutants take an hour on a free core.
 """
 
-from __future__ import annotations
-
 import ast
 import os
 import random

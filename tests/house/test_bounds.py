@@ -1,7 +1,5 @@
 """Compiled functions stay within their arrays: numba checks every index where it is told to."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

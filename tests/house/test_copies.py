@@ -1,7 +1,5 @@
 """What a user describes can be sent to another process, copied, compared and used as a key."""
 
-from __future__ import annotations
-
 import copy
 import dataclasses
 import importlib

@@ -1,7 +1,5 @@
 """What the wheel and the source archive contain; ``make dist`` builds both in ``dist``."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import tarfile

@@ -1,7 +1,5 @@
 """The documentation: its code runs as printed, its reference is complete, and the site builds."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import runpy

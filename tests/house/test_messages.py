@@ -1,7 +1,5 @@
 """Values in messages: on one line, without what a terminal would obey, and never long."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Every notebook runs from top to bottom, without warnings of the library."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

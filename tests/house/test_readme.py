@@ -1,7 +1,5 @@
 """What the README and the page of commands show works as printed, in an empty folder."""
 
-from __future__ import annotations
-
 import re
 from contextlib import redirect_stdout
 from io import StringIO

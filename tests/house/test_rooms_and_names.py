@@ -1,7 +1,5 @@
 """The house itself: imports run downwards, public names are there and documented, nothing prints."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 import re

@@ -1,7 +1,5 @@
 """Commands where nothing is compiled, where nothing can be kept, and on one core."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess
@@ -12,10 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from click.testing import CliRunner
+from commands import answered
 
 import stochlin as sl
-from stochlin.views.command import main
 
 pytestmark = pytest.mark.cli
 
@@ -97,7 +94,7 @@ def test_what_is_not_compiled_gives_the_same_numbers_and_says_that_it_is_slow(tm
     with xr.open_dataset(tmp_path / "pound.nc") as table:
         plain = table.load()
     again = [str(tmp_path / "case.toml"), "--out", str(tmp_path / "pound.nc")]
-    assert CliRunner().invoke(main, ["pound", *again]).exit_code == 0
+    answered("pound", *again)
     with xr.open_dataset(tmp_path / "pound.nc") as table:
         xr.testing.assert_allclose(plain, table, rtol=1e-6)
 
@@ -118,7 +115,7 @@ def test_simulations_run_uncompiled(tmp_path: Path) -> None:
     ran(tmp_path, UNCOMPILED, [short, ["probability", "case.toml"], *ATLAS])
     with xr.open_dataset(tmp_path / "table.nc") as table:
         plain = table.load()
-    assert CliRunner().invoke(main, [*short[:-1], str(tmp_path / "table.nc")]).exit_code == 0
+    answered(*short[:-1], tmp_path / "table.nc")
     with xr.open_dataset(tmp_path / "table.nc") as table:
         np.testing.assert_allclose(plain.rho, table.rho, rtol=1e-6)
 

@@ -1,7 +1,5 @@
 """After ``stochlin warmup`` nothing is compiled any more."""
 
-from __future__ import annotations
-
 import importlib
 import pkgutil
 from concurrent.futures import ProcessPoolExecutor
@@ -9,13 +7,12 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
+from commands import answered
 
 import stochlin as sl
 from stochlin import kernels
 from stochlin.kernels.basics.kept import Kept
 from stochlin.messages import WHEN_COMPILING
-from stochlin.views.command import main
 from stochlin.views.shared.screen import compiling_told
 from stochlin.views.warmup.tasks import TASKS, perform
 
@@ -42,8 +39,7 @@ def new_kinds(folder: Path) -> list[str]:
     case = folder / "case.toml"
     case.write_text(text.replace("[motion]", site, 1), encoding="utf-8")
     for command in ("gap", "probability", "pound", "mitigate"):
-        done = CliRunner().invoke(main, [command, str(case)])
-        assert done.exit_code == 0, done.output
+        answered(command, case)
     return [name for name, count in compiled().items() if count != before[name]]
 
 

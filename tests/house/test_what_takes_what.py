@@ -1,7 +1,5 @@
 """The page that says which function takes which structure, law and ground is what trying it finds."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

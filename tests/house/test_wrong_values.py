@@ -1,7 +1,5 @@
 """Every public call with every kind of wrong value: what is raised is one short line for the user."""
 
-from __future__ import annotations
-
 import inspect
 import re
 import warnings

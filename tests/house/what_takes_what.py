@@ -4,8 +4,6 @@ Every public function that takes a structure has its minimal calls here. One is 
 message for the user, which the page shows; another error is a fault, and passes.
 """
 
-from __future__ import annotations
-
 import inspect
 import re
 import warnings

@@ -1,7 +1,5 @@
 """A law given by its symbolic form and parameters: in tables, in crowds, and refused with a reason."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Laws written in sympy: the same answers as the closed forms, and as two-dimensional quadrature."""
 
-from __future__ import annotations
-
 import cases
 import numpy as np
 import pytest

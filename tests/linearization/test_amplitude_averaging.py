@@ -1,7 +1,5 @@
 """The narrow-band closure where three amplitudes are possible, beside a search over all of them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The clipped closure and Caughey's amplitude averaging against numerical integration."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import cases

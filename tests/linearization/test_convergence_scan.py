@@ -1,7 +1,5 @@
 """Every cell of a large random table is solved, and what is called solved is a solution."""
 
-from __future__ import annotations
-
 import time
 
 import cases

@@ -1,7 +1,5 @@
 """The same structures in other coordinates: displacements of floors, and modes of vibration."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Damping devices and dashpots with an exponent, linearized: quadrature, limits, simulation."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import cases

@@ -1,7 +1,5 @@
 """The closure that keeps the plastic drift: its parts by other ways, its limits, and simulations."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Filters of any number of states: against closed forms, and in whole systems against Lyapunov."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import cases

@@ -1,7 +1,5 @@
 """Buildings with many storeys: structures that are not linked are solved one by one, by halves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

@@ -1,7 +1,5 @@
 """Grounds in parallel: spectra and covariances of linear structures add, and a simulation agrees."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -62,7 +60,7 @@ def test_the_loop_on_the_state_space_finds_what_the_fast_path_finds():
 
 
 @pytest.mark.oracle
-def test_simulated_variance():
+def test_moments_are_those_of_simulated_motions():
     table = sl.simulate([ONE, TWO], BOTH, paths=256, seed=3)
     exact = sl.correlate(ONE, TWO, BOTH)
     off = table.displacement_std - [exact.displacement_std_1, exact.displacement_std_2]

@@ -1,7 +1,5 @@
 """Peak factors: their formulas by another road, exact limits, and simulation."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.linalg

@@ -3,8 +3,6 @@
 ``E[u1 u2] = 2 Re Int_0^inf S(w) H1(w) conj(H2(w)) dw``, with ``S`` the two-sided spectrum of the ground.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import cases

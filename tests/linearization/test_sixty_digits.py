@@ -1,7 +1,5 @@
 """Linearization against 60 digits: its covariances where they are nearly singular, and its solutions."""
 
-from __future__ import annotations
-
 import cases
 import mpmath
 import numpy as np

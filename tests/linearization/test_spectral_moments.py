@@ -1,7 +1,5 @@
 """First spectral moments against integrals over the real frequency axis, and exact limits."""
 
-from __future__ import annotations
-
 import cases
 import numpy as np
 import pytest

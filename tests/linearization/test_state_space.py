@@ -1,7 +1,5 @@
 """The fast path, block by block and in closed form, against the augmented state matrix it replaces."""
 
-from __future__ import annotations
-
 import cases
 import numpy as np
 import pytest
@@ -85,7 +83,7 @@ def test_oscillator_tuned_to_the_ground_is_defective_and_no_trouble():
 
 
 @pytest.mark.parametrize("strength", [{}, {"hardening": 0.05, "reduction_factor": 4.0}])
-def test_two_identical_structures(strength):
+def test_two_identical_structures_move_as_one(strength):
     twins = [sl.Bilinear(period=0.7, damping=0.05, **strength) for _ in range(2)]
     ground = sl.KanaiTajimi(period=0.7, damping=0.05)
     check(twins, ground)

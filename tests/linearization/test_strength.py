@@ -1,7 +1,5 @@
 """Strength for a ductility: by another root finder, in exact limits, and back again."""
 
-from __future__ import annotations
-
 import cases
 import numpy as np
 import pytest

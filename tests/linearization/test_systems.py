@@ -1,7 +1,5 @@
 """Storeys and links linearized: known numbers, closed forms of pairs, 60 digits, limits, symmetries."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 
@@ -45,7 +43,7 @@ def elastic(building):
 # --- The table of drifts and coefficients -------------------------------------------------------------
 
 
-def test_elastic_storeys():
+def test_elastic_storeys_have_the_values_of_another_solver():
     """Exact values from another solver, to their printed digits."""
     table = sl.linearize_system([elastic(TALL), elastic(LOW)], GROUND)
     known = [0.00646413, 0.00624080, 0.00547140, 0.00358557, 0.00396668, 0.00310156]
@@ -57,7 +55,7 @@ def test_elastic_storeys():
     assert table.sizes["iteration"] == 0
 
 
-def test_storeys_that_yield():
+def test_storeys_that_yield_have_the_values_of_plain_iteration():
     """Values of plain damped iteration on a general solver, to their printed digits."""
     table = sl.linearize_system([TALL, LOW], GROUND)
     known = [0.00580111, 0.00540350, 0.00466020, 0.00293244, 0.00368449, 0.00263410]

@@ -1,7 +1,5 @@
 """Transient linearization: against the Lyapunov differential equation, simulation and its own limits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.integrate

@@ -1,10 +1,8 @@
 """The table of measures against what its rows are made of, called one by one."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-import xarray as xr
+from motions import smooth_noise
 
 import stochlin as sl
 from stochlin.analyses.separation.searches import CLOSE
@@ -30,10 +28,8 @@ def pair(**changes):
     ]
 
 
-def record(samples=400, dt=0.02):
-    noise = np.random.default_rng(11).standard_normal(samples + 10)
-    values = 2.5 * np.convolve(noise, np.hanning(11), mode="valid")[:samples] / 3
-    return xr.DataArray(values, dims="time", coords={"time": dt * np.arange(samples)})
+def record(samples=400):
+    return 2.5 * smooth_noise(samples, 11) / 3
 
 
 @pytest.fixture(scope="module")
@@ -263,7 +259,7 @@ def test_bumpers_without_records_say_what_is_missing():
         ({"measures": {"l": sl.Measure(link=sl.Link([1e6, 2e6]))}}, "stiffness is an array"),
     ],
 )
-def test_bad_input(changes, told):
+def test_options_out_of_range_are_refused(changes, told):
     options = {"gap": GAP, "measures": {}} | MOTION | changes
     with pytest.raises((ValueError, TypeError), match=told):
         sl.mitigate(*pair(), GROUND, DURATION, **options)
@@ -292,7 +288,7 @@ def test_strength_of_what_never_yields_is_refused():
         ({"contact": LINK}, TypeError, "contact = Link.* is of the wrong kind"),
     ],
 )
-def test_bad_measures(given, error, told):
+def test_measures_that_cannot_be_built_are_refused(given, error, told):
     with pytest.raises(error, match=f"Measure: {told}"):
         sl.Measure(**given)
 

@@ -1,17 +1,14 @@
 """One building alone through a motion: what it bears and where its energy goes, as in a row."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from cases import recorded_example
-from click.testing import CliRunner
+from cases import assert_near, recorded_example
+from commands import answered, refused
 
 import stochlin as sl
-from stochlin.views.command import main
 from stochlin.views.pounding.ensembles import draw_ensemble
 from stochlin.views.pounding.floors import draw_floors
 from stochlin.views.pounding.pictures import draw_pound
@@ -41,7 +38,7 @@ def test_it_is_a_building_of_a_row_that_never_meets(structure):
         own, other = alone[name].isel(structure=0), row[name].isel(structure=0)
         if "floor" in row[name].dims and "floor" not in own.dims:
             other = other.isel(floor=0, drop=True)
-        np.testing.assert_allclose(own, other, rtol=0, atol=1e-4 * float(abs(own).max()))
+        assert_near(other, own, 1e-4)
     for name in ("input", "kinetic", "elastic", "viscous", "hysteretic"):
         own, other = (table[f"{name}_energy"].isel(structure=0) for table in (alone, row))
         np.testing.assert_allclose(own, other, rtol=0, atol=1e-4 * float(alone.input_energy.max()))
@@ -55,7 +52,7 @@ def test_beside_its_equal_it_is_nearly_the_same_number(structure):
     row = sl.pound([structure, structure], FAR, CONTACT, RECORD).isel(structure=0)
     for name in ("displacement", "acceleration", "storey_shear", "hysteretic_energy", "peak"):
         own = alone[name].isel(structure=0)
-        np.testing.assert_allclose(own, row[name], rtol=0, atol=1e-9 * float(abs(own).max()))
+        assert_near(row[name], own, 1e-9)
 
 
 @pytest.mark.oracle
@@ -103,8 +100,7 @@ def alone_file(folder: Path, storeys: bool, more: str = "") -> Path:
 def test_the_command_takes_one_building(storeys: bool, tmp_path: Path) -> None:
     path = alone_file(tmp_path, storeys)
     picture = tmp_path / "p.png"
-    done = CliRunner().invoke(main, ["pound", str(path), "--picture", str(picture)])
-    assert done.exit_code == 0, done.output
+    done = answered("pound", path, "--picture", picture)
     shown = " ".join(done.output.split())
     assert "one building alone, without a neighbour" in shown
     assert "contact" not in shown.replace(str(tmp_path), "")
@@ -127,8 +123,7 @@ def test_the_command_takes_one_building(storeys: bool, tmp_path: Path) -> None:
 def test_the_command_takes_one_building_through_many_motions(storeys: bool, tmp_path: Path) -> None:
     path = alone_file(tmp_path, storeys)
     out = tmp_path / "m.nc"
-    done = CliRunner().invoke(main, ["pound", str(path), "--motions", "8", "--out", str(out)])
-    assert done.exit_code == 0, done.output
+    done = answered("pound", path, "--motions", "8", "--out", out)
     said = " ".join(done.output.split())
     assert "8 simulated motions of 20 s, firm, Clough-Penzien ground: one building alone" in said
     assert "alone " not in done.output.split("quantiles")[1]
@@ -139,11 +134,11 @@ def test_the_command_takes_one_building_through_many_motions(storeys: bool, tmp_
 @pytest.mark.cli
 def test_a_gap_beside_one_building_and_other_commands_say_what_is_wrong(tmp_path: Path) -> None:
     path = alone_file(tmp_path, False, 'existing = "5 cm"')
-    done = CliRunner().invoke(main, ["pound", str(path)])
-    assert done.exit_code == 2
-    assert "separation.existing = '5 cm' is a gap of one building alone; leave it out" in done.output
+    assert "separation.existing = '5 cm' is a gap of one building alone; leave it out" in refused(
+        "pound", path
+    )
     path = alone_file(tmp_path, False)
     for command in ("probability", "mitigate"):
-        done = CliRunner().invoke(main, [command, str(path)])
-        assert done.exit_code == 2
-        assert "building_2 is missing; this command needs two buildings: write a line" in done.output
+        assert "building_2 is missing; this command needs two buildings: write a line" in refused(
+            command, path
+        )

@@ -1,7 +1,5 @@
 """Bad input to pounding: refused with the parameter, its value, what is allowed, and the cure."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -1,7 +1,5 @@
 """What the paper says of hits: forces, pulses, energy, amplification; of link forces and of measures."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

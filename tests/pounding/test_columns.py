@@ -1,12 +1,11 @@
 """Slabs that meet columns: limits, symmetry, one hit by hand, and the balance of energy."""
 
-from __future__ import annotations
-
 import hypothesis.strategies as st
 import numpy as np
 import pytest
-import xarray as xr
+from cases import assert_near
 from hypothesis import given, settings
+from motions import shaking
 
 import stochlin as sl
 from stochlin.analyses.pounding.rows import build_row
@@ -25,13 +24,6 @@ CONTACTS = {
     "hertz-damp": sl.HertzDamp(2e9, restitution=0.65),
     "jankowski": sl.Jankowski(2e9, restitution=0.65),
 }
-
-
-def shaking(samples=400, seed=0, size=3.0, dt=0.02):
-    noise = np.random.default_rng(seed).standard_normal(samples + 14)
-    smooth = np.convolve(noise, np.hanning(15), mode="valid")
-    values = size * smooth * np.sin(np.pi * np.arange(samples) / samples)
-    return xr.DataArray(values, dims="time", coords={"time": dt * np.arange(samples)})
 
 
 def building(heights, stiffness=2e8, mass=2e5, **other):
@@ -105,8 +97,7 @@ def test_a_column_met_at_its_floor_is_that_floor(name):
         left = np.maximum(known.weights, 0.0)
         met = Contacts.of(laws, 5, left, right, known.gap)
         columns, _ = run(standing.row._replace(contacts=met))
-        size = np.abs(slabs).max()
-        np.testing.assert_allclose(columns, slabs, rtol=0, atol=1e3 * share * size)
+        assert_near(columns, slabs, 1e3 * share)
 
 
 def test_two_columns_met_beside_two_floors_are_slabs_that_meet():
@@ -117,23 +108,21 @@ def test_two_columns_met_beside_two_floors_are_slabs_that_meet():
     beside = sl.pound([tall, near], 0.005, sl.LinearSpring(1e8), record)
     assert (level.sizes["contact"], beside.sizes["contact"]) == (2, 4)
     assert level.sizes["impact"] > 3
-    size = float(abs(level.displacement).max())  # shares of 6e-5, handed on from hit to hit
-    np.testing.assert_allclose(beside.displacement, level.displacement, rtol=0, atol=2e-3 * size)
+    # shares of 6e-5, handed on from hit to hit
+    assert_near(beside.displacement, level.displacement, 2e-3)
 
 
-def test_mirror_image_of_columns():
+def test_a_mirrored_pair_with_columns_moves_as_the_mirror_image():
     record, gap = shaking(300), 0.005
     for name in ("kelvin", "no tension", "hertz"):
         table = sl.pound([TALL, LOW], gap, CONTACTS[name], record)
         mirror = sl.pound([LOW, TALL], gap, CONTACTS[name], -record)
         assert table.sizes["impact"] == mirror.sizes["impact"] > 5
         there = -mirror.displacement.isel(structure=[1, 0])
-        size = float(abs(table.displacement).max())
-        np.testing.assert_allclose(there, table.displacement, rtol=0, atol=1e-6 * size)
+        assert_near(there, table.displacement, 1e-6)
         np.testing.assert_allclose(mirror.column_force, table.column_force, rtol=1e-4)
         handed = mirror.energy_transferred.isel(side=[1, 0])
-        size = float(abs(handed).max())
-        np.testing.assert_allclose(handed, table.energy_transferred, rtol=0, atol=1e-4 * size)
+        assert_near(table.energy_transferred, handed, 1e-4)
 
 
 @settings(max_examples=20)
@@ -174,5 +163,4 @@ def test_far_apart_an_oscillator_in_a_mixed_row_is_a_storey():
         sl.pound([TALL, other], 5.0, CONTACTS["kelvin"], shaking()) for other in (oscillator, storey)
     )
     assert (mixed.sizes["contact"], known.sizes["contact"]) == (1, 5)
-    size = float(abs(known.displacement).max())
-    np.testing.assert_allclose(mixed.displacement, known.displacement, rtol=0, atol=1e-9 * size)
+    assert_near(mixed.displacement, known.displacement, 1e-9)

@@ -1,16 +1,14 @@
 """Devices inside buildings, and dashpots with an exponent, in buildings that pound."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import hypothesis.strategies as st
 import numpy as np
 import pytest
-import scipy.integrate
 import xarray as xr
-from cases import with_slow
+from cases import assert_near, with_slow
 from hypothesis import given, settings
+from motions import from_sample_to_sample, smooth_noise
 
 import stochlin as sl
 
@@ -22,10 +20,8 @@ PACE = 0.2  # [m/s]: where all dashpots of the tests have one force
 CONSTANT = 2e5  # [N s/m]: of the linear one
 
 
-def record(samples: int = 200, dt: float = 0.02) -> xr.DataArray:
-    noise = np.random.default_rng(7).standard_normal(samples + 10)
-    values = 2.0 * np.convolve(noise, np.hanning(11), mode="valid") / 3
-    return xr.DataArray(values[:samples], dims="time", coords={"time": dt * np.arange(samples)})
+def record(samples: int = 200) -> xr.DataArray:
+    return 2.0 * smooth_noise(samples, 7) / 3
 
 
 def pair(**law: Any) -> list[sl.Bilinear]:
@@ -70,21 +66,15 @@ def test_a_dashpot_with_an_exponent_moves_as_by_another_integrator(
     c, one, two = link.damping_constant, *pair()
     mass, w = np.array([one.mass, two.mass]), 2 * np.pi / np.array([one.period, two.period])
     drag = 2 * np.array([one.damping, two.damping]) * w
-    state, found = np.zeros(4), [np.zeros(2)]
-    dt = float(motion.time[1] - motion.time[0])
-    for begin, end in zip(motion.values[:-1], motion.values[1:], strict=True):
 
-        def rates(t, x, begin=begin, slope=(end - begin) / dt):
-            v = x[2] - x[3]
-            force = c * np.sign(v) * abs(v) ** exponent * np.array([-1.0, 1.0]) / mass
-            return np.append(x[2:], force - w**2 * x[:2] - drag * x[2:] - begin - slope * t)
+    def rates(t, x, ground, slope):
+        v = x[2] - x[3]
+        force = c * np.sign(v) * abs(v) ** exponent * np.array([-1.0, 1.0]) / mass
+        return np.append(x[2:], force - w**2 * x[:2] - drag * x[2:] - ground - slope * t)
 
-        run = scipy.integrate.solve_ivp(rates, (0, dt), state, method, rtol=1e-9, atol=1e-12)
-        state = run.y[:, -1]
-        found.append(state[:2])
+    wanted = from_sample_to_sample(rates, motion, 4, method=method, rtol=1e-9, atol=1e-12)
     table = sl.pound(pair(), FAR, SPRING, motion, link=link, steps_per_contact=128)
-    wanted = np.array(found)
-    np.testing.assert_allclose(table.displacement, wanted, rtol=0, atol=close * abs(wanted).max())
+    assert_near(table.displacement, wanted[:, :2], close)
     assert float(table.energy_balance_error.max()) < 1e-9
     pace = (table.velocity[:, 0] - table.velocity[:, 1]).values
     force = c * np.sign(pace) * abs(pace) ** exponent
@@ -99,8 +89,7 @@ def test_a_linear_device_is_a_damper_of_the_storey_or_damping() -> None:
     found = sl.pound([low, high], 0.01, SPRING, record(), link=devices)
     wanted = sl.pound([low, damped], 0.01, SPRING, record())
     assert found.sizes["impact"] == wanted.sizes["impact"] > 3
-    size = float(abs(wanted.displacement).max())
-    np.testing.assert_allclose(found.displacement, wanted.displacement, rtol=0, atol=1e-8 * size)
+    assert_near(found.displacement, wanted.displacement, 1e-8)
     np.testing.assert_allclose(found.peak_alone, wanted.peak_alone, rtol=1e-7)
     lost = found.viscous_energy.sum("structure") + found.link_lost_energy
     np.testing.assert_allclose(lost[-1], wanted.viscous_energy.sum("structure")[-1], rtol=1e-7)

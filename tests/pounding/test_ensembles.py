@@ -1,7 +1,5 @@
 """Pounding in many motions: each is what it is alone, the table counts them, and one spoils no other."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The estimate from energies: storeys by their first mode, chains of hits, its error in motions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pounding_estimates as benchmark
 import pytest

@@ -1,23 +1,15 @@
 """What floors and storeys bear: accelerations, shears, forces of links, and the energy of each hit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr
+from motions import shaking
 
 import stochlin as sl
 
 pytestmark = pytest.mark.oracle
 
 SPRING, BUMPER = sl.LinearSpring(2e9), sl.Kelvin(5e7, restitution=0.5)
-
-
-def shaking(samples=400, seed=0, size=3.0, dt=0.02):
-    noise = np.random.default_rng(seed).standard_normal(samples + 14)
-    smooth = np.convolve(noise, np.hanning(15), mode="valid")
-    values = size * smooth * np.sin(np.pi * np.arange(samples) / samples)
-    return xr.DataArray(values, dims="time", coords={"time": dt * np.arange(samples)})
 
 
 def building(n, stiffness=2e8, mass=2e5, **other):

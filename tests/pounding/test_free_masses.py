@@ -9,8 +9,6 @@ time in which the dashpot acts, after ``1 + (1 - 4 xi^2) h^2/12`` times the time
 similar expressions, which are derived where they are used. The tolerances are of the next order.
 """
 
-from __future__ import annotations
-
 import hypothesis.strategies as st
 import numpy as np
 import pytest

@@ -1,17 +1,15 @@
 """Pounding histories: against adaptive integration, limits, symmetry, scaling, and their own energy."""
 
-from __future__ import annotations
-
 from itertools import pairwise
-from pathlib import Path
 
 import hypothesis.strategies as st
 import numpy as np
 import pytest
 import sympy
 import xarray as xr
-from cases import with_slow
+from cases import assert_near, with_slow
 from hypothesis import given, settings
+from motions import from_sample_to_sample, motion, needs_records, recorded, shaking
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
@@ -19,14 +17,6 @@ from stochlin.kernels.simulation import contacts as forces
 
 pytestmark = pytest.mark.oracle
 
-RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
-needs_records = pytest.mark.skipif(
-    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
-)
-READ = {
-    "SCT": ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0}),
-    "Taft": ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01}),
-}
 CONTACTS = {
     "spring": sl.LinearSpring(5e7),
     "kelvin": sl.Kelvin(5e7, restitution=0.65),
@@ -41,15 +31,8 @@ BALANCE = 1e-6  # promised; measured: 1e-9 and better
 HISTORY = ("displacement", "velocity", "contact_force")
 
 
-def motion(values, dt=0.02, start=0.0):
-    values = np.asarray(values, float)
-    return xr.DataArray(values, dims="time", coords={"time": start + dt * np.arange(values.size)})
-
-
-def synthetic(samples=600, dt=0.02, seed=0, size=1.5):
-    noise = np.random.default_rng(seed).standard_normal(samples + 14)
-    smooth = np.convolve(noise, np.hanning(15), mode="valid")
-    return motion(size * smooth * np.sin(np.pi * np.arange(samples) / samples), dt)
+def synthetic(samples=600, seed=0, size=1.5):
+    return shaking(samples, seed, size)
 
 
 def soft(**other):
@@ -89,11 +72,10 @@ def test_energy_balances_for_every_contact(name):
 
 
 @needs_records
-@pytest.mark.parametrize("record", READ)
+@pytest.mark.parametrize("record", ["SCT", "Taft"])
 @pytest.mark.parametrize("name", CONTACTS)
 def test_energy_balances_on_records(record, name):
-    file, options = READ[record]
-    part = sl.strong_part(sl.read_record(RECORDS / file, **options))
+    part = sl.strong_part(recorded(record))
     weak = soft(yield_displacement=0.01), stiff(yield_displacement=0.003)
     table = sl.pound(weak, 0.004, CONTACTS[name], part)
     assert table.sizes["impact"] > 5
@@ -145,23 +127,11 @@ def by_scipy(pair, gap, contact, record):
         a = -ground - slope * t - 2 * xi * w * v - w**2 * (alpha * u + (1 - alpha) * z) + push
         return np.concatenate([v, a, dz])
 
-    dt, state, found = float(record.time[1] - record.time[0]), np.zeros(6), [np.zeros(2)]
-    for begin, end in pairwise(record.to_numpy()):
-        run = solve_ivp(
-            rates,
-            (0, dt),
-            state,
-            args=(begin, (end - begin) / dt),
-            method="DOP853",
-            rtol=1e-9,
-            atol=1e-12,
-            max_step=dt / 20,
-        )
-        state = run.y[:, -1]
-        if not bouc_wen:
-            state[4:] = np.clip(state[4:], -uy, uy)
-        found.append(state[:2].copy())
-    return np.array(found).T
+    def mend(state):
+        return state if bouc_wen else np.append(state[:4], np.clip(state[4:], -uy, uy))
+
+    options = {"method": "DOP853", "rtol": 1e-9, "atol": 1e-12, "max_step": 1e-3}
+    return from_sample_to_sample(rates, record, 6, mend, **options)[:, :2].T
 
 
 @pytest.mark.parametrize("name", with_slow(["kelvin", "impact kelvin", "no tension"], {"no tension"}))
@@ -272,8 +242,7 @@ def test_far_apart_each_moves_as_alone():
     for n, structure in enumerate(pair):
         alone = sl.respond(structure, record)
         for name in ("displacement", "velocity"):
-            size = float(abs(alone[name]).max())
-            np.testing.assert_allclose(table[name][:, n], alone[name], rtol=0, atol=2e-5 * size)
+            assert_near(table[name][:, n], alone[name], 2e-5)
         spectrum = sl.response_spectrum(
             record,
             structure.period,
@@ -291,7 +260,7 @@ def test_identical_buildings_never_pound(name):
 
 
 @pytest.mark.parametrize("name", CONTACTS)
-def test_mirror_image(name):
+def test_a_mirrored_row_moves_as_the_mirror_image(name):
     record, row = synthetic(300, size=3.0), [soft(), stiff(), soft(mass=1e5)]
     gaps = [0.01, 0.015]
     table = sl.pound(row, gaps, CONTACTS[name], record)
@@ -300,9 +269,8 @@ def test_mirror_image(name):
     for variable, sign in (("displacement", -1), ("velocity", -1), ("contact_force", 1)):
         dim = "contact" if variable == "contact_force" else "structure"
         there = sign * mirror[variable].isel({dim: slice(None, None, -1)}).to_numpy()
-        size = float(abs(table[variable]).max())
         # Rounding differs, and grows from impact to impact.
-        np.testing.assert_allclose(there, table[variable], rtol=0, atol=1e-5 * size)
+        assert_near(there, table[variable], 1e-5)
     assert mirror.sizes["impact"] == table.sizes["impact"]
 
 
@@ -334,8 +302,7 @@ def test_output_step_changes_nothing():
             for variable in ("impact_time", "largest_force", "energy_lost", "peak"):
                 np.testing.assert_array_equal(other[variable], table[variable])
         for variable in HISTORY:
-            size = float(np.abs(table[variable]).max())  # times of outputs are rounded
-            np.testing.assert_allclose(fine[variable][::4], table[variable], rtol=0, atol=1e-11 * size)
+            assert_near(fine[variable][::4], table[variable], 1e-11)  # times of outputs are rounded
         assert odd.sizes["time"] == int(299 * 0.02 / 0.0173) + 1
         check_energy(odd)
 
@@ -496,8 +463,7 @@ def test_one_storey_is_one_degree_of_freedom(name):
     two = sl.pound(buildings, 0.01, CONTACTS[name], record)
     assert one.sizes["impact"] == two.sizes["impact"] > 3
     for variable in ("displacement", "velocity"):
-        size = float(abs(one[variable]).max())
-        np.testing.assert_allclose(two[variable].isel(floor=0), one[variable], rtol=0, atol=1e-7 * size)
+        assert_near(two[variable].isel(floor=0), one[variable], 1e-7)
 
 
 def test_tall_beside_low_meets_at_the_low_ones_floors():
@@ -530,7 +496,7 @@ def test_elastic_tower_alone_follows_its_modes():
         alone = sl.respond(sl.Bilinear(period, 0.05), record).displacement.to_numpy()
         wanted += np.outer(alone, shape) * (shape.sum() * mass)
     found = table.displacement.sel(structure=1)
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-5 * abs(wanted).max())
+    assert_near(found, wanted, 1e-5)
 
 
 # --- The estimate -----------------------------------------------------------------------------------

@@ -1,10 +1,8 @@
 """The same pounding pairs in OpenSeesPy: oscillators, and frames of unequal storeys, all of Steel01."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-import xarray as xr
+from motions import smooth_noise
 from opensees_models import add_oscillators, add_shear_building, new_model, shake
 
 import stochlin as sl
@@ -19,10 +17,8 @@ PEAK_SHARE = 0.01  # of the peak: its contacts begin and end at steps
 
 
 def record(samples=800):
-    noise = np.random.default_rng(85).standard_normal(samples + 14)
-    smooth = np.convolve(noise, np.hanning(15), mode="valid")
-    values = 1.5 * smooth * np.sin(np.pi * np.arange(samples) / (samples - 1))
-    return xr.DataArray(values, dims="time", coords={"time": DT * np.arange(samples)})
+    rise = np.sin(np.pi * np.arange(samples) / (samples - 1))
+    return 1.5 * smooth_noise(samples, 85, 15, DT) * rise
 
 
 def peaks_in_opensees(ops, acceleration, damper):

@@ -1,18 +1,15 @@
 """``stochlin probability``: a case file in, a table, a picture and a file out."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
 from cases import storeyed_building, with_buildings
-from click.testing import CliRunner
+from commands import answered, refused
 
 import stochlin as sl
 from stochlin.analyses.cases.probability import judge_gap
 from stochlin.analyses.cases.separation import answer_case
-from stochlin.views.probability.command import probability
 from stochlin.views.probability.pictures import draw_pounding
 
 pytestmark = pytest.mark.cli
@@ -25,14 +22,9 @@ def case(tmp_path):
     return path
 
 
-def run(*arguments):
-    return CliRunner().invoke(probability, [str(argument) for argument in arguments])
-
-
 def test_prints_saves_and_draws(case, tmp_path):
     out, picture = tmp_path / "p.nc", tmp_path / "p.png"
-    done = run(case, "--gap", "8cm", "--out", out, "--picture", picture)
-    assert done.exit_code == 0, done.output
+    done = answered("probability", case, "--gap", "8cm", "--out", out, "--picture", picture)
     assert "Confidence of no pounding up to each time" in done.output
     assert "Gap for a confidence of" in done.output
     assert picture.stat().st_size > 10_000
@@ -61,8 +53,7 @@ def test_buildings_with_storeys_have_all_parameters_in_the_picture(tmp_path):
     storeys = [storeyed_building(n, start) for n, start in ((1, "period"), (2, "masses"))]
     text = with_buildings(*storeys).replace("2048", "100").replace("align = true", "align = false")
     path.write_text(text, encoding="utf-8")
-    done = run(path, "--out", out)
-    assert done.exit_code == 0, done.output
+    done = answered("probability", path, "--out", out)
     assert "Floors are not level: floor 1 of Block 1" in done.output
     with xr.open_dataset(out, engine="scipy") as table:
         figure = draw_pounding(table)
@@ -88,8 +79,7 @@ def test_records_are_in_the_table_and_the_picture(tmp_path):
     text = sl.example_case().replace("2048", "100").replace("[motion]", f"{records}[motion]")
     path.write_text(text, encoding="utf-8")
     for target in (out, sheet):
-        done = run(path, "--out", target, "--picture", tmp_path / "p.png")
-        assert done.exit_code == 0, done.output
+        done = answered("probability", path, "--out", target, "--picture", tmp_path / "p.png")
     said = " ".join(done.output.split())
     assert "Record A short one, hybrid method: confidence 0.0000 with one phase" in said
     assert said.count("so that no phase avoids pounding") == 1
@@ -126,7 +116,4 @@ def test_records_are_in_the_table_and_the_picture(tmp_path):
     ],
 )
 def test_bad_input_ends_with_one_sentence(case, arguments, message):
-    done = run(case, *arguments)
-    assert done.exit_code == 2
-    assert message in done.output
-    assert "Traceback" not in done.output
+    assert message in refused("probability", case, *arguments)

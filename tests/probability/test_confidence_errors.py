@@ -1,7 +1,5 @@
 """The limits of the flags of the confidence by formula, as `docs/probability.md` states them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Growth of the plastic drift: exact under steady shaking, and its differential equation."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp

@@ -1,31 +1,18 @@
 """The hybrid method, fits of envelopes, evolutionary spectra, and their pictures."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
-from cases import with_slow
+from cases import check_labels, with_slow
 from hypothesis import given
 from hypothesis import strategies as st
+from motions import RECORDS, motion, needs_records, recorded
 
 import stochlin as sl
 from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
 
 pytestmark = pytest.mark.oracle
 
-RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
-needs_records = pytest.mark.skipif(
-    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
-)
-REAL = {
-    "taft": ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01}),
-    "el_centro": ("elc180.AT2", {}),
-    "sct": ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0}),
-    "nishi_akashi": ("NIS090.AT2", {"units": "g", "dt": 0.01}),
-}
 ONE, TWO = sl.Bilinear(0.6, 0.05), sl.Bilinear(1.0, 0.05)
 
 
@@ -44,7 +31,7 @@ def quake():
     noise = np.random.default_rng(4).normal(size=time.size)
     soil = np.exp(-0.3 * 12 * time[:100]) * np.sin(12 * time[:100])
     values = sl.HsuBernard(5.0).at(time) * np.convolve(noise, soil)[: time.size]
-    return xr.DataArray(values, dims="time", coords={"time": time}, attrs={"source": "made"})
+    return motion(values, source="made")
 
 
 # --- Phases ---------------------------------------------------------------------------------------
@@ -122,8 +109,7 @@ def check_record(record, first=ONE, second=TWO):
 def test_hybrid_of_a_made_record(quake):
     table = check_record(quake)
     assert table.attrs["record"] == "made"
-    for name, variable in table.data_vars.items():
-        assert variable.attrs["long_name"], name
+    check_labels(table)
 
 
 def test_hybrid_of_yielding_structures_takes_their_strength_from_the_ground(quake):
@@ -132,10 +118,9 @@ def test_hybrid_of_yielding_structures_takes_their_strength_from_the_ground(quak
 
 
 @needs_records
-@pytest.mark.parametrize("where", with_slow(REAL, {"sct", "el_centro"}))
+@pytest.mark.parametrize("where", with_slow(RECORDS, {"SCT", "El Centro"}))
 def test_hybrid_of_real_records(where):
-    name, options = REAL[where]
-    check_record(sl.read_record(RECORDS / name, **options))
+    check_record(recorded(where))
 
 
 def test_hybrid_of_equal_structures_is_safe(quake):
@@ -175,7 +160,7 @@ def test_bad_hybrids_are_refused(quake, changes, message):
 )
 def test_fit_finds_the_envelope_that_made_the_record(model, envelope):
     time = 0.01 * np.arange(6000)
-    record = xr.DataArray(envelope.at(time) * np.sin(60 * time), dims="time", coords={"time": time})
+    record = motion(envelope.at(time) * np.sin(60 * time), 0.01)
     fitted = sl.fit_envelope(record, model)
     np.testing.assert_allclose(fitted.at(time), envelope.at(time), atol=0.02)
     beside = sl.energy_build_up(record, fitted)
@@ -183,10 +168,10 @@ def test_fit_finds_the_envelope_that_made_the_record(model, envelope):
 
 
 @needs_records
-@pytest.mark.parametrize(("name", "options"), REAL.values(), ids=list(REAL))
+@pytest.mark.parametrize("name", RECORDS)
 @pytest.mark.parametrize("model", ["amin_ang", "gamma"])
-def test_fit_follows_real_records(name, options, model):
-    record = sl.read_record(RECORDS / name, **options)
+def test_fit_follows_real_records(name, model):
+    record = recorded(name)
     beside = sl.energy_build_up(record, sl.fit_envelope(record, model))
     assert float(abs(beside.record_energy - beside.envelope_energy).max()) < 0.2
 
@@ -208,7 +193,7 @@ def test_evolutionary_psd_is_the_product_and_holds_the_variance():
         sl.evolutionary_psd(ground, envelope, frequency, [-1.0])
 
 
-def test_pictures(quake, tmp_path):
+def test_pictures_are_drawn_with_their_parameters_and_of_their_own_tables_only(quake, tmp_path):
     from stochlin.views.probability.pictures import draw_evolutionary_psd, draw_fragility, draw_pounding
     from stochlin.views.shared.style import save
 

@@ -1,12 +1,11 @@
 """Probability of pounding: against simulation, its own limits, and the formulas of the crossings."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.integrate
 import scipy.stats
 import xarray as xr
+from cases import check_labels
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -261,9 +260,7 @@ def test_tables_are_labelled_and_bad_cells_blank():
     blank = safe.isnull().all("time")
     assert (blank == (table.status >= 2)).all()
     assert int((~blank).sum()) == 2
-    for name, variable in table.data_vars.items():
-        assert variable.attrs["long_name"], name
-        assert "units" in variable.attrs or "flag_values" in variable.attrs, name
+    check_labels(table)
     xr.testing.assert_identical(
         table, probability(sl.Bilinear(periods, 0.05), TWO, FIRM, gaps, paths=64, points=5)
     )

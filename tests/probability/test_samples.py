@@ -1,7 +1,5 @@
 """Probability of pounding of what is not known exactly, against each sample by itself."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Probabilities in motions that differ in strength: formulas averaged, simulation, a convolution."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -1,7 +1,5 @@
 """Probability of pounding of buildings with storeys: the formula, at all heights at once."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

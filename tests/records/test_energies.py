@@ -1,7 +1,5 @@
 """Energies of structures in recorded motions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

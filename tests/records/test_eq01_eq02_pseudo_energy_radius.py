@@ -1,36 +1,20 @@
 """Eqs. (1) and (2): the pseudo energy radius is an energy, and a bound of the peaks."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from motions import motion, needs_records, recorded, suite
 
 import stochlin as sl
 from stochlin.analyses.charts import records as record_charts
 
 pytestmark = pytest.mark.paper
 
-RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
-needs_records = pytest.mark.skipif(
-    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
-)
-TAFT = ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01})
-LAKE_BED = ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0})
-
-
-def read(name):
-    file, options = name
-    return sl.read_record(RECORDS / file, **options)
-
 
 def noise(seed=0):
-    values = np.random.default_rng(seed).standard_normal(400).cumsum() / 10
-    return xr.DataArray(values, dims="time", coords={"time": 0.02 * np.arange(400)})
+    return motion(np.random.default_rng(seed).standard_normal(400).cumsum() / 10)
 
 
 @pytest.mark.parametrize("period", [0.1, 1.0, 10.0])
@@ -44,8 +28,7 @@ def test_radius_is_that_of_the_energy(period):
 
 def test_undamped_free_vibration_keeps_its_radius():
     """Then eq. (2) holds exactly: ``max |u| = r_PER`` and ``max |u'| = w r_PER``."""
-    values = np.r_[0.0, 4.0, 0.0, np.zeros(400)]
-    pulse = xr.DataArray(values, dims="time", coords={"time": 0.01 * np.arange(values.size)})
+    pulse = motion(np.r_[0.0, 4.0, 0.0, np.zeros(400)], 0.01)
     table = sl.response_spectrum(pulse, 0.7, 1e-12)
     radius = sl.respond(sl.Bilinear(0.7, 1e-12), pulse).radius[3:]
     np.testing.assert_allclose(radius, radius[0], rtol=1e-9)
@@ -70,10 +53,10 @@ def test_radius_bounds_the_peaks(seed, period, damping, uy):
 
 
 @needs_records
-@pytest.mark.parametrize(("name", "period"), [(LAKE_BED, 2.0), (TAFT, 0.45)])
+@pytest.mark.parametrize(("name", "period"), [("SCT", 2.0), ("Taft", 0.45)])
 def test_eq02_nearly_holds_where_the_motion_is_in_tune(name, period):
     """The paper writes eq. (2) with an equals sign: at resonance it is off by some percent."""
-    table = sl.response_spectrum(read(name), period, 0.02)
+    table = sl.response_spectrum(recorded(name), period, 0.02)
     radius = float(table.pseudo_energy_radius)
     assert 0.95 * radius < float(table.displacement_max) <= radius
     assert 0.95 * radius < float(table.pseudo_velocity) / (2 * np.pi / period) <= radius
@@ -112,18 +95,16 @@ def test_eq02_holds_in_part_for_simulated_motions(ground, of_displacement, of_ve
 
 @needs_records
 @pytest.mark.parametrize(
-    ("suite", "of_displacement", "of_velocity", "near"),
+    ("name", "of_displacement", "of_velocity", "near"),
     [
         ("far_field", [1.06, 1.94], [1.04, 1.25], (0.48, 0.60)),
         ("mexico_city", [1.00, 1.40], [1.17, 2.49], (0.78, 0.33)),
     ],
 )
-def test_eq02_holds_in_part_for_records(suite, of_displacement, of_velocity, near):
+def test_eq02_holds_in_part_for_records(name, of_displacement, of_velocity, near):
     """Medians, 95 % quantiles, and shares within 5 %, over all records and periods from 0.2 to 4 s."""
-    records = sl.read_records(RECORDS / "suites.csv")
-    chosen = {name: record for name, record in records.items() if name.startswith(suite)}
     periods = xr.DataArray(np.geomspace(0.2, 4, 14), dims="period")
-    displacement, velocity = above_the_peaks(chosen, periods)
+    displacement, velocity = above_the_peaks(suite(name), periods)
     assert displacement.quantile([0.5, 0.95]).values == pytest.approx(of_displacement, abs=0.0051)
     assert velocity.quantile([0.5, 0.95]).values == pytest.approx(of_velocity, abs=0.0051)
     shares = [float((ratio < 1.05).mean()) for ratio in (displacement, velocity)]
@@ -146,7 +127,7 @@ def test_four_times_the_duration_adds_a_fifth_to_the_radius_and_four_times_the_e
 @needs_records
 def test_eq02_fails_at_long_periods():
     """There the velocity is the ground's, and ``r_PER`` tends to ``u'/w``, far above ``max |u|``."""
-    record = read(TAFT)
+    record = recorded("Taft")
     table = sl.response_spectrum(record, [30.0, 300.0], 0.05)
     assert (table.pseudo_energy_radius > 1.5 * table.displacement_max)[1]
     w = 2 * np.pi / 300
@@ -157,7 +138,7 @@ def test_eq02_fails_at_long_periods():
 
 @needs_records
 def test_charts_of_figures_1_and_2():
-    record = read(TAFT)
+    record = recorded("Taft")
     portrait = record_charts.portrait_chart(record, 1.0, 0.05)
     trace = np.hypot(portrait.displacement, portrait.velocity_over_frequency)
     circle = np.hypot(portrait.circle_displacement, portrait.circle_velocity_over_frequency)

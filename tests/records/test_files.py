@@ -1,22 +1,17 @@
 """Records: published check values, every format and every refusal."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from motions import FOLDER, motion, needs_records, recorded
 
 import stochlin as sl
 
 pytestmark = pytest.mark.oracle
 
 G = 9.80665
-RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
-needs_records = pytest.mark.skipif(
-    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
-)
 
 WAVE = [round(float(value), 6) for value in np.sin(np.arange(40) / 3) * 0.1]
 
@@ -63,8 +58,8 @@ def at2(header: str, values: list[float] = WAVE, units: str = "G") -> str:
         ("NIS090.AT2", {"units": "g", "dt": 0.01}, 0.5027, 4096, 0.01),
     ],
 )
-def test_published_peaks(name, options, peak, samples, step):
-    record = sl.read_record(RECORDS / name, **options)
+def test_records_have_their_published_peaks(name, options, peak, samples, step):
+    record = sl.read_record(FOLDER / name, **options)
     assert float(abs(record).max()) / G == pytest.approx(peak, abs=5e-5)
     assert record.sizes == {"time": samples}
     assert record.attrs["dt"] == step
@@ -75,12 +70,12 @@ def test_published_peaks(name, options, peak, samples, step):
 @needs_records
 def test_a_step_that_contradicts_a_real_time_column_is_refused():
     with pytest.raises(ValueError, match=r"dt = 0\.01 contradicts the time, whose step is 0\.02 s"):
-        sl.read_record(RECORDS / "sct190985.txt", units="g", column=1, time_column=0, dt=0.01)
+        recorded("SCT", column=1, dt=0.01)
 
 
 @needs_records
 def test_lake_bed_spectrum_peaks_at_its_published_period():
-    record = sl.read_record(RECORDS / "sct190985.txt", units="g", column=2, time_column=0)
+    record = recorded("SCT")
     spectra = sl.fit_spectra(record, sl.WhiteNoise(), part=(0, 1))
     peak = float(spectra.psd_record.idxmax("frequency"))
     step = 2.05**2 / 163.4  # of neighbouring Fourier periods
@@ -159,7 +154,7 @@ def test_at2_states_its_units(tmp_path):
         "# México\n".encode("latin-1") + lines(times(), WAVE).encode(),
     ],
 )
-def test_columns_of_text(tmp_path, text):
+def test_columns_are_taken_by_number(tmp_path, text):
     path = write(tmp_path, text)
     for column in (1, None):
         record = sl.read_record(path, units="m/s^2", column=column, time_column=0)
@@ -168,7 +163,7 @@ def test_columns_of_text(tmp_path, text):
         assert record.attrs["dt"] == 0.02
 
 
-def test_columns_by_name(tmp_path):
+def test_columns_are_taken_by_name(tmp_path):
     other = [2 * value for value in WAVE]
     text = "time,north [gal],east [gal]\n" + lines(times(), WAVE, other, separator=",")
     path = write(tmp_path, text)
@@ -186,7 +181,7 @@ def test_unused_columns_may_hold_text(tmp_path):
 
 
 @pytest.mark.parametrize("spelling", [".5E-03", "+0.5e-3", ".5D-03", "0.5d-3", "5.E-4", "0.0005"])
-def test_fortran_numbers(tmp_path, spelling):
+def test_fortran_numbers_are_read(tmp_path, spelling):
     path = write(tmp_path, "\n".join([spelling] * 20))
     np.testing.assert_array_equal(sl.read_record(path, dt=0.01, units="m/s^2"), 0.0005)
 
@@ -203,7 +198,7 @@ def test_fortran_numbers(tmp_path, spelling):
         ("mm/s^2", 0.001),
     ],
 )
-def test_units(tmp_path, units, metres):
+def test_units_become_metres(tmp_path, units, metres):
     record = sl.read_record(write(tmp_path, lines(WAVE)), dt=0.01, units=units)
     np.testing.assert_allclose(record, np.array(WAVE) * metres, rtol=1e-15)
 
@@ -403,7 +398,7 @@ def test_what_is_hardly_meant_is_asked_about(tmp_path, text, options, message):
     assert record.sizes == {"time": 40}
 
 
-def test_missing_file(tmp_path):
+def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"absent\.txt"):
         sl.read_record(tmp_path / "absent.txt", **READY)
 
@@ -412,8 +407,7 @@ def test_missing_file(tmp_path):
 
 
 def history(values, step=0.01, **attrs):
-    values = np.asarray(values, float)
-    return xr.DataArray(values, dims="time", coords={"time": step * np.arange(values.size)}, attrs=attrs)
+    return motion(values, step, **attrs)
 
 
 def test_strong_part_of_a_constant_signal():

@@ -1,14 +1,12 @@
 """Fitted grounds: published fits, recovery of a known ground, scaling; and the named grounds."""
 
-from __future__ import annotations
-
 import re
-from pathlib import Path
 
 import cases
 import numpy as np
 import pytest
 import xarray as xr
+from motions import motion, needs_records, recorded
 from scipy.integrate import quad
 
 import stochlin as sl
@@ -17,18 +15,14 @@ pytestmark = pytest.mark.oracle
 
 TAU = 2 * np.pi
 ESTIMATORS = ("psd", "log_psd", "whittle")
-RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
-needs_records = pytest.mark.skipif(
-    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
-)
 
 
 def lake_bed(column):
-    return sl.read_record(RECORDS / "sct190985.txt", units="g", column=column, time_column=0)
+    return recorded("SCT", column=column)
 
 
 def taft():
-    return sl.read_record(RECORDS / "RSN15_KERN_TAF111.txt", units="g", dt=0.01)
+    return recorded("Taft")
 
 
 def kanai_tajimi_psd(frequency, wg, xig, intensity):
@@ -50,12 +44,7 @@ def simulated(psd, duration, step=0.02, seed=0):
     normal = rng.standard_normal((2, frequency.size))
     amplitude = (normal[0] + 1j * normal[1]) * np.sqrt(psd(frequency) * frequency[1] / 2)
     values = 4 * samples * np.fft.irfft(amplitude, 4 * samples)[:samples]
-    return history(values, step)
-
-
-def history(values, step=0.02):
-    values = np.asarray(values, float)
-    return xr.DataArray(values, dims="time", coords={"time": step * np.arange(values.size)})
+    return motion(values, step)
 
 
 def standard_errors(wg, xig, duration, estimator, low, high):
@@ -93,7 +82,7 @@ def standard_errors(wg, xig, duration, estimator, low, high):
     ],
     ids=["SCT NS", "SCT EW", "Taft"],
 )
-def test_published_fits(record, wg, xig, tolerance):
+def test_fits_are_those_that_were_published(record, wg, xig, tolerance):
     ground = sl.fit_ground(record())
     assert TAU / ground.period == pytest.approx(wg, rel=0.005)
     assert ground.damping == pytest.approx(xig, rel=tolerance)
@@ -121,8 +110,7 @@ def test_source_says_what_was_fitted_and_how_well():
 def test_a_sinusoid_has_the_width_of_its_line(duration):
     """That is (sin x/x)^2 of x = (w - wg) T/2 in a periodogram, half as high at x = 1.3916."""
     time = 0.02 * np.arange(round(duration / 0.02) + 1)
-    record = xr.DataArray(np.sin(np.pi * time), dims="time", coords={"time": time})
-    ground = sl.fit_ground(record)
+    ground = sl.fit_ground(motion(np.sin(np.pi * time)))
     width = 2 * 1.3916 / (0.9 * duration) / np.pi
     assert ground.period == pytest.approx(2.0, rel=1e-3)
     assert ground.damping < width
@@ -232,8 +220,8 @@ def test_faster_clock_shortens_the_period():
 
 def test_silence_before_and_after_changes_nothing():
     values = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 60.0).to_numpy()
-    one = sl.fit_ground(history(values))
-    other = sl.fit_ground(history(np.concatenate([np.zeros(700), values, np.zeros(900)])))
+    one = sl.fit_ground(motion(values))
+    other = sl.fit_ground(motion(np.concatenate([np.zeros(700), values, np.zeros(900)])))
     assert other.period == pytest.approx(one.period, rel=1e-9)
     assert other.damping == pytest.approx(one.damping, rel=1e-9)
 
@@ -242,7 +230,7 @@ def test_silence_before_and_after_changes_nothing():
 
 
 def test_white_noise_has_no_ground_period():
-    noise = history(np.random.default_rng(0).standard_normal(3000))
+    noise = motion(np.random.default_rng(0).standard_normal(3000))
     with pytest.raises(ValueError, match=r"ends on a bound, .*try another estimator.*WhiteNoise"):
         sl.fit_ground(noise, estimator="whittle")
 
@@ -260,7 +248,7 @@ def test_white_noise_has_no_ground_period():
         ({"frequency_range": (np.nan, 20.0)}, "is out of range"),
     ],
 )
-def test_refuses_options(options, message):
+def test_options_of_a_fit_out_of_range_are_refused(options, message):
     record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 40.0)
     with pytest.raises(ValueError, match=message):
         sl.fit_ground(record, **options)
@@ -270,14 +258,14 @@ def test_refuses_what_is_not_a_record():
     with pytest.raises(TypeError, match=r"allowed: an xarray\.DataArray"):
         sl.fit_ground(np.ones(100))
     with pytest.raises(ValueError, match="at least 16"):
-        sl.fit_ground(history([0, 0, 0, 0, 0, 1, 2, 1] + [0] * 20))
+        sl.fit_ground(motion([0, 0, 0, 0, 0, 1, 2, 1] + [0] * 20))
     with pytest.raises(ValueError, match="record is 2 throughout the part used"):
-        sl.fit_ground(history([2.0] * 100))
+        sl.fit_ground(motion([2.0] * 100))
 
 
 def test_spectra_refuse_what_is_no_ground():
     with pytest.raises(TypeError, match=r"ground = 3 is of the wrong kind; allowed: .*KanaiTajimi"):
-        sl.fit_spectra(history([0.0, 1.0, 2.0, 1.0] * 10), 3)
+        sl.fit_spectra(motion([0.0, 1.0, 2.0, 1.0] * 10), 3)
 
 
 # --- Spectra ------------------------------------------------------------------------------------------
@@ -285,8 +273,8 @@ def test_spectra_refuse_what_is_no_ground():
 
 @pytest.mark.parametrize("samples", [1000, 1001])
 @pytest.mark.parametrize("part", [(0, 1), (0.05, 0.95)])
-def test_parseval(samples, part):
-    record = history(np.random.default_rng(2).standard_normal(samples) + 0.5)
+def test_the_spectrum_of_a_record_has_its_energy(samples, part):
+    record = motion(np.random.default_rng(2).standard_normal(samples) + 0.5)
     spectra = sl.fit_spectra(record, sl.WhiteNoise(), part=part)
     strong = sl.strong_part(record, *part)
     step = TAU / (strong.size * 0.02)
@@ -344,7 +332,7 @@ def test_spectra_are_labelled(tmp_path):
 # --- Named grounds ----------------------------------------------------------------------------------
 
 
-def test_names():
+def test_names_of_grounds_are_listed():
     assert sl.ground_names() == (
         *("firm", "medium", "soft", "ec8_a", "ec8_b", "ec8_c", "ec8_d", "ec8_e"),
         *("taft_1952_yeh_wen", "mexico_city_1985_yeh_wen", "sct_1985_ns", "sct_1985_ew", "taft_1952"),
@@ -352,7 +340,7 @@ def test_names():
 
 
 @pytest.mark.parametrize("name", sl.ground_names())
-def test_every_named_ground(name):
+def test_every_named_ground_has_a_source_and_takes_an_intensity(name):
     ground = sl.named_ground(name, intensity=0.3)
     assert ground.intensity == 0.3
     assert len(ground.source) > 20
@@ -372,7 +360,7 @@ def test_every_named_ground(name):
         ("mexico_city_1985_yeh_wen", 4.2, 0.1, 0.23, 0.1),
     ],
 )
-def test_named_spectra(name, wg, xig, wf, xif):
+def test_named_grounds_have_their_published_spectra(name, wg, xig, wf, xif):
     frequency = np.geomspace(0.05, 100, 50)
     expected = clough_penzien_psd(frequency, wg, xig, wf, xif, 2.0)
     np.testing.assert_allclose(sl.named_ground(name, 2.0).psd(frequency), expected, rtol=1e-12)

@@ -1,17 +1,15 @@
 """Response to records: against adaptive integration, matrix exponentials, closed forms and energy."""
 
-from __future__ import annotations
-
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.linalg
 import xarray as xr
-from cases import with_slow
+from cases import assert_near, axis, check_labels, with_slow
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from motions import RECORDS, motion, needs_records, recorded, shaking
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
@@ -20,16 +18,6 @@ from stochlin.analyses.tables import labels
 
 pytestmark = pytest.mark.oracle
 
-RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
-needs_records = pytest.mark.skipif(
-    not RECORDS.is_dir(), reason="the folder of strong-motion records is absent"
-)
-READ = {
-    "SCT": ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0}),
-    "Taft": ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01}),
-    "El Centro": ("elc180.AT2", {}),
-    "Kobe": ("NIS090.AT2", {"units": "g", "dt": 0.01}),
-}
 PEAKS = (
     "displacement_max",
     "velocity_max",
@@ -40,21 +28,9 @@ SPENT = ("input_energy_per_mass", "viscous_energy_per_mass", "hysteretic_energy_
 ACCURACY = 1e-3  # promised for peaks between samples; measured: 2e-4 and better
 
 
-def read(name):
-    file, options = READ[name]
-    return sl.read_record(RECORDS / file, **options)
-
-
-def motion(values, dt=0.02, start=0.0):
-    values = np.asarray(values, float)
-    return xr.DataArray(values, dims="time", coords={"time": start + dt * np.arange(values.size)})
-
-
 def synthetic(samples=300, dt=0.02, seed=0, size=2.0):
     """Coloured noise under half a sine wave: some tenths of a second are its periods."""
-    noise = np.random.default_rng(seed).standard_normal(samples + 8)
-    smooth = np.convolve(noise, np.hanning(9), mode="valid")
-    return motion(size * smooth * np.sin(np.pi * np.arange(samples) / samples), dt)
+    return shaking(samples, seed, size, dt, width=9)
 
 
 def exact_linear(record, period, damping, refine):
@@ -146,8 +122,8 @@ def test_linear_histories_are_exact(ratio, damping):
     record = synthetic()
     u, v = exact_linear(record, ratio * 0.02, damping, 2)
     found = sl.respond(sl.Bilinear(ratio * 0.02, damping), record, refine=2)
-    np.testing.assert_allclose(found.displacement, u, rtol=0, atol=1e-10 * abs(u).max())
-    np.testing.assert_allclose(found.velocity, v, rtol=0, atol=1e-10 * abs(v).max())
+    assert_near(found.displacement, u, 1e-10)
+    assert_near(found.velocity, v, 1e-10)
 
 
 def test_very_long_periods_integrate_the_ground_twice():
@@ -157,12 +133,12 @@ def test_very_long_periods_integrate_the_ground_twice():
     u = np.append(0, np.cumsum(v[:-1] * dt - (2 * ground[:-1] + ground[1:]) / 6 * dt**2))
     found = sl.respond(sl.Bilinear(1e9, 0.05), record)
     # What is left out is of the order of damping times duration over period.
-    np.testing.assert_allclose(found.displacement, u, rtol=0, atol=1e-8 * abs(u).max())
-    np.testing.assert_allclose(found.velocity, v, rtol=0, atol=1e-8 * abs(v).max())
+    assert_near(found.displacement, u, 1e-8)
+    assert_near(found.velocity, v, 1e-8)
 
 
 @pytest.mark.parametrize("damping", [0.01, 0.2, 0.95])
-def test_free_vibration(damping):
+def test_free_vibration_is_the_logarithmic_spiral(damping):
     """After a pulse the state turns by the logarithmic spiral of a damped oscillator."""
     record = motion([0, 3, 1, 0] + [0] * 500)
     w = 2 * np.pi / 0.7
@@ -190,7 +166,7 @@ def test_peaks_of_a_step_of_acceleration(period, damping):
     assert float(table.velocity_max) == pytest.approx(peak, rel=1e-4)
 
 
-def test_resonance():
+def test_resonance_grows_to_the_closed_form():
     """On a sine wave of its own period a structure grows to 1/(2 xi) times the static displacement."""
     t = np.arange(40 * 1000 + 1) / 1000
     table = sl.response_spectrum(motion(np.sin(2 * np.pi * t), 1e-3), 1.0, 0.02)
@@ -201,10 +177,10 @@ def test_resonance():
 
 
 @needs_records
-@pytest.mark.parametrize("name", READ)
+@pytest.mark.parametrize("name", RECORDS)
 @pytest.mark.parametrize("period", [0.02, 0.1, 0.5, 2.0])
 def test_elastic_peaks_on_records(name, period):
-    record = read(name)
+    record = recorded(name)
     refine = max(8, int(40 * record.attrs["dt"] / period))
     u, v = exact_linear(record, period, 0.05, refine)
     w = 2 * np.pi / period
@@ -260,7 +236,7 @@ def test_bilinear_peaks_against_adaptive_integration(case, seed):
     ],
 )
 def test_bilinear_peaks_on_records(name, start, end, period, uy):
-    record = read(name).sel(time=slice(start, end))
+    record = recorded(name).sel(time=slice(start, end))
     peaks, _, slip = by_events(record, period, 0.05, 0.05, uy, samples=12)
     table = sl.response_spectrum(record, period, 0.05, hardening=0.05, yield_displacement=uy)
     for variable in PEAKS:
@@ -319,8 +295,7 @@ def test_response_does_not_depend_on_the_subdivision(case):
     for refine in (7, 32):
         fine = sl.respond(building, record, refine=refine).isel(time=slice(None, None, refine))
         np.testing.assert_array_equal(fine.time, once.time)
-        scale = float(abs(once.displacement).max())
-        np.testing.assert_allclose(fine.displacement, once.displacement, rtol=0, atol=1e-10 * scale)
+        assert_near(fine.displacement, once.displacement, 1e-10)
         assert float(abs(fine.z).max()) <= 1
 
 
@@ -340,9 +315,8 @@ def test_no_brief_change_of_branch_is_lost(seed):
         )
         once, fine = (sl.respond(building, record, refine=r) for r in (1, 13))
         fine = fine.isel(time=slice(None, None, 13))
-        scale = float(abs(once.displacement).max())
         # Over 3000 such cases the largest difference was 7e-13.
-        np.testing.assert_allclose(fine.displacement, once.displacement, rtol=0, atol=1e-11 * scale)
+        assert_near(fine.displacement, once.displacement, 1e-11)
 
 
 # --- What must hold for any structure and ground -----------------------------------------------------
@@ -427,7 +401,7 @@ def test_limits_are_elastic(case):
     np.testing.assert_allclose(same, exact, rtol=0, atol=1e-10 * peak)
 
 
-def test_time_scale():
+def test_twice_as_slow_a_motion_moves_twice_the_period_four_times_as_far():
     """Twice as slow a motion moves a structure of twice the period four times as far."""
     record = synthetic()
     slow = record.assign_coords(time=2 * record.time)
@@ -498,10 +472,6 @@ def test_equal_structures_need_no_gap():
 # --- Tables, labels, refusals -------------------------------------------------------------------------
 
 
-def axis(name, values):
-    return xr.DataArray(values, dims=name, coords={name: values})
-
-
 def test_a_table_holds_its_cells():
     records = {"a": synthetic(seed=1), "b": synthetic(seed=2, dt=0.01, samples=200)}
     period, uy = axis("period", [0.1, 0.4, 1.5]), axis("uy", [0.001, 0.02, np.inf])
@@ -569,10 +539,7 @@ def test_everything_has_units_and_a_name():
         record_charts.recorded_gap_chart(record, 0.05, points=4),
     ]
     for table in tables:
-        assert table.attrs["title"]
-        for name, variable in table.data_vars.items():
-            assert variable.attrs["long_name"], name
-            assert "units" in variable.attrs or name == "status", name
+        check_labels(table)
 
 
 GOOD = {"period": 0.5, "damping": 0.05}

@@ -1,7 +1,5 @@
 """Structures of any law and buildings in a recorded motion: exact answers and other integrators."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.integrate

@@ -1,7 +1,5 @@
 """Rates against closed forms, and against counting."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.stats import norm

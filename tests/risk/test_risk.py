@@ -1,7 +1,5 @@
 """Risk of two buildings, against counting in motions of drawn intensities."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -106,7 +104,7 @@ def test_hazards_of_different_measures_are_one_hazard():
     ("risk", "rate"),
     [("2 % in 50 years", -np.log(0.98) / 50), ("10%in 10yr", -np.log(0.9) / 10), (1e-3, 1e-3)],
 )
-def test_risks_are_read(risk, rate):
+def test_risks_are_read_as_rates_a_year(risk, rate):
     assert Target.of(risk).rate == pytest.approx(rate, rel=1e-12)
 
 

@@ -1,7 +1,5 @@
 """Effective properties and separation rules: their formulas by other roads, limits and invariance."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -212,7 +210,7 @@ lengths = st.floats(1e-3, 2)
         ("china_gb_50011", 0.1, 0.1, 0.1, 0.1),
     ],
 )
-def test_codes_by_hand(name, two, two_level, one, one_level):
+def test_gaps_of_codes_are_those_by_hand(name, two, two_level, one, one_level):
     """Two properties and one, floors that are not level and level; 12 m beside 20 m."""
     rule = sl.code_rule(name)
     for same_property, gaps in ((False, (two, two_level)), (True, (one, one_level))):
@@ -250,7 +248,7 @@ def test_codes_that_know_property_lines_sum_between_two_properties():
 
 def test_every_code_is_in_the_table_by_hand():
     """So that no rule can be added without one."""
-    (mark,) = [m for m in test_codes_by_hand.pytestmark if m.name == "parametrize"]
+    (mark,) = [m for m in test_gaps_of_codes_are_those_by_hand.pytestmark if m.name == "parametrize"]
     assert tuple(case[0] for case in mark.args[1]) == sl.code_rule_names()
 
 

@@ -1,7 +1,5 @@
 """Shares of a variance and changes of a quantile, against functions whose shares are known."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.special import ndtri

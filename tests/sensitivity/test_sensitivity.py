@@ -1,7 +1,5 @@
 """What matters for a gap: exact cases, finite differences of independent runs, shares in closed form."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -121,7 +119,7 @@ def test_ends_of_a_range():
 
 @pytest.mark.slow
 @pytest.mark.invariant
-def test_buildings_with_storeys():
+def test_numbers_of_buildings_with_storeys_are_varied_storey_by_storey():
     """By the numbers of a regular one where some are uncertain; else each array by one factor."""
     usual = {"storeys": 2, "storey_height": 3.0, "mass": 2e5, "damping": 0.05}
     first = sl.ShearBuilding.regular(period=uncertain(0.5), **usual)

@@ -58,7 +58,7 @@ def test_without_anything_uncertain_there_are_no_shares():
     assert not any(row.share for row in rows(table))
 
 
-def test_a_tornado_chart(table):
+def test_a_tornado_chart_has_a_bar_a_number(table):
     figure = sl.charts.draw_sensitivity(table)
     (axes,) = figure.axes
     bars = [bar.get_width() for bar in axes.patches]

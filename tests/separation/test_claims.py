@@ -1,20 +1,17 @@
 """What the paper says of gaps: by codes, by the sum of squares, and by eq. (3) with energy radii."""
 
-from __future__ import annotations
-
 from functools import cache
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from motions import needs_records, suite
 
 import stochlin as sl
 
 pytestmark = pytest.mark.paper
 
-RECORDS = Path(__file__).parents[2].parent / "shared" / "records"
 FIRM, LAKE = sl.KanaiTajimi(0.42, 0.6), sl.KanaiTajimi(2.0, 0.05)
 QUAKE = {"duration": 30.0, "envelope": sl.AminAng(4, 15, 0.35)}
 PERIODS = {FIRM: (0.5, 0.6, 0.7, 1.0, 1.2, 1.4), LAKE: (1.0, 1.2, 1.6, 1.8, 2.2, 2.4, 2.7)}
@@ -142,15 +139,13 @@ def test_eq_3_with_radii_is_right_in_the_median_and_too_small_in_a_fifth(
     np.testing.assert_allclose(shares.min(axis=1), least, atol=0.0051)
 
 
-@pytest.mark.skipif(not RECORDS.is_dir(), reason="the folder of strong-motion records is absent")
+@needs_records
 @pytest.mark.parametrize(
-    ("suite", "median", "short", "least"),
+    ("name", "median", "short", "least"),
     [("far_field", [1.14, 1.0], [0.17, 0.48], 0.83), ("mexico_city", [1.06, 1.04], [0.1, 0.17], 0.86)],
 )
-def test_eq_3_with_radii_in_records(suite, median, short, least):
-    records = sl.read_records(RECORDS / "suites.csv")
-    chosen = {name: record for name, record in records.items() if name.startswith(suite)}
-    shares = by_radii(chosen, (0.3, 0.5, 0.8, 1.2, 2.0))
+def test_eq_3_with_radii_in_records(name, median, short, least):
+    shares = by_radii(suite(name), (0.3, 0.5, 0.8, 1.2, 2.0))
     np.testing.assert_allclose(np.median(shares, axis=1), median, atol=0.0051)
     np.testing.assert_allclose((shares < 1).mean(axis=1), short, atol=0.0151)
     assert shares[0].min() == pytest.approx(least, abs=0.0051)

@@ -1,7 +1,5 @@
 """``stochlin gap``: the answer on the screen, in a file and on a page, and what it says of bad input."""
 
-from __future__ import annotations
-
 import html
 import itertools
 import re
@@ -15,11 +13,11 @@ import numpy as np
 import pytest
 import xarray as xr
 from cases import with_buildings, with_slow
-from click.testing import CliRunner, Result
+from click.testing import Result
+from commands import answered, invoke, refused
 
 import stochlin as sl
 from stochlin.analyses.cases.separation import answer_case
-from stochlin.views.command import main
 from stochlin.views.separation.pictures import distribution_figure, rules_figure
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.shared.symbols import typeset_html
@@ -31,10 +29,6 @@ INLINE = {"i", "sub", "sup"}
 VOID = {"meta", "br", "link", "img", "hr", "input"}
 NASTY = '<script>alert("1")</script> & co'
 PHONE, DESK = 390, 1100  # px
-
-
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(main, ["gap", *map(str, arguments)])
 
 
 class Done(NamedTuple):
@@ -49,14 +43,13 @@ class Done(NamedTuple):
 def done(folder: Path, text: str, *more: object) -> Done:
     (folder / "case.toml").write_text(text, encoding="utf-8")
     out = ("--report", folder / "gap.html", "--out", folder / "gap.nc", *more)
-    return Done(run(folder / "case.toml", *out), folder)
+    return Done(invoke("gap", folder / "case.toml", *out), folder)
 
 
 def screen_of(folder: Path, text: str) -> str:
     """What the screen says of a case, without the page and its pictures."""
     (folder / "case.toml").write_text(text, encoding="utf-8")
-    result = run(folder / "case.toml")
-    assert result.exit_code == 0, result.output
+    result = answered("gap", folder / "case.toml")
     return result.output
 
 
@@ -68,7 +61,7 @@ def few(text: str) -> str:
 @pytest.fixture(scope="module")
 def example(tmp_path_factory: pytest.TempPathFactory) -> Done:
     folder = tmp_path_factory.mktemp("example")
-    return done(folder, run("--example").output, "--picture", folder / "gap.png")
+    return done(folder, invoke("gap", "--example").output, "--picture", folder / "gap.png")
 
 
 @pytest.fixture(scope="module")
@@ -188,7 +181,7 @@ def test_numbers_of_rules_of_ones_own(tmp_path: Path) -> None:
 
 def test_the_table_has_no_samples_in_csv(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(few(sl.example_case()))
-    assert run(tmp_path / "case.toml", "--out", tmp_path / "t.csv").exit_code == 0
+    answered("gap", tmp_path / "case.toml", "--out", tmp_path / "t.csv")
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert lines[1].startswith("simulation,")
     assert len(lines) == 25
@@ -431,7 +424,7 @@ def test_a_table_of_storeys_has_a_row_a_rule(storeyed: dict[str, Done]) -> None:
     for one in storeyed.values():
         case, out = one.folder / "few.toml", one.folder / "t.csv"
         case.write_text(few((one.folder / "case.toml").read_text(encoding="utf-8")), encoding="utf-8")
-        assert run(case, "--out", out).exit_code == 0
+        answered("gap", case, "--out", out)
         assert len(out.read_text().splitlines()) == 25
 
 
@@ -502,14 +495,12 @@ def test_bad_files_write_nothing(old: str, new: str, at: str, says: list[str], t
         (("case.toml", "--report", "no/such/gap.html"), "there is no folder no/such"),
     ],
 )
-def test_bad_commands(
+def test_commands_with_wrong_files_are_refused(
     arguments: tuple[str, ...], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "case.toml").write_text(sl.example_case())
-    result = run(*arguments)
-    assert result.exit_code == 2
-    assert says in result.output
+    assert says in refused("gap", *arguments)
     assert (tmp_path / "case.toml").read_text() == sl.example_case()
     assert len(list(tmp_path.iterdir())) == 1
 

@@ -1,28 +1,25 @@
 """Eq. (3) with the energy radii of a record, and the least damping that it asks for."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.optimize
 import xarray as xr
+from motions import motion
 
 import stochlin as sl
 from stochlin.charts import ChartSettings, added_damping_chart, chart_functions, draw
 
 
 def noise(seed=0, size=1500):
-    motion = np.random.default_rng(seed).normal(size=size)
-    return xr.DataArray(motion, dims="time", coords={"time": 0.02 * np.arange(size)})
+    return motion(np.random.default_rng(seed).normal(size=size))
 
 
 def hum(period=1.0, size=6000):
     """A motion of one frequency that lasts: what is left is the steady state."""
     time = 0.02 * np.arange(size)
-    values = np.sin(2 * np.pi * time / period) * np.minimum(time / 40, 1)
-    return xr.DataArray(values, dims="time", coords={"time": time})
+    return motion(np.sin(2 * np.pi * time / period) * np.minimum(time / 40, 1))
 
 
 FIRST, SECOND = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.05)

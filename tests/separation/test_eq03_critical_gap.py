@@ -1,7 +1,5 @@
 """Eq. (3): the double difference combination, its three exact cases, and what it stands for."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest
@@ -49,7 +47,7 @@ def test_formula_everywhere_and_in_any_order(one, two, rho):
 
 
 @given(peaks, peaks, correlations, st.floats(1e-3, 1e3))
-def test_bounds_and_units(one, two, rho, scale):
+def test_the_gap_keeps_its_bounds_and_scales_with_the_peaks(one, two, rho, scale):
     assert abs(one - two) * (1 - 1e-15) <= gap(one, two, rho) <= (one + two) * (1 + 1e-15)
     assert gap(scale * one, scale * two, rho) == pytest.approx(scale * gap(one, two, rho), rel=1e-9)
 

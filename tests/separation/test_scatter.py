@@ -1,7 +1,5 @@
 """Gaps in motions that differ in strength: of a linear pair they go by the factors of the motions."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
@@ -62,18 +60,3 @@ def test_every_answer_about_one_gap_is_of_the_same_motions(tables):
     chances = sl.pounding_probability(*ELASTIC, FIRM, required, **options, points=11)
     # Its steps are other ones, so that a whole number goes between two instants: two per cent.
     assert float(chances.required_gap_simulated) == pytest.approx(required, rel=0.05)
-
-
-@pytest.mark.invariant
-@pytest.mark.parametrize("wrong", [-0.1, 40, np.nan, "0.4", [0.4]])
-def test_scatter_out_of_range_is_refused_by_all(wrong):
-    calls = {
-        sl.separation: {},
-        sl.existing_gap: {"gap": 0.1},
-        sl.mitigate: {"gap": 0.1, "measures": {}},
-        sl.pounding_probability: {"gap": 0.1},
-        sl.pounding_fragility: {"gap": 0.1, "intensity": [0.01]},
-    }
-    for verb, given in calls.items():
-        with pytest.raises(ValueError, match=r"scatter = .*; allowed: a number from 0 to 2"):
-            verb(*ELASTIC, FIRM, **given, **OPTIONS, scatter=wrong)

@@ -1,7 +1,5 @@
 """Gaps, probabilities and measures of buildings with storeys: limits, consistency, bad input."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Forces of contacts over a time step, against quadrature and what must hold for any element."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import hypothesis.strategies as st

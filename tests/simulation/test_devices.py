@@ -1,7 +1,5 @@
 """Damping devices and dashpots with an exponent, simulated: another integrator, limits, energy."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Peaks and separations of finite motions: exact limits, other estimates, order statistics."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.integrate

@@ -1,7 +1,5 @@
 """The same pair of bilinear oscillators in OpenSeesPy: another code, another return map, equal steps."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from opensees_models import add_oscillators, new_model, shake

@@ -1,7 +1,5 @@
 """Motions on samples of what is not known exactly, against each sample by itself and brute force."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Scatter from motion to motion: the same motions, each times a lognormal factor of its own."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.stats
@@ -88,12 +86,19 @@ def test_a_seed_gives_the_same_factors_on_any_number_of_threads(monkeypatch):
 
 
 @pytest.mark.invariant
-@pytest.mark.parametrize("wrong", [-0.1, 2.1, np.nan, np.inf, "0.4", [0.4], None, True])
-def test_scatter_out_of_range_is_refused(wrong):
-    for call in (
-        lambda: simulated(scatter=wrong),
-        lambda: sl.simulated_motions(FIRM, 5.0, scatter=wrong),
-    ):
+@pytest.mark.parametrize("wrong", [-0.1, 2.1, 40, np.nan, np.inf, "0.4", [0.4], None, True])
+def test_scatter_out_of_range_is_refused_by_all(wrong):
+    calls = {
+        sl.separation: {},
+        sl.existing_gap: {"gap": 0.1},
+        sl.mitigate: {"gap": 0.1, "measures": {}},
+        sl.pounding_probability: {"gap": 0.1},
+        sl.pounding_fragility: {"gap": 0.1, "intensity": [0.01]},
+    }
+    every = [lambda: simulated(scatter=wrong), lambda: sl.simulated_motions(FIRM, 5.0, scatter=wrong)]
+    options = {**QUAKE, "paths": 512, "scatter": wrong}
+    every += [lambda c=c, more=more: c(*ELASTIC, FIRM, **more, **options) for c, more in calls.items()]
+    for call in every:
         with pytest.raises(ValueError, match=r"scatter = .*; allowed: a number from 0 to 2"):
             call()
 

@@ -1,7 +1,5 @@
 """Simulation against exact results, earlier simulations, itself at finer steps, and its own errors."""
 
-from __future__ import annotations
-
 import cases
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Time steps against solutions that share no formula with them: adaptive integrators and algebra."""
 
-from __future__ import annotations
-
 import math
 
 import cases

@@ -1,7 +1,5 @@
 """Floors on storeys in simulated motions: limits, invariance, another integrator, printed values."""
 
-from __future__ import annotations
-
 import functools
 
 import numpy as np

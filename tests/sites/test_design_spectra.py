@@ -1,7 +1,5 @@
 """Design spectra against the formulas of their codes, written out by hand; files of spectra."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -31,7 +29,7 @@ G = 9.80665
         ("E", 2, 0.0, 1.6),
     ],
 )
-def test_eurocode_8(soil, kind, period, over_ag):
+def test_eurocode_8_has_its_tabled_values(soil, kind, period, over_ag):
     spectrum = sl.eurocode_8(2.0, soil, kind)
     assert float(spectrum.sel(period=period, method="nearest")) == pytest.approx(2.0 * over_ag)
 
@@ -48,7 +46,7 @@ def test_damping_of_eurocode_8():
     ("period", "over_g"),
     [(0.0, 0.4), (0.06, 0.7), (0.12, 1.0), (0.6, 1.0), (1.2, 0.5), (8.0, 0.075), (10.0, 0.048)],
 )
-def test_asce_7(period, over_g):
+def test_asce_7_has_its_values_by_hand(period, over_g):
     spectrum = sl.asce_7(G, 0.6 * G, 8.0)
     assert float(spectrum.sel(period=period, method="nearest")) == pytest.approx(over_g * G)
 

@@ -1,7 +1,5 @@
 """Simulated motions have the spectrum that their ground was fitted to."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -67,7 +65,7 @@ def test_intensity_follows_the_square_of_the_spectrum():
 
 @pytest.mark.slow
 @pytest.mark.invariant
-def test_number_of_filters():
+def test_a_fit_takes_as_many_filters_as_it_is_asked_for():
     """Of one filter the test above asks the same."""
     ground = sl.fit_ground(CODES["Eurocode 8, type 1, D"], duration=5.0, filters=2)
     assert len(ground.grounds) == 2

@@ -1,7 +1,5 @@
 """How strong a ground is to be: by PGA, by Sa at a period, by a return period."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

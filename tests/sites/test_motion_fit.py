@@ -1,7 +1,5 @@
 """Motions fitted to a record carry its energy and have its response spectrum."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 
@@ -50,7 +48,7 @@ def test_a_motion_that_was_made_is_found_again(record, motion):
 
 
 @pytest.mark.oracle
-def test_energy_by_hand(record, motion):
+def test_energy_of_a_fitted_motion_is_that_by_hand(record, motion):
     time = np.linspace(0, motion.duration, 20001)
     frequency = np.linspace(0, 4000, 400001)
     variance = 2 * np.trapezoid(motion.ground.psd(frequency), frequency)

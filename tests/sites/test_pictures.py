@@ -1,7 +1,5 @@
 """Pictures of spectra show the numbers of their datasets, and say of what they are."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import xarray as xr

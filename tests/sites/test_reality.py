@@ -1,7 +1,5 @@
 """What is counted of gaps that were tried on recorded earthquakes."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Suites of records: read, scaled, written, and asked for gaps."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A wrong number is named, with its value and what is allowed; in a table it spoils its cell only."""
 
-from __future__ import annotations
-
 import cases
 import numpy as np
 import pytest

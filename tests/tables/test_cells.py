@@ -1,13 +1,12 @@
 """A table is its cells: labels, order and neighbours have no say in the numbers."""
 
-from __future__ import annotations
-
 import io
 
 import cases
 import numpy as np
 import pytest
 import xarray as xr
+from cases import axis
 
 import stochlin as sl
 
@@ -16,10 +15,6 @@ pytestmark = pytest.mark.invariant
 NUMBERS = ["rho", "displacement_std_1", "displacement_std_2", "ductility_std_1", "ductility_std_2"]
 GROUND = sl.KanaiTajimi(period=1.0, damping=0.2)
 CLOSURES = ["gaussian", "clipped", "drift", "narrow_band"]
-
-
-def axis(name, values):
-    return xr.DataArray(np.array(values), dims=name, coords={name: values})
 
 
 def pair_of_axes():
@@ -117,38 +112,58 @@ def test_large_table_is_cut_into_pieces_without_a_seam():
     np.testing.assert_array_equal(part.rho.transpose("a", "b"), table[rows])
 
 
-RESULTS = {
-    "linearize": lambda first, second: sl.linearize(first, GROUND),
-    "narrow band": lambda first, second: sl.linearize(first, GROUND, "narrow_band"),
-    "correlate": lambda first, second: sl.correlate(first, second, GROUND),
-    "white noise": lambda first, second: sl.correlate(first, second, GROUND, method="white_noise"),
-    "eq. (4)": lambda first, second: sl.rho_white_noise(first.period, 1.0, 0.05, 0.05),
-    "amplification": lambda first, second: sl.amplification(first, GROUND),
+YIELDING = {"damping": 0.05, "hardening": 0.05, "reduction_factor": 3.0}
+WEAK = sl.Bilinear(axis("period_1", [0.5, -1.0, 1.0]), **YIELDING)  # its second cell is out of range
+OTHER = sl.Bilinear(0.8, **YIELDING)
+OF_MODELS = {
+    "linearize": lambda: sl.linearize(pair_of_axes()[0], GROUND),
+    "narrow band": lambda: sl.linearize(pair_of_axes()[0], GROUND, "narrow_band"),
+    "correlate": lambda: sl.correlate(*pair_of_axes(), GROUND),
+    "white noise": lambda: sl.correlate(*pair_of_axes(), GROUND, method="white_noise"),
+    "eq. (4)": lambda: sl.rho_white_noise(pair_of_axes()[0].period, 1.0, 0.05, 0.05),
+    "amplification": lambda: sl.amplification(pair_of_axes()[0], GROUND),
 }
+WITH_A_BAD_CELL = {
+    "peak_response": lambda: sl.peak_response(WEAK, GROUND, axis("duration", [10.0, 30.0])),
+    "one-sided": lambda: sl.peak_response(WEAK, GROUND, 20.0, sides=1, model="DK80"),
+    "rho_effective": lambda: sl.rho_effective(
+        *(WEAK.period, 1.0, 0.05, 0.03, 0.05, 0.1), ductility_1=4.0, ductility_2=2.0
+    ),
+    "effective": lambda: sl.correlate(WEAK, OTHER, GROUND, "effective", rule="fema_440"),
+    "critical_gap": lambda: sl.critical_gap(0.3, 0.2, axis("rho", [-0.5, 2.0, 1.0])),
+    "code_gaps": lambda: sl.code_gaps(axis("peak_1", [0.1, -1.0, 0.2]), 0.04, zone="I"),
+    "strength_for_ductility": lambda: sl.strength_for_ductility(WEAK, GROUND, 4.0),
+    "reduction_factor": lambda: sl.reduction_factor(WEAK, GROUND),
+}
+RESULTS = OF_MODELS | WITH_A_BAD_CELL
 every_result = pytest.mark.parametrize("result", RESULTS.values(), ids=list(RESULTS))
 
 
 @every_result
 def test_every_variable_says_what_it_is(result):
-    table = result(*pair_of_axes())
-    for name, variable in table.data_vars.items():
-        assert variable.attrs["long_name"], name
-        if "flag_meanings" in variable.attrs:
-            meanings = variable.attrs["flag_meanings"].split()
-            assert len(meanings) == len(variable.attrs["flag_values"])
-            known = {"converged", "elastic_limit", "not_converged", "invalid_input"}
-            assert known <= set(meanings) or name.endswith("caution")
-            assert variable.dtype == variable.attrs["flag_values"].dtype == np.int8
-        else:
-            assert variable.attrs["units"], name
-    assert {"title", "references", "stochlin_version", "history"} <= set(table.attrs)
-    assert table.attrs["stochlin_version"] == sl.__version__
+    cases.check_labels(result())
+
+
+@pytest.mark.parametrize("result", OF_MODELS.values(), ids=list(OF_MODELS))
+def test_a_status_has_its_meanings_and_the_table_its_models(result):
+    table = result()
+    known = {"converged", "elastic_limit", "not_converged", "invalid_input"}
+    assert known <= set(table.status.attrs["flag_meanings"].split())
     assert any(str(value).startswith(("Bilinear(", "LinearPair(")) for value in table.attrs.values())
+
+
+@pytest.mark.parametrize("result", WITH_A_BAD_CELL.values(), ids=list(WITH_A_BAD_CELL))
+def test_a_bad_cell_is_blank_and_the_others_are_not(result):
+    table = result()
+    failed = table.status >= 2
+    assert failed.any()
+    assert not failed.all()
+    assert (table[next(iter(table.data_vars))].isnull() == failed).all()
 
 
 @every_result
 def test_file_gives_back_what_was_written(result):
-    table = result(*pair_of_axes())
+    table = result()
     stored = bytes(table.to_netcdf(engine="scipy"))
     with xr.open_dataset(io.BytesIO(stored), engine="scipy") as back:
         xr.testing.assert_equal(back.load(), table)
@@ -164,7 +179,15 @@ def test_coordinate_named_as_its_parameter_gets_the_units():
     assert table.damping.attrs["units"] == "1"
 
 
-def test_same_inputs_give_the_same_dataset():
-    first, second = pair_of_axes()
-    one, again = (sl.correlate(first, second, GROUND) for _ in range(2))
-    xr.testing.assert_identical(one, again)
+@every_result
+def test_same_inputs_give_the_same_dataset(result):
+    xr.testing.assert_identical(result(), result())
+
+
+def test_from_a_pair_to_its_gap():
+    """The way through: peaks and a correlation make the gap, smaller than that of the sum."""
+    pair = [sl.Bilinear(T, **YIELDING) for T in (0.6, 1.0)]
+    peaks = [sl.peak_response(one, GROUND, 30.0).peak_mean for one in pair]
+    gap = sl.critical_gap(*peaks, sl.correlate(*pair, GROUND).rho).gap
+    codes = sl.code_gaps(*peaks).gap
+    assert float(gap) < float(codes.sel(rule="srss")) < float(codes.sel(rule="share_of_sum"))

@@ -1,12 +1,11 @@
 """Tables that are computed cell by cell: lazy, in chunks, on clusters, and the same to the last bit."""
 
-from __future__ import annotations
-
 import os
 
 import numpy as np
 import pytest
 import xarray as xr
+from cases import axis
 
 import stochlin as sl
 from stochlin.analyses.tables.cells import over_cells
@@ -26,11 +25,6 @@ VERBS = {
         one, sl.Bilinear(1.0, 0.05, mass=1e6), GROUND, sl.Link(1e6)
     ),
 }
-
-
-def axis(name, values, chunk=None):
-    array = xr.DataArray(np.array(values), dims=name, coords={name: np.array(values)})
-    return array if chunk is None else array.chunk(chunk)
 
 
 def building(chunk=None):

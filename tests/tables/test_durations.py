@@ -1,7 +1,5 @@
 """A motion lasts a period of its structures at least, whoever asks for it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What is read of the files that a user or a case file names, and what is refused, by what it is."""
 
-from __future__ import annotations
-
 import os
 import re
 import socket

@@ -1,7 +1,5 @@
 """Names of variables: every room has its own, and nothing gets the meaning of another."""
 
-from __future__ import annotations
-
 import pytest
 import xarray as xr
 

@@ -1,10 +1,8 @@
 """Tables that dask holds: lazy, and the same to the last bit."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-import xarray as xr
+from cases import axis
 
 import stochlin as sl
 
@@ -22,10 +20,6 @@ OPTIONS = [
 ]
 
 
-def axis(name, values):
-    return xr.DataArray(np.array(values, float), dims=name, coords={name: np.array(values, float)})
-
-
 def models(chunk_1=None, chunk_2=None):
     """Two structures and a ground; a shared dimension, and cells that fail."""
     axes = {
@@ -35,7 +29,7 @@ def models(chunk_1=None, chunk_2=None):
         "ground_damping": ([0.05, 0.3], 1),
     }
     arrays = {
-        name: axis(name, values).chunk(chunk) if chunk_1 else axis(name, values)
+        name: axis(name, np.array(values, float), chunk if chunk_1 else None)
         for name, (values, chunk) in axes.items()
     }
     shared = {"damping": 0.05, "hardening": 0.05, "reduction_factor": arrays["reduction_factor"]}
@@ -68,7 +62,7 @@ def test_chunks_of_a_single_cell():
     assert_same_bits(sl.correlate(*parts), sl.correlate(*whole))
 
 
-def test_a_structure_alone():
+def test_a_structure_alone_has_the_same_bits_in_chunks():
     first, _, ground = models(7, 5)
     eager, _, same = models()
     for closure in ("gaussian", "clipped"):

@@ -1,0 +1,27 @@
+"""Commands as users type them, run within the process of the tests."""
+
+from typing import Any
+
+from click.testing import CliRunner, Result
+
+from stochlin.views.command import main
+
+
+def invoke(*arguments: object, **options: Any) -> Result:
+    """The command, however it ends; options are those of click's runner."""
+    return CliRunner().invoke(main, [str(argument) for argument in arguments], **options)
+
+
+def answered(*arguments: object, **options: Any) -> Result:
+    """A command that does what it is asked for."""
+    result = invoke(*arguments, **options)
+    assert result.exit_code == 0, result.output
+    return result
+
+
+def refused(*arguments: object) -> str:
+    """What a command says, on one line, that is refused as a user's error is."""
+    result = invoke(*arguments)
+    assert result.exit_code == 2, result.output
+    assert "Traceback" not in result.output
+    return " ".join(result.output.split())
