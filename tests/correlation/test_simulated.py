@@ -106,7 +106,7 @@ def test_rare_yielding_is_refused_before_it_takes_hours():
 
 
 def test_many_grounds_are_refused_by_the_time_of_all_of_them(monkeypatch):
-    """One of them takes 6 ms by the estimate, forty 0.23 s."""
+    """One of them takes 2.5 ms by the estimate, forty 0.1 s."""
     for module in ("simulation.run_lengths", "correlation.simulated"):
         monkeypatch.setattr(f"stochlin.analyses.{module}.cores", lambda: 1)
     monkeypatch.setattr("stochlin.analyses.tables.work.MOST_SECONDS", 0.05)

@@ -73,7 +73,7 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     if many:
         pair = [strength_in_metres(building.structure, case.ground) for building in case.pair]
         rest = part_of(progress, BEFORE_RECORDS, 1.0)
-        separations = recorded_gap(*pair, dict(case.records), progress=rest).separation
+        separations = recorded_gap(pair[0], pair[1], dict(case.records), progress=rest).separation
         suite = over_records(separations, gap, case.confidence)
     return ProbabilityAnswer(case, gap, table, hybrid, shaking_of(case), suite)
 

@@ -296,11 +296,11 @@ def work_of(run: SimulationRun, steps: float, distances: float = 0.0) -> dict[st
     kinds = [part.elements.kind for part in parts if isinstance(part, SteppedStructures)]
     together = sum(part.size for part in parts if isinstance(part, Oscillators))
     all_kinds = np.concatenate([np.full(together, BILINEAR), *kinds])
-    counts = {
+    counts: dict[str, float] = {
         "steps of a ground": 1,
-        "steps of a bilinear structure": np.count_nonzero(all_kinds < VISCOUS),
-        "steps of a dashpot": np.count_nonzero(all_kinds == VISCOUS),
-        "steps of another law": np.count_nonzero(all_kinds >= BOUC_WEN),
+        "steps of a bilinear structure": float((all_kinds < VISCOUS).sum()),
+        "steps of a dashpot": float((all_kinds == VISCOUS).sum()),
+        "steps of another law": float((all_kinds >= BOUC_WEN).sum()),
         "steps of a pair of storeys": sum(kind.size**2 for kind in kinds),
         "steps of a recorded distance": distances,
     }

@@ -17,26 +17,27 @@ MOST_SECONDS = 900.0  # longest estimated time [s]
 SLOWER = 1000.0 if UNCOMPILED else 1.0  # estimates are those of compiled code
 
 
-# What one unit of each kind of work takes, approximately: seconds of one core, or memory. The program
-# `benchmarks/work.py` measures the seconds again.
+# What one unit of each kind of work takes, approximately: seconds of one core, or memory. The seconds
+# are rounded, from 0.4 to some three times those that `benchmarks/work.py` measured on a server with two
+# cores.
 COSTS = {
     # Simulation of many structures: a time step of one motion.
-    "steps of a ground": (1.6e-8, "s"),
-    "steps of a bilinear structure": (4e-9, "s"),
+    "steps of a ground": (8e-9, "s"),
+    "steps of a bilinear structure": (1.2e-9, "s"),
     "steps of another law": (6e-8, "s"),
     "steps of a dashpot": (2.4e-7, "s"),  # whose force is a power of the velocity
     "steps of a pair of storeys": (2e-9, "s"),  # of one building, each with itself included
     "steps of a recorded distance": (1e-9, "s"),  # of two structures
-    "steps of a distance to gaps": (2e-7, "s"),  # of two structures, each step compared with gaps
+    "steps of a distance to gaps": (6e-8, "s"),  # of two structures, each step compared with gaps
     # Responses to records.
     "sub-steps on a record": (3e-8, "s"),  # of one bilinear structure
     "steps of a floor on a record": (6e-7, "s"),  # of a building or a structure of another law
     # Pounding: a time step of a row of buildings.
     "steps of a row": (3e-6, "s"),  # of motions that are stepped together
-    "operations in a row": (1.5e-9, "s"),  # of one motion
+    "operations in a row": (1e-9, "s"),  # of one motion
     # Linearization.
     "systems": (1e-3, "s"),  # ten iterations, without the next
-    "cubes of states": (2e-8, "s"),  # the same, of the number of states, for each element
+    "cubes of states": (4e-9, "s"),  # the same, of the number of states, for each element
     "squares of states": (150, "bytes"),
     "instants of a motion": (1e-4, "s"),
     "cubes of states in motion": (8e-11, "s"),  # one evaluation of the rates of a structure or a pair
