@@ -18,8 +18,8 @@ SLOWER = 1000.0 if UNCOMPILED else 1.0  # estimates are those of compiled code
 
 
 # What one unit of each kind of work takes, approximately: seconds of one core, or memory. The seconds
-# are rounded, within a factor of three of those that `benchmarks/work.py` measured on a server of two
-# cores, and rather above them, for slower machines.
+# are rounded, from 0.4 to some three times those that `benchmarks/work.py` measured on a server with two
+# cores.
 COSTS = {
     # Simulation of many structures: a time step of one motion.
     "steps of a ground": (8e-9, "s"),
