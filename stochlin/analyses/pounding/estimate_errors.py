@@ -12,10 +12,10 @@ import xarray as xr
 from stochlin.analyses.pounding.ensembles import checked_ensemble
 from stochlin.analyses.pounding.estimates import pounding_estimate_row
 from stochlin.analyses.pounding.rows import (
+    BetweenBuildings,
     Building,
     Standing,
     build_row,
-    check_contact,
     checked_buildings,
     checked_gaps,
     shortest_period,
@@ -35,8 +35,8 @@ from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import SAMPLES, StepCounts
 from stochlin.kernels.records.runs import SampledMotion
+from stochlin.models.arguments import Points, checked
 from stochlin.models.buildings import ShearBuilding
-from stochlin.models.contacts import Contact
 from stochlin.models.parameters import Model
 from stochlin.models.systems import first_mode
 
@@ -55,13 +55,14 @@ class _Outcome(NamedTuple):
     hits: Array  # number of impacts on the structure
 
 
+@checked
 def pounding_estimate_error(
     structures: Sequence[Building],
     gaps: npt.ArrayLike,
-    contact: Contact,
+    contact: BetweenBuildings,
     motion: Records,
     *,
-    points: int = 91,
+    points: Points = 91,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Error of the energy estimate compared with `pound` in the same motions.
@@ -145,7 +146,6 @@ def pounding_estimate_error(
     spaces = checked_gaps(gaps, len(row_of))
     if len(row_of) < 2:
         raise ValueError("structures has one building; allowed: at least two, which can meet")
-    check_contact(contact, len(row_of))
     try:
         ensemble = checked_ensemble(motion)
     except (TypeError, ValueError) as error:

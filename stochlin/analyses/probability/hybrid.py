@@ -96,7 +96,7 @@ def hybrid_pounding(
 def _in_metres(structure: Structure, ground: Ground, role: str) -> Bilinear:
     """The structure with its strength in metres, checked for the response to a record."""
     structure = strength_in_metres(structure, ground)
-    check_structure(structure, role)
+    check_structure(role, structure)
     assert isinstance(structure, Bilinear)
     return structure
 

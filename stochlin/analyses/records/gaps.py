@@ -7,11 +7,11 @@ import xarray as xr
 
 from stochlin.analyses.records.cells import (
     RECORD,
+    OnRecord,
     RecordedMotions,
     Records,
     cells_of,
     check_run,
-    check_structure,
     checked_motions,
     dims_of,
     table_over,
@@ -24,14 +24,15 @@ from stochlin.analyses.tables.cells import over_cells
 from stochlin.analyses.tables.checks import standing
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import PAIR, gaps_on_records, peaks_on_records
+from stochlin.models.arguments import checked
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.systems import AnyStructure
 
 SET_BACK = "Set-back of one structure from its property line in recorded motions"
 QUANTILES = np.array([0.5, 0.84, 0.9, 0.95])
 
 
-def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Records) -> xr.Dataset:
+@checked
+def recorded_gap(first: OnRecord, second: OnRecord | None, record: Records) -> xr.Dataset:
     """Smallest gap without contact between two structures in a recorded motion.
 
     It is ``max (u_1 - u_2)`` over the motion, with ``first`` on the left. It requires no rule for the
@@ -94,8 +95,6 @@ def recorded_gap(first: AnyStructure, second: AnyStructure | None, record: Recor
     True
     """
     roles = standing(first, second)
-    for role, structure in roles.items():
-        check_structure(structure, role)
     motions = checked_motions(record)
     if all(isinstance(structure, Bilinear) for structure in roles.values()):
         table = _exactly(list(roles.values()), motions)

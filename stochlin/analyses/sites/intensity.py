@@ -9,36 +9,36 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.files import METRES
-from stochlin.analyses.simulation.ensembles import check_settings
 from stochlin.analyses.simulation.finite_motions import mean_with_error
 from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.sites.simulated_spectra import PGA_STEP, peak_accelerations
-from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_damping, check_goal
+from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_goal
 from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration, check_scalars
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.arguments import Acceleration, DampingRatio, Paths, Seconds, Seed, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, rms_acceleration
-from stochlin.models.parameters import expect
 
 PATHS = 1024  # gives a standard error of about half a per cent
 FEWEST, MOST_STEPS = 64, 20_000_000  # fewest motions; most time steps of all motions in memory at once
 _TOLD = "intensity for a mean"
 
 
+@checked
 def scale_ground(
     ground: Ground,
-    duration: float,
+    duration: Seconds,
     envelope: Envelope | None = None,
     *,
-    pga: float | None = None,
-    sa: float | None = None,
-    period: float | None = None,
-    damping: float = USUAL_DAMPING,
-    paths: int = PATHS,
-    seed: int = 0,
+    pga: Acceleration | None = None,
+    sa: Acceleration | None = None,
+    period: Seconds | None = None,
+    damping: DampingRatio = USUAL_DAMPING,
+    paths: Paths = PATHS,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> Any:
     """Scale a ground so that its motions have a given mean peak ground or spectral acceleration.
@@ -101,14 +101,8 @@ def scale_ground(
     >>> round(float(table.peak_ground_acceleration) / 9.80665, 9)
     0.3
     """
-    expect(ground, Ground, "ground")
     check_scalars(ground, "ground", "numbers")
-    check_duration(duration)
-    if envelope is not None:
-        expect(envelope, Envelope, "envelope")
     check_goal({"pga": pga, "sa": sa}, period)
-    check_damping(damping)
-    check_settings(paths, seed)
     if pga is not None and not np.isfinite(rms_acceleration(ground)):
         raise ValueError(
             "pga: white noise has no peak, since it grows with smaller time steps; allowed: sa with a "

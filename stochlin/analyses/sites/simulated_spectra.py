@@ -7,29 +7,29 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.simulation.ensembles import SimulationRun, cells_of_all, check_settings, prepare
+from stochlin.analyses.simulation.ensembles import SimulationRun, cells_of_all, prepare
 from stochlin.analyses.simulation.finite_motions import check_finite, finite_steps, mean_with_error
 from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.views import view_of
 from stochlin.analyses.sites.spectra import (
     SHORTEST,
     USUAL_DAMPING,
-    check_damping,
     checked_spectrum,
     interpolated,
     is_spectrum,
 )
 from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import as_numbers, check_duration, check_scalars
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import finite_extremes
 from stochlin.messages import brief
+from stochlin.models.arguments import DampingRatio, Paths, Seconds, Seed, as_numbers, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.parameters import Model, expect
+from stochlin.models.parameters import Model
 
 PERIODS = 48  # number of periods at which a target spectrum is compared
 QUANTILES = (0.16, 0.5, 0.84)
@@ -39,15 +39,16 @@ PGA_STEP = 0.01  # [s], of the motions whose peaks are counted; they grow with s
 TOGETHER = 24  # oscillators of neighbouring periods that have the same time step
 
 
+@checked
 def simulated_spectrum(
     ground: Ground,
     target: xr.DataArray | Sequence[float] | Array,
-    duration: float,
+    duration: Seconds,
     envelope: Envelope | None = None,
     *,
-    damping: float | None = None,
-    paths: int = 1024,
-    seed: int = 0,
+    damping: DampingRatio | None = None,
+    paths: Paths = 1024,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response spectrum of simulated motions, compared with a target spectrum.
@@ -95,14 +96,9 @@ def simulated_spectrum(
     >>> table.pseudo_acceleration.dims, bool((table.pseudo_acceleration > 0).all())
     (('period',), True)
     """
-    expect(ground, Ground, "ground")
     check_scalars(ground, "ground", "numbers")
-    check_duration(duration)
-    check_settings(paths, seed)
-    if envelope is not None:
-        expect(envelope, Envelope, "envelope")
     periods, wanted, own = _asked(target)
-    ratio = own if damping is None else check_damping(damping)
+    ratio = own if damping is None else damping
     table, _ = spectrum_and_motions(
         ground,
         periods,
