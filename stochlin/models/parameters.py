@@ -17,7 +17,7 @@ import xarray as xr
 
 from stochlin.messages import ImplausibleInput, brief, sentence
 from stochlin.models.plausible import IN_PYTHON, PLAUSIBLE
-from stochlin.models.uncertain import TAKEN, Uncertain, UncertainModel
+from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel
 
 _Number = float | np.floating | np.integer
 Parameter = (
@@ -27,8 +27,8 @@ Parameter = (
 
 CASE = "case"
 ALONE = (
-    "one building alone, beside its property line, is taken by separation, existing_gap, recorded_gap, "
-    "pounding_risk and required_gap"
+    "one building alone, beside the property line on its right, is taken by separation, existing_gap, "
+    "sensitivity, recorded_gap, pounding_risk and required_gap: as first, with None as second"
 )
 # Attributes of a model that cache its parameters, as given and as arrays; a model never changes.
 _CELLS, _MADE = "_cells", "_arrays"
@@ -231,8 +231,9 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
         names = sorted(c.__name__ for each in kinds for c in each.kinds())
         instead = f"; {value.instead}" if isinstance(value, Model) and value.instead else ""
         if isinstance(value, UncertainModel):
-            instead = f", without uncertain parameters, so give its median(); {TAKEN} take them"
-        if value is None and role == "second":
+            takers = f"{', '.join(TAKERS[:-1])}, and {TAKERS[-1]} with a duration,"
+            instead = f", without uncertain parameters, so give its median(); {takers} take them"
+        if value is None and role in ("first", "second"):
             instead = f"; {ALONE}"
         allowed = f"allowed: {', '.join(names)}{instead}"
         raise TypeError(f"{role} = {brief(value)} is of the wrong kind; {allowed}")

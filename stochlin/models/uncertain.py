@@ -19,9 +19,10 @@ from stochlin.messages import brief
 One = TypeVar("One")
 KINDS = "lognormal", "uniform"
 FAR = 1e-4  # probability below and above the two extreme values at which a model is tried
-TAKEN = (
-    "separation, existing_gap, sensitivity, pounding_probability, pounding_risk, required_gap, "
-    "mitigate, and simulate with a duration,"
+# The functions that take models with uncertain parameters; the last one only with a duration.
+TAKERS = (
+    *("separation", "existing_gap", "sensitivity", "pounding_probability", "pounding_risk"),
+    *("required_gap", "mitigate", "simulate"),
 )
 
 

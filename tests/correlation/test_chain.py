@@ -172,7 +172,7 @@ def test_a_substitution_that_ends_nowhere_says_so():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"solver": "schur"}, "solver = 'schur'; allowed: closed_form, lyapunov"),
+        ({"solver": "schur"}, "solver = 'schur' is not known; allowed: closed_form, lyapunov"),
         ({"closure": "drift"}, "closure = 'drift'; allowed: .*gaussian and clipped"),
         ({"closure": "narrow_band"}, "closure = 'narrow_band'; allowed: .*gaussian and clipped"),
         ({"method": "simulation"}, "method = 'simulation'.*allowed: method linearization"),

@@ -411,7 +411,7 @@ def test_weight_that_eats_the_hardening_has_no_stationary_answer():
             "structure_1, structure_2, ground: they share a dimension .*different dimension names",
         ),
         ({"structures": [sl.Bilinear([-1.0, np.nan], 0.05)]}, "no cell has valid parameters"),
-        ({"iteration": "picard"}, "iteration = 'picard'; allowed: newton, substitution"),
+        ({"iteration": "picard"}, "iteration = 'picard' is not known; allowed: newton, substitution"),
         ({"iteration": "substitution", "relaxation": 1.5}, "relaxation = 1.5; allowed: 0 < value <= 1"),
         ({"relaxation": 0.5}, "relaxation = 0.5 with iteration = 'newton'"),
     ],

@@ -33,7 +33,7 @@ def tower(heights, **other):
         ({"structures": [ONE]}, ValueError, "gaps = 0.01; allowed: none for one building alone"),
         ({"structures": [ONE], "gaps": (), "contact": 0.65}, TypeError, "contact = 0.65"),
         ({"gaps": ()}, ValueError, r"gaps = \(\); allowed: one number between each two.*1 in all"),
-        ({"contact": None}, ValueError, "contact is not given; 2 structures need.*Kelvin"),
+        ({"contact": None}, ValueError, "contact is not given; structures .* need.*Kelvin"),
         ({"motion": None}, TypeError, "motion is not given; allowed: a record or several"),
         ({"structures": [ONE, 3]}, TypeError, "number 2 = 3.*allowed: Bilinear"),
         ({"steps_per_contact": 3}, ValueError, "steps_per_contact = 3; allowed: a whole number from 4"),

@@ -177,7 +177,7 @@ def test_fit_follows_real_records(name, model):
 
 
 def test_unknown_envelope_is_refused(quake):
-    with pytest.raises(ValueError, match="'box' is no envelope"):
+    with pytest.raises(ValueError, match="'box' is not known"):
         sl.fit_envelope(quake, "box")
 
 

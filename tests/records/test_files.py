@@ -253,10 +253,10 @@ REFUSALS = {
         {"dt": 0.01, "units": "ft/s2"},
         "units = 'ft/s2' is not a unit of acceleration",
     ),
-    "dt zero": (SINGLE, {"dt": 0, "units": "g"}, "dt = 0 is out of range; allowed: 0 < dt"),
-    "dt negative": (SINGLE, {"dt": -0.01, "units": "g"}, "dt = -0.01 is out of range"),
-    "dt NaN": (SINGLE, {"dt": np.nan, "units": "g"}, "dt = nan is out of range"),
-    "dt text": (SINGLE, {"dt": "0.01", "units": "g"}, "dt = '0.01' is out of range"),
+    "dt zero": (SINGLE, {"dt": 0, "units": "g"}, "dt = 0; allowed: a positive number of seconds"),
+    "dt negative": (SINGLE, {"dt": -0.01, "units": "g"}, "dt = -0.01; allowed: a positive number"),
+    "dt NaN": (SINGLE, {"dt": np.nan, "units": "g"}, "dt = nan; allowed: a positive number"),
+    "dt text": (SINGLE, {"dt": "0.01", "units": "g"}, "dt = '0.01'; allowed: a positive number"),
     "no column": (
         TABLE,
         READY,
@@ -345,7 +345,7 @@ REFUSALS = {
     ),
     "two AT2 records": (at2("NPTS= 40, DT= .01 SEC") * 2, {}, r"'PEER' is not a number"),
     "truth for a column": (TABLE, {**BOTH, "column": True}, "column = True is not in"),
-    "truth for a step": (SINGLE, {"dt": True, "units": "g"}, "dt = True is out of range"),
+    "truth for a step": (SINGLE, {"dt": True, "units": "g"}, "dt = True; allowed: a positive number"),
     "AT2 dt": (at2("NPTS= 40, DT= .01 SEC"), {"dt": 0.02}, r"dt = 0\.02 contradicts .*states 0\.01"),
     "AT2 units": (
         at2("NPTS= 40, DT= .01 SEC"),

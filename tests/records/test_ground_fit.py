@@ -238,8 +238,8 @@ def test_white_noise_has_no_ground_period():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"model": "kanai"}, "model = 'kanai' is unknown; allowed: kanai_tajimi, clough_penzien"),
-        ({"estimator": "moments"}, "estimator = 'moments' is unknown; allowed: psd, log_psd, whittle"),
+        ({"model": "kanai"}, "model = 'kanai' is not known; did you mean 'kanai_tajimi'"),
+        ({"estimator": "moments"}, "estimator = 'moments' is not known; allowed: psd, log_psd, whittle"),
         ({"part": (0.9, 0.1)}, "allowed: 0 <= start < end <= 1"),
         ({"frequency_range": (5.0, 1.0)}, r"frequency_range = \(5, 1\) is out of range"),
         ({"frequency_range": (-1.0, 20.0)}, r"allowed: 0 <= low < high <= 157\.\d+ rad/s"),

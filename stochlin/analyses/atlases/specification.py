@@ -30,9 +30,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.tables.checks import check_label, check_whole, is_number, is_whole
+from stochlin.analyses.tables.checks import check_whole
 from stochlin.analyses.tables.toml import read_toml
 from stochlin.messages import brief, listed
+from stochlin.models.arguments import check_label, is_number, is_whole
 from stochlin.models.grounds import GROUNDS, Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model

@@ -9,7 +9,7 @@ from typing import Any
 from stochlin.analyses.cases.buildings import AnyBuilding
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.cases.values import Quantity, Section
-from stochlin.analyses.tables.checks import A_LABEL, is_label, is_whole
+from stochlin.models.arguments import A_LABEL, is_label, is_whole
 from stochlin.models.contacts import Contact
 from stochlin.models.contacts.base import CONTACTS, DAMPING, RESTITUTION
 from stochlin.models.links import Link

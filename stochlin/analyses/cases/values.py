@@ -13,7 +13,6 @@ from typing import Any, NamedTuple, TypeGuard, TypeVar
 
 import numpy as np
 
-from stochlin.analyses.tables.checks import A_LABEL, LARGEST_WHOLE, is_label, is_number, is_whole
 from stochlin.analyses.tables.toml import BACKSLASH, read_toml
 from stochlin.messages import (
     LONGEST_MESSAGE,
@@ -25,6 +24,7 @@ from stochlin.messages import (
     plain,
     sentence,
 )
+from stochlin.models.arguments import A_LABEL, LARGEST_WHOLE, is_label, is_number, is_whole
 from stochlin.models.parameters import Model, Range
 from stochlin.models.plausible import ANY, PLAUSIBLE, Plausible
 from stochlin.models.uncertain import Uncertain

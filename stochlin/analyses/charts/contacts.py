@@ -23,7 +23,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation import contacts as kernel
 from stochlin.messages import hyphenated
 from stochlin.models.contacts import Element, HertzDamp, LinearSpring
-from stochlin.models.contacts.base import CONTACTS, RESTITUTION, checked
+from stochlin.models.contacts.base import CONTACTS, RESTITUTION, checked_value
 from stochlin.models.contacts.damped import Damped, WithRatio
 from stochlin.models.contacts.linear import LinearDamped
 from stochlin.models.parameters import POSITIVE, Range
@@ -289,7 +289,7 @@ def _integrated(model: Element, points: int) -> History:
 
 
 def _number(name: str, value: Any, allowed: Range) -> float:
-    number = checked("chart", name, value, "1", allowed)
+    number = checked_value("chart", name, value, "1", allowed)
     if not isinstance(number, float):
         raise TypeError(f"chart: {name} is an array; allowed: a number, {allowed}")
     return number

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
-from stochlin.analyses.tables.checks import check_whole, checked_gap, is_number
 from stochlin.messages import brief
+from stochlin.models.arguments import Metres, Paths, Points, Seed, Whole, check_fields, is_number
 from stochlin.models.grounds import KanaiTajimi
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.rules.effective_properties import (
@@ -94,14 +94,14 @@ class ChartSettings:
     ground_dampings: tuple[float, ...] = (NARROW_BAND_DAMPING, BROAD_BAND_DAMPING)
     structure_period: float | None = None
     second_period: float | None = None
-    gap: float | None = None
+    gap: Metres | None = None
     closure: str = "gaussian"
     solver: str = "closed_form"
-    points: int = 161
+    points: Points = 161
     method: str = "linearization"
-    paths: int = 256
-    seed: int = 0
-    simulated_points: int | None = None
+    paths: Paths = 256
+    seed: Seed = 0
+    simulated_points: Annotated[int, Whole(0)] | None = None
     curves: tuple[str, ...] | None = None
 
     @property
@@ -131,11 +131,7 @@ class ChartSettings:
         return [effective_rule(name) for name in names]
 
     def __post_init__(self) -> None:
-        check_points(self.points)
-        check_whole("paths", self.paths, 2)
-        check_whole("seed", self.seed, 0)
-        if self.simulated_points is not None:
-            check_whole("simulated_points", self.simulated_points, 0)
+        check_fields(self)
         if self.simulated_points == 1:
             raise ValueError("simulated_points = 1; allowed: at least 2, or 0 for none")
         object.__setattr__(self, "curves", _checked_curves(self.curves))
@@ -156,8 +152,6 @@ class ChartSettings:
             if not getattr(self, name):
                 raise ValueError(f"{name} is empty; allowed: at least one value")
             checks += [(name, value, allowed) for value in getattr(self, name)]
-        if self.gap is not None:
-            checked_gap(self.gap)
         for name, value, allowed in checks:
             if not is_number(value) or not allowed.contains(value):
                 raise ValueError(f"{name} = {brief(value)} is out of range; allowed: {allowed}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -15,9 +15,8 @@ from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.drift_map import usual_closure
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
 from stochlin.analyses.linearization.linearization import linearize
-from stochlin.analyses.simulation.ensembles import cells_of, check_settings, join_cells, prepare
+from stochlin.analyses.simulation.ensembles import cells_of, join_cells, prepare
 from stochlin.analyses.simulation.finite_motions import (
-    check_motion,
     finite_attributes,
     largest_displacements,
 )
@@ -28,13 +27,13 @@ from stochlin.analyses.tables.checks import check_duration
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.stepping import LANES
-from stochlin.messages import brief
+from stochlin.models.arguments import OneOf, Paths, Seconds, Seed, checked
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
-from stochlin.models.systems import STRUCTURES, AnyStructure
+from stochlin.models.systems import AnyStructure
 
 LINEARIZATION, SIMULATION = "linearization", "simulation"
 STD, PEAK = "std", "peak"
@@ -43,17 +42,18 @@ OF_PEAKS = {
 }
 
 
+@checked
 def amplification(
     structure: AnyStructure,
     ground: Ground,
     *,
-    of: str = STD,
-    method: str | None = None,
+    of: Annotated[str, OneOf((STD, PEAK))] = STD,
+    method: Annotated[str, OneOf((LINEARIZATION, SIMULATION))] | None = None,
     closure: str | None = None,
-    duration: float | None = None,
+    duration: Seconds | None = None,
     envelope: Envelope | None = None,
-    paths: int = 256,
-    seed: int = 0,
+    paths: Paths = 256,
+    seed: Seed = 0,
 ) -> xr.Dataset:
     """Amplification factor ``D``: inelastic displacement over elastic displacement.
 
@@ -135,14 +135,6 @@ def amplification(
     >>> 1 < float(peaks.amplification)
     True
     """
-    if not isinstance(of, str) or of not in (STD, PEAK):
-        raise ValueError(f"of = {brief(of)} is not known; allowed: {STD}, {PEAK}")
-    expect(structure, STRUCTURES if of == PEAK else Structure, "structure")
-    expect(ground, Ground, "ground")
-    if not isinstance(method, str | None) or method not in (None, LINEARIZATION, SIMULATION):
-        raise ValueError(
-            f"method = {brief(method)} is not known; allowed: {LINEARIZATION}, {SIMULATION}"
-        )
     if of == PEAK:
         return _of_peaks(structure, ground, method, duration, envelope, paths, seed)
     if duration is not None or envelope is not None:
@@ -150,7 +142,8 @@ def amplification(
             "duration and envelope belong to finite motions, and standard deviations are those of the "
             "stationary response; leave them out, or ask for of='peak'"
         )
-    assert isinstance(structure, Structure)  # checked by ``expect`` above
+    expect(structure, Structure, "structure")
+    assert isinstance(structure, Structure)
     elastic = solve_elastic(structure, ground).displacement_std
     method = method or LINEARIZATION
     closure = usual_closure(structure, ground) if closure is None else closure
@@ -199,8 +192,6 @@ def _of_peaks(
             "gives the peaks of the linearized structure"
         )
     seconds = check_duration(duration, {"structure": structure})
-    check_motion(seconds, envelope, 0.0, [0.5], {"structure": structure})
-    check_settings(paths, seed)
     drawn: dict[str, Any] = {"envelope": envelope, "paths": paths, "seed": seed}
     if isinstance(structure, ShearBuilding):
         table = _of_storeys(structure, ground, duration=seconds, **drawn)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -38,29 +38,31 @@ from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.tables import ROUNDING
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.messages import brief
+from stochlin.models.arguments import OneOf, Paths, RelaxationTimes, Seed, StepsPerPeriod, checked
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import Parameter, expect
+from stochlin.models.parameters import Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.structures import DRIFT, LinearPair, Structure
-from stochlin.models.systems import STRUCTURES
+from stochlin.models.systems import AnyStructure
 
 
+@checked
 def correlate(
-    first: Structure,
-    second: Structure,
+    first: AnyStructure,
+    second: AnyStructure,
     ground: Ground,
-    method: str = "linearization",
+    method: Annotated[str, OneOf(METHODS)] = "linearization",
     *,
     closure: str = "gaussian",
-    solver: str = "closed_form",
+    solver: Annotated[str, OneOf(SOLVERS)] = "closed_form",
     rule: str | EffectiveRule = "iwan_1980",
     rtol: float = 1e-10,
     atol: float = 1e-12,
     max_iterations: int = 200,
-    paths: int = 256,
-    seed: int = 0,
-    steps_per_period: int = 32,
-    relaxation_times: float = 20.0,
+    paths: Paths = 256,
+    seed: Seed = 0,
+    steps_per_period: StepsPerPeriod = 32,
+    relaxation_times: RelaxationTimes = 20.0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Correlation coefficient of the displacements of two structures.
@@ -177,13 +179,8 @@ def correlate(
     >>> [round(float(rho), 6) for rho in table.rho]
     [-0.033778, 1.0]
     """
-    if not isinstance(method, str) or method not in METHODS:
-        raise ValueError(f"method = {brief(method)} is not known; allowed: {', '.join(METHODS)}")
     _check_solver(solver, method, closure)
     tolerance = Tolerance(rtol, atol, max_iterations)
-    for role, structure in (("first", first), ("second", second)):
-        expect(structure, STRUCTURES, role)
-    expect(ground, Ground, "ground")
     settings = partial(SimulationSettings, paths, seed, steps_per_period, relaxation_times, progress)
     if isinstance(first, Structure) and isinstance(second, Structure):
         check_closure(first, closure)
@@ -207,10 +204,8 @@ def correlate(
     )
 
 
-def _check_solver(solver: object, method: str, closure: str) -> None:
-    """Raise a ValueError unless the solver is known and has this method and closure."""
-    if not isinstance(solver, str) or solver not in SOLVERS:
-        raise ValueError(f"solver = {brief(solver)}; allowed: {', '.join(SOLVERS)}")
+def _check_solver(solver: str, method: str, closure: str) -> None:
+    """Raise a ValueError unless the solver has this method and closure."""
     lacks = isinstance(closure, str) and closure in LACKING
     if solver == LYAPUNOV and (method != "linearization" or lacks):
         raise ValueError(

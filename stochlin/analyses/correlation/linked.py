@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -21,6 +21,7 @@ from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import Kinds, flat, in_chunks
 from stochlin.analyses.tables.cellwise import is_lazy
+from stochlin.models.arguments import checked
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
@@ -39,9 +40,24 @@ OF_ONE = {
 }
 
 
+def _check_linked(role: str, structure: Structure | ShearBuilding) -> None:
+    """Raise an error unless the structure is of one floor, with a mass."""
+    if isinstance(structure, ShearBuilding):
+        raise TypeError(
+            f"{role} has storeys; allowed: structures of one floor. Call "
+            "linearize_system([first, second], ground, links=[link])"
+        )
+    expect(structure, Structure, role)
+    check_mass(structure, role)
+
+
+Linked = Annotated[Structure, _check_linked]
+
+
+@checked
 def correlate_linked(
-    first: Structure,
-    second: Structure,
+    first: Linked,
+    second: Linked,
     ground: Ground,
     link: Link,
     *,
@@ -102,16 +118,6 @@ def correlate_linked(
     >>> round(float(tied.rho), 4), float(tied.status)
     (1.0, 1.0)
     """
-    expect(ground, Ground, "ground")
-    expect(link, Link, "link")
-    for role, structure in (("first", first), ("second", second)):
-        if isinstance(structure, ShearBuilding):
-            raise TypeError(
-                f"{role} has storeys; allowed: structures of one floor. Call "
-                "linearize_system([first, second], ground, links=[link])"
-            )
-        expect(structure, Structure, role)
-        check_mass(structure, role)
     if link.slack is not None:
         raise ValueError(
             "link: slack is given; allowed: none, since a link with slack only pulls, and linearization "

@@ -15,7 +15,6 @@ from stochlin.analyses.simulation.ensembles import (
     SimulationCells,
     SimulationRun,
     cells_of,
-    check_settings,
     join_cells,
     prepare,
 )
@@ -48,16 +47,13 @@ PLANNED = "dt", "burn_in", "recorded"
 
 @dataclass(frozen=True)
 class SimulationSettings:
-    """Options of a stationary simulation, checked; `simulate` describes them."""
+    """Options of a stationary simulation; `simulate` describes them."""
 
     paths: int
     seed: int
     steps_per_period: int
     relaxation_times: float
     progress: Progress | None
-
-    def __post_init__(self) -> None:
-        check_settings(self.paths, self.seed, self.steps_per_period, self.relaxation_times)
 
     @property
     def history(self) -> str:

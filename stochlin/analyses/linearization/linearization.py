@@ -12,11 +12,12 @@ from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, where_valid
 from stochlin.kernels.basics.arrays import Array
+from stochlin.models.arguments import checked
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import expect
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
 
 
+@checked
 def linearize(
     structure: Structure,
     ground: Ground,
@@ -116,8 +117,6 @@ def linearize(
     >>> round(float(sl.linearize(building, sl.WhiteNoise(0.1 / np.pi), "drift").ductility_std), 2)
     1.35
     """
-    expect(structure, Structure, "structure")
-    expect(ground, Ground, "ground")
     tolerance = Tolerance(rtol, atol, max_iterations)
     (solved,) = solved_together((structure,), ground, closure, tolerance)
     variables = {name: solved[name] for name in PUBLIC}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
@@ -19,15 +20,15 @@ from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
-from stochlin.analyses.tables.checks import check_whole
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.spectral_moments import (
     SpectralMoments,
     difference_moments,
     displacement_moments,
 )
+from stochlin.models.arguments import Whole, checked
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import Parameter, expect
+from stochlin.models.parameters import Parameter
 from stochlin.models.rules.peak_factors import PeakFactor, StationaryMotion, peak_factor_model
 from stochlin.models.structures import DRIFT, Structure
 
@@ -41,6 +42,7 @@ ONE_SIDED = {
 }
 
 
+@checked
 def peak_response(
     structure: Structure,
     ground: Ground,
@@ -48,7 +50,7 @@ def peak_response(
     *,
     model: str = "vanmarcke",
     closure: str | None = None,
-    sides: int = 2,
+    sides: Annotated[int, Whole(1, 2)] = 2,
 ) -> xr.Dataset:
     """Peak displacement of a structure in a stationary motion of a given duration.
 
@@ -126,10 +128,7 @@ def peak_response(
     >>> round(float(table.crossings), 6), round(float(table.peak_factor), 3)
     (40.0, 2.629)
     """
-    expect(structure, Structure, "structure")
-    expect(ground, Ground, "ground")
     chosen = peak_factor_model(model)
-    check_whole("sides", sides, 1, 2)
     domain = chosen.domain(sides)
     closure = usual_closure(structure, ground) if closure is None else closure
     check_closure(structure, closure)

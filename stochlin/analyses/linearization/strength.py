@@ -23,9 +23,10 @@ from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, sentence
+from stochlin.models.arguments import checked
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import POSITIVE, Model, Parameter, expect, parameter
+from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure
 
@@ -46,6 +47,7 @@ class DuctilityTarget(Model):
     ductility: Parameter = parameter("1", "mean peak ductility", POSITIVE)
 
 
+@checked
 def strength_for_ductility(
     structure: Structure,
     ground: Ground,
@@ -125,8 +127,6 @@ def strength_for_ductility(
     >>> round(float(table.ductility_peak), 9)
     4.0
     """
-    expect(structure, Structure, "structure")
-    expect(ground, Ground, "ground")
     if closure is not None:
         check_closure(structure, closure)
     if structure.hardening is None:
@@ -167,6 +167,7 @@ def strength_for_ductility(
     )
 
 
+@checked
 def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
     """Reduction factor ``R = p sigma_el / uy`` of a structure on a ground.
 
@@ -206,8 +207,6 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
     >>> round(float(sl.linearize(same, sl.WhiteNoise(0.01)).yield_displacement), 12)
     0.1
     """
-    expect(structure, Structure, "structure")
-    expect(ground, Ground, "ground")
     if not structure.yields:
         raise ValueError(
             f"{structure.describe()} has no strength; allowed: one with a yield_displacement or a "

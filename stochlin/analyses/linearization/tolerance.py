@@ -3,29 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from stochlin.analyses.tables.checks import check_whole, is_number
-from stochlin.messages import brief
+from stochlin.models.arguments import Number, Whole, check_fields
+from stochlin.models.parameters import NOT_NEGATIVE, Range
+
+EPSILON = float(np.finfo(float).eps)
+AT_LEAST = "a number of at least {:.2g}, finite"
 
 
 @dataclass(frozen=True)
 class Tolerance:
     """Stop rule of an iteration, checked; `linearize` describes its parameters."""
 
-    rtol: float
-    atol: float
-    max_iterations: int
+    rtol: Annotated[float, Number(Range(EPSILON, include_lower=True), AT_LEAST.format(EPSILON))]
+    atol: Annotated[float, Number(NOT_NEGATIVE, AT_LEAST.format(0.0))]
+    max_iterations: Annotated[int, Whole(1)]
 
     def __post_init__(self) -> None:
-        for name, lowest in (("rtol", np.finfo(float).eps), ("atol", 0.0)):
-            value = getattr(self, name)
-            if not is_number(value) or not lowest <= value < np.inf:
-                raise ValueError(
-                    f"{name} = {brief(value)}; allowed: a number of at least {lowest:.2g}, finite"
-                )
-        check_whole("max_iterations", self.max_iterations, 1)
+        check_fields(self)
 
 
 USUAL = Tolerance(1e-10, 1e-12, 200)  # the defaults of `linearize`

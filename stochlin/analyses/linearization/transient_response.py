@@ -20,20 +20,20 @@ from stochlin.analyses.linearization.transient_systems import (
 )
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_whole
+from stochlin.models.arguments import Points, Seconds, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
 
+@checked
 def transient_response(
     structure: Structure,
     ground: Ground,
-    duration: float,
+    duration: Seconds,
     *,
     envelope: Envelope | None = None,
-    points: int = POINTS,
+    points: Points = POINTS,
 ) -> xr.Dataset:
     """Standard deviations of the response of a structure over time, by transient linearization.
 
@@ -90,9 +90,6 @@ def transient_response(
     >>> bool(abs(late / sl.linearize(building, ground).displacement_std - 1) < 1e-6)
     True
     """
-    expect(structure, Structure, "structure")
-    expect(ground, Ground, "ground")
-    check_whole("points", points, 2)
     seconds = check_course(duration, envelope)
     side = side_of(structure, ground, seconds, "structure", 0)
     check_names("structure and ground", side.position.dims, (TIME,))

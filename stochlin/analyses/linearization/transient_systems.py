@@ -38,7 +38,7 @@ from stochlin.kernels.linearization.transient import (
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import CASE, expect
+from stochlin.models.parameters import CASE
 from stochlin.models.systems import AnyStructure, Arrangement, Stack, stack_of
 
 STEPS_PER_PERIOD = 16  # instants in the shortest period, for integrals over time
@@ -106,7 +106,6 @@ def check_course(duration: float | None, envelope: Envelope | None) -> float:
     seconds = check_duration(duration)
     if envelope is None:
         return seconds
-    expect(envelope, Envelope, "envelope")
     values = np.asarray(envelope.at(np.linspace(0, seconds, SCANNED)), float)
     if not np.isfinite(values).all() or values.min() < 0:
         raise ValueError(

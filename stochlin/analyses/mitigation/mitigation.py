@@ -17,15 +17,20 @@ from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
 from stochlin.analyses.simulation.simulation import check_repeated
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import (
-    check_confidence,
-    check_existing,
-    check_label,
-    check_scatter,
-    is_number,
-)
+from stochlin.analyses.tables.checks import check_existing
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
+from stochlin.models.arguments import (
+    Metres,
+    Paths,
+    Probability,
+    Scatter,
+    Seconds,
+    Seed,
+    check_label,
+    checked,
+    is_number,
+)
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -33,7 +38,7 @@ from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
-from stochlin.models.systems import STRUCTURES, AnyStructure
+from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import applied, median_of
 
 AS_BUILT = "as built"
@@ -47,19 +52,20 @@ TEXTS: Mapping[str, str] = {
 }
 
 
+@checked
 def mitigate(
     first: AnyStructure,
     second: AnyStructure,
     ground: Ground,
-    duration: float,
-    gap: float,
+    duration: Seconds,
+    gap: Metres,
     measures: Mapping[str, Measure],
     *,
     envelope: Envelope | None = None,
-    confidence: float = 0.9,
-    scatter: float = 0.0,
-    paths: int = 2048,
-    seed: int = 0,
+    confidence: Probability = 0.9,
+    scatter: Scatter = 0.0,
+    paths: Paths = 2048,
+    seed: Seed = 0,
     contact: Contact | None = None,
     records: Mapping[str, xr.DataArray] | None = None,
     amplification_limit: float | None = None,
@@ -149,11 +155,9 @@ def mitigate(
     'least dashpot between'
     """
     left, right = _checked(first, second, ground, measures, contact, records, amplification_limit)
-    check_confidence(confidence)
-    check_scatter(scatter)
     both = [median_of(structure) for structure in (left, right)]
     check_existing(gap, duration, dict(zip(("first", "second"), both, strict=True)))
-    check_repeated(both, median_of(ground), duration, paths, seed, len(measures) + SIMULATIONS)
+    check_repeated(both, median_of(ground), duration, paths, len(measures) + SIMULATIONS)
     if progress is not None:
         progress(0.0)
     site = MitigatedPair(
@@ -215,9 +219,6 @@ def _checked(
     limit: float | None,
 ) -> list[Any]:
     """The structures, with strengths in metres, after a check of all arguments."""
-    expect(median_of(ground), Ground, "ground")
-    if contact is not None:
-        expect(contact, Contact, "contact")
     for name, mapping in (("measures", measures), ("records", records)):
         if not isinstance(mapping, Mapping) and (mapping is not None or name == "measures"):
             raise TypeError(f"{name} = {brief(mapping)}; allowed: a mapping of them by name")
@@ -235,7 +236,6 @@ def _checked(
         except (TypeError, ValueError) as error:
             raise type(error)(f"records[{brief(name)}]: {error}") from error
     for role, structure in (("first", median_of(first)), ("second", median_of(second))):
-        expect(structure, STRUCTURES, role)
         if records and isinstance(structure, Structure) and structure.mass is None:
             raise ValueError(f"{role} cannot pound: its mass is not given; allowed: 0 < mass, in kg")
     if limit is not None and not (records and is_number(limit) and 0 < limit < np.inf):

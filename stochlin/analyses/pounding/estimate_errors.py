@@ -11,10 +11,10 @@ import xarray as xr
 from stochlin.analyses.pounding.ensembles import checked_ensemble
 from stochlin.analyses.pounding.estimates import pounding_estimate_row
 from stochlin.analyses.pounding.rows import (
+    BetweenBuildings,
     Building,
     Standing,
     build_row,
-    check_contact,
     checked_buildings,
     checked_gaps,
 )
@@ -33,8 +33,8 @@ from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import SAMPLES, RowResponse, StepCounts
 from stochlin.kernels.records.runs import SampledMotion
+from stochlin.models.arguments import Points, checked
 from stochlin.models.buildings import ShearBuilding
-from stochlin.models.contacts import Contact
 from stochlin.models.parameters import Model
 from stochlin.models.systems import first_mode
 
@@ -43,13 +43,14 @@ TRUTHS = {"displacement": "peak_amplification", "energy radius": "peak_radius_am
 FEWEST = 2  # smallest number of motions for a standard deviation
 
 
+@checked
 def pounding_estimate_error(
     structures: Sequence[Building],
     gaps: npt.ArrayLike,
-    contact: Contact,
+    contact: BetweenBuildings,
     motion: Records,
     *,
-    points: int = 91,
+    points: Points = 91,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Error of the energy estimate compared with `pound` in the same motions.
@@ -133,7 +134,6 @@ def pounding_estimate_error(
     spaces = checked_gaps(gaps, len(row_of))
     if len(row_of) < 2:
         raise ValueError("structures has one building; allowed: at least two, which can meet")
-    check_contact(contact, len(row_of))
     ensemble = checked_ensemble(motion)
     grounds, over = ensemble.motions.grounds, ensemble.over
     if over is None or len(grounds) < FEWEST:

@@ -14,13 +14,13 @@ from stochlin.analyses.pounding.histories import contacts
 from stochlin.analyses.pounding.rows import SIDES, Meeting, checked_gaps, meetings
 from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_whole
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.contacts import impact_loss, velocities_after_impact
 from stochlin.messages import brief, sentence
+from stochlin.models.arguments import Points, checked
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact
-from stochlin.models.contacts.base import checked
+from stochlin.models.contacts.base import checked_value
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter, Range, expect
 from stochlin.models.systems import STRUCTURES, AnyStructure, first_mode
@@ -43,6 +43,7 @@ class Mode(NamedTuple):
     valid: xr.DataArray
 
 
+@checked
 def pounding_estimate(
     first: AnyStructure,
     second: AnyStructure,
@@ -51,7 +52,7 @@ def pounding_estimate(
     radius_1: Parameter,
     radius_2: Parameter,
     *,
-    points: int = POINTS,
+    points: Points = POINTS,
 ) -> xr.Dataset:
     """Estimated change of the energy radii of two structures by an impact at any displacement.
 
@@ -118,8 +119,6 @@ def pounding_estimate(
     >>> round(float(hit.largest_radius_amplification_1), 3)
     1.922
     """
-    expect(contact, Contact, "contact")
-    check_whole("points", points, 2)
     modes = [_mode(structure, role) for role, structure in (("first", first), ("second", second))]
     g = _argument("gap", gap, GAP)
     r = [_argument("radius_1", radius_1, RADIUS), _argument("radius_2", radius_2, RADIUS)]
@@ -132,13 +131,14 @@ def pounding_estimate(
     )
 
 
+@checked
 def pounding_estimate_row(
     structures: Sequence[AnyStructure],
     gaps: npt.ArrayLike,
     contact: Contact,
     radii: Sequence[Parameter],
     *,
-    points: int = POINTS,
+    points: Points = POINTS,
 ) -> xr.Dataset:
     """Estimated change of the energy radii in a row, by one impact and by a chain of impacts.
 
@@ -193,8 +193,6 @@ def pounding_estimate_row(
         raise ValueError(
             f"structures = {brief(structures)}; allowed: a list of at least two, left to right"
         )
-    expect(contact, Contact, "contact")
-    check_whole("points", points, 2)
     count = len(structures)
     modes = [_mode(structure, f"structures, number {n}") for n, structure in enumerate(structures, 1)]
     spaces = checked_gaps(gaps, count)
@@ -365,4 +363,4 @@ def _hits(
 
 
 def _argument(name: str, value: Any, allowed: Range) -> xr.DataArray:
-    return xr.DataArray(checked("pounding_estimate", name, value, "m", allowed))
+    return xr.DataArray(checked_value("pounding_estimate", name, value, "m", allowed))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,7 @@ from stochlin.analyses.pounding.ensembles import checked_ensemble, over_motions,
 from stochlin.analyses.pounding.estimates import largest_by_one_impact
 from stochlin.analyses.pounding.histories import contacts, histories, labelled
 from stochlin.analyses.pounding.rows import (
+    BetweenBuildings,
     Building,
     Standing,
     build_row,
@@ -32,13 +34,13 @@ from stochlin.analyses.pounding.summaries import summary
 from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.records.cells import SHORTEST, Records
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_truth, check_whole, checked_quantiles, is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import SAMPLES, STEPS, StepCounts
 from stochlin.kernels.records.oscillator import RADIUS
 from stochlin.kernels.records.runs import SampledMotion, peaks_on_records
 from stochlin.messages import brief
+from stochlin.models.arguments import Quantiles, Truth, Whole, checked, is_number
 from stochlin.models.contacts import Contact
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
@@ -54,17 +56,18 @@ REFERENCES = (
 )
 
 
+@checked
 def pound(
     structures: Sequence[Building],
     gaps: npt.ArrayLike = (),
-    contact: Contact | None = None,
+    contact: BetweenBuildings | None = None,
     motion: Records | None = None,
     *,
     link: Link | Sequence[Link | None] | None = None,
     output_step: float | None = None,
-    quantiles: Sequence[float] = (0.5, 0.84, 0.95),
-    steps_per_contact: int = STEPS_PER_CONTACT,
-    estimate_error: bool | None = None,
+    quantiles: Quantiles = (0.5, 0.84, 0.95),
+    steps_per_contact: Annotated[int, Whole(FEWEST_STEPS, MOST_STEPS)] = STEPS_PER_CONTACT,
+    estimate_error: Truth | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response of a row of buildings from rest, with all impacts, in one motion or in many.
@@ -237,16 +240,14 @@ def pound(
     """
     row_of = checked_buildings(structures)
     spaces = checked_gaps(gaps, len(row_of))
-    check_contact(contact, len(row_of))
-    levels = checked_quantiles(quantiles)
+    if len(row_of) > 1:
+        check_contact("contact", contact)
+    levels = np.asarray(quantiles, float)
     if motion is None:
         raise TypeError("motion is not given; allowed: a record or several, as read_record gives them")
     ensemble = checked_ensemble(motion)
     links = checked_links(link, len(row_of))
     motions, over, _ = ensemble
-    check_whole("steps_per_contact", steps_per_contact, FEWEST_STEPS, MOST_STEPS)
-    if estimate_error is not None:
-        check_truth("estimate_error", estimate_error)
     standing = build_row(row_of, spaces, contact, links)
     grounds = motions.grounds
     paces = paces_of(standing, contact, grounds, steps_per_contact)

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from stochlin.analyses.simulation.rows import row_of, structure_of_floors
-from stochlin.analyses.tables.checks import as_numbers, check_scalars
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 from stochlin.messages import brief
+from stochlin.models.arguments import as_numbers
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact, Element
 from stochlin.models.links import Link
@@ -142,16 +143,18 @@ def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
     return values.astype(float)
 
 
-def check_contact(contact: Contact | None, count: int) -> None:
-    """Raise an error if ``count`` structures, more than one, have no valid contact."""
-    if contact is None and count > 1:
+def check_contact(name: str, contact: Contact | None) -> None:
+    """Raise an error unless a contact with scalar parameters is given."""
+    if contact is None:
         raise ValueError(
-            f"contact is not given; {count} structures need a contact between them, for instance "
+            f"{name} is not given; structures side by side need a contact between them, for instance "
             "Kelvin(stiffness, restitution=..); only one building alone needs none"
         )
-    if contact is not None:
-        expect(contact, Contact, "contact")
-        check_scalars(contact, "contact", NUMBERS)
+    expect(contact, Contact, name)
+    check_scalars(contact, name, NUMBERS)
+
+
+BetweenBuildings = Annotated[Contact, check_contact]
 
 
 def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:

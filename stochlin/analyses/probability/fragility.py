@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
-from stochlin.analyses.probability.probability import REFERENCES, with_samples
+from stochlin.analyses.probability.probability import REFERENCES, PathsIfAny, with_samples
 from stochlin.analyses.probability.simulated import SAMPLES
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.risk.rates import (
@@ -22,11 +22,12 @@ from stochlin.analyses.risk.variables import labelled_fragility
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.arguments import Probability, Scatter, Seconds, Seed, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, WhiteNoise
-from stochlin.models.parameters import Parameter, expect
+from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Gap
-from stochlin.models.systems import STRUCTURES, AnyStructure
+from stochlin.models.systems import AnyStructure
 
 POINTS = 11  # instants of a calculation, of which only the last one is reported
 OPPOSITE = {
@@ -37,6 +38,7 @@ OPPOSITE = {
 ENDINGS = ("", "_poisson", "_corrected", "_simulated", *OPPOSITE, "_at_height")
 
 
+@checked
 def pounding_fragility(
     first: AnyStructure,
     second: AnyStructure,
@@ -44,12 +46,12 @@ def pounding_fragility(
     gap: Parameter,
     intensity: Parameter,
     *,
-    duration: float,
+    duration: Seconds,
     envelope: Envelope | None = None,
-    confidence: float = 0.9,
-    scatter: float = 0.0,
-    paths: int = 1024,
-    seed: int = 0,
+    confidence: Probability = 0.9,
+    scatter: Scatter = 0.0,
+    paths: PathsIfAny = 1024,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Probability of pounding of two given buildings over the intensity of the motion and the gap.
@@ -116,9 +118,6 @@ def pounding_fragility(
     >>> bool((table.pounding_probability.diff("gap") < 0).all())
     True
     """
-    expect(first, STRUCTURES, "first")
-    expect(second, STRUCTURES, "second")
-    expect(ground, Ground, "ground")
     named_gap = _named(Gap(gap).gap, "gap", "m", "gap")
     named_intensity = _named(WhiteNoise(intensity).intensity, "intensity", "m^2/s^3", "intensity S0")
     changed: dict[str, Any] = {"intensity": named_intensity}

@@ -13,7 +13,7 @@ from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.ground_fit import ground_of_record
 from stochlin.analyses.records.response import respond
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_scalars
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
 from stochlin.models.buildings import ShearBuilding
@@ -42,7 +42,6 @@ def hybrid_pounding(
     record, there was pounding if ``D`` exceeds the smallest phase difference that leads to pounding at
     some instant until then.
     """
-    check_confidence(confidence)
     for role, structure in (("first", first), ("second", second)):
         if isinstance(structure, ShearBuilding):
             raise TypeError(
@@ -104,7 +103,7 @@ def hybrid_pounding(
 def _in_metres(structure: AnyStructure, ground: Ground, role: str) -> Bilinear:
     """The structure with its strength in metres, checked for the response to a record."""
     structure = strength_in_metres(structure, ground)
-    check_structure(structure, role)
+    check_structure(role, structure)
     assert isinstance(structure, Bilinear)
     return structure
 

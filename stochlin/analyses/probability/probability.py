@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any
 
 import xarray as xr
 
@@ -20,18 +20,18 @@ from stochlin.analyses.probability.simulated import SAMPLES, Draws, by_simulatio
 from stochlin.analyses.probability.strengths import at_strengths, strengths
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_scatter, check_whole
 from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.messages import brief
+from stochlin.models.arguments import OneOf, Points, Probability, Scatter, Seconds, Seed, Whole, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import Gap
-from stochlin.models.systems import STRUCTURES, AnyStructure
+from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import median_of
 
 Solve = Callable[[PairTable, Ground, Progress | None], Solved]
 METHODS = ("evolutionary", "hybrid")
+PathsIfAny = Annotated[int, Whole(0)]  # 0 for no simulation
 OF_FORMULA = 0.5  # share of the progress that the formula has beside a simulation
 REFERENCES = (
     f"{labels.PAPER} Vanmarcke, E. H. (1975), J. Appl. Mech. 42; Rice, S. O. (1945), Bell Syst. Tech. "
@@ -39,6 +39,7 @@ REFERENCES = (
 )
 
 
+@checked
 def pounding_probability(
     first: AnyStructure,
     second: AnyStructure,
@@ -46,14 +47,14 @@ def pounding_probability(
     gap: Parameter,
     *,
     envelope: Envelope | None = None,
-    duration: float | None = None,
-    method: str = "evolutionary",
+    duration: Seconds | None = None,
+    method: Annotated[str, OneOf(METHODS)] = "evolutionary",
     record: xr.DataArray | None = None,
-    confidence: float = 0.9,
-    scatter: float = 0.0,
-    points: int = POINTS,
-    paths: int = 2048,
-    seed: int = 0,
+    confidence: Probability = 0.9,
+    scatter: Scatter = 0.0,
+    points: Points = POINTS,
+    paths: PathsIfAny = 2048,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Probability that two structures pound in a motion of finite duration, over time.
@@ -180,12 +181,9 @@ def pounding_probability(
     >>> bool(last.confidence_of_no_pounding > last.confidence_of_no_pounding_poisson)
     True
     """
-    if not isinstance(method, str) or method not in METHODS:
-        raise ValueError(f"method = {brief(method)}; allowed: {', '.join(METHODS)}")
     if method == "hybrid":
         if envelope is not None or duration is not None:
             raise ValueError("envelope and duration do not go with method='hybrid': the record has both")
-        check_scatter(scatter)
         if scatter:
             raise ValueError(
                 f"scatter = {scatter:g} does not go with method='hybrid': a record has one intensity"
@@ -232,16 +230,9 @@ def with_samples(
     """
     described: dict[str, Any] = {"first": first, "second": second, "ground": ground}
     first, second, ground = (median_of(each) for each in described.values())
-    for role, structure in (("first", first), ("second", second)):
-        expect(structure, STRUCTURES, role)
-    check_confidence(confidence)
-    check_scatter(scatter)
     distance = Gap(gap)
     expect(ground, Ground, "ground")
     assert ground is not None
-    check_whole("points", points, 2)
-    check_whole("seed", seed, 0)
-    check_whole("paths", paths, 0)
     if paths == 1:
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
     seconds = check_course(duration, envelope)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -12,13 +12,13 @@ import xarray as xr
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
-from stochlin.analyses.tables.checks import check_label
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.linear_branch import LONGEST
 from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.messages import sentence
+from stochlin.models.arguments import OfClass, check_label
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
@@ -87,7 +87,7 @@ def checked_motions(record: Records) -> RecordedMotions:
     return RecordedMotions(grounds, names)
 
 
-def check_structure(structure: AnyStructure, role: str) -> None:
+def check_structure(role: str, structure: AnyStructure) -> None:
     """Raise an error for a structure whose response to a record cannot be computed."""
     expect(structure, STRUCTURES, role)
     if isinstance(structure, Structure) and structure.reduction_factor is not None:
@@ -96,6 +96,11 @@ def check_structure(structure: AnyStructure, role: str) -> None:
             "response to a ground model; give yield_displacement, for instance the one that linearize "
             "finds on a ground fitted to the record"
         )
+
+
+# Structures whose response to a record can be computed.
+OnRecord = Annotated[AnyStructure, check_structure]
+OscillatorOnRecord = Annotated[Structure, OfClass((Structure,)), check_structure]
 
 
 def dims_of(*structures: Bilinear) -> xr.DataArray:

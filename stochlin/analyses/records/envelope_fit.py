@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import product
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -14,9 +14,8 @@ from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief
+from stochlin.models.arguments import OneOf, checked
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, HsuBernard, ShinozukaSato
-from stochlin.models.parameters import expect
 
 POINTS = 400  # number of times at which cumulative energies are compared
 FEWEST = 1e-3  # smallest value of an unknown; for a time, relative to the length of the record
@@ -48,7 +47,8 @@ _MODELS: dict[str, tuple[Callable[..., Envelope], tuple[_Unknown, ...]]] = {
 }
 
 
-def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
+@checked
+def fit_envelope(record: xr.DataArray, model: Annotated[str, OneOf(_MODELS)] = "amin_ang") -> Envelope:
     """Envelope fitted to the cumulative energy of a record.
 
     The fit is by least squares on the cumulative ``Int m^2 dt`` of the envelope ``m`` over its total,
@@ -89,8 +89,6 @@ def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
     6.0
     """
     values, dt = checked_record(record)
-    if not isinstance(model, str) or model not in _MODELS:
-        raise ValueError(f"model = {brief(model)} is no envelope; allowed: {', '.join(_MODELS)}")
     make, unknowns = _MODELS[model]
     time = dt * np.arange(values.size)
     chosen = np.unique(np.linspace(0, values.size - 1, POINTS).astype(int))
@@ -110,6 +108,7 @@ def fit_envelope(record: xr.DataArray, model: str = "amin_ang") -> Envelope:
     return make(*np.exp(min(fits, key=lambda fit: float(fit.cost)).x) * unit)
 
 
+@checked
 def energy_build_up(record: xr.DataArray, envelope: Envelope) -> xr.Dataset:
     """Compare the cumulative energy of a record with that of an envelope, for a chart of the fit.
 
@@ -145,7 +144,6 @@ def energy_build_up(record: xr.DataArray, envelope: Envelope) -> xr.Dataset:
     (1.0, 1.0)
     """
     values, dt = checked_record(record)
-    expect(envelope, Envelope, "envelope")
     time = dt * np.arange(values.size)
     shape = envelope.at(time)
     table = xr.Dataset(

@@ -6,12 +6,13 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import as_numbers
+from stochlin.models.arguments import as_numbers, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import Parameter, expect
+from stochlin.models.parameters import Parameter
 
 
+@checked
 def evolutionary_psd(
     ground: Ground, envelope: Envelope, frequency: Parameter, time: Parameter
 ) -> xr.DataArray:
@@ -51,8 +52,6 @@ def evolutionary_psd(
     >>> float(psd.time[int(psd.isel(frequency=0).argmax("time"))])
     5.0
     """
-    expect(ground, Ground, "ground")
-    expect(envelope, Envelope, "envelope")
     if not isinstance(time, xr.DataArray):
         values = as_numbers("time", time, "seconds, a number or a 1-D array").astype(float)
         if values.ndim > 1:

@@ -13,9 +13,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from stochlin.analyses.tables.checks import is_whole
 from stochlin.analyses.tables.inputs import read_text
 from stochlin.messages import brief, listed, plain
+from stochlin.models.arguments import is_whole
 
 Column = int | str
 Line = tuple[int, str]

@@ -7,11 +7,11 @@ import xarray as xr
 
 from stochlin.analyses.records.cells import (
     RECORD,
+    OnRecord,
     RecordedMotions,
     Records,
     cells_of,
     check_run,
-    check_structure,
     checked_motions,
     dims_of,
     table_over,
@@ -25,16 +25,17 @@ from stochlin.analyses.tables.checks import standing
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import PAIR, gaps_on_records, peaks_on_records
+from stochlin.models.arguments import checked
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.systems import AnyStructure
 
 SET_BACK = "Set-back of one structure from its property line in recorded motions"
 QUANTILES = np.array([0.5, 0.84, 0.9, 0.95])
 
 
+@checked
 def recorded_gap(
-    first: AnyStructure,
-    second: AnyStructure | None,
+    first: OnRecord,
+    second: OnRecord | None,
     record: Records,
     *,
     progress: Progress | None = None,
@@ -103,8 +104,6 @@ def recorded_gap(
     True
     """
     roles = standing(first, second)
-    for role, structure in roles.items():
-        check_structure(structure, role)
     motions = checked_motions(record)
     if all(isinstance(structure, Bilinear) for structure in roles.values()):
         table = _exactly(list(roles.values()), motions, progress)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,8 +21,7 @@ from stochlin.analyses.records.spectra import (
     energy_band,
     periodogram,
 )
-from stochlin.analyses.tables.checks import check_two_numbers
-from stochlin.messages import brief
+from stochlin.models.arguments import OneOf, TwoNumbers, checked
 from stochlin.models.grounds import GROUNDS, Ground
 
 Matrix = npt.NDArray[np.float64]
@@ -84,22 +83,19 @@ def fitted_grounds() -> dict[str, type[Ground]]:
     return {name: kind for name, kind in GROUNDS.items() if kind.fit is not None}
 
 
+@checked
 def ground_of_record(
     record: xr.DataArray,
     model: str = "kanai_tajimi",
-    estimator: str = "psd",
+    estimator: Annotated[str, OneOf(ESTIMATORS)] = "psd",
     *,
     part: Part = STRONG_PART,
-    frequency_range: tuple[float, float] | None = None,
+    frequency_range: TwoNumbers | None = None,
 ) -> Any:
     """The ground that `fit_ground` fits to a record."""
     kinds = fitted_grounds()
-    _check_name("model", model, kinds)
-    _check_name("estimator", estimator, ESTIMATORS)
+    OneOf(kinds)("model", model)
     chosen = ESTIMATORS[estimator]
-    check_two_numbers("part", part)
-    if frequency_range is not None:
-        check_two_numbers("frequency_range", frequency_range)
     strong = strong_part(record, *part)
     frequency, density, duration = periodogram(strong, _PADDING, chosen.taper)
     low, high = energy_band(frequency, density, duration) if frequency_range is None else frequency_range
@@ -125,11 +121,6 @@ def ground_of_record(
     if values[1] < 2 * resolved:
         source += f"; damping not well resolved (a sinusoid of this duration gives {resolved:.2g})"
     return problem.kind(**problem.parameters(values.tolist()), source=source)
-
-
-def _check_name(parameter: str, value: str, allowed: dict[str, Any]) -> None:
-    if not isinstance(value, str) or value not in allowed:
-        raise ValueError(f"{parameter} = {brief(value)} is unknown; allowed: {', '.join(allowed)}")
 
 
 def _minimize(frequency: Vector, density: Vector, problem: _Problem, estimator: Estimator) -> Vector:

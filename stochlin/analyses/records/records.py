@@ -20,10 +20,10 @@ from stochlin.analyses.records.files import (
     spelled,
     stated_units,
 )
-from stochlin.analyses.tables.checks import is_number
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
+from stochlin.models.arguments import Seconds, checked, is_number
 
 MINIMUM_SAMPLES = 16
 
@@ -38,10 +38,11 @@ LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * METRES["g"]  # s, m/s^2; larger values giv
 _NO_ACCELERATION = re.compile(r"\b(vel|velocity|disp|displacement|time)\b", re.IGNORECASE)
 
 
+@checked
 def read_record(
     path: str | os.PathLike[str],
     *,
-    dt: float | None = None,
+    dt: Seconds | None = None,
     units: str | None = None,
     column: Column | None = None,
     time_column: Column | None = None,
@@ -99,13 +100,11 @@ def read_record(
     (100, 0.02, 0.01)
     """
     path = input_path("path", path)
-    if dt is not None and not (is_number(dt) and 0 < dt < np.inf):
-        raise ValueError(f"dt = {brief(dt)} is out of range; allowed: 0 < dt, finite, in seconds")
     units = None if units is None else acceleration_units(units, "units")
     series = read_series(path, column, time_column)
     record = _labelled(series, plain(path.name), dt, units)
     for doubt in _doubts(record, series):
-        warnings.warn(f"{record.attrs['source']}: {doubt}", DoubtfulInput, stacklevel=2)
+        warnings.warn(f"{record.attrs['source']}: {doubt}", DoubtfulInput, stacklevel=3)
     return record
 
 

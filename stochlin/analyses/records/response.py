@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.cells import (
     SCALARS,
+    OnRecord,
     RecordedMotions,
     Records,
     cells_of,
     check_run,
-    check_structure,
     checked_motions,
     dims_of,
     table_over,
@@ -19,10 +21,11 @@ from stochlin.analyses.records.cells import (
 from stochlin.analyses.records.stepped import stepped_history
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_scalars, check_whole, is_number
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import history, peaks_on_records
+from stochlin.models.arguments import Whole, checked, is_number
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Structure
@@ -184,7 +187,10 @@ def response_spectrum(
     return _with_information(table, "Response spectrum", "response_spectrum()", structure, motions)
 
 
-def respond(structure: AnyStructure, record: xr.DataArray, *, refine: int = 1) -> xr.Dataset:
+@checked
+def respond(
+    structure: OnRecord, record: xr.DataArray, *, refine: Annotated[int, Whole(1)] = 1
+) -> xr.Dataset:
     """Response history of one structure to a record, from rest.
 
     Parameters
@@ -235,10 +241,8 @@ def respond(structure: AnyStructure, record: xr.DataArray, *, refine: int = 1) -
     >>> motion.sizes["time"], float(abs(motion.z).max())
     (1997, 1.0)
     """
-    check_structure(structure, "structure")
     if isinstance(structure, Structure):
         check_scalars(structure, "structure", SCALARS)
-    check_whole("refine", refine, 1)
     if not isinstance(record, xr.DataArray):
         raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
     motions = checked_motions(record)

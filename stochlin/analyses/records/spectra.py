@@ -12,12 +12,11 @@ from scipy import fft
 
 from stochlin.analyses.records.records import checked_record, strong_part
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_two_numbers
+from stochlin.models.arguments import TwoNumbers, checked
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import expect
 
 Vector = npt.NDArray[np.float64]
-Part = tuple[float, float]
+Part = TwoNumbers
 
 STRONG_PART: Part = (0.05, 0.95)
 
@@ -65,6 +64,7 @@ ESTIMATORS = {
 }
 
 
+@checked
 def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PART) -> xr.Dataset:
     """Compare the spectrum of a record with that of a ground, for a chart of the fit.
 
@@ -104,8 +104,6 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
     >>> round(float(spectra.psd_record.idxmax("frequency")), 1)
     10.0
     """
-    expect(ground, Ground, "ground")
-    check_two_numbers("part", part)
     frequency, density, duration = periodogram(strong_part(record, *part))
     axis = labels.axis("frequency", "circular frequency", frequency[1:], "rad/s")
     spectra = xr.Dataset(

@@ -35,20 +35,14 @@ from stochlin.analyses.sites.intensity import scale_ground
 from stochlin.analyses.sites.simulated_spectra import PGA_STEP
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
-from stochlin.analyses.tables.checks import (
-    check_duration,
-    check_existing,
-    check_scatter,
-    is_number,
-    standing,
-)
+from stochlin.analyses.tables.checks import check_duration, check_existing, standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import DoubtfulInput, brief
+from stochlin.models.arguments import Metres, Paths, Scatter, Seconds, Seed, Years, checked, is_number
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.hazards import Hazard, HazardCurve
-from stochlin.models.parameters import expect
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import applied, median_of
 
@@ -67,19 +61,20 @@ REFERENCES = (
 )
 
 
+@checked
 def pounding_risk(
     first: AnyStructure,
     second: AnyStructure | None,
     ground: Ground,
-    gap: float,
+    gap: Metres,
     hazard: Hazard,
-    duration: float,
+    duration: Seconds,
     *,
     envelope: Envelope | None = None,
-    years: float = 50.0,
-    scatter: float = 0.0,
-    paths: int = 1024,
-    seed: int = 0,
+    years: Years = 50.0,
+    scatter: Scatter = 0.0,
+    paths: Paths = 1024,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Mean annual frequency of pounding of two buildings, from the hazard of the site.
@@ -152,7 +147,6 @@ def pounding_risk(
     """
     structures = standing(first, second)
     check_existing(gap, duration, {role: median_of(structure) for role, structure in structures.items()})
-    _check_years(years)
 
     def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
         inputs = RiskInputs(structures, ground, hazard, duration, envelope, scatter, paths, seed)
@@ -162,18 +156,19 @@ def pounding_risk(
     return _over_cells(of_cell, structures, ground, duration)
 
 
+@checked
 def required_gap(
     first: AnyStructure,
     second: AnyStructure | None,
     ground: Ground,
     hazard: Hazard,
-    duration: float,
+    duration: Seconds,
     *,
     risk: str | float,
     envelope: Envelope | None = None,
-    scatter: float = 0.0,
-    paths: int = 1024,
-    seed: int = 0,
+    scatter: Scatter = 0.0,
+    paths: Paths = 1024,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Gap that two buildings need for an allowed risk of pounding.
@@ -227,7 +222,6 @@ def _over_cells(
     of_cell: Callable[..., xr.Dataset], structures: dict[str, Any], ground: Ground, duration: float
 ) -> xr.Dataset:
     """``of_cell`` for every cell of structures and ground; NaN if a period exceeds the duration."""
-    expect(median_of(ground), Ground, "ground")
     both = {role: median_of(structure) for role, structure in structures.items()}
     check_duration(duration, both)
     long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
@@ -307,14 +301,10 @@ class RiskInputs(NamedTuple):
         return len(self.structures) == 1
 
     def check(self) -> None:
-        """Raise an error for arguments of the wrong kind, out of range or with too much work."""
+        """Raise an error for a duration shorter than a period, or too much work."""
         both = {role: median_of(structure) for role, structure in self.structures.items()}
-        ground = median_of(self.ground)
-        expect(ground, Ground, "ground")
-        expect(self.hazard, Hazard, "hazard")
-        check_scatter(self.scatter)
         check_duration(self.duration, both)
-        check_repeated(list(both.values()), ground, self.duration, self.paths, self.seed, POINTS)
+        check_repeated(list(both.values()), median_of(self.ground), self.duration, self.paths, POINTS)
 
     def frequency(self, intensity: Array) -> Array:
         """Annual frequency of exceedance [1/yr]; constant below a table of the hazard, zero beyond."""
@@ -462,7 +452,7 @@ class SimulatedRisk(NamedTuple):
                 f"in {100 * share:.0f} % of the motions; weaker shaking, which is not in the hazard, "
                 "is left out: start the hazard at lower intensities",
                 DoubtfulInput,
-                stacklevel=4,
+                stacklevel=5,
             )
 
 
@@ -501,8 +491,3 @@ def _in_years(rate: float, error: float, years: float) -> dict[str, float]:
         f"probability_in_years{end}": float(-np.expm1(-max(rate + times * error, 0.0) * years))
         for end, times in ends.items()
     }
-
-
-def _check_years(years: object) -> None:
-    if not is_number(years) or not 0 < years < np.inf:
-        raise ValueError(f"years = {brief(years)}; allowed: a positive number of years")

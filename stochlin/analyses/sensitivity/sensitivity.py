@@ -16,16 +16,16 @@ from stochlin.analyses.sensitivity.estimates import (
 from stochlin.analyses.sensitivity.inputs import STEP, Inputs
 from stochlin.analyses.sensitivity.variables import VARIABLES
 from stochlin.analyses.simulation.draws import INPUT
-from stochlin.analyses.simulation.finite_motions import check_motion, quantile_intervals
+from stochlin.analyses.simulation.finite_motions import quantile_intervals
 from stochlin.analyses.simulation.simulation import check_repeated, drawn_separations
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_duration, standing
+from stochlin.analyses.tables.checks import check_duration, standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.stepping import LANES
+from stochlin.models.arguments import Paths, Probability, Scatter, Seconds, Seed, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import expect
 from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import median_of
 
@@ -37,17 +37,18 @@ REFERENCES = (
 )
 
 
+@checked
 def sensitivity(
     first: AnyStructure,
     second: AnyStructure | None,
     ground: Ground,
-    duration: float,
+    duration: Seconds,
     *,
     envelope: Envelope | None = None,
-    confidence: float = 0.9,
-    scatter: float = 0.0,
-    paths: int = 512,
-    seed: int = 0,
+    confidence: Probability = 0.9,
+    scatter: Scatter = 0.0,
+    paths: Paths = 512,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Influence of each input on the gap of two buildings, and its share of the uncertainty.
@@ -116,17 +117,14 @@ def sensitivity(
     >>> bool(table.variance_share.sel(input="structure_1.period") < table.motion_share)
     True
     """
-    check_confidence(confidence)
     usual = median_of(ground)
     structures = standing(first, second)
     both = {role: median_of(structure) for role, structure in structures.items()}
-    expect(usual, Ground, "ground")
     check_duration(duration, both)
-    check_motion(duration, envelope, scatter, [confidence], both)
-    check_repeated([*both.values()], usual, duration, paths, seed, 1)
+    check_repeated([*both.values()], usual, duration, paths, 1)
     inputs = Inputs.of([*structures.values()], ground)
     times = 1 + SAMPLES + 2 * (len(inputs.inputs) + len(inputs.uncertain))
-    check_repeated([*both.values()], usual, duration, paths, seed, times)
+    check_repeated([*both.values()], usual, duration, paths, times)
     motion = {"paths": paths, "seed": seed, "duration": duration, "envelope": envelope}
     responses = _responses(inputs, motion | {"scatter": float(scatter)}, times, progress)
     table = labels.label(_table(responses, inputs, confidence), VARIABLES)

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.cells import RECORD, Records, check_structure, checked_motions
-from stochlin.analyses.separation.energy_gap import WHITE_NOISE, RhoEstimate, estimated_gap
+from stochlin.analyses.records.cells import RECORD, OscillatorOnRecord, Records, checked_motions
+from stochlin.analyses.separation.energy_gap import WHITE_NOISE, Method, RhoEstimate, estimated_gap
 from stochlin.analyses.separation.existing_gap import DAMPINGS, damped
 from stochlin.analyses.separation.searches import Required, least
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
-from stochlin.analyses.tables.checks import checked_gap
+from stochlin.models.arguments import Metres, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
@@ -40,12 +40,13 @@ OF_RECORD = {
 }
 
 
+@checked
 def damping_for_gap(
     record: Records,
-    first: Structure,
-    second: Structure,
-    gap: float,
-    method: str = WHITE_NOISE,
+    first: OscillatorOnRecord,
+    second: OscillatorOnRecord,
+    gap: Metres,
+    method: Method = WHITE_NOISE,
     *,
     rule: str | EffectiveRule = "iwan_1980",
     ground: Ground | None = None,
@@ -105,12 +106,9 @@ def damping_for_gap(
     >>> bool(0 < table.least_added_damping.sel(damped="both") < 0.4)
     True
     """
-    gap = checked_gap(gap)
     estimate = RhoEstimate(method, rule, ground, closure)
     estimate.check(first, second)
     motions = checked_motions(record)
-    for role, structure in (("first", first), ("second", second)):
-        check_structure(structure, role)
     models: dict[str, Model] = {"first": first, "second": second}
     models |= {} if ground is None else {"ground": ground}
     records = record.values() if isinstance(record, Mapping) else record
@@ -124,7 +122,7 @@ def damping_for_gap(
         kept: dict[str, Any] = {"compat": "override", "combine_attrs": "override", "join": "outer"}
         table = xr.concat(tables, names.rename(RECORD), data_vars="all", coords="minimal", **kept)
     table = table.assign_attrs(
-        gap_m=gap,
+        gap_m=float(gap),
         searched=f"added damping to {DAMPINGS[-1]:g}, the first that is enough",
         records=motions.describe(),
     )

@@ -10,15 +10,15 @@ import xarray as xr
 
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_truth, is_number
 from stochlin.messages import brief
+from stochlin.models.arguments import Truth, checked, is_number
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.codes import (
     CODE_RULES,
     BuildingPeaks,
     CodeRule,
     Neighbours,
-    check_zone,
+    Zone,
     code_rule,
     code_rule_names,
 )
@@ -33,16 +33,17 @@ TEXTS: Mapping[str, str] = {
 }
 
 
+@checked
 def code_gaps(
     peak_1: Parameter,
     peak_2: Parameter | None,
     *,
     height_1: Parameter | None = None,
     height_2: Parameter | None = None,
-    floors_align: bool = False,
-    same_property: bool = False,
-    same_system: bool = False,
-    zone: str | None = None,
+    floors_align: Truth = False,
+    same_property: Truth = False,
+    same_system: Truth = False,
+    zone: Zone | None = None,
     numbers: Mapping[str, float] | None = None,
 ) -> xr.Dataset:
     """Separation of two buildings by every known rule of a building code.
@@ -113,7 +114,6 @@ def code_gaps(
     >>> float(stated.gap.sel(rule="share_of_height"))
     0.12
     """
-    check_zone(zone)
     alone = peak_2 is None
     neighbours = Neighbours(floors_align, same_property, same_system)
     check_neighbours(neighbours, alone, height_2)
@@ -169,9 +169,7 @@ def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
 
 
 def check_neighbours(neighbours: Neighbours, alone: bool, height_2: object) -> None:
-    """Raise an error if a fact is no truth value, or is of a second building that is not there."""
-    for name, value in vars(neighbours).items():
-        check_truth(name, value)
+    """Raise a ValueError if a fact is of a second building that is not there."""
     facts = {"height_2": height_2 is not None, **vars(neighbours)}
     for name in (name for name, stated in facts.items() if alone and stated):
         raise ValueError(f"{name} is given, of a second building, and there is none; leave it out")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -15,13 +15,13 @@ from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.correlation.combination import double_difference
-from stochlin.messages import brief
+from stochlin.models.arguments import OneOf, checked
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import expect
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.structures import Structure
 
 WHITE_NOISE, EFFECTIVE, LINEARIZATION = METHODS = ("white_noise", "effective", "linearization")
+Method = Annotated[str, OneOf(METHODS)]
 
 
 class RhoEstimate(NamedTuple):
@@ -33,14 +33,9 @@ class RhoEstimate(NamedTuple):
     closure: str = "gaussian"
 
     def check(self, first: Structure, second: Structure) -> None:
-        """Raise an error for an unknown method or rule, or for options of another method."""
-        for role, structure in (("first", first), ("second", second)):
-            expect(structure, Structure, role)
+        """Raise an error for an unknown closure or rule, or for options of another method."""
+        for structure in (first, second):
             check_closure(structure, self.closure)
-        if not isinstance(self.method, str) or self.method not in METHODS:
-            raise ValueError(
-                f"method = {brief(self.method)} is not known; allowed: {', '.join(METHODS)}"
-            )
         effective_rule(self.rule)
         if self.ground is None:
             if self.method == LINEARIZATION:
@@ -49,7 +44,6 @@ class RhoEstimate(NamedTuple):
                     "record, for instance fit_ground(record)"
                 )
             return
-        expect(self.ground, Ground, "ground")
         if self.method != LINEARIZATION:
             raise ValueError(
                 f"ground is given, which method = {self.method!r} does not use; leave it out, or give "
@@ -80,11 +74,12 @@ class RhoEstimate(NamedTuple):
         return f"method={self.method!r}" + (f", closure={self.closure!r}" if self.ground else "")
 
 
+@checked
 def energy_gap(
     first: Structure,
     second: Structure,
     record: Records,
-    method: str = WHITE_NOISE,
+    method: Method = WHITE_NOISE,
     *,
     rule: str | EffectiveRule = "iwan_1980",
     ground: Ground | None = None,

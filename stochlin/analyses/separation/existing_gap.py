@@ -21,8 +21,9 @@ from stochlin.analyses.simulation.finite_motions import (
 )
 from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_confidence, check_existing, check_scatter, standing
+from stochlin.analyses.tables.checks import check_existing, standing
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.arguments import Metres, Paths, Probability, Scatter, Seconds, Seed, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure, first_mode, weaker
@@ -37,18 +38,19 @@ MOST_DAMPING = 0.999  # largest total damping ratio of a structure
 SIMULATIONS = 60  # usual number of simulations of the three searches together
 
 
+@checked
 def existing_gap(
     first: AnyStructure,
     second: AnyStructure | None,
     ground: Ground,
-    duration: float,
-    gap: float,
+    duration: Seconds,
+    gap: Metres,
     *,
     envelope: Envelope | None = None,
-    confidence: float = 0.9,
-    scatter: float = 0.0,
-    paths: int = 2048,
-    seed: int = 0,
+    confidence: Probability = 0.9,
+    scatter: Scatter = 0.0,
+    paths: Paths = 2048,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Limits of strength, intensity and added damping for which an existing gap is sufficient.
@@ -108,12 +110,10 @@ def existing_gap(
     >>> bool(table.required_gap > 0.08), bool(table.least_added_damping > 0)
     (True, True)
     """
-    check_confidence(confidence)
-    check_scatter(scatter)
     structures = standing(first, second)
     both = {role: median_of(structure) for role, structure in structures.items()}
     check_existing(gap, duration, both)
-    check_repeated(list(both.values()), median_of(ground), duration, paths, seed, SIMULATIONS)
+    check_repeated(list(both.values()), median_of(ground), duration, paths, SIMULATIONS)
     if progress is not None:
         progress(0.0)
     done = itertools.count(1)

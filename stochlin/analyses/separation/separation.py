@@ -30,20 +30,25 @@ from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.analyses.tables.checks import (
-    check_confidence,
     check_duration,
     check_scalars,
-    check_scatter,
-    check_truth,
     standing,
 )
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.models.arguments import (
+    Paths,
+    Probability,
+    Scatter,
+    Seconds,
+    Seed,
+    Truth,
+    checked,
+)
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import expect
-from stochlin.models.rules.codes import BuildingPeaks, Neighbours, check_zone
+from stochlin.models.rules.codes import BuildingPeaks, Neighbours, Zone
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
 
@@ -69,25 +74,26 @@ TEXTS: Mapping[str, str] = {
 }
 
 
+@checked
 def separation(
     first: AnyStructure,
     second: AnyStructure | None,
     ground: Ground,
-    duration: float,
+    duration: Seconds,
     *,
     envelope: Envelope | None = None,
-    confidence: float = 0.9,
-    scatter: float = 0.0,
-    paths: int = 2048,
-    seed: int = 0,
+    confidence: Probability = 0.9,
+    scatter: Scatter = 0.0,
+    paths: Paths = 2048,
+    seed: Seed = 0,
     height_1: float | None = None,
     height_2: float | None = None,
-    floors_align: bool = False,
-    same_property: bool = False,
-    same_system: bool = False,
-    zone: str | None = None,
+    floors_align: Truth = False,
+    same_property: Truth = False,
+    same_system: Truth = False,
+    zone: Zone | None = None,
     numbers: Mapping[str, float] | None = None,
-    unverified: bool = False,
+    unverified: Truth = False,
     records: Any = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -198,11 +204,7 @@ def separation(
     >>> bool(alone.gap.sel(rule="asce_7") > alone.gap.sel(rule="simulation"))  # |u| and u
     True
     """
-    check_confidence(confidence)
-    check_scatter(scatter)
-    check_zone(zone)
     rules_with(numbers)
-    check_truth("unverified", unverified)
     if records is not None:
         checked_motions(records)
     heights = BuildingPeaks(0.0, 0.0, height_1, height_2)
@@ -213,7 +215,6 @@ def separation(
     for_codes = neighbours
     check_neighbours(neighbours, alone, height_2)
     both = {role: median_of(structure) for role, structure in by_role.items()}
-    expect(median_of(ground), Ground, "ground")
     check_duration(duration, both)
     tall = (height_1, height_2)[: len(both)]
     if any(isinstance(structure, ShearBuilding) for structure in both.values()):

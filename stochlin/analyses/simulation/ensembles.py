@@ -20,7 +20,6 @@ from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.simulation.connected_structures import SteppedGroup, laws_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
-from stochlin.analyses.tables.checks import check_whole, is_number
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
@@ -36,7 +35,6 @@ from stochlin.kernels.simulation.ensemble import (
 from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, VISCOUS
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
 from stochlin.kernels.simulation.time_step import Elements
-from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
@@ -244,17 +242,6 @@ def ground_steps(soil: Filter, dt: float) -> tuple[FilterSteps, Array]:
     matrix, noise, output = soil.arrays
     intensity = 2 * np.pi * soil.intensity
     return filter_steps(matrix, noise, output, intensity, dt), _root(matrix, noise, intensity)
-
-
-def check_settings(
-    paths: int, seed: int, steps_per_period: int = 8, relaxation_times: float = 1.0
-) -> None:
-    """Raise a ValueError if a setting of a simulation is out of range."""
-    check_whole("paths", paths, 2)
-    check_whole("seed", seed, 0)
-    check_whole("steps_per_period", steps_per_period, 8)
-    if not is_number(relaxation_times) or not 1 <= relaxation_times < np.inf:
-        raise ValueError(f"relaxation_times = {brief(relaxation_times)}; allowed: at least 1, finite")
 
 
 def check_memory(structures: int, paths: int) -> None:

@@ -22,7 +22,7 @@ from stochlin.analyses.simulation.views import (
     view_of,
 )
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration, check_scatter, checked_quantiles, is_number
+from stochlin.analyses.tables.checks import check_duration
 from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
@@ -30,8 +30,8 @@ from stochlin.kernels.basics.parallel import Progress, cores
 from stochlin.kernels.simulation.ensemble import Crowd, Extremes, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
+from stochlin.models.arguments import is_number
 from stochlin.models.envelopes import Envelope, envelope_at
-from stochlin.models.parameters import expect
 from stochlin.models.systems import AnyStructure, Arrangement
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
@@ -51,11 +51,9 @@ def check_motion(
     duration: float | None,
     envelope: Envelope | None,
     scatter: float,
-    quantiles: Sequence[float],
     structures: Mapping[str, AnyStructure],
 ) -> None:
-    """Raise if duration, envelope, scatter and quantiles do not define a finite motion."""
-    check_scatter(scatter)
+    """Raise if duration, envelope and scatter do not go together, or a structure has a longer period."""
     if duration is None:
         if envelope is not None:
             raise ValueError("envelope is given without a duration; allowed: both, or neither")
@@ -66,9 +64,6 @@ def check_motion(
             )
         return
     check_duration(duration, structures)
-    checked_quantiles(quantiles)
-    if envelope is not None:
-        expect(envelope, Envelope, "envelope")
 
 
 def check_finite(run: SimulationRun, duration: float, functions: int, times: int = 1) -> None:

@@ -5,31 +5,32 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.simulation.ensembles import check_settings, ground_steps
+from stochlin.analyses.simulation.ensembles import ground_steps
 from stochlin.analyses.simulation.finite_motions import BLOCK
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration, check_scalars, check_scatter, is_number
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Crowd, Plan, ground_motions
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
+from stochlin.models.arguments import Paths, Scatter, Seconds, Seed, checked
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import expect
 
 USUAL_STEP = 0.01  # default time step [s]
 
 
+@checked
 def simulated_motions(
     ground: Ground,
-    duration: float,
+    duration: Seconds,
     envelope: Envelope | None = None,
     *,
-    paths: int = 32,
-    seed: int = 0,
-    step: float = USUAL_STEP,
-    scatter: float = 0.0,
+    paths: Paths = 32,
+    seed: Seed = 0,
+    step: Seconds = USUAL_STEP,
+    scatter: Scatter = 0.0,
     progress: Progress | None = None,
 ) -> xr.DataArray:
     """Simulate ground motions, as records for `pound`, `respond`, `recorded_gap` or other programs.
@@ -78,14 +79,8 @@ def simulated_motions(
     >>> motions.dims, motions.shape, bool(table.separation > 0)
     (('path', 'time'), (4, 2001), True)
     """
-    expect(ground, Ground, "ground")
     check_scalars(ground, "ground", "numbers")
-    if envelope is not None:
-        expect(envelope, Envelope, "envelope")
-    check_duration(duration)
-    check_settings(paths, seed)
-    check_scatter(scatter)
-    if not (is_number(step) and 0 < step <= duration):
+    if step > duration:
         raise ValueError(
             f"step = {brief(step)} is out of range; allowed: 0 < step <= duration, in seconds"
         )

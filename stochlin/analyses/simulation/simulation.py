@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.simulation.draws import Draw, draw
-from stochlin.analyses.simulation.ensembles import SimulationRun, check_memory, check_settings
+from stochlin.analyses.simulation.ensembles import SimulationRun, check_memory
 from stochlin.analyses.simulation.finite_motions import (
     check_finite,
     check_motion,
@@ -30,6 +30,16 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Sums, View, stationary_sums
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
+from stochlin.models.arguments import (
+    Paths,
+    Quantiles,
+    RelaxationTimes,
+    Scatter,
+    Seconds,
+    Seed,
+    StepsPerPeriod,
+    checked,
+)
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
@@ -54,18 +64,19 @@ class MomentEstimates(NamedTuple):
     status: Array  # (n,) status codes of `labels`
 
 
+@checked
 def simulate(
     structures: Sequence[AnyStructure],
     ground: Ground,
     *,
-    paths: int = 256,
-    seed: int = 0,
-    steps_per_period: int = STEPS_PER_PERIOD,
-    relaxation_times: float = 20.0,
-    duration: float | None = None,
+    paths: Paths = 256,
+    seed: Seed = 0,
+    steps_per_period: StepsPerPeriod = STEPS_PER_PERIOD,
+    relaxation_times: RelaxationTimes = 20.0,
+    duration: Seconds | None = None,
     envelope: Envelope | None = None,
-    scatter: float = 0.0,
-    quantiles: Sequence[float] = (0.5, 0.84, 0.95),
+    scatter: Scatter = 0.0,
+    quantiles: Quantiles = (0.5, 0.84, 0.95),
     link: Link | Sequence[Link | None] | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -171,12 +182,11 @@ def simulate(
     >>> bool(abs(table.rho[0, 1] - exact) < 4 * table.rho_standard_error[0, 1])
     True
     """
-    check_settings(paths, seed, steps_per_period, relaxation_times)
     drawn = draw(structures, ground, paths, seed)
     if drawn.factors:
         structures, ground = _medians(drawn, duration)
     roles = checked_structures(structures, ground)
-    check_motion(duration, envelope, scatter, quantiles, roles)
+    check_motion(duration, envelope, scatter, roles)
     check_memory(sum(floor_count(structure) for structure in structures), paths)
     moving = structures_in_motion(structures, ground, link, duration is None, drawn.stacks())
     options: dict[str, Any] = {
@@ -307,7 +317,6 @@ def _stationary(moving: StructuresInMotion, run: SimulationRun, progress: Progre
 
 def checked_structures(structures: Sequence[AnyStructure], ground: Ground) -> dict[str, AnyStructure]:
     """The structures by their roles; raises if they or the ground do not suit `simulate`."""
-    expect(ground, Ground, "ground")
     if not isinstance(structures, Sequence):
         raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
     if not structures:
@@ -326,14 +335,12 @@ def check_repeated(
     ground: Ground,
     duration: float,
     paths: int,
-    seed: int,
     times: int,
 ) -> None:
-    """Raise if arguments do not suit `simulate`, or if ``times`` simulations would take too long."""
-    check_settings(paths, seed)
+    """Raise if structures do not suit `simulate`, or if ``times`` simulations would take too long."""
     checked_structures(structures, ground)
     moving = structures_in_motion(structures, ground, None, stationary=False)
-    run = moving.run(ground, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
+    run = moving.run(ground, paths=paths, seed=0, steps_per_period=STEPS_PER_PERIOD)
     check_finite(run, duration, moving.functions, times)
 
 

@@ -10,9 +10,9 @@ import xarray as xr
 
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.sites.spectra import labelled
-from stochlin.analyses.tables.checks import is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
+from stochlin.models.arguments import Acceleration, DampingOrZero, Seconds, checked, is_number
 
 STEP = 0.01  # step between the periods of a spectrum [s]
 _EC8_LONGEST, _ASCE_LONGEST = 4.0, 10.0  # s
@@ -46,7 +46,10 @@ _EUROCODE = {
 }
 
 
-def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr.DataArray:
+@checked
+def eurocode_8(
+    ag: Acceleration, soil: str, type: int = 1, damping: DampingOrZero = 0.05
+) -> xr.DataArray:
     """Horizontal elastic response spectrum of Eurocode 8.
 
     It is that of EN 1998-1:2004, eqs. (3.2) to (3.6), with the recommended values of tables 3.2 and 3.3.
@@ -92,15 +95,12 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
     >>> spectrum.sel(period=[0.0, 0.4, 1.0], method="nearest").values.round(3).tolist()
     [2.819, 7.049, 4.229]
     """
-    _check_positive("ag", ag, "in m/s^2")
     if not is_number(type) or type not in _EUROCODE:
         raise ValueError(f"type = {brief(type)} is unknown; allowed: 1, 2")
     soils = _EUROCODE[int(type)]
     name = soil.strip().upper() if isinstance(soil, str) else ""
     if name not in soils:
         raise ValueError(f"soil = {brief(soil)} is no ground type; allowed: {', '.join(soils)}")
-    if not (is_number(damping) and 0 <= damping < 1):
-        raise ValueError(f"damping = {brief(damping)} is out of range; allowed: 0 <= damping < 1")
     s, rise, plateau, long = soils[name]
     peak = ag * s
     if peak <= 0.05 * METRES["g"]:
@@ -121,7 +121,8 @@ def eurocode_8(ag: float, soil: str, type: int = 1, damping: float = 0.05) -> xr
     return curve.assign_attrs(code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}")
 
 
-def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
+@checked
+def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     """Design response spectrum of ASCE 7, for the damping ratio 0.05.
 
     It is that of ASCE 7-16, 11.4.6: ``SDS (0.4 + 0.6 T/T0)`` below ``T0 = 0.2 TS``, ``SDS`` up to
@@ -164,9 +165,6 @@ def asce_7(sds: float, sd1: float, tl: float) -> xr.DataArray:
     >>> in_g.values.round(3).tolist()
     [0.4, 1.0, 0.3]
     """
-    for name, value in (("sds", sds), ("sd1", sd1)):
-        _check_positive(name, value, "in m/s^2")
-    _check_positive("tl", tl, "in seconds")
     corner = sd1 / sds
     if corner >= tl:
         raise ValueError(
@@ -199,12 +197,5 @@ def _code_spectrum(period: Array, values: Array, damping: float, source: str) ->
     return labelled(period, values, damping, source)
 
 
-def _check_positive(name: str, value: object, units: str) -> None:
-    if not (is_number(value) and 0 < value < np.inf):
-        raise ValueError(
-            f"{name} = {brief(value)} is out of range; allowed: 0 < {name}, finite, {units}"
-        )
-
-
 def _doubt(message: str) -> None:
-    warnings.warn(message, DoubtfulInput, stacklevel=3)
+    warnings.warn(message, DoubtfulInput, stacklevel=4)

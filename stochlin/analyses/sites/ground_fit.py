@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -18,27 +18,27 @@ from stochlin.analyses.sites.spectrum_fit import (
     Wanted,
     deliver,
 )
-from stochlin.analyses.tables.checks import check_duration, check_whole
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
+from stochlin.models.arguments import Seconds, Seed, TwoNumbers, Whole, checked
 from stochlin.models.envelopes import Envelope
-from stochlin.models.parameters import expect
 
 _OF_SPECTRA = "clough_penzien"
 _FEWEST_DECADES = 0.5  # smallest range of periods of a spectrum within the range of the fit
 
 
+@checked
 def fit_ground(
     target: xr.DataArray,
     model: str | None = None,
     estimator: str | None = None,
     *,
     part: Part = STRONG_PART,
-    frequency_range: tuple[float, float] | None = None,
-    duration: float | None = None,
+    frequency_range: TwoNumbers | None = None,
+    duration: Seconds | None = None,
     envelope: Envelope | None = None,
-    filters: int | None = None,
-    seed: int = 0,
+    filters: Annotated[int, Whole(1, MOST_FILTERS)] | None = None,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> Any:
     """Fit a ground to a record, or to an elastic response spectrum.
@@ -176,14 +176,8 @@ def fit_ground(
         raise ValueError(f"model = {brief(model)} is not fitted to a spectrum; allowed: {_OF_SPECTRA}")
     if estimator is not None or frequency_range is not None or part is not STRONG_PART:
         raise ValueError("estimator, part and frequency_range go with a record; leave them out")
-    if filters is not None:
-        check_whole("filters", filters, 1, MOST_FILTERS)
-    check_whole("seed", seed, 0)
     if duration is None:
         raise ValueError("duration is missing; a spectrum does not contain it: give it in seconds")
-    check_duration(duration)
-    if envelope is not None:
-        expect(envelope, Envelope, "envelope")
     wanted = _wanted(target, duration, envelope)
     fit = deliver(wanted, filters, seed, progress)
     under = "stationary" if envelope is None else envelope.describe()

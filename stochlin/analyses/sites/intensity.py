@@ -12,11 +12,13 @@ import xarray as xr
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.simulation.finite_motions import mean_with_error
 from stochlin.analyses.sites.simulated_spectra import PGA_STEP, Motions, peak_accelerations
-from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_damping, check_goal
+from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_goal
 from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.arguments import Acceleration, DampingRatio, Paths, Seconds, Seed, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, rms_acceleration
 
@@ -25,17 +27,18 @@ FEWEST, MOST_STEPS = 64, 20_000_000  # fewest motions; most time steps of all mo
 _TOLD = "intensity for a mean"
 
 
+@checked
 def scale_ground(
     ground: Ground,
-    duration: float,
+    duration: Seconds,
     envelope: Envelope | None = None,
     *,
-    pga: float | None = None,
-    sa: float | None = None,
-    period: float | None = None,
-    damping: float = USUAL_DAMPING,
-    paths: int = PATHS,
-    seed: int = 0,
+    pga: Acceleration | None = None,
+    sa: Acceleration | None = None,
+    period: Seconds | None = None,
+    damping: DampingRatio = USUAL_DAMPING,
+    paths: Paths = PATHS,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> Any:
     """Scale a ground so that its motions have a given mean peak ground or spectral acceleration.
@@ -99,9 +102,8 @@ def scale_ground(
     0.3
     """
     motions = Motions(ground, duration, envelope, paths, seed, progress)
-    motions.check()
+    check_scalars(ground, "ground", "numbers")
     check_goal({"pga": pga, "sa": sa}, period)
-    check_damping(damping)
     if pga is not None and not np.isfinite(rms_acceleration(ground)):
         raise ValueError(
             "pga: white noise has no peak, since it grows with smaller time steps; allowed: sa with a "

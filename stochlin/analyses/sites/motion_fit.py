@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,6 @@ from stochlin.analyses.records.envelope_fit import fit_envelope
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.records.records import checked_record, strong_samples
 from stochlin.analyses.records.response import response_spectrum
-from stochlin.analyses.simulation.ensembles import check_settings
 from stochlin.analyses.sites.simulated_spectra import (
     PGA_STEP,
     Motions,
@@ -23,12 +22,11 @@ from stochlin.analyses.sites.spectra import SHORTEST, USUAL_DAMPING
 from stochlin.analyses.sites.spectrum_fit import LONGEST, POINTS, Wanted, deliver
 from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_duration, check_scatter, check_whole
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.arguments import Paths, Scatter, Seconds, Seed, Whole, check_fields, checked
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground, rms_acceleration
-from stochlin.models.parameters import expect
 
 FILTERS, PATHS = 2, 512
 CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
@@ -67,23 +65,20 @@ class FittedMotion:
 
     ground: Ground
     envelope: Envelope | None
-    duration: float
-    scatter: float = RECORD_TO_RECORD
+    duration: Seconds
+    scatter: Scatter = RECORD_TO_RECORD
 
     def __post_init__(self) -> None:
-        expect(self.ground, Ground, "FittedMotion: ground")
-        if self.envelope is not None:
-            expect(self.envelope, Envelope, "FittedMotion: envelope")
-        check_duration(self.duration)
-        check_scatter(self.scatter)
+        check_fields(self, "FittedMotion: ")
 
 
+@checked
 def fit_motion(
     record: xr.DataArray,
     envelope: str = "amin_ang",
     *,
-    filters: int = FILTERS,
-    seed: int = 0,
+    filters: Annotated[int, Whole(1, 3)] = FILTERS,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> FittedMotion:
     """Fit ground, envelope and duration to a record, so that motions have its energy and spectrum.
@@ -142,8 +137,6 @@ def fit_motion(
     True
     """
     values, dt = checked_record(record)
-    check_whole("filters", filters, 1, 3)
-    check_whole("seed", seed, 0)
     duration = dt * values.size
     if duration < SHORTEST_RECORD:
         raise ValueError(
@@ -163,8 +156,9 @@ def fit_motion(
     return FittedMotion(replace(ground, **changed), shape, duration)
 
 
+@checked
 def compare_motions(
-    record: xr.DataArray, motion: FittedMotion, *, paths: int = 256, seed: int = 0
+    record: xr.DataArray, motion: FittedMotion, *, paths: Paths = 256, seed: Seed = 0
 ) -> xr.Dataset:
     """Compare a record with motions fitted to it: energy, significant duration, response spectrum.
 
@@ -210,7 +204,6 @@ def compare_motions(
     values, dt = checked_record(record)
     if not isinstance(motion, FittedMotion):
         raise TypeError(f"motion is a {type(motion).__name__}; allowed: a motion of fit_motion")
-    check_settings(paths, seed)
     longest = min(LONGEST, motion.duration / CYCLES)
     periods = np.geomspace(SHORTEST, longest, POINTS)
     own = response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.values.ravel()

@@ -8,29 +8,29 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.simulation.ensembles import cells_of_all, check_settings, prepare
+from stochlin.analyses.simulation.ensembles import cells_of_all, prepare
 from stochlin.analyses.simulation.finite_motions import check_finite, finite_steps, mean_with_error
 from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.views import view_of
 from stochlin.analyses.sites.spectra import (
     SHORTEST,
     USUAL_DAMPING,
-    check_damping,
     checked_spectrum,
     interpolated,
     is_spectrum,
 )
 from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import as_numbers, check_duration, check_scalars
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import finite_extremes
 from stochlin.messages import brief
+from stochlin.models.arguments import DampingRatio, Paths, Seconds, Seed, as_numbers, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.parameters import Model, expect
+from stochlin.models.parameters import Model
 
 PERIODS = 48  # number of periods at which a target spectrum is compared
 QUANTILES = (0.16, 0.5, 0.84)
@@ -51,15 +51,6 @@ class Motions:
     seed: int
     progress: Progress | None = field(default=None, compare=False)
 
-    def check(self) -> None:
-        """Raise a TypeError or a ValueError if something is of another kind or out of range."""
-        expect(self.ground, Ground, "ground")
-        check_scalars(self.ground, "ground", "numbers")
-        check_duration(self.duration)
-        if self.envelope is not None:
-            expect(self.envelope, Envelope, "envelope")
-        check_settings(self.paths, self.seed)
-
     def accelerations(self) -> xr.DataArray:
         """Accelerations of the ground [m/s^2] over ``path`` and ``time``, in steps of `PGA_STEP`."""
         return simulated_motions(**vars(self), step=PGA_STEP)
@@ -69,15 +60,16 @@ class Motions:
         return {name: model for name, model in vars(self).items() if isinstance(model, Model)}
 
 
+@checked
 def simulated_spectrum(
     ground: Ground,
     target: xr.DataArray | Sequence[float] | Array,
-    duration: float,
+    duration: Seconds,
     envelope: Envelope | None = None,
     *,
-    damping: float | None = None,
-    paths: int = 1024,
-    seed: int = 0,
+    damping: DampingRatio | None = None,
+    paths: Paths = 1024,
+    seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response spectrum of simulated motions, compared with a target spectrum.
@@ -126,9 +118,9 @@ def simulated_spectrum(
     (('period',), True)
     """
     motions = Motions(ground, duration, envelope, paths, seed, progress)
-    motions.check()
+    check_scalars(ground, "ground", "numbers")
     periods, wanted, own = _asked(target)
-    ratio = own if damping is None else check_damping(damping)
+    ratio = own if damping is None else damping
     table, _ = spectrum_and_motions(motions, periods, wanted, ratio)
     call = f"simulated_spectrum(duration={duration}, damping={ratio}, paths={paths}, seed={seed})"
     title = "Response spectrum of simulated motions"

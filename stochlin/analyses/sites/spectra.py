@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.files import spelled
-from stochlin.analyses.tables.checks import is_number
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
+from stochlin.models.arguments import is_number
 
 USUAL_DAMPING = 0.05
 SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
@@ -78,13 +78,6 @@ def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
     return period, values, float(damping)
 
 
-def check_damping(damping: object) -> float:
-    """The damping ratio of oscillators, checked; a ValueError unless it is between 0 and 1."""
-    if not (is_number(damping) and 0 < damping < 1):
-        raise ValueError(f"damping = {brief(damping)} is out of range; allowed: 0 < damping < 1")
-    return damping
-
-
 def check_goal(goals: Mapping[str, object], period: object) -> None:
     """Raise a ValueError unless exactly one goal is given, and a period with ``sa`` only."""
     stated = [name for name, value in goals.items() if value is not None]
@@ -93,11 +86,6 @@ def check_goal(goals: Mapping[str, object], period: object) -> None:
         raise ValueError(
             f"{' and '.join(stated) or 'nothing'} is given; allowed: one of {', '.join(named)}"
         )
-    for name, value in {**goals, "period": period}.items():
-        if name == "spectrum" or value is None:
-            continue
-        if not (is_number(value) and 0 < value < np.inf):
-            raise ValueError(f"{name} = {brief(value)} is out of range; allowed: 0 < {name}, finite")
     if (goals.get("sa") is None) != (period is None):
         raise ValueError("sa and period go together; allowed: both, or neither")
 

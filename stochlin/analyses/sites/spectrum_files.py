@@ -16,18 +16,20 @@ from stochlin.analyses.records.files import (
     rows_in_words,
     stated_units,
 )
-from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_damping, check_ordinates, labelled
+from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_ordinates, labelled
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.messages import DoubtfulInput, plain
+from stochlin.models.arguments import DampingRatio, checked
 
 LEAST, MOST = 0.0025, 7.5  # plausible ordinates [g], 2.5 times ground accelerations of 0.001 and 3 g
 
 
+@checked
 def read_spectrum(
     path: str | os.PathLike[str],
     *,
     units: str | None = None,
-    damping: float = USUAL_DAMPING,
+    damping: DampingRatio = USUAL_DAMPING,
     column: Column | None = None,
     period_column: Column = 0,
 ) -> xr.DataArray:
@@ -78,7 +80,6 @@ def read_spectrum(
     (4.9033, 0.05)
     """
     path = input_path("path", path)
-    check_damping(damping)
     units = None if units is None else acceleration_units(units, "units")
     name = plain(path.name)
     series = read_series(path, column, period_column)
@@ -91,6 +92,6 @@ def read_spectrum(
         warnings.warn(
             f"{name}: its largest ordinate is {largest:.3g} g; is it in {stated}?",
             DoubtfulInput,
-            stacklevel=2,
+            stacklevel=3,
         )
     return labelled(period, values, damping, name)

@@ -22,10 +22,17 @@ from stochlin.analyses.sites.spectra import (
     checked_spectrum,
     interpolated,
 )
-from stochlin.analyses.tables.checks import check_truth, check_two_numbers
 from stochlin.analyses.tables.inputs import input_path, read_text
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, plain, sentence
+from stochlin.models.arguments import (
+    Acceleration,
+    DampingRatio,
+    Seconds,
+    Truth,
+    TwoNumbers,
+    checked,
+)
 
 ENDINGS = {".at2", ".txt", ".csv", ".dat", ".acc"}
 FILE = "file"  # name of the table column with the paths of the records
@@ -35,14 +42,15 @@ BAND_POINTS = 40
 Suite = dict[str, xr.DataArray]
 
 
+@checked
 def read_records(
     path: str | os.PathLike[str],
     *,
-    dt: float | None = None,
+    dt: Seconds | None = None,
     units: str | None = None,
     column: Column | None = None,
     time_column: Column | None = None,
-    skip_unreadable: bool = False,
+    skip_unreadable: Truth = False,
 ) -> Suite:
     r"""Read a suite of records: all files of a folder, or those listed in a table.
 
@@ -88,7 +96,6 @@ def read_records(
     ['a.at2', 'b.at2']
     """
     path = input_path("path", path)
-    check_truth("skip_unreadable", skip_unreadable)
     usual = {"dt": dt, "units": units, "column": column, "time_column": time_column}
     if not path.exists():
         raise FileNotFoundError(f"path = {brief(str(path))} is neither a folder nor a table")
@@ -104,7 +111,7 @@ def read_records(
             if not skip_unreadable:
                 raise ValueError(f"{where}: {sentence(error, LONGEST_MESSAGE)}") from error
             warnings.warn(
-                f"{where} is left out: {sentence(error, LONGEST_MESSAGE)}", DoubtfulInput, stacklevel=2
+                f"{where} is left out: {sentence(error, LONGEST_MESSAGE)}", DoubtfulInput, stacklevel=3
             )
     if not suite:
         raise ValueError(f"{plain(path.name)} holds no record that can be read; allowed: one at least")
@@ -159,15 +166,16 @@ def _options(row: Mapping[str, str | None], where: str) -> dict[str, Any]:
     return options
 
 
+@checked
 def scale_records(
     records: Mapping[str, xr.DataArray],
     *,
-    pga: float | None = None,
-    sa: float | None = None,
-    period: float | None = None,
+    pga: Acceleration | None = None,
+    sa: Acceleration | None = None,
+    period: Seconds | None = None,
     spectrum: xr.DataArray | None = None,
-    band: tuple[float, float] = (0.2, 2.0),
-    damping: float = USUAL_DAMPING,
+    band: TwoNumbers = (0.2, 2.0),
+    damping: DampingRatio = USUAL_DAMPING,
 ) -> Suite:
     """Scale each record of a suite by its own factor to a peak or spectral acceleration or a spectrum.
 
@@ -215,7 +223,6 @@ def scale_records(
     if not isinstance(records, Mapping) or not records:
         raise TypeError(f"records = {brief(records)}; allowed: a suite, as read_records gives it")
     check_goal({"pga": pga, "sa": sa, "spectrum": spectrum}, period)
-    check_two_numbers("band", band)
     if not 0 < band[0] < band[1] < np.inf:
         raise ValueError(f"band = {brief(band)}; allowed: 0 < lower < upper, in seconds")
     periods = np.geomspace(*band, BAND_POINTS) if sa is None else np.array([float(period or 0.0)])
@@ -235,7 +242,7 @@ def scale_records(
         factor = float(np.exp(np.mean(np.log(target / own))))
         if doubt := doubtful_factor(factor):
             warnings.warn(
-                f"{plain(name)} is scaled by {factor:.3g}; {doubt}", DoubtfulInput, stacklevel=2
+                f"{plain(name)} is scaled by {factor:.3g}; {doubt}", DoubtfulInput, stacklevel=3
             )
         suite[name] = scaled_record(record, factor)
     return suite

@@ -76,7 +76,7 @@ class Element(Contact):
         Its fields are numbers if the parameters of the contact and the mass are numbers. Otherwise they
         are arrays that broadcast by dimension name.
         """
-        mass = checked(type(self).__name__, "reduced_mass", reduced_mass, "kg", POSITIVE)
+        mass = checked_value(type(self).__name__, "reduced_mass", reduced_mass, "kg", POSITIVE)
         return self.law._replace(
             stiffness=self.stiffness, exponent=self.power, damping=self.damping_coefficient(mass)
         )
@@ -98,10 +98,10 @@ class Element(Contact):
         20000.0
         """
         name = type(self).__name__
-        mass = checked(name, "reduced_mass", reduced_mass, "kg", POSITIVE)
-        d = checked(name, "penetration", penetration, "m", ANY)
-        v = checked(name, "velocity", velocity, "m/s", ANY)
-        v0 = checked(name, "approach_velocity", approach_velocity, "m/s", POSITIVE)
+        mass = checked_value(name, "reduced_mass", reduced_mass, "kg", POSITIVE)
+        d = checked_value(name, "penetration", penetration, "m", ANY)
+        v = checked_value(name, "velocity", velocity, "m/s", ANY)
+        v0 = checked_value(name, "approach_velocity", approach_velocity, "m/s", POSITIVE)
         arguments = [xr.DataArray(value) for value in (*self.force_law(mass), d, v, v0)]
         with np.errstate(invalid="ignore"):  # cells out of range are blanked below
             result: xr.DataArray = xr.apply_ufunc(
@@ -121,8 +121,8 @@ class Element(Contact):
         length scale of the penetration is ``v0`` times this. Arguments are as in `force`.
         """
         name = type(self).__name__
-        mass = checked(name, "reduced_mass", reduced_mass, "kg", POSITIVE)
-        v0 = checked(name, "approach_velocity", approach_velocity, "m/s", POSITIVE)
+        mass = checked_value(name, "reduced_mass", reduced_mass, "kg", POSITIVE)
+        v0 = checked_value(name, "approach_velocity", approach_velocity, "m/s", POSITIVE)
         n = self.power
         with np.errstate(invalid="ignore"):  # NaN in cells out of range
             return (mass * v0 ** (1 - n) / self.stiffness) ** (1 / (n + 1))
@@ -143,7 +143,7 @@ class Undamped(Element):
         return 1.0
 
 
-def checked(model: str, name: str, value: Any, units: str, allowed: Range) -> float | xr.DataArray:
+def checked_value(model: str, name: str, value: Any, units: str, allowed: Range) -> float | xr.DataArray:
     """The value of an argument, checked and labelled like a declared parameter of a model."""
     declared = {"units": units, "long_name": name.replace("_", " "), "allowed": allowed}
     return check(f"{model}: ", name, value, declared)

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.messages import brief
-from stochlin.models.contacts.base import DAMPING, RESTITUTION, Element, Form, checked, elementwise
+from stochlin.models.contacts.base import DAMPING, RESTITUTION, Element, Form, checked_value, elementwise
 from stochlin.models.parameters import Parameter, parameter
 
 EXACT = "exact"
@@ -69,8 +69,8 @@ class Damped(Element):
                 "since each defines the dashpot"
             )
         if damping is not None:
-            return checked(name, cls.damping_name, damping, "1", DAMPING)
-        return cls._invert(checked(name, "restitution", restitution, "1", RESTITUTION))
+            return checked_value(name, cls.damping_name, damping, "1", DAMPING)
+        return cls._invert(checked_value(name, "restitution", restitution, "1", RESTITUTION))
 
 
 @dataclass(frozen=True, init=False)

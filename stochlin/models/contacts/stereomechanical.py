@@ -8,7 +8,7 @@ from typing import Any
 import xarray as xr
 
 from stochlin.kernels.simulation import contacts as kernel
-from stochlin.models.contacts.base import ANY, CONTACTS, Contact, checked
+from stochlin.models.contacts.base import ANY, CONTACTS, Contact, checked_value
 from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
 
 SHARE = Range(
@@ -88,7 +88,7 @@ class Stereomechanical(Contact):
         units = ("m/s", "m/s", "kg", "kg")
         name = type(self).__name__
         values = [
-            xr.DataArray(checked(name, *argument))
+            xr.DataArray(checked_value(name, *argument))
             for argument in zip(names, arguments, units, ranges, strict=True)
         ]
         first, second, *masses = values

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import as_numbers, check_scalars
+from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.filters import Matrices
@@ -30,6 +30,7 @@ from stochlin.kernels.linearization.systems.state_space import (
     state_space,
 )
 from stochlin.messages import brief
+from stochlin.models.arguments import as_numbers, checked
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
@@ -178,7 +179,6 @@ def checked_system(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
 ) -> tuple[Link | None, ...]:
     """The links; raises if an argument is of the wrong kind, or a link has slack."""
-    expect(ground, Ground, "ground")
     if not isinstance(structures, (list, tuple)):
         raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
     if not structures:
@@ -207,6 +207,7 @@ def check_one_system(
             check_scalars(model, role, ONE_SYSTEM)
 
 
+@checked
 def statespace(
     structures: Sequence[AnyStructure],
     ground: Ground,

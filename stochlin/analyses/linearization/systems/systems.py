@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -20,18 +20,17 @@ from stochlin.analyses.linearization.systems.variables import VARIABLES
 from stochlin.analyses.linearization.tolerance import USUAL, Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import NONE_VALID, Flat, flat
-from stochlin.analyses.tables.checks import is_number
 from stochlin.analyses.tables.floors import element_coordinates, floor_coordinates
 from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import absolute_moment
 from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
 from stochlin.kernels.linearization.systems.state_space import StateSpace
-from stochlin.messages import brief
+from stochlin.models.arguments import Number, OneOf, checked
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
-from stochlin.models.parameters import Model
+from stochlin.models.parameters import Model, Range
 from stochlin.models.structures import GAUSSIAN
 from stochlin.models.systems import AnyStructure, arrangement_of, check_stationary
 
@@ -51,14 +50,15 @@ DIMS = {
 OWN_DIMS = {"iteration", *(dim for dims in DIMS.values() for dim in dims)}
 
 
+@checked
 def linearize_system(
     structures: Sequence[AnyStructure],
     ground: Ground,
     links: Sequence[Link | None] = (),
     *,
     closure: str = "gaussian",
-    iteration: str = "newton",
-    relaxation: float = 1.0,
+    iteration: Annotated[str, OneOf(ITERATIONS)] = "newton",
+    relaxation: Annotated[float, Number(Range(0, 1, include_upper=True))] = 1.0,
     rtol: float = USUAL.rtol,
     max_iterations: int = USUAL.max_iterations,
 ) -> xr.Dataset:
@@ -186,11 +186,7 @@ def linearize_system(
 
 
 def relaxation_of(iteration: str, relaxation: float) -> float | None:
-    """The relaxation factor of a substitution, None for Newton's method; raises if not allowed."""
-    if not isinstance(iteration, str) or iteration not in ITERATIONS:
-        raise ValueError(f"iteration = {brief(iteration)}; allowed: {', '.join(ITERATIONS)}")
-    if not is_number(relaxation) or not 0 < relaxation <= 1:
-        raise ValueError(f"relaxation = {brief(relaxation)}; allowed: 0 < value <= 1")
+    """The relaxation factor of a substitution, None for Newton's method, which has none."""
     if iteration == "newton" and relaxation != 1:
         raise ValueError(
             f"relaxation = {relaxation:g} with iteration = 'newton', which damps its steps by itself; "

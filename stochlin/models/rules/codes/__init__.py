@@ -9,16 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from stochlin.messages import brief
+from stochlin.models.arguments import OneOf, checked
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
 
 ZONES: Mapping[str, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height, Mexico City
+Zone = Annotated[str, OneOf(ZONES)]
 # Families of rules in the paper, by the quantity from which the gap is computed.
 SRSS, SUM, HEIGHT, FIXED = FAMILIES = ("SRSS", "sum", "height", "fixed")
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
@@ -51,6 +53,7 @@ class CodeRule(Published):
     needs: ClassVar[tuple[str, ...]] = ()  # arguments of `gap` required besides the peaks
     line: ClassVar[str] = ""  # statement on one building and its property line, empty if not known
 
+    @checked
     def gap(
         self,
         peak_1: Any,
@@ -58,7 +61,7 @@ class CodeRule(Published):
         height_1: Any = None,
         height_2: Any = None,
         floors_align: bool = False,
-        zone: str | None = None,
+        zone: Zone | None = None,
         same_property: bool = False,
         same_system: bool = False,
     ) -> Any:
@@ -79,7 +82,6 @@ class CodeRule(Published):
                 f"{self.name} needs {', '.join(missing)}, which is not given; allowed: heights "
                 f"[m], zone one of {', '.join(ZONES)}"
             )
-        check_zone(zone)
         if peak_2 is None:
             return self.from_line(Site(peak_1, 0 * peak_1, height_1, height_1, zone))
         neighbours = Neighbours(floors_align, same_property, same_system)
@@ -184,12 +186,6 @@ class Site:
         """Whether floors, heights and structural systems of both buildings are the same."""
         stated = self.neighbours.floors_align and self.neighbours.same_system
         return stated * (self.height_1 == self.height_2)
-
-
-def check_zone(zone: str | None) -> None:
-    """Raise a ValueError unless ``zone`` is None or a zone of Mexico City."""
-    if zone is not None and (not isinstance(zone, str) or zone not in ZONES):
-        raise ValueError(f"zone = {brief(zone)} is not known; allowed: {', '.join(ZONES)}")
 
 
 def code_rule_names() -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from math import inf
 from typing import ClassVar
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief
+from stochlin.models.arguments import Truth, checked
 from stochlin.models.parameters import POSITIVE, Parameter, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.models.structures import HARDENING, LinearPair
@@ -45,7 +45,8 @@ class EffectiveRule(Published):
         raise NotImplementedError
 
 
-def effective_rule_names(unverified: bool = False) -> tuple[str, ...]:
+@checked
+def effective_rule_names(unverified: Truth = False) -> tuple[str, ...]:
     """Names of the rules for effective period and damping.
 
     Parameters
@@ -58,14 +59,17 @@ def effective_rule_names(unverified: bool = False) -> tuple[str, ...]:
     tuple of str
         Names for `effective_rule` and `correlate`.
 
+    Raises
+    ------
+    TypeError
+        If ``unverified`` is not True or False.
+
     Examples
     --------
     >>> import stochlin as sl
     >>> sl.effective_rule_names()
     ('elastic', 'secant', 'penzien_1997', 'iwan_1980', 'fema_440')
     """
-    if not isinstance(unverified, bool):
-        raise TypeError(f"unverified = {brief(unverified)}; allowed: True or False")
     return tuple(name for name in EFFECTIVE_RULES if unverified or effective_rule(name).verified)
 
 

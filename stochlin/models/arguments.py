@@ -1,0 +1,239 @@
+"""Arguments of functions: what is allowed is declared once, as a type, and checked before the call.
+
+A public function names the types below in its signature and is decorated by `checked`. To a type checker
+``paths: Paths`` is an ``int``; a call with another value is refused by name, value and what is allowed.
+Arguments that are models are checked by their classes, and parameters of models by the models.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import sys
+import types
+import typing
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, ParamSpec, TypeGuard, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from stochlin.messages import brief, nearest
+from stochlin.models.parameters import POSITIVE, Model, Range, expect
+from stochlin.models.uncertain import TAKERS, median_of
+
+LONGEST_LABEL = 200
+A_LABEL = f"a text on one line, {LONGEST_LABEL} characters at most, no control characters"
+LARGEST = int(np.finfo(float).max)
+LARGEST_WHOLE = 2**63 - 1  # largest whole number of files and compiled code
+MOST_SCATTER = 2.0  # standard deviation of a logarithm: factors from 0.14 to 7 are within one of it
+
+P = ParamSpec("P")
+R = TypeVar("R")
+NOWHERE = sys.maxsize  # place of an argument that is only taken by name
+Check = Callable[[str, Any], None]  # of the name of an argument and its value
+
+
+def is_number(value: object) -> TypeGuard[float]:
+    """Whether ``value`` is a real number in the range of floats, or NaN; True and False are not."""
+    known = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+    return known and not (isinstance(value, int) and abs(value) > LARGEST)
+
+
+def is_whole(value: object) -> TypeGuard[int]:
+    """Whether ``value`` is a whole number; True and False are not."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+
+
+def is_label(value: object) -> TypeGuard[str]:
+    """Whether ``value`` is a line of text that can be shown in a table and a picture."""
+    if not isinstance(value, str) or not value.isprintable():
+        return False
+    return bool(value.strip()) and len(value) <= LONGEST_LABEL
+
+
+def as_numbers(name: str, value: object, allowed: str) -> npt.NDArray[Any]:
+    """The array of ``value``; raises a TypeError unless it has real numbers only."""
+    try:
+        array = np.asarray(value)
+    except (ValueError, TypeError):  # ragged lists; a dataset
+        array = np.empty((), object)
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} = {brief(value)}; allowed: {allowed}")
+    return array
+
+
+@dataclass(frozen=True)
+class Number:
+    """One number in a range, which ``words`` describe."""
+
+    allowed: Range
+    words: str = ""
+    is_share: bool = False  # which may have been written in percent
+
+    def __call__(self, name: str, value: object) -> None:
+        """Raise a ValueError unless the value is in the range."""
+        if is_number(value) and self.allowed.contains(value):
+            return
+        cure = ""
+        if self.is_share and is_number(value) and self.allowed.upper < value <= 100:
+            cure = f"; for {value:g} % write {value / 100:g}"
+        raise ValueError(f"{name} = {brief(value)}; allowed: {self.words or self.allowed}{cure}")
+
+
+@dataclass(frozen=True)
+class Whole:
+    """A whole number between two limits, both of them allowed."""
+
+    lowest: int
+    highest: int | None = None
+
+    def __call__(self, name: str, value: object) -> None:
+        """Raise a ValueError unless the value is a whole number within the limits."""
+        highest = LARGEST_WHOLE if self.highest is None else self.highest
+        if not is_whole(value) or not self.lowest <= value <= highest:
+            to = "" if self.highest is None else f" to {highest}"
+            raise ValueError(f"{name} = {brief(value)}; allowed: a whole number from {self.lowest}{to}")
+
+
+@dataclass(frozen=True, eq=False)  # a registry has no hash
+class OneOf:
+    """One of some names; those of a registry are read when they are needed."""
+
+    names: Collection[str]
+
+    def __call__(self, name: str, value: object) -> None:
+        """Raise a ValueError, which suggests the nearest name, unless the value is one of the names."""
+        if not isinstance(value, str) or value not in self.names:
+            near = nearest(value, self.names) if isinstance(value, str) else ""
+            hint = f"did you mean {near!r}? " if near else ""
+            raise ValueError(
+                f"{name} = {brief(value)} is not known; {hint}allowed: {', '.join(self.names)}"
+            )
+
+
+@dataclass(frozen=True)
+class OfClass:
+    """A model of one of some classes."""
+
+    classes: tuple[type[Model], ...]
+    uncertain: bool = False  # whether its parameters may be uncertain
+
+    def __call__(self, name: str, value: object) -> None:
+        """Raise a TypeError unless the value is such a model."""
+        expect(median_of(value) if self.uncertain else value, self.classes, name)
+
+
+def check_truth(name: str, value: object) -> None:
+    """Raise a TypeError unless ``value`` is True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} = {brief(value)}; allowed: True or False")
+
+
+def check_two_numbers(name: str, value: object) -> None:
+    """Raise a TypeError unless ``value`` is a pair of numbers."""
+    two = isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2
+    if not two or not all(is_number(number) for number in value):  # type: ignore[attr-defined]
+        raise TypeError(f"{name} = {brief(value)}; allowed: two numbers")
+
+
+def check_label(name: str, value: object) -> None:
+    """Raise a ValueError unless ``value`` is a text that can be shown in a table and a picture."""
+    if not is_label(value):
+        raise ValueError(f"{name} = {brief(value)}; allowed: {A_LABEL}")
+
+
+def check_quantiles(name: str, value: object) -> None:
+    """Raise an error unless ``value`` is a list of numbers between 0 and 1."""
+    allowed = "numbers between 0 and 1"
+    levels = as_numbers(name, value, allowed)
+    if levels.ndim != 1 or not levels.size or not ((levels > 0) & (levels < 1)).all():
+        raise ValueError(f"{name} = {brief(value)}; allowed: {allowed}")
+
+
+PROBABILITY = Number(Range(0, 1), "a probability between 0 and 1", is_share=True)
+SCATTER = Number(
+    Range(0, MOST_SCATTER, include_lower=True, include_upper=True),
+    f"a number from 0 to {MOST_SCATTER:g}, the standard deviation of the natural logarithm of a factor "
+    "on each motion",
+    is_share=True,
+)
+SECONDS = Number(POSITIVE, "a positive number of seconds")
+Truth = Annotated[bool, check_truth]
+Label = Annotated[str, check_label]
+TwoNumbers = Annotated[tuple[float, float], check_two_numbers]
+Quantiles = Annotated[Sequence[float], check_quantiles]
+Seed = Annotated[int, Whole(0)]
+Paths = Annotated[int, Whole(2)]
+Points = Annotated[int, Whole(2)]
+StepsPerPeriod = Annotated[int, Whole(8)]
+RelaxationTimes = Annotated[float, Number(Range(1, include_lower=True), "at least 1, finite")]
+Metres = Annotated[float, Number(POSITIVE, "a positive number of metres")]
+Seconds = Annotated[float, SECONDS]
+Years = Annotated[float, Number(POSITIVE, "a positive number of years")]
+Acceleration = Annotated[float, Number(POSITIVE, "a positive number in m/s^2")]
+Probability = Annotated[float, PROBABILITY]
+DampingOrZero = Annotated[
+    float, Number(Range(0, 1, include_lower=True), "0 <= damping < 1", is_share=True)
+]
+DampingRatio = Annotated[float, Number(Range(0, 1), "0 < damping < 1", is_share=True)]
+Scatter = Annotated[float, SCATTER]
+
+
+def checked(function: Callable[P, R]) -> Callable[P, R]:
+    """The function, whose arguments are checked first, by the types in its signature."""
+
+    @functools.wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        for place, name, check in checks_of(function):
+            if name in kwargs:
+                check(name, kwargs[name])
+            elif place < len(args):
+                check(name, args[place])
+        return function(*args, **kwargs)
+
+    return call
+
+
+def check_fields(described: Any, prefix: str = "") -> None:
+    """Check the fields of a dataclass as `checked` checks arguments; messages begin with ``prefix``."""
+    kind: Callable[..., Any] = type(described)
+    for _, name, check in checks_of(kind):
+        check(f"{prefix}{name}", getattr(described, name))
+
+
+@functools.cache
+def checks_of(called: Callable[..., Any]) -> tuple[tuple[int, str, Check], ...]:
+    """Place, name and check of the arguments of a function or dataclass that have a check."""
+    uncertain = called.__name__ in TAKERS
+    declared = typing.get_type_hints(called, include_extras=True)
+    found = []
+    for place, (name, each) in enumerate(inspect.signature(called).parameters.items()):
+        position = place if each.kind == each.POSITIONAL_OR_KEYWORD else NOWHERE
+        found += [(position, name, check) for check in _checks(declared.get(name), uncertain)]
+    return tuple(found)
+
+
+def _checks(declared: Any, uncertain: bool) -> list[Check]:
+    """The checks of a type: those that it is annotated with, or of its classes if these are models.
+
+    With None in the type, None passes.
+    """
+    union = typing.get_origin(declared) in (typing.Union, types.UnionType)
+    options = list(typing.get_args(declared)) if union else [declared]
+    kinds = [option for option in options if option is not types.NoneType]
+    checks: list[Check] = [each for kind in kinds for each in getattr(kind, "__metadata__", ())]
+    if checks and len(kinds) > 1:
+        raise TypeError(f"{declared} has checks of one of its kinds; allowed: one kind, or None")
+    if all(isinstance(kind, type) and issubclass(kind, Model) for kind in kinds):
+        checks = [OfClass(tuple(kinds), uncertain)]
+    return [_unless_none(check) for check in checks] if len(kinds) < len(options) else checks
+
+
+def _unless_none(check: Check) -> Check:
+    def of_given(name: str, value: Any) -> None:
+        if value is not None:
+            check(name, value)
+
+    return of_given
