@@ -8,15 +8,15 @@ import re
 import pytest
 from matplotlib.figure import Figure
 
-from stochlin.views.shared.blocks import Items, Picture, Row, Section, Table, Term, Terms, Text
+from stochlin.views.shared.blocks import Items, Picture, Row, Table, Term, Terms, Text, ViewSection
 from stochlin.views.shared.page import page
 from stochlin.views.shared.screen import lines
 
 pytestmark = pytest.mark.cli
 SECTIONS = [
-    Section("", [Text("", "doubt"), Text("Block & annex", "title")]),
-    Section("Nothing here", [Text(""), Items([]), Table.of(("rule", "gap [cm]"), [])]),
-    Section(
+    ViewSection("", [Text("", "doubt"), Text("Block & annex", "title")]),
+    ViewSection("Nothing here", [Text(""), Items([]), Table.of(("rule", "gap [cm]"), [])]),
+    ViewSection(
         "The rules",
         [
             Table(
@@ -28,8 +28,8 @@ SECTIONS = [
             Items(["one", "two"]),
         ],
     ),
-    Section("On paper", [Terms([Term("height", "9.6 m", "given")], "Block")], on_screen=False),
-    Section("On screens", [Text("needs zone")], on_page=False),
+    ViewSection("On paper", [Terms([Term("height", "9.6 m", "given")], "Block")], on_screen=False),
+    ViewSection("On screens", [Text("needs zone")], on_page=False),
 ]
 
 
@@ -54,13 +54,13 @@ def test_the_screen_has_a_line_between_sections_and_around_tables() -> None:
 
 def test_a_table_that_is_hardly_too_wide_moves_together() -> None:
     cells = ("a" * 33, "b" * 33, "c" * 32)
-    (line,) = (line for line in lines([Section("", [Table.of("xyz", [cells])])]) if "b" in line)
+    (line,) = (line for line in lines([ViewSection("", [Table.of("xyz", [cells])])]) if "b" in line)
     assert line == " ".join(cells)
 
 
 def test_columns_are_as_wide_as_their_signs_are_on_the_screen() -> None:
     rows = [("S0", "0.01 m²/s³", "1"), ("T", "0.5 s", "2")]
-    *_, first, second = lines([Section("", [Table.of("abc", rows, ("b",))])])
+    *_, first, second = lines([ViewSection("", [Table.of("abc", rows, ("b",))])])
     assert first.index("1", 8) == second.index("2")
 
 
@@ -83,7 +83,7 @@ def test_the_page_has_the_same_and_leaves_out_what_is_empty() -> None:
 
 
 def test_pictures_are_within_the_page_with_their_words() -> None:
-    text = page("A title", [Section("Pictures", [Picture("Gaps", "By rule.", Figure)] * 2)], [])
+    text = page("A title", [ViewSection("Pictures", [Picture("Gaps", "By rule.", Figure)] * 2)], [])
     assert text.count('aria-label="Gaps. By rule."') == 2
     ids = re.findall(r'\bid="([^"]+)"', text)
     assert len(ids) == len(set(ids))

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 import stochlin as sl
 from stochlin.views.command import main
 from stochlin.views.sensitivity.words import blocks, rows, sentences
-from stochlin.views.shared.blocks import Section
+from stochlin.views.shared.blocks import ViewSection
 from stochlin.views.shared.screen import lines
 from stochlin.views.shared.words import MINUS, SPACE
 
@@ -48,7 +48,9 @@ def test_sentences_name_what_matters(table):
     assert re.match(r"Among the uncertain inputs, the gap depends most on the \w+ of Annex: ", first)
     assert "the motions, and motions and inputs together" in shares
     assert "If all inputs were known" in medians
-    assert all(len(line) <= 100 for line in lines([Section("Influence of the inputs", blocks(table))]))
+    assert all(
+        len(line) <= 100 for line in lines([ViewSection("Influence of the inputs", blocks(table))])
+    )
 
 
 def test_without_anything_uncertain_there_are_no_shares():

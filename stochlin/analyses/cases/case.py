@@ -20,7 +20,7 @@ from stochlin.analyses.cases.buildings import (
     read_gaps,
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
-from stochlin.analyses.cases.site import FITTED, Site, read_scatter, read_site, usual_scatter
+from stochlin.analyses.cases.site import FITTED, CaseSite, read_scatter, read_site, usual_scatter
 from stochlin.analyses.cases.sites.strength import HAZARD_EXAMPLE
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.cases.values import Quantity, Section, read_sections
@@ -58,7 +58,7 @@ class Case:
     file: str
     inputs: tuple[Path, ...]
     title: str
-    of_site: Site
+    of_site: CaseSite
     described: tuple[AnyBuilding, ...]  # as written, see `buildings`
     scatter: float
     confidence: float

@@ -72,8 +72,8 @@ class Shaking(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Site:
-    """Site and motion of a case as written; grounds are fitted and scaled when they are first needed.
+class CaseSite:
+    """The tables [site] and [motion]; grounds are fitted and scaled when they are first needed.
 
     ``given`` is the ground by name or by parameters, and ``written`` the course of the motions; each is
     None where it is fitted. ``spectrum`` is as written, without the wanted strength; ``goal`` is this.
@@ -145,7 +145,7 @@ class Site:
         return {**self.single_records, **scaled_suite(self.site, self.suite, spectrum)}
 
 
-def read_site(site: Section, motion: Section, folder: Path) -> Site:
+def read_site(site: Section, motion: Section, folder: Path) -> CaseSite:
     """The tables [site] and [motion], with the records and other files of the site.
 
     Nothing is fitted or simulated yet. A ValueError names what is not valid.
@@ -173,7 +173,7 @@ def read_site(site: Section, motion: Section, folder: Path) -> Site:
         *of_suite,
     )
     goal = read_goal(site, hazard)
-    return Site(site, motion, inputs, records, suite, hazard, goal, spectrum, given, written)
+    return CaseSite(site, motion, inputs, records, suite, hazard, goal, spectrum, given, written)
 
 
 def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:

@@ -100,7 +100,7 @@ def _check_runs(
     )
 
 
-class Job(NamedTuple):
+class RowRun(NamedTuple):
     """A response that is to be computed."""
 
     row: kernel.BuildingRow
@@ -111,16 +111,16 @@ class Job(NamedTuple):
 
 def jobs_of(
     standing: Standing, ground: SampledMotion, pace: kernel.StepCounts, halved: bool
-) -> list[Job]:
+) -> list[RowRun]:
     """The row and each building alone in a motion, and if ``halved`` the row in steps twice as long."""
     coarser = pace._replace(cuts=pace.cuts // 2)
-    both = [Job(standing.row, ground, pace), Job(standing.alone, ground, pace, meets=False)]
-    return [*both, Job(standing.row, ground, coarser)] if halved else both
+    both = [RowRun(standing.row, ground, pace), RowRun(standing.alone, ground, pace, meets=False)]
+    return [*both, RowRun(standing.row, ground, coarser)] if halved else both
 
 
 def responses(
     standing: Standing,
-    jobs: Sequence[Job],
+    jobs: Sequence[RowRun],
     keep: int = kernel.NOTHING,
     progress: Progress | None = None,
 ) -> list[Outcome]:
@@ -139,7 +139,7 @@ def responses(
     return [outcomes[number] for number in range(len(jobs))]
 
 
-def _batches(jobs: Sequence[Job]) -> Iterator[list[int]]:
+def _batches(jobs: Sequence[RowRun]) -> Iterator[list[int]]:
     """Numbers of jobs that are stepped together: of one row and time step, the shortest first."""
     alike: dict[tuple[int, float, kernel.StepCounts], list[int]] = {}
     for number in np.argsort([len(job.ground.acceleration) for job in jobs], kind="stable"):
@@ -151,7 +151,7 @@ def _batches(jobs: Sequence[Job]) -> Iterator[list[int]]:
             yield numbers[begin : begin + size]
 
 
-def _motions(jobs: Sequence[Job], shortest: float) -> kernel.GroundMotions:
+def _motions(jobs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
     """The motions of jobs that are stepped together; ``shortest`` is that of the first periods [s]."""
     members = [job.ground.acceleration for job in jobs]
     sizes = np.array([samples.size for samples in members])

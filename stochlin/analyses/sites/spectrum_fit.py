@@ -66,7 +66,7 @@ class Wanted(NamedTuple):
         return self.accelerations * (self.periods / (2 * np.pi)) ** 2
 
 
-class Filters(NamedTuple):
+class FittedFilters(NamedTuple):
     """Clough-Penzien filters, one in each row: logarithms of wg, xig, wf, xif and the intensity."""
 
     logs: Array
@@ -94,7 +94,7 @@ class Filters(NamedTuple):
 
 def deliver(
     wanted: Wanted, filters: int | None, seed: int, progress: Progress | None, paths: int = PATHS
-) -> Filters:
+) -> FittedFilters:
     """Fit to a spectrum, with ``filters`` filters or as few as give a good fit.
 
     Its errors are those of the mean spectrum of simulated motions.
@@ -104,7 +104,7 @@ def deliver(
         fit = search.by_formula(count)
         if fit.rms <= GOOD_RMS and fit.worst <= GOOD_WORST:
             break
-    simulated: list[Filters] = []
+    simulated: list[FittedFilters] = []
     for attempt in range(CORRECTIONS + 1):
         # Another sample each time, so that a correction does not fit its scatter.
         timing = wanted.duration, wanted.envelope
@@ -151,7 +151,7 @@ class _Search:
             self._weight = np.append(self._weight, _GROUND_WEIGHT)
             self._ground = np.array([wanted.ground_std])
 
-    def by_formula(self, count: int) -> Filters:
+    def by_formula(self, count: int) -> FittedFilters:
         """The fit with ``count`` filters and the peak factors of Vanmarcke's formula."""
         factors = np.full(self.wanted.periods.size, _FIRST_FACTOR)
         starts = list(_starts(count))
@@ -161,19 +161,19 @@ class _Search:
             starts = [fit.logs]
         return fit
 
-    def _peak_factors(self, fit: Filters) -> Array:
+    def _peak_factors(self, fit: FittedFilters) -> Array:
         l0, l1, l2 = (moment @ _psd(fit.logs, self._frequency)[0] for moment in self._moments)
         crossings = np.sqrt(l2 / l0) * self.wanted.strong / np.pi
         bandwidth = np.sqrt(np.clip(1 - l1**2 / (l0 * l2), 0, 1))
         return peak_factor_model("vanmarcke").mean(np.maximum(crossings, 1.0), bandwidth)
 
-    def corrected(self, fit: Filters, accelerations: Array) -> Filters:
+    def corrected(self, fit: FittedFilters, accelerations: Array) -> FittedFilters:
         """The fit with the peak factors of a simulation, whose mean spectrum is ``accelerations``."""
         peaks = self.wanted._replace(accelerations=accelerations).displacements
         std = np.sqrt(self._moments[0] @ _psd(fit.logs, self._frequency)[0])
         return self._best(peaks / std, [fit.logs])
 
-    def _best(self, factors: Array, starts: Iterable[Array]) -> Filters:
+    def _best(self, factors: Array, starts: Iterable[Array]) -> FittedFilters:
         frequency, rows, weight = self._frequency, self._rows, self._weight
         target = np.log(np.append(self.wanted.displacements / factors, self._ground))
 
@@ -198,7 +198,7 @@ class _Search:
                 )
             )
         best = min(fits, key=lambda fit: float(fit.cost))
-        return Filters(best.x.reshape(-1, 5), best.fun[: target.size - self._ground.size])
+        return FittedFilters(best.x.reshape(-1, 5), best.fun[: target.size - self._ground.size])
 
 
 def _psd(logs: Array, frequency: Array) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, SAFE, UNSAFE
-from stochlin.views.shared.blocks import Items, Section, Table, texts
+from stochlin.views.shared.blocks import Items, Table, ViewSection, texts
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import (
@@ -57,7 +57,7 @@ TIMES = (
 )
 
 
-def answer_sections(table: xr.Dataset, case: Case) -> list[Section]:
+def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
     """The answer, the measures in simulated motions and in records, and what their columns mean."""
     built = table.isel(measure=0)
     peaks = float(built.peak_mean_1), float(built.peak_mean_2)
@@ -68,25 +68,25 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[Section]:
         remarks.append(NO_DASHPOT)
     return [
         opening(case, doubts(table, case.pair, float(built.required_gap), peaks)),
-        Section("", texts([floors(case)])),
-        Section("", [*texts(about), *unknowns(case, "needed gaps and shares are those")]),
-        Section("", [_motions(table)]),
+        ViewSection("", texts([floors(case)])),
+        ViewSection("", [*texts(about), *unknowns(case, "needed gaps and shares are those")]),
+        ViewSection("", [_motions(table)]),
         *_in_records(table),
-        Section("", [Items(remarks)]),
-        Section("", texts([_notes(table), TIMES if "record" in table.dims else ""])),
+        ViewSection("", [Items(remarks)]),
+        ViewSection("", texts([_notes(table), TIMES if "record" in table.dims else ""])),
     ]
 
 
-def _in_records(table: xr.Dataset) -> list[Section]:
+def _in_records(table: xr.Dataset) -> list[ViewSection]:
     """A table of each record, or of all of them where they are many; none without records."""
     if "quantile" in table.dims:
         what = (
             f"In {table.sizes['record']} records; the values are not exceeded in half of them and in "
             f"{_levels(table)[-1]} of them"
         )
-        return [Section(what, [_over_records(table)])]
+        return [ViewSection(what, [_over_records(table)])]
     records = table.record.values if "record" in table.dims else ()
-    return [Section(f"In {name}", [_recorded(table.sel(record=name))]) for name in records]
+    return [ViewSection(f"In {name}", [_recorded(table.sel(record=name))]) for name in records]
 
 
 def _missing(row: xr.Dataset) -> str:

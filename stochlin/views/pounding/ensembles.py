@@ -15,7 +15,7 @@ from stochlin.views.pounding.floors import ALONE as THIN
 from stochlin.views.pounding.floors import LINE, NAME, WIDTH, levels_of, looks_of, profile
 from stochlin.views.pounding.pictures import caption_of
 from stochlin.views.pounding.words import ALONE, JUMPS
-from stochlin.views.shared.blocks import Section, Table, Text, texts
+from stochlin.views.shared.blocks import Table, Text, ViewSection, texts
 from stochlin.views.shared.descriptions import site_in_words
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import AS_GIVEN, CURVES, describe, legend_above, styled
@@ -61,7 +61,7 @@ HEAD, PANEL, BETWEEN, AXIS, KEY = 0.35, 2.2, 0.55, 0.62, 0.45  # inches, of the 
 LEFT, RIGHT, APART = 0.09, 0.98, 0.1  # of its width
 
 
-def ensemble_sections(case: Case, table: xr.Dataset) -> list[Section]:
+def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
     """How often buildings meet, and means and quantiles of what that does."""
     over = str(table.status.dims[0])
     simulated, meets = over == "path", "neighbours" in table.dims
@@ -90,11 +90,11 @@ def ensemble_sections(case: Case, table: xr.Dataset) -> list[Section]:
     notes += [JUMPS] * (meets and bool(table.hardest_force_between_mean.isnull().any()))
     return [
         opening(case, doubts(strongest, case.buildings, peaks=peaks)),
-        Section("", texts([floors(case)])),
-        Section("", texts(about)),
-        Section("", texts([failed])),
-        Section("", texts([columns])),
-        Section("", [Table.of(heads, rows), Text(" ".join(notes))]),
+        ViewSection("", texts([floors(case)])),
+        ViewSection("", texts(about)),
+        ViewSection("", texts([failed])),
+        ViewSection("", texts([columns])),
+        ViewSection("", [Table.of(heads, rows), Text(" ".join(notes))]),
     ]
 
 

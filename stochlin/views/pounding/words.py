@@ -11,7 +11,7 @@ from stochlin.analyses.cases.pounding import energy_of, is_oscillator
 from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
 from stochlin.analyses.records.files import METRES
-from stochlin.views.shared.blocks import Block, Section, Table, Text, texts
+from stochlin.views.shared.blocks import Block, Table, Text, ViewSection, texts
 from stochlin.views.shared.descriptions import site_in_words
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.uncertain import at_medians
@@ -63,15 +63,15 @@ STRENGTH = (
 )
 
 
-def answer_sections(case: Case, tables: Mapping[str, xr.Dataset]) -> list[Section]:
+def answer_sections(case: Case, tables: Mapping[str, xr.Dataset]) -> list[ViewSection]:
     """All that is shown, record by record, and the meaning of the columns."""
     doubts_of = {record: _doubts(table, case) for record, table in tables.items()}
     doubtful = [f"in {record} {doubt}" for record, several in doubts_of.items() for doubt in several]
     return [
         opening(case, doubtful),
-        Section("", texts([floors(case), at_medians(case)])),
-        *(Section("", _in_record(case, record, table)) for record, table in tables.items()),
-        Section("", texts([_notes(case, next(iter(tables.values())))])),
+        ViewSection("", texts([floors(case), at_medians(case)])),
+        *(ViewSection("", _in_record(case, record, table)) for record, table in tables.items()),
+        ViewSection("", texts([_notes(case, next(iter(tables.values())))])),
     ]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from stochlin.models.grounds import KanaiTajimi, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.views.shared.blocks import Block, Items, Section, Table, Text, texts
+from stochlin.views.shared.blocks import Block, Items, Table, Text, ViewSection, texts
 from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import (
     SPACE,
@@ -52,7 +52,7 @@ NO_RECORDS = (
 )
 
 
-def answer_sections(answer: ProbabilityAnswer) -> list[Section]:
+def answer_sections(answer: ProbabilityAnswer) -> list[ViewSection]:
     """The course of the confidence, then the gap for the wanted one, cautions and records."""
     case, table = answer.case, answer.table
     between = (
@@ -67,10 +67,10 @@ def answer_sections(answer: ProbabilityAnswer) -> list[Section]:
     comment = table.attrs.get("comment", "").replace("α", "hardening").replace("≤", "<=")
     return [
         opening(case, answer.doubts()),
-        Section("", [*texts(about), *unknowns(case, "the simulated confidence is that")]),
-        Section("Confidence of no pounding up to each time", [Table.of(heads, rows)]),
-        Section("", texts([_wanted(answer), *_cautions(answer, shown)])),
-        Section("", [*_of_records(answer), Text(comment)]),
+        ViewSection("", [*texts(about), *unknowns(case, "the simulated confidence is that")]),
+        ViewSection("Confidence of no pounding up to each time", [Table.of(heads, rows)]),
+        ViewSection("", texts([_wanted(answer), *_cautions(answer, shown)])),
+        ViewSection("", [*_of_records(answer), Text(comment)]),
     ]
 
 

@@ -12,7 +12,17 @@ from stochlin.views.separation import pictures, words
 from stochlin.views.separation.risk import risk_blocks, risk_caption, risk_figure
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.shared.blocks import Block, Items, Picture, Section, Table, Term, Terms, Text, texts
+from stochlin.views.shared.blocks import (
+    Block,
+    Items,
+    Picture,
+    Table,
+    Term,
+    Terms,
+    Text,
+    ViewSection,
+    texts,
+)
 from stochlin.views.shared.page import page
 from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import SPACE, centimetres, opening
@@ -22,7 +32,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.separation import CaseAnswer
 
 
-def answer_sections(answer: CaseAnswer) -> list[Section]:
+def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
     """The answer first, then the existing gap, the risk and the rules, and the small print."""
     case, about = answer.case, subject_of(answer.case)
     missing = [f"{row.rule}: {row.missing}" for row in words.rows(answer) if row.missing]
@@ -33,20 +43,22 @@ def answer_sections(answer: CaseAnswer) -> list[Section]:
     )
     return [
         opening(case, answer.doubts()),
-        Section("", [Text(words.headline(answer), "answer"), *texts(words.summary(answer))]),
-        Section("Uncertain parameters", unknowns(case, f"the {about.gap} is that")),
-        Section(f"The existing {about.gap}", words.allowances(answer)),
-        Section(f"How often {about.meet}", risk_blocks(answer)),
-        Section("The rules and the answer", [words.rules_table(answer)]),
-        Section("", [Items(missing)], on_page=False),
-        Section("", words.rules_notes(answer)),
-        Section("Limits of this answer", [Items(small_print.uncertainties(answer))], on_screen=False),
-        Section("Pictures", _pictures(answer), on_screen=False, columns=True),
-        Section("The records", _records(answer), on_screen=False),
-        Section("Influence of the inputs", _influence(answer)),
-        Section("The case", small_print.facts(answer), on_screen=False, columns=True),
-        Section("Assumptions of each rule", [_assumptions(answer)], on_screen=False, columns=True),
-        Section(
+        ViewSection("", [Text(words.headline(answer), "answer"), *texts(words.summary(answer))]),
+        ViewSection("Uncertain parameters", unknowns(case, f"the {about.gap} is that")),
+        ViewSection(f"The existing {about.gap}", words.allowances(answer)),
+        ViewSection(f"How often {about.meet}", risk_blocks(answer)),
+        ViewSection("The rules and the answer", [words.rules_table(answer)]),
+        ViewSection("", [Items(missing)], on_page=False),
+        ViewSection("", words.rules_notes(answer)),
+        ViewSection(
+            "Limits of this answer", [Items(small_print.uncertainties(answer))], on_screen=False
+        ),
+        ViewSection("Pictures", _pictures(answer), on_screen=False, columns=True),
+        ViewSection("The records", _records(answer), on_screen=False),
+        ViewSection("Influence of the inputs", _influence(answer)),
+        ViewSection("The case", small_print.facts(answer), on_screen=False, columns=True),
+        ViewSection("Assumptions of each rule", [_assumptions(answer)], on_screen=False, columns=True),
+        ViewSection(
             "Statement of the analysis",
             [Text(summed_up), Terms(small_print.statement(answer)), *signed],
             on_screen=False,

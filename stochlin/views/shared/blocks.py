@@ -80,7 +80,7 @@ Block: TypeAlias = Text | Items | Table | Terms | Picture
 
 
 @dataclass(frozen=True)
-class Section:
+class ViewSection:
     """Blocks below a title, which may be empty; a section without content is not shown."""
 
     title: str

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
-from stochlin.views.shared.blocks import Picture, Section
+from stochlin.views.shared.blocks import Picture, ViewSection
 from stochlin.views.shared.style import STYLE
 from stochlin.views.shared.symbols import typeset_html
 
@@ -19,7 +19,7 @@ PAGE_STYLE = {"font.size": 10, "hatch.linewidth": 0.7, "svg.fonttype": "path"}
 
 
 def page(
-    title: str, sections: Sequence[Section], footer: Sequence[str], as_given: Iterable[str] = ()
+    title: str, sections: Sequence[ViewSection], footer: Sequence[str], as_given: Iterable[str] = ()
 ) -> str:
     """HTML with pictures and style within; ``as_given`` are names without symbols, the user's."""
     from jinja2 import Environment, PackageLoader, StrictUndefined

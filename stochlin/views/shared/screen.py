@@ -27,7 +27,7 @@ from stochlin.messages import (
     sentence,
 )
 from stochlin.registry import Registry
-from stochlin.views.shared.blocks import Block, Items, Section, Table, Text
+from stochlin.views.shared.blocks import Block, Items, Table, Text, ViewSection
 from stochlin.views.shared.symbols import LETTERS
 
 if TYPE_CHECKING:
@@ -222,7 +222,7 @@ def cut(name: str, wide: int) -> str:
     return name if len(name) <= wide else f"{name[: wide - 3]}..."
 
 
-def lines(sections: Iterable[Section]) -> list[str]:
+def lines(sections: Iterable[ViewSection]) -> list[str]:
     """Sections as text: a line without text between them, and around every table."""
     shown: list[str] = []
     for section in sections:

@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.analyses.records.files import METRES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
-from stochlin.views.shared.blocks import Section, Text
+from stochlin.views.shared.blocks import Text, ViewSection
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -195,10 +195,10 @@ def over_records(found: xr.Dataset, count: int, gap: float, what: str = "gap") -
     )
 
 
-def opening(case: Case, doubts: Sequence[str]) -> Section:
+def opening(case: Case, doubts: Sequence[str]) -> ViewSection:
     """Doubtful input as the first line of an answer, if there is any, and the title of the case."""
     doubt = f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else ""
-    return Section("", [Text(doubt, "doubt"), Text(case.title, "title")])
+    return ViewSection("", [Text(doubt, "doubt"), Text(case.title, "title")])
 
 
 def floors(case: Case) -> str:
