@@ -71,11 +71,14 @@ class Number:
     allowed: Range
     words: str = ""
     is_share: bool = False  # which may have been written in percent
+    cure_of_none: str = ""
 
     def __call__(self, name: str, value: object) -> None:
         """Raise a ValueError unless the value is in the range."""
         if is_number(value) and self.allowed.contains(value):
             return
+        if value is None and self.cure_of_none:
+            raise ValueError(f"{name} is missing; {self.cure_of_none}")
         cure = ""
         if self.is_share and is_number(value) and self.allowed.upper < value <= 100:
             cure = f"; for {value:g} % write {value / 100:g}"
@@ -106,7 +109,9 @@ class OneOf:
     def __call__(self, name: str, value: object) -> None:
         """Raise a ValueError, which suggests the nearest name, unless the value is one of the names."""
         if not isinstance(value, str) or value not in self.names:
-            near = nearest(value, self.names) if isinstance(value, str) else ""
+            near = ""
+            if isinstance(value, str) and len(value) > 2:  # shorter texts are like all others
+                near = nearest(value, self.names)
             hint = f"did you mean {near!r}? " if near else ""
             raise ValueError(
                 f"{name} = {brief(value)} is not known; {hint}allowed: {', '.join(self.names)}"
@@ -159,7 +164,9 @@ SCATTER = Number(
     "on each motion",
     is_share=True,
 )
-SECONDS = Number(POSITIVE, "a positive number of seconds")
+DURATION = Number(
+    POSITIVE, "a positive number of seconds", cure_of_none="give the length of the motion in seconds"
+)
 Truth = Annotated[bool, check_truth]
 Label = Annotated[str, check_label]
 TwoNumbers = Annotated[tuple[float, float], check_two_numbers]
@@ -170,7 +177,8 @@ Points = Annotated[int, Whole(2)]
 StepsPerPeriod = Annotated[int, Whole(8)]
 RelaxationTimes = Annotated[float, Number(Range(1, include_lower=True), "at least 1, finite")]
 Metres = Annotated[float, Number(POSITIVE, "a positive number of metres")]
-Seconds = Annotated[float, SECONDS]
+Duration = Annotated[float, DURATION]
+Seconds = Annotated[float, Number(POSITIVE, "a positive number of seconds")]
 Years = Annotated[float, Number(POSITIVE, "a positive number of years")]
 Acceleration = Annotated[float, Number(POSITIVE, "a positive number in m/s^2")]
 Probability = Annotated[float, PROBABILITY]

@@ -8,7 +8,7 @@ import pytest
 import sympy
 
 import stochlin as sl
-from stochlin.models.arguments import Paths, Probability, Scatter, Seconds, checked, checks_of
+from stochlin.models.arguments import Duration, Paths, Probability, Scatter, checked, checks_of
 from stochlin.models.grounds import Ground
 
 pytestmark = pytest.mark.invariant
@@ -69,7 +69,7 @@ def test_a_default_passes_the_checks(name: str) -> None:
 
 @checked
 def motion(
-    ground: Ground, duration: Seconds, share: Probability = 0.5, *, paths: Paths | None = None
+    ground: Ground, duration: Duration, share: Probability = 0.5, *, paths: Paths | None = None
 ) -> tuple[float, float]:
     """A function with some arguments."""
     return duration, share
@@ -89,6 +89,7 @@ def test_the_signature_stays() -> None:
     [
         ((1.0, 2.0), {}, TypeError, "ground = 1.0 is of the wrong kind; allowed: CloughPenzien, "),
         ((FIRM, -2.0), {}, ValueError, "duration = -2.0; allowed: a positive number of seconds"),
+        ((FIRM, None), {}, ValueError, "duration is missing; give the length of the motion"),
         ((FIRM,), {"duration": "2"}, ValueError, "duration = '2'; allowed: a positive number of"),
         ((FIRM, 2.0, 90), {}, ValueError, "share = 90; allowed: .*; for 90 % write 0.9"),
         ((FIRM, 2.0), {"paths": 1}, ValueError, "paths = 1; allowed: a whole number from 2"),

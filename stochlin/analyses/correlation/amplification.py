@@ -27,7 +27,7 @@ from stochlin.analyses.tables.checks import check_duration
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.stepping import LANES
-from stochlin.models.arguments import OneOf, Paths, Seconds, Seed, checked
+from stochlin.models.arguments import Duration, OneOf, Paths, Seed, checked
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -50,7 +50,7 @@ def amplification(
     of: Annotated[str, OneOf((STD, PEAK))] = STD,
     method: Annotated[str, OneOf((LINEARIZATION, SIMULATION))] | None = None,
     closure: str | None = None,
-    duration: Seconds | None = None,
+    duration: Duration | None = None,
     envelope: Envelope | None = None,
     paths: Paths = 256,
     seed: Seed = 0,

@@ -20,7 +20,7 @@ from stochlin.analyses.linearization.transient_systems import (
 )
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.models.arguments import Points, Seconds, checked
+from stochlin.models.arguments import Duration, Points, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
@@ -30,7 +30,7 @@ from stochlin.models.structures import Structure
 def transient_response(
     structure: Structure,
     ground: Ground,
-    duration: Seconds,
+    duration: Duration,
     *,
     envelope: Envelope | None = None,
     points: Points = POINTS,

@@ -21,11 +21,11 @@ from stochlin.analyses.tables.checks import check_existing
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.arguments import (
+    Duration,
     Metres,
     Paths,
     Probability,
     Scatter,
-    Seconds,
     Seed,
     check_label,
     checked,
@@ -57,7 +57,7 @@ def mitigate(
     first: AnyStructure,
     second: AnyStructure,
     ground: Ground,
-    duration: Seconds,
+    duration: Duration,
     gap: Metres,
     measures: Mapping[str, Measure],
     *,

@@ -22,7 +22,7 @@ from stochlin.analyses.risk.variables import labelled_fragility
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.arguments import Probability, Scatter, Seconds, Seed, checked
+from stochlin.models.arguments import Duration, Probability, Scatter, Seed, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.parameters import Parameter
@@ -46,7 +46,7 @@ def pounding_fragility(
     gap: Parameter,
     intensity: Parameter,
     *,
-    duration: Seconds,
+    duration: Duration,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
     scatter: Scatter = 0.0,

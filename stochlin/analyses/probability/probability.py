@@ -21,7 +21,16 @@ from stochlin.analyses.probability.strengths import at_strengths, strengths
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.models.arguments import OneOf, Points, Probability, Scatter, Seconds, Seed, Whole, checked
+from stochlin.models.arguments import (
+    Duration,
+    OneOf,
+    Points,
+    Probability,
+    Scatter,
+    Seed,
+    Whole,
+    checked,
+)
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
@@ -47,7 +56,7 @@ def pounding_probability(
     gap: Parameter,
     *,
     envelope: Envelope | None = None,
-    duration: Seconds | None = None,
+    duration: Duration | None = None,
     method: Annotated[str, OneOf(METHODS)] = "evolutionary",
     record: xr.DataArray | None = None,
     confidence: Probability = 0.9,

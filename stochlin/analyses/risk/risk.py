@@ -39,7 +39,16 @@ from stochlin.analyses.tables.checks import check_duration, check_existing, stan
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import DoubtfulInput, brief
-from stochlin.models.arguments import Metres, Paths, Scatter, Seconds, Seed, Years, checked, is_number
+from stochlin.models.arguments import (
+    Duration,
+    Metres,
+    Paths,
+    Scatter,
+    Seed,
+    Years,
+    checked,
+    is_number,
+)
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.hazards import Hazard, HazardCurve
@@ -68,7 +77,7 @@ def pounding_risk(
     ground: Ground,
     gap: Metres,
     hazard: Hazard,
-    duration: Seconds,
+    duration: Duration,
     *,
     envelope: Envelope | None = None,
     years: Years = 50.0,
@@ -162,7 +171,7 @@ def required_gap(
     second: AnyStructure | None,
     ground: Ground,
     hazard: Hazard,
-    duration: Seconds,
+    duration: Duration,
     *,
     risk: str | float,
     envelope: Envelope | None = None,

@@ -23,7 +23,7 @@ from stochlin.analyses.tables.checks import check_duration, standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.stepping import LANES
-from stochlin.models.arguments import Paths, Probability, Scatter, Seconds, Seed, checked
+from stochlin.models.arguments import Duration, Paths, Probability, Scatter, Seed, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure
@@ -42,7 +42,7 @@ def sensitivity(
     first: AnyStructure,
     second: AnyStructure | None,
     ground: Ground,
-    duration: Seconds,
+    duration: Duration,
     *,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,

@@ -23,7 +23,15 @@ from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_existing, standing
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.arguments import Metres, Paths, Probability, Scatter, Seconds, Seed, checked
+from stochlin.models.arguments import (
+    Duration,
+    Metres,
+    Paths,
+    Probability,
+    Scatter,
+    Seed,
+    checked,
+)
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure, first_mode, weaker
@@ -43,7 +51,7 @@ def existing_gap(
     first: AnyStructure,
     second: AnyStructure | None,
     ground: Ground,
-    duration: Seconds,
+    duration: Duration,
     gap: Metres,
     *,
     envelope: Envelope | None = None,

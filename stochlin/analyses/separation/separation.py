@@ -37,10 +37,10 @@ from stochlin.analyses.tables.checks import (
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.arguments import (
+    Duration,
     Paths,
     Probability,
     Scatter,
-    Seconds,
     Seed,
     Truth,
     checked,
@@ -79,7 +79,7 @@ def separation(
     first: AnyStructure,
     second: AnyStructure | None,
     ground: Ground,
-    duration: Seconds,
+    duration: Duration,
     *,
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,

@@ -14,7 +14,7 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Crowd, Plan, ground_motions
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
-from stochlin.models.arguments import Paths, Scatter, Seconds, Seed, checked
+from stochlin.models.arguments import Duration, Paths, Scatter, Seconds, Seed, checked
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
 
@@ -24,7 +24,7 @@ USUAL_STEP = 0.01  # default time step [s]
 @checked
 def simulated_motions(
     ground: Ground,
-    duration: Seconds,
+    duration: Duration,
     envelope: Envelope | None = None,
     *,
     paths: Paths = 32,

@@ -31,11 +31,11 @@ from stochlin.kernels.simulation.ensemble import Sums, View, stationary_sums
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.arguments import (
+    Duration,
     Paths,
     Quantiles,
     RelaxationTimes,
     Scatter,
-    Seconds,
     Seed,
     StepsPerPeriod,
     checked,
@@ -73,7 +73,7 @@ def simulate(
     seed: Seed = 0,
     steps_per_period: StepsPerPeriod = STEPS_PER_PERIOD,
     relaxation_times: RelaxationTimes = 20.0,
-    duration: Seconds | None = None,
+    duration: Duration | None = None,
     envelope: Envelope | None = None,
     scatter: Scatter = 0.0,
     quantiles: Quantiles = (0.5, 0.84, 0.95),

@@ -20,7 +20,7 @@ from stochlin.analyses.sites.spectrum_fit import (
 )
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
-from stochlin.models.arguments import Seconds, Seed, TwoNumbers, Whole, checked
+from stochlin.models.arguments import Duration, Seed, TwoNumbers, Whole, checked
 from stochlin.models.envelopes import Envelope
 
 _OF_SPECTRA = "clough_penzien"
@@ -35,7 +35,7 @@ def fit_ground(
     *,
     part: Part = STRONG_PART,
     frequency_range: TwoNumbers | None = None,
-    duration: Seconds | None = None,
+    duration: Duration | None = None,
     envelope: Envelope | None = None,
     filters: Annotated[int, Whole(1, MOST_FILTERS)] | None = None,
     seed: Seed = 0,

@@ -18,7 +18,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.arguments import Acceleration, DampingRatio, Paths, Seconds, Seed, checked
+from stochlin.models.arguments import Acceleration, DampingRatio, Duration, Paths, Seconds, Seed, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground, rms_acceleration
 
@@ -30,7 +30,7 @@ _TOLD = "intensity for a mean"
 @checked
 def scale_ground(
     ground: Ground,
-    duration: Seconds,
+    duration: Duration,
     envelope: Envelope | None = None,
     *,
     pga: Acceleration | None = None,

@@ -24,7 +24,15 @@ from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.arguments import Paths, Scatter, Seconds, Seed, Whole, check_fields, checked
+from stochlin.models.arguments import (
+    Duration,
+    Paths,
+    Scatter,
+    Seed,
+    Whole,
+    check_fields,
+    checked,
+)
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground, rms_acceleration
 
@@ -65,7 +73,7 @@ class FittedMotion:
 
     ground: Ground
     envelope: Envelope | None
-    duration: Seconds
+    duration: Duration
     scatter: Scatter = RECORD_TO_RECORD
 
     def __post_init__(self) -> None:

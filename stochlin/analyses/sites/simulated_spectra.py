@@ -26,7 +26,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import finite_extremes
 from stochlin.messages import brief
-from stochlin.models.arguments import DampingRatio, Paths, Seconds, Seed, as_numbers, checked
+from stochlin.models.arguments import DampingRatio, Duration, Paths, Seed, as_numbers, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
@@ -64,7 +64,7 @@ class Motions:
 def simulated_spectrum(
     ground: Ground,
     target: xr.DataArray | Sequence[float] | Array,
-    duration: Seconds,
+    duration: Duration,
     envelope: Envelope | None = None,
     *,
     damping: DampingRatio | None = None,

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stochlin.messages import brief
-from stochlin.models.arguments import PROBABILITY, SCATTER, SECONDS, Whole
+from stochlin.models.arguments import DURATION, PROBABILITY, SCATTER, Whole
 from stochlin.models.parameters import Model
 from stochlin.models.systems import AnyStructure, first_period
 
@@ -37,9 +37,7 @@ def check_duration(duration: Any, structures: Mapping[str, AnyStructure] | None 
     It must be at least the period of each of the ``structures``, which are by their roles. Arrays of
     periods are not checked.
     """
-    if duration is None:
-        raise ValueError("duration is missing; give the length of the motion in seconds")
-    SECONDS("duration", duration)
+    DURATION("duration", duration)
     for role, structure in (structures or {}).items():
         period = first_period(structure)
         if period.ndim == 0 and float(period) > duration:
