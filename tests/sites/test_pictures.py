@@ -49,7 +49,7 @@ def test_the_spectra_and_their_ratio_are_those_of_the_dataset(name, wanted, requ
 def test_the_picture_says_of_what_it_is(of_code, of_record):
     texts = [sl.charts.draw_spectrum(one).texts[-1].get_text() for one in (of_code, of_record)]
     told, of_a_record = (" ".join(text.split()) for text in texts)
-    assert "Eurocode 8, type 1, ground B, ag = 2 m/s^2" in told
+    assert "Eurocode 8, type 1, ground B, ag = 0.2039 g" in told
     assert "motions of 10 s, AminAng(rise_end=1, strong_end=6, decay=0.5)" in told
     assert "CloughPenzien(period=0.5, damping=0.5, high_pass_period=3" in told
     worst = of_code.ratio[int(abs(of_code.ratio - 1).argmax("period"))]

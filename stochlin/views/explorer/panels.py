@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from stochlin.views.explorer.pictures import Figure
 
 COMPUTING = "Computing ..."
+NO_AXES = {"xaxis": {"visible": False}, "yaxis": {"visible": False}}  # until there is something to draw
 
 
 class Panel:
@@ -37,7 +38,7 @@ class Panel:
                 self._clock = ui.label()
                 self._stop = ui.button("Stop", on_click=lambda: stop(key), color=None)
                 self._stop.props(f'outline dense no-caps aria-label="Stop: {title}" data-stop={key}')
-            self._chart = ui.plotly({"data": [], "layout": {"autosize": True}, "config": {}})
+            self._chart = ui.plotly({"data": [], "layout": {"autosize": True, **NO_AXES}, "config": {}})
             self._chart.classes("chart").props(f'role=img aria-label="{what}"')
             self._words = ui.label().classes("about")
         self.wait()
