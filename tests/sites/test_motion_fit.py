@@ -83,7 +83,7 @@ def test_motions_carry_the_energy_of_records_that_were_measured():
     [
         (lambda r: sl.fit_motion(r.values), TypeError, "ndarray; allowed: an xarray.DataArray"),
         (lambda r: sl.fit_motion(r[:150]), ValueError, "record lasts 1.5 s; allowed: 2 s or more"),
-        (lambda r: sl.fit_motion(r, "square"), ValueError, "model = 'square' is not known; allowed"),
+        (lambda r: sl.fit_motion(r, "square"), ValueError, "envelope = 'square' is not known; allowed"),
         (lambda r: sl.fit_motion(r, filters=0), ValueError, "filters = 0"),
         (
             lambda r: sl.compare_motions(r, GROUND),

@@ -30,7 +30,7 @@ class _Unknown(NamedTuple):
 
 
 # For each model, a function that makes the envelope from the unknowns, and the unknowns.
-_MODELS: dict[str, tuple[Callable[..., Envelope], tuple[_Unknown, ...]]] = {
+FITTED_ENVELOPES: dict[str, tuple[Callable[..., Envelope], tuple[_Unknown, ...]]] = {
     "amin_ang": (
         lambda rise, strong, decay: AminAng(rise, rise + strong, 1 / decay),
         (_Unknown(True, (0.05, 0.3)), _Unknown(True, (0.1, 0.4)), _Unknown(True, (0.05, 0.3))),
@@ -48,7 +48,9 @@ _MODELS: dict[str, tuple[Callable[..., Envelope], tuple[_Unknown, ...]]] = {
 
 
 @checked
-def fit_envelope(record: xr.DataArray, model: Annotated[str, OneOf(_MODELS)] = "amin_ang") -> Envelope:
+def fit_envelope(
+    record: xr.DataArray, model: Annotated[str, OneOf(FITTED_ENVELOPES)] = "amin_ang"
+) -> Envelope:
     """Envelope fitted to the cumulative energy of a record.
 
     The fit is by least squares on the cumulative ``Int m^2 dt`` of the envelope ``m`` over its total,
@@ -89,7 +91,7 @@ def fit_envelope(record: xr.DataArray, model: Annotated[str, OneOf(_MODELS)] = "
     6.0
     """
     values, dt = checked_record(record)
-    make, unknowns = _MODELS[model]
+    make, unknowns = FITTED_ENVELOPES[model]
     time = dt * np.arange(values.size)
     chosen = np.unique(np.linspace(0, values.size - 1, POINTS).astype(int))
     target = _build_up(values, dt)[chosen]

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.envelope_fit import fit_envelope
+from stochlin.analyses.records.envelope_fit import FITTED_ENVELOPES, fit_envelope
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.records.records import checked_record, strong_samples
 from stochlin.analyses.records.response import response_spectrum
@@ -26,6 +26,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import (
     Duration,
+    OneOf,
     Paths,
     Scatter,
     Seed,
@@ -83,7 +84,7 @@ class FittedMotion:
 @checked
 def fit_motion(
     record: xr.DataArray,
-    envelope: str = "amin_ang",
+    envelope: Annotated[str, OneOf(FITTED_ENVELOPES)] = "amin_ang",
     *,
     filters: Annotated[int, Whole(1, 3)] = FILTERS,
     seed: Seed = 0,
