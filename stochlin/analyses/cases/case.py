@@ -226,7 +226,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     Parameters
     ----------
     path : str or path
-        Path of the case file, TOML as in `example_case`. Values with a unit are texts such as
+        Path of the case file, TOML as in `stochlin.example_case`. Values with a unit are texts such as
         ``"0.8 s"``; paths of records are relative to the file. Nothing in the file is evaluated as code.
 
     Returns
