@@ -104,7 +104,10 @@ from .analyses.separation.critical_gap import critical_gap as critical_gap
 from .analyses.separation.energy_gap import energy_gap as energy_gap
 from .analyses.separation.added_damping import damping_for_gap as damping_for_gap
 from .analyses.cases.case import read_case as read_case
-from .analyses.cases.examples import example_case as example_case, example_record as example_record
+from .analyses.cases.examples import (
+    example_case as example_case,
+    example_record as example_record,
+)
 
 # Formulas and rules by name
 from .analyses.correlation.correlation import rho_white_noise as rho_white_noise
