@@ -30,10 +30,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.tables.checks import check_whole
 from stochlin.analyses.tables.toml import read_toml
 from stochlin.messages import brief, listed
-from stochlin.models.arguments import check_label, is_number, is_whole
+from stochlin.models.arguments import Whole, check_label, is_number, is_whole
 from stochlin.models.grounds import GROUNDS, Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
@@ -108,7 +107,7 @@ def specification(data: Mapping[str, Any]) -> AtlasSpecification:
     title = data.get("title", "Correlation of two structures")
     check_label("title", title)
     block = data.get("block_cells", BLOCK_CELLS)
-    check_whole("block_cells", block, 1)
+    Whole(1)("block_cells", block)
     parameters = data.get("parameters")
     if not isinstance(parameters, Mapping):
         raise ValueError("[parameters] is missing; it needs period_1, period_2 and damping at least")

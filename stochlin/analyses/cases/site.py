@@ -42,7 +42,7 @@ from stochlin.analyses.sites.motion_fit import (
     fit_motion,
 )
 from stochlin.analyses.sites.spectrum_fit import MOST_FILTERS
-from stochlin.analyses.tables.checks import check_scatter
+from stochlin.models.arguments import SCATTER
 from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, ParallelGround, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground
@@ -284,7 +284,7 @@ def read_scatter(motion: Section, usual: float) -> float:
     """Scatter of the ground acceleration between motions [-], or its default."""
     scatter = motion.values.get("scatter", usual)
     try:
-        check_scatter(scatter)
+        SCATTER("scatter", scatter)
     except ValueError as error:
         raise motion.error("scatter", f"cannot be used: {error}") from error
     return float(scatter)

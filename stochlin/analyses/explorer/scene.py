@@ -42,9 +42,10 @@ from stochlin.analyses.explorer.sites import OF_FILE as OF_SPECTRUM_FILE
 from stochlin.analyses.linearization.strength import reduction_factor, strength_in_metres
 from stochlin.analyses.linearization.transient_systems import check_course
 from stochlin.analyses.sites.spectra import USUAL_DAMPING
-from stochlin.analyses.tables.checks import check_confidence, check_duration, check_scatter, check_whole
+from stochlin.analyses.tables.checks import check_duration
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
+from stochlin.models.arguments import SCATTER, Whole
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import ENVELOPES, AminAng, Envelope, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import GROUNDS, Ground, KanaiTajimi, ParallelGround
@@ -70,11 +71,11 @@ COEFFICIENT = Range(
     upper=PLAUSIBLE["base_shear_coefficient"].high, include_upper=True, reason="a share of the weight"
 )
 WHOLE = {
-    "paths": (FEWEST_PATHS, MOST_PATHS),
-    "storey_count_1": (1, MOST_STOREYS),
-    "storey_count_2": (1, MOST_STOREYS),
+    "paths": Whole(FEWEST_PATHS, MOST_PATHS),
+    "storey_count_1": Whole(1, MOST_STOREYS),
+    "storey_count_2": Whole(1, MOST_STOREYS),
 }
-"""Whole numbers of a scene, with the least and the largest."""
+"""Whole numbers of a scene, with their limits."""
 DURATION = Range(1.0, 300.0, True, True)
 SOIL = KanaiTajimi.allowed("damping")
 
@@ -220,10 +221,9 @@ class Scene(Model):
         for name, allowed in chosen.items():
             if (value := getattr(self, name)) not in allowed:
                 raise ValueError(f"{name} = {brief(value)} is not known; allowed: {', '.join(allowed)}")
-        for name, (lowest, highest) in WHOLE.items():
-            check_whole(name, getattr(self, name), lowest, highest)
-        check_confidence(self.confidence)
-        check_scatter(self.scatter)
+        for name, limits in WHOLE.items():
+            limits(name, getattr(self, name))
+        SCATTER("scatter", self.scatter)
         check_course(self.duration, self.motion_envelope())
         first, second = self.structures()
         check_duration(self.duration, {"building 1": first, "building 2": second})

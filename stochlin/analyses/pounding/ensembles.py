@@ -16,7 +16,6 @@ from stochlin.analyses.pounding.summaries import summary
 from stochlin.analyses.pounding.variables import STATISTICS
 from stochlin.analyses.records.cells import RECORD, RecordedMotions, Records, checked_motions
 from stochlin.analyses.simulation.finite_motions import (
-    ENDS,
     Columns,
     exceedance,
     keeping_apart,
@@ -136,7 +135,7 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     table = table.assign(columns).assign_coords(quantile=labels.axis("quantile", "quantile", levels))
     hits = good.impacts_between.rename({over: PATH})
     shares = exceedance(hits, 0.0).rename(
-        {f"probability{end}": f"pounding_probability{end}" for end in ENDS}
+        {f"probability{end}": f"pounding_probability{end}" for end in labels.VALUE_AND_ENDS}
     )
     return table.assign({**shares.data_vars, **keeping_apart(hits, 0.0)})
 

@@ -17,7 +17,8 @@ from stochlin.kernels.simulation.contacts import ForceLaw, forces
 from stochlin.kernels.simulation.laws import SLACK
 from stochlin.models.links import Link
 
-FLOOR, STRUCTURE, CONTACT, LINK, WHOLE = "floor", "structure", "contact", "link", ""
+FLOOR, STRUCTURE, CONTACT, LINK = "floor", "structure", "contact", "link"
+OF_ROW = ""  # in place of a dimension, for a number of the row of buildings
 Quantities = dict[str, tuple[str, Any]]
 """Values by name, each with its last dimension; FLOOR also stands for the structure."""
 
@@ -89,12 +90,12 @@ def _course(standing: Standing, response: RowResponse) -> Quantities:
     linked: Quantities = {}
     if row.parts.spring.size:
         values["link_force"] = LINK, _link_forces(standing, force, rate, drag)
-        linked["link_stored_energy"] = WHOLE, stored[:, n:].sum(axis=1)
-        linked["link_lost_energy"] = WHOLE, kept[:, to.drained : to.lost].sum(axis=1)
+        linked["link_stored_energy"] = OF_ROW, stored[:, n:].sum(axis=1)
+        linked["link_lost_energy"] = OF_ROW, kept[:, to.drained : to.lost].sum(axis=1)
     return values | {
-        "contact_stored_energy": (WHOLE, squeezed),
-        "contact_lost_energy": (WHOLE, kept[:, to.lost : to.missing].sum(axis=1)),
-        "energy_balance_error": (WHOLE, imbalance),
+        "contact_stored_energy": (OF_ROW, squeezed),
+        "contact_lost_energy": (OF_ROW, kept[:, to.lost : to.missing].sum(axis=1)),
+        "energy_balance_error": (OF_ROW, imbalance),
         **linked,
         "contact_force": (CONTACT, pushed),
     }

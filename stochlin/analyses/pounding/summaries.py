@@ -10,8 +10,8 @@ from stochlin.analyses.pounding.histories import (
     CONTACT,
     FLOOR,
     LINK,
+    OF_ROW,
     STRUCTURE,
-    WHOLE,
     Quantities,
     energy_transferred,
 )
@@ -30,7 +30,7 @@ def summary(standing: Standing, outcomes: Sequence[Outcome]) -> Quantities:
     values = _peaks(standing, response, alone) | _tallies(standing, response)
     values |= _columns(standing, response)
     if coarse:
-        values["step_error"] = WHOLE, step_error(standing, coarse[0], response)
+        values["step_error"] = OF_ROW, step_error(standing, coarse[0], response)
     return values
 
 
@@ -67,7 +67,7 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     values["amplification"] = FLOOR, growth
     if standing.row.parts.spring.size:
         values["peak_link_force"] = LINK, response.of(response.to.pull, response.to.entering)
-    return values | {"energy_balance_error": (WHOLE, response.numbers[response.to.imbalance])}
+    return values | {"energy_balance_error": (OF_ROW, response.numbers[response.to.imbalance])}
 
 
 def _tallies(standing: Standing, response: RowResponse) -> Quantities:

@@ -33,6 +33,7 @@ from stochlin.analyses.simulation.finite_motions import (
 )
 from stochlin.analyses.simulation.structures_in_motion import structures_in_motion
 from stochlin.analyses.simulation.views import displacements, pairs_of, view_of
+from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
@@ -205,5 +206,5 @@ def _simulated_gaps(largest: Array, pair: xr.DataArray, confidence: float) -> di
     gaps = quantile_intervals(largest, np.array([confidence]))
     return {
         f"required_gap_simulated{ending}": spread_over(values, pair)
-        for ending, (values,) in zip(("", "_lower", "_upper"), gaps, strict=True)
+        for ending, (values,) in zip(labels.VALUE_AND_ENDS, gaps, strict=True)
     }

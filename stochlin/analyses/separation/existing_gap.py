@@ -39,7 +39,6 @@ from stochlin.models.uncertain import applied, median_of
 
 STRENGTHS = np.geomspace(1 / 8, 8, 13)  # factors of both reduction factors
 AS_BUILT = 6  # index of the factor 1 among these
-ENDS = "", "_lower", "_upper"
 AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors of the ground acceleration
 DAMPINGS = np.linspace(0, 0.4, 9)  # damping ratios added to both structures
 MOST_DAMPING = 0.999  # largest total damping ratio of a structure
@@ -169,7 +168,7 @@ def existing_gap(
             **{
                 f"{name}{which}{number}": value
                 for (name, number), interval in limits.items()
-                for which, value in zip(ENDS, interval, strict=True)
+                for which, value in zip(labels.VALUE_AND_ENDS, interval, strict=True)
             },
         }
     )

@@ -43,7 +43,6 @@ RUNS_AWAY = (
 )
 Column = tuple[Sequence[str], Array]  # dimensions, and values over them
 Columns = dict[str, Column]
-ENDS = "", "_lower", "_upper"  # endings of the names of a quantity and its 95 % interval
 ENVELOPES, RESULTS = 6, 6  # numbers that are in memory at once for each step, and for each peak
 
 
@@ -367,5 +366,5 @@ def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Arr
 
 def quantile_columns(name: str, over: Sequence[Any], samples: Array, levels: Array) -> Columns:
     """Quantiles of a variable along the first axis, and the ends of their 95 % intervals."""
-    intervals = zip(ENDS, quantile_intervals(samples, levels), strict=True)
+    intervals = zip(labels.VALUE_AND_ENDS, quantile_intervals(samples, levels), strict=True)
     return {f"{name}_quantile{end}": (("quantile", *over), values) for end, values in intervals}

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from stochlin.messages import brief
-from stochlin.models.arguments import DURATION, PROBABILITY, SCATTER, Whole
+from stochlin.models.arguments import DURATION
 from stochlin.models.parameters import Model
 from stochlin.models.systems import AnyStructure, first_period
 
@@ -61,18 +61,3 @@ def check_existing(gap: float, duration: float, structures: Mapping[str, AnyStru
         exchanged = duration < 1 <= gap
         hint = f"; gap = {gap:g} m: are duration and gap exchanged?" if exchanged else ""
         raise ValueError(f"{error}{hint}") from error
-
-
-def check_whole(name: str, value: object, lowest: int, highest: int | None = None) -> None:
-    """Raise a ValueError unless ``value`` is a whole number from ``lowest`` to ``highest``."""
-    Whole(lowest, highest)(name, value)
-
-
-def check_confidence(confidence: object) -> None:
-    """Raise a ValueError unless ``confidence`` is a probability between 0 and 1."""
-    PROBABILITY("confidence", confidence)
-
-
-def check_scatter(scatter: object) -> None:
-    """Raise a ValueError unless ``scatter`` is a standard deviation of the logarithm of the motions."""
-    SCATTER("scatter", scatter)

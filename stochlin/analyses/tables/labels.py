@@ -65,6 +65,7 @@ CURES = {
 # may have different meanings in two rooms.
 Variables = Mapping[str, tuple[str, str]]
 ENDS = {"lower": "lower end of the 95 % interval", "upper": "upper end of the 95 % interval"}
+VALUE_AND_ENDS = ("", *(f"_{end}" for end in ENDS))  # endings of the names of a number and its interval
 
 
 def axis(name: str, long_name: str, values: Any, units: str = "1") -> xr.DataArray:

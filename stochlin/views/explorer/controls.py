@@ -27,7 +27,6 @@ from stochlin.analyses.explorer.sites import (
     TYPES,
     G,
 )
-from stochlin.analyses.tables.checks import check_whole
 from stochlin.messages import brief
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
@@ -94,7 +93,7 @@ class Control(NamedTuple):
             raise ValueError(f"= {brief(shown)} is no number; allowed: {self.range}") from error
         if self.name in WHOLE:
             whole = int(value) if value.is_integer() else value
-            check_whole("", whole, *WHOLE[self.name])
+            WHOLE[self.name]("", whole)
             return whole
         if not ALLOWED[self.name].metadata["allowed"].contains(value):
             raise ValueError(f"= {shown} is out of range; allowed: {self.range}")
@@ -104,7 +103,8 @@ class Control(NamedTuple):
     def range(self) -> str:
         """The allowed entries, in words."""
         if self.name in WHOLE:
-            return "a whole number from {} to {}".format(*WHOLE[self.name])
+            limits = WHOLE[self.name]
+            return f"a whole number from {limits.lowest} to {limits.highest}"
         allowed = ALLOWED[self.name].metadata["allowed"]
         scale = SCALES.get(self.unit, 1.0)
         return str(

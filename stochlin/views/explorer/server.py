@@ -37,7 +37,7 @@ TINY = Scene(
     storey_count_2=1,
     duration=2.0,
     envelope=NONE,
-    paths=WHOLE["paths"][0],
+    paths=WHOLE["paths"].lowest,
 )
 PATIENCE = 30.0  # s that a page may take to connect, on a machine that is busy
 

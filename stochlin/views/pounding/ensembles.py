@@ -11,6 +11,7 @@ import xarray as xr
 from stochlin.analyses.cases.pounding import is_oscillator
 from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.records.files import METRES
+from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.views.pounding.floors import ALONE as THIN
 from stochlin.views.pounding.floors import LINE, NAME, WIDTH, levels_of, looks_of, profile
 from stochlin.views.pounding.pictures import caption_of
@@ -162,7 +163,7 @@ def _row(name: str, table: xr.Dataset, stem: str, scale: float) -> list[str]:
     """Mean with its error, and quantiles with their intervals."""
     mean, error = (scale * float(table[f"{stem}_mean{end}"]) for end in ("", "_standard_error"))
     cells = [MISSING if np.isnan(mean) else f"{_digits(mean)} +- {error:.2g}"]
-    ends = (scale * table[f"{stem}_quantile{end}"].values for end in ("", "_lower", "_upper"))
+    ends = (scale * table[f"{stem}_quantile{end}"].values for end in VALUE_AND_ENDS)
     for value, low, high in zip(*ends, strict=True):
         between = f"{_digits(low)}-{_digits(high)}" if np.isfinite(high) else f"over {_digits(low)}"
         cells.append(MISSING if np.isnan(value) else f"{_digits(value)} ({between})")

@@ -344,9 +344,9 @@ def _strength(found: xr.Dataset, table: xr.Dataset) -> list[str]:
     return [f"Strength: {text}"]
 
 
-def _with_interval(found: xr.Dataset, name: str, end: str = "") -> str:
+def _with_interval(table: xr.Dataset, name: str, of: str = "") -> str:
     """A value and its 95 % interval."""
-    value, low, high = (float(found[f"{name}{which}{end}"]) for which in ("", "_lower", "_upper"))
+    value, low, high = with_interval(table, name, of)
     return f"{value:.3g} [{low:.3g} to {high:.3g}]" if low < high else f"{value:.3g}"
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stochlin.analyses.records.files import METRES
+from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.views.shared.blocks import Text, ViewSection
 
@@ -56,9 +57,9 @@ def length(metres: float) -> str:
     return f"{centimetres(metres)}{SPACE}cm"
 
 
-def with_interval(table: xr.Dataset, name: str) -> tuple[float, float, float]:
-    """A number of a table, and the ends of its interval."""
-    value, low, high = (float(table[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
+def with_interval(table: xr.Dataset, name: str, of: str = "") -> tuple[float, float, float]:
+    """A number of a table, and the ends of its interval; ``of`` is the end of their names."""
+    value, low, high = (float(table[f"{name}{end}{of}"]) for end in VALUE_AND_ENDS)
     return value, low, high
 
 

@@ -46,7 +46,7 @@ def over_records(separations: xr.DataArray, gap: float, confidence: float) -> xr
     levels = np.unique([*LEVELS, confidence])
     quantiles = quantile_intervals(separations.to_numpy(), levels)
     table = xr.Dataset(coords={"quantile": labels.axis("quantile", "quantile", levels)})
-    for end, values in zip(("", "_lower", "_upper"), quantiles, strict=True):
+    for end, values in zip(labels.VALUE_AND_ENDS, quantiles, strict=True):
         table[f"record_gap_quantile{end}"] = "quantile", values
     held = keeping_apart(separations.rename(record="path"), gap)
     table = table.assign({f"record_{name}": share for name, share in held.items()})
