@@ -14,8 +14,8 @@ import stochlin as sl
 from stochlin.analyses.cases.buildings import StoreyBuilding
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.contacts import CONTACTS, read_contact
+from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.cases.pounding import pound_case
-from stochlin.analyses.cases.values import Section
 from stochlin.messages import DoubtfulInput
 
 pytestmark = pytest.mark.invariant
@@ -325,10 +325,10 @@ WRONG = {
         "[building_1]",
         ["has no strength", "yield_drifts"],
     ),
-    "storeys with a period": (
-        with_buildings(ELASTIC[0] + 'period = "1 s"\n', ELASTIC[1]),
-        "period",
-        ["building_1.period", "is not a key that is known here", "yield_drifts"],
+    "strength of elastic storeys": (
+        with_buildings(ELASTIC[0] + "strength_factor = 2\n", ELASTIC[1]),
+        "strength_factor",
+        ["building_1.strength_factor", "is not a key that is known here", "yield_drifts"],
     ),
     "drifts without hardening": (
         with_buildings(STOREYS.format(1, 'yield_drifts = "1 cm"'), ELASTIC[1]),

@@ -14,10 +14,11 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.files.quantities import UNITS, Quantity
+from stochlin.analyses.cases.files.sections import Section, key_lines
 from stochlin.analyses.cases.pounding import pound_case
 from stochlin.analyses.cases.probability import judge_gap
 from stochlin.analyses.cases.separation import answer_case, rms_acceleration
-from stochlin.analyses.cases.values import UNITS, Quantity, Section, key_lines
 from stochlin.analyses.explorer.case_scene import scene_of
 from stochlin.messages import DoubtfulInput
 from stochlin.models.parameters import Range
@@ -337,13 +338,13 @@ WRONG = {
         "[building_2]",
         "[building_1]  # again",
         "[building_1]  # again",
-        ["'[building_1]' is already given in line 104", "such as [building_2]"],
+        ["'[building_1]' is already given in line 106", "such as [building_2]"],
     ),
     "key twice": (
         "storeys = 8",
         "storeys = 8\nstoreys  = 8",
         "storeys  =",
-        ["'storeys' is already given in line 119", "each key once"],
+        ["'storeys' is already given in line 121", "each key once"],
     ),
     "dotted key": ("[contact]", "[contact]\na.b.c = 3", "a.b.c", ["contact.a is not a key"]),
     "dotted table": ("title =", "mitigations.a = 1\ntitle =", "mitigations.a", ["mitigations is not a"]),

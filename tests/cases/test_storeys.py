@@ -248,8 +248,8 @@ WRONG = {
     ),
     "keys of both ways": (
         REGULAR + 'masses = ["1 t", "1 t", "1 t", "1 t"]\n',
-        "period",
-        ["is not a key that is known here, and neither are floor_mass, base_shear", "where storey_heig"],
+        "floor_mass",
+        ["is not a key that is known here, and neither is base_shear", "where storey_heig"],
     ),
     "drifts of a regular one": (
         REGULAR.replace('base_shear_coefficient = "15 %"', 'yield_drifts = "1 cm"'),
@@ -441,3 +441,14 @@ def test_floors_that_are_not_level_are_told(tmp_path: Path) -> None:
     three = of_levels(1, [4, 3]), of_levels(2, [4, 3, 5, 5]), OSCILLATOR.replace("2]", "3]", 1)
     with_unknown = "\n".join(three).replace("storeys = 5", "")
     assert not floors(read(tmp_path, with_unknown, gaps='["5 cm", "5 cm"]'))  # 3.5 and 4.25 m, but level
+
+
+def test_storeys_take_a_measured_period_and_another_strength(tmp_path: Path) -> None:
+    """Stiffnesses in one proportion, and yield shears that a period leaves alone."""
+    measured = SINGLE.replace("masses", 'period = "0.3 s"\nstrength_factor = 1.2\nmasses', 1)
+    drawn, tuned = (read(tmp_path, REGULAR, s).second.structure for s in (SINGLE, measured))
+    assert float(tuned.periods()[0]) == pytest.approx(0.3, rel=1e-12)
+    stiffer = tuned.stiffnesses / drawn.stiffnesses
+    np.testing.assert_allclose(stiffer, float(drawn.periods()[0] / 0.3) ** 2, rtol=1e-12)
+    shears = [building.yield_drifts * building.stiffnesses for building in (drawn, tuned)]
+    np.testing.assert_allclose(shears[1], 1.2 * shears[0], rtol=1e-12)

@@ -9,6 +9,9 @@ from dataclasses import dataclass, field
 from itertools import count
 from typing import Any
 
+from stochlin.analyses.cases.files.quantities import Quantity
+from stochlin.analyses.cases.files.schema import GAP
+from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.cases.storeys import (
     OF_STOREYS,
     StoreyBuilding,
@@ -16,18 +19,14 @@ from stochlin.analyses.cases.storeys import (
     storey_keys,
     strength_key,
 )
-from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.linearization.strength import DuctilityTarget, strength_for_ductility
 from stochlin.models.grounds import Ground
 from stochlin.models.laws import laws_in_numbers
-from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import Structure
 from stochlin.models.uncertain import UncertainModel, applied, median_of
 
 STRENGTHS = ("reduction_factor", "yield_displacement", "ductility", "elastic")
-LENGTH = Quantity("m", POSITIVE, PLAUSIBLE["height"])
-OPEN_OR_TOUCHING = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["existing"])
 MOST_SHOWN = 5  # gaps in an example
 _NUMBERED = re.compile(r"building_([1-9]\d*)")
 
@@ -124,7 +123,7 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
     if key not in wanted:
         return ()
     listed = isinstance(wanted.values[key], list)
-    gaps = wanted.numbers(key, OPEN_OR_TOUCHING) if listed else [wanted.number(key, OPEN_OR_TOUCHING)]
+    gaps = wanted.numbers(key, GAP) if listed else [wanted.number(key, GAP)]
     if len(gaps) != max(count - 1, 1):
         if count == 1:
             raise wanted.error(
@@ -163,18 +162,18 @@ def _oscillator(section: Section, number: int) -> Building:
     by_ductility = strength == "ductility"
     quantity = Quantity.declared(DuctilityTarget, "ductility")
     ductility = section.number("ductility", quantity) if by_ductility else None
-    storeys = section.whole("storeys", 1) if "storeys" in section else None
+    storeys = section.read("storeys")
     mass, plausible = structure.mass, PLAUSIBLE["mass"]
     if mass and storeys and plausible.holds(mass) and (doubt := plausible.doubt(mass / storeys)):
         section.doubt(
             "mass", f"is doubtful: it is {mass / storeys:.6g} kg for each of {storeys} storeys; {doubt}"
         )
     return Building(
-        name=section.text("name", default=f"Building {number}"),
+        name=section.read("name") or f"Building {number}",
         structure=structure,
         uncertain=described if isinstance(described, UncertainModel) else None,
         strength=strength,
-        height=section.number("height", LENGTH) if "height" in section else None,
+        height=section.read("height"),
         storeys=storeys,
         ductility=ductility,
         section=section if by_ductility else None,

@@ -20,10 +20,12 @@ from stochlin.analyses.cases.buildings import (
     read_gaps,
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
+from stochlin.analyses.cases.files.known import Known, name_of
+from stochlin.analyses.cases.files.quantities import Quantity
+from stochlin.analyses.cases.files.sections import Section, read_sections
 from stochlin.analyses.cases.site import FITTED, CaseSite, read_scatter, read_site, usual_scatter
 from stochlin.analyses.cases.sites.strength import HAZARD_EXAMPLE
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
-from stochlin.analyses.cases.values import Quantity, Section, read_sections
 from stochlin.analyses.risk.risk import check_target
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.models.contacts import Contact
@@ -31,20 +33,18 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.hazards import Hazard
 from stochlin.models.measures import Measure
-from stochlin.models.parameters import POSITIVE, Range
+from stochlin.models.parameters import POSITIVE
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.models.rules.codes import CODE_RULES, IN_COMMON, ZONES
+from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.codes.families import Numbered
 from stochlin.models.uncertain import UncertainModel
 
-SHARE = Quantity("1", Range(upper=1.0, reason="a probability"))
-FEWEST_PATHS = 100  # smallest number of motions for a quantile with an interval
 TABLES = ("site", "motion", "separation", "simulation", "contact", "measures", "mitigation")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Case:
-    """Content of a case file in SI units; ``file`` is its name, ``gaps`` [m] are the existing gaps.
+    """Content of a case file in SI units; ``gaps`` [m] are the existing gaps.
 
     The ground is fitted and scaled to the wanted strength, where the file asks for this, when it is
     first needed. ``inputs`` are the paths of the file and of the files of its records, which results
@@ -55,7 +55,7 @@ class Case:
     beside its property line use ``one_or_two``.
     """
 
-    file: str
+    whole: Section
     inputs: tuple[Path, ...]
     title: str
     of_site: CaseSite
@@ -75,6 +75,23 @@ class Case:
     measures: Mapping[str, Measure]
     amplification_limit: float | None
     risk: str | float | None = None  # allowed risk, as in `required_gap`
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the other is a case of the same file with the same text."""
+        return isinstance(other, Case) and (self.file, self._text) == (other.file, other._text)
+
+    def __hash__(self) -> int:
+        """Hash of the text."""
+        return hash(self._text)
+
+    @cached_property
+    def _text(self) -> str:
+        return name_of(str(self.inputs[0]), self.whole.values)
+
+    @property
+    def file(self) -> str:
+        """Name of the file."""
+        return self.whole.file
 
     @property
     def site(self) -> str:
@@ -269,39 +286,43 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     ('Annex', 0.6, 0.05)
     """
     path = input_path("path", path)
-    whole = read_sections(path)
+    return case_of(read_sections(path), path, Known())
+
+
+def case_of(whole: Section, path: Path, known: Known) -> Case:
+    """The case of a file with these tables; files that are known are not read again."""
     if "hazard" in whole:
         raise whole.error("hazard", "is of the site; write [site.hazard], below all else of the site")
     keys = building_keys(whole, "title", *TABLES)
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
-    wanted.only("confidence", "existing", "risk", *IN_COMMON, "zone", "numbers", "unverified")
-    of_site = read_site(site, motion, path.parent)
+    wanted.only(*wanted.keys, "risk", "numbers")
+    of_site = read_site(site, motion, path.parent, known)
     buildings = read_buildings(whole, keys)
-    align = wanted.truth("floors_align")
+    align = wanted.read("floors_align")
     slabs = slabs_of_row(buildings)
     if align and slabs:
         wanted.doubt("floors_align", f"is not so: {slabs[0]}; codes are asked as if it were false")
     simulated = whole.section("simulation", needed=False)
-    simulated.only("paths", "seed")
+    simulated.only(*simulated.keys)
     *others, last = (building.name for building in buildings)
     before = ", ".join(others)
     return Case(
-        file=path.name,
+        whole=whole,
         inputs=(path, *of_site.inputs),
-        title=whole.text("title", default=" and ".join(filter(None, [before, last]))),
+        title=whole.read("title") or " and ".join(filter(None, [before, last])),
         of_site=of_site,
         described=buildings,
         scatter=read_scatter(motion, usual_scatter(of_site.name)),
-        confidence=wanted.number("confidence", SHARE),
+        confidence=wanted.read("confidence"),
         gaps=read_gaps(wanted, len(buildings)),
         floors_align=align and not slabs,
-        same_property=wanted.truth("same_property"),
-        same_system=wanted.truth("same_system"),
-        zone=wanted.text("zone", tuple(ZONES)) if "zone" in wanted else None,
+        same_property=wanted.read("same_property"),
+        same_system=wanted.read("same_system"),
+        zone=wanted.read("zone"),
         numbers=_numbers(wanted.section("numbers", needed=False)),
-        unverified=wanted.truth("unverified"),
-        paths=simulated.whole("paths", FEWEST_PATHS, 2048),
-        seed=simulated.whole("seed", 0, 0),
+        unverified=wanted.read("unverified"),
+        paths=simulated.read("paths"),
+        seed=simulated.read("seed"),
         contact=read_contact(whole.section("contact")) if "contact" in whole else None,
         measures=read_measures(whole, buildings),
         amplification_limit=read_amplification_limit(whole),

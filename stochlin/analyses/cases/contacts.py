@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stochlin.analyses.cases.buildings import AnyBuilding
+from stochlin.analyses.cases.files.quantities import Quantity
+from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.cases.storeys import StoreyBuilding
-from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.models.arguments import A_LABEL, is_label, is_whole
 from stochlin.models.contacts import Contact
 from stochlin.models.contacts.base import CONTACTS, DAMPING, RESTITUTION
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
-from stochlin.models.parameters import POSITIVE
 
 NUMBERS = Measure.parameter_names()
 OF_STRENGTH = ("stiffening", "strengthening")
@@ -49,8 +49,8 @@ def read_amplification_limit(whole: Section) -> float | None:
     if "mitigation" not in whole:
         return None
     section = whole.section("mitigation")
-    section.only("amplification_limit")
-    return section.number("amplification_limit", Quantity("1", POSITIVE))
+    section.only(*section.keys)
+    return float(section.read("amplification_limit"))
 
 
 def _quantity(section: Section, kind: type[Contact], name: str) -> Quantity:

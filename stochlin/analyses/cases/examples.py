@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from importlib.resources import files
+
+from stochlin.analyses.cases.files.schema import keys_at
 
 
 def example_case() -> str:
@@ -19,7 +22,8 @@ def example_case() -> str:
     >>> sl.example_case().splitlines()[0]
     '# How far must two buildings stand apart? A case for'
     """
-    return _example("example_case.toml")
+    parts = re.split(r"(?m)^(?=\[)", _example("example_case.toml"))
+    return "".join(_with_other_keys(part) for part in parts)
 
 
 def example_record() -> str:
@@ -46,6 +50,20 @@ def example_record() -> str:
     (2001, 0.01, 3.98)
     """
     return _example("example_record.at2")
+
+
+def _with_other_keys(part: str) -> str:
+    """A table of the example with a line for each key of the schema that its text does not explain."""
+    header = re.match(r"\[([\w.]+)\]", part)
+    keys = keys_at((header[1],)) if header and header[1] != "building_2" else {}
+    said = {name for name in keys if re.search(rf"\b{name}\b", part)}
+    lines = [
+        f"# {name} = {key.example}".ljust(32) + f"# {key.label}"
+        for name, key in keys.items()
+        if name not in said
+    ]
+    text = part.rstrip("\n")
+    return "\n".join([text, *lines]) + part[len(text) :]
 
 
 def _example(name: str) -> str:

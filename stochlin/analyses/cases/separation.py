@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.case import FEWEST_PATHS, Case
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.files.schema import FEWEST_PATHS
 from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.risk.risk import CERTAIN, RiskInputs, SimulatedRisk, Target

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import xarray as xr
 
+from stochlin.analyses.cases.files.known import Known, name_of
+from stochlin.analyses.cases.files.quantities import Quantity
+from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.cases.sites.design_spectrum import (
     SPECTRUM,
     design_spectrum,
-    filters_of,
     ground_of_design,
     spectrum_file,
 )
@@ -30,7 +32,6 @@ from stochlin.analyses.cases.sites.strength import (
     read_goal,
     read_hazard_of,
 )
-from stochlin.analyses.cases.values import Quantity, Section
 from stochlin.analyses.records.ground_fit import fitted_grounds
 from stochlin.analyses.records.spectra import ESTIMATORS
 from stochlin.analyses.sites.ground_fit import fit_ground
@@ -41,18 +42,19 @@ from stochlin.analyses.sites.motion_fit import (
     energy_ratio,
     fit_motion,
 )
-from stochlin.analyses.sites.spectrum_fit import MOST_FILTERS
 from stochlin.models.arguments import SCATTER
 from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, ParallelGround, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.hazards import Hazard
-from stochlin.models.parameters import POSITIVE
 from stochlin.models.uncertain import UncertainModel, median_of
 
 FITTED, NONE, PARALLEL = "fitted", "none", "parallel"
+STRENGTHS = {
+    "eurocode_8": ("ag",),
+    "asce_7": (),
+}  # keys of codes to which accelerations are proportional
 RECORDS = ("records", SUITE)
-TIME = Quantity("s", POSITIVE)
 _LIKE = 0.8, 1.25  # range of the energy of motions over that of a record without a warning
 
 
@@ -69,6 +71,17 @@ class Shaking(NamedTuple):
     ground: Ground
     uncertain: UncertainModel | None
     spectrum: xr.DataArray | None
+
+    def times(self, factor: float) -> Shaking:
+        """The shaking with its accelerations multiplied by a factor."""
+        if factor == 1.0:
+            return self
+        grown = partial(_with_intensity, factor=factor**2)
+        uncertain = self.uncertain.changed(grown) if self.uncertain else None
+        spectrum = self.spectrum
+        if spectrum is not None:
+            spectrum = (factor * spectrum).assign_attrs(spectrum.attrs)
+        return Shaking(grown(self.ground), uncertain, spectrum)
 
 
 @dataclass(frozen=True)
@@ -89,6 +102,7 @@ class CaseSite:
     spectrum: xr.DataArray | None
     given: Any
     written: Course | None
+    known: Known = field(default_factory=Known, repr=False)
 
     @property
     def name(self) -> str:
@@ -114,13 +128,51 @@ class CaseSite:
     @cached_property
     def shaking(self) -> Shaking:
         """The ground as strong as it is wanted, and the spectrum with its strength."""
+        if not self._sought:
+            return self._shaking()
+        shaking, strength = self.known.of(*self._shape, lambda: (self._shaking(), self._strength))
+        return shaking.times(self._strength / strength)
+
+    @property
+    def waits(self) -> bool:
+        """Whether the ground has to be fitted or scaled by simulation when it is first needed."""
+        return self._sought and name_of(*self._shape) not in self.known
+
+    @property
+    def _sought(self) -> bool:
+        """Whether the ground is not given by its parameters alone."""
+        return self.given is None or self.goal is not None
+
+    @property
+    def _strength_key(self) -> str:
+        """The key to whose value the accelerations are proportional; empty if there is none."""
+        if self.goal is not None:
+            return self.goal.key if self.goal.key in ("pga", "sa") else ""
+        return next(
+            (key for key in STRENGTHS.get(self.name, ("scale",)) if self.spectrum is not None), ""
+        )
+
+    @property
+    def _strength(self) -> float:
+        key = self._strength_key
+        return float(self.site.read(key)) if key in self.site else 1.0
+
+    @property
+    def _shape(self) -> tuple[str, Any]:
+        """All of which a fit or a simulation depends but the strength."""
+        site = {key: value for key, value in self.site.values.items() if key != self._strength_key}
+        motion = {key: value for key, value in self.motion.values.items() if key != "scatter"}
+        return "shaking", [site, motion]
+
+    def _shaking(self) -> Shaking:
+        """The shaking, fitted and scaled now."""
         described = self._described()
         ground = median_of(described)
         scaled, spectrum = as_strong_as_asked(self.site, self.goal, ground, self.spectrum, *self.course)
         if not isinstance(described, UncertainModel):
             return Shaking(scaled, None, spectrum)
-        uncertain = described.changed(partial(_as_strong, before=ground, after=scaled))
-        return Shaking(scaled, uncertain, spectrum)
+        old, new = (float(each.arrays()["intensity"]) for each in (ground, scaled))
+        return Shaking(scaled, described.changed(partial(_with_intensity, factor=new / old)), spectrum)
 
     def _described(self) -> Any:
         """The ground before it is scaled to the wanted strength."""
@@ -145,27 +197,31 @@ class CaseSite:
         return {**self.single_records, **scaled_suite(self.site, self.suite, spectrum)}
 
 
-def read_site(site: Section, motion: Section, folder: Path) -> CaseSite:
+def read_site(site: Section, motion: Section, folder: Path, known: Known) -> CaseSite:
     """The tables [site] and [motion], with the records and other files of the site.
 
-    Nothing is fitted or simulated yet. A ValueError names what is not valid.
+    Nothing is fitted or simulated yet, and no file is read that is known. A ValueError names what is not
+    valid.
     """
-    records = recorded_motions(site, folder)
-    spectrum = design_spectrum(site, folder) if SPECTRUM in site else None
+    values = site.values
+    records = known.of("records", values.get("records"), lambda: recorded_motions(site, folder))
+    spectrum = design_spectrum(site, folder, known) if SPECTRUM in site else None
     given, written = None, None
     if motion.values.get("envelope") == FITTED:
         _check_fitted_motion(site, motion, records)
     else:
         envelope = read_envelope(motion)
-        written = Course(motion.number("duration", TIME), envelope)
+        written = Course(motion.read("duration"), envelope)
         if spectrum is None:
             given = read_ground(site, records)
         else:
-            filters_of(site)
-    hazard = read_hazard_of(site, folder)
+            site.read("filters")
+    hazard = known.of(HAZARD, values.get(HAZARD), lambda: read_hazard_of(site, folder))
     if hazard is not None and (doubt := doubtful_hazard(hazard)):
         site.doubt(HAZARD, f"is doubtful: {doubt}")
-    suite, of_suite = read_suite(site, folder, records, spectrum)
+    suite, of_suite = known.of(
+        SUITE, values.get(SUITE), lambda: read_suite(site, folder, records, spectrum)
+    )
     inputs = (
         *spectrum_file(site, folder),
         *hazard_file(site, folder),
@@ -173,7 +229,7 @@ def read_site(site: Section, motion: Section, folder: Path) -> CaseSite:
         *of_suite,
     )
     goal = read_goal(site, hazard)
-    return CaseSite(site, motion, inputs, records, suite, hazard, goal, spectrum, given, written)
+    return CaseSite(site, motion, inputs, records, suite, hazard, goal, spectrum, given, written, known)
 
 
 def read_ground(site: Section, records: Mapping[str, xr.DataArray]) -> Any:
@@ -234,7 +290,7 @@ def _estimator(site: Section) -> str:
 
 def _filters(site: Section) -> int:
     """Number of filters of a ground that is fitted together with its envelope."""
-    return site.whole("filters", 1, FILTERS, MOST_FILTERS)
+    return site.read("filters") or FILTERS
 
 
 def _check_fitted_motion(site: Section, motion: Section, records: Mapping[str, xr.DataArray]) -> None:
@@ -261,10 +317,9 @@ def _doubt_energy(motion: Section, record: xr.DataArray, ground: Ground, course:
         )
 
 
-def _as_strong(ground: Any, before: Ground, after: Ground) -> Any:
-    """A sample of the ground with its intensity scaled by the ratio of ``after`` to ``before``."""
-    old, new = (float(known.arrays()["intensity"]) for known in (before, after))
-    return replace(ground, intensity=ground.intensity * (new / old))
+def _with_intensity(ground: Any, factor: float) -> Any:
+    """The ground with its intensity multiplied by a factor."""
+    return replace(ground, intensity=ground.intensity * factor)
 
 
 def read_envelope(motion: Section) -> Envelope | None:

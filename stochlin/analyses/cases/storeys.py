@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.cases.values import Quantity, Section
+from stochlin.analyses.cases.files.quantities import Quantity
+from stochlin.analyses.cases.files.sections import Section
 from stochlin.messages import listed
+from stochlin.models.arguments import Whole
 from stochlin.models.buildings import MOST_STOREYS, RegularBuilding, ShearBuilding
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.plausible import ANY
-from stochlin.models.systems import slabs_on_columns
-from stochlin.models.uncertain import UncertainModel, median_of
+from stochlin.models.systems import retrofitted, slabs_on_columns
+from stochlin.models.uncertain import UncertainModel, applied, median_of
 
 REGULAR = ("period", "floor_mass", "base_shear_coefficient")
 STOREY_BY_STOREY = ("masses", "stiffnesses", "yield_drifts")
@@ -23,10 +26,12 @@ STOREY_BY_STOREY = ("masses", "stiffnesses", "yield_drifts")
 OF_STOREYS = (
     *("storey_height", "heights", "floor_mass", "base_shear_coefficient"),
     *STOREY_BY_STOREY,
-    *("dampers", "p_delta"),
+    *("dampers", "p_delta", "strength_factor"),
 )
 OF_OSCILLATORS = ("mass", "height", "reduction_factor", "yield_displacement", "ductility")
 EXAMPLES = {"period": '"0.8 s"', "floor_mass": '"400 t"', "storeys": "8", "storey_height": '"3.2 m"'}
+STOREYS = Whole(1, MOST_STOREYS)
+PERIOD = Quantity.declared(RegularBuilding, "period")
 COEFFICIENT = Quantity.declared(RegularBuilding, "base_shear_coefficient")
 DRIFT_LIMIT = 0.1  # largest plausible yield drift over the height of a storey
 
@@ -126,6 +131,8 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
     law = laws[name]
     way = STOREY_BY_STOREY if singly else REGULAR
     keys = [*way, "storeys", "storey_height", "heights", "damping", "hardening", "elastic", "law"]
+    keys += ["period"] if singly else []
+    keys += [] if section.read("elastic") else ["strength_factor"]
     _check_keys(section, [*keys, *law.own_parameters(), "dampers", "p_delta", "name"])
     example = 'yield_drifts = "2 cm", of all storeys or a list' if singly else f"{way[-1]} = 0.15"
     strength = strength_key(section, (way[-1], "elastic"), f"{example}, elastic = true")
@@ -136,7 +143,7 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
         "damping": section.parameter("damping", Quantity.declared(ShearBuilding, "damping")),
         "law": name,
         "law_parameters": {key: section.number_or_list(key, Quantity.declared(law, key)) for key in own},
-        "p_delta": section.truth("p_delta"),
+        "p_delta": section.read("p_delta"),
     }
     if strength != "elastic":
         values["hardening"] = section.parameter(
@@ -147,10 +154,14 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
             "dampers", Quantity.declared(ShearBuilding, "dampers")
         )
     described = (_singly if singly else _regular)(section, strength, values)
+    factor = section.read("strength_factor")
+    period = section.number("period", PERIOD) if singly and "period" in section else None
+    if period is not None or factor != 1:
+        described = applied(partial(_as_built, period=period, factor=factor), described)
     structure = median_of(described)
     if strength != "elastic":
         _doubt_strength(section, strength, structure)
-    known = section.text("name", default=f"Building {number}")
+    known = section.read("name") or f"Building {number}"
     arguments = None if singly else {key: median_of(value) for key, value in values.items()}
     uncertain = described if isinstance(described, UncertainModel) else None
     return StoreyBuilding(known, structure, strength, arguments, uncertain)
@@ -158,7 +169,7 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
 
 def strength_key(section: Section, keys: Sequence[str], example: str) -> str:
     """The key by which the strength is given; a ValueError unless there is exactly one."""
-    elastic = section.truth("elastic")
+    elastic = section.read("elastic")
     present = [key for key in keys if key in section and (key != "elastic" or elastic)]
     if not present:
         raise section.error("", f"has no strength; allowed: one of {example}")
@@ -175,12 +186,10 @@ def _regular(section: Section, strength: str, values: dict[str, Any]) -> Any:
     """A regular building from a few numbers."""
     heights = _heights(section)
     values |= {
-        "period": section.parameter("period", Quantity.declared(RegularBuilding, "period")),
+        "period": section.parameter("period", PERIOD),
         "mass": section.parameter("floor_mass", Quantity.declared(RegularBuilding, "mass")),
         "storey_height": heights,
-        "storeys": len(heights)
-        if isinstance(heights, list)
-        else section.whole("storeys", 1, highest=MOST_STOREYS),
+        "storeys": len(heights) if isinstance(heights, list) else section.whole("storeys", STOREYS),
     }
     if strength != "elastic":
         values[strength] = section.parameter(strength, COEFFICIENT)
@@ -198,6 +207,15 @@ def _singly(section: Section, strength: str, values: dict[str, Any]) -> Any:
             strength, Quantity.declared(ShearBuilding, strength)
         )
     return section.made(ShearBuilding, values)
+
+
+def _as_built(building: Any, period: float | None, factor: float) -> Any:
+    """The building with all stiffnesses in one proportion for a period, and yield shears times a factor.
+
+    The period is that of the first mode without the P-delta effect; it leaves the yield shears alone.
+    """
+    own = float(replace(building, p_delta=False).periods()[0])
+    return retrofitted(building, 1.0 if period is None else (own / period) ** 2, factor)
 
 
 def _heights(section: Section) -> float | list[float]:
@@ -246,7 +264,7 @@ def _check_missing(section: Section, needed: Sequence[str]) -> None:
 def _check_counts(section: Section, keys: Sequence[str]) -> None:
     """Raise a ValueError for a list whose length differs from the number of storeys."""
     if "storeys" in section:
-        count = section.whole("storeys", 1, highest=MOST_STOREYS)
+        count = section.whole("storeys", STOREYS)
         for key in keys:
             values = section.values.get(key)
             if isinstance(values, list) and len(values) != count:

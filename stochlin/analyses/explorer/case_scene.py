@@ -15,11 +15,12 @@ import numpy as np
 
 from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import Case, read_case
+from stochlin.analyses.cases.files.known import Known
+from stochlin.analyses.cases.files.schema import ACCELERATION, TIME
+from stochlin.analyses.cases.files.sections import Section, read_sections
 from stochlin.analyses.cases.site import FITTED, NONE, PARALLEL
 from stochlin.analyses.cases.sites.design_spectrum import SPECTRUM, design_spectrum
-from stochlin.analyses.cases.sites.strength import ACCELERATION, TIME
 from stochlin.analyses.cases.storeys import StoreyBuilding
-from stochlin.analyses.cases.values import Section, read_sections
 from stochlin.analyses.explorer.buildings import OF_FILE, REGULAR, StoreysOfFile
 from stochlin.analyses.explorer.scene import (
     BY_DISPLACEMENT,
@@ -182,7 +183,7 @@ def _scale(case: Case, site: Section) -> float:
         return 1.0
     values = {key: value for key, value in site.values.items() if key != "scale"}
     alone = dataclasses.replace(site, values=values)
-    return float((case.spectrum / design_spectrum(alone, case.inputs[0].parent))[0])
+    return float((case.spectrum / design_spectrum(alone, case.inputs[0].parent, Known()))[0])
 
 
 def _as_measured(scene: Scene, site: Section) -> Scene:

@@ -13,10 +13,10 @@ import numpy as np
 
 from stochlin.analyses.cases.buildings import building_keys, read_buildings
 from stochlin.analyses.cases.contacts import read_measures
+from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.cases.site import PARALLEL
 from stochlin.analyses.cases.sites.records import SCALE_TO, SUITE
 from stochlin.analyses.cases.sites.strength import HAZARD
-from stochlin.analyses.cases.values import Section
 from stochlin.analyses.explorer.buildings import REGULAR
 from stochlin.analyses.explorer.scene import STRENGTHS, Scene
 from stochlin.analyses.explorer.sites import EUROCODE_8, OF_FILE, PGA, S0, G

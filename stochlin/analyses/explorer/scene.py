@@ -11,7 +11,7 @@ from typing import Any
 
 import xarray as xr
 
-from stochlin.analyses.cases.case import FEWEST_PATHS
+from stochlin.analyses.cases.files.schema import FEWEST_PATHS
 from stochlin.analyses.cases.site import NONE, PARALLEL
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.explorer.buildings import (

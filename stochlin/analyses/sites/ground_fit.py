@@ -13,7 +13,6 @@ from stochlin.analyses.records.spectra import STRONG_PART, Part
 from stochlin.analyses.sites.spectra import SHORTEST, checked_spectrum, interpolated, is_spectrum
 from stochlin.analyses.sites.spectrum_fit import (
     LONGEST,
-    MOST_FILTERS,
     POINTS,
     Wanted,
     deliver,
@@ -22,6 +21,7 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.arguments import Duration, Seed, TwoNumbers, Whole, checked
 from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import MOST_FILTERS
 
 _OF_SPECTRA = "clough_penzien"
 _FEWEST_DECADES = 0.5  # smallest range of periods of a spectrum within the range of the fit

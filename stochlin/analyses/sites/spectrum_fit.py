@@ -19,11 +19,10 @@ from stochlin.analyses.sites.simulated_spectra import Motions, peak_acceleration
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope, strong_seconds
-from stochlin.models.grounds import CloughPenzien, Ground, ParallelGround
+from stochlin.models.grounds import MOST_FILTERS, CloughPenzien, Ground, ParallelGround
 from stochlin.models.rules.peak_factors import peak_factor_model
 
 LONGEST, POINTS = 4.0, 72  # longest period [s] and number of periods for which a ground is fitted
-MOST_FILTERS = 3
 GOOD_RMS, GOOD_WORST = 0.02, 0.06  # relative errors at which no further filter is tried
 PATHS = 2048
 STEPS_PER_PERIOD = 16  # of the search; at most 1 % is lost, in the shortest of 24 neighbouring periods

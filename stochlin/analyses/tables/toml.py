@@ -1,10 +1,11 @@
-"""TOML files, read as data; errors state the line."""
+"""TOML files, read as data and written; errors state the line."""
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,7 @@ _CURES = (  # of lines that are no TOML, as they are written, and what to do
         'a value with a unit and any other text stand in quotation marks, such as period = "0.6 s"',
     ),
 )
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
 MOST_BYTES = 2**20  # of a case file or a specification, which a person writes
 
 
@@ -58,6 +60,44 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
         raise ValueError(
             f"{name}, line {line}: '{plain(excerpt)}' is no TOML file's text ({plain(error)}); {cure}"
         ) from error
+
+
+def toml_text(values: Mapping[str, Any]) -> str:
+    """Text of a TOML file with these tables, with all digits of their numbers."""
+    return "\n".join(_lines(values, "")) + "\n"
+
+
+def _lines(values: Mapping[str, Any], place: str) -> Iterator[str]:
+    """Lines of a table: its keys, and then the tables in it."""
+    within = {key: value for key, value in values.items() if _tables(value)}
+    yield from (f"{_key(key)} = {_value(value)}" for key, value in values.items() if key not in within)
+    for key, value in within.items():
+        name = f"{place}{_key(key)}"
+        for table in _tables(value):
+            if isinstance(value, list):
+                yield from ("", f"[[{name}]]")
+            elif not table or not all(map(_tables, table.values())):  # a table of tables needs no line
+                yield from ("", f"[{name}]")
+            yield from _lines(table, f"{name}.")
+
+
+def _tables(value: Any) -> list[Mapping[str, Any]]:
+    """The tables that a value of a TOML file consists of; none for any other value."""
+    tables = value if isinstance(value, list) else [value]
+    return tables if all(isinstance(table, dict) for table in tables) else []
+
+
+def _key(name: str) -> str:
+    return name if _BARE.fullmatch(name) else _value(name)
+
+
+def _value(value: Any) -> str:
+    """Text of a value; texts and truth values are written as in JSON."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_value, value))}]"
+    if isinstance(value, (str, bool)):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(value)
 
 
 def _twice(lines: Sequence[str], number: int) -> str:

@@ -16,6 +16,7 @@ from stochlin.registry import Registry
 
 GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds")
 POSITIVE_DAMPING = Range(reason="an undamped ground has no stationary motion")
+MOST_FILTERS = 3  # in parallel, of a ground that is fitted to a spectrum
 AS_STRUCTURES = ("period", "damping", "hardening", "mass")  # names that parameters of structures have
 
 

@@ -98,7 +98,7 @@ class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic typ
 
     def one(self, text: str, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """The number that a text stands for."""
-        from stochlin.analyses.cases.values import Quantity, in_si
+        from stochlin.analyses.cases.files.quantities import Quantity, in_si
         from stochlin.models.parameters import POSITIVE
 
         try:

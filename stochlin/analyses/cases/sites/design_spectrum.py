@@ -7,21 +7,22 @@ from typing import Any
 
 import xarray as xr
 
+from stochlin.analyses.cases.files.known import Known
+from stochlin.analyses.cases.files.quantities import Quantity
+from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.cases.sites.records import SUITE
-from stochlin.analyses.cases.sites.strength import GOALS, HAZARD, INTENSITY, PEAK, RESPONSE, TIME
-from stochlin.analyses.cases.values import Quantity, Section
+from stochlin.analyses.cases.sites.strength import GOALS, HAZARD, INTENSITY
 from stochlin.analyses.sites.design_spectra import asce_7, eurocode_8
 from stochlin.analyses.sites.ground_fit import fit_ground
 from stochlin.analyses.sites.spectrum_files import read_spectrum
-from stochlin.analyses.sites.spectrum_fit import MOST_FILTERS
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.messages import brief, nearest
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import POSITIVE, Range
+from stochlin.models.parameters import Range
 
 SPECTRUM = "spectrum"
-DAMPING, SCALE = Quantity("1", Range(0.0, 1.0)), Quantity("1", POSITIVE)
+DAMPING = Quantity("1", Range(0.0, 1.0))
 _SHARED = (SPECTRUM, "filters", "records", SUITE)
 _OF_FILES = ("units", "damping", "column", "period_column", "scale")
 
@@ -33,18 +34,13 @@ def spectrum_file(site: Section, folder: Path) -> list[Path]:
     return [folder / site.text(SPECTRUM)]
 
 
-def design_spectrum(site: Section, folder: Path) -> xr.DataArray:
+def design_spectrum(site: Section, folder: Path, known: Known) -> xr.DataArray:
     """The spectrum of the site, by a code or from a file."""
     if "ground" in site:
         raise site.error("ground", "is given beside a spectrum; allowed: one of them, so leave one out")
     name = site.text(SPECTRUM)
     with site.naming(SPECTRUM):
-        return _CODES.get(name, _of_file)(site, folder)
-
-
-def filters_of(site: Section) -> int | None:
-    """Number of filters of the ground, if it is given."""
-    return site.whole("filters", 1, highest=MOST_FILTERS) if "filters" in site else None
+        return _CODES[name](site) if name in _CODES else _of_file(site, folder, known)
 
 
 def ground_of_design(
@@ -53,47 +49,47 @@ def ground_of_design(
     """The ground fitted to the spectrum of the site for the motion of the case."""
     with site.naming(SPECTRUM):
         ground: Ground = fit_ground(
-            spectrum, duration=duration, envelope=envelope, filters=filters_of(site)
+            spectrum, duration=duration, envelope=envelope, filters=site.read("filters")
         )
     return ground
 
 
-def _eurocode_8(site: Section, folder: Path) -> xr.DataArray:
+def _eurocode_8(site: Section) -> xr.DataArray:
     _check_keys(site, ("ag", "soil", "type", "damping"), strength="ag")
-    options: dict[str, Any] = {"type": site.whole("type", 1, 1, 2)}
+    options: dict[str, Any] = {"type": site.read("type")}
     if "damping" in site:
         options["damping"] = site.number("damping", DAMPING)
-    return eurocode_8(site.number("ag", PEAK), site.text("soil", tuple("ABCDE")), **options)
+    return eurocode_8(site.read("ag"), site.read("soil"), **options)
 
 
-def _asce_7(site: Section, folder: Path) -> xr.DataArray:
+def _asce_7(site: Section) -> xr.DataArray:
     _check_keys(site, ("sds", "sd1", "tl"), strength="sds and sd1")
-    sds, sd1 = (site.number(name, RESPONSE) for name in ("sds", "sd1"))
-    return asce_7(sds, sd1, site.number("tl", TIME))
+    return asce_7(site.read("sds"), site.read("sd1"), site.read("tl"))
 
 
-def _of_file(site: Section, folder: Path) -> xr.DataArray:
-    path = input_path("path", folder / site.text(SPECTRUM))
+def _of_file(site: Section, folder: Path, known: Known) -> xr.DataArray:
+    name = site.text(SPECTRUM)
+    path = known.of("file", name, lambda: _existing(site, folder / name))
+    _check_keys(site, (*_OF_FILES, *GOALS), strength="the file and scale, or pga, sa and return_period")
+    options = {key: site.read(key) for key in ("units", "column", "period_column") if key in site}
+    if "damping" in site:
+        options["damping"] = site.number("damping", DAMPING)
+    spectrum = known.of(SPECTRUM, [name, options], lambda: read_spectrum(path, **options))
+    if "scale" not in site:
+        return spectrum
+    return (site.read("scale") * spectrum).assign_attrs(spectrum.attrs)
+
+
+def _existing(site: Section, path: Path) -> Path:
+    """The path of the spectrum; a ValueError if there is no such file."""
     try:
-        path.stat()
+        input_path("path", path).stat()
     except FileNotFoundError as error:
         near = nearest(path.name, _CODES)
         hint = f"did you mean {near}? " if near else ""
         allowed = f"{hint}allowed: {', '.join(_CODES)}, or such a file"
         raise site.error(SPECTRUM, f"is neither a code nor a file beside this one; {allowed}") from error
-    _check_keys(site, (*_OF_FILES, *GOALS), strength="the file and scale, or pga, sa and return_period")
-    options: dict[str, Any] = {}
-    if "units" in site:
-        options["units"] = site.text("units")
-    if "damping" in site:
-        options["damping"] = site.number("damping", DAMPING)
-    for key in ("column", "period_column"):
-        if key in site:
-            options[key] = site.column(key)
-    spectrum = read_spectrum(path, **options)
-    if "scale" not in site:
-        return spectrum
-    return (site.number("scale", SCALE) * spectrum).assign_attrs(spectrum.attrs)
+    return path
 
 
 def _check_keys(site: Section, own: tuple[str, ...], strength: str) -> None:

@@ -7,8 +7,9 @@ from typing import Any
 
 import xarray as xr
 
-from stochlin.analyses.cases.sites.strength import PEAK, RESPONSE, TIME, chosen_key
-from stochlin.analyses.cases.values import Quantity, Section
+from stochlin.analyses.cases.files.schema import READING, TIME
+from stochlin.analyses.cases.files.sections import Section
+from stochlin.analyses.cases.sites.strength import chosen_key
 from stochlin.analyses.records.records import read_record
 from stochlin.analyses.sites.suites import (
     Suite,
@@ -18,21 +19,19 @@ from stochlin.analyses.sites.suites import (
     scaled_record,
 )
 from stochlin.messages import brief
-from stochlin.models.parameters import POSITIVE
 
 SUITE, SCALE_TO = "suite", "scale_to"
-SCALE = Quantity("1", POSITIVE)
 _GOALS = ("pga", "sa", SCALE_TO)
-_READING = ("units", "dt", "column", "time_column")
+_READING = tuple(key.name for key in READING)
 
 
 def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
     """The records by name, in the order of the file."""
     records: dict[str, xr.DataArray] = {}
     for record in site.sections("records"):
-        record.only("path", "name", *_READING, "scale")
-        path = record.text("path")
-        name = record.text("name", default=Path(path).name)
+        record.only(*record.keys)
+        path = record.read("path")
+        name = record.read("name") or Path(path).name
         if name in records:
             raise record.error(
                 "name" if "name" in record else "path", "is used twice; give it another name"
@@ -40,7 +39,7 @@ def recorded_motions(site: Section, folder: Path) -> dict[str, xr.DataArray]:
         with record.naming("path", "cannot be read"):
             records[name] = read_record(folder / path, **_reading(record))
         if "scale" in record:
-            factor = record.number("scale", SCALE)
+            factor = record.read("scale")
             if doubt := doubtful_factor(factor):
                 record.doubt("scale", f"is doubtful: {doubt}")
             records[name] = scaled_record(records[name], factor)
@@ -57,10 +56,10 @@ def read_suite(
     if SUITE not in site:
         return {}, []
     section = site.section(SUITE)
-    section.only("path", *_READING, "skip_unreadable", *_GOALS, "sa_period", "band")
-    path = folder / section.text("path")
+    section.only(*section.keys)
+    path = folder / section.read("path")
     _goal(section, spectrum)
-    skip = section.truth("skip_unreadable")
+    skip = section.read("skip_unreadable")
     with section.naming("path"):
         suite = read_records(path, **_reading(section), skip_unreadable=skip)
     for name in suite:
@@ -87,11 +86,11 @@ def _goal(section: Section, spectrum: xr.DataArray | None) -> dict[str, Any]:
     """Arguments of `scale_records` for the suite; empty if it is not scaled."""
     key = chosen_key(section, _GOALS, {"sa_period": "sa", "band": SCALE_TO})
     if key == "pga":
-        return {key: section.number(key, PEAK)}
+        return {key: section.read(key)}
     if key == "sa":
-        return {key: section.number(key, RESPONSE), "period": section.number("sa_period", TIME)}
+        return {key: section.read(key), "period": section.read("sa_period")}
     if key == SCALE_TO:
-        section.text(key, ("spectrum",))
+        section.read(key)
         if spectrum is None:
             raise section.error(
                 key, "is not there: the site has a ground; allowed: pga, sa, or a site by its spectrum"
@@ -112,10 +111,4 @@ def _band(section: Section) -> tuple[float, ...]:
 
 def _reading(section: Section) -> dict[str, Any]:
     """Arguments of `read_record` for a record, or for each of a suite."""
-    options: dict[str, Any] = {"units": section.text("units")} if "units" in section else {}
-    if "dt" in section:
-        options["dt"] = section.number("dt", TIME)
-    for key in ("column", "time_column"):
-        if key in section:
-            options[key] = section.column(key)
-    return options
+    return {key: section.read(key) for key in _READING if key in section}

@@ -10,23 +10,19 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.values import Quantity, Section
+from stochlin.analyses.cases.files.schema import ACCELERATION, NUMBER, SPECTRAL_DENSITY, YEARS
+from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.risk.risk import simulated_at
 from stochlin.analyses.sites.hazard_files import read_hazard
 from stochlin.analyses.sites.intensity import paths_for, scale_ground
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
-from stochlin.models.hazards import MEASURES, Hazard, HazardCurve, PowerLawHazard, check_curve
-from stochlin.models.parameters import POSITIVE
+from stochlin.models.hazards import Hazard, HazardCurve, PowerLawHazard, check_curve
 from stochlin.models.plausible import OFTEN, PLAUSIBLE, STRONG
 
 INTENSITY, RETURN_PERIOD, HAZARD = "intensity", "return_period", "hazard"
 GOALS = ("pga", "sa", "sa_period", RETURN_PERIOD, HAZARD)  # keys besides or in place of an intensity
-ACCELERATION, TIME = Quantity("m/s^2", POSITIVE), Quantity("s", POSITIVE)
-PEAK, RESPONSE = (ACCELERATION._replace(plausible=PLAUSIBLE[name]) for name in ("pga", "sa"))
-YEARS, NUMBER = Quantity("yr", POSITIVE), Quantity("1", POSITIVE)
-SPECTRAL_DENSITY = Quantity("m^2/s^3", POSITIVE)
 WAYS = {  # kinds of hazard, by the key that distinguishes them, with all keys of each kind
     "file": ("file", "units"),
     "intensities": ("intensities", "frequencies", "return_periods"),
@@ -51,12 +47,12 @@ def read_goal(site: Section, hazard: Hazard | None) -> Goal | None:
     """The wanted intensity by PGA, Sa or a return period; None if the site has none of these."""
     key = chosen_key(site, (INTENSITY, "pga", "sa", RETURN_PERIOD), {"sa_period": "sa"})
     if key == "pga":
-        return Goal(key, {key: site.number(key, PEAK)})
+        return Goal(key, {key: site.read(key)})
     if key == "sa":
-        return Goal(key, _sa(site.number(key, RESPONSE), site.number("sa_period", TIME)))
+        return Goal(key, _sa(site.read(key), site.read("sa_period")))
     if key != RETURN_PERIOD:
         return None
-    years = site.number(key, YEARS)
+    years = site.read(key)
     if hazard is None:
         raise site.error(key, f"needs a hazard; {HAZARD_EXAMPLE}")
     with site.naming(key, "is not in the hazard"):
@@ -142,21 +138,21 @@ def described_hazard(section: Section, folder: Path) -> Hazard:
     section.only(
         "measure", "sa_period", *WAYS[way], elsewhere=[key for keys in WAYS.values() for key in keys]
     )
-    measure = section.text("measure", MEASURES)
+    measure = section.read("measure")
     if "sa_period" in section and measure != "sa":
         raise section.error("sa_period", f"goes with measure = 'sa', not with {measure!r}; leave it out")
     of: dict[str, Any] = {"measure": measure}
     if measure == "sa":
-        of["period"] = section.number("sa_period", TIME)
+        of["period"] = section.read("sa_period")
     if way == "file":
         units = section.text("units", tuple(METRES)) if "units" in section else None
         with section.naming("file"):
-            return read_hazard(folder / section.text("file"), **of, units=units)
+            return read_hazard(folder / section.read("file"), **of, units=units)
     if way == "intensities":
         return _of_points(section, of)
     if "k0" not in section and "k" not in section:
         raise section.error("", f"has no numbers; allowed: one of {HAZARD_EXAMPLES}")
-    k0, k = (section.number(key, NUMBER) for key in ("k0", "k"))
+    k0, k = (section.read(key) for key in ("k0", "k"))
     # k0 is the annual frequency of exceedance of 1 in the unit of the file, for instance 1 g.
     units_of = SPECTRAL_DENSITY.spellings if measure == INTENSITY else METRES
     unit = units_of[section.text("units", tuple(units_of))]
@@ -204,7 +200,7 @@ def _of_points(section: Section, of: Mapping[str, Any]) -> HazardCurve:
 def hazard_file(site: Section, folder: Path) -> list[Path]:
     """Path of the file of the hazard, if there is one."""
     hazard = site.section(HAZARD, needed=False)
-    return [folder / hazard.text("file")] if "file" in hazard else []
+    return [folder / hazard.read("file")] if "file" in hazard else []
 
 
 def _sa(sa: float, period: float) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""Values of a TOML file with units, checked one by one; errors name the file, the line and the key."""
+"""Tables of a TOML file, read key by key; errors name the file, the line and the key."""
 
 from __future__ import annotations
 
@@ -9,10 +9,21 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple, TypeGuard, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
+from stochlin.analyses.cases.files.keys import NEEDED, Column, Key, Place
+from stochlin.analyses.cases.files.quantities import (
+    FROM_TO,
+    NUMBER,
+    SPREAD,
+    Quantity,
+    in_si,
+    is_uncertain,
+    with_unit,
+)
+from stochlin.analyses.cases.files.schema import keys_at
 from stochlin.analyses.tables.toml import BACKSLASH, read_toml
 from stochlin.messages import (
     LONGEST_MESSAGE,
@@ -24,82 +35,17 @@ from stochlin.messages import (
     plain,
     sentence,
 )
-from stochlin.models.arguments import A_LABEL, LARGEST_WHOLE, is_label, is_number, is_whole
-from stochlin.models.parameters import Model, Range
-from stochlin.models.plausible import ANY, PLAUSIBLE, Plausible
+from stochlin.models.arguments import A_LABEL, LARGEST_WHOLE, Whole, is_label, is_whole
+from stochlin.models.parameters import Model
 from stochlin.models.uncertain import Uncertain
 
 One = TypeVar("One", bound=Model)
-Place = tuple[str | int, ...]
-"""Names of the tables that contain a key, and the key; numbers count tables of the same name."""
 
 MOST_LISTED = 32  # of the keys that are allowed
-# Allowed units for each SI unit, with their values in it; the first one is shown in examples.
-UNITS: Mapping[str, Mapping[str, float]] = {
-    "s": {"s": 1.0, "ms": 1e-3},
-    "m": {"cm": 1e-2, "m": 1.0, "mm": 1e-3, "in": 0.0254, "ft": 0.3048},
-    "1/s": {"1/s": 1.0},
-    "kg": {"kg": 1.0, "t": 1e3},
-    "N/m": {"N/m": 1.0, "kN/m": 1e3, "MN/m": 1e6},
-    "N s/m": {"N s/m": 1.0, "kN s/m": 1e3, "MN s/m": 1e6},
-    "m/s^2": {"g": 9.80665, "m/s^2": 1.0, "cm/s^2": 1e-2, "gal": 1e-2},
-    "m^2/s^3": {"m^2/s^3": 1.0, "cm^2/s^3": 1e-4},
-    "yr": {"yr": 1.0, "years": 1.0, "a": 1.0},
-    "1": {"%": 1e-2},
-}
-_OF_POWER = ("N/m^", "N (s/m)^")  # units of nonlinear springs and dashpots, with any exponent
-_COMMA, _THOUSANDS = re.compile(r",\s*\d"), re.compile(r",\d{3}(?!\d)")
-_OTHER_SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": " "})
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
-_SPREAD = re.compile(r"\s*(.+?)\s*(?:\+-|\+/-|±)\s*(\d+\.?\d*|\.\d+)\s*%\s*", re.DOTALL)
-_SIGNS = re.compile(r"\+-|\+/-|±|\bto\b")  # signs of an uncertain value
-_FROM_TO = re.compile(r"\s*(.+?)\s+to\s+(.+?)\s*", re.DOTALL)
 _BARE, _QUOTED = r"[A-Za-z0-9_-]+", r"\"[^\"]*\"|'[^']*'"
 _DOTTED = rf"(?:{_BARE}|{_QUOTED})(?:\s*\.\s*(?:{_BARE}|{_QUOTED}))*"
 _HEADER = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]")
 _KEY = re.compile(rf"\s*({_DOTTED})\s*=")
-
-
-class Quantity(NamedTuple):
-    """SI unit, allowed and plausible range of a value, as declared by the parameters of models."""
-
-    units: str
-    allowed: Range
-    plausible: Plausible = ANY
-
-    @classmethod
-    def declared(cls, kind: type[Model], name: str) -> Quantity:
-        """The quantity of a declared parameter of a model."""
-        return cls(kind.units(name), kind.allowed(name), PLAUSIBLE.get(name, ANY))
-
-    @property
-    def spellings(self) -> Mapping[str, float]:
-        """Allowed units of the quantity, with their values in SI."""
-        if self.units.startswith(_OF_POWER):
-            return {self.units: 1.0, f"k{self.units}": 1e3, f"M{self.units}": 1e6}
-        return UNITS.get(self.units, {self.units: 1.0})
-
-    @property
-    def example(self) -> str:
-        """An example of a value as it is written in a file."""
-        return "0.05" if self.units == "1" else f'"1 {next(iter(self.spellings))}"'
-
-    def ways(self, number: float, shown: str) -> dict[str, float]:
-        """Ways to write a number in a file, with their values in SI; the plausible ones come first."""
-        ways = {f'"{shown} {unit}"': size * number for unit, size in self.spellings.items()}
-        if self.units == "1":
-            ways = {shown: number, f'"{shown} %" or {number / 100:g}': number / 100}
-        allowed = {text: value for text, value in ways.items() if self.allowed.contains(value)} or ways
-        return dict(sorted(allowed.items(), key=lambda way: not self.plausible.holds(way[1])))
-
-    def meant(self, given: Any, value: float) -> str:
-        """Another way to write a number, which is allowed and plausible and may be meant; or nothing."""
-        number, _ = _split(given, self)
-        for text, other in self.ways(number, f"{number:g}").items():
-            fits = self.allowed.contains(other) and self.plausible.holds(other)
-            if fits and not math.isclose(other, value):
-                return f"; did you mean {text}?"
-        return ""
 
 
 @dataclass(frozen=True)
@@ -151,6 +97,26 @@ class Section:
                     warning.message, warning.category, warning.filename, warning.lineno
                 )
 
+    @property
+    def keys(self) -> Mapping[str, Key]:
+        """The keys that the table may have, as the schema says, by name."""
+        return keys_at(self.place)
+
+    def read(self, name: str) -> Any:
+        """The value of a key of the schema, numbers in SI; its default if it is missing and has one."""
+        key = self.keys[name]
+        if name not in self and key.default is not NEEDED:
+            return key.default
+        if isinstance(key.kind, Quantity):
+            return self.number(name, key.kind)
+        if isinstance(key.kind, Whole):
+            return self.whole(name, key.kind)
+        if isinstance(key.kind, type):
+            of_kind: Mapping[type, Callable[[str], Any]]
+            of_kind = {bool: self.truth, str: self.text, Column: self.column}
+            return of_kind[key.kind](name)
+        return self.text(name, key.kind)
+
     def only(self, *allowed: str, elsewhere: Sequence[str] = ()) -> None:
         """Raise a ValueError for a key that is not allowed, and suggest the nearest known one."""
         for key in self.values:
@@ -175,9 +141,9 @@ class Section:
     def parameter(self, key: str, quantity: Quantity) -> float | Uncertain:
         """A number in SI, or an uncertain one such as ``"1 s +- 20 %"`` or ``"0.8 to 1.2 s"``."""
         value = self.values.get(key)
-        if not _is_uncertain(value):
+        if not is_uncertain(value):
             return self.number(key, quantity)
-        spread, ends = _SPREAD.fullmatch(value), _FROM_TO.fullmatch(value)
+        spread, ends = SPREAD.fullmatch(value), FROM_TO.fullmatch(value)
         example = next(iter(quantity.spellings))
         if spread is None and ends is None:
             raise self.error(
@@ -189,19 +155,19 @@ class Section:
             raise self.error(key, f"has a spread of {spread[2]} %; allowed: 0 to 100 %")
         with self.naming(key, "cannot be read"):
             if spread is not None:
-                return Uncertain(_with_unit(spread[1], quantity), float(spread[2]) / 100)
+                return Uncertain(with_unit(spread[1], quantity), float(spread[2]) / 100)
             assert ends is not None
             low, high = ends[1], ends[2]
-            unit_of_high = _NUMBER.fullmatch(high)
-            alone = _NUMBER.fullmatch(low)
+            unit_of_high = NUMBER.fullmatch(high)
+            alone = NUMBER.fullmatch(low)
             if alone and unit_of_high and not alone[2].strip():  # both have the unit of the second
                 low = f"{low} {unit_of_high[2].strip()}"
-            return Uncertain.between(*(_with_unit(text, quantity) for text in (low, high)))
+            return Uncertain.between(*(with_unit(text, quantity) for text in (low, high)))
 
     def parameters(self, key: str, quantity: Quantity) -> list[float] | Uncertain:
         """A list of numbers in SI; uncertain ones have the same spread and a common factor."""
         values = self.values.get(key)
-        if not isinstance(values, list) or not any(map(_is_uncertain, values)):
+        if not isinstance(values, list) or not any(map(is_uncertain, values)):
             return self.numbers(key, quantity)
         alone = (Section(self.file, self.place, {key: value}, self.lines) for value in values)
         each = [section.parameter(key, quantity) for section in alone]
@@ -243,7 +209,7 @@ class Section:
         return self.numbers(key, quantity) if listed else self.number(key, quantity)
 
     def _number(self, key: str, given: Any, quantity: Quantity, which: str = "") -> float:
-        if _is_uncertain(given):
+        if is_uncertain(given):
             raise self.error(
                 key,
                 f"{which}cannot be uncertain; allowed: one number, as {quantity.example}; what "
@@ -298,7 +264,7 @@ class Section:
 
     def column(self, key: str) -> str | int:
         """A column of a file: its name, or its index from 0."""
-        return self.text(key) if isinstance(self.values[key], str) else self.whole(key, 0)
+        return self.text(key) if isinstance(self.values[key], str) else self.whole(key, Whole(0))
 
     def truth(self, key: str, default: bool = False) -> bool:
         """A truth value; the default if it is missing."""
@@ -307,12 +273,9 @@ class Section:
             raise self.error(key, "is neither true nor false; allowed: true, false")
         return value
 
-    def whole(
-        self, key: str, lowest: int, default: int | None = None, highest: int = LARGEST_WHOLE
-    ) -> int:
-        """A whole number from the lowest to the highest; the default if it is missing."""
-        if key not in self and default is not None:
-            return default
+    def whole(self, key: str, limits: Whole) -> int:
+        """A whole number within the limits."""
+        lowest, highest = limits.lowest, limits.highest or LARGEST_WHOLE
         value = self.need(key, str(lowest))
         if not is_whole(value) or not lowest <= value <= highest:
             up = "on" if highest == LARGEST_WHOLE else f"to {highest}"
@@ -338,57 +301,6 @@ class Section:
             what = "is no table" if key in self else "is missing"
             raise self.error(key, f"{what}; allowed: a line [{self.name(key)}] and its keys below it")
         return Section(self.file, place, values, self.lines)
-
-
-def _is_uncertain(given: object) -> TypeGuard[str]:
-    """Whether a value is a text with an uncertain number."""
-    return isinstance(given, str) and _SIGNS.search(given) is not None
-
-
-def in_si(given: Any, quantity: Quantity) -> float:
-    """A number in SI from a value of a file or an option; a ValueError if it is not valid."""
-    value, unit = _split(given, quantity)
-    known = quantity.spellings
-    if _COMMA.match(unit):
-        pointed, whole = (plain(given.strip().replace(",", sign), 40) for sign in (".", ""))
-        thousands = f', or no sign between thousands, as "{whole}"' if _THOUSANDS.match(unit) else ""
-        raise ValueError(f'has a comma; allowed: a decimal point, as "{pointed}"{thousands}')
-    if unit and unit not in known:
-        raise ValueError(f"has the unknown unit {brief(unit)}; allowed: {', '.join(known)}")
-    return value * known[unit] if unit else value
-
-
-def _with_unit(text: str, quantity: Quantity) -> float:
-    """A number in SI from a text with a unit; for a ratio the unit is not needed."""
-    match = _NUMBER.fullmatch(text)
-    bare = quantity.units == "1" and match and not match[2].strip()
-    value = float(text) if bare else in_si(text, quantity)
-    if doubt := quantity.plausible.doubt(value):
-        warnings.warn(doubt, ImplausibleInput, stacklevel=2)
-    return value
-
-
-def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
-    """The number and its unit as written; the unit is empty for a ratio without one."""
-    a_number = is_whole(given) or is_number(given)
-    match = _NUMBER.fullmatch(given) if isinstance(given, str) else None
-    ratio = quantity.units == "1"
-    if a_number and ratio:
-        return (float(given) if is_number(given) else math.inf), ""
-    if match is None and not a_number:
-        allowed = "a number" if ratio else "a text with a number and its unit"
-        raise ValueError(f"is no number; allowed: {allowed}, as {quantity.example}")
-    unit = "" if match is None else match[2].strip().translate(_OTHER_SIGNS)
-    if not unit and not ratio:
-        number = plain(match[1], 20) if match else f"{given:g}" if is_number(given) else brief(given)
-        value = float(match[1]) if match else float(given) if is_number(given) else math.nan
-        suggested = ", ".join(quantity.ways(value, number))
-        raise ValueError(f"has no unit; allowed: a text with one of its units, {suggested}")
-    if match and ratio and not unit:
-        way = next(iter(quantity.ways(float(match[1]), plain(match[1], 20))))
-        bare = "the number without quotation marks, " * (not way.startswith('"'))
-        raise ValueError(f"is a text without a unit; allowed: {bare}{way}")
-    return float(match[1]) if match else float(given), unit
 
 
 def read_sections(path: Path) -> Section:

@@ -1,0 +1,87 @@
+"""Keys of a case file: what each one may say, its default, and its control in the explorer."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from stochlin.analyses.cases.files.quantities import Quantity
+from stochlin.models.arguments import Whole
+from stochlin.models.parameters import Model, Range
+
+Place = tuple[str | int, ...]
+"""Names of the tables that contain a key, and the key; numbers count tables of the same name."""
+
+NEEDED = object()  # default of a key that has none
+
+
+class Column:
+    """Kind of a key that names a column of a file, by its title or by its number from 0."""
+
+
+Kind = Quantity | Whole | tuple[str, ...] | type[bool] | type[str] | type[Column]
+"""What a key may say: a number with its unit, a whole number, one of some words, a text."""
+
+
+class Slider(NamedTuple):
+    """Control of a number in the explorer: range and step of its slider, in ``unit``.
+
+    The entry beside it may go beyond, up to ``limits``; ``about`` is a sentence below it.
+    """
+
+    low: float
+    high: float
+    step: float
+    unit: str = ""
+    limits: Range | Whole | None = None
+    about: str = ""
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of a table; ``title`` is its name for readers, ``default`` its value if it is missing."""
+
+    name: str
+    kind: Kind
+    title: str = ""
+    default: Any = NEEDED
+    slider: Slider | None = None
+
+    @property
+    def label(self) -> str:
+        """Name of the key for a reader."""
+        return self.title or self.name.replace("_", " ").capitalize()
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Ends of the slider, in SI units."""
+        assert self.slider is not None
+        return self.slider.low * self.unit_size, self.slider.high * self.unit_size
+
+    @property
+    def unit_size(self) -> float:
+        """The unit of the slider in SI units."""
+        unit = self.slider.unit if self.slider else ""
+        return self.kind.spellings[unit] if unit and isinstance(self.kind, Quantity) else 1.0
+
+    @property
+    def example(self) -> str:
+        """A value as it may be written in a file."""
+        if isinstance(self.kind, Quantity):
+            return self.kind.example
+        if isinstance(self.kind, Whole):
+            return str(self.kind.lowest)
+        words = {bool: "true", str: '"..."', Column: "0"}
+        return words[self.kind] if isinstance(self.kind, type) else f'"{self.kind[0]}"'
+
+
+def declared(model: type[Model], name: str, title: str = "", slider: Slider | None = None) -> Key:
+    """The key of a parameter of a model, which has its unit and its range from there."""
+    long_name = str(model.__dataclass_fields__[name].metadata["long_name"])
+    return Key(name, Quantity.declared(model, name), title or long_name.capitalize(), slider=slider)
+
+
+def table(*keys: Key) -> Mapping[str, Key]:
+    """The keys by name."""
+    return {key.name: key for key in keys}

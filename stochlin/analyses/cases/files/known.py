@@ -1,0 +1,26 @@
+"""What was read from files, fitted or simulated for a case, kept for other cases of the same files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+Found = TypeVar("Found")
+
+
+class Known(dict[str, Any]):
+    """Results by what they are of: contents of files, and grounds that were fitted or scaled."""
+
+    def of(self, what: str, values: Any, find: Callable[[], Found]) -> Found:
+        """The result for these values of a file, found now if it is not known yet."""
+        key = name_of(what, values)
+        if key not in self:
+            self[key] = find()
+        found: Found = self[key]
+        return found
+
+
+def name_of(what: str, values: Any) -> str:
+    """The name of a result: the same for equal values, which come from a TOML file."""
+    return f"{what} {json.dumps(values, sort_keys=True, default=str)}"
