@@ -10,6 +10,8 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.ext import autosummary
 
 import stochlin
+from stochlin.analyses.cases.files.keys import NEEDED
+from stochlin.analyses.cases.files.schema import TABLES
 
 project = "stochlin"
 author = "The stochlin developers"
@@ -120,6 +122,24 @@ def _list_names(app: Any, page: str, source: list[str]) -> None:
         source[0] = before
 
 
+# The page of case files: its own words, and tables of the keys that the schema declares.
+def _list_keys(app: Any, page: str, source: list[str]) -> None:
+    if page == "case_files":
+        source[0] = re.sub(r"<!-- keys: ([\w.]+) -->", lambda mark: _keys(mark[1]), source[0])
+
+
+def _keys(name: str) -> str:
+    keys = TABLES[name].values()
+    ways = any(key.ways for key in keys)
+    heads = ["key", "what it is", "allowed", "if it is missing"] + ["of"] * ways
+    rows = [heads, ["---"] * len(heads)]
+    for key in keys:
+        default = "" if key.default in (None, NEEDED) else f"`{str(key.default).lower()}`"
+        of = [", ".join(key.ways) or "all"] * ways
+        rows.append([f"`{key.name}`", key.label, key.allowed_in_words, default, *of])
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
 # Formulas in the browser's own MathML: the pages need no network, and no script.
 def _inline(writer: Any, node: nodes.Element) -> None:
     writer.body.append(tex2mathml(node.astext()))
@@ -138,4 +158,5 @@ def _block(writer: Any, node: nodes.Element) -> None:
 def setup(app: Any) -> None:
     """List the names, make the formulas."""
     app.connect("source-read", _list_names)
+    app.connect("source-read", _list_keys)
     app.add_html_math_renderer("mathml", (_inline, None), (_block, None))

@@ -72,12 +72,12 @@ class Browser:
     def enter(self, name: str, text: str) -> None:
         from selenium.webdriver.common.keys import Keys
 
-        self.script("document.querySelector(arguments[0]).select()", f"[data-control={name}]")
+        self.script("document.querySelector(arguments[0]).select()", f'[data-control="{name}"]')
         self.press(text or Keys.DELETE)
         time.sleep(0.5)  # longer than an entry waits for another key
 
     def put_back(self, before: dict[str, str]) -> None:
-        """Enter what was there, so that the next test finds the page as it began."""
+        """Enter what controls said, by their names, so that the next test finds the page as it began."""
         for name, text in before.items():
             self.enter(name, text)
         self.idle()
@@ -89,27 +89,30 @@ class Browser:
         lists = "[...document.querySelectorAll('[role=combobox]')]"
         self.script(f"{lists}.find(e => {find}).focus()", label)
         self.press(Keys.SPACE)
-        choose = """const found = [...document.querySelectorAll('.q-menu [role=option]')]
-            .find(e => e.innerText == arguments[0]); if (found) found.click(); return !!found"""
+        choose = """const option = [...document.querySelectorAll('.q-menu [role=option]')]
+            .find(e => e.innerText == arguments[0]); if (option) option.click(); return !!option"""
         wait(lambda: self.script(choose, text))
         wait(lambda: not self.script("return !!document.querySelector('.q-menu')"))
 
     def shows(self, name: str) -> bool:
-        found = "return document.querySelector(arguments[0]).offsetParent !== null"
-        return bool(self.script(found, f"[data-slider={name}]"))
+        """Whether a control, such as "site.period", is visible."""
+        visible = "return document.querySelector(arguments[0]).offsetParent !== null"
+        return bool(self.script(visible, f'[data-slider="{name}"]'))
+
+    def can_simulate(self) -> bool:
+        """Whether the button that starts the simulation may be pressed."""
+        return bool(self.script("return !document.querySelector('[data-simulate]').disabled"))
 
     def click(self, mark: str) -> None:
         self.driver.find_element("css selector", f"[data-{mark}]").click()
 
     def text(self, mark: str) -> str:
-        return str(
-            self.script("return document.querySelector(arguments[0]).textContent", f"[data-{mark}]")
-        )
+        text = "return document.querySelector(arguments[0]).textContent"
+        return str(self.script(text, f"[data-{mark}]"))
 
     def value(self, name: str) -> str:
-        return str(
-            self.script("return document.querySelector(arguments[0]).value", f"[data-control={name}]")
-        )
+        value = "return document.querySelector(arguments[0]).value"
+        return str(self.script(value, f'[data-control="{name}"]'))
 
     def curve(self, panel: str, number: int) -> list[float]:
         find = f"[data-panel={panel}] .chart"

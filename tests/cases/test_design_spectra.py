@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +9,9 @@ import pytest
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
-from stochlin.analyses.explorer.case_scene import scene_of
-from stochlin.analyses.explorer.case_text import case_text
+from stochlin.analyses.explorer.form import GROUND
+from stochlin.analyses.explorer.opening import opened
+from stochlin.analyses.explorer.saving import case_text
 from stochlin.analyses.sites.motion_fit import RECORD_TO_RECORD
 
 pytestmark = pytest.mark.invariant
@@ -36,11 +36,12 @@ def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
     assert case.ground == sl.fit_ground(target, filters=1, **motion)
     assert case.site == "eurocode_8"
     assert "Eurocode 8, type 1, ground C" in case.ground.source
-    scene, notes = scene_of(case)
-    assert scene.ground() == case.ground
-    assert scene.scatter == case.scatter == case.motion["scatter"] == RECORD_TO_RECORD
+    form, notes = opened(case)
+    explored = form.case()
+    assert explored.ground == case.ground
+    assert explored.scatter == case.scatter == case.motion["scatter"] == RECORD_TO_RECORD
     assert any("Motions scatter by" in note for note in notes)
-    assert scene.site == "eurocode_8"
+    assert form[GROUND] == "eurocode_8"
     assert not any("have the spectrum" in note for note in notes)
 
 
@@ -61,17 +62,18 @@ def test_a_file_of_a_spectrum_is_read_and_kept_from_being_overwritten(tmp_path):
 def test_the_explorer_holds_several_filters_and_saves_them(tmp_path):
     case = read(tmp_path, CODE + "filters = 2\ndamping = 0.1\n")  # not one that it has controls for
     assert isinstance(case.ground, sl.ParallelGround)
-    scene, _ = scene_of(case)
-    assert scene.ground() == case.ground
-    twice = dataclasses.replace(scene, ag=2 * scene.ag)
-    for one, times in ((scene, 1), (twice, 4)):
+    form, _ = opened(case)
+    assert form.case().ground == case.ground
+    ag = "site", "ag"
+    for factor in (1, 2):  # on all accelerations
+        explored = form.changed({ag: factor * form[ag]}).case()
         path = tmp_path / "saved.toml"
-        path.write_text(case_text(one), encoding="utf-8")
+        path.write_text(case_text(explored), encoding="utf-8")
         saved = sl.read_case(path)
-        expected = times * case.ground.psd([2.0, 9.0])
-        np.testing.assert_allclose(one.ground().psd([2.0, 9.0]), expected)
+        expected = factor**2 * case.ground.psd([2.0, 9.0])
+        np.testing.assert_allclose(explored.ground.psd([2.0, 9.0]), expected)
         np.testing.assert_allclose(saved.ground.psd([2.0, 9.0]), expected, rtol=1e-4)
-        assert scene_of(saved)[0].ground() == saved.ground
+        assert opened(saved)[0].case().ground == saved.ground
 
 
 FILTER = '[[site.grounds]]\nground = "firm"\nintensity = "0.01 m^2/s^3"\n'

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import dataclasses
+import html
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case, case_of
 from stochlin.analyses.cases.files import schema
-from stochlin.analyses.cases.files.keys import Key
+from stochlin.analyses.cases.files.keys import Key, Slider
 from stochlin.analyses.cases.files.known import Known
 from stochlin.analyses.cases.files.sections import Section
+from stochlin.analyses.cases.separation import answer_case
+from stochlin.analyses.explorer.form import groups, numbers
+from stochlin.analyses.explorer.opening import opened
+from stochlin.analyses.explorer.saving import case_text
 from stochlin.models.arguments import Whole
+from stochlin.views.separation.report import report_page
 
 pytestmark = pytest.mark.invariant
 
@@ -32,24 +41,13 @@ def test_the_example_of_a_key_can_be_read_and_its_slider_is_within_its_range(
     assert section.read(key.name) is not None
     if key.slider is None:
         return
-    limits, (low, high) = key.slider.limits, key.ends
-    assert low < high
-    for end in (low, high):
+    limits, size = key.slider.limits, key.unit_size
+    assert key.slider.low <= key.slider.start <= key.slider.high
+    for end in (key.slider.low * size, key.slider.high * size):
         if isinstance(limits, Whole):
             limits(key.name, int(end))
         elif limits is not None:
             assert limits.contains(end)
-
-
-def test_a_key_that_the_example_does_not_explain_has_a_line_of_its_own(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    more = Key("occupancy", Whole(0), "People in it on a working day", None)
-    monkeypatch.setitem(schema.BUILDING, "occupancy", more)  # type: ignore[index]
-    line = "# occupancy = 0                 # People in it on a working day\n"
-    text = sl.example_case()
-    assert text.count(line) == 1
-    assert text.index("[building_1]") < text.index(line) < text.index("[building_2]")
 
 
 def again(case: Case, **strength: str) -> Case:
@@ -85,3 +83,51 @@ def test_what_is_known_is_neither_read_nor_fitted_again(strength: str, tmp_path:
     np.testing.assert_allclose(
         *(float(ground.arrays()["intensity"]) for ground in (fresh, stronger.ground)), rtol=1e-6
     )
+
+
+@pytest.fixture
+def occupancy(monkeypatch: pytest.MonkeyPatch) -> Iterator[Key]:
+    """One more key of a building, by its line in the schema and nothing else."""
+    slider = Slider(0, 2000, 10, 120)
+    key = Key("occupancy", Whole(0), "People on a working day", None, slider, noted=True)
+    monkeypatch.setitem(schema.BUILDING, key.name, key)  # type: ignore[arg-type]
+    groups.cache_clear()
+    yield key
+    monkeypatch.undo()
+    groups.cache_clear()
+
+
+def test_a_key_of_the_schema_is_explained_read_shown_edited_and_saved(
+    occupancy: Key, tmp_path: Path
+) -> None:
+    text = sl.example_case()
+    line = "# occupancy = 0                 # People on a working day\n"
+    assert text.count(line) == 1
+    assert text.index("[building_1]") < text.index(line) < text.index("[building_2]")
+    path = tmp_path / "case.toml"
+    path.write_text(text.replace("[building_1]", "[building_1]\noccupancy = 300", 1), encoding="utf-8")
+    case = sl.read_case(path)
+    form, _ = opened(case)
+    place = "building_1", "occupancy"
+    assert form[place] == 300
+    assert form.uses(place)
+    assert occupancy in [number.key for number in numbers() if number.place == place]
+    assert "occupancy = 450" in case_text(form.changed({place: 450}).case())
+    page = report_page(answer_case(dataclasses.replace(case, paths=100)))
+    assert "<dt>people on a working day</dt><dd>300</dd>" in page
+    path.write_text(path.read_text(encoding="utf-8").replace("300", "-1"), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"line \d+: building_1.occupancy = -1 is no whole number"):
+        sl.read_case(path)
+
+
+def test_the_page_contains_the_case_from_which_it_is_made(tmp_path: Path) -> None:
+    """What is between its tags is typed again, and gives the same numbers."""
+    (tmp_path / "case.toml").write_text(sl.example_case(), encoding="utf-8")
+    answer = answer_case(dataclasses.replace(sl.read_case(tmp_path / "case.toml"), paths=100))
+    page = report_page(answer)
+    text = html.unescape(page[page.index("<pre>") + len("<pre>") : page.index("</pre>")])
+    (tmp_path / "again.toml").write_text(text, encoding="utf-8")
+    case = sl.read_case(tmp_path / "again.toml")
+    assert case.whole.values == answer.case.whole.values
+    again = answer_case(dataclasses.replace(case, paths=100))
+    xr.testing.assert_equal(again.separation, answer.separation)

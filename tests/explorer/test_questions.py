@@ -12,9 +12,10 @@ from cases import example_of_short_motion
 from click.testing import CliRunner
 
 import stochlin as sl
-from stochlin.analyses.explorer.case_scene import scene_of
+from stochlin.analyses.explorer.form import numbers
+from stochlin.analyses.explorer.opening import opened
 from stochlin.views.command import main
-from stochlin.views.explorer.controls import NUMBERS, counts
+from stochlin.views.explorer.controls import name_of, text_of
 
 pytestmark = [pytest.mark.cli, pytest.mark.slow]  # in a browser
 
@@ -60,9 +61,9 @@ def saved(page, folder, name="other.toml"):
 def test_one_label_has_one_number_before_and_after_the_simulation(page, storeys):
     if storeys:
         page.choose("Building 2 described as", "regular storeys")
-        wait(lambda: page.shows("storey_count_2"))
-        page.enter("storey_count_2", "2")
-    page.enter("paths", "640")
+        wait(lambda: page.shows("building_2.storeys"))
+        page.enter("building_2.storeys", "2")
+    page.enter("simulation.paths", "640")
     page.click("every")
     page.idle()
     rows, said = page.gaps(), page.text("panel=gaps")
@@ -84,16 +85,16 @@ def test_one_label_has_one_number_before_and_after_the_simulation(page, storeys)
 
 def test_a_case_file_sets_the_sliders_and_is_saved_with_all_that_has_none(page, file):
     page.send(file, file.with_name("a.at2"))
-    wait(lambda: page.value("rise_end") == "3.5")
+    wait(lambda: page.value("motion.rise_end") == "3.5")
     page.idle()
     before = sl.read_case(file)
-    scene, _ = scene_of(before)
-    for name, control in NUMBERS.items():
-        if counts(name, vars(scene)):
-            assert page.value(name) == control.text(scene), name
+    form, _ = opened(before)
+    for number in numbers():
+        if form.uses(number.place):
+            assert page.value(name_of(number.place)) == text_of(number, form), number.place
     assert page.text("alert") == ""
     wait(lambda: "Records: " in page.text("panel=gaps"))
-    page.enter("period_2", "0.75")
+    page.enter("building_2.period", "0.75")
     page.idle()
     simulate(page)
     answer = re.search(r"Simulated: ([\d.]+)", page.text("panel=gaps"))
@@ -105,11 +106,11 @@ def test_a_case_file_sets_the_sliders_and_is_saved_with_all_that_has_none(page, 
         assert getattr(after, name) == getattr(before, name), name
     np.testing.assert_array_equal(after.records["Record A"], before.records["Record A"])
     assert (after.second.structure.mass, after.second.structure.period) == (1.5e6, 0.75)
-    told = CliRunner().invoke(main, ["gap", str(path)])
-    assert told.exit_code == 0, told.output
-    assert f"Office block and Annex should stand {answer[1]} cm apart." in told.output
-    told = CliRunner().invoke(main, ["pound", str(path)])
-    assert told.exit_code == 0, told.output
+    outcome = CliRunner().invoke(main, ["gap", str(path)])
+    assert outcome.exit_code == 0, outcome.output
+    assert f"Office block and Annex should stand {answer[1]} cm apart." in outcome.output
+    outcome = CliRunner().invoke(main, ["pound", str(path)])
+    assert outcome.exit_code == 0, outcome.output
 
 
 def test_storeys_and_the_spectrum_of_a_file_are_kept(page, tmp_path):
@@ -125,33 +126,31 @@ def test_storeys_and_the_spectrum_of_a_file_are_kept(page, tmp_path):
     path = tmp_path / "other.toml"
     path.write_text(f"{site}{STOREYS}{text[rest:contact]}", encoding="utf-8")
     page.send(path, tmp_path / "site.csv")
-    wait(lambda: page.shows("spectrum_scale"))
+    wait(lambda: page.shows("site.scale"))
     page.idle()
-    assert "has this one slider: a factor on all of its accelerations" in page.text(
-        "about=spectrum_scale"
-    )
-    assert page.shows("strength_factor_2")
-    assert not page.shows("intensity")
+    assert "has this one slider: a factor on all of its accelerations" in page.text('about="site.scale"')
+    assert page.shows("building_2.strength_factor")
+    assert not page.shows("site.intensity")
     before = page.curve("spectra", 0)
-    page.enter("spectrum_scale", "0.5")  # a quarter of the power, without another fit
+    page.enter("site.scale", "0.5")  # a quarter of the power, without another fit
     page.idle()
     np.testing.assert_allclose(page.curve("spectra", 0), np.array(before) / 4, rtol=1e-9)
-    one, other = sl.read_case(path), sl.read_case(saved(page, tmp_path))
-    np.testing.assert_allclose(other.spectrum, 0.5 * one.spectrum, rtol=1e-12)
-    ours, theirs = one.second.structure.arrays(), other.second.structure.arrays()
+    opened_case, saved_case = sl.read_case(path), sl.read_case(saved(page, tmp_path))
+    np.testing.assert_allclose(saved_case.spectrum, 0.5 * opened_case.spectrum, rtol=1e-12)
+    ours, theirs = (case.second.structure.arrays() for case in (opened_case, saved_case))
     for name, array in ours.items():
         np.testing.assert_allclose(theirs[name], array, rtol=1e-12, err_msg=name)
 
 
 def test_a_file_that_is_no_case_is_refused_in_the_words_of_its_reader(page, file):
-    before = page.value("period_1"), page.curve("correlation", 0)
+    before = page.value("building_1.period"), page.curve("correlation", 0)
     text = file.read_text(encoding="utf-8")
     wrong = text.replace('period = "1.0 s"', 'period = "1.0 parsec"')
     file.write_text(wrong, encoding="utf-8")
-    with pytest.raises(ValueError, match="unknown unit") as told:
+    with pytest.raises(ValueError, match="unknown unit") as refused:
         sl.read_case(file)
     for files, message in (
-        ([file, file.with_name("a.at2")], str(told.value)),
+        ([file, file.with_name("a.at2")], str(refused.value)),
         ([file.with_name("a.at2")], "0 case files are chosen; allowed: one"),
     ):
         page.send(*files)
@@ -159,24 +158,24 @@ def test_a_file_that_is_no_case_is_refused_in_the_words_of_its_reader(page, file
     file.write_text(text, encoding="utf-8")
     page.send(file)
     wait(lambda: "choose the case file together with the files that it names" in page.text("alert"))
-    assert (page.value("period_1"), page.curve("correlation", 0)) == before
+    assert (page.value("building_1.period"), page.curve("correlation", 0)) == before
 
 
 def test_the_intensity_changes_a_strength_that_is_given_by_r_alone(page, tmp_path):
     assert "a stronger ground motion makes the building stronger" in page.text(
-        "about=reduction_factor_1"
+        'about="building_1.reduction_factor"'
     )
     page.choose("Strength of building 1 given by", "yield displacement")
-    wait(lambda: page.shows("yield_displacement_1") and not page.shows("reduction_factor_1"))
+    ways = [f"building_1.{key}" for key in ("yield_displacement", "reduction_factor")]
+    wait(lambda: [*map(page.shows, ways)] == [True, False])
     page.idle()
-    start = float(page.value("yield_displacement_1"))
-    page.enter("intensity", "0.02")
+    start = float(page.value("building_1.yield_displacement"))
+    page.enter("site.intensity", "0.02")
     page.idle()
-    assert float(page.value("yield_displacement_1")) == start
+    assert float(page.value("building_1.yield_displacement")) == start
     case = sl.read_case(saved(page, tmp_path, "case.toml"))
-    given = {"displacement": 0.01 * start, "factor": 4.0}
-    assert case.first.structure.yield_displacement == pytest.approx(given["displacement"], rel=1e-7)
-    assert case.second.structure.reduction_factor == given["factor"]
+    assert case.first.structure.yield_displacement == pytest.approx(0.01 * start, rel=1e-7)
+    assert case.second.structure.reduction_factor == 4.0
     # It began with the strength by R before; building 2 is now stronger than it was.
     firm = sl.named_ground("firm", 0.01)
     for building, times in ((case.first, 1.0), (case.second, np.sqrt(2))):

@@ -61,7 +61,7 @@ def test_what_takes_long_is_told_and_stops(chromium, tall):
     wait(lambda: "Stopped. Another value" in chromium.script(STATE))
     assert rests_within(server, 1)
     for gap in range(9, 14):
-        chromium.enter("gap", str(gap))
+        chromium.enter("separation.existing", str(gap))
     wait(lambda: "by formula" in chromium.script(STATE))
     leave(chromium)  # the tab is closed in the middle of the formula
     assert rests_within(server, 2)

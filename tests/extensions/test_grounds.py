@@ -149,18 +149,21 @@ def test_an_atlas_takes_the_ground_by_its_name(toy, tmp_path):
 @pytest.mark.slow
 def test_the_explorer_has_a_control_for_it(start, example):
     code = (
-        "from stochlin.analyses.explorer.case_text import case_text\n"
-        "from stochlin.analyses.explorer.scene import SITES, Scene\n"
-        "from stochlin.views.explorer.controls import NUMBERS, counts\n"
-        "assert 'two_layers' in SITES\n"
-        "scene = Scene(site='two_layers', layer_period=1.1)\n"
-        "assert scene.ground().layer_period == 1.1 and scene.ground().layer_damping == 0.1\n"
-        "one, other = NUMBERS['layer_period'], NUMBERS['layer_damping']\n"
-        "assert one.shown == 'Period of the upper layer [s]'\n"
-        "assert 0 < other.low < 0.1 < other.high\n"
-        "assert counts('layer_period', {'site': 'two_layers'})\n"
-        "assert not counts('layer_period', {'site': 'kanai_tajimi'})\n"
-        "print(case_text(scene))\n"
+        "from stochlin.analyses.explorer.form import GROUND, choices, numbers\n"
+        "from stochlin.analyses.explorer.opening import first_form\n"
+        "from stochlin.analyses.explorer.saving import case_text\n"
+        "from stochlin.views.explorer.controls import label_with_unit\n"
+        "period, damping = ('site', 'layer_period'), ('site', 'layer_damping')\n"
+        "form = first_form().changed({GROUND: 'two_layers', period: 1.1})\n"
+        "assert 'two_layers' in next(form.options(c) for c in choices() if c.place == GROUND)\n"
+        "case = form.case()\n"
+        "assert case.ground.layer_period == 1.1 and case.ground.layer_damping == 0.1\n"
+        "controls = {number.place: number for number in numbers()}\n"
+        "assert label_with_unit(controls[period]) == 'Period of the upper layer [s]'\n"
+        "assert 0 < controls[damping].slider.low < 0.1 < controls[damping].slider.high\n"
+        "assert form.uses(period)\n"
+        "assert not form.changed({GROUND: 'kanai_tajimi'}).uses(period)\n"
+        "print(case_text(case))\n"
     )
     process = start(example("A ground"), code)
     assert 'layer_period = "1.1 s"' in process.communicate()[0]

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from stochlin.analyses.explorer.case_scene import open_case
+from stochlin.analyses.explorer.opening import open_case
 
 pytestmark = [pytest.mark.invariant, pytest.mark.slow]
 

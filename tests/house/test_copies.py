@@ -14,7 +14,7 @@ import sympy
 import stochlin as sl
 from stochlin.analyses.atlases.specification import specification
 from stochlin.analyses.charts.settings import ChartSettings
-from stochlin.analyses.explorer.scene import Scene
+from stochlin.analyses.explorer.opening import first_form
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
@@ -43,9 +43,10 @@ GIVEN: dict[str, dict[str, Any]] = {
     },
     "ShearBuilding": {"masses": [1e5], "stiffnesses": [1e8], "heights": [3.0], "damping": 0.05},
 }
-UNHASHABLE = {"ShearBuilding", "AtlasSpecification"}  # they hold arrays and mappings
+UNHASHABLE = {"ShearBuilding", "AtlasSpecification", "Form"}  # they hold arrays and mappings
 OTHERS = {
-    "Scene": Scene(),
+    "Form": first_form(),
+    "Case": first_form().case(),
     "ChartSettings": ChartSettings(),
     "AtlasSpecification": specification(
         {"parameters": {"period_1": [1, 2], "period_2": 1, "damping": 0.05, "ground_damping": 0.3}}

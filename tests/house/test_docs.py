@@ -129,7 +129,7 @@ def test_first_chart_is_the_one_of_the_page() -> None:
 
 @pytest.mark.parametrize("line", with_slow(command_lines(), LONG))
 def test_command_lines_run(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *scene, **options: None)
+    monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *form, **options: None)
     run_as_printed(line, command_lines())
 
 

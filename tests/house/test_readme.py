@@ -45,7 +45,7 @@ LONG = {
 def test_command_lines_run(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     # It would serve until it is interrupted; tests/explorer/test_page.py lets it.
-    monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *scene, **options: None)
+    monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *form, **options: None)
     run_as_printed(line, command_lines())
 
 

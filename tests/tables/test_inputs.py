@@ -9,7 +9,7 @@ import pytest
 
 import stochlin as sl
 from stochlin.analyses.atlases.specification import read_specification
-from stochlin.analyses.explorer.case_scene import open_case
+from stochlin.analyses.explorer.opening import open_case
 from stochlin.analyses.tables.inputs import MOST_BYTES, MOST_LINES, only_within
 
 pytestmark = pytest.mark.invariant

@@ -10,7 +10,7 @@ from itertools import count
 from typing import Any
 
 from stochlin.analyses.cases.files.quantities import Quantity
-from stochlin.analyses.cases.files.schema import GAP
+from stochlin.analyses.cases.files.schema import GAP, OSCILLATOR, keys_of_way
 from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.cases.storeys import (
     OF_STOREYS,
@@ -144,8 +144,7 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
 def _oscillator(section: Section, number: int) -> Building:
     laws = laws_in_numbers()
     law = laws[section.text("law", tuple(laws), "bilinear")]
-    keys = ("name", "law", "period", "damping", "hardening", *law.own_parameters(), *STRENGTHS)
-    section.only(*keys, "mass", "height", "storeys", elsewhere=OF_STOREYS)
+    section.only(*keys_of_way(OSCILLATOR), *law.own_parameters(), elsewhere=OF_STOREYS)
     strength = strength_key(
         section,
         STRENGTHS,

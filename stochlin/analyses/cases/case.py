@@ -295,7 +295,7 @@ def case_of(whole: Section, path: Path, known: Known) -> Case:
         raise whole.error("hazard", "is of the site; write [site.hazard], below all else of the site")
     keys = building_keys(whole, "title", *TABLES)
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
-    wanted.only(*wanted.keys, "risk", "numbers")
+    wanted.only(*wanted.keys, "numbers")
     of_site = read_site(site, motion, path.parent, known)
     buildings = read_buildings(whole, keys)
     align = wanted.read("floors_align")

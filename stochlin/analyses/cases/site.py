@@ -42,6 +42,7 @@ from stochlin.analyses.sites.motion_fit import (
     energy_ratio,
     fit_motion,
 )
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import SCATTER
 from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, ParallelGround, WhiteNoise
@@ -128,10 +129,24 @@ class CaseSite:
     @cached_property
     def shaking(self) -> Shaking:
         """The ground as strong as it is wanted, and the spectrum with its strength."""
-        if not self._sought:
-            return self._shaking()
-        shaking, strength = self.known.of(*self._shape, lambda: (self._shaking(), self._strength))
+        return self.settled() if self._sought else self._shaking()
+
+    def settled(self, progress: Progress | None = None) -> Shaking:
+        """The same for a ground that is sought; ``progress`` is called with the share that is done."""
+        shaking, strength = self.known.of(
+            *self._shape, lambda: (self._shaking(progress), self._strength)
+        )
         return shaking.times(self._strength / strength)
+
+    def take(self, shaking: Shaking) -> None:
+        """Take as known the shaking of the same motions, whose strength another case gives otherwise."""
+        if self.waits:
+            self.known.keep(name_of(*self._shape), (shaking, self._strength))
+
+    def found(self) -> dict[str, Any]:
+        """What is known of the strength of the ground, for cases in another process."""
+        name = name_of(*self._shape)
+        return {name: self.known[name]}
 
     @property
     def waits(self) -> bool:
@@ -162,24 +177,26 @@ class CaseSite:
         """All of which a fit or a simulation depends but the strength."""
         site = {key: value for key, value in self.site.values.items() if key != self._strength_key}
         motion = {key: value for key, value in self.motion.values.items() if key != "scatter"}
-        return "shaking", [site, motion]
+        return "shaking", [self._strength_key, site, motion]
 
-    def _shaking(self) -> Shaking:
+    def _shaking(self, progress: Progress | None = None) -> Shaking:
         """The shaking, fitted and scaled now."""
-        described = self._described()
+        described = self._described(progress)
         ground = median_of(described)
-        scaled, spectrum = as_strong_as_asked(self.site, self.goal, ground, self.spectrum, *self.course)
+        scaled, spectrum = as_strong_as_asked(
+            *(self.site, self.goal, ground, self.spectrum, *self.course), progress
+        )
         if not isinstance(described, UncertainModel):
             return Shaking(scaled, None, spectrum)
         old, new = (float(each.arrays()["intensity"]) for each in (ground, scaled))
         return Shaking(scaled, described.changed(partial(_with_intensity, factor=new / old)), spectrum)
 
-    def _described(self) -> Any:
+    def _described(self, progress: Progress | None) -> Any:
         """The ground before it is scaled to the wanted strength."""
         if self.written is None:
             return self.fitted_motion.ground
         if self.spectrum is not None:
-            return ground_of_design(self.site, self.spectrum, *self.written)
+            return ground_of_design(self.site, self.spectrum, *self.written, progress)
         if self.given is not None:
             return self.given
         name, record = next(iter(self.single_records.items()))
@@ -190,10 +207,15 @@ class CaseSite:
         _doubt_energy(self.motion, record, ground, self.written)
         return ground
 
+    @property
+    def recorded(self) -> bool:
+        """Whether there are records; none of them has to be scaled to say so."""
+        return bool(self.single_records or self.suite)
+
     @cached_property
     def records(self) -> Mapping[str, xr.DataArray]:
         """The single records followed by those of the suite, which are scaled to its goal."""
-        spectrum = self.spectrum if self.goal is None else self.shaking.spectrum
+        spectrum = self.spectrum if self.goal is None or not self.suite else self.shaking.spectrum
         return {**self.single_records, **scaled_suite(self.site, self.suite, spectrum)}
 
 

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.analyses.cases.files.quantities import Quantity
+from stochlin.analyses.cases.files.schema import BUILDING, OSCILLATOR, REGULAR, SINGLY, keys_of_way
 from stochlin.analyses.cases.files.sections import Section
 from stochlin.messages import listed
 from stochlin.models.arguments import Whole
@@ -20,15 +21,14 @@ from stochlin.models.plausible import ANY
 from stochlin.models.systems import retrofitted, slabs_on_columns
 from stochlin.models.uncertain import UncertainModel, applied, median_of
 
-REGULAR = ("period", "floor_mass", "base_shear_coefficient")
-STOREY_BY_STOREY = ("masses", "stiffnesses", "yield_drifts")
+# Keys that tell how a building is described, the last one its strength.
+WAYS = {
+    REGULAR: ("period", "floor_mass", "base_shear_coefficient"),
+    SINGLY: ("masses", "stiffnesses", "yield_drifts"),
+}
 # A building with any of these keys has storeys; an oscillator has none of them.
-OF_STOREYS = (
-    *("storey_height", "heights", "floor_mass", "base_shear_coefficient"),
-    *STOREY_BY_STOREY,
-    *("dampers", "p_delta", "strength_factor"),
-)
-OF_OSCILLATORS = ("mass", "height", "reduction_factor", "yield_displacement", "ductility")
+OF_STOREYS = [key.name for key in BUILDING.values() if key.ways and OSCILLATOR not in key.ways]
+OF_OSCILLATORS = [key.name for key in BUILDING.values() if key.ways == (OSCILLATOR,)]
 EXAMPLES = {"period": '"0.8 s"', "floor_mass": '"400 t"', "storeys": "8", "storey_height": '"3.2 m"'}
 STOREYS = Whole(1, MOST_STOREYS)
 PERIOD = Quantity.declared(RegularBuilding, "period")
@@ -124,20 +124,20 @@ def storey_keys(section: Section) -> list[str]:
 
 def read_storeys(section: Section, number: int) -> StoreyBuilding:
     """The building, regular or storey by storey; a ValueError for missing or additional keys."""
-    a_few = any(key in section for key in REGULAR[1:])
-    singly = any(key in section for key in STOREY_BY_STOREY[: 2 if a_few else 3])
+    a_few = any(key in section for key in WAYS[REGULAR][1:])
+    singly = any(key in section for key in WAYS[SINGLY][: 2 if a_few else 3])
+    way = SINGLY if singly else REGULAR
     laws = laws_in_numbers()
     name = section.text("law", tuple(laws), "bilinear")
     law = laws[name]
-    way = STOREY_BY_STOREY if singly else REGULAR
-    keys = [*way, "storeys", "storey_height", "heights", "damping", "hardening", "elastic", "law"]
-    keys += ["period"] if singly else []
-    keys += [] if section.read("elastic") else ["strength_factor"]
-    _check_keys(section, [*keys, *law.own_parameters(), "dampers", "p_delta", "name"])
-    example = 'yield_drifts = "2 cm", of all storeys or a list' if singly else f"{way[-1]} = 0.15"
-    strength = strength_key(section, (way[-1], "elastic"), f"{example}, elastic = true")
-    _check_missing(section, way[:-1])
-    _check_counts(section, [*STOREY_BY_STOREY, "heights", "dampers", *law.own_parameters()])
+    keys = dict.fromkeys([*WAYS[way], *keys_of_way(way), *law.own_parameters()])
+    gone = "strength_factor" if section.read("elastic") else ""
+    _check_keys(section, [key for key in keys if key != gone])
+    *needed, key = WAYS[way]
+    example = 'yield_drifts = "2 cm", of all storeys or a list' if singly else f"{key} = 0.15"
+    strength = strength_key(section, (key, "elastic"), f"{example}, elastic = true")
+    _check_missing(section, needed)
+    _check_counts(section, [*WAYS[SINGLY], "heights", "dampers", *law.own_parameters()])
     own = [key for key in law.own_parameters() if key in section or not hasattr(law, key)]
     values: dict[str, Any] = {
         "damping": section.parameter("damping", Quantity.declared(ShearBuilding, "damping")),
@@ -276,7 +276,7 @@ def _check_counts(section: Section, keys: Sequence[str]) -> None:
 def _doubt_strength(section: Section, strength: str, structure: ShearBuilding) -> None:
     """Warn of an implausible yield drift."""
     plain = COEFFICIENT._replace(plausible=ANY)  # a doubtful coefficient was told when it was read
-    if strength in REGULAR and not COEFFICIENT.plausible.holds(
+    if strength in WAYS[REGULAR] and not COEFFICIENT.plausible.holds(
         median_of(section.parameter(strength, plain))
     ):
         return

@@ -1,4 +1,4 @@
-"""Results of a scene by formula: spectra, correlation, gaps by rule, probability of pounding.
+"""Results of a case by formula: spectra, correlation, gaps by rule, probability of pounding.
 
 All raise an ArithmeticError if linearization fails. With storeys the correlation takes some time, and
 the probability more.
@@ -6,20 +6,31 @@ the probability more.
 
 from __future__ import annotations
 
-import dataclasses
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.files.known import name_of
 from stochlin.analyses.cases.separation import AROUND, periods_of
 from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.correlation.drift.pairs import correlation_with_drift
 from stochlin.analyses.correlation.linearized import pairs_of_solved
 from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
 from stochlin.analyses.explorer import storeys
-from stochlin.analyses.explorer.scene import Scene
+from stochlin.analyses.explorer.pair import (
+    elastic_periods,
+    gap_of,
+    has_storeys,
+    heights_of,
+    motion_of,
+    neighbours_of,
+    ratio_of,
+    structures_of,
+    with_period,
+)
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, solve_structure
 from stochlin.analyses.linearization.peaks import relative_moments, response_moments
 from stochlin.analyses.linearization.strength import strength_in_metres
@@ -57,61 +68,63 @@ RHO = {
 LINEARIZED_PEAKS = "peaks of linearization"
 DRIFTED_PEAKS = "peaks by standard deviations of the drift closure and peak factors of linearization"
 
-_solved_pairs: dict[Scene, Solved] = {}  # of the last probabilities
+_solved_pairs: dict[str, Solved] = {}  # of the last probabilities
 MOST_PAIRS = 4
+OF_PAIR = ("site", "motion", "building_1", "building_2")  # tables on which linearization depends
 
 
-class _SolvedScene(NamedTuple):
-    """Linearized buildings of a scene; the second one over ``period_ratio``."""
+class _SolvedPair(NamedTuple):
+    """Linearized buildings of a case; the second one over ``period_ratio``."""
 
     structures: tuple[Structure, Structure]
     gaussian: tuple[xr.Dataset, xr.Dataset]
     drift: tuple[xr.Dataset, xr.Dataset]
-    own: int  # index of the period ratio of the scene
+    own: int  # index of the period ratio of the case
 
     def single(self, sides: tuple[xr.Dataset, xr.Dataset]) -> list[xr.Dataset]:
-        """Both buildings with the periods of the scene."""
+        """Both buildings with the periods of the case."""
         return [sides[0], sides[1].isel(period_ratio=self.own, drop=True)]
 
 
-@lru_cache(maxsize=8)  # three results of a scene use it
-def _solved(scene: Scene) -> _SolvedScene:
-    ratio = scene.period_2 / scene.period_1
+@lru_cache(maxsize=8)  # three results of a case use it
+def _solved(case: Case) -> _SolvedPair:
+    ratio = ratio_of(case)
     ratios = np.union1d(RATIOS, ratio)
     own = int(np.searchsorted(ratios, ratio))
-    structures = scene.oscillator(1), swept(scene, ratios)
-    ground = scene.ground()
+    first_structure: Any = structures_of(case)[0]
+    structures = first_structure, swept(case, ratios)
+    ground = case.ground
     first, second, first_drifting, second_drifting = (
         solve_structure(structure, ground, closure, USUAL)
         for closure in ("gaussian", DRIFT)
         for structure in structures
     )
-    pair = _SolvedScene(structures, (first, second), (first_drifting, second_drifting), own)
-    for number, side in enumerate(pair.single(pair.gaussian), start=1):
-        labels.raise_if_lone_failure(side, scene.oscillator(number).describe())
+    pair = _SolvedPair(structures, (first, second), (first_drifting, second_drifting), own)
+    for side, structure in zip(pair.single(pair.gaussian), structures_of(case), strict=True):
+        labels.raise_if_lone_failure(side, structure.describe())
     return pair
 
 
-def spectra(scene: Scene) -> xr.Dataset:
+def spectra(case: Case) -> xr.Dataset:
     """Power spectral densities of the ground and of the linearized displacements of both buildings.
 
     Over ``frequency`` [rad/s], with the coordinate ``period`` [s]: the two-sided densities
     ``psd_ground`` [m^2/s^3] and ``displacement_psd_1`` and ``_2`` [m^2 s]. With storeys they are those
     at the lower roof, whose height is the attribute ``height_m``.
     """
-    ground = scene.ground()
-    periods = [scene.period_1, scene.period_2, *periods_of(ground)]
+    ground = case.ground
+    periods = [*elastic_periods(case), *periods_of(ground)]
     low, high = min(periods) / AROUND, max(periods) * AROUND
     # The periods themselves are points of the grid, because resonances are narrow.
     period = np.unique(np.concatenate([np.geomspace(low, high, FREQUENCIES), periods]))[::-1]
     frequency = 2 * np.pi / period
     density = ground.psd(frequency)
     table = density.rename("psd_ground").to_dataset()
-    if scene.has_storeys:
-        *responses, height = storeys.displacement_densities(scene, frequency)
+    if has_storeys(case):
+        *responses, height = storeys.displacement_densities(case, frequency)
         table = table.assign_attrs(height_m=height)
     else:
-        responses = _displacement_densities(_solved(scene), density.to_numpy(), frequency)
+        responses = _displacement_densities(_solved(case), density.to_numpy(), frequency)
     for number, response in enumerate(responses, start=1):
         long_name = f"two-sided PSD of the displacement, building {number}, linearized"
         attrs = {"units": "m^2 s", "long_name": long_name}
@@ -119,10 +132,10 @@ def spectra(scene: Scene) -> xr.Dataset:
     attrs = {"units": "s", "long_name": "period"}
     table = table.assign_coords(period=("frequency", period, attrs))
     table.frequency.attrs = {"units": "rad/s", "long_name": "circular frequency"}
-    return _described(scene, table, "Spectra of ground and displacements", "spectra")
+    return _described(case, table, "Spectra of ground and displacements", "spectra")
 
 
-def _displacement_densities(pair: _SolvedScene, ground: Array, frequency: Array) -> list[Array]:
+def _displacement_densities(pair: _SolvedPair, ground: Array, frequency: Array) -> list[Array]:
     systems = [
         EquivalentSystem(*(side[name].to_numpy() for name in INTERNAL[:5]))
         for side in pair.single(pair.gaussian)
@@ -130,26 +143,26 @@ def _displacement_densities(pair: _SolvedScene, ground: Array, frequency: Array)
     return [ground * system.transfer_squared(frequency) for system in systems]
 
 
-def correlation(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
+def correlation(case: Case, progress: Progress | None = None) -> xr.Dataset:
     """Correlation over the ratio of the periods, by eq. (4) and by linearization.
 
-    It is over ``period_ratio`` [-], ``T2/T1`` for a fixed period of building 1. The ratio of the scene
+    It is over ``period_ratio`` [-], ``T2/T1`` for a fixed period of building 1. The ratio of the case
     is one of its values, and an attribute. For oscillators the dataset has ``rho_white_noise`` [-],
     eq. (4); ``rho_linearized`` [-] by the Gaussian closure; ``rho_drift`` [-] by the drift closure; and
     ``bias``, ``bias_1``, ``bias_2`` and ``caution`` of the Gaussian closure. With storeys it has
     ``rho_white_noise`` of the first modes and ``rho_linearized`` at the lower roof, for scaled
     stiffnesses of building 2. ``progress`` is only called with storeys.
     """
-    if not scene.has_storeys:
-        return _of_oscillators(scene)
-    ratio = scene.period_2 / scene.period_1
-    table = storeys.correlation(scene, np.union1d(RATIOS_OF_STOREYS, ratio), progress)
-    return _of_ratios(scene, table.assign_attrs(period_ratio=ratio))
+    if not has_storeys(case):
+        return _of_oscillators(case)
+    ratio = ratio_of(case)
+    table = storeys.correlation(case, np.union1d(RATIOS_OF_STOREYS, ratio), progress)
+    return _of_ratios(case, table.assign_attrs(period_ratio=ratio))
 
 
 @lru_cache(maxsize=8)
-def _of_oscillators(scene: Scene) -> xr.Dataset:
-    pair, ground = _solved(scene), scene.ground()
+def _of_oscillators(case: Case) -> xr.Dataset:
+    pair, ground = _solved(case), case.ground
     first, second = pair.structures
     sides = list(pair.gaussian)
     table = pairs_of_solved(pair.structures, ground, sides, sides)
@@ -160,21 +173,21 @@ def _of_oscillators(scene: Scene) -> xr.Dataset:
         "rho_linearized": table["rho"],
         "rho_drift": correlation_with_drift(pair.structures, list(pair.drift), ground, USUAL),
     }
-    return _of_ratios(scene, xr.Dataset(shown, attrs={"period_ratio": scene.period_2 / scene.period_1}))
+    return _of_ratios(case, xr.Dataset(shown, attrs={"period_ratio": ratio_of(case)}))
 
 
-def _of_ratios(scene: Scene, table: xr.Dataset) -> xr.Dataset:
+def _of_ratios(case: Case, table: xr.Dataset) -> xr.Dataset:
     """A table over the period ratio with labels, and a caution as its comment if a building yields."""
     for name, text in RHO.items():
         if name in table:
             table[name].attrs = {"units": "1", "long_name": f"correlation coefficient, {text}"}
     table = labels.label(table, OF_PAIRS)
-    if any(structure.yields for structure in scene.structures()):
+    if any(structure.yields for structure in structures_of(case)):
         table.attrs["comment"] = labels.CAUTION_PAIR
-    return _described(scene, table, "Correlation over the ratio of periods", "correlation")
+    return _described(case, table, "Correlation over the ratio of periods", "correlation")
 
 
-def gap_rules(scene: Scene) -> xr.Dataset:
+def gap_rules(case: Case) -> xr.Dataset:
     """Gaps by the rules that need no simulation.
 
     The peaks are standard deviations by the drift closure times peak factors by linearization. The rules
@@ -183,25 +196,25 @@ def gap_rules(scene: Scene) -> xr.Dataset:
     ``rho`` [-], with the coordinates of `separation`; with storeys also ``gap_at_height`` [m] over
     ``height``.
     """
-    seconds = strong_seconds(scene.duration, scene.motion_envelope())
-    if scene.has_storeys:
-        rules, heights = storeys.rules(scene, seconds)
+    seconds = strong_seconds(case.duration, case.envelope)
+    if has_storeys(case):
+        rules, heights = storeys.rules(case, seconds)
         by_height = gaps_by_height([rule.gaps for rule in rules], heights)
-        return _of_rules(scene, rules, "linearized", by_height)
-    return _of_rules(scene, _rules(scene, seconds), "drift closure")
+        return _of_rules(case, rules, "linearized", by_height)
+    return _of_rules(case, _rules(case, seconds), "drift closure")
 
 
-def _rules(scene: Scene, seconds: float) -> list[Rule]:
+def _rules(case: Case, seconds: float) -> list[Rule]:
     """Rules for two oscillators; ``seconds`` is the duration of strong shaking."""
-    ground, pair = scene.ground(), _solved(scene)
+    ground, pair = case.ground, _solved(case)
     solved, drifting = pair.single(pair.gaussian), pair.single(pair.drift)
     moments = [response_moments(side, ground) for side in solved]
     both = tuple(xr.concat(parts, "building") for parts in zip(*moments, strict=True))
-    peaks = storeys.peaks_of(scene, both, seconds)
+    peaks = storeys.peaks_of(case, both, seconds)
     drifted = peaks * [
         float(d.displacement_std / s.displacement_std) for d, s in zip(drifting, solved, strict=True)
     ]
-    rho = correlation(scene).isel(period_ratio=pair.own)
+    rho = correlation(case).isel(period_ratio=pair.own)
     linear = {"mark": "C", "assumptions": f"{EQ_3}; {LINEARIZED_PEAKS}"}
     drift = {"mark": "C", "assumptions": f"{EQ_3}; {DRIFTED_PEAKS}"}
     return [
@@ -211,15 +224,17 @@ def _rules(scene: Scene, seconds: float) -> list[Rule]:
         linearized_rule(
             relative_moments(solved[0], solved[1], ground),
             seconds,
-            scene.confidence,
-            scene.scatter,
+            case.confidence,
+            case.scatter,
         ),
-        *code_rules(drifted[:, None], scene.heights, scene.neighbours, scene.zone, dict(scene.numbers)),
+        *code_rules(
+            drifted[:, None], heights_of(case), neighbours_of(case), case.zone, dict(case.numbers)
+        ),
     ]
 
 
 def _of_rules(
-    scene: Scene, rules: list[Rule], peaks: str, by_height: xr.Dataset | None = None
+    case: Case, rules: list[Rule], peaks: str, by_height: xr.Dataset | None = None
 ) -> xr.Dataset:
     """Dataset of the gaps by all rules; ``peaks`` names the method for the peaks."""
     columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
@@ -232,19 +247,19 @@ def _of_rules(
         table.height.attrs = {"units": "m", "long_name": "height above the ground"}
     for name, text in TEXTS.items():
         table[name].attrs["long_name"] = text
-    table = table.assign_attrs(peaks=peaks, gap_m=scene.gap, confidence=scene.confidence)
+    table = table.assign_attrs(peaks=peaks, gap_m=gap_of(case), confidence=case.confidence)
     table = labels.label(table, OF_GAPS)
-    return _described(scene, table, "Gap by rules without simulation", "gap_rules")
+    return _described(case, table, "Gap by rules without simulation", "gap_rules")
 
 
-def probability(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
+def probability(case: Case, progress: Progress | None = None) -> xr.Dataset:
     """Dataset of `pounding_probability` by formula alone.
 
     What linearization has found is kept; another gap or confidence needs nothing else.
     """
 
     def solve(pairs: PairTable, ground: Ground, progress: Progress | None) -> Solved:
-        key = dataclasses.replace(scene, gap=Scene.gap, confidence=Scene.confidence, paths=Scene.paths)
+        key = name_of("pair", [case.whole.values[table] for table in OF_PAIR])
         if key not in _solved_pairs:
             solution = pairs.solve(ground, progress)
             while len(_solved_pairs) >= MOST_PAIRS:
@@ -252,37 +267,38 @@ def probability(scene: Scene, progress: Progress | None = None) -> xr.Dataset:
             _solved_pairs[key] = solution
         return _solved_pairs[key]
 
-    first, second = scene.structures()
-    motions = scene.motion() | {"paths": 0, "seed": 0, "progress": progress, "solve": solve}
-    return with_samples(first, second, scene.ground(), scene.gap, **motions)
+    first, second = structures_of(case)
+    motions = motion_of(case) | {"paths": 0, "seed": 0, "progress": progress, "solve": solve}
+    return with_samples(first, second, case.ground, gap_of(case), **motions)
 
 
-def recorded(scene: Scene) -> xr.Dataset:
+def recorded(case: Case) -> xr.Dataset:
     """Dataset of `recorded_gap` for the records of the file, with the existing gap as an attribute.
 
-    Reduction factors refer to the ground of the scene.
+    Reduction factors refer to the ground of the case.
     """
-    if not scene.records:
-        raise ValueError("the scene has no record; allowed: a case file with [[site.records]]")
-    ground = scene.ground()
-    first, second = (strength_in_metres(structure, ground) for structure in scene.structures())
-    return recorded_gap(first, second, dict(scene.records)).assign_attrs(gap_m=scene.gap)
+    if not case.records:
+        raise ValueError("the case has no record; allowed: a case file with [[site.records]]")
+    ground = case.ground
+    first, second = (strength_in_metres(structure, ground) for structure in structures_of(case))
+    return recorded_gap(first, second, dict(case.records)).assign_attrs(gap_m=gap_of(case))
 
 
-def swept(scene: Scene, ratios: Array) -> Structure:
+def swept(case: Case, ratios: Array) -> Structure:
     """Building 2 over ``period_ratio``, the ratios of its period to that of building 1."""
     ratio = labels.axis("period_ratio", "ratio of the periods, T2/T1", ratios)
-    return scene.oscillator(2, period=scene.period_1 * ratio)
+    other: Any = with_period(structures_of(case)[1], elastic_periods(case)[0] * ratio)
+    return other
 
 
-def models_of(scene: Scene) -> dict[str, Model]:
-    """Models of a scene by their names in the attributes of a dataset."""
-    first, second = scene.structures()
-    envelope = scene.motion_envelope()
-    models = {"first": first, "second": second, "ground": scene.ground()}
+def models_of(case: Case) -> dict[str, Model]:
+    """Models of a case by their names in the attributes of a dataset."""
+    first, second = structures_of(case)
+    envelope = case.envelope
+    models = {"first": first, "second": second, "ground": case.ground}
     return models | ({"envelope": envelope} if envelope else {})
 
 
-def _described(scene: Scene, table: xr.Dataset, title: str, call: str) -> xr.Dataset:
-    ground = scene.ground()
-    return labels.with_run_information(table, f"{title}, {ground.name} ground", call, models_of(scene))
+def _described(case: Case, table: xr.Dataset, title: str, call: str) -> xr.Dataset:
+    ground = case.ground
+    return labels.with_run_information(table, f"{title}, {ground.name} ground", call, models_of(case))

@@ -1,4 +1,4 @@
-"""Results of a scene with storeys, by linearization, and its simulated correlation."""
+"""Results of a case with storeys, by linearization, and its simulated correlation."""
 
 from __future__ import annotations
 
@@ -8,9 +8,18 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.cases.case import Case
 from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
-from stochlin.analyses.explorer.scene import Scene
+from stochlin.analyses.explorer.pair import (
+    elastic_period,
+    elastic_periods,
+    heights_of,
+    neighbours_of,
+    ratio_of,
+    structures_of,
+    with_period,
+)
 from stochlin.analyses.linearization.systems.solution import SystemSolution
 from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.linearization.systems.systems import equations_of, solved
@@ -58,19 +67,19 @@ class Alone(NamedTuple):
 
 
 @lru_cache(maxsize=8)
-def in_motion(scene: Scene) -> ResponseAtContacts:
-    """Response of both structures with the periods of the scene."""
-    equations_of(scene.structures(), scene.ground(), ())  # raises if a storey has no stationary response
-    return _together(scene, _alone(scene, scene.structure(1)), _alone(scene, scene.structure(2)))
+def in_motion(case: Case) -> ResponseAtContacts:
+    """Response of both structures with the periods of the case."""
+    equations_of(structures_of(case), case.ground, ())  # raises if a storey has no stationary response
+    return _together(case, _alone(case, structures_of(case)[0]), _alone(case, structures_of(case)[1]))
 
 
-def _alone(scene: Scene, structure: AnyStructure) -> Alone:
-    return Alone(structure, solved(equations_of([structure], scene.ground(), ())))
+def _alone(case: Case, structure: AnyStructure) -> Alone:
+    return Alone(structure, solved(equations_of([structure], case.ground, ())))
 
 
-def _together(scene: Scene, first: Alone, second: Alone) -> ResponseAtContacts:
+def _together(case: Case, first: Alone, second: Alone) -> ResponseAtContacts:
     both = first, second
-    equations = equations_of([alone.structure for alone in both], scene.ground(), ())
+    equations = equations_of([alone.structure for alone in both], case.ground, ())
     c_eq, k_eq = (
         np.concatenate([getattr(alone.solution, name) for alone in both], axis=1)
         for name in ("c_eq", "k_eq")
@@ -87,24 +96,25 @@ def _weights(equations: Equations, number: int, heights: Array) -> Array:
     return np.array([weights(equations.arrangement, number, height) for height in heights])
 
 
-def displacement_densities(scene: Scene, frequency: Array) -> tuple[Array, Array, float]:
+def displacement_densities(case: Case, frequency: Array) -> tuple[Array, Array, float]:
     """Two-sided PSD [m^2 s] of both displacements at the lower roof, and its height [m]."""
-    motion, heights, factors_1, factors_2 = in_motion(scene)
+    motion, heights, factors_1, factors_2 = in_motion(case)
     ((of_1, of_2),) = motion.spectral_density(np.stack([factors_1[-1], factors_2[-1]]), frequency)
     return of_1, of_2, float(heights[-1])
 
 
-def correlation(scene: Scene, ratios: Array, progress: Progress | None) -> xr.Dataset:
+def correlation(case: Case, ratios: Array, progress: Progress | None) -> xr.Dataset:
     """Correlation over the ratio of the first periods, for scaled stiffnesses of building 2.
 
     The variables are ``rho_linearized`` at the lower roof and ``rho_white_noise`` of the first modes.
     """
-    _ = in_motion(scene)  # raises if the scene itself has no stationary response
-    first, correlations = _alone(scene, scene.structure(1)), []
+    _ = in_motion(case)  # raises if the case itself has no stationary response
+    first, correlations = _alone(case, structures_of(case)[0]), []
+    period_1, _ = elastic_periods(case)
     for done, ratio in enumerate(ratios, start=1):
         try:
-            second = _alone(scene, scene.structure(2, scene.period_1 * float(ratio)))
-            motion, _, factors_1, factors_2 = _together(scene, first, second)
+            second = _alone(case, with_period(structures_of(case)[1], period_1 * float(ratio)))
+            motion, _, factors_1, factors_2 = _together(case, first, second)
             correlations.append(float(correlation_of(motion, factors_1[-1:], factors_2[-1:])[0]))
         except (ArithmeticError, ValueError):  # also if P-delta effects take all stiffness
             correlations.append(np.nan)
@@ -112,7 +122,7 @@ def correlation(scene: Scene, ratios: Array, progress: Progress | None) -> xr.Da
             progress(done / len(ratios))
     ratio = labels.axis(*RATIO, ratios)
     rho = xr.DataArray(correlations, dims=ratio.dims, coords=ratio.coords)
-    of_modes = _of_first_modes(scene, scene.period_1 * ratio)
+    of_modes = _of_first_modes(case, period_1 * ratio)
     table = xr.Dataset(
         {
             "status": labels.status_where(rho.notnull()),
@@ -120,60 +130,59 @@ def correlation(scene: Scene, ratios: Array, progress: Progress | None) -> xr.Da
             "rho_linearized": rho,
         }
     )
-    return table.assign_attrs(height_m=float(in_motion(scene).heights[-1]))
+    return table.assign_attrs(height_m=float(in_motion(case).heights[-1]))
 
 
-def _of_first_modes(scene: Scene, period_2: Parameter) -> xr.DataArray:
+def _of_first_modes(case: Case, period_2: Parameter) -> xr.DataArray:
     """Correlation of the first modes by eq. (4)."""
-    return rho_white_noise(scene.period_1, period_2, scene.damping_1, scene.damping_2).rho
+    first, second = structures_of(case)
+    return rho_white_noise(elastic_period(first), period_2, first.damping, second.damping).rho
 
 
-def rules(scene: Scene, seconds: float) -> tuple[list[Rule], Array]:
+def rules(case: Case, seconds: float) -> tuple[list[Rule], Array]:
     """Rules that need no simulation, with peaks by linearization, and the heights of contact [m]."""
-    motion, heights, factors_1, factors_2 = in_motion(scene)
+    motion, heights, factors_1, factors_2 = in_motion(case)
     count, dims = len(heights), ("building", "height")
     moments = [
         m[0]
         for m in motion.spectral_moments(np.concatenate([factors_1, factors_2, factors_1 - factors_2]))
     ]
     both = tuple(xr.DataArray(m[: 2 * count].reshape(2, count), dims=dims) for m in moments)
-    peaks = peaks_of(scene, both, seconds)
+    peaks = peaks_of(case, both, seconds)
     apart = [m[2 * count :] for m in moments]
     texts = {"mark": "C", "assumptions": f"{EQ_3}; {LINEARIZED_PEAKS}"}
-    of_modes = _of_first_modes(scene, scene.period_2).values
-    neighbours = of_storeys(scene.neighbours, scene.structures(), scene.heights)
+    of_modes = _of_first_modes(case, elastic_periods(case)[1]).values
+    neighbours = of_storeys(neighbours_of(case), structures_of(case), heights_of(case))
     listed = [
         equation_3_rule(peaks, "eq_3_white_noise", of_modes, **texts),
         equation_3_rule(peaks, "eq_3_linearized", correlation_of(motion, factors_1, factors_2), **texts),
-        linearized_rule(tuple(apart), seconds, scene.confidence, scene.scatter),
-        *code_rules(peaks, (heights, heights), neighbours, scene.zone, dict(scene.numbers)),
+        linearized_rule(tuple(apart), seconds, case.confidence, case.scatter),
+        *code_rules(peaks, (heights, heights), neighbours, case.zone, dict(case.numbers)),
     ]
     return listed, heights
 
 
-def peaks_of(scene: Scene, moments: tuple[xr.DataArray, ...], seconds: float) -> Array:
-    """Peak displacements [m] that Gaussian responses do not exceed with the confidence of the scene."""
-    peaks: Array = peak_quantile(moments, seconds, scene.confidence, 2).to_numpy()
+def peaks_of(case: Case, moments: tuple[xr.DataArray, ...], seconds: float) -> Array:
+    """Peak displacements [m] that Gaussian responses do not exceed with the confidence of the case."""
+    peaks: Array = peak_quantile(moments, seconds, case.confidence, 2).to_numpy()
     if not np.isfinite(peaks).all():
         raise ValueError(
-            f"duration = {scene.duration:g} s is too short for a peak at these periods; allowed: "
+            f"duration = {case.duration:g} s is too short for a peak at these periods; allowed: "
             "several periods or more"
         )
     return peaks
 
 
-def simulated_correlation(scene: Scene, progress: Progress | None) -> xr.Dataset:
-    """Simulated correlation at the lower roof, only for the period ratio of the scene.
+def simulated_correlation(case: Case, progress: Progress | None) -> xr.Dataset:
+    """Simulated correlation at the lower roof, only for the period ratio of the case.
 
     Between two floors, the standard error is interpolated.
     """
-    _, heights, factors_1, factors_2 = in_motion(scene)
-    motions = stationary_motions(
-        scene.structures(), scene.ground(), scene.duration, scene.seed, progress
-    )
+    _, heights, factors_1, factors_2 = in_motion(case)
+    motions = stationary_motions(structures_of(case), case.ground, case.duration, case.seed, progress)
     factors_1, factors_2 = factors_1[-1:], factors_2[-1:]
     error = factors_1 @ motions.rho_standard_error.values @ factors_2.T
-    ratio = labels.axis(*RATIO, [scene.period_2 / scene.period_1])
+    ratio = labels.axis(*RATIO, [ratio_of(case)])
     table = xr.Dataset(
         {
             "rho": ("period_ratio", correlation_in(motions, factors_1, factors_2)),

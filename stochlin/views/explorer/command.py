@@ -44,9 +44,8 @@ def explore(case: Path | None, port: int, host: str, show: bool) -> None:
                 f"the explorer needs NiceGUI: pip install 'stochlin[app]' ({error})"
             ) from error
         from stochlin.analyses.cases.case import read_case
-        from stochlin.analyses.explorer.case_scene import scene_of
-        from stochlin.analyses.explorer.scene import Scene
+        from stochlin.analyses.explorer.opening import first_form, opened
 
         check_address(host, port)
-        scene, notes = scene_of(read_case(case)) if case else (Scene(), [])
-        serve(scene, notes, host=host, port=port, show=show)
+        form, notes = opened(read_case(case)) if case else (first_form(), [])
+        serve(form, notes, host=host, port=port, show=show)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import dataclasses
 import logging
 import weakref
 from concurrent.futures import ThreadPoolExecutor
@@ -13,14 +12,21 @@ from typing import TYPE_CHECKING, Any
 from nicegui import background_tasks, ui
 
 from stochlin.analyses.explorer import formulas as exploration
-from stochlin.analyses.explorer.case_text import case_text, files_named, left_out
+from stochlin.analyses.explorer.form import STRENGTHS, NumberControl, groups, numbers
+from stochlin.analyses.explorer.pair import (
+    elastic_periods,
+    equivalent_strength,
+    has_storeys,
+    structures_of,
+)
+from stochlin.analyses.explorer.saving import case_text, files_named, left_out
 from stochlin.analyses.explorer.simulations import merge_tables, with_motions
 from stochlin.analyses.tables.inputs import MOST_BYTES
 from stochlin.analyses.tables.storage import as_netcdf
 from stochlin.models.systems import floor_count
 from stochlin.views.explorer import pictures as charts
 from stochlin.views.explorer import words
-from stochlin.views.explorer.controls import GROUPS, Control, counts, heading
+from stochlin.views.explorer.controls import heading, read_entry, text_of
 from stochlin.views.explorer.entries import NumberEntry, choice_entry
 from stochlin.views.explorer.panels import Panel
 from stochlin.views.explorer.workers import (
@@ -43,7 +49,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from nicegui import events
 
-    from stochlin.analyses.explorer.scene import Scene
+    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.explorer.form import Form, Place
     from stochlin.views.explorer.workers import Job, Worker
 
 REFUSED = (ValueError, ArithmeticError, MemoryError, OSError)
@@ -58,7 +65,7 @@ PANEL_OF = {**{key: key for key in PANELS}, MOTIONS: PROBABILITY, RECORDS: GAPS}
 FOLD = "if (innerWidth < 720) document.querySelectorAll('details').forEach(d => d.open = false)"
 KEPT = "The charts keep the last values."
 LOG = logging.getLogger("stochlin")
-FORMULAS: dict[str, Callable[[Scene], xr.Dataset]] = {
+FORMULAS: dict[str, Callable[[Case], xr.Dataset]] = {
     CORRELATION: exploration.correlation,
     SPECTRA: exploration.spectra,
     GAPS: exploration.gap_rules,
@@ -70,23 +77,23 @@ _FAST = ThreadPoolExecutor(1, thread_name_prefix="explorer")
 
 
 class Page:
-    """One browser's view of a scene."""
+    """One browser's view of a case."""
 
-    def __init__(self, scene: Scene, notes: list[str], patient: Worker, simulator: Worker) -> None:
-        # What the controls say, and the last of it whose ground is known: that is what is shown.
-        self._wanted = self._scene = scene
+    def __init__(self, form: Form, notes: list[str], patient: Worker, simulator: Worker) -> None:
+        self._form = form  # what the controls say, even where that is no valid case
+        # The last valid case, and the last one whose ground is known: that is what is shown.
+        self._wanted = self._case = form.case()
         self._patient, self._simulator = patient, simulator
-        self._values: dict[str, Any] = vars(scene).copy()
-        self._wrong: dict[str, str] = {}  # messages of entries that cannot be read
-        self._rows: dict[str, Any] = {}
-        self._entries: dict[str, NumberEntry] = {}
+        self._wrong: dict[Place, str] = {}  # messages of entries that cannot be read
+        self._rows: dict[Place, Any] = {}
+        self._entries: dict[Place, NumberEntry] = {}
         self._fast, self._slow = False, False  # whether a round is under way
         self._seeking = False  # whether a ground is sought
-        self._due = _questions(scene)  # what is not answered yet of the present values
+        self._due = _questions(self._case)  # what is not answered yet of the present values
         self._jobs: dict[str, Job] = {}  # what the workers have been asked
         self._chances: dict[str, xr.Dataset] = {}  # probability by formula and of few motions
         self._simulated: Mapping[str, xr.Dataset] = {}
-        self._recorded: tuple[Scene, xr.Dataset] | None = None  # gaps of records, and of what values
+        self._recorded: tuple[Case, xr.Dataset] | None = None  # gaps of records, and of what values
         self._away, self._closed = False, False
         self._client = ui.context.client
         self._build(notes)
@@ -109,7 +116,7 @@ class Page:
                 self._title = ui.label()
             ui.label("How far must two buildings on the same ground stand apart?")
         with ui.element("main").classes("sheet"):
-            self._form = ui.element("form").classes("controls").props('onsubmit="return false"')
+            self._controls = ui.element("form").classes("controls").props('onsubmit="return false"')
             with ui.element("div").props("id=charts tabindex=-1"):
                 self._words()
                 with ui.element("div").classes("charts"):
@@ -123,28 +130,28 @@ class Page:
 
     def _show_controls(self, notes: list[str]) -> None:
         """All that is of the present file: its title, its notes, and controls with its values."""
-        self._title.text = self._scene.title
+        self._title.text = self._case.title
         self._notes.clear()
         with self._notes:
             for note in notes:
                 ui.label(note)
-        self._form.clear()
-        with self._form:
-            for group in GROUPS:
+        self._controls.clear()
+        with self._controls:
+            for group in groups():
                 self._group(group.title, group.controls)
         self._hide()
 
     def _group(self, title: str, controls: Any) -> None:
         with ui.element("details").props("open"):
             with ui.element("summary"):
-                ui.label(heading(title, self._scene)).style("display: inline")
+                ui.label(heading(title, self._form)).style("display: inline")
             for control in controls:
-                if isinstance(control, Control):
-                    entry = NumberEntry(control, title, self._scene, self._change)
-                    self._entries[control.name], row = entry, entry.row
+                if isinstance(control, NumberControl):
+                    entry = NumberEntry(control, title, self._form, self._change)
+                    self._entries[control.place], row = entry, entry.row
                 else:
-                    row = choice_entry(control, title, self._scene, self._change)
-                self._rows[control.name] = row
+                    row = choice_entry(control, title, self._form, self._change)
+                self._rows[control.place] = row
 
     def _words(self) -> None:
         with ui.element("div").classes("words"):
@@ -167,45 +174,48 @@ class Page:
             self._told = ui.label(words.START).props("role=status data-told")
         self._running()
 
-    def _change(self, name: str, value: Any, wrong: str) -> None:
+    def _change(self, place: Place, value: Any, wrong: str) -> None:
         """Take another value of a control; if it is not valid, the charts keep the last values."""
-        self._wrong.pop(name, None)
+        self._wrong.pop(place, None)
         if wrong:
-            self._wrong[name] = wrong
+            self._wrong[place] = wrong
         else:
-            self._values[name] = value
-            if name.startswith("strength_by"):
-                self._keep_strength(int(name[-1]))
+            self._form = self._form.changed({place: value})
+            if place[1] == "strength":
+                self._keep_strength(place[0])
             self._hide()
         messages = list(self._wrong.values())
         if not messages:
             try:
-                shown = {name: self._values[name] for name in self._rows}
-                scene = dataclasses.replace(self._wanted, **shown)
+                case = self._form.case()
             except (ValueError, TypeError) as error:
                 messages = [f"These values do not fit: {error}."]
         self._alert.text = " ".join([*messages, KEPT] if messages else [])
-        if not messages and scene != self._wanted:
-            self._take(scene)
+        if not messages and case != self._wanted:
+            self._take(case)
 
-    def _take(self, scene: Scene) -> None:
+    def _take(self, case: Case) -> None:
         """Other values, of which nothing is simulated."""
-        self._wanted, self._due = scene, _questions(scene)
+        self._wanted, self._due = case, _questions(case)
         self._stop_all()  # at once: the next round may begin before the refresh
         self._simulated, self._chances = {}, {}
         self._told.text = words.START
         background_tasks.create(self._refresh())
 
-    def _keep_strength(self, number: int) -> None:
+    def _keep_strength(self, building: str) -> None:
         """Start the other way to give the strength of an oscillator with the strength that it has."""
+        if self._case.of_site.waits:  # the strength is not known before the ground
+            return
         try:
-            name, value = self._scene.equivalent_strength(number)
-            changed: dict[str, Any] = {name: value}
-            shown = dataclasses.replace(self._scene, **changed)
+            key, value = equivalent_strength(self._case, int(building[-1]))
+            number = next(n for n in numbers() if n.place == (building, key))
+            changed = self._form.changed({number.place: value})
+            read_entry(number, text_of(number, changed))
         except REFUSED:  # elastic, or beyond what may be entered: the control starts as it stands
             return
-        self._values[name] = value
-        self._entries[name].show(shown)
+        if STRENGTHS[self._form[building, "strength"]] == key:
+            self._form = changed
+            self._entries[number.place].show(changed)
 
     async def _open(self, event: events.MultiUploadEventArguments) -> None:
         """Show another case file; one that cannot be read changes nothing."""
@@ -213,22 +223,23 @@ class Page:
         self._files.reset()
         self._told.text = "Opening the case file ..."
         try:
-            scene, notes = await self._ask(self._patient, OPEN, files)
+            form, notes = await self._ask(self._patient, OPEN, files)
+            case = form.case()
         except (Stopped, asyncio.CancelledError):
             return
         except Exception as error:
             self._told.text = ""
-            self._alert.text = f"The file was not opened: {_why(error, OPEN, self._scene)}"
+            self._alert.text = f"The file was not opened: {_why(error, OPEN, self._case)}"
             return
-        self._scene, self._values, self._wrong = scene, vars(scene).copy(), {}
+        self._form, self._case, self._wrong = form, case, {}
         self._alert.text = ""
         self._show_controls(notes)
         ui.run_javascript(FOLD)
-        self._take(scene)
+        self._take(case)
 
     def _hide(self) -> None:
-        for name, row in self._rows.items():
-            row.set_visibility(counts(name, self._values))
+        for place, row in self._rows.items():
+            row.set_visibility(self._form.uses(place))
 
     def _ask(self, worker: Worker, question: str, subject: Any) -> Awaitable[Any]:
         """The answer of a worker; until then its job is one of the page's."""
@@ -249,7 +260,7 @@ class Page:
         if not await self._seek():
             return
         for key, panel in self._panels.items():
-            if key in self._due and key not in _at_once(self._scene):
+            if key in self._due and key not in _at_once(self._case):
                 panel.wait()
         self._look()
         await self._fast_round()  # first, for both want the processor
@@ -260,33 +271,33 @@ class Page:
         if self._seeking:
             return False
         self._seeking = True
-        while self._due and not (self._wanted.settled or self._over):
+        while self._due and self._wanted.of_site.waits and not self._over:
             for panel in self._panels.values():
                 panel.wait()
             self._running()
             wanted = self._wanted
             try:
-                scene: Scene = await self._ask(self._patient, GROUND, wanted)
+                known = await self._ask(self._patient, GROUND, wanted)
             except (Stopped, asyncio.CancelledError):  # for the sake of other values
                 continue
             except Exception as error:
                 if wanted is self._wanted:
                     self._end_all(_no_chart(_why(error, GROUND, wanted)))
                 continue
-            self._wanted = dataclasses.replace(
-                self._wanted, fitted=scene.fitted, measured=scene.measured
-            )
+            for name, found in known.items():
+                self._wanted.of_site.known.keep(name, found)
         self._seeking = False
-        if self._wanted.settled:
-            self._scene = self._wanted
+        settled = not self._wanted.of_site.waits
+        if settled:
+            self._case = self._wanted
         self._running()
-        return self._wanted.settled
+        return settled
 
     def _next(self, at_once: bool) -> str | None:
         """The next question of the present values; none once there are others, or nobody waits."""
-        if self._over or self._scene is not self._wanted:
+        if self._over or self._case is not self._wanted:
             return None
-        fast = _at_once(self._scene)
+        fast = _at_once(self._case)
         return next((question for question in self._due if (question in fast) == at_once), None)
 
     async def _fast_round(self) -> None:
@@ -295,8 +306,8 @@ class Page:
         self._fast = True
         loop = asyncio.get_running_loop()
         while (question := self._next(at_once=True)) is not None:
-            scene = self._scene
-            await self._answer(question, scene, loop.run_in_executor(_FAST, FORMULAS[question], scene))
+            case = self._case
+            await self._answer(question, case, loop.run_in_executor(_FAST, FORMULAS[question], case))
         self._fast = False
 
     async def _slow_round(self) -> None:
@@ -304,12 +315,12 @@ class Page:
             return
         self._slow = True
         while (question := self._next(at_once=False)) is not None:
-            scene = self._scene
-            answer = self._ask(self._patient, question, scene)
-            await self._answer(question, scene, answer)
+            case = self._case
+            answer = self._ask(self._patient, question, case)
+            await self._answer(question, case, answer)
         self._slow = False
 
-    async def _answer(self, question: str, scene: Scene, answer: Awaitable[xr.Dataset]) -> None:
+    async def _answer(self, question: str, case: Case, answer: Awaitable[xr.Dataset]) -> None:
         """Draw an answer, or say why there is none; no error ends a round."""
         table, why = None, ""
         try:
@@ -317,24 +328,24 @@ class Page:
         except (Stopped, asyncio.CancelledError):  # for the sake of other values, or of none
             return
         except Exception as error:
-            why = _why(error, question, scene)
+            why = _why(error, question, case)
         if self._over:
             return
-        present = scene is self._wanted
+        present = case is self._wanted
         if present:
             self._due = [other for other in self._due if other != question]
         if table is None:
             self._fail(question, why)
         elif question == RECORDS:
-            self._recorded = scene, table
+            self._recorded = case, table
             self._draw_gaps()
         elif question not in (MOTIONS, PROBABILITY):
-            self._draw(question, table, scene)
+            self._draw(question, table, case)
             if not present:
                 self._panels[question].wait()
         elif present:
             self._chances[question] = table
-            self._draw_chances(scene)
+            self._draw_chances(case)
         self._look()
 
     def _fail(self, question: str, why: str) -> None:
@@ -344,33 +355,33 @@ class Page:
         elif question != MOTIONS:  # the formula follows, and says the same
             self._panels[question].end(_no_chart(why))
 
-    def _draw_chances(self, scene: Scene) -> None:
+    def _draw_chances(self, case: Case) -> None:
         """Draw the probability by formula, of few motions, or by both, as far as they are known."""
         table = with_motions(self._chances.get(PROBABILITY), self._chances.get(MOTIONS))
         if table is not None:
-            self._draw(PROBABILITY, table, scene)
+            self._draw(PROBABILITY, table, case)
 
-    def _draw(self, key: str, table: xr.Dataset, scene: Scene) -> None:
+    def _draw(self, key: str, table: xr.Dataset, case: Case) -> None:
         """Draw a table, beside it the simulation of the present values if there is one."""
-        simulated = self._simulated.get(key) if scene is self._scene else None
+        simulated = self._simulated.get(key) if case is self._case else None
         panel = self._panels[key]
         if key == SPECTRA:
-            if scene.has_storeys:
-                self._caution.text, self._why.text = words.caution_of_storeys(scene)
-            periods = scene.period_1, scene.period_2
+            if has_storeys(case):
+                self._caution.text, self._why.text = words.caution_of_storeys(case)
+            periods = elastic_periods(case)
             panel.show(table, charts.spectra_figure(table, periods), words.spectra(table))
         elif key == CORRELATION:
-            if not scene.has_storeys:
+            if not has_storeys(case):
                 self._caution.text, self._why.text = words.caution(table)
             panel.show(table, charts.correlation_figure(table, simulated), words.correlation(table))
         elif key == GAPS:
             every = bool(self._every.value)
-            own = self._recorded is not None and self._recorded[0] is scene
+            own = self._recorded is not None and self._recorded[0] is case
             recorded = self._recorded[1] if own and self._recorded else None
             texts = [
                 words.gaps(table, simulated, every),
                 words.records(recorded),
-                columns_hit(scene.slabs_on_columns),
+                columns_hit(case.slabs_on_columns),
             ]
             figure = charts.gaps_figure(table, recorded, simulated, every)
             panel.show(table, figure, " ".join(filter(None, texts)))
@@ -383,11 +394,11 @@ class Page:
         """Draw the gaps with or without a line for every rule; while they wait, the next answer does."""
         table = self._panels[GAPS].table
         if table is not None:
-            self._draw(GAPS, table, self._scene)
+            self._draw(GAPS, table, self._case)
 
     async def _simulate(self) -> None:
-        scene = self._scene
-        answer = self._ask(self._simulator, SIMULATIONS, scene)
+        case = self._case
+        answer = self._ask(self._simulator, SIMULATIONS, case)
         self._told.text = "Simulating."
         self._running()
         try:
@@ -395,20 +406,20 @@ class Page:
         except (Stopped, asyncio.CancelledError):
             self._told.text = "Stopped."
         except Exception as error:
-            self._told.text = f"Not simulated: {_why(error, SIMULATIONS, scene)}"
+            self._told.text = f"Not simulated: {_why(error, SIMULATIONS, case)}"
         else:
-            self._keep(scene, tables)
+            self._keep(case, tables)
         self._running()
 
-    def _keep(self, scene: Scene, tables: Mapping[str, xr.Dataset]) -> None:
-        if scene is not self._wanted:
+    def _keep(self, case: Case, tables: Mapping[str, xr.Dataset]) -> None:
+        if case is not self._wanted:
             return
         self._simulated = tables
-        self._told.text = f"Simulated: {scene.paths} motions, seed {scene.seed}."
+        self._told.text = f"Simulated: {case.paths} motions, seed {case.seed}."
         for key in tables:
             table = self._panels[key].table
             if table is not None:
-                self._draw(key, table, scene)
+                self._draw(key, table, case)
 
     def _interrupt(self) -> None:
         if SIMULATIONS in self._jobs:
@@ -460,21 +471,23 @@ class Page:
     def _running(self) -> None:
         """Show whether a simulation runs, and whether one can be started."""
         running = SIMULATIONS in self._jobs
-        self._start.set_enabled(self._wanted.settled and not running)
+        self._start.set_enabled(not (self._wanted.of_site.waits or running))
         for element in (self._stop, self._bar):
             element.set_visibility(running)
 
     def _save_case(self) -> None:
+        case = self._case
         texts = [words.SAVED_LAST] if self._alert.text else []
-        texts += [*left_out(self._scene), words.beside(files_named(self._scene))]
+        texts += [*left_out(case, self._form.file), words.beside(files_named(case))]
         self._told.text = " ".join(filter(None, texts)) or self._told.text
-        file = self._scene.case_file
-        name = file.file.name if file else "case.toml"
-        ui.download.content(case_text(self._scene), name, "application/toml")
+        ui.download.content(case_text(case), case.file, "application/toml")
 
     def _save_data(self) -> None:
+        if self._case.of_site.waits:
+            self._told.text = "There is nothing to save yet: the ground is not known."
+            return
         tables = {key: p.table for key, p in self._panels.items() if p.table is not None}
-        if self._recorded is not None and self._recorded[0] is self._scene:
+        if self._recorded is not None and self._recorded[0] is self._case:
             tables[RECORDS] = self._recorded[1]
         tables |= {f"simulated_{key}": table for key, table in self._simulated.items()}
         if self._alert.text:
@@ -482,7 +495,7 @@ class Page:
         missing = [PANELS[key][0] for key in self._panels if key not in tables]
         if missing:
             self._told.text = f"Saved without results that are not computed yet: {', '.join(missing)}."
-        data = as_netcdf(merge_tables(self._scene, tables))
+        data = as_netcdf(merge_tables(self._case, tables))
         ui.download.content(data, "explored.nc", "application/x-netcdf")
 
     @property
@@ -507,19 +520,19 @@ class Page:
         self._stop_all()
 
 
-def _questions(scene: Scene) -> list[str]:
-    """What is asked about a scene, in this order; with storeys the formula last, which takes longest."""
-    records = [RECORDS] if scene.records else []
-    if scene.has_storeys:
+def _questions(case: Case) -> list[str]:
+    """What is asked about a case, in this order; with storeys the formula last, which takes longest."""
+    records = [RECORDS] if case.of_site.recorded else []
+    if has_storeys(case):
         return [SPECTRA, GAPS, MOTIONS, CORRELATION, *records, PROBABILITY]
     return [CORRELATION, SPECTRA, GAPS, PROBABILITY, *records]
 
 
-def _at_once(scene: Scene) -> list[str]:
+def _at_once(case: Case) -> list[str]:
     """What is answered while a slider moves; all else in a process of its own."""
-    if not scene.has_storeys:
+    if not has_storeys(case):
         return list(FORMULAS)
-    few = sum(floor_count(structure) for structure in scene.structures()) <= FEW_STOREYS
+    few = sum(floor_count(structure) for structure in structures_of(case)) <= FEW_STOREYS
     return [SPECTRA, GAPS] if few else []
 
 
@@ -538,11 +551,11 @@ def _no_chart(why: str) -> str:
     return f"These values have no chart: {why}"
 
 
-def _why(error: Exception, what: str, scene: Scene) -> str:
+def _why(error: Exception, what: str, case: Case) -> str:
     """What to say of an error; a fault of ours, or a process that died, is logged."""
     if isinstance(error, REFUSED):
         return str(error)
-    LOG.error("%s of %s", what, scene, exc_info=error)
+    LOG.error("%s of %s", what, case, exc_info=error)
     return f"{type(error).__name__}: {error}"
 
 

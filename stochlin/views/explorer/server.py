@@ -18,9 +18,10 @@ from nicegui import Client, app, ui
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse
 
+from stochlin.analyses.cases.files.schema import FEWEST_PATHS, REGULAR
 from stochlin.analyses.cases.site import NONE
-from stochlin.analyses.explorer.buildings import REGULAR
-from stochlin.analyses.explorer.scene import WHOLE, Scene
+from stochlin.analyses.explorer.form import BUILDINGS, ENVELOPE, Form
+from stochlin.analyses.explorer.opening import first_form
 from stochlin.views.explorer.page import Page
 from stochlin.views.explorer.workers import ONE_THREAD, SIMULATIONS, Worker
 
@@ -30,15 +31,13 @@ NEVER_WITHIN = (  # a page of another site
     (b"content-security-policy", b"frame-ancestors 'none'"),
 )
 MOST_WAITING = 32  # pages that were asked for and have not connected; beyond, the oldest is dropped
-TINY = Scene(
-    description_1=REGULAR,
-    description_2=REGULAR,
-    storey_count_1=1,
-    storey_count_2=1,
-    duration=2.0,
-    envelope=NONE,
-    paths=WHOLE["paths"].lowest,
-)
+TINY = {
+    **{(name, "described"): REGULAR for name in BUILDINGS},
+    **{(name, "storeys"): 1 for name in BUILDINGS},
+    ENVELOPE: NONE,
+    ("motion", "duration"): 2.0,
+    ("simulation", "paths"): FEWEST_PATHS,
+}
 PATIENCE = 30.0  # s that a page may take to connect, on a machine that is busy
 
 
@@ -109,7 +108,7 @@ def check_address(host: str, port: int) -> None:
         ) from error
 
 
-def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> None:
+def serve(form: Form, notes: list[str], host: str, port: int, show: bool) -> None:
     """Serve the page until it is interrupted; the address is one that `check_address` has passed."""
     os.environ.update(ONE_THREAD)  # of the workers; in this process linear algebra has begun
     workers = Worker(), Worker()
@@ -130,7 +129,7 @@ def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> N
             if client in waiting:
                 waiting.remove(client)
         if not client.is_deleted:
-            await Page(scene, notes, *workers).begin()
+            await Page(form, notes, *workers).begin()
 
     @app.exception_handler(404)
     def unknown(request: Request, error: Exception) -> PlainTextResponse:
@@ -138,8 +137,9 @@ def serve(scene: Scene, notes: list[str], host: str, port: int, show: bool) -> N
 
     def ready() -> None:
         gc.freeze()  # so that a search for garbage is one of what pages leave, and not of all libraries
+        tiny = first_form().changed(TINY).case()
         for worker in workers:
-            worker.ask(SIMULATIONS, TINY)  # so that its libraries are there when they are needed
+            worker.ask(SIMULATIONS, tiny)  # so that its libraries are there when they are needed
         shown = f"[{host}]" if ":" in host else host
         click.echo(f"The explorer is at http://{shown}:{port} (Ctrl+C ends it)")
         if LOCAL not in (names_of(host) or ()):

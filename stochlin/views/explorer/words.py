@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.explorer.pair import structures_of
 from stochlin.messages import listed
 from stochlin.views.explorer.pictures import (
     label_without_simulation,
@@ -18,7 +19,7 @@ from stochlin.views.shared.words import SPACE, centimetres, length, per_cent, ru
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from stochlin.analyses.explorer.scene import Scene
+    from stochlin.analyses.cases.case import Case
 
 PEAKS = {  # that rules use without simulation
     "drift closure": "Rules with linearized peaks use those of the drift closure; eq. (3), linearized, "
@@ -55,7 +56,7 @@ START = "Press Simulate to run the nonlinear simulation for every chart."
 
 
 def caution(table: xr.Dataset) -> tuple[str, str]:
-    """The error of linearization at the scene's own ratio, in words, and its reason."""
+    """The error of linearization at the case's own ratio, in words, and its reason."""
     if "comment" not in table.attrs:
         return ELASTIC, ""
     own = table.sel(period_ratio=table.attrs["period_ratio"], method="nearest")
@@ -79,9 +80,9 @@ def caution(table: xr.Dataset) -> tuple[str, str]:
     return words, table.attrs["comment"].replace("Caution: compared", "Compared")
 
 
-def caution_of_storeys(scene: Scene) -> tuple[str, str]:
+def caution_of_storeys(case: Case) -> tuple[str, str]:
     """The same where storeys are linearized, for which there is no map."""
-    if not any(structure.yields for structure in scene.structures()):
+    if not any(structure.yields for structure in structures_of(case)):
         return ELASTIC, ""
     return (
         f"{UNSAFE} Its error is not known here: there is no map of its bias for storeys.",

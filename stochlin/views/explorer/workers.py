@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.context import SpawnProcess
 
-    from stochlin.analyses.explorer.scene import Scene
+    from stochlin.analyses.cases.case import Case
     from stochlin.kernels.basics.parallel import Progress
 
 CORRELATION, GAPS, PROBABILITY, SPECTRA = "correlation", "gaps", "probability", "spectra"
@@ -62,8 +62,8 @@ class Worker:
         self._start()
         threading.Thread(target=self._serve, daemon=True).start()
 
-    def ask(self, question: str, subject: Scene | Mapping[str, bytes]) -> Job:
-        """Put a question about a scene, or about files of which one is to be; cancelled once closed."""
+    def ask(self, question: str, subject: Case | Mapping[str, bytes]) -> Job:
+        """Put a question about a case, or about files of which one is to be; cancelled once closed."""
         job = Job(question, subject)
         if self.closed:
             job.stop()
@@ -181,7 +181,7 @@ def _end_with_the_page() -> None:
 
 def _answer(question: str, subject: Any, progress: Progress) -> Any:
     from stochlin.analyses.explorer import formulas
-    from stochlin.analyses.explorer.case_scene import open_case
+    from stochlin.analyses.explorer.opening import open_case
     from stochlin.analyses.explorer.simulations import few_motions, simulations
 
     if question == OPEN:
@@ -193,7 +193,8 @@ def _answer(question: str, subject: Any, progress: Progress) -> Any:
     if question == RECORDS:
         return formulas.recorded(subject)
     if question == GROUND:
-        return subject.settle(progress)
+        subject.of_site.settled(progress)
+        return subject.of_site.found()
     long = {
         CORRELATION: formulas.correlation,
         PROBABILITY: formulas.probability,

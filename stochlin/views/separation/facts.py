@@ -9,12 +9,13 @@ import numpy as np
 
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.records.files import METRES
+from stochlin.analyses.tables.toml import toml_text
 from stochlin.messages import hyphenated
 from stochlin.models.buildings import ShearBuilding
 from stochlin.views.separation.risk import risk_sentences
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import confidence, ductilities, existing, headline, interval, rows
-from stochlin.views.shared.blocks import Term, Terms
+from stochlin.views.shared.blocks import Term, Terms, Text
 from stochlin.views.shared.descriptions import site_in_words, source_in_words
 from stochlin.views.shared.uncertain import contained
 from stochlin.views.shared.words import SPACE, length, per_cent, scatter, shaking, valued
@@ -136,8 +137,27 @@ def facts(answer: CaseAnswer) -> list[Terms]:
     groups = {"Site": ground, "Motion": motion}
     for n, building in enumerate(case.buildings, start=1):
         groups[f"Building {n}"] = _building(building, answer.separation, n)
+        groups[f"Building {n}"] += _noted(case, f"building_{n}")
     groups["Separation"] = wanted
     return [Terms([Term(*fact) for fact in members], group) for group, members in groups.items()]
+
+
+def case_file(case: Case) -> list[Text]:
+    """The tables of the case file, from which the same case can be typed again."""
+    beside = ", ".join(path.name for path in case.inputs[1:])
+    words = "With the same version of stochlin it gives the same numbers."
+    needs = f" It needs these files beside it: {beside}." if beside else ""
+    return [Text(words + needs), Text(toml_text(case.whole.values), "file")]
+
+
+def _noted(case: Case, table: str) -> list[tuple[str, str]]:
+    """What a table of the case file says that no number depends on."""
+    section = case.whole.section(table)
+    return [
+        (key.label.lower(), str(section.values[name]))
+        for name, key in section.keys.items()
+        if key.noted and name in section
+    ]
 
 
 def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tuple[str, str]]:
@@ -205,7 +225,7 @@ def statement(answer: CaseAnswer) -> list[Term]:
         ),
         ("Site", f"{site}. {shaking(answer.shaking, case)} {scatter(case)}".strip()),
         ("Uncertainty", contained(case, f"the {about.gap} is that") or KNOWN),
-        ("Inputs", f"They are listed under 'The case', as read from {case.file}."),
+        ("Inputs", f"They are listed under 'The case' and 'The case file', as read from {case.file}."),
         (
             "Program",
             f"stochlin {table.attrs['stochlin_version']}, seed {case.seed}. The same file and version "

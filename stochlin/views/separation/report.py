@@ -57,6 +57,7 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection("The records", _records(answer), on_screen=False),
         ViewSection("Influence of the inputs", _influence(answer)),
         ViewSection("The case", small_print.facts(answer), on_screen=False, columns=True),
+        ViewSection("The case file", small_print.case_file(case), on_screen=False),
         ViewSection("Assumptions of each rule", [_assumptions(answer)], on_screen=False, columns=True),
         ViewSection(
             "Statement of the analysis",

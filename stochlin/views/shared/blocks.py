@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph; nothing is shown of an empty one. ``look``: title, answer, doubt, note or signed."""
+    """A paragraph, none if it is empty. ``look``: title, answer, doubt, note, file or signed."""
 
     text: str
     look: str = ""

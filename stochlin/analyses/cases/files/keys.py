@@ -27,12 +27,14 @@ Kind = Quantity | Whole | tuple[str, ...] | type[bool] | type[str] | type[Column
 class Slider(NamedTuple):
     """Control of a number in the explorer: range and step of its slider, in ``unit``.
 
-    The entry beside it may go beyond, up to ``limits``; ``about`` is a sentence below it.
+    It starts at ``start`` where no file has the key. The entry beside it may go beyond the slider, up to
+    ``limits``; ``about`` is a sentence below it.
     """
 
     low: float
     high: float
     step: float
+    start: float
     unit: str = ""
     limits: Range | Whole | None = None
     about: str = ""
@@ -40,13 +42,19 @@ class Slider(NamedTuple):
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table; ``title`` is its name for readers, ``default`` its value if it is missing."""
+    """A key of a table; ``title`` is its name for readers, ``default`` its value if it is missing.
+
+    ``ways`` are the ways to describe a building or a site to which it belongs, empty for all of them.
+    ``noted`` is a key that no result depends on: it is checked, kept and shown.
+    """
 
     name: str
     kind: Kind
     title: str = ""
     default: Any = NEEDED
     slider: Slider | None = None
+    ways: tuple[str, ...] = ()
+    noted: bool = False
 
     @property
     def label(self) -> str:
@@ -54,16 +62,22 @@ class Key:
         return self.title or self.name.replace("_", " ").capitalize()
 
     @property
-    def ends(self) -> tuple[float, float]:
-        """Ends of the slider, in SI units."""
-        assert self.slider is not None
-        return self.slider.low * self.unit_size, self.slider.high * self.unit_size
-
-    @property
     def unit_size(self) -> float:
         """The unit of the slider in SI units."""
         unit = self.slider.unit if self.slider else ""
         return self.kind.spellings[unit] if unit and isinstance(self.kind, Quantity) else 1.0
+
+    @property
+    def allowed_in_words(self) -> str:
+        """What the key may say, for the documentation."""
+        if isinstance(self.kind, Quantity):
+            units = "" if self.kind.units == "1" else f" in {', '.join(self.kind.spellings)}"
+            return f"a number{units}; {self.kind.allowed}"
+        if isinstance(self.kind, Whole):
+            most = "" if self.kind.highest is None else f" to {self.kind.highest}"
+            return f"a whole number from {self.kind.lowest}{most}"
+        words = {bool: "true or false", str: "a text", Column: "a column, by its title or number"}
+        return words[self.kind] if isinstance(self.kind, type) else ", ".join(self.kind)
 
     @property
     def example(self) -> str:
@@ -76,10 +90,18 @@ class Key:
         return words[self.kind] if isinstance(self.kind, type) else f'"{self.kind[0]}"'
 
 
-def declared(model: type[Model], name: str, title: str = "", slider: Slider | None = None) -> Key:
+def declared(
+    model: type[Model],
+    name: str,
+    title: str = "",
+    slider: Slider | None = None,
+    ways: tuple[str, ...] = (),
+) -> Key:
     """The key of a parameter of a model, which has its unit and its range from there."""
     long_name = str(model.__dataclass_fields__[name].metadata["long_name"])
-    return Key(name, Quantity.declared(model, name), title or long_name.capitalize(), slider=slider)
+    return Key(
+        name, Quantity.declared(model, name), title or long_name.capitalize(), slider=slider, ways=ways
+    )
 
 
 def table(*keys: Key) -> Mapping[str, Key]:

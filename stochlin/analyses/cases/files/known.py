@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 Found = TypeVar("Found")
+MOST = 16  # results of one kind
 
 
 class Known(dict[str, Any]):
@@ -14,11 +15,19 @@ class Known(dict[str, Any]):
 
     def of(self, what: str, values: Any, find: Callable[[], Found]) -> Found:
         """The result for these values of a file, found now if it is not known yet."""
-        key = name_of(what, values)
-        if key not in self:
-            self[key] = find()
-        found: Found = self[key]
+        name = name_of(what, values)
+        if name not in self:
+            self.keep(name, find())
+        found: Found = self[name]
         return found
+
+    def keep(self, name: str, found: Any) -> None:
+        """Add a result; of those of one kind the oldest goes, where there are too many."""
+        kind = name.partition(" ")[0]
+        alike = [other for other in self if other.partition(" ")[0] == kind]
+        if len(alike) >= MOST:
+            del self[alike[0]]
+        self[name] = found
 
 
 def name_of(what: str, values: Any) -> str:

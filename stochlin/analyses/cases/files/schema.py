@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from stochlin.analyses.cases.files.keys import Column, Key, Place, Slider, declared, table
+from stochlin.analyses.cases.files.keys import NEEDED, Column, Key, Place, Slider, declared, table
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.models.arguments import Whole
 from stochlin.models.buildings import RegularBuilding, ShearBuilding
+from stochlin.models.envelopes import AminAng, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import MOST_FILTERS, CloughPenzien
 from stochlin.models.hazards import MEASURES
 from stochlin.models.laws.bilinear import Bilinear
@@ -25,14 +26,15 @@ ACCELERATION, SPECTRAL_DENSITY = Quantity("m/s^2", POSITIVE), Quantity("m^2/s^3"
 PEAK, RESPONSE = (ACCELERATION._replace(plausible=PLAUSIBLE[name]) for name in ("pga", "sa"))
 HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
 GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["existing"])
+FACTOR = Quantity("1", Range(upper=100.0, include_upper=True))
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"))
 STOREY_HEIGHT = Quantity.declared(ShearBuilding, "heights")
 # Limits of the explorer's entries, which keep its computing time below hours.
 PERIODS, DURATIONS = Range(0.02, 20.0, True, True), Range(1.0, 300.0, True, True)
-HEIGHTS, FACTORS = Range(1.0, 20.0, True, True), Range(upper=100.0, include_upper=True)
+HEIGHTS, FACTORS = Range(1.0, 20.0, True, True), FACTOR.allowed
 MOST_WEIGHT = PLAUSIBLE["base_shear_coefficient"].high
 SHEARS = Range(upper=MOST_WEIGHT, include_upper=True, reason="a share of the weight")
-SHOWN_STOREYS, SHOWN_PATHS = Whole(1, 60), Whole(FEWEST_PATHS, 20_000)
+MOST_STOREYS, MOST_PATHS = 60, 20_000
 OF_FACTOR = (
     "R is relative to the elastic response, so that a stronger ground motion makes the building "
     "stronger as well; choose the yield displacement above to keep the strength as it is."
@@ -42,92 +44,152 @@ OF_SCALE = (
     "period alike."
 )
 
-ALL = table(Key("title", str, default=None))
+# Ways to describe a building: as an oscillator, by a few numbers of all storeys, or storey by storey.
+OSCILLATOR, REGULAR, SINGLY = "oscillator", "regular", "storey by storey"
+OF_OSCILLATORS, OF_REGULAR, OF_STOREYS = (OSCILLATOR,), (REGULAR,), (REGULAR, SINGLY)
+EUROCODE_8, ASCE_7, FILE = "eurocode_8", "asce_7", "spectrum of the file"
+
+ALL = table(Key("title", str, "Title of all results", None))
 SITE = table(
-    Key("ag", PEAK, "Acceleration ag", slider=Slider(0.02, 0.8, 0.01, "g")),
-    Key("soil", tuple("ABCDE"), "Ground type"),
-    Key("type", Whole(1, 2), "Type of spectrum", 1),
-    Key("sds", RESPONSE, "SDS", slider=Slider(0.05, 2.5, 0.01, "g")),
-    Key("sd1", RESPONSE, "SD1", slider=Slider(0.02, 1.5, 0.01, "g")),
-    Key("tl", TIME, "TL", slider=Slider(4.0, 16.0, 1.0, "s")),
-    Key("pga", PEAK, "Peak acceleration, mean", slider=Slider(0.01, 1.0, 0.01, "g")),
-    Key("sa", RESPONSE, "Spectral acceleration, mean", slider=Slider(0.01, 2.0, 0.01, "g")),
-    Key("sa_period", TIME, "Its period", slider=Slider(0.1, 4.0, 0.01, "s", PERIODS)),
-    Key("scale", NUMBER, "Scale of the spectrum", slider=Slider(0.1, 4.0, 0.05, about=OF_SCALE)),
-    declared(CloughPenzien, "intensity", "Intensity S0", Slider(0.0005, 0.05, 0.0005, "m^2/s^3")),
-    declared(CloughPenzien, "period", "Ground period", Slider(0.1, 4.0, 0.01, "s", PERIODS)),
-    declared(CloughPenzien, "damping", "Ground damping ratio", Slider(0.02, 1.0, 0.01)),
-    declared(CloughPenzien, "high_pass_period", "High-pass period", Slider(1.0, 20.0, 0.1, "s")),
-    declared(CloughPenzien, "high_pass_damping", "High-pass damping ratio", Slider(0.05, 1.5, 0.05)),
-    Key("return_period", YEARS),
-    Key("filters", Whole(1, MOST_FILTERS), default=None),
-    Key("units", str, default=None),
-    Key("column", Column, default=None),
-    Key("period_column", Column, default=None),
+    Key("ground", str, "Name or kind of the ground"),
+    Key("spectrum", str, "Code or file of a design spectrum, in place of a ground"),
+    Key("ag", PEAK, "Acceleration ag", slider=Slider(0.02, 0.8, 0.01, 0.25, "g"), ways=(EUROCODE_8,)),
+    Key("soil", tuple("ABCDE"), "Ground type", ways=(EUROCODE_8,)),
+    Key("type", Whole(1, 2), "Type of spectrum", 1, ways=(EUROCODE_8,)),
+    Key("sds", RESPONSE, "SDS", slider=Slider(0.05, 2.5, 0.01, 1.0, "g"), ways=(ASCE_7,)),
+    Key("sd1", RESPONSE, "SD1", slider=Slider(0.02, 1.5, 0.01, 0.6, "g"), ways=(ASCE_7,)),
+    Key("tl", TIME, "TL", slider=Slider(4.0, 16.0, 1.0, 8.0, "s"), ways=(ASCE_7,)),
+    Key("pga", PEAK, "Peak acceleration, mean", slider=Slider(0.01, 1.0, 0.01, 0.3, "g")),
+    Key("sa", RESPONSE, "Spectral acceleration, mean", slider=Slider(0.01, 2.0, 0.01, 0.6, "g")),
+    Key("sa_period", TIME, "Its period", slider=Slider(0.1, 4.0, 0.01, 1.0, "s", PERIODS)),
+    Key(
+        "scale",
+        NUMBER,
+        "Scale of the spectrum",
+        1.0,
+        Slider(0.1, 4.0, 0.05, 1.0, about=OF_SCALE),
+        (FILE,),
+    ),
+    declared(CloughPenzien, "intensity", "Intensity S0", Slider(5e-4, 0.05, 5e-4, 0.01, "m^2/s^3")),
+    declared(CloughPenzien, "period", "Ground period", Slider(0.1, 4.0, 0.01, 1.0, "s", PERIODS)),
+    declared(CloughPenzien, "damping", "Ground damping ratio", Slider(0.02, 1.0, 0.01, 0.3)),
+    declared(CloughPenzien, "high_pass_period", "High-pass period", Slider(1.0, 20.0, 0.1, 4.0, "s")),
+    declared(
+        CloughPenzien, "high_pass_damping", "High-pass damping ratio", Slider(0.05, 1.5, 0.05, 0.6)
+    ),
+    Key("return_period", YEARS, "Return period of the shaking, from the hazard"),
+    Key("model", str, "Kind of a ground that is fitted to the first record", "kanai_tajimi"),
+    Key("estimator", str, "What a fit to a record minimizes", "psd"),
+    Key("filters", Whole(1, MOST_FILTERS), "Number of filters of a fitted ground", None),
+    Key("units", str, "Unit of the accelerations in the file", None),
+    Key("column", Column, "Column of the accelerations", None),
+    Key("period_column", Column, "Column of the periods", None),
 )
 READING = (
-    Key("units", str, default=None),
+    Key("units", str, "Unit of the accelerations", None),
     Key("dt", TIME, "Time step", None),
-    Key("column", Column, default=None),
-    Key("time_column", Column, default=None),
+    Key("column", Column, "Column of the accelerations", None),
+    Key("time_column", Column, "Column of the times, in place of the time step", None),
 )
 RECORD = table(
-    Key("path", str), Key("name", str, default=None), *READING, Key("scale", NUMBER, default=None)
+    Key("path", str, "File, beside the case file"),
+    Key("name", str, "Name in results", None),
+    *READING,
+    Key("scale", NUMBER, "Factor on the accelerations", None),
 )
 SUITE = table(
-    Key("path", str),
+    Key("path", str, "Folder, or table of files"),
     *READING,
-    Key("skip_unreadable", bool, default=False),
-    Key("pga", PEAK),
-    Key("sa", RESPONSE),
-    Key("sa_period", TIME),
-    Key("scale_to", ("spectrum",)),
-    Key("band", TIME),
+    Key("skip_unreadable", bool, "Leave out what cannot be read, with a warning", False),
+    Key("pga", PEAK, "Peak acceleration to which each record is scaled"),
+    Key("sa", RESPONSE, "Spectral acceleration to which each record is scaled"),
+    Key("sa_period", TIME, "Its period"),
+    Key("scale_to", ("spectrum",), "Scale each record to the spectrum of the site"),
+    Key("band", TIME, "The two periods between which it is scaled to the spectrum"),
 )
 HAZARD = table(
-    Key("measure", MEASURES),
-    Key("sa_period", TIME),
-    Key("file", str),
-    Key("k0", NUMBER),
-    Key("k", NUMBER),
-    Key("return_periods", YEARS),
-    Key("frequencies", NUMBER),
+    Key("measure", MEASURES, "Measure of the shaking; intensity is S0"),
+    Key("sa_period", TIME, "Period of the spectral acceleration"),
+    Key("file", str, "File of intensities and annual frequencies of exceedance"),
+    Key("intensities", ACCELERATION, "Intensities of a few points, in place of a file"),
+    Key("frequencies", NUMBER, "Annual frequencies of exceedance of these points"),
+    Key("return_periods", YEARS, "Return periods of these points, in place of frequencies"),
+    Key("k0", NUMBER, "Annual frequency of exceedance of one unit, of a power law"),
+    Key("k", NUMBER, "Exponent of the power law"),
+    Key("units", str, "Unit of k0, or of the intensities in the file"),
 )
-MOTION = table(Key("duration", TIME, slider=Slider(5.0, 120.0, 1.0, "s", DURATIONS)))
+MOTION = table(
+    Key("envelope", str, "Envelope", "none"),
+    Key(
+        "scatter", NUMBER, "Scatter of the strength between earthquakes (standard deviation of ln)", None
+    ),
+    Key("duration", TIME, slider=Slider(5.0, 120.0, 1.0, 20.0, "s", DURATIONS)),
+    declared(AminAng, "rise_end", "", Slider(0.5, 30.0, 0.5, 4.0, "s")),
+    declared(AminAng, "strong_end", "", Slider(1.0, 90.0, 0.5, 15.0, "s")),
+    declared(GammaEnvelope, "power", "", Slider(0.5, 8.0, 0.1, 2.0)),
+    declared(ShinozukaSato, "slow", "Slow rate", Slider(0.01, 1.0, 0.01, 0.1, "1/s")),
+    declared(ShinozukaSato, "fast", "Fast rate", Slider(0.1, 5.0, 0.05, 1.0, "1/s")),
+    declared(AminAng, "decay", "Rate of decay", Slider(0.05, 2.0, 0.05, 0.35, "1/s")),
+)
 BUILDING = table(
-    Key("name", str, default=None),
-    declared(Bilinear, "period", "Period", Slider(0.1, 4.0, 0.01, "s", PERIODS)),
-    Key("storeys", Whole(1), default=None, slider=Slider(1, 30, 1, "", SHOWN_STOREYS)),
-    Key("storey_height", STOREY_HEIGHT, slider=Slider(2.5, 6.0, 0.05, "m", HEIGHTS)),
-    declared(Bilinear, "damping", "Damping ratio", Slider(0.005, 0.3, 0.005)),
+    declared(Bilinear, "period", "Period", Slider(0.1, 4.0, 0.01, 1.0, "s", PERIODS)),
+    Key("storeys", Whole(1), default=None, slider=Slider(1, 30, 1, 8, "", Whole(1, MOST_STOREYS))),
+    Key(
+        "storey_height", STOREY_HEIGHT, "", NEEDED, Slider(2.5, 6.0, 0.05, 3.0, "m", HEIGHTS), OF_STOREYS
+    ),
+    Key("heights", STOREY_HEIGHT, "Heights of all storeys, from the ground up", ways=OF_STOREYS),
+    Key("floor_mass", Quantity.declared(RegularBuilding, "mass"), ways=OF_REGULAR),
+    declared(Bilinear, "damping", "Damping ratio", Slider(0.005, 0.3, 0.005, 0.05)),
     declared(
         *(Bilinear, "reduction_factor", "Reduction factor R"),
-        Slider(0.5, 10.0, 0.1, "", FACTORS, OF_FACTOR),
+        *(Slider(0.5, 10.0, 0.1, 4.0, "", FACTORS, OF_FACTOR), OF_OSCILLATORS),
     ),
-    declared(Bilinear, "yield_displacement", "Yield displacement", Slider(0.2, 30.0, 0.1, "cm")),
-    declared(RegularBuilding, "base_shear_coefficient", "", Slider(0.02, 0.6, 0.01, "", SHEARS)),
-    Key("strength_factor", Quantity("1", FACTORS), default=1.0, slider=Slider(0.1, 4.0, 0.05)),
-    declared(Bilinear, "hardening", "Hardening ratio", Slider(0.01, 1.0, 0.01)),
-    Key("height", HEIGHT, default=None),
-    Key("elastic", bool, default=False),
-    Key("p_delta", bool, "Weight softens storeys (P-delta)", False),
+    declared(
+        *(Bilinear, "yield_displacement", "Yield displacement"),
+        *(Slider(0.2, 30.0, 0.1, 3.0, "cm"), OF_OSCILLATORS),
+    ),
+    Key(
+        "ductility", NUMBER, "Mean peak ductility, for which the strength is sought", ways=OF_OSCILLATORS
+    ),
+    declared(
+        *(RegularBuilding, "base_shear_coefficient", "Base shear coefficient"),
+        *(Slider(0.02, 0.6, 0.01, 0.15, "", SHEARS), OF_REGULAR),
+    ),
+    Key("strength_factor", FACTOR, "", 1.0, Slider(0.1, 4.0, 0.05, 1.0), OF_STOREYS),
+    declared(Bilinear, "hardening", "Hardening ratio", Slider(0.01, 1.0, 0.01, 0.05)),
+    declared(Bilinear, "mass", ways=OF_OSCILLATORS),
+    Key("height", HEIGHT, default=None, ways=OF_OSCILLATORS),
+    declared(ShearBuilding, "masses", ways=(SINGLY,)),
+    declared(ShearBuilding, "stiffnesses", ways=(SINGLY,)),
+    declared(ShearBuilding, "yield_drifts", ways=(SINGLY,)),
+    declared(ShearBuilding, "dampers", ways=OF_STOREYS),
+    Key("elastic", bool, "It does not yield", False),
+    Key("p_delta", bool, "Weight softens storeys (P-delta)", False, ways=OF_STOREYS),
+    Key("law", str, "Hysteresis law", "bilinear"),
+    Key("name", str, "Name in results", None),
 )
 SEPARATION = table(
-    Key("existing", GAP, "Existing gap", None, Slider(0.5, 60.0, 0.5, "cm", POSITIVE)),
-    Key("confidence", SHARE, "Confidence of no pounding", slider=Slider(0.5, 0.99, 0.01)),
-    Key("floors_align", bool, default=False),
+    Key("existing", GAP, "Existing gap", None, Slider(0.5, 60.0, 0.5, 5.0, "cm", POSITIVE)),
+    Key("confidence", SHARE, "Confidence of no pounding", slider=Slider(0.5, 0.99, 0.01, 0.9)),
+    Key("floors_align", bool, "Floors at the same levels", False),
+    Key("risk", str, "Allowed risk of pounding, per year or in a time", None),
     Key("same_property", bool, "On one property", False),
     Key("same_system", bool, "Same structural system", False),
     Key("zone", tuple(ZONES), "Zone of Mexico City", None),
     Key("unverified", bool, "Rules that are not compared with their source", False),
 )
+MOTIONS = Slider(256, 8192, 256, 2048, "", Whole(FEWEST_PATHS, MOST_PATHS))
 SIMULATION = table(
-    Key(
-        "paths", Whole(FEWEST_PATHS), "Simulated motions", 2048, Slider(256, 8192, 256, "", SHOWN_PATHS)
-    ),
-    Key("seed", Whole(0), default=0),
+    Key("paths", Whole(FEWEST_PATHS), "Simulated motions", 2048, MOTIONS),
+    Key("seed", Whole(0), "Seed of the motions", 0),
 )
-MITIGATION = table(Key("amplification_limit", NUMBER))
+MITIGATION = table(
+    Key(
+        "amplification_limit",
+        NUMBER,
+        "Accepted ratio of largest displacements with and without pounding",
+    )
+)
 
 TABLES: Mapping[str, Mapping[str, Key]] = {
     "": ALL,
@@ -141,6 +203,11 @@ TABLES: Mapping[str, Mapping[str, Key]] = {
     "simulation": SIMULATION,
     "mitigation": MITIGATION,
 }
+
+
+def keys_of_way(way: str) -> list[str]:
+    """Names of the keys that a building may have that is described in this way."""
+    return [key.name for key in BUILDING.values() if not key.ways or way in key.ways]
 
 
 def keys_at(place: Place) -> Mapping[str, Key]:

@@ -118,9 +118,14 @@ class Section:
         return self.text(name, key.kind)
 
     def only(self, *allowed: str, elsewhere: Sequence[str] = ()) -> None:
-        """Raise a ValueError for a key that is not allowed, and suggest the nearest known one."""
+        """Raise a ValueError for a key that is not allowed, and suggest the nearest known one.
+
+        Keys that no result depends on are allowed, and checked.
+        """
         for key in self.values:
-            if key not in allowed:
+            if key in self.keys and self.keys[key].noted:
+                self.read(key)
+            elif key not in allowed:
                 near = nearest(key, (name for name in (*allowed, *elsewhere) if name not in self))
                 hint = f"did you mean {near}? " if near else ""
                 raise self.error(

@@ -16,6 +16,7 @@ from stochlin.analyses.sites.design_spectra import asce_7, eurocode_8
 from stochlin.analyses.sites.ground_fit import fit_ground
 from stochlin.analyses.sites.spectrum_files import read_spectrum
 from stochlin.analyses.tables.inputs import input_path
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief, nearest
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -44,13 +45,16 @@ def design_spectrum(site: Section, folder: Path, known: Known) -> xr.DataArray:
 
 
 def ground_of_design(
-    site: Section, spectrum: xr.DataArray, duration: float, envelope: Envelope | None
+    site: Section,
+    spectrum: xr.DataArray,
+    duration: float,
+    envelope: Envelope | None,
+    progress: Progress | None,
 ) -> Ground:
     """The ground fitted to the spectrum of the site for the motion of the case."""
     with site.naming(SPECTRUM):
-        ground: Ground = fit_ground(
-            spectrum, duration=duration, envelope=envelope, filters=site.read("filters")
-        )
+        options: Any = {"filters": site.read("filters"), "progress": progress}
+        ground: Ground = fit_ground(spectrum, duration=duration, envelope=envelope, **options)
     return ground
 
 

@@ -16,6 +16,7 @@ from stochlin.analyses.records.files import METRES
 from stochlin.analyses.risk.risk import simulated_at
 from stochlin.analyses.sites.hazard_files import read_hazard
 from stochlin.analyses.sites.intensity import paths_for, scale_ground
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.hazards import Hazard, HazardCurve, PowerLawHazard, check_curve
@@ -116,6 +117,7 @@ def as_strong_as_asked(
     spectrum: xr.DataArray | None,
     duration: float,
     envelope: Envelope | None,
+    progress: Progress | None,
 ) -> tuple[Ground, xr.DataArray | None]:
     """Ground and spectrum of the site, scaled to the wanted intensity if the site has one."""
     if goal is None:
@@ -125,7 +127,8 @@ def as_strong_as_asked(
         scaled = replace(ground, **goal.asked)
     else:
         with site.naming(goal.key, "cannot be met"):
-            scaled = scale_ground(ground, duration, envelope, **goal.asked, paths=paths_for(duration))
+            options: Any = {**goal.asked, "paths": paths_for(duration), "progress": progress}
+            scaled = scale_ground(ground, duration, envelope, **options)
     if spectrum is not None:
         times = scaled.arrays()["intensity"].item() / ground.arrays()["intensity"].item()
         spectrum = (np.sqrt(times) * spectrum).assign_attrs(spectrum.attrs)
