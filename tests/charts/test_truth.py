@@ -190,7 +190,7 @@ def test_rules_are_named_and_drawn_under_their_published_names(name):
 def test_fig3b_is_marked_as_its_constants_are():
     chart = sl.charts.effective_rules_chart(0.05, 0.05, 4.0, 9, rules=[JENG])
     assert chart.mark.item() == "M low"
-    assert "constants in doubt, not compared with the printed paper" in chart.attrs["comment"]
+    assert "constants in doubt, not compared with their source" in chart.attrs["comment"]
     expected = sl.rho_effective(chart.period_ratio, 1.0, 0.05, 0.05, 0.05, 0.05, 4.0, 4.0, rule=JENG)
     np.testing.assert_array_equal(chart.rho[0], expected.rho)
     usual = sl.charts.effective_rules_chart(0.05, 0.05, 4.0, 9)

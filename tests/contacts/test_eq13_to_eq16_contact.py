@@ -84,8 +84,8 @@ def test_dashpot_opposes_the_approach():
 
 @given(st.floats(1e-12, 1))
 def test_eq15_is_the_kelvin_element_s(e):
-    printed = -np.log(e) / np.sqrt(np.pi**2 + np.log(e) ** 2)
-    assert sl.Kelvin.damping_ratio(e) == pytest.approx(printed, rel=1e-14)
+    eq_15 = -np.log(e) / np.sqrt(np.pi**2 + np.log(e) ** 2)
+    assert sl.Kelvin.damping_ratio(e) == pytest.approx(eq_15, rel=1e-14)
 
 
 def test_eq15_is_no_other_element_s():

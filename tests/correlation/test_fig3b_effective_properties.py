@@ -29,7 +29,7 @@ def test_curves_are_symmetric_in_the_logarithm_of_the_ratio_and_one_at_equal_per
     np.testing.assert_allclose(CHART.rho[:, 40], 1.0, rtol=1e-12)
 
 
-def test_yielding_widens_the_peak_as_the_paper_shows() -> None:
+def test_yielding_widens_the_peak() -> None:
     away = np.abs(np.log(CHART.period_ratio)) > 0.1
     yielding = CHART.rho.sel(rule=[name for name in CHART.rule.values if name != "elastic"])
     assert bool((yielding > CHART.rho.sel(rule="elastic")).where(away, True).all())

@@ -36,8 +36,8 @@ SCALES = (
     "Two free masses of reduced mass m meet at velocity v0. Scales: τ = (m v0^(1-n)/k)^(1/(n+1)), v0 τ, "
     "k (v0 τ)^n;\n"
 )
-PRINTED = (
-    "Printed in the paper with the dashpot's sign reversed, eqs. (14) and (16), and without the "
+DIFFERENCES = (
+    "The available text of the paper has the dashpot's sign reversed in eqs. (14) and (16), and no "
     "stiffness under the root of eq. (15): here c opposes the motion, c = 2 ξ √(k m)."
 )
 OWN = (
@@ -223,7 +223,7 @@ def _histories(
     chart["restitution"] = ("element", [model.e for model in models])
     chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
     described = dict(zip(names, models, strict=True))
-    chart.attrs |= {"chart": picture, "caption": SCALES + _exponents(models), "comment": PRINTED}
+    chart.attrs |= {"chart": picture, "caption": SCALES + _exponents(models), "comment": DIFFERENCES}
     return labels.with_run_information(labels.label(chart, VARIABLES), title, call, described)
 
 

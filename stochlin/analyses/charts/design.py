@@ -1,7 +1,8 @@
 """Data of the design charts: Figs. 3a, 4 and 5 of the paper.
 
-The paper does not state the damping, the hardening and the period of the ground. They are settings, and
-stated in each dataset. Only ratios of periods matter, so that the period of the ground is arbitrary.
+The text of the paper does not state the damping, the hardening and the period of the ground. They are
+settings, and stated in each dataset. Only ratios of periods matter, so that the period of the ground is
+arbitrary.
 """
 
 from __future__ import annotations
@@ -214,7 +215,7 @@ def amplification_chart(
         (``reduction_factor``, ``period_ratio``). A linearized chart also has ``amplification_drift`` by
         the drift closure, and by simulation, NaN between the simulated points,
         ``amplification_simulated`` of the standard deviations and ``amplification_of_peaks`` of the
-        peaks in a finite motion, which the caption in the paper means, both with ``_standard_error``.
+        peaks in a finite motion, which the text of the paper means, both with ``_standard_error``.
 
     Examples
     --------

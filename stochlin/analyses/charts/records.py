@@ -1,7 +1,7 @@
 """Data of charts of recorded motions: Figs. 1 and 2 of the paper, and spectra of the energy radius.
 
-The paper does not state the damping of these figures and the period of Fig. 1. They are arguments, and
-stated in the dataset.
+The text of the paper does not state the damping of these figures and the period of Fig. 1. They are
+arguments, and stated in the dataset.
 """
 
 from __future__ import annotations

@@ -32,8 +32,8 @@ def effective_rules_chart(
     """Fig. 3b: eq. (4) with effective periods and damping ratios, one curve for each rule.
 
     The rule of the paper is that of Jeng, Kasai and Maison (1992). Its constants could not be verified;
-    it is shown, and marked as unverified, only if ``rules`` contains it. The paper does not state
-    damping, hardening and ductility.
+    it is shown, and marked as unverified, only if ``rules`` contains it. The text of the
+    paper does not state damping, hardening and ductility.
 
     Parameters
     ----------

@@ -29,7 +29,7 @@ LINEARIZATION, SIMULATION, DRIFT_CLOSURE, ELASTIC, EQ_4 = METHODS = (
 
 @dataclass(frozen=True)
 class ChartSettings:
-    """Parameters of the charts, most of which the paper does not state.
+    """Parameters of the charts, most of which the text of the paper does not state.
 
     Parameters
     ----------

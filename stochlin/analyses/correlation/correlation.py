@@ -304,7 +304,8 @@ def rho_white_noise(
 ) -> xr.Dataset:
     """Correlation coefficient of the displacements of two linear oscillators under white noise, eq. (4).
 
-    The paper calls the equation approximate; it is exact for the stationary response to one white noise.
+    The equation is exact for the stationary response to one white noise. For any other ground, and for
+    structures that yield, it is approximate, as the paper says.
 
     Parameters
     ----------

@@ -78,9 +78,9 @@ def code_gaps(
     xarray.Dataset
         Over ``rule`` and the dimensions of the arguments: ``gap`` [m], NaN for rules that lack an
         argument, and ``status``. Coordinates along ``rule`` are ``family`` (``SRSS``, ``sum``,
-        ``height`` or ``fixed``), ``reference``, ``mark`` (S: seen in a copy of the source; P: printed in
-        the paper; M: not compared with the printed source), ``assumptions``, and ``missing``, the
-        arguments that the rule lacks.
+        ``height`` or ``fixed``), ``reference``, ``mark`` (S: seen in a copy of the source; P: in the
+        text of the paper that was available; M: not compared with the source), ``assumptions``, and
+        ``missing``, the arguments that the rule lacks.
 
     Raises
     ------
@@ -144,7 +144,7 @@ def code_gaps(
         entries = kept.get(name) or [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
     table = labels.label(table, VARIABLES)
-    table.attrs["comment"] = "Rules whose mark has an M were not compared with the printed source."
+    table.attrs["comment"] = "Rules whose mark has an M were not compared with their source."
     return labels.with_run_information(
         table,
         f"{'Set-back' if alone else 'Separation'} by the rules of building codes",

@@ -68,7 +68,7 @@ TEXTS: Mapping[str, str] = {
     "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
     "reference": "source of the rule",
     "mark": "how the rule was checked: S seen in a copy of its source, C derived and checked, "
-    "P printed in the paper, M not compared with its printed source",
+    "P in the text of the paper that was available, M not compared with its source",
     "assumptions": "assumptions of the rule",
     "missing": "why a rule has no answer",
 }

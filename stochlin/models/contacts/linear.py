@@ -64,9 +64,9 @@ class LinearDamped(WithRatio):
 class Kelvin(LinearDamped):
     """Kelvin element with tension, eq. (14): ``f = k d + c d'`` while ``d > 0``.
 
-    The dashpot dissipates energy; with the sign printed in the paper it would supply energy. Near the
-    end of a contact the force is tensile and holds the structures together. `NoTensionKelvin` has no
-    tension.
+    The dashpot dissipates energy; with its sign in the available text of the paper it would supply
+    energy. Near the end of a contact the force is tensile and holds the structures together.
+    `NoTensionKelvin` has no tension.
 
     The coefficient of restitution is ``e = exp(-pi xi/sqrt(1 - xi^2))``. It is the inverse of eq. (15),
     which holds for this element only. The contact time is ``pi/sqrt(1 - xi^2) sqrt(m/k)``. For
@@ -159,7 +159,8 @@ class ImpactKelvin(LinearDamped):
 
     The coefficient of restitution is ``e = exp(-xi A)`` and the contact time
     ``(A + pi/2) sqrt(m/k)``, where ``A = acos(xi)/sqrt(1 - xi^2)``, or ``acosh(xi)/sqrt(xi^2 - 1)`` for
-    ``xi > 1``. As in `Kelvin`, the dashpot dissipates energy, unlike with the sign printed in the paper.
+    ``xi > 1``. As in `Kelvin`, the dashpot dissipates energy, which it would not with its sign in the
+    available text of the paper.
 
     Parameters
     ----------

@@ -69,7 +69,7 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
         sentences.append(f"The fit: it uses one record and one estimator. {source_in_words(case)}.")
     doubtful = [row.label for row in rows(answer) if "M" in row.mark]
     if doubtful:
-        sentences.append(f"Not compared with their printed sources: {', '.join(doubtful)}.")
+        sentences.append(f"Not compared with their sources: {', '.join(doubtful)}.")
     return sentences
 
 

@@ -37,8 +37,8 @@ KINDS = {
     "code": "building codes and their families of rules",
 }
 MARKS = (
-    "Marks: S, formula seen in a copy of its source; C, derived and checked; P, printed in the paper; "
-    "M, not compared with its printed source."
+    "Marks: S, formula seen in a copy of its source; C, derived and checked; P, in the text of the "
+    "paper that was available; M, not compared with its source."
 )
 FAMILIES = (
     "SRSS, root of the sum of squared displacements; sum, a factor times "

@@ -5,7 +5,7 @@ half of it is allowed "si los dos cuerpos tienen la misma altura y estructuraci√
 coinciden a la misma altura, en todos los niveles". IBC 2009, as ASCE 7, 12.12.3: the root of squares for
 "adjacent buildings on the same property"; from a property line the own displacement. Peru, E.030, 33.2:
 2/3 of the sum, and s = 0.006 h, 0.03 m at least; 33.3: from a property line 2/3 of the own displacement,
-and s/2. From memory, not seen in print: Eurocode 8, 4.4.2.7: (2) b the root of squares within one
+and s/2. From memory, their texts not seen: Eurocode 8, 4.4.2.7: (2) b the root of squares within one
 property, a the own displacement from its line, (3) 0.7 of it for floors at the same elevations; IS 1893
 of 2016, 7.11.3: R1 d1 + R2 d2 for level floors.
 """

@@ -84,8 +84,9 @@ def equivalent_coefficients(
 
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (8) to (10); the printed paper lacks the coefficients, which
-    are derived here for the bilinear law. Wen, Y. K. (1980), J. Appl. Mech. 47, for the Bouc-Wen law.
+    Valles-Mattox and Reinhorn (1996), eqs. (8) to (10); the available text lacks the coefficients,
+    which are derived here for the bilinear law. Wen, Y. K. (1980), J. Appl. Mech. 47, for the Bouc-Wen
+    law.
 
     Examples
     --------

@@ -71,7 +71,7 @@ class Eurocode8(ByProperty):
     By paragraph (2) buildings of one property keep the root of squares of their displacements, and a
     building keeps its own displacement from a property line, so that the gap between two properties is
     the sum of both. Paragraph (3) reduces "the above referred distance" by 0.7 for floors at the same
-    elevations. The text was not seen in print: the reduction is taken within one property only.
+    elevations. The text of the code was not seen: the reduction is taken within one property only.
     """
 
     line = "from a property line a building keeps its own displacement"

@@ -10,7 +10,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES, EffectiveRule
 from stochlin.models.rules.published import published
 
-DOUBT = "constants in doubt, not compared with the printed paper: compare before use"
+DOUBT = "constants in doubt, not compared with their source: compare before use"
 
 
 class _PowerRule(EffectiveRule):
