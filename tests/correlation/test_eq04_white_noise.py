@@ -1,4 +1,4 @@
-"""Eq. (4): two linear oscillators under one white noise. The paper calls it approximate; it is exact."""
+"""Eq. (4): exact for two linear oscillators under one white noise, for which it was derived."""
 
 import cases
 import numpy as np

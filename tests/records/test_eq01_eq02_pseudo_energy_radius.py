@@ -66,7 +66,7 @@ FIRM, LAKE = sl.KanaiTajimi(0.42, 0.6), sl.KanaiTajimi(2.0, 0.05)
 
 
 def simulated(ground, duration, envelope=None):
-    return list(sl.simulated_motions(ground, duration, envelope, paths=64, seed=2))
+    return list(sl.simulated_motions(ground, duration, envelope, paths=1024, seed=2))
 
 
 def above_the_peaks(motions, period):
@@ -79,13 +79,13 @@ def above_the_peaks(motions, period):
 @pytest.mark.parametrize(
     ("ground", "of_displacement", "of_velocity"),
     [
-        (FIRM, [1.00, 1.01, 1.06, 1.08, 1.10], [1.08, 1.03, 1.02, 1.04, 1.06]),
-        (LAKE, [1.00, 1.00, 1.00, 1.00, 1.00], [5.38, 3.29, 2.03, 1.41, 1.02]),
+        (FIRM, [1.00, 1.01, 1.05, 1.08, 1.11], [1.08, 1.03, 1.03, 1.04, 1.04]),
+        (LAKE, [1.00, 1.00, 1.00, 1.00, 1.00], [5.10, 3.15, 1.98, 1.40, 1.02]),
     ],
     ids=["firm", "lake bed"],
 )
 def test_eq02_holds_in_part_for_simulated_motions(ground, of_displacement, of_velocity):
-    """Medians of 64 motions: the velocity is far off where stiff on a lake bed."""
+    """Medians of 1024 motions, errors below 1 %: the velocity is far off where stiff on a lake bed."""
     motions = simulated(ground, 30.0, sl.AminAng(4, 15, 0.35))
     for number, period in enumerate([0.3, 0.5, 0.8, 1.2, 2.0]):
         displacement, velocity = above_the_peaks(motions, period)
@@ -112,7 +112,7 @@ def test_eq02_holds_in_part_for_records(name, of_displacement, of_velocity, near
 
 
 @pytest.mark.parametrize(
-    ("ground", "radius", "energy"), [(FIRM, 1.20, 4.1), (LAKE, 1.17, 3.2)], ids=["firm", "lake bed"]
+    ("ground", "radius", "energy"), [(FIRM, 1.21, 4.0), (LAKE, 1.18, 3.3)], ids=["firm", "lake bed"]
 )
 def test_four_times_the_duration_adds_a_fifth_to_the_radius_and_four_times_the_energy(
     ground, radius, energy
