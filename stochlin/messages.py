@@ -12,6 +12,7 @@ FULL = (errno.ENOSPC, errno.EDQUOT)
 REASONS = {errno.ENOENT: "there is no such file; check its name and its folder"}
 REASONS |= dict.fromkeys(FULL, "the disk is full; make room on it, or write to another one")
 LONGEST = 80  # of a value that is shown
+ALIKE = 0.7  # least share of equal letters of names that are mistaken for each other
 LONGEST_MESSAGE = 2000  # on a terminal, with all names that are allowed
 # Called before a function is compiled, which takes up to seconds, and then kept.
 WHEN_COMPILING: list[Callable[[], None]] = []
@@ -80,7 +81,7 @@ def nearest(given: str, known: Iterable[str]) -> str:
     mine, names = _letters(given[:LONGEST]), [*known]
     letters = {_letters(name): name for name in reversed(names)}
     begun = [one for one in map(_letters, names) if len(mine) > 2 and one.startswith(mine)]
-    alike = difflib.get_close_matches(mine, letters, 1)
+    alike = difflib.get_close_matches(mine, letters, 1, ALIKE)
     abbreviated = [one for one in letters if len(mine) > 2 and _is_abbreviated(one, mine)]
     return next((letters[one] for one in (mine, *begun, *alike, *abbreviated) if one in letters), "")
 

@@ -80,7 +80,7 @@ class Number:
         if value is None and self.cure_of_none:
             raise ValueError(f"{name} is missing; {self.cure_of_none}")
         cure = ""
-        if self.is_share and is_number(value) and self.allowed.upper < value <= 100:
+        if self.is_share and is_number(value) and value >= 2 and self.allowed.contains(value / 100):
             cure = f"; for {value:g} % write {value / 100:g}"
         raise ValueError(f"{name} = {brief(value)}; allowed: {self.words or self.allowed}{cure}")
 

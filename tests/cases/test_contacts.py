@@ -328,7 +328,7 @@ WRONG = {
     "strength of elastic storeys": (
         with_buildings(ELASTIC[0] + "strength_factor = 2\n", ELASTIC[1]),
         "strength_factor",
-        ["building_1.strength_factor", "is not a key that is known here", "yield_drifts"],
+        ["building_1.strength_factor = 2 goes with yield_drifts, not with elastic = true", "leave one"],
     ),
     "drifts without hardening": (
         with_buildings(STOREYS.format(1, 'yield_drifts = "1 cm"'), ELASTIC[1]),

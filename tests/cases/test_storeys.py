@@ -316,7 +316,7 @@ WRONG = {
     "a parameter of another law": (
         REGULAR + "beta = 0.5\n",
         "beta",
-        ["building_1.beta = 0.5 is not a key"],
+        ['building_1.beta = 0.5 belongs to law = "bouc_wen", not to "bilinear"', "leave it out"],
     ),
     "a parameter of a law out of range": (
         SINGLE.replace("2]", '1]\nlaw = "bouc_wen"\nbeta = [0.5, -0.5]'),

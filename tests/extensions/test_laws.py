@@ -99,8 +99,12 @@ def test_gap_of_a_case_with_a_law_from_outside(toy, tmp_path):
         ("limit = 0.8", "limit = 0", ["line 15: building_1.limit = 0 is out of range", "0 < value"]),
         ('"pinched"', '"pinced"', ["did you mean 'pinched'? allowed: bilinear, bouc_wen, pinched"]),
         ('"pinched"', '"hysteretic"', ["allowed: bilinear, bouc_wen, pinched"]),
-        ('law = "pinched"\n', "", ["building_1.beta = 0.6 is not a key that is known here"]),
-        ("[building_2]", "[building_2]\nlimit = 1", ["building_2.limit = 1 is not a key"]),
+        (
+            'law = "pinched"\n',
+            "",
+            ['building_1.beta = 0.6 belongs to law = "bouc_wen", not to "bilinear"'],
+        ),
+        ("[building_2]", "[building_2]\nlimit = 1", ['building_2.limit = 1 belongs to law = "pinched"']),
     ],
 )
 def test_a_case_that_says_it_wrong(toy, tmp_path, before, after, says):

@@ -15,13 +15,13 @@ from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.cases.storeys import (
     OF_STOREYS,
     StoreyBuilding,
+    law_of,
     read_storeys,
     storey_keys,
     strength_key,
 )
 from stochlin.analyses.linearization.strength import DuctilityTarget, strength_for_ductility
 from stochlin.models.grounds import Ground
-from stochlin.models.laws import laws_in_numbers
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import Structure
 from stochlin.models.uncertain import UncertainModel, applied, median_of
@@ -142,8 +142,7 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
 
 
 def _oscillator(section: Section, number: int) -> Building:
-    laws = laws_in_numbers()
-    law = laws[section.text("law", tuple(laws), "bilinear")]
+    _, law = law_of(section)
     section.only(*keys_of_way(OSCILLATOR), *law.own_parameters(), elsewhere=OF_STOREYS)
     strength = strength_key(
         section,

@@ -17,7 +17,7 @@ from stochlin.messages import listed
 from stochlin.models.arguments import Whole
 from stochlin.models.buildings import MOST_STOREYS, RegularBuilding, ShearBuilding
 from stochlin.models.laws import laws_in_numbers
-from stochlin.models.plausible import ANY
+from stochlin.models.structures import Structure
 from stochlin.models.systems import retrofitted, slabs_on_columns
 from stochlin.models.uncertain import UncertainModel, applied, median_of
 
@@ -127,13 +127,12 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
     a_few = any(key in section for key in WAYS[REGULAR][1:])
     singly = any(key in section for key in WAYS[SINGLY][: 2 if a_few else 3])
     way = SINGLY if singly else REGULAR
-    laws = laws_in_numbers()
-    name = section.text("law", tuple(laws), "bilinear")
-    law = laws[name]
-    keys = dict.fromkeys([*WAYS[way], *keys_of_way(way), *law.own_parameters()])
-    gone = "strength_factor" if section.read("elastic") else ""
-    _check_keys(section, [key for key in keys if key != gone])
+    name, law = law_of(section)
+    _check_keys(section, list(dict.fromkeys([*WAYS[way], *keys_of_way(way), *law.own_parameters()])))
     *needed, key = WAYS[way]
+    if section.read("elastic") and "strength_factor" in section:
+        what = f"goes with {key}, not with elastic = true; leave one of them out"
+        raise section.error("strength_factor", what)
     example = 'yield_drifts = "2 cm", of all storeys or a list' if singly else f"{key} = 0.15"
     strength = strength_key(section, (key, "elastic"), f"{example}, elastic = true")
     _check_missing(section, needed)
@@ -165,6 +164,18 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
     arguments = None if singly else {key: median_of(value) for key, value in values.items()}
     uncertain = described if isinstance(described, UncertainModel) else None
     return StoreyBuilding(known, structure, strength, arguments, uncertain)
+
+
+def law_of(section: Section) -> tuple[str, type[Structure]]:
+    """Name and class of the hysteresis law; a ValueError for a parameter of another law."""
+    laws = laws_in_numbers()
+    name = section.text("law", tuple(laws), "bilinear")
+    for other, law in laws.items():
+        for key in law.own_parameters():
+            if key in section and key not in laws[name].own_parameters():
+                what = f'belongs to law = "{other}", not to "{name}"; write that law, or leave it out'
+                raise section.error(key, what)
+    return name, laws[name]
 
 
 def strength_key(section: Section, keys: Sequence[str], example: str) -> str:
@@ -275,11 +286,10 @@ def _check_counts(section: Section, keys: Sequence[str]) -> None:
 
 def _doubt_strength(section: Section, strength: str, structure: ShearBuilding) -> None:
     """Warn of an implausible yield drift."""
-    plain = COEFFICIENT._replace(plausible=ANY)  # a doubtful coefficient was told when it was read
     if strength in WAYS[REGULAR] and not COEFFICIENT.plausible.holds(
-        median_of(section.parameter(strength, plain))
+        median_of(section.parameter(strength, COEFFICIENT))
     ):
-        return
+        return  # a doubtful coefficient was told when it was read
     values = structure.arrays()
     heights = values["heights"].to_numpy()
     share = values["yield_drifts"].to_numpy() / heights

@@ -7,6 +7,7 @@ values at which the existing gap is within the interval of the required gap.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -14,6 +15,7 @@ import numpy as np
 import scipy.optimize
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import ImplausibleInput
 
 CLOSE = 1e-3  # relative tolerance of a found value
 
@@ -42,7 +44,9 @@ class Required:
 
     def _at(self, value: float) -> tuple[float, float, float]:
         if value not in self._known:
-            ends = np.broadcast_to(np.asarray(self._function(value), float), 3)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", ImplausibleInput)  # a trial is nobody's input
+                ends = np.broadcast_to(np.asarray(self._function(value), float), 3)
             self._known[value] = float(ends[0]), float(ends[1]), float(ends[2])
         return self._known[value]
 

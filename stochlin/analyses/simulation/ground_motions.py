@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 import xarray as xr
 
@@ -14,11 +16,13 @@ from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Crowd, Plan, ground_motions
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
-from stochlin.models.arguments import Duration, Paths, Scatter, Seconds, Seed, checked
+from stochlin.models.arguments import Duration, Number, Paths, Scatter, Seed, checked
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
+from stochlin.models.parameters import POSITIVE
 
 USUAL_STEP = 0.01  # default time step [s]
+STEP = Number(POSITIVE, "0 < step <= duration, in seconds")
 
 
 @checked
@@ -29,7 +33,7 @@ def simulated_motions(
     *,
     paths: Paths = 32,
     seed: Seed = 0,
-    step: Seconds = USUAL_STEP,
+    step: Annotated[float, STEP] = USUAL_STEP,
     scatter: Scatter = 0.0,
     progress: Progress | None = None,
 ) -> xr.DataArray:
@@ -81,9 +85,7 @@ def simulated_motions(
     """
     check_scalars(ground, "ground", "numbers")
     if step > duration:
-        raise ValueError(
-            f"step = {brief(step)} is out of range; allowed: 0 < step <= duration, in seconds"
-        )
+        raise ValueError(f"step = {brief(step)} is out of range; allowed: {STEP.words}")
     steps = int(np.ceil(duration / step * (1 - 1e-12))) + 1
     check_work(
         f"{paths} motions of {duration:g} s in steps of {step:g} s would take",

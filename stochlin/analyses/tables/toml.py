@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from stochlin.analyses.tables.inputs import read_input
-from stochlin.messages import brief, plain
+from stochlin.messages import LONGEST, brief, plain
 
 BACKSLASH = (
     "a backslash begins a special sign in \"double quotes\": write a path in 'single quotes', or with /"
@@ -54,6 +54,8 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
         endless = (n for n, entry in enumerate(lines, 1) if re.search(r"[\d_]{1000}", entry))
         line = int(match[1]) if match else next(endless, len(lines))
         excerpt = lines[line - 1].strip() if 0 < line <= len(lines) else ""
+        if len(excerpt) > LONGEST:  # the mistake is often at its end
+            excerpt = f"{excerpt[: LONGEST // 2 - 3]}...{excerpt[-LONGEST // 2 :]}"
         if re.search("twice|overwrite|mutate|redefine", str(error)):
             raise ValueError(f"{name}, line {line}: {_twice(lines, line)}") from error
         cure = next(advice for pattern, advice in _CURES if pattern.search(excerpt))

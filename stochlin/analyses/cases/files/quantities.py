@@ -63,7 +63,9 @@ class Quantity(NamedTuple):
         """Ways to write a number in a file, with their values in SI; the plausible ones come first."""
         ways = {f'"{shown} {unit}"': size * number for unit, size in self.spellings.items()}
         if self.units == "1":
-            ways = {shown: number, f'"{shown} %" or {number / 100:g}': number / 100}
+            ways = {shown: number}
+            if 1 in (self.allowed.upper, self.plausible.high):  # a share
+                ways[f'"{shown} %" or {number / 100:g}'] = number / 100
         allowed = {text: value for text, value in ways.items() if self.allowed.contains(value)} or ways
         return dict(sorted(allowed.items(), key=lambda way: not self.plausible.holds(way[1])))
 
@@ -72,7 +74,8 @@ class Quantity(NamedTuple):
         number, _ = _split(given, self)
         for text, other in self.ways(number, f"{number:g}").items():
             fits = self.allowed.contains(other) and self.plausible.holds(other)
-            if fits and not math.isclose(other, value):
+            a_slip = self.units == "1" and other < value < 2  # of a ratio: such percentages are rare
+            if fits and not a_slip and not math.isclose(other, value):
                 return f"; did you mean {text}?"
         return ""
 

@@ -7,7 +7,7 @@ import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -56,6 +56,7 @@ class Section:
     place: Place
     values: Mapping[str, Any]
     lines: Mapping[Place, int]
+    doubts: set[str] = field(default_factory=set, compare=False, repr=False)  # warned of in this file
 
     def __contains__(self, key: str) -> bool:
         return key in self.values
@@ -75,8 +76,11 @@ class Section:
         return ValueError(f"{where}: {subject} {what}".replace(":  ", ": "))
 
     def doubt(self, key: str, what: str) -> None:
-        """Warn of the value of a key, which is allowed but implausible."""
-        warnings.warn(str(self.error(key, what)), DoubtfulInput, stacklevel=2)
+        """Warn, once, of the value of a key, which is allowed but implausible."""
+        doubt = str(self.error(key, what))
+        if doubt not in self.doubts:
+            self.doubts.add(doubt)
+            warnings.warn(doubt, DoubtfulInput, stacklevel=2)
 
     @contextmanager
     def naming(self, key: str, what: str = "cannot be used") -> Iterator[None]:
@@ -90,7 +94,8 @@ class Section:
                 raise
             raise self.error(key, f"{what}: {sentence(error, LONGEST_MESSAGE)}") from error
         for warning in caught:
-            if issubclass(warning.category, DoubtfulInput):
+            placed = str(warning.message).startswith(self.file)
+            if issubclass(warning.category, DoubtfulInput) and not placed:
                 self.doubt(key, f"is doubtful: {warning.message}")
             else:
                 warnings.warn_explicit(
@@ -126,8 +131,9 @@ class Section:
             if key in self.keys and self.keys[key].noted:
                 self.read(key)
             elif key not in allowed:
-                near = nearest(key, (name for name in (*allowed, *elsewhere) if name not in self))
-                hint = f"did you mean {near}? " if near else ""
+                near = "" if key in elsewhere else nearest(key, (*allowed, *elsewhere))
+                beside = ", which is given as well" if near in self else ""
+                hint = f"did you mean {near}{beside}? " if near else ""
                 raise self.error(
                     key,
                     f"is not a key that is known here; {hint}allowed: {listed(allowed, MOST_LISTED)}",
@@ -174,7 +180,7 @@ class Section:
         values = self.values.get(key)
         if not isinstance(values, list) or not any(map(is_uncertain, values)):
             return self.numbers(key, quantity)
-        alone = (Section(self.file, self.place, {key: value}, self.lines) for value in values)
+        alone = (replace(self, values={key: value}) for value in values)
         each = [section.parameter(key, quantity) for section in alone]
         first = next(number for number in each if isinstance(number, Uncertain))
         alike = [
@@ -305,7 +311,7 @@ class Section:
         if not isinstance(values, dict):
             what = "is no table" if key in self else "is missing"
             raise self.error(key, f"{what}; allowed: a line [{self.name(key)}] and its keys below it")
-        return Section(self.file, place, values, self.lines)
+        return replace(self, place=place, values=values)
 
 
 def read_sections(path: Path) -> Section:
