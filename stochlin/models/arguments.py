@@ -92,11 +92,15 @@ class Whole:
     lowest: int
     highest: int | None = None
 
+    def contains(self, value: object) -> bool:
+        """Whether a value is a whole number within the limits."""
+        highest = LARGEST_WHOLE if self.highest is None else self.highest
+        return is_whole(value) and self.lowest <= value <= highest
+
     def __call__(self, name: str, value: object) -> None:
         """Raise a ValueError unless the value is a whole number within the limits."""
-        highest = LARGEST_WHOLE if self.highest is None else self.highest
-        if not is_whole(value) or not self.lowest <= value <= highest:
-            to = "" if self.highest is None else f" to {highest}"
+        if not self.contains(value):
+            to = "" if self.highest is None else f" to {self.highest}"
             raise ValueError(f"{name} = {brief(value)}; allowed: a whole number from {self.lowest}{to}")
 
 

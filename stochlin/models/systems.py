@@ -227,6 +227,22 @@ def retrofitted(structure: AnyStructure, stiffening: float, strengthening: float
     return replace(structure, **changed)
 
 
+def elastic_period(structure: AnyStructure) -> float:
+    """Period of an oscillator, or of the first mode of a building without the P-delta effect [s]."""
+    if isinstance(structure, ShearBuilding):
+        return float(replace(structure, p_delta=False).periods()[0])
+    return float(structure.arrays()["period"])
+
+
+def tuned(building: ShearBuilding, period: float | None, strengthening: float = 1.0) -> AnyStructure:
+    """The building with all stiffnesses in one proportion for an elastic period [s], its own if None.
+
+    Its yield shears are multiplied by ``strengthening``; the period leaves them alone.
+    """
+    stiffening = 1.0 if period is None else (elastic_period(building) / period) ** 2
+    return retrofitted(building, stiffening, strengthening)
+
+
 def _yield_of(structure: AnyStructure) -> str:
     return "yield_drifts" if isinstance(structure, ShearBuilding) else "yield_displacement"
 

@@ -51,10 +51,8 @@ from stochlin.models.hazards import Hazard
 from stochlin.models.uncertain import UncertainModel, median_of
 
 FITTED, NONE, PARALLEL = "fitted", "none", "parallel"
-STRENGTHS = {
-    "eurocode_8": ("ag",),
-    "asce_7": (),
-}  # keys of codes to which accelerations are proportional
+# Keys to which the accelerations of a code are proportional; of a file it is its scale.
+STRENGTHS = {"eurocode_8": "ag", "asce_7": ""}
 RECORDS = ("records", SUITE)
 _LIKE = 0.8, 1.25  # range of the energy of motions over that of a record without a warning
 
@@ -163,9 +161,7 @@ class CaseSite:
         """The key to whose value the accelerations are proportional; empty if there is none."""
         if self.goal is not None:
             return self.goal.key if self.goal.key in ("pga", "sa") else ""
-        return next(
-            (key for key in STRENGTHS.get(self.name, ("scale",)) if self.spectrum is not None), ""
-        )
+        return "" if self.spectrum is None else STRENGTHS.get(self.name, "scale")
 
     @property
     def _strength(self) -> float:

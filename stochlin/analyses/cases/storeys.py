@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -18,7 +18,7 @@ from stochlin.models.arguments import Whole
 from stochlin.models.buildings import MOST_STOREYS, RegularBuilding, ShearBuilding
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.structures import Structure
-from stochlin.models.systems import retrofitted, slabs_on_columns
+from stochlin.models.systems import slabs_on_columns, tuned
 from stochlin.models.uncertain import UncertainModel, applied, median_of
 
 # Keys that tell how a building is described, the last one its strength.
@@ -38,16 +38,11 @@ DRIFT_LIMIT = 0.1  # largest plausible yield drift over the height of a storey
 
 @dataclass(frozen=True)
 class StoreyBuilding:
-    """A building of a case with storeys; ``strength`` is the key by which the file gives its strength.
-
-    ``regular`` has the arguments of `ShearBuilding.regular`, and is None for a building given storey by
-    storey.
-    """
+    """A building of a case with storeys; ``strength`` is the key that gives its strength in the file."""
 
     name: str
     structure: ShearBuilding
     strength: str
-    regular: Mapping[str, Any] | None = None
     uncertain: UncertainModel | None = None  # as in `Building`
 
     @property
@@ -156,14 +151,13 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
     factor = section.read("strength_factor")
     period = section.number("period", PERIOD) if singly and "period" in section else None
     if period is not None or factor != 1:
-        described = applied(partial(_as_built, period=period, factor=factor), described)
+        described = applied(partial(tuned, period=period, strengthening=factor), described)
     structure = median_of(described)
     if strength != "elastic":
         _doubt_strength(section, strength, structure)
     known = section.read("name") or f"Building {number}"
-    arguments = None if singly else {key: median_of(value) for key, value in values.items()}
     uncertain = described if isinstance(described, UncertainModel) else None
-    return StoreyBuilding(known, structure, strength, arguments, uncertain)
+    return StoreyBuilding(known, structure, strength, uncertain)
 
 
 def law_of(section: Section) -> tuple[str, type[Structure]]:
@@ -218,15 +212,6 @@ def _singly(section: Section, strength: str, values: dict[str, Any]) -> Any:
             strength, Quantity.declared(ShearBuilding, strength)
         )
     return section.made(ShearBuilding, values)
-
-
-def _as_built(building: Any, period: float | None, factor: float) -> Any:
-    """The building with all stiffnesses in one proportion for a period, and yield shears times a factor.
-
-    The period is that of the first mode without the P-delta effect; it leaves the yield shears alone.
-    """
-    own = float(replace(building, p_delta=False).periods()[0])
-    return retrofitted(building, 1.0 if period is None else (own / period) ** 2, factor)
 
 
 def _heights(section: Section) -> float | list[float]:

@@ -49,7 +49,6 @@ from stochlin.analyses.explorer.form import (
     numbers,
     written,
 )
-from stochlin.analyses.explorer.pair import elastic_period
 from stochlin.analyses.sites.suites import table_rows
 from stochlin.analyses.tables.inputs import only_within
 from stochlin.messages import DoubtfulInput, brief, listed
@@ -58,6 +57,7 @@ from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS, Ground, ParallelGround
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model, Range
+from stochlin.models.systems import elastic_period
 from stochlin.models.uncertain import median_of
 
 LONGEST_NAME = 255  # bytes, of a file on most systems
@@ -218,7 +218,7 @@ def _numbers(case: Case, form: Form) -> dict[Place, Any]:
             section = Section(case.file, (name,), form.file[name], case.whole.lines)
             value = _read(section, key)
             limits = number.slider.limits
-            if isinstance(limits, Whole) and not limits.lowest <= value <= (limits.highest or value):
+            if isinstance(limits, Whole) and not limits.contains(value):
                 allowed = f"{limits.lowest} to {limits.highest}"
                 raise section.error(key.name, f"is out of range in the explorer; allowed: {allowed}")
             if isinstance(limits, Range) and not limits.contains(value):

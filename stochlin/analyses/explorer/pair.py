@@ -10,7 +10,7 @@ from stochlin.analyses.linearization.strength import reduction_factor, strength_
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.rules.codes import Neighbours
 from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure, retrofitted
+from stochlin.models.systems import AnyStructure, elastic_period, tuned
 
 
 def structures_of(case: Case) -> tuple[AnyStructure, AnyStructure]:
@@ -22,13 +22,6 @@ def structures_of(case: Case) -> tuple[AnyStructure, AnyStructure]:
 def has_storeys(case: Case) -> bool:
     """Whether at least one building is described by storeys."""
     return any(isinstance(structure, ShearBuilding) for structure in structures_of(case))
-
-
-def elastic_period(structure: AnyStructure) -> float:
-    """Period of an oscillator, or of the first mode without the P-delta effect [s]."""
-    if isinstance(structure, Structure):
-        return float(structure.arrays()["period"])
-    return float(replace(structure, p_delta=False).periods()[0])
 
 
 def elastic_periods(case: Case) -> tuple[float, float]:
@@ -47,7 +40,7 @@ def with_period(structure: AnyStructure, period: Any) -> AnyStructure:
     """The structure with another period [s]; storeys keep their yield shears."""
     if isinstance(structure, Structure):
         return replace(structure, period=period)
-    return retrofitted(structure, (elastic_period(structure) / period) ** 2, 1.0)
+    return tuned(structure, period)
 
 
 def equivalent_strength(case: Case, number: int) -> tuple[str, float]:

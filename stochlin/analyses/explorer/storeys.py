@@ -12,7 +12,6 @@ from stochlin.analyses.cases.case import Case
 from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
 from stochlin.analyses.explorer.pair import (
-    elastic_period,
     elastic_periods,
     heights_of,
     neighbours_of,
@@ -44,7 +43,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.parameters import Parameter
-from stochlin.models.systems import AnyStructure
+from stochlin.models.systems import AnyStructure, elastic_period
 
 RATIO = "period_ratio", "ratio of the periods, T2/T1"
 LINEARIZED_PEAKS = "peaks of linearization, storey by storey"

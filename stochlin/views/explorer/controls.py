@@ -77,7 +77,7 @@ def read_entry(number: NumberControl, text: str | None) -> float:
     except ValueError as error:
         raise ValueError(f"= {brief(entered)} is no number; allowed: {allowed(number)}") from error
     if isinstance(limits, Whole):
-        if not value.is_integer() or not limits.lowest <= value <= (limits.highest or value):
+        if not (value.is_integer() and limits.contains(int(value))):
             raise ValueError(f"= {entered}; allowed: {allowed(number)}")
         return int(value)
     if not limits.contains(value):

@@ -35,7 +35,7 @@ from stochlin.messages import (
     plain,
     sentence,
 )
-from stochlin.models.arguments import A_LABEL, LARGEST_WHOLE, Whole, is_label, is_whole
+from stochlin.models.arguments import A_LABEL, LARGEST_WHOLE, Whole, is_label
 from stochlin.models.parameters import Model
 from stochlin.models.uncertain import Uncertain
 
@@ -288,12 +288,12 @@ class Section:
         """A whole number within the limits."""
         lowest, highest = limits.lowest, limits.highest or LARGEST_WHOLE
         value = self.need(key, str(lowest))
-        if not is_whole(value) or not lowest <= value <= highest:
+        if not limits.contains(value):
             up = "on" if highest == LARGEST_WHOLE else f"to {highest}"
             allowed = f"{lowest} or more" if up == "on" else f"{lowest} to {highest}"
             allowed = f"{lowest} or {highest}" if highest == lowest + 1 else allowed
             raise self.error(key, f"is no whole number from {lowest} {up}; allowed: {allowed}")
-        return value
+        return int(value)
 
     def section(self, key: str, needed: bool = True) -> Section:
         """The table of this name; an empty one if it is missing and not needed."""
