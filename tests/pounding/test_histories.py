@@ -8,7 +8,7 @@ import pytest
 import sympy
 import xarray as xr
 from cases import assert_near, with_slow
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from motions import from_sample_to_sample, motion, needs_records, recorded, shaking
 from scipy.integrate import solve_ivp
 
@@ -361,6 +361,9 @@ def test_three_in_contact_carry_the_force_along():
     check_energy(table)
 
 
+# A blow within a row that is pressed together reaches all of it in the same instant.
+@example([2.52, 2.0, 1.1, 0.15], [6.3e5, 5.8e5, 6.6e4, 5.8e5], 0.05, 153090)
+@example([1.0, 1.0, 1.0, 2.0], [2.2e5, 1e4, 1e4, 5.9e5], 0.5, 2)
 @pytest.mark.slow
 @given(
     periods=st.lists(st.floats(0.15, 3.0), min_size=3, max_size=4),
@@ -372,14 +375,13 @@ def test_rows_that_touch_do_not_chatter_without_end(periods, masses, e, seed):
     row = [sl.Bilinear(t, 0.1, mass=m) for t, m in zip(periods, masses, strict=False)]
     touching, contact = [0.0] * (len(row) - 1), sl.Stereomechanical(e)
     table = sl.pound(row, touching, contact, synthetic(150, seed=seed), steps_per_contact=64)
-    # Measured: 1e-3, of thousands of blows that are hardly apart; 6e-3 in a row of four without rebound.
-    check_energy(table, 1e-2)
-    # Measured: some hundreds, at e = 0.9 some thousands; a cycle without end would be millions.
-    assert table.sizes["impact"] < 50_000
+    # The worst of 400 rows: an imbalance of 3.3e-4, 1739 impacts, overlap by 8e-6 of the peak.
+    check_energy(table)
+    assert table.sizes["impact"] < 5_000
     u, floors = table.displacement, len(row)
     for left in range(1, floors):
         overlap = (u.sel(structure=left) - u.sel(structure=left + 1)).max()
-        assert float(overlap) < 1e-3 * float(table.peak.max())
+        assert float(overlap) < 1e-4 * float(table.peak.max())
 
 
 def moved(record, structures=None, gap=0.005, name="kelvin"):

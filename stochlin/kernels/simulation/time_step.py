@@ -414,6 +414,10 @@ def _pass_contacts(law, jumps, column, weight, apart, parting, dt, at, x, lanes)
                 if x[at.held + j, lane] != 0.0:  # the rate at the end is 0
                     new = max((alone - 0.5 * dt * x[at.rate + j, lane]) / g, 0.0)
             elif depth > 0.0 or depth + alone > 0.0:
+                if depth <= 0.0:  # the contact begins; in a step the rate changes linearly
+                    rate = x[at.rate + j, lane]
+                    touch = rate - depth / alone * 2.0 * (alone / dt - rate)
+                    x[at.approach + j, lane] = max(touch, 0.0)
                 v0 = x[at.approach + j, lane]
                 v0 = v0 if v0 > x[at.slow, lane] else 0.0
                 new = solve_force(law[j], v0, depth, alone, g, dt)
@@ -427,21 +431,16 @@ def _pass_contacts(law, jumps, column, weight, apart, parting, dt, at, x, lanes)
 
 
 @compiled
-def _begin_contacts(gap, column, weight, apart, dt, at, x, lanes):
-    """Penetrations and their rates at the beginning, and the rate of approach where a contact begins.
+def _begin_contacts(gap, column, weight, apart, at, x, lanes):
+    """Penetrations and their rates at the beginning.
 
     Forces start from those of the last step.
     """
     for j in range(gap.size):
         times_row(column, weight, j, x, at.q, at.depth + j, lanes)
         times_row(column, weight, j, x, at.v, at.rate + j, lanes)
-        times_row(column, weight, j, x, at.dq, at.change, lanes)
         for lane in range(lanes):
             x[at.depth + j, lane] -= gap[j]
-            depth, rate, change = x[at.depth + j, lane], x[at.rate + j, lane], x[at.change, lane]
-            if depth <= 0.0 < depth + change:  # in a step the rate changes linearly
-                touch = rate - depth / change * 2.0 * (change / dt - rate)
-                x[at.approach + j, lane] = max(touch, 0.0)
     for j in range(gap.size):
         for lane in range(lanes):
             force = x[at.force + j, lane]
@@ -508,7 +507,7 @@ def take_step(law, steps, at, x, lanes):
     spring, info, ease, parting = steps.spring, steps.info, steps.ease, steps.parting
     _begin(column, weight, steps.move, steps.push, spring, ease, info, at, x, lanes)
     if parting.size > 0:
-        _begin_contacts(contacts.gap, facing, share, steps.apart, dt, at, x, lanes)
+        _begin_contacts(contacts.gap, facing, share, steps.apart, at, x, lanes)
     if steps.passes == MOST_VISCOUS:
         _find_widest(column, weight, at, x, lanes)
     fill(x, at.moving, 1.0, lanes)
