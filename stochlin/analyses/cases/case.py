@@ -22,6 +22,7 @@ from stochlin.analyses.cases.buildings import (
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
 from stochlin.analyses.cases.files.known import Known, name_of
 from stochlin.analyses.cases.files.quantities import Quantity
+from stochlin.analyses.cases.files.schema import WALL
 from stochlin.analyses.cases.files.sections import Section, read_sections
 from stochlin.analyses.cases.site import FITTED, CaseSite, read_scatter, read_site, usual_scatter
 from stochlin.analyses.cases.sites.strength import HAZARD_EXAMPLE
@@ -203,6 +204,15 @@ class Case:
         """Whether all floors meet floors within 0.05 m; None if floors are not known."""
         known = all(isinstance(building, StoreyBuilding) for building in self.buildings)
         return not self.slabs_on_columns if known or self.slabs_on_columns else None
+
+    @property
+    def walls(self) -> tuple[AnyBuilding, ...]:
+        """Buildings whose structural system is a wall."""
+        return tuple(
+            building
+            for number, building in enumerate(self.buildings, start=1)
+            if self.whole.section(f"building_{number}").read("system") == WALL
+        )
 
     @property
     def motion(self) -> dict[str, Any]:

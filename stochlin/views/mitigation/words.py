@@ -23,6 +23,7 @@ from stochlin.views.shared.words import (
     scatter,
     shaking,
     short,
+    walls,
     with_interval,
 )
 
@@ -68,7 +69,7 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
         remarks.append(NO_DASHPOT)
     return [
         opening(case, doubts(table, case.pair, float(built.required_gap), peaks)),
-        ViewSection("", texts([floors(case)])),
+        ViewSection("", texts([floors(case), *walls(case)])),
         ViewSection("", [*texts(about), *unknowns(case, "needed gaps and shares are those")]),
         ViewSection("", [_motions(table)]),
         *_in_records(table),

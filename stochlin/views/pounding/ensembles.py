@@ -31,6 +31,7 @@ from stochlin.views.shared.words import (
     scatter,
     shaking,
     short,
+    walls,
     with_interval,
 )
 
@@ -91,7 +92,7 @@ def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
     notes += [JUMPS] * (meets and bool(table.hardest_force_between_mean.isnull().any()))
     return [
         opening(case, doubts(strongest, case.buildings, peaks=peaks)),
-        ViewSection("", texts([floors(case)])),
+        ViewSection("", texts([floors(case), *walls(case)])),
         ViewSection("", texts(about)),
         ViewSection("", texts([failed])),
         ViewSection("", texts([columns])),

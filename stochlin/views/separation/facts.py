@@ -52,8 +52,9 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
         "are taken as given. The strength of the next earthquake is the largest unknown and not in the "
         f"interval{f'; a scatter of {case.scatter:g} about that strength' if case.scatter else ''}"
         f"{' is in the answer' if case.scatter else ''}.",
-        f"{subject_of(case).the_buildings.capitalize()}: {modelled}. {first}, torsion, soil under the "
-        f"foundations, and loss of strength are left out, and so is {_of_parameters(case)}.",
+        f"{subject_of(case).the_buildings.capitalize()}: {modelled}. {first}, torsion of irregular "
+        f"plans, soil under the foundations, and loss of strength are left out, and so is "
+        f"{_of_parameters(case)}.",
         f"The rules: all use the simulated peaks of {_whose(case)} peaks, and not how an engineer "
         "computes these peaks. Building codes define displacements, load factors and minimum "
         "distances of their own.",

@@ -25,7 +25,7 @@ from stochlin.views.shared.blocks import (
 )
 from stochlin.views.shared.page import page
 from stochlin.views.shared.uncertain import unknowns
-from stochlin.views.shared.words import SPACE, centimetres, opening
+from stochlin.views.shared.words import SPACE, centimetres, opening, walls
 from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
     return [
         opening(case, answer.doubts()),
         ViewSection("", [Text(words.headline(answer), "answer"), *texts(words.summary(answer))]),
+        ViewSection("", texts(walls(case))),
         ViewSection("Uncertain parameters", unknowns(case, f"the {about.gap} is that")),
         ViewSection(f"The existing {about.gap}", words.allowances(answer)),
         ViewSection(f"How often {about.meet}", risk_blocks(answer)),

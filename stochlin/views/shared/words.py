@@ -8,6 +8,7 @@ import numpy as np
 
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
+from stochlin.models.buildings import ShearBuilding
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.views.shared.blocks import Text, ViewSection
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import xarray as xr
 
+    from stochlin.analyses.cases.buildings import AnyBuilding
     from stochlin.analyses.cases.case import Case
     from stochlin.analyses.cases.storeys import SlabOnColumn
 
@@ -41,6 +43,14 @@ SLABS = (
     "A slab can break the column that it hits, and the storey with it. Codes that allow a smaller gap "
     "where floors align, such as Eurocode 8 (4.4.2.7) with 0.7 of the gap within one property, mean "
     "only floors at the same level."
+)
+
+# Of a uniform wall in bending: its first period over the second, and how far its roof and its mid-height
+# move in the first mode over the spectral displacement.
+OF_WALL = "6.3", "1.57", "0.53"
+BESIDES_WALLS = (
+    "Torsion, rocking of the foundation and shear in the wall are left out as well. Compare the result "
+    "with modes of the wall itself."
 )
 
 
@@ -200,6 +210,37 @@ def opening(case: Case, doubts: Sequence[str]) -> ViewSection:
     """Doubtful input as the first line of an answer, if there is any, and the title of the case."""
     doubt = f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else ""
     return ViewSection("", [Text(doubt, "doubt"), Text(case.title, "title")])
+
+
+def walls(case: Case) -> list[str]:
+    """What the models of buildings leave out that are walls, one caution for each of them."""
+    return [_wall(building) for building in case.walls]
+
+
+def _wall(building: AnyBuilding) -> str:
+    ratio, roof, middle = OF_WALL
+    structure, caution = building.structure, f"Caution: {building.name} is a wall"
+    uniform = (
+        f"The first period of a uniform wall is {ratio} times the second, and in the first mode its "
+        f"roof moves {roof} times and its mid-height {middle} times as far as an oscillator of that "
+        "period"
+    )
+    if not isinstance(structure, ShearBuilding) or structure.storeys == 1:
+        return (
+            f"{caution}, and one oscillator stands for it. {uniform}. Its second mode, with "
+            f"19{SPACE}% of the mass, is left out, and a gap at its roof can be too small. "
+            f"{BESIDES_WALLS}"
+        )
+    periods, moved = structure.periods().values, structure.participation().values
+    levels = np.append(0.0, structure.levels())
+    at_middle = np.interp(0.5 * levels[-1], levels, np.append(0.0, moved))
+    return (
+        f"{caution}, which bends as a whole, so that its drifts grow toward the roof; a chain of "
+        f"storeys deforms in shear only. {uniform}; of these storeys the numbers are "
+        f"{periods[0] / periods[1]:.2g}, {moved[-1]:.3g} and {at_middle:.2g}. A gap at its roof can be "
+        "too small, and one at lower floors too large. Stiffnesses storey by storey can give the chain "
+        f"the shape of the first mode, but not the higher periods. {BESIDES_WALLS}"
+    )
 
 
 def floors(case: Case) -> str:

@@ -46,6 +46,7 @@ OF_SCALE = (
 
 # Ways to describe a building: as an oscillator, by a few numbers of all storeys, or storey by storey.
 OSCILLATOR, REGULAR, SINGLY = "oscillator", "regular", "storey by storey"
+FRAME, WALL = "frame", "wall"  # structural systems
 OF_OSCILLATORS, OF_REGULAR, OF_STOREYS = (OSCILLATOR,), (REGULAR,), (REGULAR, SINGLY)
 EUROCODE_8, ASCE_7, FILE = "eurocode_8", "asce_7", "spectrum of the file"
 
@@ -166,6 +167,7 @@ BUILDING = table(
     Key("elastic", bool, "It does not yield", False),
     Key("p_delta", bool, "Weight softens storeys (P-delta)", False, ways=OF_STOREYS),
     Key("law", str, "Hysteresis law", "bilinear"),
+    Key("system", (FRAME, WALL), "Structural system", FRAME, noted=True),
     Key("name", str, "Name in results", None),
 )
 SEPARATION = table(

@@ -1,0 +1,121 @@
+"""A building that is a wall: what its model leaves out is said, and no number depends on it."""
+
+import dataclasses
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from cases import storeyed_building, with_buildings
+from commands import answered
+from scipy.integrate import quad
+from scipy.linalg import eigh
+from scipy.optimize import brentq
+
+import stochlin as sl
+from stochlin.analyses.cases.separation import answer_case
+from stochlin.views.separation.report import report_page
+from stochlin.views.shared.words import OF_WALL, walls
+
+WALL = '[building_2]\nsystem = "wall"'
+
+
+def case_of(folder, text):
+    path = folder / "case.toml"
+    path.write_text(text, encoding="utf-8")
+    return sl.read_case(path)
+
+
+def with_wall(text):
+    assert "[building_2]" in text
+    return text.replace("[building_2]", WALL, 1)
+
+
+def cantilever(b):
+    """A mode of a uniform cantilever in bending, over the height from 0 to 1."""
+    share = (np.cosh(b) + np.cos(b)) / (np.sinh(b) + np.sin(b))
+    return lambda x: np.cosh(b * x) - np.cos(b * x) - share * (np.sinh(b * x) - np.sin(b * x))
+
+
+def test_numbers_of_a_wall_are_those_of_a_cantilever_in_bending():
+    roots = [
+        brentq(lambda b: np.cos(b) + 1 / np.cosh(b), low, high) for low, high in ((1.0, 3.0), (4.0, 6.0))
+    ]
+    factors, shares = [], []
+    for mode in map(cantilever, roots):
+        (push, _), (mass, _) = quad(mode, 0, 1), quad(lambda x, mode=mode: mode(x) ** 2, 0, 1)
+        factors.append(push / mass)
+        shares.append(push**2 / mass)
+    first = cantilever(roots[0])
+    found = (roots[1] / roots[0]) ** 2, factors[0] * first(1.0), factors[0] * first(0.5)
+    assert tuple(f"{value:.3g}" for value in found) == ("6.27", "1.57", "0.532")
+    assert [float(text) for text in OF_WALL] == pytest.approx(found, abs=0.04)
+    assert f"{100 * shares[1]:.0f}" == "19"
+
+
+def test_a_wall_of_storeys_is_compared_with_its_own_modes(tmp_path):
+    text = with_buildings(*(storeyed_building(n, "period") for n in (1, 2)))
+    assert walls(case_of(tmp_path, text)) == []
+    case = case_of(tmp_path, with_wall(text).replace("p_delta = true", ""))
+    (caution,) = walls(case)
+    values = case.second.structure.arrays()
+    mass, k = values["masses"].to_numpy(), values["stiffnesses"].to_numpy()
+    stiffness = np.diag(k + np.append(k[1:], 0.0)) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
+    squares, shapes = eigh(stiffness, np.diag(mass))
+    moved = shapes[:, 0] * (mass @ shapes[:, 0])
+    levels = np.cumsum(values["heights"].to_numpy())
+    middle = np.interp(0.5 * levels[-1], [0.0, *levels], [0.0, *moved])
+    ratio = np.sqrt(squares[1] / squares[0])
+    numbers = f"{ratio:.2g}, {moved[-1]:.3g} and {middle:.2g}"
+    assert f"of these storeys the numbers are {numbers}." in caution, caution
+    assert caution.startswith(f"Caution: {case.second.name} is a wall")
+    assert "Torsion, rocking of the foundation" in caution
+
+
+def test_a_chain_with_the_first_mode_of_a_wall_has_not_its_second_period():
+    """What the caution says of stiffnesses storey by storey."""
+    first = cantilever(1.8751040687)
+    n, w, mass = 20, 2 * np.pi, 1e5
+    shape = first(np.arange(1, n + 1) / n)
+    drifts = np.array([high - low for low, high in pairwise([0.0, *shape])])
+    stiffnesses = w**2 * mass * np.cumsum(shape[::-1])[::-1] / drifts
+    chain = sl.ShearBuilding([mass] * n, stiffnesses, [3.0] * n, 0.05)
+    periods, moved = chain.periods().values, chain.participation().values
+    assert periods[0] == pytest.approx(1.0, rel=1e-9)
+    np.testing.assert_allclose(moved / moved[-1], shape / shape[-1], rtol=1e-9)
+    assert moved[-1] == pytest.approx(1.57, rel=0.05)
+    assert periods[0] / periods[1] < 2.5
+
+
+@pytest.mark.slow
+def test_the_screen_and_the_page_say_it_and_no_number_changes(tmp_path):
+    text = sl.example_case().replace("paths = 2048", "paths = 128")
+    plain, wall = case_of(tmp_path, text), case_of(tmp_path, with_wall(text))
+    (caution,) = walls(wall)
+    assert "one oscillator stands for it" in caution
+    without, answer = map(answer_case, (plain, wall))
+    assert without.separation.drop_attrs().identical(answer.separation.drop_attrs())
+    page = report_page(answer)
+    assert page.count("one oscillator stands for it") == 1
+    assert "<dt>structural system</dt><dd>wall</dd>" in page
+    assert "torsion of irregular plans" in page
+    assert "is a wall" not in report_page(without)
+    told = " ".join(answered("gap", tmp_path / "case.toml").output.split())
+    assert " ".join(caution.split()) in told.replace("\N{NO-BREAK SPACE}", " ")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", ["probability", "mitigate"])
+def test_other_commands_say_it_as_well(command, tmp_path):
+    text = sl.example_case().replace("paths = 2048", "paths = 100")
+    case_of(tmp_path, with_wall(text.replace('existing = "5 cm"', 'existing = "80 cm"')))
+    told = " ".join(answered(command, tmp_path / "case.toml").output.split())
+    assert told.count("Caution: Annex is a wall") == 1
+
+
+def test_other_systems_are_refused(tmp_path):
+    text = sl.example_case().replace("[building_2]", '[building_2]\nsystem = "dome"', 1)
+    with pytest.raises(ValueError, match=r"building_2.system = 'dome' .*frame.*wall"):
+        case_of(tmp_path, text)
+    case = case_of(tmp_path, with_wall(sl.example_case()))
+    assert [building.name for building in case.walls] == ["Annex"]
+    assert [b.name for b in dataclasses.replace(case, paths=200).walls] == ["Annex"]
