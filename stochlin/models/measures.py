@@ -99,6 +99,11 @@ class Measure(Model):
         links = (self.link,) if isinstance(self.link, Link) else self.link or ()
         return tuple(replace(each, structures=each.structures or BETWEEN) for each in links)
 
+    @property
+    def has_bumpers(self) -> bool:
+        """Whether the measure changes what is between both structures where they meet."""
+        return self.contact is not None or self.bumper_thickness > 0
+
     def describe(self) -> str:
         """The measure in one line; links that differ only in their floors are listed together."""
         parts = [

@@ -1,5 +1,7 @@
 """``stochlin mitigate``: what it says, saves and draws."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -8,6 +10,7 @@ from commands import answered, invoke, refused
 
 import stochlin as sl
 from stochlin.views.mitigation.pictures import draw_measures
+from stochlin.views.mitigation.words import crushed
 
 pytestmark = pytest.mark.cli
 
@@ -72,6 +75,52 @@ def test_it_says_what_the_library_says(kind, request):
         np.testing.assert_array_equal(saved[name], table[name])
     assert saved.attrs["gap_m"] == table.attrs["gap_m"]
     assert (folder / "m.png").stat().st_size > 20_000
+
+
+def test_devices_are_shown_in_a_table_and_saved(enough):
+    folder, result = enough
+    lines = result.output.splitlines()
+    begin = lines.index("Devices:")
+    with xr.open_dataset(folder / "m.nc") as opened:
+        saved = opened.load()
+    shown = 0
+    for measure in saved.measure.values:
+        row = saved.sel(measure=measure, device=1)
+        if not row.device_kind.item():
+            continue
+        line = next(one for one in lines[begin:] if one.startswith(f"{measure}  "))
+        assert f"{row.device_kind.item()} {row.device_place.item()}" in line
+        for name, unit, digits in (("force", 1e3, 3), ("stroke", 0.01, 2), ("energy", 1e3, 3)):
+            mean, high = (float(row[f"device_{name}_{end}"]) / unit for end in ("mean", "quantile"))
+            cells = [float(one) for one in re.findall(r"[\d.]+", line.partition(" to ")[2])]
+            for value in (mean, high):
+                near = 10.0 ** (np.ceil(np.log10(value)) - digits) if value > 0 else 0.0
+                assert min(abs(value - cell) for cell in cells) <= near, (name, line)
+        shown += 1
+    assert shown >= 3
+    told = " ".join(result.output.split())
+    assert told.count("partial factors of codes") == 1
+    assert "Bumpers: of motions with contact" in told
+
+
+def test_a_table_of_rows_has_no_devices(tmp_path):
+    path = case_file(tmp_path, ('existing = "5 cm"', 'existing = "80 cm"'))
+    answered("mitigate", path, "--out", tmp_path / "m.csv")
+    head, *rows = (tmp_path / "m.csv").read_text(encoding="utf-8").splitlines()
+    assert "device_force" not in head
+    assert len(rows) == 6
+
+
+@pytest.mark.parametrize(("thickness", "crushed_in"), [(0.001, "5"), (0.1, "")])
+def test_bumpers_that_are_crushed_in_simulated_motions_are_told(thickness, crushed_in):
+    pair = [sl.Bilinear(T, 0.05, mass=1e6) for T in (0.6, 1.0)]
+    pads = sl.Measure(contact=sl.Kelvin(1e8, restitution=0.4), bumper_thickness=thickness)
+    ground = sl.named_ground("firm", intensity=0.01)
+    table = sl.mitigate(*pair, ground, 6.0, 0.12, {"pads": pads}, paths=32, confidence=0.01)
+    told = crushed(table.sel(measure="pads"))
+    deep = 100 * float(table.device_stroke_quantile.sel(measure="pads")[0])
+    assert (f"compressed by more than {deep:.1f}" in told) == bool(crushed_in)
+    assert bool(told) == bool(crushed_in)
 
 
 def recorded_case(folder, *changes, peak=0.3):

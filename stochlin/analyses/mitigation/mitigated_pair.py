@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.mitigation.devices import Device, bumpers_of, links_of
 from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.pounding.rows import checked_links
 from stochlin.analyses.records.cells import RECORD
@@ -22,6 +23,7 @@ from stochlin.analyses.simulation.finite_motions import (
     pair_separation,
     required_gaps,
 )
+from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
@@ -29,9 +31,11 @@ from stochlin.models.contacts import Contact
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
-from stochlin.models.systems import arrangement_of, retrofitted
+from stochlin.models.structures import Structure
+from stochlin.models.systems import Arrangement, arrangement_of, retrofitted
 from stochlin.models.uncertain import applied, median_of
 
+MOST_BUMPED = 256  # simulated motions with contact, which take much longer than without
 RECORDED = (
     *("amplification_1", "amplification_2", "impacts", "largest_force"),
     *("deepest_compression", "largest_link_force"),
@@ -92,10 +96,25 @@ class MitigatedPair:
     def check(self, measure: Measure) -> None:
         """Raise a ValueError or TypeError for a measure that cannot be applied to the pair."""
         self.open_gap(measure)
-        arrangement_of(self.known(measure), checked_links(measure.links, len(self.structures)))
+        self.system(measure)
 
-    def simulated(self, measure: Measure) -> dict[str, float]:
-        """Required gap [m], probability of no pounding [-] and mean peaks [m] by simulation.
+    def system(self, measure: Measure) -> Arrangement:
+        """The structures with the links of the measure."""
+        links = checked_links(measure.links, len(self.structures))
+        return arrangement_of(self.known(measure), links)
+
+    def contact_of(self, measure: Measure) -> Contact | None:
+        """Contact between the structures with the measure."""
+        return self.contact if measure.contact is None else measure.contact
+
+    @property
+    def weighed(self) -> bool:
+        """Whether both structures have masses."""
+        both = self.known(Measure())
+        return all(not isinstance(each, Structure) or each.mass is not None for each in both)
+
+    def simulated(self, measure: Measure) -> tuple[dict[str, float], list[Device]]:
+        """Required gap [m], probability of no pounding [-] and mean peaks [m], and links, by simulation.
 
         Contact between bumpers counts as pounding.
         """
@@ -110,7 +129,30 @@ class MitigatedPair:
         for n, samples in enumerate(pair_peaks(motions).T, start=1):
             mean, error = mean_with_error(samples)
             row |= {f"peak_mean_{n}": float(mean), f"peak_mean_standard_error_{n}": float(error)}
-        return row
+        return row, links_of(motions, self.system(measure))
+
+    def bumped(self, measure: Measure) -> tuple[list[Device], str]:
+        """The bumpers of a measure in simulated motions with contact, and why values are missing.
+
+        There are none where the measure has no bumpers.
+        """
+        contact = self.contact_of(measure)
+        if contact is None or not measure.has_bumpers or not self.weighed:
+            return [], ""
+        gap, motions = self.open_gap(measure), self._shaking
+        table = pound(self.known(measure), gap, contact, motions, link=measure.links)
+        failed = table.missing.values[table.status.values != labels.CONVERGED]
+        note = (
+            f"bumpers, {failed.size} of {table.status.size} motions: {failed[0]}" if failed.size else ""
+        )
+        return bumpers_of(table, self.system(measure)), note
+
+    @cached_property
+    def _shaking(self) -> xr.DataArray:
+        """The first of the simulated motions, on the median ground."""
+        motion = dict(self.motion)
+        paths = min(motion.pop("paths"), MOST_BUMPED)
+        return simulated_motions(median_of(self.ground), **motion, paths=paths)
 
     def required_gap(self, measure: Measure) -> float:
         """Gap without pounding with the probability ``confidence`` [m]."""
@@ -125,9 +167,9 @@ class MitigatedPair:
             rho, apart = linearized_at_roof(self.known(measure), median_of(self.ground), measure.links)
         return {"rho": rho, "relative_displacement_std": apart}
 
-    def recorded(self, measure: Measure) -> dict[str, Array]:
-        """Variables of `RECORDED` for the records (records,), from pounding with the measure."""
-        contact = self.contact if measure.contact is None else measure.contact
+    def recorded(self, measure: Measure) -> tuple[dict[str, Array], list[Device]]:
+        """Variables of `RECORDED` for the records (records,), and devices, from pounding."""
+        contact = self.contact_of(measure)
         table = self._pounded(self.known(measure), self.open_gap(measure), contact, measure.links)
         ratio = table.peak / self._peaks_alone
         columns = {
@@ -139,11 +181,14 @@ class MitigatedPair:
             ),
         }
         values = {name: each.max(set(each.dims) - {RECORD}).values for name, each in columns.items()}
-        return values | {"impacts": table.impacts.sum("contact").values}
+        system = self.system(measure)
+        bumpers = bumpers_of(table, system) if measure.has_bumpers else []
+        row = values | {"impacts": table.impacts.sum("contact").values}
+        return row, [*links_of(table, system), *bumpers]
 
     def worst_amplification(self, measure: Measure) -> float:
         """Largest amplification of both buildings in all records [-]."""
-        recorded = self.recorded(measure)
+        recorded, _ = self.recorded(measure)
         return float(max(recorded["amplification_1"].max(), recorded["amplification_2"].max()))
 
     @cached_property

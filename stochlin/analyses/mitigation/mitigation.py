@@ -9,6 +9,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
+from stochlin.analyses.mitigation.devices import TEXTS as OF_DEVICES
+from stochlin.analyses.mitigation.devices import devices_table
 from stochlin.analyses.mitigation.mitigated_pair import RECORDED, MitigatedPair
 from stochlin.analyses.mitigation.searches import MeasureLine, Search, searches
 from stochlin.analyses.mitigation.variables import VARIABLES
@@ -43,7 +45,7 @@ from stochlin.models.uncertain import applied, median_of
 
 AS_BUILT = "as built"
 SIMULATIONS = 60  # usual number of simulations of all searches together
-TEXTS: Mapping[str, str] = {
+TEXTS: dict[str, str] = {
     "kind": "as built, given, or the least that meets an aim",
     "aim": "aim of the least measure: the confidence, or the limit of amplification in the records",
     "contact": "contact between the buildings",
@@ -115,6 +117,16 @@ def mitigate(
         [-] and ``relative_displacement_std`` [m]. The coordinates ``kind``, ``aim``, ``contact``,
         ``description`` and ``missing`` are texts. A row whose search found nothing is NaN.
 
+        For measures with links, dampers or bumpers, over ``measure`` and ``device``: the texts
+        ``device_kind`` and ``device_place``, the floors as structure.floor; ``device_force`` [N],
+        ``device_stroke`` [m] and ``device_energy`` [J], which it dissipates in a motion, each as
+        ``_mean`` and ``_mean_standard_error`` over the simulated motions, and as their 95 %
+        ``_quantile`` with the 95 % interval ``_lower`` and ``_upper``. Links and dampers are in all
+        motions, without contact; bumpers in the first 256, with contact and median parameters, and
+        with zeros in motions without an impact. Cells beyond the devices of a measure are NaN. With
+        records there are also ``device_force``, ``device_stroke`` and ``device_energy`` in each
+        ``record``, with contact.
+
         With records, over ``measure`` and ``record``: ``amplification_1`` and ``_2`` [-], the peak over
         the peak as built without neighbours; ``impacts``, ``largest_force`` [N] and
         ``deepest_compression`` [m] of the contact; ``largest_link_force`` [N] of any link or device.
@@ -182,20 +194,21 @@ def mitigate(
             raise type(error)(f"measures[{brief(name)}]: {error}") from error
     lines = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
     for name, measure in measures.items():
-        unseen = measure.contact is not None and not records
-        note = "the effect of a contact is only computed in records, and none is given" if unseen else ""
-        lines.append(MeasureLine(name, "given", measure, missing=note))
+        lines.append(MeasureLine(name, "given", measure, missing=_missing(site, measure)))
     wanted: list[MeasureLine | Search] = [*lines, *searches(site, amplification_limit)]
-    rows, columns = [], []
+    rows, columns, devices = [], [], []
     for done, each in enumerate(wanted, start=1):
         row = each.result() if isinstance(each, Search) else each
         rows.append(row)
-        columns.append(_column(site, row))
+        column, of_row, note = _column(site, row)
+        rows[-1] = row._replace(missing="; ".join(filter(None, [row.missing, note])))
+        columns.append(column)
+        devices.append(of_row)
         if progress is not None:
             progress(done / len(wanted))
     models = {"first": first, "second": second, "ground": ground}
     return labels.with_run_information(
-        _table(rows, columns, site).assign_attrs(
+        _table(rows, columns, devices, site).assign_attrs(
             gap_m=float(gap),
             confidence=confidence,
             **labels.of_scatter(scatter),
@@ -249,20 +262,42 @@ def _checked(
     return pair
 
 
-def _column(site: MitigatedPair, row: MeasureLine) -> dict[str, Any]:
-    """All variables of a row, by name."""
+def _missing(site: MitigatedPair, measure: Measure) -> str:
+    """What is not computed for a given measure, and why."""
+    notes = []
+    if measure.contact is not None and not site.records:
+        notes.append("the effect of a contact is only computed in records, and none is given")
+    if measure.has_bumpers and site.contact_of(measure) is None:
+        notes.append("forces of bumpers are only computed with a contact, and none is given")
+    if measure.has_bumpers and not site.weighed:
+        notes.append("forces of bumpers are only computed with the masses of both structures")
+    return "; ".join(notes)
+
+
+def _column(site: MitigatedPair, row: MeasureLine) -> tuple[dict[str, Any], list[dict[str, Any]], str]:
+    """All variables of a row by name, those of each of its devices, and why some are missing."""
     measure = row.measure
     if measure is None:
-        return {}
+        return {}, [], ""
+    simulated, links = site.simulated(measure)
+    bumpers, note = site.bumped(measure)
+    devices: list[dict[str, Any]] = [
+        {"device_kind": each.kind, "device_place": each.place, **each.statistics()}
+        for each in [*links, *bumpers]
+    ]
     column: dict[str, Any] = {
         **{name: getattr(measure, name) for name in measure.parameter_names()},
         **_sums("link{}", [link for link in measure.links if not link.within_one]),
         **_sums("device{}_1", [link for link in measure.links if link.structures == (1, 1)]),
         **_sums("device{}_2", [link for link in measure.links if link.structures == (2, 2)]),
-        **site.simulated(measure),
+        **simulated,
         **site.linearized(measure),
     }
-    return column | (site.recorded(measure) if site.records else {})
+    if not site.records:
+        return column, devices, note
+    recorded, of_records = site.recorded(measure)
+    pairs = zip(devices, of_records, strict=True)
+    return column | recorded, [device | each.in_records() for device, each in pairs], note
 
 
 def _sums(name: str, links: Sequence[Link]) -> dict[str, float]:
@@ -278,7 +313,10 @@ def _sums(name: str, links: Sequence[Link]) -> dict[str, float]:
 
 
 def _table(
-    rows: Sequence[MeasureLine], columns: Sequence[Mapping[str, Any]], site: MitigatedPair
+    rows: Sequence[MeasureLine],
+    columns: Sequence[Mapping[str, Any]],
+    devices: Sequence[Sequence[Mapping[str, Any]]],
+    site: MitigatedPair,
 ) -> xr.Dataset:
     def texts(name: str) -> list[str]:
         return [getattr(row, name) for row in rows]
@@ -301,12 +339,14 @@ def _table(
         blank = np.full(len(site.records), np.nan) if name in RECORDED else np.nan
         values = np.array([column.get(name, blank) for column in columns], float)
         table[name] = (("measure", "record") if name in RECORDED else ("measure",), values)
+    table = table.merge(devices_table(devices, len(site.records)))
     known = table.required_gap.notnull()
     verdict = verdict_of(table.data_vars, site.confidence).where(known, NOT_AVAILABLE)
     table["verdict"] = verdict.astype(np.int8)
     table["status"] = labels.status_where(known, labels.NOT_CONVERGED)
     table = labels.label(table, VARIABLES)
     table.verdict.attrs = VERDICT_ATTRS
-    for name, text in TEXTS.items():
-        table[name].attrs["long_name"] = text
+    for name, text in (TEXTS | OF_DEVICES).items():
+        if name in table.coords:
+            table[name].attrs["long_name"] = text
     return table

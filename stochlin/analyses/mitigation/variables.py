@@ -14,6 +14,18 @@ def _of_links(name: str, which: str) -> Variables:
     }
 
 
+def _of_devices(name: str, units: str, what: str) -> Variables:
+    return {
+        f"device_{name}": (units, what),
+        f"device_{name}_mean": (units, f"mean over the motions: {what}"),
+        f"device_{name}_mean_standard_error": (
+            units,
+            f"standard error of the mean over the motions: {what}",
+        ),
+        f"device_{name}_quantile": (units, f"95 % quantile over the motions: {what}"),
+    }
+
+
 VARIABLES: Variables = {
     **POUNDING,
     **SEPARATION,
@@ -24,6 +36,9 @@ VARIABLES: Variables = {
     "strengthening": ("1", "yield force over that as built"),
     **_of_links("link", "links between both structures"),
     **_of_links("device", "devices"),
+    **_of_devices("force", "N", "largest force of the device"),
+    **_of_devices("stroke", "m", "largest extension or compression of the device"),
+    **_of_devices("energy", "J", "energy that the device dissipates"),
     "largest_link_force": ("N", "largest force of any link or device"),
     "amplification": ("1", "peak displacement over that of the building as built without pounding"),
 }

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.pounding.rows import COLUMN, SIDES, Meeting, Standing
+from stochlin.analyses.tables.floors import FLOOR, LINK, link_coordinates
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
@@ -17,7 +18,7 @@ from stochlin.kernels.simulation.contacts import ForceLaw, forces
 from stochlin.kernels.simulation.laws import SLACK
 from stochlin.models.links import Link
 
-FLOOR, STRUCTURE, CONTACT, LINK = "floor", "structure", "contact", "link"
+STRUCTURE, CONTACT = "structure", "contact"
 OF_ROW = ""  # in place of a dimension, for a number of the row of buildings
 Quantities = dict[str, tuple[str, Any]]
 """Values by name, each with its last dimension; FLOOR also stands for the structure."""
@@ -217,6 +218,4 @@ def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Data
             name = {"units": "1", "long_name": "share of the floor above in the column's displacement"}
             coords["share"] = ("contact", [m.share for m in places], name)
     tied = [number for number, link in enumerate(links, start=1) if link is not None]
-    if tied:
-        coords["link"] = ("link", tied, {"long_name": "link, by its place in the list"})
-    return xr.Dataset(coords=coords)
+    return xr.Dataset(coords=coords | (link_coordinates(tied) if tied else {}))

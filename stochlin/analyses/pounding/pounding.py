@@ -134,7 +134,9 @@ def pound(
         Peaks over ``structure`` and for shear buildings ``floor``: ``peak`` [m] in the row and
         ``peak_alone`` [m] of each building alone, and ``amplification`` [-], their ratio;
         ``peak_acceleration`` [m/s^2], ``peak_storey_shear`` [N] and ``peak_base_shear`` [N], each also
-        with the ending ``_alone``. With links also ``peak_link_force`` [N] over ``link``.
+        with the ending ``_alone``. With links also, over ``link``, ``peak_link_force``
+        [N], ``peak_link_stroke`` [m], the largest absolute extension, and ``link_energy`` [J], which the
+        link dissipates.
 
         ``step_error`` [-]: the largest relative change of a peak displacement or of the largest force of
         a contact, from steps twice as long. About a third of it remains.

@@ -8,8 +8,6 @@ import numpy as np
 
 from stochlin.analyses.pounding.histories import (
     CONTACT,
-    FLOOR,
-    LINK,
     OF_ROW,
     STRUCTURE,
     Quantities,
@@ -17,6 +15,7 @@ from stochlin.analyses.pounding.histories import (
 )
 from stochlin.analyses.pounding.rows import Standing
 from stochlin.analyses.pounding.runs import Outcome, successful
+from stochlin.analyses.tables.floors import FLOOR, LINK
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
 
@@ -66,7 +65,10 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     growth = np.divide(response.peaks, apart, out=unknown, where=apart > 0)
     values["amplification"] = FLOOR, growth
     if standing.row.parts.spring.size:
-        values["peak_link_force"] = LINK, response.of(response.to.pull, response.to.entering)
+        to = response.to
+        values["peak_link_force"] = LINK, response.of(to.pull, to.stroke)
+        values["peak_link_stroke"] = LINK, response.of(to.stroke, to.entering)
+        values["link_energy"] = LINK, response.of(to.drained, to.lost)
     return values | {"energy_balance_error": (OF_ROW, response.numbers[response.to.imbalance])}
 
 

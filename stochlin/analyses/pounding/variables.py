@@ -1,6 +1,7 @@
 """Variables of the results on pounding, with unit and long name."""
 
 from stochlin.analyses.records.variables import VARIABLES as RECORDS
+from stochlin.analyses.simulation.variables import OF_LINKS
 from stochlin.analyses.tables.labels import Variables
 
 _SINGLE: Variables = {
@@ -15,7 +16,7 @@ _SINGLE: Variables = {
     "base_shear": ("N", "shear of the first storey"),
     "peak_base_shear": ("N", "peak base shear"),
     "peak_base_shear_alone": ("N", "peak base shear without pounding"),
-    "peak_link_force": ("N", "peak link force"),
+    **OF_LINKS,
     "column_force": ("N", "largest force of a slab on the column that it meets"),
     "column_force_share": ("1", "force on the column over yield shear of the storey"),
     "link_force": ("N", "force of the link against structure 1, negative in tension"),
@@ -82,7 +83,7 @@ STATISTICS = (
     *("impacts", "hardest_force", "fastest_approach", "contact_energy", "column_force"),
     *("column_force_share", "peak", "peak_alone", "amplification", "peak_acceleration"),
     *("peak_acceleration_alone", "peak_storey_shear", "peak_storey_shear_alone", "peak_base_shear"),
-    *("peak_base_shear_alone", "peak_link_force"),
+    *("peak_base_shear_alone", *OF_LINKS),
 )
 _OVER_MOTIONS = {
     f"{name}_{what}": (_SINGLE[name][0], template.format(_SINGLE[name][1]))

@@ -11,7 +11,7 @@ from scipy.special import bdtrik, betaincinv
 
 from stochlin.analyses.simulation.ensembles import SimulationRun, work_of
 from stochlin.analyses.simulation.structures_in_motion import STRUCTURE, StructuresInMotion
-from stochlin.analyses.simulation.variables import VARIABLES
+from stochlin.analyses.simulation.variables import OF_LINKS, VARIABLES
 from stochlin.analyses.simulation.views import (
     Pair,
     Terms,
@@ -23,16 +23,17 @@ from stochlin.analyses.simulation.views import (
 )
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_duration
-from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
+from stochlin.analyses.tables.floors import ELEMENT, LINK, element_coordinates, link_coordinates
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores
-from stochlin.kernels.simulation.ensemble import Crowd, Extremes, finite_extremes
+from stochlin.kernels.simulation.ensemble import Crowd, Extremes, Links, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
 from stochlin.models.arguments import is_number
 from stochlin.models.envelopes import Envelope, envelope_at
-from stochlin.models.systems import AnyStructure, Arrangement
+from stochlin.models.links import Link
+from stochlin.models.systems import AnyStructure, Arrangement, Tie
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
 BLOCK = 256  # time steps that are computed at once
@@ -119,7 +120,8 @@ def simulate_finite(
         *(terms for *_, terms in places),
         *(apart(system, pair) for pair in pairs),
     ]
-    highest, lowest = _extremes(run, functions, duration, envelope, progress)
+    extremes = _extremes(run, functions, duration, envelope, progress, system.ties)
+    highest, lowest = extremes.highest, extremes.lowest
     check_response(system, np.isfinite(highest[:, :n]))
     either = np.maximum(highest, -lowest)
     samples: Columns = {
@@ -140,6 +142,10 @@ def simulate_finite(
         peaks = either[:, n + len(storeys) : len(functions) - len(pairs)]
         samples["peak_at_height"] = _at_heights(system, places, heights, peaks)
         coords["height"] = labels.axis("height", HEIGHT, heights, "m").height
+    if system.ties:
+        coords |= link_coordinates([tie.number for tie in system.ties])
+        of_links = extremes.force, extremes.stroke, extremes.energy
+        samples |= {n: (("path", LINK), each) for n, each in zip(OF_LINKS, of_links, strict=True)}
     means = _means(samples)
     if storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength
@@ -153,7 +159,7 @@ def simulate_finite(
 def _means(samples: Columns) -> Columns:
     """Means over the motions, and their standard errors."""
     means: Columns = {}
-    for name in ("peak", "peak_positive", "peak_drift", "separation"):
+    for name in ("peak", "peak_positive", "peak_drift", "separation", *OF_LINKS):
         if name in samples:
             (_, *over), values = samples[name]
             means |= mean_columns(name, over, values)
@@ -180,8 +186,8 @@ def largest_displacements(
     """Peaks ``max |u|`` [m] (paths, valid floors), one of ``times`` simulations of the same size."""
     floors = [{floor: 1.0} for floor in range(run.order.size)]
     check_finite(run, duration, len(floors), times)
-    highest, lowest = _extremes(run, floors, duration, envelope, None)
-    return np.maximum(highest, -lowest)
+    extremes = _extremes(run, floors, duration, envelope, None)
+    return np.maximum(extremes.highest, -extremes.lowest)
 
 
 def _extremes(
@@ -190,10 +196,22 @@ def _extremes(
     duration: float,
     envelope: Envelope | None,
     progress: Progress | None,
+    ties: Sequence[Tie] = (),
 ) -> Extremes:
-    """Largest and smallest values [m] of linear functions of the displacements of valid floors."""
+    """Largest and smallest values [m] of linear functions of valid floors, and peaks of links."""
     crowd, shape = finite_steps(run, duration, envelope)
-    return finite_extremes(crowd, view_of(functions, run.order, run.scale), shape, progress)
+    links = None
+    if ties:
+        terms = [{tie.one: 1.0} | ({tie.two: -1.0} if tie.two >= 0 else {}) for tie in ties]
+        extensions = view_of(terms, run.order, run.scale)
+        links = Links(extensions, np.array([_parameters(tie.link) for tie in ties]))
+    return finite_extremes(crowd, view_of(functions, run.order, run.scale), shape, progress, links)
+
+
+def _parameters(link: Link) -> list[float]:
+    """The parameters of a link as `watch_links` takes them."""
+    slack = float(link.slack is not None)
+    return [*link.spring, slack, link.number("damping_constant"), link.exponent]
 
 
 def _at_heights(

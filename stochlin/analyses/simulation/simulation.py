@@ -137,7 +137,9 @@ def simulate(
         of ``structure_2``. Also their means with standard errors, and ``separation_quantile`` with its
         95 % interval, ``_lower`` and ``_upper``. `exceedance` gives the probability of exceeding a gap
         from the samples. With uncertain parameters also ``input_factor`` [-] over (``path``,
-        ``input``), the samples over the medians.
+        ``input``), the samples over the medians. With links also, over (``path``, ``link``) and as means
+        with standard errors: ``peak_link_force`` [N], means over steps, ``peak_link_stroke`` [m] and
+        ``link_energy`` [J], which the link dissipates in the motion.
 
         With a building with storeys, displacements are over ``floor`` in place of ``structure``, and
         ductilities over ``element``, the storeys; standard deviations and peaks of the drifts are added.

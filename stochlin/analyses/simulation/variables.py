@@ -3,6 +3,11 @@
 from stochlin.analyses.linearization.variables import VARIABLES as LINEARIZATION
 from stochlin.analyses.tables.labels import Variables
 
+OF_LINKS: Variables = {
+    "peak_link_force": ("N", "peak link force"),
+    "peak_link_stroke": ("m", "peak absolute extension of the link"),
+    "link_energy": ("J", "energy dissipated by the link"),
+}
 VARIABLES: Variables = {
     **LINEARIZATION,
     "rho": ("1", "correlation coefficient of the displacements"),
@@ -31,6 +36,12 @@ VARIABLES: Variables = {
         "m",
         "standard error of the mean peak_positive",
     ),
+    **OF_LINKS,
+    **{
+        f"{name}_mean{end}": (units, f"{what} of the {text}")
+        for name, (units, text) in OF_LINKS.items()
+        for end, what in (("", "mean"), ("_standard_error", "standard error of the mean"))
+    },
     "separation_mean": ("m", "mean of the separation"),
     "separation_mean_standard_error": ("m", "standard error of the mean separation"),
     "separation_quantile": ("m", "quantile of the separation"),

@@ -9,7 +9,7 @@ import numpy as np
 
 from stochlin.models.systems import Arrangement
 
-FLOOR, ELEMENT = "floor", "element"
+FLOOR, ELEMENT, LINK = "floor", "element", "link"
 Coordinates = dict[str, tuple[str, Any, dict[str, str]]]
 
 
@@ -37,6 +37,11 @@ def element_coordinates(system: Arrangement, links: Sequence[str] = ()) -> Coord
         "element_structure": (ELEMENT, structures, {"units": "1", "long_name": long_name}),
         "storey": (ELEMENT, numbers, {"units": "1", "long_name": "number of the storey, 0 for links"}),
     }
+
+
+def link_coordinates(numbers: Sequence[int]) -> Coordinates:
+    """Coordinates along ``link``: the numbers from 1 of the links in the list that was given."""
+    return {LINK: (LINK, list(numbers), {"long_name": "link, by its place in the list"})}
 
 
 def _places(system: Arrangement) -> tuple[Any, Any]:

@@ -52,6 +52,7 @@ class Account(NamedTuple):
     acceleration: int  # (f) largest absolute acceleration [m/s^2], as means of steps
     force: int  # (e) largest force of each spring [N]
     pull: int  # (l) largest force of each link [N], as means of steps
+    stroke: int  # (l) largest absolute extension of each link [m]
     entering: int  # (s) energy put in by the ground so far [J]
     viscous: int  # (s) energy dissipated by the dashpots of the structure so far [J]
     hysteretic: int  # (s) energy dissipated by slips so far [J]
@@ -87,7 +88,14 @@ class Account(NamedTuple):
         """The rows after ``places``."""
         f, s, e, c = len(elements.system.shapes), structures, elements.kind.size, contacts
         n = elements.system.mass.size
-        sizes = {"highest": f, "lowest": f, "acceleration": f, "force": e, "pull": links}
+        sizes = {
+            "highest": f,
+            "lowest": f,
+            "acceleration": f,
+            "force": e,
+            "pull": links,
+            "stroke": links,
+        }
         sizes |= {"entering": s, "viscous": s, "hysteretic": s, "drained": links, "lost": c}
         sizes |= {"missing": 1, "most": 1, "imbalance": 1, "failed": 1}
         sizes |= {"begin": c, "end": c, "speed": c, "largest": c, "last": c, "rise": c, "span": c}
@@ -173,7 +181,7 @@ def _watch_masses(damping, mass, structure, dt, at, to, x, lanes):
 
 @compiled
 def _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, to, x, lanes):
-    """Largest forces of links, as means of steps, and the energies dissipated in them."""
+    """Largest forces of links, as means of steps, strokes at their ends, and energies dissipated."""
     change, force, lost = to.scratch_1, to.scratch_2, to.scratch_3
     for tie in range(ties.size):
         i, other, c = ties[tie], dashpot[tie], constant[tie]
@@ -196,6 +204,10 @@ def _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, 
         for lane in range(lanes):
             most = max(x[to.pull + tie, lane], x[to.counts, lane] * abs(x[force, lane]))
             x[to.pull + tie, lane] = most
+        times_row(column, weight, i, x, at.q, change, lanes)
+        for lane in range(lanes):
+            most = max(x[to.stroke + tie, lane], x[to.counts, lane] * abs(x[change, lane]))
+            x[to.stroke + tie, lane] = most
         for lane in range(lanes):
             x[to.drained + tie, lane] += x[to.counts, lane] * x[lost, lane]
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
 from stochlin.kernels.basics.parallel import Progress, in_order
+from stochlin.kernels.simulation.links import LinkPeaks, watch_links
 from stochlin.kernels.simulation.normal_numbers import fill_normal, generator_state
 from stochlin.kernels.simulation.stepping import (
     LANES,
@@ -198,14 +199,25 @@ class Crowd(NamedTuple):
         return in_order(lambda group: task(MotionGroup(self, first + group)), groups, progress)
 
 
+class Links(NamedTuple):
+    """Links between floors of a `Crowd`, which are watched."""
+
+    extensions: View  # (l,) [m]
+    parameters: Array  # (l, 6): see `watch_links`
+
+
 class Extremes(NamedTuple):
     """Largest and smallest value of each sum of a `View` in each motion, including 0 at the start.
 
-    Both are NaN where the sum is not finite at the end, since a law has run away.
+    Both are NaN where the sum is not finite at the end, since a law has run away. With links also those
+    of `LinkPeaks`.
     """
 
     highest: Array  # (motions, m)
     lowest: Array  # (motions, m)
+    force: Array  # (motions, l)
+    stroke: Array  # (motions, l)
+    energy: Array  # (motions, l)
 
 
 class Sums(NamedTuple):
@@ -331,20 +343,29 @@ def plastic_displacements(crowd: Crowd, stride: int) -> Array:
     return np.concatenate(list(crowd.over_groups(of_group)), axis=2)
 
 
-def finite_extremes(crowd: Crowd, view: View, envelope: Array, progress: Progress | None) -> Extremes:
-    """Extremes of a ``view`` in motions from rest under an ``envelope`` (steps,).
+def finite_extremes(
+    crowd: Crowd,
+    view: View,
+    envelope: Array,
+    progress: Progress | None,
+    links: Links | None = None,
+) -> Extremes:
+    """Extremes of a ``view`` and of links in motions from rest under an ``envelope`` (steps,).
 
     The plan has to sample every step; its numbers of blocks are not used.
     """
 
     def of_group(motion: MotionGroup) -> Extremes:
         """The extremes in one group of motions."""
-        size = (len(view.row), LANES)
-        extremes = Extremes(np.zeros(size), np.zeros(size))
+        highest, lowest = np.zeros((2, len(view.row), LANES))
+        peaks = LinkPeaks.at_rest(len(links.parameters) if links else 0)
         for out in motion.under(envelope):
-            keep_extremes(out, *view, *extremes)
+            keep_extremes(out, *view, highest, lowest)
+            if links is not None:
+                watch_links(links.extensions.of(out), links.parameters, crowd.plan.dt, peaks)
         lost = ~np.isfinite(view.of(out[-1:])[0])
-        return Extremes(*(np.where(lost, np.nan, values) for values in extremes))
+        highest[lost] = lowest[lost] = np.nan
+        return Extremes(highest, lowest, peaks.force, peaks.stroke, peaks.energy)
 
     groups = crowd.over_groups(of_group, progress)
     return Extremes(*(np.concatenate(field, axis=1).T for field in zip(*groups, strict=True)))

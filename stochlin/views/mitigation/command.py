@@ -21,7 +21,7 @@ from stochlin.views.shared.screen import (
 @COMMANDS.register("mitigate")
 @click.command()
 @click.argument("case", type=FILE)
-@click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
+@click.option("--out", type=FILE, help="Save the table as .nc, or as .csv without the devices.")
 @click.option(
     "--picture",
     type=FILE,
@@ -53,5 +53,5 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
         show(lines(answer_sections(table, described)))
         rows = table
         if data is not None and data.suffix.lower() == ".csv":  # a row a measure, and a record
-            rows = table.drop_dims("quantile", errors="ignore")
+            rows = table.drop_dims(["quantile", "device"], errors="ignore")
         write(rows, data, picture, lambda _: draw_measures(table))

@@ -28,6 +28,8 @@ from stochlin.views.shared.words import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import xarray as xr
 
     from stochlin.analyses.cases.case import Case
@@ -51,10 +53,20 @@ OF_BUMPERS = (
 NO_DASHPOT = (
     "least dashpot between: not searched; it needs masses, and floors of both buildings at one level."
 )
+OF_EACH_DEVICE = (
+    "Devices: mean | 95{space}% quantile over the simulated motions of the largest force, of the "
+    "largest extension or compression (stroke), and of the energy that the device dissipates in a "
+    "motion. Numbers are those of the buildings; 1.3 is floor 3 of building 1.{bumpers} The values are "
+    "those of the analysis, without partial factors of codes."
+)
+BUMPED = (
+    " Links and dampers: without contact of the buildings. Bumpers: of motions with contact, in which "
+    "those without an impact count as 0."
+)
 TIMES = (
     "Times: largest displacement of buildings 1 and 2, relative to the building as built and alone. "
     "Pressed: the deepest compression of the contact; bumpers have to be thicker. Link: the largest "
-    "force of links and dampers. The effect of bumpers is visible only in these columns."
+    "force of links and dampers. What bumpers do to the buildings is visible only in these columns."
 )
 
 
@@ -72,9 +84,12 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
         ViewSection("", texts([floors(case), *walls(case)])),
         ViewSection("", [*texts(about), *unknowns(case, "needed gaps and shares are those")]),
         ViewSection("", [_motions(table)]),
+        *_devices(table),
         *_in_records(table),
         ViewSection("", [Items(remarks)]),
-        ViewSection("", texts([_notes(table), TIMES if "record" in table.dims else ""])),
+        ViewSection(
+            "", texts([_notes(table), _notes_on_devices(table), TIMES if "record" in table.dims else ""])
+        ),
     ]
 
 
@@ -90,6 +105,38 @@ def _in_records(table: xr.Dataset) -> list[ViewSection]:
     return [ViewSection(f"In {name}", [_recorded(table.sel(record=name))]) for name in records]
 
 
+def _devices(table: xr.Dataset) -> list[ViewSection]:
+    """A table of all links, dampers and bumpers; none without them."""
+    if "device" not in table.dims:
+        return []
+    heads = ["measure", "device", "force [kN]", "stroke [cm]", "energy [kJ]"]
+    rows = [
+        [
+            cut(row.measure.item(), WIDE),
+            f"{row.device_kind.item()} {row.device_place.item()}",
+            _mean_and_quantile(row, "device_force", lambda force: short(force / 1e3)),
+            _mean_and_quantile(row, "device_stroke", centimetres),
+            _mean_and_quantile(row, "device_energy", lambda energy: short(energy / 1e3)),
+        ]
+        for measure in along(table, "measure")
+        for row in along(measure, "device")
+        if row.device_kind.item()
+    ]
+    return [ViewSection("Devices", [Table.of(heads, rows, words=["device"])])]
+
+
+def _mean_and_quantile(row: xr.Dataset, name: str, shown: Callable[[float], str]) -> str:
+    return " | ".join(shown(float(row[f"{name}_{what}"])) for what in ("mean", "quantile"))
+
+
+def _notes_on_devices(table: xr.Dataset) -> str:
+    """The meaning of the values of devices; empty without them."""
+    if "device" not in table.dims:
+        return ""
+    bumpers = BUMPED if (table.device_kind == "bumper").any() else ""
+    return OF_EACH_DEVICE.format(space=SPACE, bumpers=bumpers)
+
+
 def _missing(row: xr.Dataset) -> str:
     return f"{row.measure.item()}: {row.missing.item()}." if row.missing.item() else ""
 
@@ -98,7 +145,7 @@ def crushed(row: xr.Dataset) -> str:
     """A warning where bumpers are compressed by more than their thickness; empty otherwise."""
     thickness = float(row.bumper_thickness)
     if "record" not in row.dims or not thickness > 0:
-        return ""
+        return _crushed_in_motions(row, thickness)
     deep = row.deepest_compression.where(row.deepest_compression > thickness, drop=True)
     if not deep.size:
         return ""
@@ -106,6 +153,19 @@ def crushed(row: xr.Dataset) -> str:
     return (
         f"{row.measure.item()}: the bumpers, {length(thickness)} thick, would be compressed by "
         f"{length(float(deep.max()))} in {where}; take thicker or stiffer ones."
+    )
+
+
+def _crushed_in_motions(row: xr.Dataset, thickness: float) -> str:
+    """The same from the simulated motions, where there are no records."""
+    if "device" not in row.dims or not thickness > 0:
+        return ""
+    deep = float(row.device_stroke_quantile.where(row.device_kind == "bumper").max())
+    if not deep > thickness:
+        return ""
+    return (
+        f"{row.measure.item()}: the bumpers, {length(thickness)} thick, would be compressed by more "
+        f"than {length(deep)} in 5{SPACE}% of the motions; take thicker or stiffer ones."
     )
 
 

@@ -22,6 +22,7 @@ from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.grounds.named import named_ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.laws.bouc_wen import BoucWen
+from stochlin.models.links import Link
 from stochlin.models.uncertain import Uncertain
 
 SECONDS, PATHS = 8.0, 32
@@ -54,8 +55,8 @@ def _record() -> xr.DataArray:
     return xr.DataArray(3 * np.sin(9 * time), dims="time", coords={"time": time})
 
 
-def _finite(structures: Sequence[Any], ground: Any) -> None:
-    simulate(structures, ground, paths=PATHS, duration=SECONDS)
+def _finite(structures: Sequence[Any], ground: Any, link: Link | None = None) -> None:
+    simulate(structures, ground, paths=PATHS, duration=SECONDS, link=link)
 
 
 def pounding() -> None:
@@ -95,8 +96,9 @@ def oscillators() -> None:
 
 
 def storeys() -> None:
-    """The same of buildings with storeys, by themselves and beside oscillators."""
+    """The same of buildings with storeys, by themselves and beside oscillators, and with a link."""
     _finite([_tower()], _ground())
+    _finite([_tower(), _pair()[1]], _ground(), Link(1e7))
     _finite([_tower(Uncertain(0.8, 0.1)), _pair()[1]], _ground())
     simulate([_tower(), _pair()[1]], _ground(), paths=PATHS, relaxation_times=1.0)
 

@@ -1,0 +1,209 @@
+"""Force, stroke and energy of links, dampers and bumpers, by `simulate`, `pound` and `mitigate`."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+MASS, PERIOD, DAMPING, GAP = 1e6, 1.0, 0.05, 0.12
+STIFF = sl.Kelvin(stiffness=1e9, restitution=0.65)
+RUBBER = sl.Kelvin(stiffness=1e8, restitution=0.4)
+FIRM = sl.named_ground("firm", intensity=0.01)
+LINKS = [
+    sl.Link(2e7, 2e6, structures=(1, 2)),
+    sl.Link(1e7, slack=0.01, structures=(1, 2)),
+    sl.Link(3e7, 1e6, hardening=0.05, yield_displacement=0.004, structures=(2, 2), floors=(1, 0)),
+    sl.Link(1e6, 1e6, damping_exponent=0.5, structures=(1, 2)),
+]
+OF_LINKS = "peak_link_force", "peak_link_stroke", "link_energy"
+
+
+def pair():
+    return [
+        sl.Bilinear(PERIOD, DAMPING, mass=MASS),
+        sl.Bilinear(0.6, DAMPING, 0.05, yield_displacement=0.02, mass=MASS),
+    ]
+
+
+def harmonic(frequency, amplitude=1.0, duration=60.0, dt=0.005):
+    time = dt * np.arange(round(duration / dt) + 1)
+    return xr.DataArray(amplitude * np.sin(frequency * time), dims="time", coords={"time": time})
+
+
+@pytest.mark.parametrize("within_storey", [False, True])
+def test_energy_of_a_damper_in_white_noise_is_c_times_the_variance_of_its_velocity(within_storey):
+    """A damper in an elastic oscillator from rest on white noise.
+
+    The noise puts ``pi S0 m`` into the oscillator in each second, whatever its state. What is not in it
+    at the end, ``m E[v^2] = pi S0 m/(2 xi w)``, has gone into both dashpots, by their constants. In
+    steps of the trapezoidal rule the input is smaller by ``1 + xi w dt + (w dt/2)^2``.
+    """
+    w, s0, seconds = 2 * np.pi / PERIOD, 0.01, 40.0
+    device = sl.Link(0.0, 0.2 * MASS * w, structures=(1, 1), floors=(1, 0))
+    structure = sl.Bilinear(PERIOD, DAMPING, mass=MASS)
+    if within_storey:
+        structure = sl.ShearBuilding([MASS], [MASS * w**2], [3.0], DAMPING)
+    table = sl.simulate(
+        [structure], sl.WhiteNoise(s0), paths=1024, duration=seconds, link=[device], seed=3
+    )
+    xi, dt = DAMPING + 0.1, table.attrs["step_s"]
+    put_in = np.pi * s0 * MASS * seconds / (1 + xi * w * dt + (w * dt / 2) ** 2)
+    velocity_variance = np.pi * s0 / (2 * xi * w)
+    expected = 0.1 / xi * (put_in - MASS * velocity_variance)
+    found, error = (float(table[f"link_energy_mean{end}"][0]) for end in ("", "_standard_error"))
+    assert abs(found - expected) < 4 * error
+    assert error < 0.01 * expected
+    # c E[v^2] T of the stationary response, less what the beginning from rest lacks, 1/(2 xi w) in time
+    stationary = device.damping_constant * velocity_variance * (seconds - 1 / (2 * xi * w))
+    assert abs(found - stationary) < 4 * error + 0.05 * stationary
+    np.testing.assert_allclose(table.peak_link_stroke[:, 0], table.peak.values[:, 0], rtol=1e-12)
+
+
+def test_links_in_simulated_motions_are_those_of_pound():
+    """The same motions by the other engine, whose energies balance; steps and forcing differ."""
+    table = sl.simulate(pair(), FIRM, paths=32, duration=8.0, link=LINKS, steps_per_period=100)
+    motions = sl.simulated_motions(FIRM, 8.0, paths=32, step=table.attrs["step_s"])
+    row = sl.pound(pair(), 5.0, STIFF, motions, link=LINKS)
+    assert int(row.impacts.sum()) == 0
+    for name in OF_LINKS:
+        scale = row[name].mean("path") + (name == "link_energy")  # 0 J in the link with slack
+        np.testing.assert_allclose(table[name] / scale, row[name] / scale, atol=0.01, err_msg=name)
+    assert (table.link_energy.values[:, 1] == 0).all()
+    for name in OF_LINKS:
+        np.testing.assert_allclose(table[f"{name}_mean"], table[name].mean("path"), rtol=1e-12)
+
+
+def test_energies_of_links_are_those_of_the_balance():
+    """What the ground puts in is in the structures, their dashpots, or has gone into the links."""
+    table = sl.pound(pair(), 5.0, STIFF, harmonic(6.0, duration=20.0), link=LINKS)
+    end = table.isel(time=-1)
+    stored = end.kinetic_energy + end.elastic_energy
+    left = end.input_energy - stored - end.viscous_energy - end.hysteretic_energy
+    found = float(table.link_energy.sum())
+    assert found == pytest.approx(float(left.sum() - end.link_stored_energy), rel=1e-6)
+    assert found == pytest.approx(float(end.link_lost_energy), rel=1e-12)
+    assert found > 0.2 * float(end.input_energy.sum())
+
+
+def test_force_of_a_linear_link_is_that_of_its_spring_and_dashpot():
+    """By the histories of both floors; the peak is that of means over steps."""
+    link = sl.Link(2e7, 2e6)
+    table = sl.pound(pair(), 5.0, STIFF, harmonic(6.0, duration=20.0), link=link)
+    apart, fast = (table[n].diff("structure").values[:, 0] for n in ("displacement", "velocity"))
+    force = -(link.stiffness * apart + link.damping_constant * fast)
+    np.testing.assert_allclose(table.link_force[:, 0], force, rtol=1e-9, atol=1e-6)
+    assert float(table.peak_link_force[0]) == pytest.approx(np.abs(force).max(), rel=2e-3)
+    assert float(table.peak_link_stroke[0]) == pytest.approx(np.abs(apart).max(), rel=1e-3)
+
+
+def test_a_linear_damper_in_a_harmonic_motion_dissipates_pi_c_w_a_squared_in_each_cycle():
+    w, seconds = 6.0, 80.0
+    device = sl.Link(1e6, 3e6, structures=(1, 1), floors=(1, 0))
+    alone = sl.Bilinear(PERIOD, DAMPING, mass=MASS)
+    (long, short) = (
+        sl.pound([alone], motion=harmonic(w, duration=T), link=[device])
+        for T in (seconds + 8 * np.pi / w, seconds)
+    )
+    own = 2 * np.pi / PERIOD
+    k, c = MASS * own**2 + 1e6, 2 * DAMPING * own * MASS + 3e6
+    amplitude = MASS / np.hypot(k - MASS * w**2, c * w)
+    lost = float(long.link_energy[0] - short.link_energy[0])
+    ran = float(long.time[-1] - short.time[-1])
+    assert lost == pytest.approx(0.5 * 3e6 * (w * amplitude) ** 2 * ran, rel=5e-3)
+    force = amplitude * np.hypot(1e6, 3e6 * w)
+    last = long.link_force[-500:, 0]
+    assert float(np.abs(last).max()) == pytest.approx(force, rel=2e-3)
+
+
+@pytest.fixture(scope="module")
+def table():
+    measures = {
+        "links": sl.Measure(link=LINKS),
+        "bumpers": sl.Measure(contact=RUBBER, bumper_thickness=0.02),
+        "damping": sl.Measure(0.1),
+    }
+    return sl.mitigate(
+        *pair(), FIRM, 8.0, GAP, measures, paths=64, seed=5, contact=STIFF,
+        records={"sine": harmonic(6.0, duration=8.0)},
+    )  # fmt: skip
+
+
+def test_devices_of_measures_are_those_of_simulate_and_pound(table):
+    row = table.sel(measure="links")
+    assert row.device_kind.values.tolist() == ["link", "link", "damper", "link"]
+    assert row.device_place.values.tolist() == ["1 to 2", "1 to 2", "2 to ground", "1 to 2"]
+    motions = sl.simulate(pair(), FIRM, paths=64, seed=5, duration=8.0, link=LINKS)
+    sine = sl.pound(pair(), GAP, STIFF, {"sine": harmonic(6.0, duration=8.0)}, link=LINKS)
+    for name, of in zip(("force", "stroke", "energy"), OF_LINKS, strict=True):
+        np.testing.assert_allclose(row[f"device_{name}_mean"], motions[of].mean("path"), rtol=1e-9)
+        error = motions[of].std("path", ddof=1) / 8
+        found = row[f"device_{name}_mean_standard_error"]
+        np.testing.assert_allclose(found, error, rtol=1e-9, atol=1e-12)
+        quantile = motions[of].quantile(0.95, "path")
+        np.testing.assert_allclose(row[f"device_{name}_quantile"], quantile, rtol=1e-9)
+        low, high = (row[f"device_{name}_quantile_{end}"].values for end in ("lower", "upper"))
+        assert ((low <= quantile.values) & (quantile.values <= high)).all()
+        np.testing.assert_allclose(row[f"device_{name}"], sine[of].T, rtol=1e-9)
+
+
+def test_bumpers_are_those_of_pounding_in_the_same_motions(table):
+    row = table.sel(measure="bumpers", device=1)
+    assert (row.device_kind.item(), row.device_place.item()) == ("bumper", "1 to 2")
+    motions = sl.simulated_motions(FIRM, 8.0, paths=64, seed=5)
+    many = sl.pound(pair(), GAP - 0.02, RUBBER, motions)
+    assert 0 < int((many.impacts > 0).sum()) < 64  # some motions without an impact count as 0
+    for name, of in zip(
+        ("force", "stroke", "energy"),
+        ("hardest_force", "deepest_compression", "contact_energy"),
+        strict=True,
+    ):
+        expected = many[of].fillna(0.0).mean("path")
+        np.testing.assert_allclose(row[f"device_{name}_mean"], expected[0], rtol=1e-9)
+    assert row.device_force.item() == table.sel(measure="bumpers").largest_force.item()
+    assert row.device_stroke.item() == table.sel(measure="bumpers").deepest_compression.item()
+
+
+def test_measures_without_devices_have_none(table):
+    for name in ("as built", "damping"):
+        row = table.sel(measure=name)
+        assert set(row.device_kind.values) == {""}
+        assert bool(row.device_force_mean.isnull().all())
+    plain = sl.mitigate(*pair(), FIRM, 8.0, 0.5, {"damping": sl.Measure(0.1)}, paths=32)
+    assert "device" not in plain.dims
+
+
+def test_devices_have_units_and_names(table):
+    for name, unit in (("force", "N"), ("stroke", "m"), ("energy", "J")):
+        for end in ("", "_mean", "_mean_standard_error", "_quantile", "_quantile_upper"):
+            attrs = table[f"device_{name}{end}"].attrs
+            assert attrs["units"] == unit
+            assert attrs["long_name"]
+
+
+@pytest.mark.parametrize(
+    ("masses", "told"),
+    [((None, None), "masses of both structures"), ((1e6, 1e6), "with a contact, and none is given")],
+)
+def test_bumpers_say_what_they_lack(masses, told):
+    structures = [sl.Bilinear(T, 0.05, mass=m) for T, m in zip((0.6, 1.0), masses, strict=True)]
+    contact = RUBBER if masses[0] is None else None
+    measures = {"pads": sl.Measure(contact=contact, bumper_thickness=0.02)}
+    found = sl.mitigate(*structures, FIRM, 8.0, 0.5, measures, paths=32)
+    assert told in found.sel(measure="pads").missing.item()
+    assert "device" not in found.dims
+
+
+def test_floors_of_devices_in_buildings_with_storeys():
+    tower = sl.ShearBuilding([2e5] * 3, [2e8] * 3, [3.0] * 3, 0.05)
+    low = sl.ShearBuilding([2e5] * 2, [2e8] * 2, [3.0] * 2, 0.05)
+    braces = [sl.Link(0.0, 1e6, structures=(1, 1), floors=(n, n - 1)) for n in (1, 3)]
+    measures = {"all": sl.Measure(link=[sl.Link(1e7), *braces], contact=RUBBER)}
+    found = sl.mitigate(tower, low, FIRM, 6.0, 0.5, measures, paths=32).sel(measure="all")
+    assert found.device_place.values.tolist() == [
+        *("1.2 to 2.2", "1.1 to ground", "1.3 to 1.2", "1.1 to 2.1", "1.2 to 2.2")
+    ]
+    strokes = found.device_stroke_mean.values
+    motions = sl.simulate([tower, low], FIRM, paths=32, duration=6.0, link=list(measures["all"].links))
+    drifts = motions.peak_drift_mean.sel(element=["1.1", "1.3"])
+    np.testing.assert_allclose(strokes[1:3], drifts, rtol=1e-9)
