@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 from stochlin.messages import brief, nearest
 from stochlin.models.parameters import POSITIVE, Model, Range, expect
-from stochlin.models.uncertain import TAKERS, median_of
+from stochlin.models.uncertain import TAKERS, UncertainModel, median_of
 
 LONGEST_LABEL = 200
 A_LABEL = f"a text on one line, {LONGEST_LABEL} characters at most, no control characters"
@@ -75,14 +75,16 @@ class Number:
 
     def __call__(self, name: str, value: object) -> None:
         """Raise a ValueError unless the value is in the range."""
-        if is_number(value) and self.allowed.contains(value):
-            return
         if value is None and self.cure_of_none:
             raise ValueError(f"{name} is missing; {self.cure_of_none}")
-        cure = ""
-        if self.is_share and is_number(value) and value >= 2 and self.allowed.contains(value / 100):
-            cure = f"; for {value:g} % write {value / 100:g}"
-        raise ValueError(f"{name} = {brief(value)}; allowed: {self.words or self.allowed}{cure}")
+        what, cure = "is no number", ""
+        if is_number(value):
+            what, number = "is out of range", float(value)  # whole numbers may be beyond 64 bits
+            if self.allowed.contains(number):
+                return
+            if self.is_share and number >= 2 and self.allowed.contains(number / 100):
+                cure = f"; for {value:g} % write {number / 100:g}"
+        raise ValueError(f"{name} = {brief(value)} {what}; allowed: {self.words or self.allowed}{cure}")
 
 
 @dataclass(frozen=True)
@@ -97,11 +99,24 @@ class Whole:
         highest = LARGEST_WHOLE if self.highest is None else self.highest
         return is_whole(value) and self.lowest <= value <= highest
 
+    def __str__(self) -> str:
+        if self.highest is None:
+            return f"a whole number from {self.lowest} on"
+        if self.highest == self.lowest + 1:
+            return f"{self.lowest} or {self.highest}"
+        return f"a whole number from {self.lowest} to {self.highest}"
+
+    def refusal(self, value: object) -> str:
+        """What is wrong with a value that is not within the limits, and what is allowed."""
+        if not is_whole(value):
+            return f"is no whole number; allowed: {self}"
+        unsaid = self.highest is None and value > LARGEST_WHOLE  # a limit that seldom matters
+        return f"is out of range; allowed: {Whole(self.lowest, LARGEST_WHOLE) if unsaid else self}"
+
     def __call__(self, name: str, value: object) -> None:
         """Raise a ValueError unless the value is a whole number within the limits."""
         if not self.contains(value):
-            to = "" if self.highest is None else f" to {self.highest}"
-            raise ValueError(f"{name} = {brief(value)}; allowed: a whole number from {self.lowest}{to}")
+            raise ValueError(f"{name} = {brief(value)} {self.refusal(value)}")
 
 
 @dataclass(frozen=True, eq=False)  # a registry has no hash
@@ -131,7 +146,8 @@ class OfClass:
 
     def __call__(self, name: str, value: object) -> None:
         """Raise a TypeError unless the value is such a model."""
-        expect(median_of(value) if self.uncertain else value, self.classes, name)
+        uncertain = self.uncertain and isinstance(value, UncertainModel)
+        expect(median_of(value) if uncertain else value, self.classes, name)
 
 
 def check_truth(name: str, value: object) -> None:
@@ -169,7 +185,9 @@ SCATTER = Number(
     is_share=True,
 )
 DURATION = Number(
-    POSITIVE, "a positive number of seconds", cure_of_none="give the length of the motion in seconds"
+    POSITIVE,
+    "a positive, finite number of seconds",
+    cure_of_none="give the length of the motion in seconds",
 )
 Truth = Annotated[bool, check_truth]
 Label = Annotated[str, check_label]
@@ -179,12 +197,12 @@ Seed = Annotated[int, Whole(0)]
 Paths = Annotated[int, Whole(2)]
 Points = Annotated[int, Whole(2)]
 StepsPerPeriod = Annotated[int, Whole(8)]
-RelaxationTimes = Annotated[float, Number(Range(1, include_lower=True), "at least 1, finite")]
-Metres = Annotated[float, Number(POSITIVE, "a positive number of metres")]
+RelaxationTimes = Annotated[float, Number(Range(1, include_lower=True), "a finite number of at least 1")]
+Metres = Annotated[float, Number(POSITIVE, "a positive, finite number of metres")]
 Duration = Annotated[float, DURATION]
-Seconds = Annotated[float, Number(POSITIVE, "a positive number of seconds")]
-Years = Annotated[float, Number(POSITIVE, "a positive number of years")]
-Acceleration = Annotated[float, Number(POSITIVE, "a positive number in m/s^2")]
+Seconds = Annotated[float, Number(POSITIVE, "a positive, finite number of seconds")]
+Years = Annotated[float, Number(POSITIVE, "a positive, finite number of years")]
+Acceleration = Annotated[float, Number(POSITIVE, "a positive, finite number in m/s^2")]
 Probability = Annotated[float, PROBABILITY]
 DampingOrZero = Annotated[
     float, Number(Range(0, 1, include_lower=True), "0 <= damping < 1", is_share=True)
@@ -206,6 +224,28 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         return function(*args, **kwargs)
 
     return call
+
+
+def fitting(check: Callable[..., None]) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Check first which arguments go together, by a function of some of them as they are given.
+
+    It stands above `checked`: of an argument that has to be left out no other value is asked for.
+    """
+    wanted = inspect.signature(check).parameters
+
+    def decorated(function: Callable[P, R]) -> Callable[P, R]:
+        parameters = inspect.signature(function).parameters
+        usual = {name: each.default for name, each in parameters.items()}
+
+        @functools.wraps(function)
+        def call(*args: P.args, **kwargs: P.kwargs) -> R:
+            given = usual | dict(zip(parameters, args, strict=False)) | kwargs
+            check(**{name: given[name] for name in wanted})
+            return function(*args, **kwargs)
+
+        return call
+
+    return decorated
 
 
 def check_fields(described: Any, prefix: str = "") -> None:

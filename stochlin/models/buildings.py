@@ -14,6 +14,7 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
+from stochlin.models.arguments import Whole
 from stochlin.models.laws.hysteretic import Hysteretic, law_of
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.states import in_words
@@ -28,6 +29,7 @@ OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
 ONE_FOR_ALL = ("yield_drifts", "dampers")  # one number may stand for all storeys
 SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
 MOST_STOREYS = 200
+STOREYS = Whole(1, MOST_STOREYS)
 GRAVITY = scipy.constants.g
 
 
@@ -224,11 +226,7 @@ class ShearBuilding(Model):
         0.8
         """
         known = RegularBuilding(period, storey_height, mass, base_shear_coefficient)
-        whole = isinstance(storeys, (int, np.integer)) and not isinstance(storeys, bool)
-        if not whole or not 1 <= storeys <= MOST_STOREYS:
-            raise ValueError(
-                f"storeys = {brief(storeys)}; allowed: a whole number from 1 to {MOST_STOREYS}"
-            )
+        STOREYS("storeys", storeys)
         values = {name: np.asarray(value) for name, value in known.cells().items()}
         heights = values["storey_height"]
         if heights.ndim and heights.shape != (storeys,):

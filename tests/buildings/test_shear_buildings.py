@@ -502,9 +502,17 @@ def test_a_law_that_needs_a_number_says_so(monkeypatch: pytest.MonkeyPatch) -> N
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"storeys": 2.5}, ValueError, "storeys = 2.5; allowed: a whole number from 1 to 200"),
-        ({"storeys": True}, ValueError, "storeys = True; allowed: a whole number"),
-        ({"storeys": 201}, ValueError, "storeys = 201; allowed: a whole number from 1 to 200"),
+        (
+            {"storeys": 2.5},
+            ValueError,
+            "storeys = 2.5 is no whole number; allowed: a whole number from 1 to 200",
+        ),
+        ({"storeys": True}, ValueError, "storeys = True is no whole number; allowed: a whole number"),
+        (
+            {"storeys": 201},
+            ValueError,
+            "storeys = 201 is out of range; allowed: a whole number from 1 to 200",
+        ),
         ({"period": -1}, ValueError, "period = -1 is out of range; allowed: 0 < value"),
         ({"period": 1e-300}, ValueError, "yield_drifts = 0 is out of range; allowed: 0 < value"),
         ({"mass": 1e308}, ValueError, "stiffnesses = inf in storey 1 is out of range; allowed: 0 < val"),

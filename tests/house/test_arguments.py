@@ -3,13 +3,29 @@
 from __future__ import annotations
 
 import inspect
+import math
+from collections.abc import Callable
 
+import numpy as np
 import pytest
 import sympy
+import xarray as xr
 
 import stochlin as sl
-from stochlin.models.arguments import Duration, Paths, Probability, Scatter, checked, checks_of
+from stochlin.models.arguments import (
+    Check,
+    Duration,
+    Number,
+    Paths,
+    Probability,
+    Scatter,
+    Whole,
+    checked,
+    checks_of,
+    fitting,
+)
 from stochlin.models.grounds import Ground
+from stochlin.models.parameters import POSITIVE, Range
 
 pytestmark = pytest.mark.invariant
 
@@ -88,11 +104,26 @@ def test_the_signature_stays() -> None:
     ("arguments", "options", "kind", "says"),
     [
         ((1.0, 2.0), {}, TypeError, "ground = 1.0 is of the wrong kind; allowed: CloughPenzien, "),
-        ((FIRM, -2.0), {}, ValueError, "duration = -2.0; allowed: a positive number of seconds"),
+        (
+            (FIRM, -2.0),
+            {},
+            ValueError,
+            "duration = -2.0 is out of range; allowed: a positive, finite number of seconds",
+        ),
         ((FIRM, None), {}, ValueError, "duration is missing; give the length of the motion"),
-        ((FIRM,), {"duration": "2"}, ValueError, "duration = '2'; allowed: a positive number of"),
-        ((FIRM, 2.0, 90), {}, ValueError, "share = 90; allowed: .*; for 90 % write 0.9"),
-        ((FIRM, 2.0), {"paths": 1}, ValueError, "paths = 1; allowed: a whole number from 2"),
+        (
+            (FIRM,),
+            {"duration": "2"},
+            ValueError,
+            "duration = '2' is no number; allowed: a positive, finite number of",
+        ),
+        ((FIRM, 2.0, 90), {}, ValueError, "share = 90 is out of range; allowed: .*; for 90 % write 0.9"),
+        (
+            (FIRM, 2.0),
+            {"paths": 1},
+            ValueError,
+            "paths = 1 is out of range; allowed: a whole number from 2",
+        ),
         ((FIRM, 2.0), {"path": 2}, TypeError, "unexpected keyword argument 'path'"),
         ((FIRM,), {}, TypeError, "missing 1 required positional argument: 'duration'"),
         ((FIRM, 2.0, 0.5, 3), {}, TypeError, "takes from 2 to 3 positional arguments but 4 were"),
@@ -103,6 +134,90 @@ def test_a_wrong_argument_is_told_by_name(
 ) -> None:
     with pytest.raises(kind, match=says):
         motion(*arguments, **options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("check", "value", "says"),
+    [
+        (Whole(2), 1, "is out of range; allowed: a whole number from 2 on"),
+        (Whole(2), 2.5, "is no whole number; allowed: a whole number from 2 on"),
+        (Whole(2), True, "is no whole number; allowed: a whole number from 2 on"),
+        (Whole(1, 200), 0, "is out of range; allowed: a whole number from 1 to 200"),
+        (Whole(1, 200), 2**63, "is out of range; allowed: a whole number from 1 to 200"),
+        (Whole(1, 2), 3, "is out of range; allowed: 1 or 2"),
+        (Whole(0), 2**63, f"is out of range; allowed: a whole number from 0 to {2**63 - 1}"),
+        (Number(POSITIVE, "a positive, finite number"), "x", "is no number; allowed: a positive, fin"),
+        (Number(POSITIVE, "a positive, finite number"), math.inf, "is out of range; allowed: a posi"),
+        (Number(POSITIVE), 10**400, "is no number; allowed: 0 < value, finite"),
+        (Number(Range(0, 1), is_share=True), 5, "is out of range; allowed: 0 < .*; for 5 % write 0.05"),
+    ],
+)
+def test_the_range_is_told_once_with_what_is_wrong(check: Check, value: object, says: str) -> None:
+    with pytest.raises(ValueError, match=f"^n = .* {says}") as caught:
+        check("n", value)
+    assert str(caught.value).count("whole number from") <= 1
+
+
+def test_whole_numbers_beyond_64_bits_are_numbers() -> None:
+    Number(POSITIVE)("n", 10**300)
+    Number(POSITIVE)("n", 10**30)
+
+
+def test_an_uncertain_number_is_told_as_it_was_given() -> None:
+    one, two = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.05)
+    uncertain = sl.Uncertain(1.0, 0.2)
+    with pytest.raises(TypeError, match=r"envelope = 1 \+- 20 % is of the wrong kind"):
+        sl.existing_gap(one, two, FIRM, 10.0, 0.1, envelope=uncertain)  # type: ignore[arg-type]
+
+
+TIME = xr.DataArray(np.zeros(400), dims="time", coords={"time": 0.01 * np.arange(400)})
+PAIR = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.05)
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (
+            lambda any_: sl.fit_ground(TIME, envelope=any_),
+            "envelope goes with a spectrum; .*leave it out",
+        ),
+        (lambda any_: sl.fit_ground(TIME, filters=any_), "filters goes with a spectrum; .*leave it out"),
+        (lambda any_: sl.fit_ground(sl.eurocode_8(2.0, "B"), part=any_), "go with a record; leave them"),
+        (
+            lambda any_: sl.amplification(PAIR[0], FIRM, envelope=any_),
+            "leave them out, or ask for of='peak'",
+        ),
+        (
+            lambda any_: sl.pounding_probability(*PAIR, FIRM, 0.1, method="hybrid", envelope=any_),
+            "envelope and duration do not go with method='hybrid'",
+        ),
+    ],
+    ids=["envelope of a record", "filters of a record", "part of a spectrum", "std", "hybrid"],
+)
+def test_what_has_to_be_left_out_is_told_before_what_is_wrong_with_it(
+    call: Callable[[object], object], says: str
+) -> None:
+    """Whether its value could be allowed elsewhere or not."""
+    for value in ("amin_ang", sl.HsuBernard(2.0)):
+        with pytest.raises(ValueError, match=says):
+            call(value)
+
+
+def test_what_is_fitting_is_checked_as_given() -> None:
+    def check(method: object, options: object, paths: object) -> None:
+        seen.append((method, options, paths))
+
+    @fitting(check)
+    @checked
+    def function(method: str, options: str = "usual", *, paths: Paths = 2) -> str:
+        """A function with arguments of all kinds."""
+        return method
+
+    seen: list[tuple[object, ...]] = []
+    assert function("one") == function(method="one", options="two", paths=3) == "one"
+    assert seen == [("one", "usual", 2), ("one", "two", 3)]
+    with pytest.raises(TypeError, match="missing 1 required positional argument: 'method'"):
+        function()  # type: ignore[call-arg]
 
 
 def test_a_name_that_is_nearly_known_is_suggested() -> None:

@@ -412,7 +412,10 @@ def test_weight_that_eats_the_hardening_has_no_stationary_answer():
         ),
         ({"structures": [sl.Bilinear([-1.0, np.nan], 0.05)]}, "no cell has valid parameters"),
         ({"iteration": "picard"}, "iteration = 'picard' is not known; allowed: newton, substitution"),
-        ({"iteration": "substitution", "relaxation": 1.5}, "relaxation = 1.5; allowed: 0 < value <= 1"),
+        (
+            {"iteration": "substitution", "relaxation": 1.5},
+            "relaxation = 1.5 is out of range; allowed: 0 < value <= 1",
+        ),
         ({"relaxation": 0.5}, "relaxation = 0.5 with iteration = 'newton'"),
     ],
 )

@@ -240,7 +240,7 @@ def test_bumpers_without_records_say_what_is_missing():
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"gap": -0.1}, "gap = -0.1; allowed: a positive number"),
+        ({"gap": -0.1}, "gap = -0.1 is out of range; allowed: a positive, finite number"),
         ({"measures": {"glue": 3}}, r"measures\['glue'\] = 3 is of the wrong kind"),
         ({"records": {"r": record()}}, "contact is missing, but records are"),
         ({"contact": STEEL, "records": {"r": record() * np.nan}}, r"records\['r'\]"),

@@ -36,8 +36,16 @@ def tower(heights, **other):
         ({"contact": None}, ValueError, "contact is not given; structures .* need.*Kelvin"),
         ({"motion": None}, TypeError, "motion is not given; allowed: a record or several"),
         ({"structures": [ONE, 3]}, TypeError, "number 2 = 3.*allowed: Bilinear"),
-        ({"steps_per_contact": 3}, ValueError, "steps_per_contact = 3; allowed: a whole number from 4"),
-        ({"steps_per_contact": 16.5}, ValueError, "steps_per_contact = 16.5; allowed: a whole number"),
+        (
+            {"steps_per_contact": 3},
+            ValueError,
+            "steps_per_contact = 3 is out of range; allowed: a whole number from 4",
+        ),
+        (
+            {"steps_per_contact": 16.5},
+            ValueError,
+            "steps_per_contact = 16.5 is no whole number; allowed: a whole number",
+        ),
         (
             {"contact": sl.Kelvin(1e26, restitution=0.65)},
             ValueError,

@@ -253,10 +253,26 @@ REFUSALS = {
         {"dt": 0.01, "units": "ft/s2"},
         "units = 'ft/s2' is not a unit of acceleration",
     ),
-    "dt zero": (SINGLE, {"dt": 0, "units": "g"}, "dt = 0; allowed: a positive number of seconds"),
-    "dt negative": (SINGLE, {"dt": -0.01, "units": "g"}, "dt = -0.01; allowed: a positive number"),
-    "dt NaN": (SINGLE, {"dt": np.nan, "units": "g"}, "dt = nan; allowed: a positive number"),
-    "dt text": (SINGLE, {"dt": "0.01", "units": "g"}, "dt = '0.01'; allowed: a positive number"),
+    "dt zero": (
+        SINGLE,
+        {"dt": 0, "units": "g"},
+        "dt = 0 is out of range; allowed: a positive, finite number of seconds",
+    ),
+    "dt negative": (
+        SINGLE,
+        {"dt": -0.01, "units": "g"},
+        "dt = -0.01 is out of range; allowed: a positive, finite number",
+    ),
+    "dt NaN": (
+        SINGLE,
+        {"dt": np.nan, "units": "g"},
+        "dt = nan is out of range; allowed: a positive, finite number",
+    ),
+    "dt text": (
+        SINGLE,
+        {"dt": "0.01", "units": "g"},
+        "dt = '0.01' is no number; allowed: a positive, finite number",
+    ),
     "no column": (
         TABLE,
         READY,
@@ -271,7 +287,7 @@ REFUSALS = {
         {"units": "g", "column": 1, "time_column": "t"},
         "time_column = 't' is not in",
     ),
-    "same column": (TABLE, {**BOTH, "column": 0}, "column and time_column are both 0"),
+    "same column": (TABLE, {**BOTH, "column": 0}, "column = 0 is the time_column as well"),
     "minutes": (
         "t [min],acc\n" + lines(times(), WAVE, separator=","),
         BOTH,
@@ -345,7 +361,11 @@ REFUSALS = {
     ),
     "two AT2 records": (at2("NPTS= 40, DT= .01 SEC") * 2, {}, r"'PEER' is not a number"),
     "truth for a column": (TABLE, {**BOTH, "column": True}, "column = True is not in"),
-    "truth for a step": (SINGLE, {"dt": True, "units": "g"}, "dt = True; allowed: a positive number"),
+    "truth for a step": (
+        SINGLE,
+        {"dt": True, "units": "g"},
+        "dt = True is no number; allowed: a positive, finite number",
+    ),
     "AT2 dt": (at2("NPTS= 40, DT= .01 SEC"), {"dt": 0.02}, r"dt = 0\.02 contradicts .*states 0\.01"),
     "AT2 units": (
         at2("NPTS= 40, DT= .01 SEC"),

@@ -194,7 +194,7 @@ def test_cells_records_and_grounds_are_taken_one_by_one():
 
 BUILDING = sl.ShearBuilding([1e5], [1e8], [3.0], 0.05)
 WRONG = [
-    ({"gap": 0}, "gap = 0; allowed: a positive number of metres"),
+    ({"gap": 0}, "gap = 0 is out of range; allowed: a positive, finite number of metres"),
     ({"gap": "4 cm"}, "gap = '4 cm'"),
     ({"method": "simulation"}, "method = 'simulation' is not known; allowed: white_noise, effective"),
     ({"method": None}, "method = None is not known"),
@@ -242,7 +242,9 @@ def test_chart_is_among_those_of_a_record():
     assert chart.attrs["gap_m"] == 0.05
     expected = added_damping_chart(noise(), FIRST, SECOND, 0.05)
     np.testing.assert_allclose(chart.critical_gap, expected.critical_gap, rtol=6e-6)  # six digits
-    with pytest.raises(ValueError, match=r"gap = -1\.0; allowed: a positive number of metres"):
+    with pytest.raises(
+        ValueError, match=r"gap = -1\.0 is out of range; allowed: a positive, finite number of metres"
+    ):
         ChartSettings(gap=-1.0)
     with pytest.raises(ValueError, match="second_period = 0 is out of range"):
         ChartSettings(second_period=0)

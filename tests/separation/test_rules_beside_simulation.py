@@ -175,7 +175,7 @@ def test_cells_of_a_table_are_those_of_single_calls():
         ({"zone": "IV"}, "zone = 'IV' is not known"),
         ({"height_1": -3.0}, "height_1 = -3 is out of range"),
         ({"duration": 1e9}, "duration = 1e.09 s, .*would take .*; allowed: "),
-        ({"duration": -1.0}, "duration = -1.0; allowed: a positive"),
+        ({"duration": -1.0}, "duration = -1.0 is out of range; allowed: a positive"),
     ],
 )
 def test_bad_input_is_refused_before_any_work(monkeypatch, options, message):

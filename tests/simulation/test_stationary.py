@@ -285,7 +285,10 @@ PLAIN = yielding(1.0, 1.0)
     [("paths", value, "a whole number from 2") for value in (0, 1, -1, 2.5, True, "64", None)]
     + [("seed", value, "a whole number from 0") for value in (-1, 1.0, False, None)]
     + [("steps_per_period", value, "a whole number from 8") for value in (4, 0, 8.5, True)]
-    + [("relaxation_times", value, "at least 1, finite") for value in (0, 0.5, -1, np.nan, np.inf)],
+    + [
+        ("relaxation_times", value, "a finite number of at least 1")
+        for value in (0, 0.5, -1, np.nan, np.inf)
+    ],
     ids=str,
 )
 def test_setting_out_of_range_is_named_with_its_value_and_what_is_allowed(name, value, allowed):

@@ -140,8 +140,14 @@ def test_a_seed_is_an_answer_and_fewer_paths_are_the_first():
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
-        ({"duration": 0.0}, ValueError, "duration = 0.0; allowed: a positive number"),
+        (
+            {"duration": 0.0},
+            ValueError,
+            "duration = 0.0 is out of range; allowed: a positive, finite number",
+        ),
         ({"step": 30.0}, ValueError, "step = 30.0 is out of range; allowed: 0 < step <= duration"),
+        ({"step": -1}, ValueError, "step = -1 is out of range; allowed: 0 < step <= duration, in s"),
+        ({"step": "1"}, ValueError, "step = '1' is no number; allowed: 0 < step <= duration, in s"),
         ({"paths": 1}, ValueError, "paths = 1"),
         ({"paths": 10**9}, ValueError, "allowed: .* GB; shorten them"),
         ({"envelope": 3}, TypeError, "envelope = 3 is of the wrong kind"),

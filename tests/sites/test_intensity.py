@@ -98,7 +98,7 @@ def test_what_was_asked_for_is_what_is_told():
         (FIRM, {"pga": 1.0, "sa": 1.0, "period": 1.0}, "pga and sa is given"),
         (FIRM, {"sa": 1.0}, "sa and period go together"),
         (FIRM, {"pga": 1.0, "period": 1.0}, "sa and period go together"),
-        (FIRM, {"pga": 0.0}, "pga = 0.0; allowed: a positive number in m/s"),
+        (FIRM, {"pga": 0.0}, "pga = 0.0 is out of range; allowed: a positive, finite number in m/s"),
         (sl.KanaiTajimi([1.0, 2.0], 0.3), {"pga": 1.0}, "period is an array"),
     ],
 )

@@ -127,7 +127,7 @@ def test_scaled_to_a_peak_to_a_period_and_to_a_spectrum():
         ({}, "nothing is given; allowed: one of pga, sa with a period, spectrum"),
         ({"pga": 1.0, "sa": 2.0, "period": 1.0}, "pga and sa is given"),
         ({"sa": 2.0}, "sa and period go together"),
-        ({"pga": -1.0}, "pga = -1.0; allowed: a positive number in m/s"),
+        ({"pga": -1.0}, "pga = -1.0 is out of range; allowed: a positive, finite number in m/s"),
         ({"spectrum": sl.eurocode_8(2.0, "A"), "band": (2.0, 8.0)}, "is not within the spectrum"),
         ({"pga": 1.0, "band": (2.0, 1.0)}, "allowed: 0 < lower < upper"),
     ],

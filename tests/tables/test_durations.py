@@ -35,7 +35,10 @@ def test_shorter_than_a_period_is_refused(verb: str, duration: float) -> None:
 @pytest.mark.parametrize("verb", VERBS)
 @pytest.mark.parametrize("duration", [True, np.True_, "20", np.nan, np.inf, -1.0, 0, [20.0]])
 def test_what_is_no_time_is_refused(verb: str, duration: Any) -> None:
-    with pytest.raises(ValueError, match=r"duration = .*; allowed: a positive number of seconds"):
+    with pytest.raises(
+        ValueError,
+        match=r"duration = .* is (no number|out of range); allowed: a positive, finite number of s",
+    ):
         VERBS[verb](duration)
 
 
@@ -62,7 +65,7 @@ def test_in_a_table_only_the_cells_with_long_periods_fail() -> None:
 
 
 def test_a_truth_value_is_no_number() -> None:
-    with pytest.raises(ValueError, match="dt = True; allowed: a positive number"):
+    with pytest.raises(ValueError, match="dt = True is no number; allowed: a positive, finite number"):
         sl.read_record("record.txt", dt=True, units="g")
     with pytest.raises(ValueError, match="amplification_limit = True"):
         sl.mitigate(ONE, TWO, GROUND, 12.0, 0.05, {}, amplification_limit=True)

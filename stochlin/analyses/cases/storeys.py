@@ -14,8 +14,7 @@ from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import BUILDING, OSCILLATOR, REGULAR, SINGLY, keys_of_way
 from stochlin.analyses.cases.files.sections import Section
 from stochlin.messages import listed
-from stochlin.models.arguments import Whole
-from stochlin.models.buildings import MOST_STOREYS, RegularBuilding, ShearBuilding
+from stochlin.models.buildings import STOREYS, RegularBuilding, ShearBuilding
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.structures import Structure
 from stochlin.models.systems import slabs_on_columns, tuned
@@ -30,7 +29,6 @@ WAYS = {
 OF_STOREYS = [key.name for key in BUILDING.values() if key.ways and OSCILLATOR not in key.ways]
 OF_OSCILLATORS = [key.name for key in BUILDING.values() if key.ways == (OSCILLATOR,)]
 EXAMPLES = {"period": '"0.8 s"', "floor_mass": '"400 t"', "storeys": "8", "storey_height": '"3.2 m"'}
-STOREYS = Whole(1, MOST_STOREYS)
 PERIOD = Quantity.declared(RegularBuilding, "period")
 COEFFICIENT = Quantity.declared(RegularBuilding, "base_shear_coefficient")
 DRIFT_LIMIT = 0.1  # largest plausible yield drift over the height of a storey
@@ -164,11 +162,12 @@ def law_of(section: Section) -> tuple[str, type[Structure]]:
     """Name and class of the hysteresis law; a ValueError for a parameter of another law."""
     laws = laws_in_numbers()
     name = section.text("law", tuple(laws), "bilinear")
-    for other, law in laws.items():
-        for key in law.own_parameters():
-            if key in section and key not in laws[name].own_parameters():
-                what = f'belongs to law = "{other}", not to "{name}"; write that law, or leave it out'
-                raise section.error(key, what)
+    owners = {key: other for other, law in laws.items() for key in law.own_parameters()}
+    misspelled = any(key not in section.keys and key not in owners for key in section.values)
+    for key, other in owners.items():
+        if key in section and key not in laws[name].own_parameters() and not misspelled:
+            what = f'belongs to law = "{other}", not to "{name}"; write that law, or leave it out'
+            raise section.error(key, what)
     return name, laws[name]
 
 

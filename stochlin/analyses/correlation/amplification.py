@@ -27,7 +27,7 @@ from stochlin.analyses.tables.checks import check_duration
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.stepping import LANES
-from stochlin.models.arguments import Duration, OneOf, Paths, Seed, checked
+from stochlin.models.arguments import Duration, OneOf, Paths, Seed, checked, fitting
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -42,6 +42,16 @@ OF_PEAKS = {
 }
 
 
+def _check_fitting(of: object, duration: object, envelope: object) -> None:
+    """Raise a ValueError for what describes a motion where no motion is simulated."""
+    if isinstance(of, str) and of == STD and not (duration is None and envelope is None):
+        raise ValueError(
+            "duration and envelope belong to finite motions, and standard deviations are those of the "
+            "stationary response; leave them out, or ask for of='peak'"
+        )
+
+
+@fitting(_check_fitting)
 @checked
 def amplification(
     structure: AnyStructure,
@@ -137,11 +147,6 @@ def amplification(
     """
     if of == PEAK:
         return _of_peaks(structure, ground, method, duration, envelope, paths, seed)
-    if duration is not None or envelope is not None:
-        raise ValueError(
-            "duration and envelope belong to finite motions, and standard deviations are those of the "
-            "stationary response; leave them out, or ask for of='peak'"
-        )
     expect(structure, Structure, "structure")
     assert isinstance(structure, Structure)
     elastic = solve_elastic(structure, ground).displacement_std

@@ -11,7 +11,7 @@ from stochlin.models.arguments import Number, Whole, check_fields
 from stochlin.models.parameters import NOT_NEGATIVE, Range
 
 EPSILON = float(np.finfo(float).eps)
-AT_LEAST = "a number of at least {:.2g}, finite"
+AT_LEAST = "a finite number of at least {:.2g}"
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,7 @@ from stochlin.models.arguments import (
     Seed,
     Whole,
     checked,
+    fitting,
 )
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -48,6 +49,18 @@ REFERENCES = (
 )
 
 
+def _check_fitting(method: object, record: object, envelope: object, duration: object) -> None:
+    """Raise a ValueError for an argument that goes with the other method."""
+    if not isinstance(method, str):
+        return
+    if method == "hybrid":
+        if envelope is not None or duration is not None:
+            raise ValueError("envelope and duration do not go with method='hybrid': the record has both")
+    elif method == "evolutionary" and record is not None:
+        raise ValueError("record goes with method='hybrid'; allowed here: envelope and duration")
+
+
+@fitting(_check_fitting)
 @checked
 def pounding_probability(
     first: AnyStructure,
@@ -191,15 +204,11 @@ def pounding_probability(
     True
     """
     if method == "hybrid":
-        if envelope is not None or duration is not None:
-            raise ValueError("envelope and duration do not go with method='hybrid': the record has both")
         if scatter:
             raise ValueError(
                 f"scatter = {scatter:g} does not go with method='hybrid': a record has one intensity"
             )
         return hybrid_pounding(first, second, ground, Gap(gap), record, confidence)
-    if record is not None:
-        raise ValueError("record goes with method='hybrid'; allowed here: envelope and duration")
     table = with_samples(
         first,
         second,

@@ -218,7 +218,7 @@ def _data_index(
     index = _index("column", column, names, width, name)
     if index == time_index:
         raise ValueError(
-            f"column and time_column are both {brief(column)}; allowed: two different columns"
+            f"column = {brief(column)} is the time_column as well; allowed: two different columns"
         )
     return index
 

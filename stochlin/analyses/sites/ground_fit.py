@@ -19,7 +19,7 @@ from stochlin.analyses.sites.spectrum_fit import (
 )
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
-from stochlin.models.arguments import Duration, Seed, TwoNumbers, Whole, checked
+from stochlin.models.arguments import Duration, Seed, TwoNumbers, Whole, checked, fitting
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import MOST_FILTERS
 
@@ -27,6 +27,29 @@ _OF_SPECTRA = "clough_penzien"
 _FEWEST_DECADES = 0.5  # smallest range of periods of a spectrum within the range of the fit
 
 
+def _check_fitting(
+    target: object,
+    estimator: object,
+    part: object,
+    frequency_range: object,
+    duration: object,
+    envelope: object,
+    filters: object,
+) -> None:
+    """Raise a ValueError for an argument that goes with the other kind of target."""
+    if not isinstance(target, xr.DataArray):
+        return
+    if is_spectrum(target):
+        if estimator is not None or frequency_range is not None or part is not STRONG_PART:
+            raise ValueError("estimator, part and frequency_range go with a record; leave them out")
+    elif "time" in target.dims:
+        others = {"duration": duration, "envelope": envelope, "filters": filters}
+        wrong = [name for name, value in others.items() if value is not None]
+        if wrong:
+            raise ValueError(f"{wrong[0]} goes with a spectrum; a record has its own, so leave it out")
+
+
+@fitting(_check_fitting)
 @checked
 def fit_ground(
     target: xr.DataArray,
@@ -161,10 +184,6 @@ def fit_ground(
                 f"target has the dimensions {target.dims}; allowed: time, of a record, or period, of a "
                 "spectrum"
             )
-        others = {"duration": duration, "envelope": envelope, "filters": filters}
-        wrong = [name for name, value in others.items() if value is not None]
-        if wrong:
-            raise ValueError(f"{wrong[0]} goes with a spectrum; a record has its own, so leave it out")
         return ground_of_record(
             target,
             model or "kanai_tajimi",
@@ -174,8 +193,6 @@ def fit_ground(
         )
     if not (model is None or (isinstance(model, str) and model == _OF_SPECTRA)):
         raise ValueError(f"model = {brief(model)} is not fitted to a spectrum; allowed: {_OF_SPECTRA}")
-    if estimator is not None or frequency_range is not None or part is not STRONG_PART:
-        raise ValueError("estimator, part and frequency_range go with a record; leave them out")
     if duration is None:
         raise ValueError("duration is missing; a spectrum does not contain it: give it in seconds")
     wanted = _wanted(target, duration, envelope)
