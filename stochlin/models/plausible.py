@@ -20,9 +20,15 @@ class Plausible(NamedTuple):
         """Whether a value is plausible; 0, where it is allowed, is none, and NaN is not known."""
         return value == 0 or not (value < self.low or value > self.high)
 
-    def doubt(self, value: float) -> str:
-        """The text of a warning; empty if the value is plausible."""
-        return "" if self.holds(value) else self.below if value < self.low else self.above
+    def doubt(self, value: float, meant: str = "") -> str:
+        """The text of a warning; empty if the value is plausible.
+
+        It asks what ``meant`` asks, if there is that; what the text itself asks is then left out.
+        """
+        if self.holds(value):
+            return ""
+        text = self.below if value < self.low else self.above
+        return text.partition("; is it ")[0] + meant if meant else text
 
 
 ANY = Plausible(0.0, float("inf"), "", "")

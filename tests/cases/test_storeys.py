@@ -280,7 +280,11 @@ WRONG = {
         ["has 2 values, but storeys = 3"],
     ),
     "half a storey": (REGULAR.replace("= 4", "= 4.5"), "storeys", ["no whole number", "1 to 200"]),
-    "too many storeys": (REGULAR.replace("= 4", "= 4000"), "storeys", ["allowed: 1 to 200"]),
+    "too many storeys": (
+        REGULAR.replace("= 4", "= 4000"),
+        "storeys",
+        ["allowed: a whole number from 1 to 200"],
+    ),
     "no height": (REGULAR.replace('"3 m"', '"0 m"'), "storey_height", ["0 < value, finite, in m"]),
     "a height in no unit": (REGULAR.replace('"3 m"', "3"), "storey_height", ['"3 m"']),
     "a list for one number": (

@@ -192,7 +192,7 @@ def test_what_a_form_cannot_hold_is_told(tmp_path):
         ("separation.existing", 0, "= 0 is"),
         ("separation.confidence", 1, "= 1 is"),
         ("motion.duration", 1e6, "= 1000000"),
-        ("simulation.paths", 3, "= 3; allowed: a whole number from 100"),
+        ("simulation.paths", 3, "= 3 is out of range; allowed: a whole number from 100"),
         ("simulation.paths", 10**9, "to 20000"),
         ("simulation.paths", 200.5, "= 200.5"),
     ],

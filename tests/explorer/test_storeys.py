@@ -191,8 +191,8 @@ def test_too_many_storeys_are_told(tmp_path):
 @pytest.mark.parametrize(
     ("key", "text", "message"),
     [
-        ("storeys", "61", "= 61; allowed: a whole number from 1 to 60"),
-        ("storeys", "2.5", "= 2.5; allowed: a whole number"),
+        ("storeys", "61", "= 61 is out of range; allowed: a whole number from 1 to 60"),
+        ("storeys", "2.5", "= 2.5 is no whole number; allowed: a whole number"),
         ("storey_height", "0.2", "= 0.2 is out of range; allowed: 1 <= value <= 20"),
         ("base_shear_coefficient", "1.5", r"allowed: 0 < value <= 1, finite \(a share of the w"),
         ("strength_factor", "0", "= 0 is out of range"),

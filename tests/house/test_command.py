@@ -400,6 +400,20 @@ def test_a_strength_in_metres_asks_for_the_strength_of_the_shaking() -> None:
     answered(*given, "--intensity", "0.01 m^2/s^3")
 
 
+def test_a_warning_of_both_structures_is_shown_once() -> None:
+    given = ("rho", "--period-1", "0.7s", "--period-2", "1s", "--hardening", "0.05")
+    given += ("--yield-displacement", "5m", "--intensity", "0.01 m^2/s^3")
+    output = answered(*given).output
+    assert output.count("Warning: ") == output.count("buildings yield at less than 3 m") == 1
+
+
+def test_columns_that_are_one_are_told_as_options(tmp_path: Path) -> None:
+    np.savetxt(tmp_path / "two.txt", np.arange(200.0).reshape(100, 2))
+    given = ("rho", "--period", "1s", "--record", tmp_path / "two.txt", "--units", "g")
+    result = refused(*given, "--column", "1", "--time-column", "1")
+    assert "--column 1 is the --time-column as well; allowed: two different columns" in result
+
+
 def test_what_is_doubtful_is_shown_on_a_line(tmp_path: Path) -> None:
     case = recorded_example().replace('existing = "5 cm"', "#")
     (tmp_path / "case.toml").write_text(case, encoding="utf-8")

@@ -72,11 +72,20 @@ def test_texts_without_quotation_marks() -> None:
         ("Link Damping", "link_damping_constant"),
         ("EC8", "eurocode_8"),
         ("linkstiffnes", "link_stiffness"),
+        ("e", "eurocode_8"),
+        ("l", ""),
+        ("foo", ""),
         ("x" * 200_000, ""),
         ("", ""),
         ("\u00e9", ""),
     ],
 )
 def test_the_name_that_was_probably_meant(given: str, meant: str) -> None:
-    known = ["link_stiffness", "link_damping_constant", "link_damping_exponent", "eurocode_8"]
+    known = [
+        "floor_mass",
+        "link_stiffness",
+        "link_damping_constant",
+        "link_damping_exponent",
+        "eurocode_8",
+    ]
     assert nearest(given, known) == meant

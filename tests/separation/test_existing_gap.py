@@ -1,11 +1,14 @@
 """Answers for an existing gap: put back into the separation, each gives this gap."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import stochlin as sl
+from stochlin.analyses.separation.searches import Required
+from stochlin.messages import ImplausibleInput
 
 pytestmark = pytest.mark.oracle
 
@@ -134,3 +137,21 @@ def test_what_is_not_known_exactly_is_in_every_answer():
     )
     for name in other.data_vars:
         assert float(one[name]) == pytest.approx(float(other[name]), rel=5e-3, nan_ok=True), name
+
+
+def test_a_trial_of_a_search_is_nobodys_input_and_other_warnings_are_told():
+    """Warnings are errors in tests: an implausible trial would end the search."""
+
+    def of_trial(value):
+        return sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=value).yield_displacement
+
+    with pytest.warns(ImplausibleInput):
+        of_trial(5.0)
+    assert not Required(of_trial, most=1.0).enough(5.0)
+
+    def in_vain(value):
+        warnings.warn("something else", UserWarning, stacklevel=1)
+        return value
+
+    with pytest.warns(UserWarning, match="something else"):
+        Required(in_vain, most=1.0)(5.0)

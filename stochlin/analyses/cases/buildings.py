@@ -91,7 +91,7 @@ def building_keys(whole: Section, *others: str) -> list[str]:
     """The keys ``building_1``, ``building_2`` and so on, beside which there are only ``others``."""
     keys = [key for key in whole.values if _NUMBERED.fullmatch(key)]
     missing = next(key for n in count(1) if (key := f"building_{n}") not in keys)
-    whole.only(*others, *keys, missing)
+    whole.only(*others, missing, *keys)
     for number, key in enumerate(sorted(keys, key=lambda key: int(key.partition("_")[2])), start=1):
         expected = f"building_{number}"
         if key != expected:

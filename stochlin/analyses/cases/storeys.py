@@ -16,6 +16,7 @@ from stochlin.analyses.cases.files.sections import Section
 from stochlin.messages import listed
 from stochlin.models.buildings import STOREYS, RegularBuilding, ShearBuilding
 from stochlin.models.laws import laws_in_numbers
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import Structure
 from stochlin.models.systems import slabs_on_columns, tuned
 from stochlin.models.uncertain import UncertainModel, applied, median_of
@@ -269,13 +270,15 @@ def _check_counts(section: Section, keys: Sequence[str]) -> None:
 
 
 def _doubt_strength(section: Section, strength: str, structure: ShearBuilding) -> None:
-    """Warn of an implausible yield drift."""
+    """Warn of an implausible yield drift, unless a number behind it was told when it was read."""
     if strength in WAYS[REGULAR] and not COEFFICIENT.plausible.holds(
         median_of(section.parameter(strength, COEFFICIENT))
     ):
-        return  # a doubtful coefficient was told when it was read
+        return
     values = structure.arrays()
     heights = values["heights"].to_numpy()
+    if not all(map(PLAUSIBLE["heights"].holds, heights)):
+        return
     share = values["yield_drifts"].to_numpy() / heights
     if (share > DRIFT_LIMIT).any():
         worst = int(np.argmax(share))

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from stochlin.analyses.tables.inputs import read_input
-from stochlin.messages import LONGEST, brief, plain
+from stochlin.messages import LONGEST, plain
 
 BACKSLASH = (
     "a backslash begins a special sign in \"double quotes\": write a path in 'single quotes', or with /"
@@ -56,8 +56,8 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
         excerpt = lines[line - 1].strip() if 0 < line <= len(lines) else ""
         if len(excerpt) > LONGEST:  # the mistake is often at its end
             excerpt = f"{excerpt[: LONGEST // 2 - 3]}...{excerpt[-LONGEST // 2 :]}"
-        if re.search("twice|overwrite|mutate|redefine", str(error)):
-            raise ValueError(f"{name}, line {line}: {_twice(lines, line)}") from error
+        if re.search("twice|overwrite|mutate|redefine|Duplicate", str(error)):
+            raise ValueError(f"{name}, line {line}: {_twice(lines, line, str(error))}") from error
         cure = next(advice for pattern, advice in _CURES if pattern.search(excerpt))
         raise ValueError(
             f"{name}, line {line}: '{plain(excerpt)}' is no TOML file's text ({plain(error)}); {cure}"
@@ -102,9 +102,14 @@ def _value(value: Any) -> str:
     return repr(value)
 
 
-def _twice(lines: Sequence[str], number: int) -> str:
+def _twice(lines: Sequence[str], number: int, told: str) -> str:
     """What is said of a table or a key that is there twice, and the next free name if it is numbered."""
-    names = [re.sub(r"[\s\"']", "", match[1]) if (match := _NAME.match(line)) else "" for line in lines]
+    written = [match[1].strip(" \t=") if (match := _NAME.match(line)) else "" for line in lines]
+    if within := re.search(
+        r"namespace \('(\w+)',\)|table key '(\w+)'", told
+    ):  # a key of a table in braces
+        return _given_twice(within[1] or within[2], f" in line {number}")
+    names = [re.sub(r"[\s\"']", "", name) for name in written]
     again = names[number - 1]
     before = names[: number - 1]
     first = "" if again not in before else f" in line {len(before) - before[::-1].index(again)}"
@@ -112,7 +117,11 @@ def _twice(lines: Sequence[str], number: int) -> str:
     tries = (f"{numbered[1]}{n}{numbered[2]}" for n in count(1)) if numbered else ()
     free = next((name for name in tries if name not in names), "")
     other = f", such as {free}" if free else ""
+    return f"{_given_twice(written[number - 1], first)}{other}"
+
+
+def _given_twice(name: str, where: str) -> str:
     return (
-        f"{brief(again.rstrip('='))} is already given{first}; allowed: each table and each key once, so "
-        f"leave one out, or give it another name{other}"
+        f"'{plain(name)}' is already given{where}; allowed: each table and each key once, so leave "
+        "one out, or give it another name"
     )

@@ -77,9 +77,10 @@ def read_entry(number: NumberControl, text: str | None) -> float:
     except ValueError as error:
         raise ValueError(f"= {brief(entered)} is no number; allowed: {allowed(number)}") from error
     if isinstance(limits, Whole):
-        if not (value.is_integer() and limits.contains(int(value))):
-            raise ValueError(f"= {entered}; allowed: {allowed(number)}")
-        return int(value)
+        whole = int(value) if value.is_integer() else value
+        if not limits.contains(whole):
+            raise ValueError(f"= {entered} {limits.refusal(whole)}")
+        return whole
     if not limits.contains(value):
         raise ValueError(f"= {entered} is out of range; allowed: {allowed(number)}")
     return value
@@ -89,7 +90,7 @@ def allowed(number: NumberControl) -> str:
     """The allowed entries, in words."""
     limits, size = _limits(number), number.key.unit_size
     if isinstance(limits, Whole):
-        return f"a whole number from {limits.lowest} to {limits.highest}"
+        return str(limits)
     ends = limits.lower / size, limits.upper / size
     return str(Range(*ends, limits.include_lower, limits.include_upper, limits.reason))
 

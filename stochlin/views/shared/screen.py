@@ -111,15 +111,12 @@ def naming_options(options: Mapping[str, str]) -> Iterator[None]:
 
 @contextmanager
 def warnings_as_sentences() -> Iterator[None]:
-    """Show warnings on the error stream, each on a line and without its place in the code."""
+    """Show warnings on the error stream, each once, on a line and without its place in the code."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", DoubtfulInput)
-        warnings.showwarning = _show_warning
+        say_once = cache(lambda text: click.echo(f"Warning: {text}", err=True))
+        warnings.showwarning = lambda message, *_, **__: say_once(plain(message, LONGEST_MESSAGE))
         yield
-
-
-def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    click.echo(f"Warning: {plain(message, LONGEST_MESSAGE)}", err=True)
 
 
 @contextmanager

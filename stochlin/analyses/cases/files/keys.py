@@ -74,8 +74,7 @@ class Key:
             units = "" if self.kind.units == "1" else f" in {', '.join(self.kind.spellings)}"
             return f"a number{units}; {self.kind.allowed}"
         if isinstance(self.kind, Whole):
-            most = "" if self.kind.highest is None else f" to {self.kind.highest}"
-            return f"a whole number from {self.kind.lowest}{most}"
+            return str(self.kind)
         words = {bool: "true or false", str: "a text", Column: "a column, by its title or number"}
         return words[self.kind] if isinstance(self.kind, type) else ", ".join(self.kind)
 

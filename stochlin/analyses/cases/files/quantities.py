@@ -91,7 +91,9 @@ def in_si(given: Any, quantity: Quantity) -> float:
     known = quantity.spellings
     if _COMMA.match(unit):
         pointed, whole = (plain(given.strip().replace(",", sign), 40) for sign in (".", ""))
-        thousands = f', or no sign between thousands, as "{whole}"' if _THOUSANDS.match(unit) else ""
+        thousands = (
+            f', or no sign between thousands, as "{whole}"' if value and _THOUSANDS.match(unit) else ""
+        )
         raise ValueError(f'has a comma; allowed: a decimal point, as "{pointed}"{thousands}')
     if unit and unit not in known:
         raise ValueError(f"has the unknown unit {brief(unit)}; allowed: {', '.join(known)}")

@@ -35,7 +35,7 @@ from stochlin.messages import (
     plain,
     sentence,
 )
-from stochlin.models.arguments import A_LABEL, LARGEST_WHOLE, Whole, is_label
+from stochlin.models.arguments import A_LABEL, Whole, is_label
 from stochlin.models.parameters import Model
 from stochlin.models.uncertain import Uncertain
 
@@ -93,10 +93,11 @@ class Section:
             if str(error).startswith(self.file):
                 raise
             raise self.error(key, f"{what}: {sentence(error, LONGEST_MESSAGE)}") from error
+        placed = [warning for warning in caught if str(warning.message).startswith(self.file)]
         for warning in caught:
-            placed = str(warning.message).startswith(self.file)
-            if issubclass(warning.category, DoubtfulInput) and not placed:
-                self.doubt(key, f"is doubtful: {warning.message}")
+            if issubclass(warning.category, DoubtfulInput) and warning not in placed:
+                if not placed:  # or the number behind it was told with its key
+                    self.doubt(key, f"is doubtful: {warning.message}")
             else:
                 warnings.warn_explicit(
                     warning.message, warning.category, warning.filename, warning.lineno
@@ -234,8 +235,9 @@ class Section:
         if not quantity.allowed.contains(value):
             shown = quantity.meant(given, value) if quantity.units == "1" else f", in {quantity.units}"
             raise self.error(key, f"{which}is out of range; allowed: {quantity.allowed}{shown}")
-        if doubt := quantity.plausible.doubt(value):
-            self.doubt(key, f"{which}is doubtful: {doubt}{quantity.meant(given, value)}")
+        if not quantity.plausible.holds(value):
+            doubt = quantity.plausible.doubt(value, quantity.meant(given, value))
+            self.doubt(key, f"{which}is doubtful: {doubt}")
         return value
 
     def model(self, kind: type[One], names: Sequence[str]) -> One:
@@ -286,13 +288,9 @@ class Section:
 
     def whole(self, key: str, limits: Whole) -> int:
         """A whole number within the limits."""
-        lowest, highest = limits.lowest, limits.highest or LARGEST_WHOLE
-        value = self.need(key, str(lowest))
+        value = self.need(key, str(limits.lowest))
         if not limits.contains(value):
-            up = "on" if highest == LARGEST_WHOLE else f"to {highest}"
-            allowed = f"{lowest} or more" if up == "on" else f"{lowest} to {highest}"
-            allowed = f"{lowest} or {highest}" if highest == lowest + 1 else allowed
-            raise self.error(key, f"is no whole number from {lowest} {up}; allowed: {allowed}")
+            raise self.error(key, limits.refusal(value))
         return int(value)
 
     def section(self, key: str, needed: bool = True) -> Section:

@@ -1,0 +1,236 @@
+"""Mistakes in case files: the cure that a message names is accepted, and a doubt is told once."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from pathlib import Path
+
+import pytest
+from cases import storeyed_building, with_buildings
+
+import stochlin as sl
+from stochlin.analyses.cases.case import Case
+from stochlin.messages import LONGEST, DoubtfulInput
+
+pytestmark = pytest.mark.invariant
+
+EXAMPLE = sl.example_case()
+STOREYS = with_buildings(storeyed_building(1, "period"), storeyed_building(2, "masses"))
+STOREYS = STOREYS.replace("floors_align = true", "floors_align = false")
+STRENGTH = 'reduction_factor = 4\nheight = "24 m"'
+BOUC_WEN = EXAMPLE.replace(
+    STRENGTH, f'law = "bouc_wen"\nbeta = 0.5\ngamma = 0.5\nexponent = 1\n{STRENGTH}'
+)
+GROUND, SHAKING = '\nground = "firm"', '\nintensity = "0.01 m^2/s^3"'
+CODE = EXAMPLE.replace(GROUND, '\nspectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"').replace(
+    SHAKING, ""
+)
+LINK = 'link_damping_constant = "5 MN s/m"'
+POWER = 'link_damping_constant = "5 {}"\nlink_damping_exponent = 0.5'
+# A file, what is changed in it and into which mistake, the cure in the message, and what it is put into.
+CURES = {
+    "key misspelled": (EXAMPLE, "confidence =", "confidnce =", r"mean (\w+)\?", "{} ="),
+    "key in capitals": (EXAMPLE, "floors_align =", "FLOORS_ALIGN =", r"mean (\w+)\?", "{} ="),
+    "key begun": (EXAMPLE, "link_damping_constant =", "link_damp =", r"mean (\w+)\?", "{} ="),
+    "key of two letters": (EXAMPLE, "\nseed = 0", "\nse = 0", r"mean (\w+)\?", "\n{} = 0"),
+    "table misspelled": (EXAMPLE, "[separation]", "[separatio]", r"mean (\w+)\?", "[{}]"),
+    "first building": (EXAMPLE, "[building_1]", "[building_]", r"mean (\w+)\?", "[{}]"),
+    "second building": (EXAMPLE, "[building_2]", "[building_]", r"mean (\w+)\?", "[{}]"),
+    "building again": (EXAMPLE, "[building_2]", "[building_1]", r"such as (\[\w+\])$", "{}"),
+    "name misspelled": (EXAMPLE, '"amin_ang"', '"amin-ang"', r"mean '(\w+)'\?", '"{}"'),
+    "name in capitals": (
+        EXAMPLE,
+        'model = "kelvin"',
+        'model = "KELVIN"',
+        r"mean '(\w+)'\?",
+        'model = "{}"',
+    ),
+    "key missing": (EXAMPLE, 'duration = "20 s"', "", r"instance, (.*)$", "{}"),
+    "strength missing": (EXAMPLE, STRENGTH, "", r"one of (\w+ = \d+),", "{}"),
+    "law misspelled": (BOUC_WEN, "\nlaw =", "\nlawe =", r"mean (\w+)\?", "\n{} ="),
+    "law missing": (BOUC_WEN, '\nlaw = "bouc_wen"', "", r"belongs to (law = \S+),", "\n{}"),
+    "negative seed": (EXAMPLE, "seed = 0", "seed = -1", r"number from (\d+) on$", "seed = {}"),
+    "few motions": (EXAMPLE, "= 2048", "= 10", r"number from (\d+) on$", "= {}"),
+    "type of a spectrum": (CODE, 'soil = "C"', 'soil = "C"\ntype = 3', r"(2)$", 'soil = "C"\ntype = {}'),
+    "comma after zero": (EXAMPLE, '"0.35 1/s"', '"0,350 1/s"', r'point, as ("[^"]*")$', "{}"),
+    "number without unit": (STOREYS, '"400 t"', "400", r'units, ("[^"]*")', "{}"),
+    "percentage": (
+        EXAMPLE,
+        "restitution = 0.65",
+        "restitution = 65",
+        r'mean ("[^"]*")',
+        "restitution = {}",
+    ),
+    "floor not there": (STOREYS, LINK, f"{LINK}\nlink_floors = [99, 1]", r"as (.*)$", f"{LINK}\n{{}}"),
+    "exponent of a link": (
+        EXAMPLE,
+        LINK,
+        f"{LINK}\nlink_damping_exponent = 0.5",
+        r", k(N [^,]*),",
+        POWER,
+    ),
+    "weakening": (EXAMPLE, "_2 = 1.3", "_2 = 0.3", r"write strengthening(.*)$", "{}"),
+}
+
+
+def read(folder: Path, text: str) -> Case:
+    path = folder / "case.toml"
+    path.write_text(text, encoding="utf-8")
+    return sl.read_case(path)
+
+
+def changed(text: str, old: str, new: str) -> str:
+    assert old in text, old
+    return text.replace(old, new, 1)
+
+
+def refused(folder: Path, text: str) -> str:
+    """What is said of a file that is refused."""
+    with pytest.raises(ValueError, match=r"^case\.toml, line") as caught:
+        read(folder, text)
+    return str(caught.value)
+
+
+def doubted(folder: Path, text: str) -> list[str]:
+    """All that is said of a file that is read with doubts."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        read(folder, text)
+    assert all(issubclass(warning.category, DoubtfulInput) for warning in told)
+    return [str(warning.message) for warning in told]
+
+
+@pytest.mark.parametrize("what", CURES)
+def test_the_cure_of_a_mistake_is_accepted(what: str, tmp_path: Path) -> None:
+    """The file is then read without a warning."""
+    text, old, new, cure, put_into = CURES[what]
+    if what == "weakening":
+        (message,) = doubted(tmp_path, changed(text, old, new))
+    else:
+        message = refused(tmp_path, changed(text, old, new))
+    found = re.search(cure, message)
+    assert found is not None, message
+    read(tmp_path, changed(text, old, put_into.format(found[1])))
+
+
+# A file, what is changed in it, and the words of the only warning.
+DOUBTS = {
+    "read three times": (
+        STOREYS,
+        ("base_shear_coefficient = 0.15", "base_shear_coefficient = 1.5"),
+        r"building_1\.base_shear_coefficient = 1\.5 is doubtful: .* for a ratio\?$",
+    ),
+    "a question and what may be meant": (
+        EXAMPLE,
+        (STRENGTH, STRENGTH.replace("= 4", '= "4 %"')),
+        r"building_1\.reduction_factor = '4 %' is doubtful: .* does not yield; did you mean 4\?$",
+    ),
+    "a question alone": (
+        EXAMPLE,
+        (STRENGTH, STRENGTH.replace("= 4", "= 0.5")),
+        r"does not yield; is it the inverse\?$",
+    ),
+    "a number and the spectrum made of it": (
+        CODE,
+        ('"0.25 g"', '"0.25 gal"'),
+        r"site\.ag = '0\.25 gal' is doubtful: .* is hardly felt; did you mean \"0\.25 g\"\?$",
+    ),
+    "a spectrum of a weak number": (
+        CODE,
+        ('"0.25 g"', '"0.02 g"'),
+        r"site\.spectrum = 'eurocode_8' is doubtful: ag = .* up to 0\.05 g",
+    ),
+    "height and yield of storeys": (
+        STOREYS,
+        ('storey_height = "3 m"', 'storey_height = "3 in"'),
+        r"storey_height = '3 in' is doubtful: storeys are 2 to 6 m high; did you mean \"3 m\"\?$",
+    ),
+    "yield of storeys": (
+        STOREYS,
+        ('yield_drifts = "1 cm"', 'yield_drifts = "1 m"'),
+        r"building_2\.yield_drifts = '1 m' is doubtful: storey 2, 3 m high, would yield at",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", DOUBTS)
+def test_a_doubt_is_told_once_with_its_line(what: str, tmp_path: Path) -> None:
+    """No warning is within another, nor is the same number asked about twice."""
+    text, (old, new), says = DOUBTS[what]
+    (message,) = doubted(tmp_path, changed(text, old, new))
+    assert re.match(r"case\.toml, line \d+: ", message)
+    assert message.count("case.toml") == 1
+    assert message.count("?") < 2
+    assert re.search(says, message), message
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('damping = "5 %"', "damping = 1.5"),  # a slip of 0.15, not 1.5 %
+        ("stiffening_2 = 1.5", "stiffening_2 = 0"),  # no share of anything
+        ("amplification_limit = 1.2", "amplification_limit = -1"),
+        (STRENGTH, STRENGTH.replace("= 4", "= 400")),
+    ],
+)
+def test_no_percentage_is_suggested_where_none_was_meant(old: str, new: str, tmp_path: Path) -> None:
+    text = changed(EXAMPLE, old, new)
+    messages = doubted(tmp_path, text) if "= 400" in new else [refused(tmp_path, text)]
+    assert not any("did you mean" in message for message in messages)
+
+
+@pytest.mark.parametrize(
+    ("key", "says"),
+    [
+        ('link_damping = "1 MN s/m"', "did you mean link_damping_constant, which is given as well? "),
+        ("foo = 1", "is not a key that is known here; allowed: "),
+    ],
+)
+def test_a_slip_beside_the_right_key(key: str, says: str, tmp_path: Path) -> None:
+    assert says in refused(tmp_path, changed(EXAMPLE, LINK, f"{LINK}\n{key}"))
+
+
+def test_a_short_slip_is_none_of_many_names(tmp_path: Path) -> None:
+    message = refused(tmp_path, changed(EXAMPLE, STRENGTH, f"{STRENGTH}\nfoo = 1"))
+    assert "building_1.foo = 1 is not a key that is known here; allowed: " in message
+
+
+def test_a_parameter_of_another_law_names_it(tmp_path: Path) -> None:
+    message = refused(tmp_path, changed(EXAMPLE, STRENGTH, f"beta = 0.5\n{STRENGTH}"))
+    assert 'beta = 0.5 belongs to law = "bouc_wen", not to "bilinear"; write that law, or' in message
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        (
+            "[mitigation]",
+            '[measures."Rubber bumpers"]\n[mitigation]',
+            r"'\[measures\.\"Rubber bumpers\"\]' is already given in line \d+",
+        ),
+        ('"2 %" }', '"2 %", storeys = [1] }', r"'storeys' is already given in line \d+"),
+    ],
+)
+def test_what_is_given_twice_is_named_as_it_is_written(
+    old: str, new: str, says: str, tmp_path: Path
+) -> None:
+    assert re.search(says, refused(tmp_path, changed(EXAMPLE, old, new)))
+
+
+def test_a_long_line_is_shown_with_its_end(tmp_path: Path) -> None:
+    drifts = ", ".join(['"1 cm"'] * 40)
+    message = refused(
+        tmp_path, changed(STOREYS, 'yield_drifts = "1 cm"', f"yield_drifts = [{drifts}, 1 cm]\n#")
+    )
+    assert re.search(r": 'yield_drifts = \[.*\.\.\..*, 1 cm\]' is no TOML file's text", message)
+    assert len(message.partition("' is no TOML")[0]) < LONGEST + len("case.toml, line 999: '") + 1
+
+
+def test_a_number_beyond_all_is_out_of_range(tmp_path: Path) -> None:
+    text = changed(EXAMPLE, 'duration = "20 s"', f'duration = "20 s"\nscatter = {10**30}')
+    assert f"scatter = {10**30} is out of range; allowed: a number from 0 to 2" in refused(
+        tmp_path, text
+    )
+    message = refused(tmp_path, changed(EXAMPLE, "seed = 0", f"seed = {2**63}"))
+    assert message.endswith(f"is out of range; allowed: a whole number from 0 to {2**63 - 1}")
