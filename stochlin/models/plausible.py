@@ -51,6 +51,7 @@ PLAUSIBLE: Mapping[str, Plausible] = {
     "existing": Plausible(
         1e-3, 3.0, "0 stands for buildings that touch", "buildings this far apart hardly pound"
     ),
+    "displacements": Plausible(0.0, 2.0, "", "buildings are designed to move by less than 2 m"),
     "yield_displacement": Plausible(0.0, 3.0, "", "buildings yield at less than 3 m"),
     "reduction_factor": Plausible(
         0.6, 100.0, "a building as strong as this does not yield; is it the inverse?", "usual are 2 to 8"

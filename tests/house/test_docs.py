@@ -75,7 +75,7 @@ SAID = {
         (GAP.format("linearization"), "Linearization alone gives {:.1f} cm"),
         (GAP.format("eq_3_linearized"), "gives {:.1f} cm. The secant rule"),
         (GAP.format("eq_3_secant"), "The secant rule with the first modes gives {:.1f} cm"),
-        (GAP.format("eurocode_8"), "Eurocode 8 gives {:.1f} cm"),
+        (GAP.format("eurocode_8"), "by Eurocode 8 gives {:.1f} cm"),
     ],
 }
 LONG = {"stochlin gap case.toml --report gap.html"}

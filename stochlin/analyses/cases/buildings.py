@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from itertools import count
 from typing import Any
 
+from stochlin.analyses.cases.files.design import Design, read_design
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import GAP, OSCILLATOR, keys_of_way
 from stochlin.analyses.cases.files.sections import Section
@@ -46,6 +47,7 @@ class Building:
     height: float | None
     storeys: int | None
     uncertain: UncertainModel | None = None
+    design: Design = field(default_factory=Design)
     ductility: float | None = None  # for which the strength is sought, where it is given so
     section: Section | None = field(default=None, compare=False, repr=False)  # of the file, for messages
 
@@ -173,6 +175,7 @@ def _oscillator(section: Section, number: int) -> Building:
         strength=strength,
         height=section.read("height"),
         storeys=storeys,
+        design=read_design(section, 1, is_oscillator=True),
         ductility=ductility,
         section=section if by_ductility else None,
     )

@@ -20,6 +20,7 @@ from stochlin.analyses.cases.buildings import (
     read_gaps,
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
+from stochlin.analyses.cases.files.design import read_codes
 from stochlin.analyses.cases.files.known import Known, name_of
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import WALL
@@ -67,6 +68,7 @@ class Case:
     floors_align: bool
     same_property: bool
     same_system: bool
+    codes: tuple[str, ...]  # rules that the engineer applies
     zone: str | None
     numbers: Mapping[str, float]
     unverified: bool
@@ -274,8 +276,9 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         If the file is not valid TOML; if a key is unknown or missing, a unit is missing or unknown, or a
         value is not a number or out of range; if a building has no strength or two, or keys of both an
         oscillator and a building with storeys; if there are too many or too few gaps, or a link ties a
-        floor that does not exist; or if a record cannot be read or fitted. The message names the file,
-        the line, the key and what is allowed.
+        floor that does not exist; if there are too many or too few displacements of a design, or a code
+        to be applied lacks one of its factors; or if a record cannot be read or fitted. The message
+        names the file, the line, the key and what is allowed.
 
     Warns
     -----
@@ -328,6 +331,7 @@ def case_of(whole: Section, path: Path, known: Known) -> Case:
         floors_align=align and not slabs,
         same_property=wanted.read("same_property"),
         same_system=wanted.read("same_system"),
+        codes=read_codes(wanted, [building.design for building in buildings], of_site.spectrum),
         zone=wanted.read("zone"),
         numbers=_numbers(wanted.section("numbers", needed=False)),
         unverified=wanted.read("unverified"),

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.codes import APPLIED, with_applied_codes
 from stochlin.analyses.cases.files.schema import FEWEST_PATHS
 from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
 from stochlin.analyses.cases.storeys import StoreyBuilding
@@ -38,6 +39,7 @@ AROUND = 5.0  # factor of the range of the spectrum beyond the periods of buildi
 YEARS = 50.0  # default time of the probability of pounding [yr]
 SHARE = 4  # motions of the case over those at each of the 13 intensities
 PREFIX, GAP, OF = "risk_", "risk_gap", "risk_of"
+USUAL = ("simulation", "srss", "eq_3_linearized", "eq_3_drift", "eq_3_paper")  # rules that are shown
 KEPT = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
 
 
@@ -54,6 +56,17 @@ class CaseAnswer:
     over_records: xr.Dataset | None  # statistics over many records
     risk: xr.Dataset | None = None  # if there is a hazard
     matters: xr.Dataset | None = None  # sensitivities of the gap
+    every_rule: bool = False  # whether all rules are shown
+
+    @property
+    def shown(self) -> xr.Dataset:
+        """The rows of the rules that are shown: the usual ones, and those that the case asks for."""
+        table = self.separation
+        if self.every_rule:
+            return table
+        wanted = {*USUAL, *self.case.codes, *self.case.numbers}
+        names = [str(name).removesuffix(APPLIED) for name in table.rule.values]
+        return table.isel(rule=[name in wanted for name in names])
 
     def table(self, samples: bool = True) -> xr.Dataset:
         """All results in one dataset; without samples, only variables with one value for each rule."""
@@ -76,15 +89,22 @@ class CaseAnswer:
         peaks = tuple(float(self.separation[f"peak_mean_{n + 1}"]) for n in range(len(buildings)))
         return doubts(self.shaking, buildings, float(self.separation.gap[0]), peaks)
 
-    def worst(self) -> int:
-        """Row of the rule with the smallest gap among the unsafe ones."""
-        return int(self.separation.gap.where(self.separation.verdict == UNSAFE).argmin("rule"))
+    def worst(self) -> xr.Dataset:
+        """The row of the unsafe rule with the smallest gap, of those that are shown."""
+        table = self.shown
+        return table.isel(rule=int(table.gap.where(table.verdict == UNSAFE).argmin("rule")))
 
 
-def answer_case(case: Case, progress: Progress | None = None, sensitivities: bool = False) -> CaseAnswer:
+def answer_case(
+    case: Case,
+    progress: Progress | None = None,
+    sensitivities: bool = False,
+    every_rule: bool = False,
+) -> CaseAnswer:
     """Separation of the two buildings of a case or set-back of one, and limits of the existing gap.
 
     Sensitivities are computed if any parameter is uncertain, or if ``sensitivities`` is True.
+    ``every_rule`` has all rules shown, and not the usual ones only.
     ``progress`` is called with the share of the work that is done. Errors are those of `separation`,
     `existing_gap` and `sensitivity`.
     """
@@ -108,7 +128,7 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
         options = {**case.motion, "progress": part_of(progress, begin, middle)}
         existing = existing_gap(*pair, case.sampled_ground, gap=case.gap, **options)
     in_common: dict[str, Any] = {} if case.alone else {name: getattr(case, name) for name in IN_COMMON}
-    table = separation(
+    simulated = separation(
         *pair,
         case.sampled_ground,
         **case.motion | in_common,
@@ -120,6 +140,7 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
         records=dict(case.records) or None,
         progress=part_of(progress, middle, end),
     )
+    table = with_applied_codes(case, simulated)
     matters = None
     if sensitivities:
         motion = {
@@ -133,7 +154,8 @@ def answer_case(case: Case, progress: Progress | None = None, sensitivities: boo
         records = over_records(table.record_separation, float(table.gap[0]), case.confidence)
     rms, shaking = rms_acceleration(case.ground), shaking_of(case)
     risk = None if risky is None else _risk_table(risky, case, float(table.gap[0]))
-    return CaseAnswer(case, table, existing, _spectrum(case), rms, shaking, records, risk, matters)
+    results = existing, _spectrum(case), rms, shaking, records, risk, matters
+    return CaseAnswer(case, table, *results, every_rule)
 
 
 def _paths(case: Case) -> int:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from stochlin.analyses.cases.files.design import Design, read_design
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import BUILDING, OSCILLATOR, REGULAR, SINGLY, keys_of_way
 from stochlin.analyses.cases.files.sections import Section
@@ -43,6 +44,7 @@ class StoreyBuilding:
     structure: ShearBuilding
     strength: str
     uncertain: UncertainModel | None = None  # as in `Building`
+    design: Design = field(default_factory=Design)
 
     @property
     def sampled(self) -> Any:
@@ -156,7 +158,8 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
         _doubt_strength(section, strength, structure)
     known = section.read("name") or f"Building {number}"
     uncertain = described if isinstance(described, UncertainModel) else None
-    return StoreyBuilding(known, structure, strength, uncertain)
+    design = read_design(section, structure.storeys, is_oscillator=False)
+    return StoreyBuilding(known, structure, strength, uncertain, design)
 
 
 def law_of(section: Section) -> tuple[str, type[Structure]]:

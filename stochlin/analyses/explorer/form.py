@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from stochlin.analyses.cases.case import Case, case_of
+from stochlin.analyses.cases.files.design import DISPLACEMENTS
 from stochlin.analyses.cases.files.keys import Key, Slider, declared
 from stochlin.analyses.cases.files.known import Known
 from stochlin.analyses.cases.files.quantities import Quantity, in_si
@@ -189,16 +190,18 @@ class Form:
         return {name: _in_order(table, self.file.get(name)) for name, table in tables.items()}
 
     def case(self) -> Case:
-        """The case of these values, without measures of the file that do not fit its buildings.
+        """The case of these values, without what of the file does not fit its buildings.
 
-        A ValueError names what does not fit.
+        These are measures and the codes that are applied. A ValueError names what does not fit.
         """
         tables = self.tables()
         try:
             case = read_again(tables, self.path, self.known)
         except ValueError:
-            if tables.pop("measures", None) is None:
+            fitting = _without_measures_and_codes(tables)
+            if fitting == tables:
                 raise
+            tables = fitting
             case = read_again(tables, self.path, self.known)
         check_course(case.duration, case.envelope)
         buildings = {f"building {n}": b.structure for n, b in enumerate(case.pair, start=1)}
@@ -247,6 +250,16 @@ class Form:
             for control in numbers()
             if control.place[0] == name and self.uses(control.place)
         }
+
+
+def _without_measures_and_codes(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables without what belongs to the buildings of the file."""
+    out = {"separation": "codes", **dict.fromkeys(BUILDINGS, DISPLACEMENTS)}
+    return {
+        name: {key: value for key, value in table.items() if key != out[name]} if name in out else table
+        for name, table in tables.items()
+        if name != "measures"
+    }
 
 
 def read_again(tables: Mapping[str, Any], path: Path, known: Known) -> Case:

@@ -15,6 +15,7 @@ import numpy as np
 
 from stochlin.analyses.cases.buildings import AnyBuilding
 from stochlin.analyses.cases.case import Case, read_case
+from stochlin.analyses.cases.files.design import OF_DESIGN
 from stochlin.analyses.cases.files.keys import Key
 from stochlin.analyses.cases.files.quantities import Quantity, in_si, is_uncertain
 from stochlin.analyses.cases.files.schema import (
@@ -377,4 +378,5 @@ def _storeys_to_begin_with(building: AnyBuilding) -> dict[str, Any]:
 
 def _noted(table: Mapping[str, Any]) -> dict[str, Any]:
     """What is kept of a building however it is described."""
-    return {key: value for key, value in table.items() if key in BUILDING and BUILDING[key].noted}
+    noted = {name for name, key in BUILDING.items() if key.noted}
+    return {key: value for key, value in table.items() if key in noted or key in OF_DESIGN}

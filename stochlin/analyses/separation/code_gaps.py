@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,10 @@ from stochlin.messages import brief
 from stochlin.models.arguments import Truth, checked, is_number
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.codes import (
+    BEHAVIOUR,
     CODE_RULES,
+    DEFLECTION,
+    MULTIPLIED,
     BuildingPeaks,
     CodeRule,
     Neighbours,
@@ -24,6 +27,9 @@ from stochlin.models.rules.codes import (
 )
 from stochlin.models.rules.published import look_up
 
+PEAKS = "peak_1", "peak_2"
+AS_DEFINED = "displacements as each code defines them, its factors included"
+UNDER_DESIGN = "displacements under design forces, which each code multiplies by its factors"
 TEXTS: Mapping[str, str] = {
     "family": "what governs the rule: SRSS or sum of the peaks, the height, or a fixed distance",
     "reference": "source of the rule",
@@ -45,11 +51,21 @@ def code_gaps(
     same_system: Truth = False,
     zone: Zone | None = None,
     numbers: Mapping[str, float] | None = None,
+    behaviour_1: Parameter | None = None,
+    behaviour_2: Parameter | None = None,
+    deflection_1: Parameter | None = None,
+    deflection_2: Parameter | None = None,
+    importance: Parameter | None = None,
+    importance_2: Parameter | None = None,
 ) -> xr.Dataset:
     """Separation of two buildings by every known rule of a building code.
 
     The rules include the four families of the paper: the square root of the sum of squares, a factor
     times the sum, a factor times the height, and a fixed distance.
+
+    With the factors of a code it is the code as an engineer applies it: ``peak_1`` and ``peak_2`` are
+    then displacements under design forces, which each code multiplies by its factors. Without them the
+    peaks are displacements as the code defines them.
 
     Parameters
     ----------
@@ -72,6 +88,15 @@ def code_gaps(
     numbers : mapping, optional
         Numbers of rules by name, in place of their defaults, as in `code_rule`. With a number,
         ``"share_of_height"`` and ``"fixed_distance"`` [m] are also in the table.
+    behaviour_1, behaviour_2 : float or array, optional
+        Behaviour factor of each building [-], at least 1: ``q`` of Eurocode 8, ``R`` of UBC-97 and IS
+        1893, ``Rd Ro`` of Canada, ``Q`` of Mexico City.
+    deflection_1, deflection_2 : float or array, optional
+        Displacement factor of each building [-], at least 1: ``Cd`` of ASCE 7, ``1.4 alpha_y Ra`` of
+        Taiwan, ``0.75 R`` of Peru (0.85 if irregular).
+    importance, importance_2 : float or array, optional
+        Importance factor [-], 0.5 to 2, by default 1; of both buildings, or of each. ASCE 7 and Canada
+        divide by it. ``ag`` of Eurocode 8 contains it, so that it has no effect there.
 
     Returns
     -------
@@ -80,13 +105,14 @@ def code_gaps(
         argument, and ``status``. Coordinates along ``rule`` are ``family`` (``SRSS``, ``sum``,
         ``height`` or ``fixed``), ``reference``, ``mark`` (S: seen in a copy of the source; P: in the
         text of the paper that was available; M: not compared with the source), ``assumptions``, and
-        ``missing``, the arguments that the rule lacks.
+        ``missing``, the arguments that the rule lacks. The attribute ``comment`` says which
+        displacements the peaks are taken for.
 
     Raises
     ------
     ValueError, TypeError
-        If the zone or a rule is unknown, a scalar is out of range, a value is not a number, or
-        dimensions do not match.
+        If the zone or a rule is unknown, a scalar is out of range, a value is not a number, dimensions
+        do not match, or an importance factor is given without a factor on displacements.
 
     Notes
     -----
@@ -107,6 +133,11 @@ def code_gaps(
     0.035
     >>> table.missing.sel(rule="peru_e030").item()
     'height_1, height_2'
+    >>> applied = sl.code_gaps(0.01, 0.02, behaviour_1=3.0, behaviour_2=2.0)  # of design forces
+    >>> round(float(applied.gap.sel(rule="eurocode_8")), 6)
+    0.07
+    >>> applied.missing.sel(rule="asce_7").item()
+    'deflection_1 (deflection amplification factor Cd), deflection_2'
     >>> alone = sl.code_gaps(0.03, None, height_1=12.0, zone="II")  # from its property line
     >>> float(alone.gap.sel(rule="asce_7")), round(float(alone.gap.sel(rule="mexico_city")), 6)
     (0.03, 0.066)
@@ -116,17 +147,30 @@ def code_gaps(
     """
     alone = peak_2 is None
     neighbours = Neighbours(floors_align, same_property, same_system)
-    check_neighbours(neighbours, alone, height_2)
-    pair = BuildingPeaks(peak_1, peak_2, height_1, height_2)
+    factors = {
+        **{"behaviour_1": behaviour_1, "behaviour_2": behaviour_2},
+        **{"deflection_1": deflection_1, "deflection_2": deflection_2},
+        **{"importance": importance, "importance_2": importance_2},
+    }
+    check_neighbours(neighbours, alone, height_2=height_2, **factors)
+    by_design = _are_of_design(factors)
+    pair = BuildingPeaks(peak_1, peak_2, height_1, height_2, **factors)
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
     known = {*values, *(() if zone is None else ("zone",))}
     rules = rules_with(numbers)
-    missing = [", ".join(rule.missing(known, alone)) for rule in rules]
+    missing = [
+        ", ".join([*rule.missing(known, alone), *(_without(rule, known, alone) if by_design else ())])
+        for rule in rules
+    ]
     nothing = xr.full_like(valid, np.nan, float)
-    arguments: dict[str, Any] = {"peak_2": None, **values, "zone": zone, **vars(neighbours)}
+    arguments: dict[str, Any] = {name: values.get(name) for name in (*PEAKS, "height_1", "height_2")}
+    arguments |= {"zone": zone, **vars(neighbours)}
     gaps = [
-        nothing if lacks else rule.gap(**arguments) for rule, lacks in zip(rules, missing, strict=True)
+        nothing
+        if lacks
+        else rule.gap(**arguments | (_designed(rule, values, floors_align) if by_design else {}))
+        for rule, lacks in zip(rules, missing, strict=True)
     ]
     dimension = xr.DataArray([rule.name for rule in rules], dims="rule", name="rule")
     dimension.attrs["long_name"] = "rule"
@@ -144,7 +188,10 @@ def code_gaps(
         entries = kept.get(name) or [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
     table = labels.label(table, VARIABLES)
-    table.attrs["comment"] = "Rules whose mark has an M were not compared with their source."
+    table.attrs["comment"] = (
+        f"The peaks are {UNDER_DESIGN if by_design else AS_DEFINED}. Rules whose mark has an M were not "
+        "compared with their source."
+    )
     return labels.with_run_information(
         table,
         f"{'Set-back' if alone else 'Separation'} by the rules of building codes",
@@ -152,6 +199,44 @@ def code_gaps(
         {"pair": pair},
         "; ".join(dict.fromkeys(rule.reference for rule in rules)),
     )
+
+
+def _are_of_design(factors: Mapping[str, object]) -> bool:
+    """Whether a factor on displacements under design forces is given."""
+    given = [name for name, value in factors.items() if value is not None]
+    if given and not any(name.startswith((BEHAVIOUR, DEFLECTION)) for name in given):
+        raise ValueError(
+            f"{given[0]} = {brief(factors[given[0]])} is given without a factor on displacements; give "
+            f"{BEHAVIOUR}_1 or {DEFLECTION}_1, or leave it out"
+        )
+    return bool(given)
+
+
+def _without(rule: CodeRule, known: Collection[str], alone: bool) -> list[str]:
+    """What a rule lacks for displacements under design forces, the first factor as the code calls it."""
+    if not rule.takes_peaks():
+        return []
+    if not rule.multiplies:
+        return [MULTIPLIED]
+    needed = [f"{rule.multiplies}_{n}" for n in ((1,) if alone else (1, 2))]
+    first, *others = [name for name in needed if name not in known] or [""]
+    return [f"{first} ({rule.called[rule.multiplies]})", *others] if first else []
+
+
+def _designed(rule: CodeRule, values: Mapping[str, Any], floors_align: bool) -> dict[str, Any]:
+    """The displacements of a code [m], for those under design forces; nothing if it takes none."""
+    if not rule.multiplies:
+        return {}
+    factors = {name: values.get(name) for name in (f"{rule.multiplies}_1", f"{rule.multiplies}_2")}
+    if rule.larger_factor and not floors_align and "peak_2" in values:
+        factors = dict.fromkeys(factors, np.maximum(*map(values.__getitem__, factors)))
+    of_both = values.get("importance", 1.0)
+    importances = of_both, values.get("importance_2", of_both)
+    return {
+        peak: rule.designed(values[peak], factor, importance)
+        for peak, factor, importance in zip(PEAKS, factors.values(), importances, strict=True)
+        if peak in values
+    }
 
 
 def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
@@ -168,9 +253,10 @@ def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
     return [code_rule(name, stated.get(name)) for name in CODE_RULES if name in usual or name in stated]
 
 
-def check_neighbours(neighbours: Neighbours, alone: bool, height_2: object) -> None:
+def check_neighbours(neighbours: Neighbours, alone: bool, **others: object) -> None:
     """Raise a ValueError if a fact is of a second building that is not there."""
-    facts = {"height_2": height_2 is not None, **vars(neighbours)}
+    given = {name: value is not None for name, value in others.items() if name.endswith("_2")}
+    facts = {**given, **vars(neighbours)}
     for name in (name for name, stated in facts.items() if alone and stated):
         raise ValueError(f"{name} is given, of a second building, and there is none; leave it out")
 

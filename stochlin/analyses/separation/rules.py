@@ -14,7 +14,7 @@ from stochlin.analyses.separation.code_gaps import code_gaps
 from stochlin.analyses.separation.pairs import SHORT, PairInMotion, peak_quantile
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.combination import double_difference
-from stochlin.models.rules.codes import Neighbours
+from stochlin.models.rules.codes import CODE_RULES, Neighbours
 from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
 from stochlin.models.rules.peak_factors.vanmarcke import Vanmarcke1975
 from stochlin.models.structures import DRIFT, GAUSSIAN
@@ -38,6 +38,7 @@ class Rule:
     mark: str = ""
     assumptions: str = ""
     missing: str = ""
+    judged: bool = True  # False for a code's combination of simulated peaks
 
     @property
     def gap(self) -> float:
@@ -84,7 +85,7 @@ def _with_correlations(pair: PairInMotion, effective: Sequence[str]) -> list[Rul
     ]
 
 
-def equation_3_rule(peaks: Array, name: str, rhos: Array, **texts: str) -> Rule:
+def equation_3_rule(peaks: Array, name: str, rhos: Array, **texts: Any) -> Rule:
     """Eq. (3) with these peaks (2, heights) [m] and correlations (heights,)."""
     gaps = double_difference(peaks[0], peaks[1], np.clip(rhos, -1, 1))
     gaps = np.where(gaps < ALIKE * np.max(peaks, axis=0), 0.0, gaps)
@@ -92,7 +93,7 @@ def equation_3_rule(peaks: Array, name: str, rhos: Array, **texts: str) -> Rule:
 
 
 def _with_solved_rho(pair: PairInMotion, name: str, source: str, rho: Callable[[], Array]) -> Rule:
-    texts = {"mark": "C", "assumptions": f"{EQ_3}; rho of {source}"}
+    texts: Any = {"mark": "C", "assumptions": f"{EQ_3}; rho of {source}"}
     return _solved_rule(pair, name, lambda: (pair.peaks, rho()), **texts)
 
 
@@ -178,8 +179,13 @@ def code_rules(
     neighbours: Neighbours,
     zone: str | None,
     numbers: Mapping[str, float] | None = None,
+    factors: Mapping[str, Any] | None = None,
 ) -> list[Rule]:
-    """The rules of building codes with these peaks [m], (1 or 2 structures, heights)."""
+    """The rules of building codes with these peaks [m], (1 or 2 structures, heights).
+
+    Without ``factors`` of `code_gaps` the peaks are simulated ones, and a code that defines
+    displacements of its own only combines them: it is not judged.
+    """
     height_1, height_2 = (
         xr.DataArray(height, dims="height") if np.ndim(height) else height
         for height in (*heights, None)[:2]
@@ -193,6 +199,7 @@ def code_rules(
         zone=zone,
         numbers=numbers,
         **vars(neighbours),
+        **(factors or {}),
     )
     rules = []
     for name in table.rule.values:
@@ -201,5 +208,6 @@ def code_rules(
             n: str(row[n].values) for n in ("family", "reference", "mark", "assumptions")
         }
         missing = f"needs {row.missing.values}" if row.missing.values else ""
-        rules.append(Rule(str(name), "code", row.gap.values, **texts, missing=missing))
+        judged = factors is not None or not CODE_RULES[name].multiplies
+        rules.append(Rule(str(name), "code", row.gap.values, **texts, missing=missing, judged=judged))
     return rules

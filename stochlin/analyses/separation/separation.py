@@ -52,14 +52,19 @@ from stochlin.models.rules.codes import BuildingPeaks, Neighbours, Zone
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
 
-VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available")
-ANSWER, SAFE, UNSAFE, WITHIN_ERROR, NOT_AVAILABLE = range(len(VERDICTS))
+VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available", "no_verdict")
+ANSWER, SAFE, UNSAFE, WITHIN_ERROR, NOT_AVAILABLE, NO_VERDICT = range(len(VERDICTS))
 VERDICT_ATTRS: Mapping[str, Any] = {
     "long_name": "whether the gap has the confidence",
     "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
     "flag_meanings": " ".join(VERDICTS),
 }
 SET_BACK = "Set-back of one building from its property line"
+COMBINED = (
+    "A code's combination of simulated peaks: the peaks that are not exceeded with the confidence, "
+    "combined as the code combines displacements of its own. This is not the gap that the code asks "
+    "for, and it has no verdict."
+)
 EXACT = "nonlinear simulation of the given models"
 BEFORE_RECORDS = 0.8  # share of the work before the records, if there are any
 MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
@@ -151,8 +156,10 @@ def separation(
         ``gap_upper`` [m], the 95 % interval of the simulated gap; ``error`` [-], the gap over the
         simulated gap minus 1; ``no_pounding_probability`` [-] in the simulated motions with its 95 %
         interval ``_lower`` and ``_upper``; ``rho`` [-] if the rule has one; ``verdict`` and ``status``
-        (flags). Coordinates along ``rule`` are ``kind``, ``family`` (of a code, as in `code_gaps`),
-        ``reference``, ``mark``, ``assumptions`` and ``missing``.
+        (flags). Building codes that define displacements of their own have neither probability nor
+        verdict here, as the attribute ``comment`` says; `code_gaps` applies them. Coordinates along
+        ``rule`` are ``kind``, ``family`` (of a code, as in `code_gaps`), ``reference``, ``mark``,
+        ``assumptions`` and ``missing``.
 
         Over the dimensions of the parameters, from the simulation: ``peak_1`` and ``_2`` [m], the
         quantiles that the rules use; ``peak_mean_1`` and ``_2`` and ``separation_mean`` [m], with
@@ -177,8 +184,7 @@ def separation(
     Notes
     -----
     The verdict on a rule is safe or unsafe if the 95 % interval of its probability of no pounding is
-    above or below the confidence. It does not include the load factors, minimum distances and
-    definitions of displacement of a code, see ``assumptions``. With scatter, the peaks for the rules
+    above or below the confidence. With scatter, the peaks for the rules
     include it; correlations for stationary motions, and the rules ``eq_3_paper`` and
     ``linearization``, which use no simulated peaks, are for motions of the median strength.
 
@@ -213,7 +219,7 @@ def separation(
     alone = second is None
     neighbours = Neighbours(floors_align, same_property, same_system)
     for_codes = neighbours
-    check_neighbours(neighbours, alone, height_2)
+    check_neighbours(neighbours, alone, height_2=height_2)
     both = {role: median_of(structure) for role, structure in by_role.items()}
     check_duration(duration, both)
     tall = (height_1, height_2)[: len(both)]
@@ -263,7 +269,7 @@ def separation(
     for name, text in TEXTS.items():
         table[name].attrs["long_name"] = text
     return labels.with_run_information(
-        table.assign_attrs(confidence=confidence),
+        table.assign_attrs(confidence=confidence, comment=COMBINED),
         f"{SET_BACK if alone else 'Separation of two buildings'} by rule, "
         f"{median_of(ground).name} ground",
         f"separation(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed}"
@@ -285,34 +291,44 @@ def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataA
     return verdict
 
 
-def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
-    """Table of the simulated gap and the gaps of the rules, each judged by the simulated motions."""
-    motions, confidence = pair.motions, pair.confidence
-    samples = pair_separation(motions)
-    required, lower, upper = required_gaps(motions)
-    answer = Rule("simulation", "simulation", np.array([required]), assumptions=EXACT)
-    unknown = np.full(len(rules), np.nan)
-    rules = [answer, *rules]
+def judged_rules(
+    rules: Sequence[Rule], samples: xr.DataArray, confidence: float, required: float
+) -> xr.Dataset:
+    """The gaps of rules, judged by simulated motions that need ``samples`` [m].
+
+    ``required`` is the gap by simulation [m], whose interval is not known here.
+    """
     gap = xr.DataArray([rule.gap for rule in rules], dims="rule")
     apart = keeping_apart(samples, gap)
     known = gap.notnull()
-    verdict = verdict_of(apart, confidence).where(known, NOT_AVAILABLE)
-    verdict[0] = ANSWER
+    judged = xr.DataArray([rule.judged for rule in rules], dims="rule")
+    verdict = verdict_of(apart, confidence).where(judged, NO_VERDICT).where(known, NOT_AVAILABLE)
     columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
-    table = xr.Dataset(
+    return xr.Dataset(
         {
             "gap": gap,
-            "gap_lower": ("rule", [lower, *unknown]),
-            "gap_upper": ("rule", [upper, *unknown]),
-            "error": gap / gap[0].where(gap[0] > 0) - 1,
-            **{name: share.where(known) for name, share in apart.items()},
+            **{f"gap_{end}": xr.full_like(gap, np.nan) for end in labels.ENDS},
+            "error": gap / (required if required > 0 else np.nan) - 1,
+            **{name: share.where(known & judged) for name, share in apart.items()},
             "rho": ("rule", [rule.rho for rule in rules]),
             "verdict": verdict.astype(np.int8),
             "status": labels.status_where(known),
-            "separation_samples": samples,
         },
         coords={"rule": ("rule", [rule.name for rule in rules]), **columns},
     )
+
+
+def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
+    """Table of the simulated gap and the gaps of the rules, each judged by the simulated motions."""
+    motions = pair.motions
+    samples = pair_separation(motions)
+    required, lower, upper = required_gaps(motions)
+    rules = [Rule("simulation", "simulation", np.array([required]), assumptions=EXACT), *rules]
+    table = judged_rules(rules, samples, pair.confidence, required)
+    table.verdict[0] = ANSWER
+    for end, value in (("lower", lower), ("upper", upper)):
+        table[f"gap_{end}"][0] = value
+    table["separation_samples"] = samples
     table = table.assign(pair.quantities())
     names = ("separation_mean", "separation_mean_standard_error")
     of_both = [float(motions[name][0, 1]) for name in names] if not pair.alone else None

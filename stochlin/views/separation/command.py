@@ -42,6 +42,9 @@ REPORTS = (".html", ".htm")
     help="Draw the influence of each input on the gap, also if no input is uncertain, as .png, .svg "
     "or .pdf, and save the data beside the picture.",
 )
+@click.option(
+    "--all-rules", is_flag=True, help="Show all rules and codes, not only the usual ones and your codes."
+)
 @click.option("--example", is_flag=True, help="Print a case file to start from, and stop.")
 @click.option(
     "--example-record", is_flag=True, help="Print a synthetic record to try, a PEER AT2 file, and stop."
@@ -52,10 +55,11 @@ def gap(
     out: Path | None,
     picture: Path | None,
     sensitivity: Path | None,
+    all_rules: bool,
     example: bool,
     example_record: bool,
 ) -> None:
-    """Compute the gap that two buildings need, by simulation and by every rule.
+    """Compute the gap that two buildings need, by simulation, by formulas and by your building codes.
 
     CASE is a file that describes the site, the motion and the buildings. With one building, the command
     computes its set-back from the property line.
@@ -67,6 +71,7 @@ def gap(
       stochlin gap case.toml
       stochlin gap case.toml --report gap.html --out gap.nc
       stochlin gap case.toml --picture gap.png
+      stochlin gap case.toml --all-rules
       stochlin gap case.toml --sensitivity tornado.png
     """
     with bad_input():
@@ -94,7 +99,7 @@ def gap(
         check_target("--sensitivity", sensitivity, PICTURES, described.inputs)
         check_target("--sensitivity", beside, FORMATS, described.inputs)
         with progress_bar("simulating") as progress:
-            answer = answer_case(described, progress, sensitivity is not None)
+            answer = answer_case(described, progress, sensitivity is not None, all_rules)
         page = report_page(answer) if report else ""
         show(lines(answer_sections(answer)))
         table = answer.table(samples=data is not None and data.suffix.lower() == ".nc")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stochlin.analyses.cases.files.design import OF_DESIGN
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.tables.toml import toml_text
@@ -55,9 +56,9 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
         f"{subject_of(case).the_buildings.capitalize()}: {modelled}. {first}, torsion of irregular "
         f"plans, soil under the foundations, and loss of strength are left out, and so is "
         f"{_of_parameters(case)}.",
-        f"The rules: all use the simulated peaks of {_whose(case)} peaks, and not how an engineer "
-        "computes these peaks. Building codes define displacements, load factors and minimum "
-        "distances of their own.",
+        f"The rules: formulas and combinations use the simulated peaks of {_whose(case)} peaks, and not "
+        "how an engineer computes these peaks; only a code as you apply it uses displacements of a "
+        "design. Load factors and minimum distances of codes are left out.",
     ]
     if case.alone:
         sentences.append(LINE)
@@ -152,12 +153,12 @@ def case_file(case: Case) -> list[Text]:
 
 
 def _noted(case: Case, table: str) -> list[tuple[str, str]]:
-    """What a table of the case file says that no number depends on."""
+    """What a table of the case file says that no simulation depends on."""
     section = case.whole.section(table)
     return [
-        (key.label.lower(), str(section.values[name]))
+        (key.label.lower(), ", ".join(np.ravel(section.values[name]).astype(str)))
         for name, key in section.keys.items()
-        if key.noted and name in section
+        if (key.noted or name in OF_DESIGN) and name in section
     ]
 
 

@@ -20,7 +20,7 @@ from stochlin.views.shared.style import (
     styled,
     swatches,
 )
-from stochlin.views.shared.words import BEYOND, FAR, with_interval
+from stochlin.views.shared.words import BEYOND, FAR, MISSING, with_interval
 from stochlin.views.sites.pictures import draw_spectrum
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ VERDICTS = {
     "safe": ("#c6d9ea", ""),
     "unsafe": ("#e0906a", "////"),
     "within error": ("#f2f2f2", "xx"),
+    "no verdict": ("#ffffff", ""),
 }
 EDGE = "#1b1b1b"
 NEAR, APART = 0.015, 0.038  # of the axis: gaps as near as this share a label; between labels
@@ -92,7 +93,7 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
     share = np.linspace(0, 1, 401)
     figure, axes = _blank(3.9)
     axes.plot(np.quantile(samples, share), share, color="0.1", zorder=3)
-    shown = [row for row in rows(answer) if row.verdict in VERDICTS]
+    shown = [row for row in rows(answer) if row.verdict in VERDICTS and row.probability != MISSING]
     gaps = {row.number: 100 * _gap(answer, row) for row in shown}
     right = 1.06 * max(_farthest(answer, gaps.values()), samples[-1]) or 1
     now = 100 * answer.existing.attrs["gap_m"] if answer.existing is not None else np.inf

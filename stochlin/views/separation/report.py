@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
     """The answer first, then the existing gap, the risk and the rules, and the small print."""
     case, about = answer.case, subject_of(answer.case)
-    missing = [f"{row.rule}: {row.missing}" for row in words.rows(answer) if row.missing]
+    missing = [f"{row.name}: {row.missing}" for row in words.rows(answer) if row.missing]
     signed = [Text(name, "signed") for name in small_print.SIGNED]
     summed_up = (
         f"{case.title}. This statement sums up the page for a reviewer: rational analysis of the "

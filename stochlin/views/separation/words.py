@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from stochlin.analyses.cases.codes import APPLIED, KIND, applied_in_words
 from stochlin.analyses.cases.storeys import StoreyBuilding
+from stochlin.analyses.separation.separation import COMBINED
+from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.blocks import Block, Items, Row, Table, Text
 from stochlin.views.shared.words import (
@@ -30,12 +33,23 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
     from stochlin.analyses.cases.separation import CaseAnswer
 
+# Groups of rules, in the order in which they are shown.
+FORMULAS, FAMILY = "eq. (3) with a correlation coefficient", "families of rules of building codes"
+AS_APPLIED, COMBINATION = "the code as you apply it", "the code's combination of simulated peaks"
+GROUPS = ("", FORMULAS, "linearization", FAMILY, AS_APPLIED, COMBINATION)
 KINDS = {
     "simulation": "",
-    "equation_3": "eq. (3) with a correlation coefficient",
+    "equation_3": FORMULAS,
     "linearization": "linearization",
-    "code": "building codes and their families of rules",
+    "code": FAMILY,
+    KIND: AS_APPLIED,
 }
+NAMED = {AS_APPLIED: "as you apply it", COMBINATION: "of simulated peaks"}
+MORE = "'stochlin gap --all-rules' shows all other rules and codes."
+NO_CODES = (
+    'For a building code as you apply it write, for instance, codes = ["eurocode_8"] in [separation], '
+    "and in each building displacements of your analysis and the factors of the code."
+)
 MARKS = (
     "Marks: S, formula seen in a copy of its source; C, derived and checked; P, in the text of the "
     "paper that was available; M, not compared with its source."
@@ -55,8 +69,9 @@ class RuleLine(NamedTuple):
 
     number: int
     rule: str  # as in the dataset
+    name: str  # on the screen
     label: str  # as in a text
-    kind: str
+    group: str
     family: str
     gap: str
     error: str
@@ -80,26 +95,41 @@ def ductilities(table: xr.Dataset) -> str:
 
 
 def rows(answer: CaseAnswer) -> list[RuleLine]:
-    """The table of rules, the answer first; for one building alone, those that apply to one building."""
-    table, about = answer.separation, subject_of(answer.case)
+    """The rules that are shown, the answer first; for one building those that apply to one building."""
+    table = answer.shown
     if answer.case.alone:
         of_two = [str(text).startswith(OF_TWO) for text in table.missing.values]
         table = table.isel(rule=~np.array(of_two))
-    meanings = table.verdict.attrs["flag_meanings"].split()
-    return [
-        RuleLine(
-            number=n,
-            rule=(rule := str(row.rule.item())),
-            label=about.labels.get(rule, rule_label(rule)),
-            kind=str(row.kind.item()),
-            gap=centimetres(float(row.gap)),
-            error=per_cent(float(row.error), sign="+") if n > 1 else "",
-            probability=per_cent(float(row.no_pounding_probability), 1),
-            verdict=meanings[int(row.verdict)].replace("_", " "),
-            **{name: str(row[name].item()) for name in SHOWN_TEXTS},
-        )
-        for n, row in enumerate(along(table, "rule"), start=1)
-    ]
+    grouped = [(_group(answer.case, row), row) for row in along(table, "rule")]
+    grouped.sort(key=lambda of_rule: GROUPS.index(of_rule[0]))
+    return [_line(answer, n, *of_rule) for n, of_rule in enumerate(grouped, start=1)]
+
+
+def _group(case: Case, row: xr.Dataset) -> str:
+    """The group to which a rule belongs; a code without displacements is applied as it is."""
+    kind, rule = str(row.kind.item()), str(row.rule.item())
+    if kind == "code" and CODE_RULES[rule].multiplies:
+        return COMBINATION
+    return AS_APPLIED if rule in case.codes else KINDS[kind]
+
+
+def _line(answer: CaseAnswer, number: int, group: str, row: xr.Dataset) -> RuleLine:
+    meanings = answer.separation.verdict.attrs["flag_meanings"].split()
+    rule = str(row.rule.item())
+    stem, words = rule.removesuffix(APPLIED), NAMED.get(group, "")
+    label = subject_of(answer.case).labels.get(rule, rule_label(stem))
+    return RuleLine(
+        number=number,
+        rule=rule,
+        name=f"{stem} {words}" if words else rule,
+        label=f"{label}, {words}" if words else label,
+        group=group,
+        gap=centimetres(float(row.gap)),
+        error=per_cent(float(row.error), sign="+") if number > 1 else "",
+        probability=per_cent(float(row.no_pounding_probability), 1),
+        verdict=meanings[int(row.verdict)].replace("_", " "),
+        **{name: str(row[name].item()) for name in SHOWN_TEXTS},
+    )
 
 
 def rules_table(answer: CaseAnswer) -> Table:
@@ -108,9 +138,9 @@ def rules_table(answer: CaseAnswer) -> Table:
     heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark", "family")
     table_rows = [
         Row(
-            (row.rule, row.gap, row.error, row.probability, row.verdict, row.mark, row.family),
+            (row.name, row.gap, row.error, row.probability, row.verdict, row.mark, row.family),
             label=f"{row.number}{SPACE}{SPACE}{row.label.removeprefix('eq. (3), ')}",
-            group=KINDS[row.kind],
+            group=row.group,
             look=row.verdict,
         )
         for row in rows(answer)
@@ -118,8 +148,16 @@ def rules_table(answer: CaseAnswer) -> Table:
     return Table(heads, table_rows, words=heads[4:], minor=heads[5:])
 
 
+def rules_caption(answer: CaseAnswer) -> str:
+    """Which rows are a code as its engineer applies it, and which are its combination of peaks."""
+    told = {AS_APPLIED: applied_in_words(answer.case), COMBINATION: COMBINED}
+    groups = {row.group for row in rows(answer)}
+    sentences = [text for group, text in told.items() if group in groups] or [NO_CODES]
+    return " ".join(sentences if answer.every_rule else [*sentences, MORE])
+
+
 def rules_notes(answer: CaseAnswer) -> list[Text]:
-    """The meaning of the columns, marks and families."""
+    """The two ways to use a code, and the meaning of the columns, marks and families."""
     about = subject_of(answer.case)
     columns = (
         f"Error: the rule's {about.gap} relative to the answer; negative is unsafe. "
@@ -127,7 +165,14 @@ def rules_notes(answer: CaseAnswer) -> list[Text]:
         "error: the difference is within the error of the simulation."
     )
     return [
-        Text(text, "note") for text in (about.rules, columns, MARKS, f"{about.families}: {FAMILIES}")
+        Text(text, "note")
+        for text in (
+            rules_caption(answer),
+            about.rules,
+            columns,
+            MARKS,
+            f"{about.families}: {FAMILIES}",
+        )
     ]
 
 
@@ -298,7 +343,7 @@ def _verdicts(answer: CaseAnswer) -> str:
     )
     if not count.get("unsafe"):
         return sentence
-    worst = answer.separation.isel(rule=answer.worst())
+    worst = answer.worst()
     lacking = per_cent(-float(worst.error))
     row = next(row for row in shown if row.rule == worst.rule)
     return f"{sentence} The worst, {row.label}, gives {row.gap}{SPACE}cm, {lacking} less than needed."

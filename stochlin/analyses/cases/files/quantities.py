@@ -57,7 +57,8 @@ class Quantity(NamedTuple):
     @property
     def example(self) -> str:
         """An example of a value as it is written in a file."""
-        return "0.05" if self.units == "1" else f'"1 {next(iter(self.spellings))}"'
+        ratio = "0.05" if self.allowed.contains(0.05) else "1.5"
+        return ratio if self.units == "1" else f'"1 {next(iter(self.spellings))}"'
 
     def ways(self, number: float, shown: str) -> dict[str, float]:
         """Ways to write a number in a file, with their values in SI; the plausible ones come first."""

@@ -18,7 +18,7 @@ from stochlin.models.hazards import MEASURES
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.models.rules.codes import ZONES
+from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE, ZONES
 
 FEWEST_PATHS = 100  # smallest number of motions for a quantile with an interval
 TIME, YEARS, NUMBER = Quantity("s", POSITIVE), Quantity("yr", POSITIVE), Quantity("1", POSITIVE)
@@ -26,6 +26,8 @@ ACCELERATION, SPECTRAL_DENSITY = Quantity("m/s^2", POSITIVE), Quantity("m^2/s^3"
 PEAK, RESPONSE = (ACCELERATION._replace(plausible=PLAUSIBLE[name]) for name in ("pga", "sa"))
 HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
 GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["existing"])
+DISPLACEMENT = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
+CODE_FACTOR = Quantity("1", AT_LEAST_1)
 FACTOR = Quantity("1", Range(upper=100.0, include_upper=True))
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"))
 STOREY_HEIGHT = Quantity.declared(ShearBuilding, "heights")
@@ -169,6 +171,24 @@ BUILDING = table(
     Key("law", str, "Hysteresis law", "bilinear"),
     Key("system", (FRAME, WALL), "Structural system", FRAME, noted=True),
     Key("name", str, "Name in results", None),
+    Key(
+        "displacements",
+        DISPLACEMENT,
+        "Displacements of all floors under design forces, from the ground up",
+        None,
+    ),
+    Key(
+        "behaviour_factor", CODE_FACTOR, "Behaviour factor of the code, by which it reduces forces", None
+    ),
+    Key(
+        "displacement_factor", CODE_FACTOR, "Displacement factor of the code, if it is another one", None
+    ),
+    Key(
+        "importance_factor",
+        Quantity("1", OF_IMPORTANCE),
+        "Importance factor of the code, by which it divides displacements",
+        None,
+    ),
 )
 SEPARATION = table(
     Key("existing", GAP, "Existing gap", None, Slider(0.5, 60.0, 0.5, 5.0, "cm", POSITIVE)),
@@ -177,6 +197,7 @@ SEPARATION = table(
     Key("risk", str, "Allowed risk of pounding, per year or in a time", None),
     Key("same_property", bool, "On one property", False),
     Key("same_system", bool, "Same structural system", False),
+    Key("codes", str, "Building codes that you apply, a list of names or of countries", None),
     Key("zone", tuple(ZONES), "Zone of Mexico City", None),
     Key("unverified", bool, "Rules that are not compared with their source", False),
 )

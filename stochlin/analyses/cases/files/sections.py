@@ -275,6 +275,13 @@ class Section:
             raise self.error(key, f"is not known; {hint}allowed: {', '.join(choices)}")
         return value
 
+    def texts(self, key: str) -> list[str]:
+        """A list of texts, also of one that is written alone."""
+        values = self.need(key, '["..."]')
+        if not isinstance(values, list):
+            return [self.text(key)]
+        return [replace(self, values={key: value}).text(key) for value in values]
+
     def column(self, key: str) -> str | int:
         """A column of a file: its name, or its index from 0."""
         return self.text(key) if isinstance(self.values[key], str) else self.whole(key, Whole(0))

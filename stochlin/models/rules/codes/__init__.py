@@ -15,7 +15,7 @@ import numpy as np
 
 from stochlin.messages import brief
 from stochlin.models.arguments import OneOf, checked
-from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, parameter
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
 
@@ -30,11 +30,19 @@ BETWEEN = "between two properties the gap is the sum of both distances from the 
 OF_PAIRS = (ALIGNED, ALIKE, BETWEEN)  # statements that say nothing of one building
 TWO = "a second building: what it says of a property line is not known here"
 CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.rules.codes")
+# Factors of codes on displacements under design forces, as `code_gaps` names them.
+FACTORS = BEHAVIOUR, DEFLECTION, IMPORTANCE = "behaviour", "deflection", "importance"
+AT_LEAST_1 = Range(1.0, include_lower=True, reason="it multiplies displacements under design forces")
+OF_IMPORTANCE = Range(0.5, 2.0, True, True, "codes have 0.8 to 1.5")
+MULTIPLIED = "displacements that are multiplied already: it has no factor on those under design forces"
 
 
 @dataclass(frozen=True)
 class BuildingPeaks(Model):
-    """Peak displacements [m] of two buildings or of one, and their heights [m] if a rule needs them."""
+    """Peak displacements [m] of two buildings or of one, and what rules need besides.
+
+    These are their heights [m], and the factors of codes if the peaks are those under design forces.
+    """
 
     of_arguments = True
 
@@ -42,16 +50,57 @@ class BuildingPeaks(Model):
     peak_2: Parameter | None = parameter("m", "peak displacement, structure 2", NOT_NEGATIVE, None)
     height_1: Parameter | None = parameter("m", "height, structure 1", POSITIVE, None)
     height_2: Parameter | None = parameter("m", "height, structure 2", POSITIVE, None)
+    behaviour_1: Parameter | None = parameter("1", "behaviour factor, structure 1", AT_LEAST_1, None)
+    behaviour_2: Parameter | None = parameter("1", "behaviour factor, structure 2", AT_LEAST_1, None)
+    deflection_1: Parameter | None = parameter("1", "displacement factor, structure 1", AT_LEAST_1, None)
+    deflection_2: Parameter | None = parameter("1", "displacement factor, structure 2", AT_LEAST_1, None)
+    importance: Parameter | None = parameter("1", "importance factor", OF_IMPORTANCE, None)
+    importance_2: Parameter | None = parameter(
+        "1", "importance factor, structure 2", OF_IMPORTANCE, None
+    )
 
 
 @dataclass(frozen=True)
 class CodeRule(Published):
-    """Base of the separation rules; the number of a rule, if it has one, is a field of its class."""
+    """Base of the separation rules; the number of a rule, if it has one, is a field of its class.
+
+    A code that takes the displacements of a design says in ``multiplies`` by which of its factors those
+    under design forces are multiplied, times ``share``, and over the importance factor if
+    ``over_importance``. ``called`` has the names that it gives to its factors.
+    """
 
     assumptions: ClassVar[str] = INELASTIC
     family: ClassVar[str] = ""  # one of FAMILIES, the one that usually governs
     needs: ClassVar[tuple[str, ...]] = ()  # arguments of `gap` required besides the peaks
     line: ClassVar[str] = ""  # statement on one building and its property line, empty if not known
+    multiplies: ClassVar[str] = ""  # BEHAVIOUR or DEFLECTION; empty if it takes no such displacements
+    share: ClassVar[float] = 1.0
+    over_importance: ClassVar[bool] = False
+    larger_factor: ClassVar[bool] = False  # of both buildings, for both, where floors do not align
+    called: ClassVar[Mapping[str, str]] = {}  # by name in FACTORS
+    countries: ClassVar[tuple[str, ...]] = ()  # in which the code is in use
+
+    @classmethod
+    def takes_peaks(cls) -> bool:
+        """Whether the rule uses displacements at all."""
+        return cls.family not in (HEIGHT, FIXED)
+
+    @classmethod
+    def designed(cls, displacement: Any, factor: Any, importance: Any = 1.0) -> Any:
+        """The displacement of the code [m], for that of a building under design forces [m].
+
+        ``factor`` is the one that the code ``multiplies`` displacements by.
+        """
+        return cls.share * factor * displacement / (importance if cls.over_importance else 1.0)
+
+    @classmethod
+    def under_design_forces(cls, displacement: Any, behaviour: Any, importance: Any = 1.0) -> Any:
+        """The displacement under design forces [m], for that of the elastic spectrum [m].
+
+        Design forces are those of the spectrum over the behaviour factor. A code that divides
+        displacements by the importance factor has multiplied the forces by it.
+        """
+        return displacement * (importance if cls.over_importance else 1.0) / behaviour
 
     @checked
     def gap(
@@ -251,6 +300,16 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
         families = ", ".join(name for name, kind in CODE_RULES.items() if fields(kind))
         raise ValueError(f"value = {brief(value)} is given to {rule.name}; allowed for {families} only")
     return rule(value)  # type: ignore[call-arg]
+
+
+def rules_of(name: str) -> tuple[type[CodeRule], ...]:
+    """The rules of a code by its name or by the name of a country; empty if there are none."""
+    plain = name.strip().lower()
+    of_country = [
+        rule for rule in CODE_RULES.values() if plain in (country.lower() for country in rule.countries)
+    ]
+    key = plain.replace("-", "_").replace(" ", "_")
+    return tuple(of_country or ([CODE_RULES[key]] if key in CODE_RULES else []))
 
 
 def _lacks_number(rule: type[CodeRule]) -> bool:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from stochlin.models.rules.codes import (
     ALIGNED,
     ALIKE,
+    BEHAVIOUR,
     BETWEEN,
     CODE_RULES,
+    DEFLECTION,
     FIXED,
     HEIGHT,
+    IMPORTANCE,
     INELASTIC,
     SRSS,
     SUM,
@@ -57,11 +60,31 @@ class Asce7(ByProperty):
     """
 
     assumptions = f"peaks are maximum inelastic displacements, Cd times elastic over Ie; {BETWEEN}"
+    multiplies = DEFLECTION
+    over_importance = True
+    called: ClassVar = {
+        BEHAVIOUR: "response modification coefficient R",
+        DEFLECTION: "deflection amplification factor Cd",
+        IMPORTANCE: "importance factor Ie",
+    }
+    countries = ("United States", "USA")
 
 
 @published(CODE_RULES, "canada", "National Building Code of Canada", "S", 4)
 class Canada(SquareRoot):
-    """National Building Code of Canada: square root of the sum of the squared peaks."""
+    """National Building Code of Canada: square root of the sum of the squared peaks.
+
+    By 4.1.8.13 they are the elastic deflections times ``Rd Ro/IE``.
+    """
+
+    assumptions = "peaks are anticipated deflections, Rd Ro over IE times elastic"
+    multiplies = BEHAVIOUR
+    over_importance = True
+    called: ClassVar = {
+        BEHAVIOUR: "force modification factors Rd Ro",
+        IMPORTANCE: "importance factor IE",
+    }
+    countries = ("Canada",)
 
 
 @published(CODE_RULES, "eurocode_8", "EN 1998-1:2004, 4.4.2.7", "M high", 5)
@@ -76,6 +99,12 @@ class Eurocode8(ByProperty):
 
     line = "from a property line a building keeps its own displacement"
     assumptions = f"peaks are design displacements, behaviour factor times elastic; {BETWEEN}; {ALIGNED}"
+    multiplies = BEHAVIOUR
+    called: ClassVar = {BEHAVIOUR: "behaviour factor q", IMPORTANCE: "importance factor, within ag"}
+    countries = (
+        *("Europe", "Austria", "Bulgaria", "Croatia", "Cyprus", "Czechia", "France", "Germany"),
+        *("Greece", "Hungary", "Portugal", "Slovakia", "Slovenia"),
+    )
 
     def of_site(self, site: Site) -> Any:
         factor = site.if_aligned(0.7) if site.neighbours.same_property else 1.0
@@ -91,6 +120,9 @@ class Ubc97(ByProperty):
     """
 
     assumptions = f"peaks are maximum inelastic displacements, 0.7 R times those of design; {BETWEEN}"
+    multiplies = BEHAVIOUR
+    share = 0.7
+    called: ClassVar = {BEHAVIOUR: "overstrength and ductility factor R"}
 
 
 class OwnLot(CodeRule):
@@ -114,6 +146,9 @@ class MexicoCity(OwnLot):
     """
 
     assumptions = f"{INELASTIC}; {ALIKE}"
+    multiplies = BEHAVIOUR
+    called: ClassVar = {BEHAVIOUR: "seismic behaviour factor Q"}
+    countries = ("Mexico",)
     family = SUM
     needs = (*OF_HEIGHT, "zone")
     line = f"a building keeps its displacement and {OWN_LOT}"
@@ -135,6 +170,10 @@ class India(CodeRule):
         "peaks are R times the displacements under design forces, where floors are not level with the "
         "larger R of both"
     )
+    multiplies = BEHAVIOUR
+    larger_factor = True
+    called: ClassVar = {BEHAVIOUR: "response reduction factor R"}
+    countries = ("India",)
     family = SUM
 
     def of_site(self, site: Site) -> Any:
@@ -146,6 +185,12 @@ class Taiwan(CodeRule):
     """Taiwan: 0.6 times the sum of the peaks."""
 
     assumptions = "peaks are 1.4 alpha_y Ra times the displacements under design forces"
+    multiplies = DEFLECTION
+    called: ClassVar = {
+        BEHAVIOUR: "reduction 1.4 alpha_y Fu of the forces",
+        DEFLECTION: "1.4 alpha_y Ra",
+    }
+    countries = ("Taiwan",)
     family = SUM
 
     def of_site(self, site: Site) -> Any:
@@ -163,6 +208,12 @@ class Peru(CodeRule):
     """
 
     assumptions = f"{INELASTIC}; {BETWEEN}"
+    multiplies = DEFLECTION
+    called: ClassVar = {
+        BEHAVIOUR: "reduction coefficient R",
+        DEFLECTION: "0.75 R, or 0.85 R if irregular",
+    }
+    countries = ("Peru",)
     family = SUM
     needs = OF_HEIGHT
     line = "a building keeps 2/3 of its own displacement and half of the joint for its own height"
@@ -229,6 +280,7 @@ class China(Numbered):
     """
 
     assumptions = f"concrete frames, intensity 8, up to 15 m where no height is given; {NO_PEAKS}"
+    countries = ("China",)
     family = FIXED
     units = "m"
 

@@ -1,0 +1,156 @@
+"""Building codes as an engineer applies them: displacements of a design times its factors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.cases.files.design import Design
+from stochlin.analyses.separation.rules import Rule, code_rules
+from stochlin.analyses.separation.separation import COMBINED, gaps_by_height, judged_rules
+from stochlin.analyses.separation.storeys import of_storeys, weights
+from stochlin.analyses.separation.variables import VARIABLES
+from stochlin.analyses.sites.spectra import interpolated
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.buildings import ShearBuilding
+from stochlin.models.rules.codes import BEHAVIOUR, CODE_RULES, IMPORTANCE, CodeRule, Neighbours
+from stochlin.models.systems import arrangement_of, first_mode
+
+if TYPE_CHECKING:
+    from stochlin.analyses.cases.buildings import AnyBuilding
+    from stochlin.analyses.cases.case import Case
+
+APPLIED, KIND = "_applied", "applied"  # end of the names of such rules, and their kind
+APPLY = (
+    "A code as you apply it: displacements under design forces times the factors of the code, combined "
+    "as the code asks."
+)
+GIVEN, BY_SPECTRUM = "given", "of the first mode under the design spectrum"
+
+
+def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
+    """The separation of a case with a row more for each code as its engineer applies it.
+
+    A code that takes no displacements has its row already.
+    """
+    codes = (CODE_RULES[name] for name in case.codes)
+    rules = [_applied(case, code, table) for code in codes if code.multiplies]
+    if not rules:
+        return table
+    required = float(table.gap[0])
+    applied = judged_rules(rules, table.separation_samples, case.confidence, required)
+    applied = applied.assign_coords(kind=("rule", [KIND] * len(rules)))
+    if "height" in table.dims:
+        applied = applied.merge(gaps_by_height([rule.gaps for rule in rules], table.height.values))
+        for end in labels.ENDS:
+            applied[f"gap_at_height_{end}"] = xr.full_like(applied.gap_at_height, np.nan)
+    whole = xr.concat([table, applied], "rule", data_vars="minimal", coords="minimal", compat="override")
+    whole = labels.label(whole, VARIABLES)
+    return whole.assign_attrs(comment=f"{applied_in_words(case)} {COMBINED}")
+
+
+def applied_in_words(case: Case) -> str:
+    """What the codes are that the engineer applies, and the source of their displacements."""
+    displaced = any(CODE_RULES[name].multiplies for name in case.codes)
+    return f"{APPLY} Displacements: {sources(case)}." if displaced else APPLY
+
+
+def sources(case: Case) -> str:
+    """Where the displacements of the buildings come from."""
+    parts: dict[str, list[str]] = {}
+    for building in case.one_or_two:
+        where = GIVEN if building.design.displacements else BY_SPECTRUM
+        parts.setdefault(where, []).append(building.name)
+    return ", ".join(f"those of {' and '.join(names)} are {where}" for where, names in parts.items())
+
+
+def _applied(case: Case, rule: type[CodeRule], table: xr.Dataset) -> Rule:
+    """A code as the engineer applies it, at each height at which the buildings could meet."""
+    buildings, heights = case.one_or_two, np.atleast_1d(table.get("height", np.nan))
+    name, nothing = f"{rule.name}{APPLIED}", np.full(heights.size, np.nan)
+    for building in buildings:
+        lacking = building.design.missing(rule, case.spectrum is not None)
+        lacking = lacking or _beyond(case, building)
+        if lacking:
+            return Rule(name, "code", nothing, missing=f"{building.name} lacks {lacking}")
+    structures = [building.structure for building in buildings]
+    system = arrangement_of(structures)
+    floors = np.concatenate([design_displacements(case, building, rule) for building in buildings])
+    peaks = np.array(
+        [
+            [weights(system, number, height) @ floors for height in heights]
+            for number in range(len(buildings))
+        ]
+    )
+    tall: tuple[Any, ...] = tuple(building.height for building in buildings)
+    neighbours = Neighbours(case.floors_align, case.same_property, case.same_system)
+    if any(isinstance(structure, ShearBuilding) for structure in structures):
+        neighbours = of_storeys(neighbours, structures, tall)
+        tall = (heights,) * len(buildings)
+    factors = _factors(rule, [building.design for building in buildings])
+    (row,) = (
+        row
+        for row in code_rules(peaks, tall, neighbours, case.zone, case.numbers, factors)
+        if row.name == rule.name
+    )
+    return replace(row, name=name, assumptions=f"{row.assumptions}; {_stated(case, rule)}")
+
+
+def design_displacements(case: Case, building: AnyBuilding, rule: type[CodeRule]) -> Array:
+    """Displacements of the floors of a building under the design forces of a code [m].
+
+    They are those of the file, or those of the first mode under the spectrum of the site, reduced by the
+    behaviour factor.
+    """
+    design = building.design
+    if design.displacements:
+        return np.array(design.displacements)
+    mode, spectrum = first_mode(building.structure), case.spectrum
+    assert spectrum is not None
+    period = float(mode.arrays()["period"])
+    at = interpolated(spectrum.period.values, spectrum.values, np.array([period]))
+    structure = building.structure
+    shape = structure.participation().values if isinstance(structure, ShearBuilding) else np.ones(1)
+    behaviour, importance = (design.factors.get(name, 1.0) for name in (BEHAVIOUR, IMPORTANCE))
+    elastic = shape * at * (period / (2 * np.pi)) ** 2
+    displacements: Array = rule.under_design_forces(elastic, behaviour, importance)
+    return displacements
+
+
+def _factors(rule: type[CodeRule], designs: Sequence[Design]) -> dict[str, float]:
+    """The factors of both buildings as `code_gaps` takes them; one that has no effect is 1."""
+    factors = {
+        f"{rule.multiplies}_{n}": design.factors.get(rule.multiplies, 1.0)
+        for n, design in enumerate(designs, start=1)
+    }
+    names = "importance", "importance_2"
+    importances = (design.factors.get(IMPORTANCE, 1.0) for design in designs)
+    return factors | dict(zip(names, importances, strict=False))
+
+
+def _stated(case: Case, rule: type[CodeRule]) -> str:
+    """The displacements of the buildings and the factors of the code, in words."""
+    told = [f"displacements: {sources(case)}"]
+    for name in (rule.multiplies, *([IMPORTANCE] if rule.over_importance else [])):
+        factors = (f"{building.design.factors.get(name, 1.0):g}" for building in case.one_or_two)
+        told.append(f"{rule.called[name]}: {' and '.join(factors)}")
+    return "; ".join(told)
+
+
+def _beyond(case: Case, building: AnyBuilding) -> str:
+    """Why the spectrum of the site has no value for a building; empty if it has, or is not needed."""
+    if building.design.displacements or case.spectrum is None:
+        return ""
+    period = case.spectrum.period.values
+    shortest, longest = period[period > 0][[0, -1]]
+    if shortest <= building.period <= longest:
+        return ""
+    return (
+        f"displacements: its period of {building.period:.3g} s is not in the design spectrum, which is "
+        f"known from {shortest:.3g} to {longest:.3g} s"
+    )
