@@ -349,7 +349,7 @@ WRONG = {
         "storeys = 8",
         "storeys = 8\nstoreys  = 8",
         "storeys  =",
-        ["'storeys' is already given in line 121", "each key once"],
+        ["'storeys' is already given in line 123", "each key once"],
     ),
     "dotted key": ("[contact]", "[contact]\na.b.c = 3", "a.b.c", ["contact.a is not a key"]),
     "dotted table": ("title =", "mitigations.a = 1\ntitle =", "mitigations.a", ["mitigations is not a"]),
