@@ -435,6 +435,11 @@ WRONG = {
         "amplification_limit",
         ["mitigation.amplification_limit", "0 < value"],
     ),
+    "measures of one building": (
+        EXAMPLE.replace(EXAMPLE[EXAMPLE.index("[building_2]") : EXAMPLE.index("[separation]")], ""),
+        '[measures."Dampers in the annex"]',
+        ["measures.Dampers in the annex is a measure for two buildings", "[building_2]"],
+    ),
     "measures that are no table": (
         "measures = 3\n" + EXAMPLE.replace(MEASURES, ""),
         "measures",

@@ -41,6 +41,12 @@ def read_measures(whole: Section, buildings: Sequence[AnyBuilding]) -> dict[str,
     for name in table.values:
         if not is_label(name):
             raise table.error(name, f"has a name that cannot be shown; allowed: {A_LABEL}")
+        if len(buildings) == 1:
+            raise table.error(
+                name,
+                "is a measure for two buildings, and there is only one; leave out [measures], or write "
+                "a line [building_2] and its keys below it",
+            )
     return {name: _measure(table.section(name), buildings[:2]) for name in table.values}
 
 

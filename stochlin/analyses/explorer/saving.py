@@ -19,13 +19,23 @@ HEAD = """\
 def case_text(case: Case) -> str:
     """Text of the case file of a case, with all digits of its numbers.
 
+    Floors that are not level are not said to align, whatever the opened file says.
+
     Examples
     --------
     >>> from stochlin.analyses.explorer.opening import first_form
     >>> case_text(first_form().case()).splitlines()[4:7]
     ['[site]', 'ground = "firm"', 'intensity = "0.01 m^2/s^3"']
     """
-    return HEAD + toml_text(case.whole.values)
+    tables = dict(case.whole.values)
+    if _aligned_no_more(case):
+        tables["separation"] = tables["separation"] | {"floors_align": False}
+    return HEAD + toml_text(tables)
+
+
+def _aligned_no_more(case: Case) -> bool:
+    """Whether the tables of a case say that floors align, and they do not."""
+    return bool(case.whole.section("separation").read("floors_align") and not case.floors_align)
 
 
 def files_named(case: Case) -> list[str]:
@@ -52,4 +62,7 @@ def left_out(case: Case, file: Mapping[str, Any]) -> list[str]:
         remarks.append(
             "The suite of records is left out; it is scaled to a spectrum, which the site lacks."
         )
+    if _aligned_no_more(case):
+        slab = case.slabs_on_columns[0]
+        remarks.append(f"The saved file says floors_align = false, since {slab}.")
     return remarks
