@@ -44,3 +44,14 @@ def test_the_flag_of_the_permanent_set_is_not_a_length():
     assert "units" not in flag.attrs
     assert "envelope finally below" in flag.attrs["long_name"]
     assert len(flag.attrs["flag_meanings"].split()) == len(flag.attrs["flag_values"])
+
+
+def test_every_variable_and_coordinate_of_gaps_in_records_has_a_unit_and_a_long_name():
+    pair = [sl.Bilinear(period, 0.05) for period in (0.6, 1.0)]
+    motions = sl.simulated_motions(sl.WhiteNoise(0.01), 5.0, paths=2)
+    table = sl.recorded_gap(*pair, list(motions))
+    assert table["quantile"].attrs == {"units": "1", "long_name": "quantile"}
+    bare = [name for name, array in table.variables.items() if "long_name" not in array.attrs]
+    numbers = [name for name, array in table.variables.items() if array.dtype.kind == "f"]
+    assert not bare
+    assert all("units" in table[name].attrs for name in numbers)

@@ -127,7 +127,8 @@ def _over_records(separation: xr.DataArray) -> xr.Dataset:
     samples = separation.transpose(RECORD, ...)
     columns = quantile_columns("separation", samples.dims[1:], samples.to_numpy(), QUANTILES)
     like = samples.isel({RECORD: 0}, drop=True).coords
-    return xr.Dataset(columns, coords={**like, "quantile": QUANTILES})
+    levels = labels.axis("quantile", "quantile", QUANTILES)
+    return xr.Dataset(columns, coords={**like, "quantile": levels})
 
 
 def _exactly(
