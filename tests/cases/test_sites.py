@@ -251,6 +251,15 @@ def test_a_suite_that_is_wrong_is_named_with_its_line(suite, lines, message):
         read(suite, site)
 
 
+@pytest.mark.parametrize(
+    "band", [["1 s"], ["1 s", "1 s"], ["2 s", "1 s"], ["0.3 s", "1 s", "1.5 s"], ["2 s", "1 s", "3 s"]]
+)
+def test_a_band_is_two_periods_that_rise(suite, band):
+    site = 'spectrum = "eurocode_8"\nag = "0.2 g"\nsoil = "C"\n[site.suite]\npath = "records"\n'
+    with pytest.raises(ValueError, match=r"case.toml, line \d+: site.suite.band = .* is no band"):
+        read(suite, f'{site}scale_to = "spectrum"\nband = {band}\n')
+
+
 @pytest.mark.parametrize("factor", [12, 0.05])
 def test_a_factor_that_is_hardly_meant_is_asked_about(suite, factor):
     record = f'[[site.records]]\npath = "records/m00.at2"\nscale = {factor}\n'

@@ -71,6 +71,22 @@ def test_energy_balances_for_every_contact(name):
         assert float(abs(table.contact_lost_energy).max()) < 1e-6 * float(table.input_energy.max())
 
 
+def test_work_of_every_storey_is_what_it_stores_and_dissipates():
+    """Integrated from the histories of a tower whose storeys all yield, each by another drift."""
+    tower = sl.ShearBuilding(
+        [2e5] * 3, [2e8, 1.6e8, 1e8], [3.5] * 3, 0.05, hardening=0.05, yield_drifts=[0.006, 0.005, 0.004]
+    )
+    table = sl.pound([tower], motion=synthetic(), output_step=0.0005).isel(structure=0)
+    drift = table.displacement.diff("floor", label="upper").combine_first(table.displacement)
+    shear = table.storey_shear
+    mean, moved = (shear + shear.shift(time=1)) / 2, drift.diff("time")
+    work = (mean * moved).sum()
+    last = table.isel(time=-1)
+    assert (abs(drift).max("time") > np.array([0.006, 0.005, 0.004])).all()
+    assert float(work) == pytest.approx(float(last.elastic_energy + last.hysteretic_energy), rel=2e-3)
+    np.testing.assert_allclose(table.peak_storey_shear, abs(shear).max("time"), rtol=2e-3)
+
+
 @needs_records
 @pytest.mark.parametrize("record", ["SCT", "Taft"])
 @pytest.mark.parametrize("name", CONTACTS)

@@ -3,9 +3,13 @@
 import cases
 import numpy as np
 import pytest
+import scipy.linalg
 import scipy.stats
+import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.linearization.equivalent_systems import SHARES, solve_structure
+from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.simulation import rare_yielding
 from stochlin.analyses.simulation.ensembles import cells_of, join_cells, prepare
 from stochlin.analyses.simulation.run_lengths import with_length
@@ -399,6 +403,42 @@ def test_rare_yielding_is_bounded_and_flagged():
     alone = sl.simulate([usual], ground, paths=32)
     assert "estimate" not in alone
     assert float(alone.displacement_std[0]) == pytest.approx(float(table.displacement_std[1]), rel=0.02)
+
+
+def velocity_correlation(pair):
+    """Of two linearized oscillators on one white noise, by the Lyapunov equation of both together."""
+    matrix = np.zeros((6, 6))
+    for n, (structure, closure) in enumerate(pair):
+        w, alpha = 2 * np.pi / float(structure.period), float(structure.hardening)
+        own = slice(3 * n, 3 * n + 3)
+        matrix[own, own] = [
+            [0, 1, 0],
+            [-alpha * w**2, -2 * float(structure.damping) * w, -(1 - alpha) * w**2],
+            [0, -float(closure.c_eq), -float(closure.k_eq)],
+        ]
+    noise = np.array([0.0, 1.0, 0.0] * 2)
+    covariance = scipy.linalg.solve_continuous_lyapunov(matrix, -np.outer(noise, noise))
+    return covariance[1, 4] / np.sqrt(covariance[1, 1] * covariance[4, 4])
+
+
+def test_the_drifts_of_two_rare_ones_are_correlated_by_what_is_new_to_both():
+    """Eqs. (6) to (8) with the velocities of the whole system, for either order of the structures."""
+    structures = [yielding(1.0, 0.29, 0.1), yielding(1.1, 0.45, 0.05)]
+    closures = [solve_structure(structure, NOISE, "drift", USUAL) for structure in structures]
+    r_v = velocity_correlation(list(zip(structures, closures, strict=True)))
+    shares = [np.array([float(closure[name]) for name in SHARES]) for closure in closures]
+    rates = np.array([float(closure.drift_rate) for closure in closures])
+    kicks = r_v * np.sum(np.sqrt(shares[0] * shares[1]) * r_v ** (2 * np.arange(len(SHARES))))
+    of_drifts = kicks * 2 * np.sqrt(np.prod(rates)) / np.sum(rates)
+    parts = [float(closure.drift_std / closure.displacement_std) for closure in closures]
+    for order in ([0, 1], [1, 0]):
+        names = ("displacement_std", "displacement_std_standard_error", "ductility_std")
+        table = xr.Dataset({name: ("structure", np.full(2, 0.1)) for name in names})
+        for name in ("rho", "rho_standard_error"):
+            table[name] = ("structure", "structure_2"), np.zeros((2, 2))
+        ordered = [structures[n] for n in order]
+        whole = rare_yielding.with_drift(table, ordered, NOISE, np.array([True, True]))
+        assert float(whole.rho[0, 1]) == pytest.approx(of_drifts * np.prod(parts), rel=1e-6)
 
 
 @pytest.mark.slow
