@@ -30,6 +30,7 @@ from stochlin.analyses.cases.sites.strength import HAZARD_EXAMPLE
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.risk.risk import check_target
 from stochlin.analyses.tables.inputs import input_path
+from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -50,7 +51,7 @@ class Case:
 
     The ground is fitted and scaled to the wanted strength, where the file asks for this, when it is
     first needed. ``inputs`` are the paths of the file and of the files of its records, which results
-    must not overwrite.
+    must not overwrite. ``paths`` is the number of motions that are simulated, in whole groups of 32.
 
     ``buildings`` are in a row from left to right, oscillators and buildings with storeys. Analyses of
     two buildings use ``pair``, ``first``, ``second`` and ``gap``; analyses that also take one building
@@ -335,7 +336,7 @@ def case_of(whole: Section, path: Path, known: Known) -> Case:
         zone=wanted.read("zone"),
         numbers=_numbers(wanted.section("numbers", needed=False)),
         unverified=wanted.read("unverified"),
-        paths=simulated.read("paths"),
+        paths=whole_groups(simulated.read("paths")),
         seed=simulated.read("seed"),
         contact=read_contact(whole.section("contact")) if "contact" in whole else None,
         measures=read_measures(whole, buildings),

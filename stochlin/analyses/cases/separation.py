@@ -25,6 +25,7 @@ from stochlin.analyses.sites.motion_fit import FittedMotion, compare_motions
 from stochlin.analyses.sites.simulated_spectra import simulated_spectrum
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import DoubtfulInput
 from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Model
@@ -198,7 +199,7 @@ def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | No
     sampled = [building.sampled for building in case.one_or_two]
     structures = dict(zip(("first", "second"), sampled, strict=False))
     motion = case.duration, case.envelope, case.scatter
-    paths = max(FEWEST_PATHS, case.paths // SHARE)
+    paths = whole_groups(max(FEWEST_PATHS, case.paths // SHARE))
     inputs = RiskInputs(structures, case.sampled_ground, case.hazard, *motion, paths, case.seed)
     with _of_hazard(case):
         inputs.check()

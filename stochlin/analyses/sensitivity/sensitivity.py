@@ -22,7 +22,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_duration, standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.stepping import LANES
+from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.models.arguments import Duration, Paths, Probability, Scatter, Seed, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -170,7 +170,7 @@ def _responses(
     ``motion`` has the options of `drawn_separations`.
     """
     paths, seed, count = motion["paths"], motion["seed"], len(inputs.inputs)
-    motions = -(-paths // LANES) * LANES
+    motions = whole_groups(paths)
     done = 0
     step: float | None = None
     sets = [inputs.sampled(paths, seed, number) for number in range(SAMPLES)]

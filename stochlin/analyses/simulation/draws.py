@@ -11,7 +11,7 @@ import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.simulation.stepping import LANES
+from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.models.structures import Structure
 from stochlin.models.systems import Stack, stack_of, stacks_of
 from stochlin.models.uncertain import UncertainModel, median_of
@@ -94,7 +94,7 @@ def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int, number: 
     The number of motions is ``paths``, rounded up to whole groups. Samples with different ``number`` are
     independent.
     """
-    motions = -(-paths // LANES) * LANES
+    motions = whole_groups(paths)
     listed = structures if isinstance(structures, Sequence) else ()  # other types are refused later
     drawn = Draw(listed, ground, motions, {})
     random = np.random.default_rng([seed, STREAM, *([number] if number else [])])

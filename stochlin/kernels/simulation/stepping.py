@@ -25,6 +25,11 @@ LANES = 32  # independent motions in the innermost loop, which fit vector regist
 # them completely, which takes up to twice as long, since constants do not stay in registers.
 
 
+def whole_groups(motions: int) -> int:
+    """The number of motions rounded up to whole groups of `LANES`, which is the number simulated."""
+    return -(-motions // LANES) * LANES
+
+
 class FilterSteps(NamedTuple):
     """One step of a ground filter: ``q_new = transition q + gain xi``, forcing ``row q + direct xi``.
 
