@@ -6,6 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 import pytest
 import xarray as xr
@@ -104,7 +105,8 @@ def test_the_error_by_time_steps_is_told_with_the_cure_where_it_is_large(tmp_pat
 
 
 def test_the_command_has_the_steps_of_the_function() -> None:
-    (option,) = (each for each in main.commands["pound"].params if each.name == "steps_per_contact")
+    options = main.commands["pound"].get_params(click.Context(main))
+    (option,) = (each for each in options if each.name == "steps_per_contact")
     default = inspect.signature(sl.pound).parameters["steps_per_contact"].default
     assert (option.default, option.type.min, option.type.max) == (default, FEWEST_STEPS, MOST_STEPS)
 
@@ -488,6 +490,40 @@ def test_simulated_motions_are_said_saved_and_drawn_together(kind: str, tmp_path
     assert {row[rows[0].index("status")] for row in rows[1:]} == {"converged"}
     impacts = [float(row[rows[0].index("impacts_between_1-2")]) for row in rows[1:]]
     assert impacts == again.impacts_between[:, 0].values.tolist()
+
+
+@pytest.mark.parametrize("kind", ["oscillators", "columns"])
+def test_the_share_of_motions_with_contact_is_that_of_the_gap(kind: str, tmp_path: Path) -> None:
+    """Contact changes nothing before it, so that the motions that pound are those that need more."""
+    text = {"oscillators": sl.example_case(), "columns": of_storeys("3.6 m")}[kind]
+    text = text.replace("paths = 2048", "paths = 100").replace("align = true", "align = false")
+    path = case_file(tmp_path, text=text)
+    case = sl.read_case(path)
+    assert case.paths == 128
+    structures = [building.structure for building in case.buildings]
+    needed = sl.separation(*structures, case.ground, **case.motion).separation_samples.values
+    gap = float(np.median(needed))
+    path.write_text(re.sub('existing = ".*?"', f'existing = "{gap} m"', text), encoding="utf-8")
+    done = answered("pound", path, "--motions", 128, "--out", tmp_path / "p.nc")
+    assert "These are the motions of 'stochlin gap': its share" in " ".join(done.output.split())
+    with xr.open_dataset(tmp_path / "p.nc") as table:
+        hit = table.impacts_between[:, 0].values > 0
+    near = np.abs(needed / gap - 1) < 0.01  # the ground within a step differs
+    assert near.sum() <= 8
+    np.testing.assert_array_equal(hit[~near], (needed > gap)[~near])
+    fewer = answered("pound", path, "--motions", 8, "--out", tmp_path / "p.nc")
+    assert "The first 8 of them are also the first of the 128 motions of 'stochlin gap'" in " ".join(
+        fewer.output.split()
+    )
+    with xr.open_dataset(tmp_path / "p.nc") as table:
+        np.testing.assert_array_equal(table.impacts_between[:, 0].values > 0, hit[:8])
+
+
+def test_uncertain_buildings_are_told_to_be_those_of_the_gap_at_their_medians(tmp_path: Path) -> None:
+    text = sl.example_case().replace('"1.0 s" ', '"1.0 s +- 10 %" ')
+    done = answered("pound", case_file(tmp_path, text=text), "--motions", 4)
+    shown = " ".join(done.output.split())
+    assert "a sample of the uncertain parameters in each of its 2048 motions" in shown
 
 
 def test_six_records_are_shown_together(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.pounding.runs import STEPS_PER_CONTACT
 from stochlin.analyses.records.cells import Records
 from stochlin.analyses.simulation.ground_motions import simulated_motions
+from stochlin.analyses.simulation.simulation import time_step
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.buildings import ShearBuilding
@@ -106,8 +107,9 @@ def pound_motions(
     case : Case
         As in `pound_case`.
     motions : int, optional
-        Number of simulated motions of the site, with the seed of the case; by default the motions are
-        the records of the case.
+        Number of simulated motions of the site, by default the records of the case. They are the first
+        of those that `separation` simulates for the case, with its seed and its time step, which is the
+        attribute ``step_s``; uncertain parameters are at their medians.
     progress : callable, optional
         Called with the share of the motions that is done.
     steps_per_contact : int
@@ -129,7 +131,8 @@ def pound_motions(
     attrs = {"title": f"{case.title}: {_what(case)} in {len(case.records)} records"}
     if motions is not None:
         motion = {name: value for name, value in case.motion.items() if name != "confidence"}
-        shaking = simulated_motions(case.ground, **motion | {"paths": motions})
+        step = time_step([building.structure for building in case.buildings], case.ground)
+        shaking = simulated_motions(case.ground, **motion | {"paths": motions, "step": step})
         attrs = {name: shaking.attrs[name] for name in OF_MOTIONS if name in shaking.attrs}
         attrs["title"] = f"{case.title}: {_what(case)} in {motions} simulated motions"
     try:
@@ -146,7 +149,7 @@ def pound_motions(
         table = table.assign(xr.concat(each, "record", combine_attrs="drop"))
     else:
         table = table.assign(shaking_of(case).data_vars)
-        table = table.assign_attrs(duration_s=case.duration, seed=case.seed)
+        table = table.assign_attrs(duration_s=case.duration, seed=case.seed, step_s=step)
     table = _named(table, case, structures).assign_attrs(attrs, case=case.title)
     return labels.label(table, VARIABLES)
 

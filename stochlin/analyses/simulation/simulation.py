@@ -332,6 +332,12 @@ def checked_structures(structures: Sequence[AnyStructure], ground: Ground) -> di
     return roles
 
 
+def time_step(structures: Sequence[AnyStructure], ground: Ground) -> float:
+    """Time step of `simulate` in finite motions of these structures [s]."""
+    moving = structures_in_motion(structures, ground, None, stationary=False)
+    return moving.run(ground, paths=1, seed=0, steps_per_period=STEPS_PER_PERIOD).plan.dt
+
+
 def check_repeated(
     structures: Sequence[AnyStructure],
     ground: Ground,

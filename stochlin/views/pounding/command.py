@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from stochlin.views.shared.options import Extended
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
@@ -28,8 +29,23 @@ if TYPE_CHECKING:
 TABLES = (".nc",)
 
 
+def options_of_steps() -> Iterable[Any]:
+    """``--steps-per-contact``, with the default and the range of `stochlin.pound`."""
+    from stochlin.analyses.pounding.pounding import FEWEST_STEPS, MOST_STEPS
+    from stochlin.analyses.pounding.runs import STEPS_PER_CONTACT
+
+    yield click.option(
+        "--steps-per-contact",
+        type=click.IntRange(FEWEST_STEPS, MOST_STEPS),
+        default=STEPS_PER_CONTACT,
+        show_default=True,
+        help="Time steps in half a period of the contact. All time steps become shorter with it; the "
+        "error falls with its square.",
+    )
+
+
 @COMMANDS.register("pound")
-@click.command()
+@click.command(cls=Extended, after="motions", by=[options_of_steps])
 @click.argument("case", type=FILE)
 @click.option(
     "--out",
@@ -49,14 +65,6 @@ TABLES = (".nc",)
     type=click.IntRange(min=2),
     help="Simulate this number of motions of the site in place of its records, and print one table of "
     "their results.",
-)
-@click.option(
-    "--steps-per-contact",
-    type=click.IntRange(4, 4096),
-    default=16,
-    show_default=True,
-    help="Time steps in half a period of the contact. All time steps become shorter with it; the error "
-    "falls with its square.",
 )
 def pound(
     case: Path, out: Path | None, picture: Path | None, motions: int | None, steps_per_contact: int

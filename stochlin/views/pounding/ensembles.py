@@ -75,6 +75,7 @@ def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
         motions = f"{count} simulated motions of {case.duration:.4g} s, {site_in_words(case)}"
     about = [
         f"{motions}: {_shares(table) if meets else ALONE}",
+        _beside_gap(case, count) if simulated and meets else "",
         *((shaking(table, case), scatter(case)) if simulated else (_strengths(table),)),
         at_medians(case),
     ]
@@ -114,6 +115,23 @@ def _shares(table: xr.Dataset) -> str:
         left, right = str(of_pair.neighbours.item()).split(" | ")
         shares.append(f"buildings {left} and {right} hit in {share} of them ({low} to {high})")
     return f"{'; '.join(shares)}."
+
+
+def _beside_gap(case: Case, count: int) -> str:
+    """Whether 'stochlin gap' has the same motions, and so the same share of them with contact."""
+    if len(case.buildings) > 2:
+        return ""
+    if case.uncertain:
+        return (
+            "'stochlin gap' takes a sample of the uncertain parameters in each of its "
+            f"{case.paths} motions, so that its share of motions with contact is another."
+        )
+    if count == case.paths:
+        return "These are the motions of 'stochlin gap': its share of motions with contact is the same."
+    return (
+        f"The first {min(count, case.paths)} of them are also the first of the {case.paths} motions of "
+        "'stochlin gap': its share of motions with contact differs by the other motions."
+    )
 
 
 def _columns_met(table: xr.Dataset) -> str:
