@@ -13,6 +13,7 @@ from stochlin.analyses.explorer.form import GROUND
 from stochlin.analyses.explorer.opening import opened
 from stochlin.analyses.explorer.saving import case_text
 from stochlin.analyses.sites.motion_fit import RECORD_TO_RECORD
+from stochlin.views.shared.descriptions import source_in_words
 
 pytestmark = pytest.mark.invariant
 
@@ -36,6 +37,8 @@ def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
     assert case.ground == sl.fit_ground(target, filters=1, **motion)
     assert case.site == "eurocode_8"
     assert "Eurocode 8, type 1, ground C" in case.ground.source
+    assert "(largest)" in case.ground.source
+    assert source_in_words(case).replace("\N{NO-BREAK SPACE}", " ").endswith("decay 0.35 1/s)")
     form, notes = opened(case)
     explored = form.case()
     assert explored.ground == case.ground

@@ -148,6 +148,11 @@ class Case:
         )
 
     @property
+    def periods(self) -> list[float]:
+        """Periods of the buildings, from left to right [s]."""
+        return [building.period for building in self.buildings]
+
+    @property
     def sampled_ground(self) -> Any:
         """The ground with its uncertain parameters, for simulations that sample them."""
         return self.uncertain_ground or self.ground

@@ -85,8 +85,7 @@ def pound_case(
             )
         except (ValueError, TypeError, ArithmeticError) as error:
             raise type(error)(f"{case.file}, record {name}: {error}") from error
-        periods = [building.period for building in case.buildings]
-        table = table.assign(recorded_shaking(record, periods))
+        table = table.assign(recorded_shaking(record, case.periods))
         tables[name] = _described(_named(table, case, structures)).assign_attrs(
             title=f"{case.title}: {_what(case)} in {name}", record=name, case=case.title
         )
@@ -144,8 +143,7 @@ def pound_motions(
     except (ValueError, TypeError, ArithmeticError) as error:
         raise type(error)(f"{case.file}: {error}") from error
     if motions is None:
-        periods = [building.period for building in case.buildings]
-        each = [xr.Dataset(recorded_shaking(record, periods)) for record in case.records.values()]
+        each = [xr.Dataset(recorded_shaking(record, case.periods)) for record in case.records.values()]
         table = table.assign(xr.concat(each, "record", combine_attrs="drop"))
     else:
         table = table.assign(shaking_of(case).data_vars)

@@ -184,7 +184,7 @@ def _spectrum(case: Case) -> xr.Dataset:
     if case.fitted:
         fitted = FittedMotion(case.ground, case.envelope, case.duration)
         return compare_motions(next(iter(case.records.values())), fitted, **options)
-    periods = [*(building.period for building in case.buildings), *periods_of(case.ground)]
+    periods = [*case.periods, *periods_of(case.ground)]
     low, high = min(periods) / AROUND, max(periods) * AROUND
     frequency = np.geomspace(2 * np.pi / high, 2 * np.pi / low, POINTS)
     spectrum = case.ground.psd(frequency).rename("psd_ground").to_dataset()

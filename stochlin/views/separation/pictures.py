@@ -131,7 +131,7 @@ def spectrum_figure(answer: CaseAnswer) -> Figure:
 
     spectrum = answer.spectrum
     if "target" in spectrum:
-        return draw_spectrum(spectrum, False, [building.period for building in answer.case.buildings])
+        return draw_spectrum(spectrum, False, answer.case.periods)
     figure, axes = _blank(3.3)
     period = spectrum.period.values
     axes.plot(period, spectrum.psd_ground, color=CURVES[1][0], label="ground")

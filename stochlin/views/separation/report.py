@@ -124,7 +124,7 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
 
 
 def _of_site(answer: CaseAnswer) -> str:
-    sentences = fit_in_words(answer.spectrum)
+    sentences = fit_in_words(answer.spectrum, answer.case.periods)
     if not sentences:
         return "Power spectral density of the ground acceleration over period."
     return " ".join([*sentences, "Below, the ratio with its 95 % interval; dotted, 6 % to either side."])

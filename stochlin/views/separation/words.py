@@ -229,7 +229,7 @@ def summary(answer: CaseAnswer) -> list[str]:
             for name, gap in zip(case.records, table.record_separation.values, strict=True)
         )
         sentences.append(f"In the recorded motions {about.they} would have needed: {gaps}.")
-    sentences.append(" ".join(fit_in_words(answer.spectrum)))
+    sentences.append(" ".join(fit_in_words(answer.spectrum, answer.case.periods)))
     return [sentence for sentence in sentences if sentence]
 
 

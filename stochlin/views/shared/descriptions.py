@@ -41,6 +41,7 @@ OF_ONE = re.compile(r"_(?=[12]$)")
 UNCERTAIN = re.compile(r"([-\d.e+]+(?: to [-\d.e+]+)?)(?: \+- (.*))?")  # two ends, or median and spread
 SEVERAL = re.compile(r"\(([^()]*)\)")
 WITHIN = re.compile(r"\b[A-Z]\w*\(\w+=(?:[^()]|\([^()]*\))*\)")  # a model in a text
+ERRORS_OF_FIT = re.compile(r", have this spectrum in the mean with errors of .*?\(largest\)")
 COUNT = re.compile(r"^(\d+) of ")
 SHOWN = {
     "ShearBuilding": "shear building",
@@ -91,8 +92,12 @@ def site_in_words(case: Case) -> str:
 
 
 def source_in_words(case: Case) -> str:
-    """The source of the ground of a case, the envelope in words; empty if it has none."""
-    return WITHIN.sub(lambda found: f"envelope ({in_words(found[0])})", case.ground.source)
+    """The source of the ground of a case, the envelope in words; empty if it has none.
+
+    The errors of a fit over all periods are left out: a case has those in the band of its buildings.
+    """
+    source = ERRORS_OF_FIT.sub("", case.ground.source)
+    return WITHIN.sub(lambda found: f"envelope ({in_words(found[0])})", source)
 
 
 def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> str:

@@ -46,7 +46,8 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
     caption : bool
         Whether to describe below the chart the ground, duration, envelope and fit of the motions.
     periods : sequence of float
-        Periods to mark [s], such as those of buildings.
+        Periods of buildings [s], which are marked. The fit is then described for their band, from 0.2 of
+        the shortest to 1.5 of the longest.
 
     Returns
     -------
@@ -63,7 +64,7 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
     from matplotlib.figure import Figure
 
     check_spectrum(dataset)
-    text = filled(_caption(dataset), CAPTION) if caption else ""
+    text = filled(_caption(dataset, periods), CAPTION) if caption else ""
     foot = LINE * (text.count("\n") + 1.5) if text else 0.05
     figure = Figure()
     compared = "target" in dataset
@@ -146,11 +147,11 @@ def _ratio(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set(ylim=(max(1 - away, 0), 1 + away), ylabel="ratio")
 
 
-def _caption(dataset: xr.Dataset) -> list[str]:
+def _caption(dataset: xr.Dataset, periods: Sequence[float]) -> list[str]:
     """A description of the motions and of their fit."""
     attrs = dataset.attrs
     source = dataset.target.attrs.get("source") if "target" in dataset else None
     wanted = [f"Target: {source}."] if source else []
     motions = [f"Damping {attrs['damping']:g}; motions of {attrs['duration_s']:.4g} s, "
                f"{attrs.get('envelope', 'stationary')}."]  # fmt: skip
-    return [attrs["title"], *wanted, *fit_in_words(dataset), *motions, attrs["ground"]]
+    return [attrs["title"], *wanted, *fit_in_words(dataset, periods), *motions, attrs["ground"]]

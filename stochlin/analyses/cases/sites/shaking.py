@@ -26,8 +26,7 @@ LEVELS = (0.5, 0.84)  # quantiles over more records, besides the confidence of t
 
 def shaking_of(case: Case) -> xr.Dataset:
     """Mean intensity of the motions of a case: PGA, rms, S0, and Sa at the period of each building."""
-    periods = np.array([building.period for building in case.buildings])
-    return shaking(case.ground, periods, case.duration, case.envelope)
+    return shaking(case.ground, np.array(case.periods), case.duration, case.envelope)
 
 
 def recorded_shaking(record: xr.DataArray, periods: list[float]) -> dict[str, xr.DataArray]:
