@@ -55,7 +55,7 @@ def test_the_answer_says_how_the_motions_compare_with_the_record(fitted: Case) -
         in told
     )
     assert "Significant duration: " in told
-    assert "mean of the motions relative to the record: off by " in told
+    assert "mean of the motions relative to the record from 0.12 to 1.5 s, 0.2 to 1.5 times the" in told
 
 
 @pytest.mark.parametrize(
