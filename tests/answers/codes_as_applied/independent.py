@@ -26,9 +26,10 @@ periods = 0.7, 2 * pi / sqrt(square)
 elastic = [
     share * displacement(period) for share, period in zip((share_1, share_2), periods, strict=True)
 ]
-design = elastic[0] / 3, elastic[1] / 5
-of_ec8 = 3 * design[0], 5 * design[1]
-of_asce = 2.5 * design[0], 4.5 * design[1]
+behaviour, deflection = (3.0, 5.0), (2.5, 4.5)
+design = [value / q for value, q in zip(elastic, behaviour, strict=True)]
+of_ec8 = [value * q for value, q in zip(design, behaviour, strict=True)]
+of_asce = [value * cd for value, cd in zip(design, deflection, strict=True)]
 peaks = 0.083, 0.065
 
 ANSWERS = {
@@ -36,6 +37,8 @@ ANSWERS = {
     "combination": [0.7 * hypot(*peaks), hypot(*peaks)],
 }
 NUMBERS = {
+    **{"ag": ag, "level": levels[1], "behaviour": behaviour, "deflection": deflection},
+    "peaks": [100 * peak for peak in peaks],
     **{"period": periods[1], "share_1": share_1, "share_2": share_2},
     **{"sd_1": 100 * displacement(periods[0]), "sd_2": 100 * displacement(periods[1])},
     **{"elastic_1": 100 * elastic[0], "elastic_2": 100 * elastic[1]},
