@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import stochlin as sl
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.separation.words import summary
+from stochlin.views.shared.words import scatter
 
 pytestmark = pytest.mark.invariant
 
@@ -56,6 +58,54 @@ def test_the_answer_says_how_the_motions_compare_with_the_record(fitted: Case) -
     )
     assert "Significant duration: " in told
     assert "mean of the motions relative to the record from 0.12 to 1.5 s, 0.2 to 1.5 times the" in told
+
+
+def read_both(folder: Path, second: str, lines: str = "components = 2\n") -> Case:
+    """The example at the site of two records; the second one is a change of the first."""
+    read(folder, FITTED)
+    wave = sl.read_record(folder / "wave.at2")
+    sl.to_at2(wave[:-20] if second == "short" else 1.5 * wave, folder / "other.at2")
+    text = (folder / "case.toml").read_text(encoding="utf-8")
+    text = text.replace('path = "wave.at2"', 'path = "wave.at2"\n\n[[site.records]]\npath = "other.at2"')
+    text = text.replace(FITTED, f"{FITTED}{lines}")
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    return sl.read_case(folder / "case.toml")
+
+
+def test_ground_and_scatter_come_from_both_components(tmp_path: Path) -> None:
+    case = read_both(tmp_path, "loud")
+    motion = sl.fit_motion(list(case.records.values()), filters=2)
+    assert (case.ground, case.envelope) == (motion.ground, motion.envelope)
+    assert case.scatter == motion.scatter == pytest.approx(math.log(1.5) / math.sqrt(2), rel=1e-6)
+    assert "between both components" in scatter(case)
+
+
+def test_of_one_component_the_scatter_is_that_of_the_other(fitted: Case) -> None:
+    assert fitted.scatter == 0.4
+    assert "the other component of a station" in scatter(fitted)
+
+
+def test_components_that_are_none_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"motion.components = 2 .* allowed: two components of equal"):
+        read_both(tmp_path, "short")
+    read(tmp_path, FITTED)
+    path = tmp_path / "case.toml"
+    text = path.read_text(encoding="utf-8").replace(FITTED, f"{FITTED}components = 2\n")
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=r"motion.components = 2 needs two \[\[site.records\]\]"):
+        sl.read_case(path)
+
+
+@pytest.mark.slow
+def test_the_answer_says_what_is_wrong_with_a_record(tmp_path: Path) -> None:
+    case = read(tmp_path, FITTED, "filters = 1\n")
+    record = sl.read_record(tmp_path / "wave.at2")
+    sl.to_at2(record[500:], tmp_path / "wave.at2")
+    answer = answer_case(sl.read_case(tmp_path / "case.toml"))
+    assert answer.checks is not None
+    assert list(answer.doubts_of_records()) == ["wave.at2"]
+    assert any("Record wave.at2: It starts with" in sentence for sentence in summary(answer))
+    assert case.scatter == 0.4
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from stochlin.analyses.cases.case import Case
 from stochlin.analyses.explorer.opening import opened
 from stochlin.analyses.explorer.pair import motion_of
 from stochlin.analyses.explorer.saving import case_text
-from stochlin.analyses.sites.motion_fit import RECORD_TO_RECORD
+from stochlin.analyses.sites.motion_fit import USES
 from stochlin.views.command import main
 from stochlin.views.shared.words import scatter
 
@@ -43,7 +43,7 @@ def read(folder: Path, line: str = "", site: str = "") -> Case:
 
 def test_the_usual_one_is_none_where_the_strength_of_the_ground_is_given(tmp_path):
     case = read(tmp_path)
-    assert case.scatter == case.motion["scatter"] == case.usual_scatter == 0
+    assert case.scatter == case.motion["scatter"] == case.usual_scatter.scatter == 0
     assert not scatter(case)
 
 
@@ -63,11 +63,12 @@ def test_it_is_read_said_and_kept_by_the_explorer(tmp_path):
 @pytest.mark.slow
 def test_of_a_spectrum_it_is_what_suites_show_and_can_be_left_out(tmp_path):
     case = read(tmp_path, site=CODE)
-    assert case.scatter == case.usual_scatter == RECORD_TO_RECORD
+    assert case.scatter == case.usual_scatter.scatter == USES["spectrum"].scatter == 0.3
+    assert case.usual_scatter.source in scatter(case)
     assert "scatter = 0 in [motion] omits it" in scatter(case)
     none = read(tmp_path, "scatter = 0", site=CODE)
     assert none.scatter == 0
-    assert f"suites of records show a scatter of {RECORD_TO_RECORD:g}" in scatter(none)
+    assert "records show a scatter of 0.3 (suites of records about a spectrum" in scatter(none)
 
 
 @pytest.mark.parametrize("command", GAPS)

@@ -5,8 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.sites.motion_fit import FITTED_USES
+from stochlin.messages import DoubtfulInput
 
 SUITES = Path(__file__).parents[3] / "shared" / "records"
 SHAPE = sl.AminAng(3.0, 12.0, 0.3)
@@ -77,6 +80,95 @@ def test_motions_carry_the_energy_of_records_that_were_measured():
         assert float(table.peak_ground_acceleration) == pytest.approx(peak, rel=0.35)
 
 
+@pytest.mark.slow
+@pytest.mark.oracle
+def test_both_components_are_fitted_by_their_geometric_means(record, motion):
+    twice = (2 * record).assign_attrs(record.attrs)
+    both = sl.fit_motion({"north": record, "east": twice})
+    assert both.ground.intensity == pytest.approx(2 * motion.ground.intensity, rel=1e-3)
+    for name, value in motion.envelope.arrays().items():
+        assert float(both.envelope.arrays()[name]) == pytest.approx(float(value), rel=1e-4)
+    assert both.scatter == pytest.approx(np.log(2) / np.sqrt(2))  # about the mean of 0 and ln 2
+    assert "between both components" in both.scatter_source
+    table = sl.compare_motions([record, twice], both)
+    energy = float((record**2).integrate("time"))
+    expected = np.pi / (2 * 9.80665) * 2 * energy
+    assert float(table.record_arias_intensity) == pytest.approx(expected, rel=1e-9)
+    assert abs(table.energy_ratio - 1) < 4 * table.energy_ratio_standard_error
+
+
+@pytest.mark.invariant
+def test_the_scatter_is_that_of_the_use(record):
+    options = {"filters": 1}
+    scatters = {use: sl.fit_motion(record, use=use, **options).scatter for use in FITTED_USES}
+    assert scatters == {"same_record": 0.0, "other_component": 0.4, "other_station": 0.4}
+    both = [record, (2 * record).assign_attrs(record.attrs)]
+    assert sl.fit_motion(both, use="other_station", **options).scatter == 0.4
+
+
+def burst_and_tail(start):
+    """A burst, and a long harmonic motion from a time [s] on: no filter under an envelope."""
+    time = 0.02 * np.arange(3000)
+    noise = np.random.default_rng(2).standard_normal(3000)
+    values = noise * np.exp(-((time - 5) ** 2)) + 0.2 * np.sin(40 * time) * (time > start)
+    return xr.DataArray(values, dims="time", coords={"time": time}, attrs={"source": "burst"})
+
+
+@pytest.mark.oracle
+def test_a_fit_that_misses_the_duration_says_so():
+    motion = burst_and_tail(45)
+    with pytest.warns(DoubtfulInput, match="burst: the motions have a significant duration of") as told:
+        fitted = sl.fit_motion(motion, "gamma", filters=1)
+    assert [str(each.message) for each in told] == [f"burst: {text}" for text in fitted.doubts]
+    # The same of the motions that are simulated.
+    table = sl.compare_motions(motion, fitted)
+    ratio = float(table.significant_duration / table.record_significant_duration)
+    assert not 1 / 1.5 <= ratio <= 1.5
+    assert table.attrs["doubts"].startswith("The motions have a significant duration of")
+
+
+@pytest.mark.oracle
+def test_a_fit_that_misses_the_spectrum_says_so_in_the_band_of_the_buildings():
+    motion = burst_and_tail(30)
+    with pytest.warns(DoubtfulInput, match="burst: the mean spectrum of the motions is off by"):
+        fitted = sl.fit_motion(motion, "gamma", filters=1)
+    table = sl.compare_motions(motion, fitted)
+    off = np.log(table.ratio.sel(period=slice(0.2, 2.0)))
+    assert float(np.sqrt((off**2).mean())) > np.log(1.3)
+    assert "The mean spectrum of the motions is off by" in table.attrs["doubts"]
+    best = float(table.period[int(np.abs(np.log(table.ratio.values)).argmin())])
+    elsewhere = sl.compare_motions(motion, fitted, band=(0.99 * best, 1.01 * best))
+    assert "mean spectrum" not in elsewhere.attrs["doubts"]
+
+
+@pytest.mark.invariant
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            lambda r: r[:-5],
+            "a and b have 3001 and 2996 samples; allowed: two components of",
+        ),
+        (
+            lambda r: r.assign_coords(time=2 * r.time),
+            "a and b have time steps of 0.01 and 0.02 s; allowed: two components of the same time step",
+        ),
+        (
+            lambda r: r.assign_attrs(station="Delta"),
+            "a and b have the stations 'Bolu' and 'Delta'; allowed: two components of one station",
+        ),
+        (
+            lambda r: r.assign_attrs(event="Kobe"),
+            "a and b have the events 'Duzce' and 'Kobe'; allowed: two components of one station in one",
+        ),
+    ],
+)
+def test_components_of_different_records_are_refused(record, change, message):
+    first = record.assign_attrs(event="Duzce", station="Bolu")
+    with pytest.raises(ValueError, match=message):
+        sl.fit_motion({"a": first, "b": change(first)})
+
+
 @pytest.mark.invariant
 @pytest.mark.parametrize(
     ("call", "error", "message"),
@@ -85,6 +177,9 @@ def test_motions_carry_the_energy_of_records_that_were_measured():
         (lambda r: sl.fit_motion(r[:150]), ValueError, "record lasts 1.5 s; allowed: 2 s or more"),
         (lambda r: sl.fit_motion(r, "square"), ValueError, "envelope = 'square' is not known; allowed"),
         (lambda r: sl.fit_motion(r, filters=0), ValueError, "filters = 0"),
+        (lambda r: sl.fit_motion(r, use="next"), ValueError, "use = 'next' is not known; allowed"),
+        (lambda r: sl.fit_motion(r, band=(2.0, 1.0)), ValueError, "allowed: 0 < lower < upper"),
+        (lambda r: sl.fit_motion([r, r, r]), ValueError, "record has 3 components; allowed: one, or"),
         (
             lambda r: sl.compare_motions(r, GROUND),
             TypeError,

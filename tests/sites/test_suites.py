@@ -58,6 +58,41 @@ def test_a_table_says_of_each_file_what_it_is(folder):
     np.testing.assert_allclose(suite["timed.txt"], suite["plain.txt"], rtol=1e-12)
 
 
+def test_a_time_step_of_a_table_that_contradicts_the_file_is_refused(folder):
+    columns(folder / "timed.txt", MOTIONS[2], with_time=True)
+    table = folder / "suite.csv"
+    table.write_text('file,dt,units\ntimed.txt,0.02,"t s, g"\n', encoding="utf-8")
+    with pytest.raises(ValueError, match=r"suite.csv, line 2, timed.txt: dt = 0.02 contradicts"):
+        sl.read_records(table)
+
+
+def test_a_record_knows_where_it_is_from(folder):
+    table = folder / "suite.csv"
+    table.write_text("file,event,station,component\none.AT2,Duzce,Bolu,\n", encoding="utf-8")
+    about = sl.read_records(table)["one.AT2"].attrs
+    assert (about["event"], about["station"]) == ("Duzce", "Bolu")
+    assert "component" not in about
+
+
+@pytest.mark.parametrize(
+    ("title", "known"),
+    [
+        ("Imperial Valley-02, 5/19/1940, El Centro Array #9, 180", "Imperial Valley-02, 5/19/1940"),
+        ("KOBE 01/16/95 2046, El Centro Array #9, 090 (CUE)", "KOBE 01/16/95 2046"),
+        ("written by another program", None),
+    ],
+)
+def test_the_title_of_an_at2_file_names_earthquake_and_station(folder, title, known):
+    path = folder / "one.AT2"
+    *_, rest = path.read_text(encoding="utf-8").split("\n", 3)
+    head = "PEER NGA STRONG MOTION DATABASE RECORD"
+    units = "ACCELERATION TIME HISTORY IN UNITS OF G,  PGA=   .48431 G"
+    path.write_text("\n".join([head, title, units, rest]), encoding="utf-8")
+    about = sl.read_record(path).attrs
+    assert about.get("event") == known
+    assert about.get("station") == (known and "El Centro Array #9")
+
+
 @pytest.mark.skipif(not SHARED.exists(), reason="no records beside the project")
 def test_a_table_of_records_that_were_measured():
     suite = sl.read_records(SHARED / "suites.csv")

@@ -25,10 +25,11 @@ from stochlin.analyses.cases.files.known import Known, name_of
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import WALL
 from stochlin.analyses.cases.files.sections import Section, read_sections
-from stochlin.analyses.cases.site import FITTED, CaseSite, read_scatter, read_site, usual_scatter
+from stochlin.analyses.cases.site import FITTED, CaseSite, read_scatter, read_site
 from stochlin.analyses.cases.sites.strength import HAZARD_EXAMPLE
 from stochlin.analyses.cases.storeys import SlabOnColumn, StoreyBuilding, slabs_of_row
 from stochlin.analyses.risk.risk import check_target
+from stochlin.analyses.sites.motion_fit import UsualScatter
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.models.contacts import Contact
@@ -170,9 +171,9 @@ class Case:
         return self.site == FITTED
 
     @property
-    def usual_scatter(self) -> float:
-        """The scatter by default, if the file has none [-]."""
-        return usual_scatter(self.site)
+    def usual_scatter(self) -> UsualScatter:
+        """The scatter by default, if the file has none, and where it is from."""
+        return self.of_site.usual_scatter
 
     @property
     def pair(self) -> tuple[AnyBuilding, AnyBuilding]:
@@ -331,7 +332,7 @@ def case_of(whole: Section, path: Path, known: Known) -> Case:
         title=whole.read("title") or " and ".join(filter(None, [before, last])),
         of_site=of_site,
         described=buildings,
-        scatter=read_scatter(motion, usual_scatter(of_site.name)),
+        scatter=read_scatter(motion, of_site.usual_scatter.scatter),
         confidence=wanted.read("confidence"),
         gaps=read_gaps(wanted, len(buildings)),
         floors_align=align and not slabs,

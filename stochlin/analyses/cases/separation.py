@@ -21,7 +21,8 @@ from stochlin.analyses.risk.variables import VARIABLES
 from stochlin.analyses.sensitivity.sensitivity import sensitivity
 from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import UNSAFE, separation
-from stochlin.analyses.sites.motion_fit import FittedMotion, compare_motions
+from stochlin.analyses.sites.motion_fit import DOUBTS, FittedMotion, compare_motions
+from stochlin.analyses.sites.record_checks import check_records
 from stochlin.analyses.sites.simulated_spectra import simulated_spectrum
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
@@ -36,6 +37,7 @@ OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
 SEARCHES = 0.95  # share of the remaining work for the existing gap, if there is one
 WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
 USUAL_PATHS, FEW_PATHS = 512, 128  # motions for the sensitivities
+BAND = 0.2, 1.5  # of the shortest and of the longest period of buildings, in which spectra are compared
 AROUND = 5.0  # factor of the range of the spectrum beyond the periods of buildings and ground
 YEARS = 50.0  # default time of the probability of pounding [yr]
 SHARE = 4  # motions of the case over those at each of the 13 intensities
@@ -58,6 +60,7 @@ class CaseAnswer:
     risk: xr.Dataset | None = None  # if there is a hazard
     matters: xr.Dataset | None = None  # sensitivities of the gap
     every_rule: bool = False  # whether all rules are shown
+    checks: xr.Dataset | None = None  # of the records, if there are any
 
     @property
     def shown(self) -> xr.Dataset:
@@ -83,6 +86,13 @@ class CaseAnswer:
             table = table.merge(self.risk).assign_attrs(self.risk.attrs)
         table = table.assign_attrs(title=f"{self.case.title}: {table.attrs['title']}")
         return table if samples else table.drop_dims(set(table.dims) - {"rule"})
+
+    def doubts_of_records(self) -> dict[str, str]:
+        """Sentences on what makes records doubtful, by record."""
+        if self.checks is None:
+            return {}
+        texts = zip(self.checks.record.values.tolist(), self.checks[DOUBTS].values.tolist(), strict=True)
+        return {name: text for name, text in texts if text}
 
     def doubts(self) -> list[str]:
         """Texts on implausible results."""
@@ -156,7 +166,26 @@ def answer_case(
     rms, shaking = rms_acceleration(case.ground), shaking_of(case)
     risk = None if risky is None else _risk_table(risky, case, float(table.gap[0]))
     results = existing, _spectrum(case), rms, shaking, records, risk, matters
-    return CaseAnswer(case, table, *results, every_rule)
+    return CaseAnswer(case, table, *results, every_rule, _checks(case))
+
+
+def _band(case: Case) -> tuple[float, float]:
+    """Periods [s] in which spectra are compared."""
+    return BAND[0] * min(case.periods), BAND[1] * max(case.periods)
+
+
+def _checks(case: Case) -> xr.Dataset | None:
+    """The checks of the records, also with the spectrum of the site where its range has the band."""
+    if not case.records:
+        return None
+    records, (shortest, longest) = dict(case.records), _band(case)
+    if case.spectrum is None:
+        return check_records(records)
+    known = case.spectrum.period.values[case.spectrum.period.values > 0]
+    band = max(shortest, float(known[0])), min(longest, float(known[-1]))
+    if band[0] >= band[1]:
+        return check_records(records)
+    return check_records(records, spectrum=case.spectrum, band=band)
 
 
 def _paths(case: Case) -> int:
@@ -183,7 +212,7 @@ def _spectrum(case: Case) -> xr.Dataset:
         return simulated_spectrum(case.ground, case.spectrum, *motion, **options)
     if case.fitted:
         fitted = FittedMotion(case.ground, case.envelope, case.duration)
-        return compare_motions(next(iter(case.records.values())), fitted, **options)
+        return compare_motions(case.of_site.components, fitted, band=_band(case), **options)
     periods = [*case.periods, *periods_of(case.ground)]
     low, high = min(periods) / AROUND, max(periods) * AROUND
     frequency = np.geomspace(2 * np.pi / high, 2 * np.pi / low, POINTS)

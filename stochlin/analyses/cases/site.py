@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -37,12 +39,17 @@ from stochlin.analyses.records.spectra import ESTIMATORS
 from stochlin.analyses.sites.ground_fit import fit_ground
 from stochlin.analyses.sites.motion_fit import (
     FILTERS,
-    RECORD_TO_RECORD,
+    OTHER_COMPONENT,
+    USES,
     FittedMotion,
+    UsualScatter,
+    between_components,
+    checked_components,
     energy_ratio,
     fit_motion,
 )
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.messages import DoubtfulInput
 from stochlin.models.arguments import SCATTER
 from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, ParallelGround, WhiteNoise
@@ -108,14 +115,30 @@ class CaseSite:
         """Ground or spectrum as written in the file."""
         return self.site.text("ground" if self.spectrum is None else SPECTRUM)
 
+    @property
+    def components(self) -> dict[str, xr.DataArray]:
+        """The first record, or the first two, to which ground and course are fitted."""
+        return dict(islice(self.single_records.items(), self.motion.read("components")))
+
     @cached_property
     def fitted_motion(self) -> FittedMotion:
-        """Ground and course fitted to the first record, where the file asks for both."""
-        name, record = next(iter(self.single_records.items()))
+        """Ground and course fitted to the first records, where the file asks for both."""
         try:
-            return fit_motion(record, filters=_filters(self.site))
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", DoubtfulInput)  # the answer states it instead
+                return fit_motion(self.components, filters=_filters(self.site))
         except (ArithmeticError, ValueError) as error:
-            raise self.motion.error("envelope", f"cannot be fitted to {name}: {error}") from error
+            names = " and ".join(self.components)
+            raise self.motion.error("envelope", f"cannot be fitted to {names}: {error}") from error
+
+    @cached_property
+    def usual_scatter(self) -> UsualScatter:
+        """Default scatter: 0 for one ground by name or by parameters, else that of its use."""
+        if self.name in (*ground_names(), *GROUNDS):
+            return UsualScatter(0.0, "")
+        if self.written is None and len(self.components) == 2:
+            return between_components(checked_components(self.components))
+        return USES[OTHER_COMPONENT if self.name == FITTED else SPECTRUM]
 
     @cached_property
     def course(self) -> Course:
@@ -319,7 +342,11 @@ def _check_fitted_motion(site: Section, motion: Section, records: Mapping[str, x
             'goes with a ground that is fitted as well; allowed: ground = "fitted" in [site], and a '
             "[[site.records]]",
         )
-    motion.only("envelope", "scatter")  # the duration is that of the record
+    motion.only("envelope", "components", "scatter")  # the duration is that of the record
+    if motion.read("components") > len(records):
+        raise motion.error("components", "needs two [[site.records]], both components of one station")
+    with motion.naming("components" if "components" in motion else "envelope"):
+        checked_components(dict(islice(records.items(), motion.read("components"))))
     site.only("ground", "records", "filters", HAZARD)
     _filters(site)
 
@@ -346,11 +373,6 @@ def read_envelope(motion: Section) -> Envelope | None:
     names = () if name == NONE else ENVELOPES[name].parameter_names()
     motion.only("duration", "envelope", "scatter", *names)
     return None if name == NONE else motion.model(ENVELOPES[name], names)
-
-
-def usual_scatter(site: str) -> float:
-    """Default scatter [-]: 0 for one ground by name or by parameters, else that between records."""
-    return 0.0 if site in (*ground_names(), *GROUNDS) else RECORD_TO_RECORD
 
 
 def read_scatter(motion: Section, usual: float) -> float:

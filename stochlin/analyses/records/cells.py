@@ -87,6 +87,13 @@ def checked_motions(record: Records) -> RecordedMotions:
     return RecordedMotions(grounds, names)
 
 
+def as_list(record: Records) -> list[xr.DataArray]:
+    """One record or several as a list, without their names."""
+    if isinstance(record, xr.DataArray):
+        return [record]
+    return [*(record.values() if isinstance(record, Mapping) else record)]
+
+
 def check_structure(role: str, structure: AnyStructure) -> None:
     """Raise an error for a structure whose response to a record cannot be computed."""
     expect(structure, STRUCTURES, role)

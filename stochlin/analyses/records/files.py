@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
 from itertools import islice
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -34,7 +35,8 @@ _AT2_DIALECTS = (
     re.compile(rf"NPTS\s*=\s*(\d{{1,15}})\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE),
     re.compile(rf"^\s*(\d{{1,15}})\s+{_NUMBER}\s+NPTS\s*,\s*DT", re.IGNORECASE),
 )
-_AT2_UNITS = re.compile(r"UNITS\s+OF\s+(\S+)", re.IGNORECASE)
+_AT2_UNITS = re.compile(r"UNITS\s+OF\s+([^\s,]+)", re.IGNORECASE)
+_OF_PEER = re.compile(r"STRONG.MOTION", re.IGNORECASE)  # first line of a file whose second is a title
 _AT2_HEADER_LINES = 8
 # Units in column names that are not of a known acceleration.
 _OTHER_UNITS = re.compile(r"(mm|cm|m|km|in|ft|ms|hz|rad|deg)([/^*][\w/^*.-]*)?")
@@ -51,6 +53,7 @@ class Series(NamedTuple):
     dt: float | None
     units: str | None
     column: str = ""  # name of the column
+    about: Mapping[str, str] = MappingProxyType({})  # event, station and component, if stated
 
 
 def read_series(path: Path, column: Column | None, time_column: Column | None) -> Series:
@@ -105,7 +108,19 @@ def _read_at2(text: str, head: Sequence[Line], name: str) -> Series:
             f"{name} holds {values.size} values, but line {number} states NPTS = {match[1]}; "
             "the file is cut or damaged: fetch it again"
         )
-    return Series(values, None, dt, units and acceleration_units(units, f"{name}: units"))
+    known = units and acceleration_units(units, f"{name}: units")
+    return Series(values, None, dt, known, about=_at2_title(text))
+
+
+def _at2_title(text: str) -> dict[str, str]:
+    """Event, station and component in PEER's second line: ``Kobe, 1/16/1995, Nishi-Akashi, 090``."""
+    lines = text.split("\n", 2)
+    if not _OF_PEER.search(lines[0]):
+        return {}
+    *event, station, component = (part.strip() for part in f",,{lines[1]}".split(","))
+    known = any(event) and station and component
+    named = {"event": ", ".join(filter(None, event)), "station": station, "component": component}
+    return named if known else {}
 
 
 def _plain_series(text: str, header: int) -> npt.NDArray[np.float64] | None:

@@ -71,7 +71,8 @@ def read_record(
     -------
     xarray.DataArray
         Ground acceleration [m/s^2] with the dimension ``time`` [s], named ``acceleration``. The
-        attributes ``source`` and ``dt`` hold the file name and the time step.
+        attributes ``source`` and ``dt`` hold the file name and the time step; ``event``, ``station`` and
+        ``component`` are those in the title of an AT2 file.
 
     Raises
     ------
@@ -234,7 +235,8 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
         dims="time",
         coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
         name="acceleration",
-        attrs={"units": "m/s^2", "long_name": "ground acceleration", "source": name, "dt": step},
+        attrs={"units": "m/s^2", "long_name": "ground acceleration", "source": name, "dt": step}
+        | dict(series.about),
     )
     checked_record(record)
     return record

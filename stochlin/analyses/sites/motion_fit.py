@@ -1,13 +1,16 @@
-"""Fit of ground and envelope to a record, so that motions have its energy and response spectrum."""
+"""Fit of ground and envelope to one or both components of a station: energy and response spectrum."""
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.records.cells import Records, as_list, checked_motions
 from stochlin.analyses.records.envelope_fit import FITTED_ENVELOPES, fit_envelope
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.records.records import checked_record, strong_samples
@@ -18,18 +21,20 @@ from stochlin.analyses.sites.simulated_spectra import (
     assign_mean,
     spectrum_and_motions,
 )
-from stochlin.analyses.sites.spectra import SHORTEST, USUAL_DAMPING
+from stochlin.analyses.sites.spectra import BAND, BAND_POINTS, SHORTEST, USUAL_DAMPING, check_band
 from stochlin.analyses.sites.spectrum_fit import LONGEST, POINTS, Wanted, deliver
 from stochlin.analyses.sites.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.messages import DoubtfulInput, brief, plain
 from stochlin.models.arguments import (
     Duration,
     OneOf,
     Paths,
     Scatter,
     Seed,
+    TwoNumbers,
     Whole,
     check_fields,
     checked,
@@ -40,7 +45,116 @@ from stochlin.models.grounds import Ground, rms_acceleration
 FILTERS, PATHS = 2, 512
 CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
 SHORTEST_RECORD = 2.0  # s
-RECORD_TO_RECORD = 0.3  # scatter between the two components of a station, see docs/reality.md
+LIKE_DURATION, LIKE_SPECTRUM = 1.5, 1.3  # largest factors between motions and record without a doubt
+DOUBTS = "doubts"  # attribute
+PLACE = ("event", "station")  # attributes that both components of a station share
+
+
+class UsualScatter(NamedTuple):
+    """The scatter for a use of motions, and where it is from."""
+
+    scatter: float
+    source: str
+
+
+_PAGE = "docs/reality.md"
+# What motions are used for, and the scatter that recorded earthquakes show there.
+USES = {
+    "same_record": UsualScatter(0.0, "motions like the record itself"),
+    "other_component": UsualScatter(0.4, f"the other component of a station in the far field ({_PAGE})"),
+    "other_station": UsualScatter(
+        0.4, f"other stations and earthquakes, scaled to the same Sa ({_PAGE})"
+    ),
+    "spectrum": UsualScatter(0.3, f"suites of records about a spectrum ({_PAGE})"),
+}
+FITTED_USES = ("same_record", "other_component", "other_station")
+OTHER_COMPONENT = "other_component"
+
+
+class Components(NamedTuple):
+    """One or two components of a station; of two, the medians are geometric means."""
+
+    records: Sequence[xr.DataArray]
+    values: Array  # (components, times) [m/s^2]
+    dt: float  # [s]
+
+    @property
+    def duration(self) -> float:
+        """Length of the components [s]."""
+        return self.dt * self.values.shape[1]
+
+    @property
+    def source(self) -> str:
+        """Where the components are from."""
+        return " and ".join(str(each.attrs.get("source", "a record")) for each in self.records)
+
+    def energy(self) -> float:
+        """Median of ``Int a^2 dt`` [m^2/s^3]."""
+        return float(np.exp(np.log(energy_of(self.values, self.dt)).mean()))
+
+    def spectra(self, periods: Array) -> Array:
+        """Pseudo-accelerations (components, periods) [m/s^2], damping ratio 0.05."""
+        each = [
+            response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.to_numpy().ravel()
+            for record in self.records
+        ]
+        return np.array(each)
+
+    def spectrum(self, periods: Array) -> Array:
+        """Median of the pseudo-accelerations [m/s^2]."""
+        median: Array = np.exp(np.log(self.spectra(periods)).mean(axis=0))
+        return median
+
+    def scatter(self, periods: Array) -> float:
+        """Standard deviation between both components of ln Sa, root mean square over the periods [-]."""
+        logs = np.log(self.spectra(periods))
+        return float(np.sqrt(logs.var(axis=0, ddof=1).mean()))
+
+    def common(self) -> xr.DataArray:
+        """A motion whose energy builds up as that of the components in the mean [m/s^2]."""
+        if len(self.records) == 1:
+            return self.records[0]
+        energies = energy_of(self.values, self.dt)[:, None]
+        square = (self.values**2 / energies).mean(axis=0) * self.energy()
+        first = self.records[0]
+        return xr.DataArray(np.sqrt(square), dims="time", coords={"time": first.time})
+
+
+def energy_of(values: Array, dt: float) -> Array:
+    """``Int a^2 dt`` [m^2/s^3] along the last axis."""
+    return np.trapezoid(values**2, dx=dt, axis=-1)
+
+
+def checked_components(record: Records) -> Components:
+    """The component, or both; a ValueError if two cannot be those of one station in one earthquake."""
+    motions = checked_motions(record)
+    names = motions.names or ["record"]
+    records = as_list(record)
+    if len(records) > 2:
+        raise ValueError(
+            f"record has {len(records)} components; allowed: one, or both horizontal ones of a station"
+        )
+    sizes = [ground.acceleration.size for ground in motions.grounds]
+    steps = [ground.dt for ground in motions.grounds]
+    both = " and ".join(plain(name, 40) for name in names)
+    if len(set(sizes)) > 1:
+        raise ValueError(
+            f"record: {both} have {sizes[0]} and {sizes[1]} samples; allowed: two components of equal "
+            "length, so cut the longer one"
+        )
+    if not np.isclose(steps[0], steps[-1], rtol=1e-9, atol=0):
+        raise ValueError(
+            f"record: {both} have time steps of {steps[0]:g} and {steps[1]:g} s; allowed: two "
+            "components of the same time step, so resample one"
+        )
+    for key in PLACE:
+        known = [str(each.attrs[key]) for each in records if each.attrs.get(key)]
+        if len(set(known)) > 1:
+            raise ValueError(
+                f"record: {both} have the {key}s {brief(known[0])} and {brief(known[1])}; allowed: two "
+                "components of one station in one earthquake; fit each station by itself"
+            )
+    return Components(records, np.array([ground.acceleration for ground in motions.grounds]), steps[0])
 
 
 @dataclass(frozen=True)
@@ -56,8 +170,12 @@ class FittedMotion:
     duration : float
         Length of the motion [s].
     scatter : float
-        Scatter of the ground acceleration between earthquakes [-], as in `simulate`. It cannot be
-        obtained from one record, only from suites of records. 0 is for motions like this record.
+        Scatter of the ground acceleration between earthquakes [-], as in `simulate`; by default that
+        between both components of a station. 0 is for motions like this record.
+    scatter_source : str
+        Where the scatter is from.
+    doubts : tuple of str
+        What of the record the motions miss, in sentences; empty if nothing.
 
     Raises
     ------
@@ -68,14 +186,16 @@ class FittedMotion:
     --------
     >>> import stochlin as sl
     >>> motion = sl.FittedMotion(sl.named_ground("firm", 0.01), sl.AminAng(2.0, 12.0, 0.4), 20.0)
-    >>> motion.duration
-    20.0
+    >>> motion.duration, motion.scatter
+    (20.0, 0.4)
     """
 
     ground: Ground
     envelope: Envelope | None
     duration: Duration
-    scatter: Scatter = RECORD_TO_RECORD
+    scatter: Scatter = USES[OTHER_COMPONENT].scatter
+    scatter_source: str = USES[OTHER_COMPONENT].source
+    doubts: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         check_fields(self, "FittedMotion: ")
@@ -83,9 +203,11 @@ class FittedMotion:
 
 @checked
 def fit_motion(
-    record: xr.DataArray,
+    record: Records,
     envelope: Annotated[str, OneOf(FITTED_ENVELOPES)] = "amin_ang",
     *,
+    use: Annotated[str, OneOf(FITTED_USES)] = OTHER_COMPONENT,
+    band: TwoNumbers = BAND,
     filters: Annotated[int, Whole(1, 3)] = FILTERS,
     seed: Seed = 0,
     progress: Progress | None = None,
@@ -99,12 +221,25 @@ def fit_motion(
     ground by `fit_ground` is instead fitted to the strong part of the record; with an envelope by
     `fit_envelope`, its motions have about half of the energy of the record.
 
+    Of **both components** of a station one ground is fitted. Spectrum and energy are the geometric means
+    of the components, and the envelope is fitted to the mean of their build-ups of energy. The scatter
+    is then the standard deviation of ln Sa between both components, root mean square from 0.2 to 2 s or
+    in the ``band``.
+
     Parameters
     ----------
-    record : xarray.DataArray
-        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`, of 2 s or more.
+    record : xarray.DataArray, or list or mapping of two
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`, of 2 s or more; or both
+        horizontal components of a station, of the same length and time step. Where their attributes
+        ``event`` and ``station`` are known (`read_records`, AT2 files), they have to agree.
     envelope : str
         Model of the envelope, as in `fit_envelope`.
+    use : {"other_component", "other_station", "same_record"}
+        What the motions are used for, on which the ``scatter`` depends: another component or earthquake
+        at the same station; another station, scaled to the same spectral acceleration; or motions like
+        this record, without scatter.
+    band : tuple of two floats
+        Periods [s] of the buildings, between which the spectra of motions and record are compared.
     filters : int
         Number of Clough-Penzien filters in parallel, 1 to 3.
     seed : int
@@ -115,20 +250,30 @@ def fit_motion(
     Returns
     -------
     FittedMotion
-        The ``ground``, the ``envelope``, the ``duration`` [s] of the record and the default ``scatter``
-        [-], for `simulate`, `separation`, `simulated_motions` and other functions with these arguments.
+        The ``ground``, the ``envelope``, the ``duration`` [s] of the record and the ``scatter`` [-] of
+        its use with its source, for `simulate`, `separation`, `simulated_motions` and other functions
+        with these arguments. ``doubts`` says what the motions miss: a significant duration off by a
+        factor of more than 1.5, or a mean spectrum off by more than 30 % (root mean
+        square) in the band.
 
     Raises
     ------
     ValueError, TypeError
-        If the record is not valid or shorter than 2 s, or an option is unknown.
+        If the record is not valid or shorter than 2 s, an option is unknown, or two components differ in
+        length, time step, station or earthquake.
     ArithmeticError
         If no envelope can be fitted.
+
+    Warns
+    -----
+    UserWarning
+        For each of the ``doubts``.
 
     Notes
     -----
     A record represents one earthquake, and the motions are like this one. The difference to other
-    earthquakes is the ``scatter``, which is not fitted to the record.
+    earthquakes is the ``scatter``. To use the motions at another place, scale them by the mean ln Sa
+    over a band of periods around those of the buildings rather than by the peak ground acceleration.
 
     References
     ----------
@@ -139,44 +284,98 @@ def fit_motion(
     --------
     >>> import stochlin as sl
     >>> shape = sl.AminAng(3.0, 10.0, 0.3)
-    >>> record = sl.simulated_motions(sl.named_ground("firm", 0.01), 25.0, shape, paths=2)[0]
-    >>> motion = sl.fit_motion(record)
-    >>> table = sl.compare_motions(record, motion)
+    >>> both = list(sl.simulated_motions(sl.named_ground("firm", 0.01), 25.0, shape, paths=2))
+    >>> motion = sl.fit_motion(both[0])
+    >>> table = sl.compare_motions(both[0], motion)
     >>> bool(abs(table.energy_ratio - 1) < 4 * table.energy_ratio_standard_error)
     True
+    >>> sl.fit_motion(both).scatter_source
+    'standard deviation of ln Sa between both components, 0.2 to 2 s'
     """
-    values, dt = checked_record(record)
-    duration = dt * values.size
+    components = checked_components(record)
+    check_band(band)
+    duration = components.duration
     if duration < SHORTEST_RECORD:
         raise ValueError(
             f"record lasts {duration:.3g} s; allowed: {SHORTEST_RECORD:g} s or more, for a spectrum"
         )
-    shape = fit_envelope(record, envelope)
-    of_envelope = _energy(shape.at(dt * np.arange(values.size)), dt)
-    std = float(np.sqrt(_energy(values, dt) / of_envelope))
+    common = components.common()
+    shape = fit_envelope(common, envelope)
+    time = components.dt * np.arange(common.size)
+    std = float(np.sqrt(components.energy() / energy_of(shape.at(time), components.dt)))
     periods = np.geomspace(SHORTEST, min(LONGEST, duration / CYCLES), POINTS)
-    spectrum = response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.values.ravel()
-    wanted = Wanted(periods, spectrum, USUAL_DAMPING, duration, shape, std)
-    ground = deliver(wanted, filters, seed, progress, PATHS).ground()
+    wanted = Wanted(periods, components.spectrum(periods), USUAL_DAMPING, duration, shape, std)
+    fit = deliver(wanted, filters, seed, progress, PATHS)
+    ground = fit.ground()
+    factor = std / rms_acceleration(ground)
     changed: dict[str, Any] = {
-        "intensity": float(ground.arrays()["intensity"]) * (std / rms_acceleration(ground)) ** 2,
-        "source": f"energy and response spectrum of {record.attrs.get('source', 'a record')}",
+        "intensity": float(ground.arrays()["intensity"]) * factor**2,
+        "source": f"energy and response spectrum of {components.source}",
     }
-    return FittedMotion(replace(ground, **changed), shape, duration)
+    lasting = _significant(shape.at(time), components.dt)
+    of_record = _significant(common.to_numpy(), components.dt)
+    doubts = tuple(_misfits(lasting, of_record, periods, factor * np.exp(fit.off), band))
+    for doubt in doubts:
+        warnings.warn(f"{components.source}: {doubt}", DoubtfulInput, stacklevel=3)
+    both = len(components.records) == 2 and use == OTHER_COMPONENT
+    usual = between_components(components, band) if both else USES[use]
+    return FittedMotion(replace(ground, **changed), shape, duration, *usual, doubts)
+
+
+def between_components(components: Components, band: tuple[float, float] = BAND) -> UsualScatter:
+    """The scatter of both components of a station about their median in a band of periods [s]."""
+    scatter = components.scatter(np.geomspace(*band, BAND_POINTS))
+    between = "standard deviation of ln Sa between both components"
+    return UsualScatter(scatter, f"{between}, {band[0]:g} to {band[1]:g} s")
+
+
+def _significant(values: Array, dt: float) -> float:
+    """Time from 5 to 95 % of the energy [s]."""
+    first, last = strong_samples(values)
+    return dt * float(last - first)
+
+
+def _misfits(
+    duration: float, wanted: float, periods: Array, ratio: Array, band: tuple[float, float]
+) -> Iterator[str]:
+    """Sentences on what motions miss: significant durations [s] and ratios of spectra."""
+    if not 1 / LIKE_DURATION <= duration / wanted <= LIKE_DURATION:
+        yield (
+            f"the motions have a significant duration of {duration:.3g} s and the record of "
+            f"{wanted:.3g} s; gaps of buildings that yield depend on it, so try another envelope"
+        )
+    inside = (periods >= band[0]) & (periods <= band[1])
+    off = np.log(ratio[inside])
+    rms = float(np.sqrt(np.mean(off**2))) if off.size else 0.0
+    if rms > np.log(LIKE_SPECTRUM):
+        worst = int(np.abs(off).argmax())
+        yield (
+            f"the mean spectrum of the motions is off by {100 * np.expm1(rms):.0f} % (root mean square "
+            f"from {band[0]:.2g} to {band[1]:.2g} s), most at {periods[inside][worst]:.2g} s, where it "
+            f"is {ratio[inside][worst]:.2f} times that of the record; try more filters"
+        )
 
 
 @checked
 def compare_motions(
-    record: xr.DataArray, motion: FittedMotion, *, paths: Paths = 256, seed: Seed = 0
+    record: Records,
+    motion: FittedMotion,
+    *,
+    band: TwoNumbers = BAND,
+    paths: Paths = 256,
+    seed: Seed = 0,
 ) -> xr.Dataset:
     """Compare a record with motions fitted to it: energy, significant duration, response spectrum.
 
     Parameters
     ----------
-    record : xarray.DataArray
-        Ground acceleration [m/s^2] over ``time`` [s].
+    record : xarray.DataArray, or list or mapping of two
+        Ground acceleration [m/s^2] over ``time`` [s], or both components of a station, as in
+        `fit_motion`.
     motion : FittedMotion
         The fitted motion, as from `fit_motion`.
+    band : tuple of two floats
+        Periods [s] of the buildings, for the ``doubts``.
     paths : int
         Number of simulated motions.
     seed : int
@@ -190,7 +389,8 @@ def compare_motions(
         that of the record. Without dimensions: ``energy_ratio`` [-], the mean ``Int a^2 dt`` of the
         motions over that of the record, and ``significant_duration`` [s], the mean time from 5 to 95 %
         of this integral, each with its standard error; ``record_arias_intensity`` [m/s] and
-        ``record_significant_duration`` [s].
+        ``record_significant_duration`` [s]. The attribute ``doubts`` says what the motions miss, as in
+        `fit_motion`; it is empty if that is nothing.
 
     Raises
     ------
@@ -210,23 +410,26 @@ def compare_motions(
     >>> table.ratio.dims, bool(table.significant_duration < 20)
     (('period',), True)
     """
-    values, dt = checked_record(record)
+    components = checked_components(record)
+    check_band(band)
     if not isinstance(motion, FittedMotion):
         raise TypeError(f"motion is a {type(motion).__name__}; allowed: a motion of fit_motion")
     longest = min(LONGEST, motion.duration / CYCLES)
     periods = np.geomspace(SHORTEST, longest, POINTS)
-    own = response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.values.ravel()
     motions = Motions(motion.ground, motion.duration, motion.envelope, paths, seed)
-    table, simulated = spectrum_and_motions(motions, periods, own)
-    energy, accelerations = _energy(values, dt), simulated.to_numpy()
-    assign_mean(table, "energy_ratio", _energy(accelerations, PGA_STEP) / energy)
+    table, simulated = spectrum_and_motions(motions, periods, components.spectrum(periods))
+    energy, accelerations = components.energy(), simulated.to_numpy()
+    assign_mean(table, "energy_ratio", energy_of(accelerations, PGA_STEP) / energy)
     first, last = strong_samples(accelerations)
     assign_mean(table, "significant_duration", PGA_STEP * (last - first))
     table["record_arias_intensity"] = (), np.pi / (2 * METRES["g"]) * energy
-    first, last = strong_samples(values)
-    table["record_significant_duration"] = (), dt * (last - first)
-    call = f"compare_motions(paths={paths}, seed={seed})"
-    title = f"{record.attrs.get('source', 'A record')} and the motions fitted to it"
+    lasting = _significant(components.common().to_numpy(), components.dt)
+    table["record_significant_duration"] = (), lasting
+    mean = float(table.significant_duration)
+    doubts = _misfits(mean, lasting, periods, table.ratio.to_numpy(), band)
+    table.attrs[DOUBTS] = " ".join(f"{doubt[0].upper()}{doubt[1:]}." for doubt in doubts)
+    call = f"compare_motions(band={tuple(band)}, paths={paths}, seed={seed})"
+    title = f"{components.source or 'A record'} and the motions fitted to it"
     return labels.with_run_information(labels.label(table, VARIABLES), title, call, motions.models())
 
 
@@ -235,8 +438,4 @@ def energy_ratio(
 ) -> float:
     """Mean energy of motions over that of a record [-], ``sigma^2 Int m^2 dt / Int a^2 dt``."""
     of_motions = rms_acceleration(ground) ** 2 * strong_seconds(duration, envelope)
-    return of_motions / float(_energy(*checked_record(record)))
-
-
-def _energy(values: Array, dt: float) -> Array:
-    return np.trapezoid(values**2, dx=dt, axis=-1)
+    return of_motions / float(energy_of(*checked_record(record)))

@@ -15,6 +15,7 @@ from stochlin.models.arguments import is_number
 
 USUAL_DAMPING = 0.05
 SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
+BAND, BAND_POINTS = (0.2, 2.0), 40  # [s] of usual buildings, in which spectra are compared; periods
 FEWEST = 4  # smallest number of points
 WIDEST = 2.0  # largest ratio of two consecutive periods
 # Elastic spectra with damping 0.05 rise to 2 to 3 times the peak ground acceleration; spectra divided by
@@ -37,6 +38,12 @@ def labelled(period: Array, values: Array, damping: float, source: str) -> xr.Da
             "source": source,
         },
     )
+
+
+def check_band(band: tuple[float, float]) -> None:
+    """Raise a ValueError unless ``band`` is a range of periods [s]."""
+    if not 0 < band[0] < band[1] < np.inf:
+        raise ValueError(f"band = {brief(band)}; allowed: 0 < lower < upper, in seconds")
 
 
 def is_spectrum(target: object) -> TypeGuard[xr.DataArray]:

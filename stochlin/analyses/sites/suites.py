@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from io import StringIO
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,7 +17,10 @@ from stochlin.analyses.records.files import Column
 from stochlin.analyses.records.records import checked_record, read_record
 from stochlin.analyses.records.response import response_spectrum
 from stochlin.analyses.sites.spectra import (
+    BAND,
+    BAND_POINTS,
     USUAL_DAMPING,
+    check_band,
     check_goal,
     checked_spectrum,
     interpolated,
@@ -36,8 +39,8 @@ from stochlin.models.arguments import (
 
 ENDINGS = {".at2", ".txt", ".csv", ".dat", ".acc"}
 FILE = "file"  # name of the table column with the paths of the records
+ABOUT = ("event", "station", "component")  # columns that become attributes
 LARGEST_FACTOR = 10.0
-BAND_POINTS = 40
 
 Suite = dict[str, xr.DataArray]
 
@@ -62,6 +65,7 @@ def read_records(
         names. Its column ``file`` has paths relative to the folder of the table. The columns ``dt`` [s]
         and ``units``, which are optional, apply to each file. Units such as ``"t s, g"`` mean that the
         first column of the file is time and the second acceleration; text after a semicolon is a remark.
+        The columns ``event``, ``station`` and ``component`` become attributes of the records.
     dt, units, column, time_column
         As in `read_record`, for all files without such an entry in the table.
     skip_unreadable : bool
@@ -78,7 +82,8 @@ def read_records(
     FileNotFoundError
         If there is no such folder or table.
     ValueError
-        If a file cannot be read (the message names it and the line of the table), or there is none.
+        If a file cannot be read, or its time step or units contradict the table (the message names the
+        file and the line of the table), or there is none.
 
     Warns
     -----
@@ -102,11 +107,11 @@ def read_records(
     listed = _of_folder(path) if path.is_dir() else _of_table(path)
     suite: Suite = {}
     folder = path if path.is_dir() else path.parent
-    for name, where, own in listed:
+    for name, where, own, about in listed:
         if name in suite:
             raise ValueError(f"{where} is listed twice; allowed: each file once")
         try:
-            suite[name] = read_record(folder / name, **usual | own)
+            suite[name] = read_record(folder / name, **usual | own).assign_attrs(about)
         except (OSError, ValueError) as error:
             if not skip_unreadable:
                 raise ValueError(f"{where}: {sentence(error, LONGEST_MESSAGE)}") from error
@@ -118,19 +123,29 @@ def read_records(
     return suite
 
 
-def _of_folder(path: Path) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Name, name for messages, and options of each file in a folder."""
+class _Listed(NamedTuple):
+    """A file of a suite: its name, its name for messages, options of reading, and attributes."""
+
+    name: str
+    where: str
+    options: dict[str, Any]
+    about: dict[str, str]
+
+
+def _of_folder(path: Path) -> Iterator[_Listed]:
+    """Each file in a folder."""
     for file in sorted(path.rglob("*")):
         if file.suffix.lower() in ENDINGS and file.is_file():
             name = file.relative_to(path).as_posix()
-            yield name, plain(name), {}
+            yield _Listed(name, plain(name), {}, {})
 
 
-def _of_table(path: Path) -> Iterator[tuple[str, str, dict[str, Any]]]:
-    """Name, name for messages, and options of each file in a table."""
+def _of_table(path: Path) -> Iterator[_Listed]:
+    """Each file in a table."""
     for line, name, row in table_rows(read_text(path), path.name):
         where = f"{plain(path.name)}, line {line}, {plain(name)}"
-        yield name, where, _options(row, where)
+        about = {key: str(row.get(key) or "").strip() for key in ABOUT}
+        yield _Listed(name, where, _options(row, where), {k: text for k, text in about.items() if text})
 
 
 def table_rows(text: str, name: str) -> Iterator[tuple[int, str, Mapping[str, str | None]]]:
@@ -155,8 +170,8 @@ def _options(row: Mapping[str, str | None], where: str) -> dict[str, Any]:
     if of_columns[-1]:
         options["units"] = of_columns[-1]
     if len(of_columns) == 2 and of_columns[0].split() == ["t", "s"]:
-        return options | {"time_column": 0, "column": 1, "dt": None}
-    if len(of_columns) > 1:
+        options |= {"time_column": 0, "column": 1, "dt": None}
+    elif len(of_columns) > 1:
         raise ValueError(f"{where}: units = {brief(units)}; allowed: one unit, or 't s, ' before it")
     if step:
         try:
@@ -174,7 +189,7 @@ def scale_records(
     sa: Acceleration | None = None,
     period: Seconds | None = None,
     spectrum: xr.DataArray | None = None,
-    band: TwoNumbers = (0.2, 2.0),
+    band: TwoNumbers = BAND,
     damping: DampingRatio = USUAL_DAMPING,
 ) -> Suite:
     """Scale each record of a suite by its own factor to a peak or spectral acceleration or a spectrum.
@@ -223,8 +238,7 @@ def scale_records(
     if not isinstance(records, Mapping) or not records:
         raise TypeError(f"records = {brief(records)}; allowed: a suite, as read_records gives it")
     check_goal({"pga": pga, "sa": sa, "spectrum": spectrum}, period)
-    if not 0 < band[0] < band[1] < np.inf:
-        raise ValueError(f"band = {brief(band)}; allowed: 0 < lower < upper, in seconds")
+    check_band(band)
     periods = np.geomspace(*band, BAND_POINTS) if sa is None else np.array([float(period or 0.0)])
     target = np.array([pga if sa is None else sa], float)
     if spectrum is not None:

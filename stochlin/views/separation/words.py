@@ -229,6 +229,7 @@ def summary(answer: CaseAnswer) -> list[str]:
             for name, gap in zip(case.records, table.record_separation.values, strict=True)
         )
         sentences.append(f"In the recorded motions {about.they} would have needed: {gaps}.")
+    sentences += [f"Record {name}: {text}" for name, text in answer.doubts_of_records().items()]
     sentences.append(" ".join(fit_in_words(answer.spectrum, answer.case.periods)))
     return [sentence for sentence in sentences if sentence]
 

@@ -140,13 +140,14 @@ def scatter(case: Case) -> str:
     """The scatter of the motions in strength and its source; empty where it is 0 as usual."""
     usual = case.usual_scatter
     if not case.scatter:
-        text = f"suites of records show a scatter of {usual:g} about such a site"
-        return f"With scatter = 0 in [motion], all motions are equally strong; {text}." if usual else ""
-    shown = "the scatter of suites of records about such a site; scatter = 0 in [motion] omits it"
+        text = f"records show a scatter of {usual.scatter:.2g} ({usual.source})"
+        without = "With scatter = 0 in [motion], all motions are equally strong"
+        return f"{without}; {text}." if usual.scatter else ""
+    shown = f"{usual.source}; scatter = 0 in [motion] omits it"
     return (
         "From earthquake to earthquake the motions differ in strength by a lognormal factor of median 1 "
-        f"and scatter {case.scatter:g} (standard deviation of its natural logarithm): "
-        f"{shown if case.scatter == usual else 'scatter in [motion] of the file'}."
+        f"and scatter {case.scatter:.2g} (standard deviation of its natural logarithm): "
+        f"{shown if case.scatter == usual.scatter else 'scatter in [motion] of the file'}."
     )
 
 

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import xarray as xr
 
+from stochlin.analyses.cases.separation import BAND
+from stochlin.analyses.sites.motion_fit import DOUBTS
 from stochlin.views.shared.words import per_cent
 
-BAND = 0.2, 1.5  # of the shortest and of the longest period of buildings
 BAND_IN_WORDS = f"{BAND[0]:g} to {BAND[1]:g} times the periods of the buildings"
 
 
@@ -40,4 +41,5 @@ def fit_in_words(dataset: xr.Dataset, periods: Sequence[float] = ()) -> list[str
             f"Significant duration: {float(dataset.significant_duration):.3g} s, record "
             f"{float(dataset.record_significant_duration):.3g} s."
         )
+        sentences += filter(None, [dataset.attrs[DOUBTS]])
     return sentences

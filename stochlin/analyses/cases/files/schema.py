@@ -123,6 +123,7 @@ HAZARD = table(
 )
 MOTION = table(
     Key("envelope", str, "Envelope", "none"),
+    Key("components", Whole(1, 2), "Number of components to which ground and envelope are fitted", 1),
     Key(
         "scatter", NUMBER, "Scatter of the strength between earthquakes (standard deviation of ln)", None
     ),
