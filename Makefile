@@ -69,7 +69,8 @@ bias: $(VENV)/.dev
 	$(BIN)/python benchmarks/drift_map.py stochlin/analyses/linearization/drift_map.nc --work build/drift
 
 # Whether predicted gaps hold in recorded earthquakes: the numbers and pictures of docs/reality.md, from a
-# folder of records that are not part of the repository; half an hour or so on two cores, to be resumed.
+# folder of records that are not part of the repository; three quarters of an hour or so on two cores, to
+# be resumed.
 RECORDS ?= ../shared/records
 reality: $(VENV)/.dev
 	$(BIN)/python benchmarks/reality.py $(RECORDS) --work build/reality --page docs/reality.md --save docs/gallery/reality.nc

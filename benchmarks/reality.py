@@ -2,8 +2,9 @@
 
 RECORDS is a folder whose table suites.csv lists two suites, as `read_records` takes it, with the columns
 event and station; records from its folder mexico_city are of a lake bed, the others are the far field.
-Motions are predicted from a spectrum, or fitted to one record; the gaps that they ask for are tried on
-records. Takes half an hour or so on two cores; a run that was stopped goes on with what is in FOLDER.
+Motions are predicted from a spectrum, or fitted to one record or both components of a station; the gaps
+that they ask for, and those of every rule for a spectrum, are tried on records. Takes three quarters of
+an hour or so on two cores; a run that was stopped goes on with what is in FOLDER.
 `--page FILE` writes the tables into a page, `--save FILE` what its pictures show.
 """
 
@@ -16,6 +17,7 @@ import pickle
 import sys
 import time
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,14 +25,32 @@ from typing import Any, NamedTuple
 import numpy as np
 import scipy.constants
 import xarray as xr
-from reality_tables import figures_of, write_page
+from reality_tables import (
+    BOTH,
+    CONFIDENCE,
+    FAR_FIELD,
+    FITTED,
+    LAKE_BED,
+    LEVELS,
+    OTHER,
+    OWN,
+    PGA_ELSEWHERE,
+    SA_ELSEWHERE,
+    SA_ELSEWHERE_BOTH,
+    SPECTRUM,
+    USUAL,
+    figures_of,
+    tables_of_checks,
+    write_page,
+)
 
 import stochlin as sl
+from stochlin.analyses.sites.motion_fit import OTHER_COMPONENT, USES, Components
+from stochlin.analyses.sites.spectra import labelled
 from stochlin.analyses.tables.storage import save_table, whole_file
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput
 
-FAR_FIELD, LAKE_BED = "far field", "lake bed"
 DAMPING, HARDENING, STOREY_HEIGHT, MASS = 0.05, 0.05, 3.2, 4e5
 # Period [s] and storeys of the left and of the right building; one storey: an oscillator.
 OSCILLATORS = ((0.3, 0.45), (0.5, 0.8), (1.0, 0.6), (1.0, 1.4), (1.8, 1.2), (2.5, 1.5))
@@ -41,12 +61,12 @@ PAIRS = (
 )
 GROUPS = (list(range(len(OSCILLATORS))), [6], [7])  # simulated together
 STRENGTHS = (1.0, 2.0, 4.0)  # mean elastic peak over yield displacement, 1: elastic
-USUAL = sl.FittedMotion.scatter
-LEVELS = (0.0, USUAL)  # of scatter
+LEVELS_OF_FITS = (*LEVELS, USES[OTHER_COMPONENT].scatter)  # of scatter
 GAP_SHARES = (0.1, 0.2, 0.35, 0.5, 0.75)  # of the sum of both mean elastic peaks
 BAND = (0.5, 2.0)  # of the shorter and of the longer period, between which records meet a spectrum
 LONGEST = 4.0  # s
 PATHS, SPECTRUM_PATHS, SEED = 256, 1024, 17
+MADE = 200  # motions for the false alarms of the checks
 
 
 class Recorded(NamedTuple):
@@ -160,6 +180,14 @@ def tried(yields: Array, records: Mapping[str, xr.DataArray], pairs: Iterable[in
     return found
 
 
+class Prediction(NamedTuple):
+    """Gaps (scatter, strength, pair, path), sorted, and strengths (strength, pair, side) [m]."""
+
+    gaps: Array
+    yields: Array
+    levels: Sequence[float]
+
+
 def _mean(values: Array) -> Array:
     """Over the last axis, of what is known; NaN of nothing."""
     known = ~np.isnan(values)
@@ -170,9 +198,10 @@ def _mean(values: Array) -> Array:
 
 
 def compared(
-    gaps: Array, yields: Array, needed: Array, names: list[str], part: str, fitted: str = ""
+    prediction: Prediction, needed: Array, names: list[str], part: str, fitted: str = ""
 ) -> xr.Dataset:
-    """Where the gaps that records need lie among those predicted (scatter, strength, pair, path)."""
+    """Where the gaps that records need lie among those predicted."""
+    gaps, yields, levels = prediction
     record = needed[:, None]  # (case, scatter, strength, pair)
     below = (gaps < record[..., None]).mean(axis=-1)
     # A structure that yields away from its neighbour may need no gap at all.
@@ -188,9 +217,10 @@ def compared(
             "spread": (dims, np.broadcast_to(np.sqrt(_mean(logs**2) - _mean(logs) ** 2), below.shape)),
             "probability": ((*dims, "gap"), np.broadcast_to(likely, (*below.shape, len(GAP_SHARES)))),
             "hit": (("case", *dims[2:], "gap"), np.where(np.isnan(needed), np.nan, needed > gap)),
+            "needed": (("case", *dims[2:]), needed[..., 0]),
         },
         {
-            "scatter": list(LEVELS),
+            "scatter": list(levels),
             "strength": list(STRENGTHS),
             "gap": list(GAP_SHARES),
             "record": ("case", names),
@@ -208,19 +238,26 @@ class Kept:
         self.folder = folder
 
     def __call__(self, name: str, function: Callable[..., Any], *arguments: Any) -> Any:
-        file = self.folder / f"{name.replace('/', ' ')}.pickle"
+        file = self._file(name)
         if not file.exists():
             begin, result = time.perf_counter(), function(*arguments)
             with whole_file(file) as temporary:
                 Path(temporary).write_bytes(pickle.dumps(result))
             print(f"{name}: {time.perf_counter() - begin:.1f} s", flush=True)
-        return pickle.loads(file.read_bytes())
+        return self.known(name)
 
-    def prediction(self, name: str, motion: Motion) -> tuple[Array, Array]:
+    def _file(self, name: str) -> Path:
+        return self.folder / f"{name.replace('/', ' ')}.pickle"
+
+    def known(self, name: str) -> Any:
+        """What was computed before."""
+        return pickle.loads(self._file(name).read_bytes())
+
+    def prediction(self, name: str, motion: Motion, levels: Sequence[float] = LEVELS) -> Prediction:
         """Gaps by scatter, and strengths."""
         yields = self(f"{name}, strengths", strengths, motion)
-        gaps = [self(f"{name}, scatter {s:g}", predicted, motion, yields, s) for s in LEVELS]
-        return np.array(gaps), yields
+        gaps = [self(f"{name}, scatter {s:g}", predicted, motion, yields, s) for s in levels]
+        return Prediction(np.array(gaps), yields, levels)
 
 
 # --- (a) from a spectrum ------------------------------------------------------------------------------
@@ -251,7 +288,16 @@ LENGTHS = {
 STRETCHES = (1.0, 0.5, 2.0)  # of duration and envelope, the last two of the far field
 
 
-def from_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str, stretch: float) -> xr.Dataset:
+class OfSpectrum(NamedTuple):
+    """A suite, the spectrum to which it is scaled, and what is predicted from this."""
+
+    own: Mapping[str, xr.DataArray]
+    target: xr.DataArray
+    motion: Motion
+    prediction: Prediction
+
+
+def of_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str, stretch: float) -> OfSpectrum:
     own = {name: each.values for name, each in records.items() if each.suite == suite}
     target = sl.eurocode_8(0.25 * scipy.constants.g, "B") if suite == FAR_FIELD else mean_spectrum(own)
     duration, (rise, strong, decay) = LENGTHS[suite]
@@ -263,55 +309,183 @@ def from_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str, stret
         ground = sl.fit_ground(target, duration=duration, envelope=envelope)
         return Motion(ground, envelope, duration, SPECTRUM_PATHS, groups)
 
-    def needed() -> Array:
-        found = np.full((len(own), len(STRENGTHS), len(PAIRS)), np.nan)
-        for n in (n for group in groups for n in group):
-            periods = [side[0] for side in PAIRS[n]]
-            band = (BAND[0] * min(periods), min(BAND[1] * max(periods), LONGEST))
-            scaled = sl.scale_records(own, spectrum=target, band=band)
-            found[..., n] = tried(yields, scaled, [n])[..., n]
-        return found
+    motion = kept(f"{name}, motion", fitted)
+    return OfSpectrum(own, target, motion, kept.prediction(name, motion))
 
-    gaps, yields = kept.prediction(name, kept(f"{name}, motion", fitted))
-    part = "spectrum" if stretch == 1 else f"spectrum, {stretch:g} times the duration"
-    return compared(gaps, yields, kept(f"{name}, records", needed), list(own), part)
+
+def tried_by_spectrum(
+    yields: Array, records: Mapping[str, xr.DataArray], target: xr.DataArray, pairs: Iterable[int]
+) -> Array:
+    """As `tried`, with each record scaled to a spectrum in a band around the periods of the pair."""
+    found = np.full((len(records), len(STRENGTHS), len(PAIRS)), np.nan)
+    for n in pairs:
+        periods = [side[0] for side in PAIRS[n]]
+        band = (BAND[0] * min(periods), min(BAND[1] * max(periods), LONGEST))
+        scaled = sl.scale_records(records, spectrum=target, band=band)
+        found[..., n] = tried(yields, scaled, [n])[..., n]
+    return found
+
+
+def from_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str, stretch: float) -> xr.Dataset:
+    own, target, motion, prediction = of_spectrum(kept, records, suite, stretch)
+    pairs = [n for group in motion.groups for n in group]
+    name = f"{suite} {stretch:g}, records"
+    needed = kept(name, tried_by_spectrum, prediction.yields, own, target, pairs)
+    part = SPECTRUM if stretch == 1 else f"{SPECTRUM}, {stretch:g} times the duration"
+    return compared(prediction, needed, list(own), part)
+
+
+# --- gaps of every rule -------------------------------------------------------------------------------
+
+
+def gaps_by_rule(motion: Motion, yields: Array) -> xr.DataArray:
+    """Gaps [m] of every rule of `separation` for the oscillators, over rule, strength and pair."""
+    cells = []
+    for (number, strength), n in itertools.product(enumerate(STRENGTHS), GROUPS[0]):
+        both = [
+            structure(*PAIRS[n][side], float(yields[number, n, side]) if number else None)
+            for side in (0, 1)
+        ]
+        table = sl.separation(
+            *both,
+            motion.ground,
+            motion.duration,
+            envelope=motion.envelope,
+            confidence=CONFIDENCE,
+            scatter=USUAL,
+            paths=motion.paths,
+            seed=SEED,
+        )
+        known = table.gap.where(~table.family.isin(["height", "fixed"]))
+        known = known.drop_vars(set(known.coords) - {"rule"})
+        cells.append(known.expand_dims(strength=[strength], pair=[n]).to_dataset(name="gap"))
+    found: xr.DataArray = xr.combine_by_coords(cells).gap
+    return found.dropna("rule")
+
+
+def rules_of(kept: Kept, records: Mapping[str, Recorded]) -> xr.DataArray:
+    """Gaps [m] of every rule in (a), over suite, rule, strength and pair."""
+    each = []
+    for suite in LENGTHS:
+        _, _, motion, (_, yields, _) = of_spectrum(kept, records, suite, STRETCHES[0])
+        each.append(kept(f"{suite} 1, rules", gaps_by_rule, motion, yields))
+    return xr.concat(each, xr.DataArray(list(LENGTHS), dims="suite", name="suite"))
 
 
 # --- (b) and (c) from one record ----------------------------------------------------------------------
 
 
+def pairs_on(suite: str) -> Sequence[Sequence[int]]:
+    """Buildings in records of minutes take minutes; on the lake bed they are tried in (a) alone."""
+    return GROUPS[:1] if suite == LAKE_BED else GROUPS
+
+
 def from_record(kept: Kept, records: Mapping[str, Recorded], name: str) -> xr.Dataset:
-    """The record itself, the other component of its station, and the rest of a lake bed by its PGA."""
+    """The record itself, the other component of its station, and the rest of its suite."""
     one = records[name]
-    # Buildings in records of minutes take minutes; on the lake bed they are tried in (a) alone.
-    groups = GROUPS[:1] if one.suite == LAKE_BED else GROUPS
+    groups = pairs_on(one.suite)
     pairs = [n for group in groups for n in group]
 
     def fitted() -> Motion:
         motion = sl.fit_motion(one.values)
         return Motion(motion.ground, motion.envelope, motion.duration, groups=groups)
 
-    gaps, yields = kept.prediction(name, kept(f"{name}, motion", fitted))
+    prediction = kept.prediction(name, kept(f"{name}, motion", fitted), LEVELS_OF_FITS)
     found = []
 
-    def add(part: str, others: Mapping[str, xr.DataArray]) -> None:
+    def add(part: str, others: Mapping[str, xr.DataArray], pairs: Sequence[int] = pairs) -> None:
         if others:
-            needed = kept(f"{name}, {part}", tried, yields, others, pairs)
-            found.append(compared(gaps, yields, needed, list(others), part, name))
+            needed = kept(f"{name}, {part}", tried, prediction.yields, others, pairs)
+            found.append(compared(prediction, needed, list(others), part, name))
 
-    add("own component", {name: one.values})
+    add(OWN, {name: one.values})
     rest = {other: each for other, each in records.items() if other != name}
     beside = {other: each.values for other, each in rest.items() if each.place == one.place}
-    add("other component", beside)
+    add(OTHER, beside)
+    far = {o: e for o, e in rest.items() if e.suite == one.suite and o not in beside}
+    scaled = sl.scale_records(
+        {other: each.values for other, each in far.items()}, pga=float(abs(one.values).max())
+    )
     if one.suite == LAKE_BED:
-        far = {o: e for o, e in rest.items() if e.suite == LAKE_BED and o not in beside}
-        scaled = sl.scale_records(
-            {other: each.values for other, each in far.items()}, pga=float(abs(one.values).max())
-        )
         for part, same in (("other station", True), ("other event", False)):
             some = {other: scaled[other] for other in far if (far[other].event == one.event) is same}
             add(part, some)
+    others, target = {other: each.values for other, each in far.items()}, spectrum_of([one.values])
+    add(PGA_ELSEWHERE, scaled, GROUPS[0])
+    needed = kept(
+        f"{name}, {SA_ELSEWHERE}", tried_by_spectrum, prediction.yields, others, target, GROUPS[0]
+    )
+    found.append(compared(prediction, needed, list(others), SA_ELSEWHERE, name))
     return xr.concat(found, "case")
+
+
+def spectrum_of(components: Sequence[xr.DataArray]) -> xr.DataArray:
+    """Geometric mean of the spectra of components."""
+    period = np.geomspace(0.05, LONGEST, 80)
+    values = Components(components, np.empty((0, 0)), np.nan).spectrum(period)
+    return labelled(period, values, DAMPING, "a record")
+
+
+def from_both(kept: Kept, records: Mapping[str, Recorded], place: str) -> xr.Dataset:
+    """Fitted to both components of a station: each of them, and the rest of its suite by Sa.
+
+    The scatter is that of the fit, which differs from station to station.
+    """
+    both = {name: each for name, each in records.items() if each.place == place}
+    suite = next(iter(both.values())).suite
+    groups = pairs_on(suite)
+    shortest = min(each.values.size for each in both.values())
+    components = [each.values[:shortest] for each in both.values()]
+
+    def fitted() -> tuple[Motion, float]:
+        motion = sl.fit_motion(components)
+        return Motion(motion.ground, motion.envelope, motion.duration, groups=groups), motion.scatter
+
+    name = f"{place}, both"
+    motion, scatter = kept(f"{name}, motion", fitted)
+    prediction = kept.prediction(name, motion, (0.0, scatter))
+    prediction = prediction._replace(levels=(0.0, FITTED))
+    pairs = [n for group in groups for n in group]
+    own = {name: each.values for name, each in both.items()}
+    needed = kept(f"{name}, own", tried, prediction.yields, own, pairs)
+    found = compared(prediction, needed, list(own), BOTH, place)
+    rest = {o: e.values for o, e in records.items() if e.suite == suite and o not in both}
+    target = spectrum_of(components)
+    needed = kept(f"{name}, by Sa", tried_by_spectrum, prediction.yields, rest, target, GROUPS[0])
+    far = compared(prediction, needed, list(rest), SA_ELSEWHERE_BOTH, place)
+    both_cases = xr.concat([found, far], "case")
+    return both_cases.assign(fitted_scatter=("case", np.full(both_cases.sizes["case"], scatter)))
+
+
+# --- what the checks say ------------------------------------------------------------------------------
+
+
+def checked_records(kept: Kept, records: Mapping[str, Recorded], suite: str) -> xr.Dataset:
+    """The checks of the records of a suite with the spectrum of (a), and of the fits to them."""
+    own, target, *_ = of_spectrum(kept, records, suite, STRETCHES[0])
+    found = kept(f"{suite}, checks", lambda: sl.check_records(own, spectrum=target))
+    fits = [kept(f"{name}, compared", compared_fit, kept, name, one) for name, one in own.items()]
+    ratios = [each.significant_duration / each.record_significant_duration for each in fits]
+    found["duration_ratio"] = "record", np.array(ratios, float)
+    found["fit_doubts"] = "record", [each.attrs["doubts"] for each in fits]
+    return found.assign_coords(place=("record", [records[name].place for name in own]))
+
+
+def compared_fit(kept: Kept, name: str, record: xr.DataArray) -> xr.Dataset:
+    motion = kept.known(f"{name}, motion")
+    return sl.compare_motions(record, sl.FittedMotion(motion.ground, motion.envelope, motion.duration))
+
+
+def checked_motions(kept: Kept, records: Mapping[str, Recorded], suite: str) -> xr.Dataset:
+    """The checks of motions made for the spectrum of (a), of which each doubt is a false alarm."""
+    _, target, motion, _ = of_spectrum(kept, records, suite, STRETCHES[0])
+
+    def made() -> xr.Dataset:
+        timing = motion.duration, motion.envelope
+        motions = sl.simulated_motions(motion.ground, *timing, paths=MADE, seed=SEED)
+        return sl.check_records(list(motions), spectrum=target)
+
+    return kept(f"{suite}, checks of motions", made)
 
 
 # --- all of it ----------------------------------------------------------------------------------------
@@ -335,7 +509,9 @@ def all_cases(records: Mapping[str, Recorded], work: Path) -> xr.Dataset:
     tables = [from_spectrum(kept, records, suite, STRETCHES[0]) for suite in LENGTHS]
     tables += [from_record(kept, records, name) for name in records]
     tables += [from_spectrum(kept, records, FAR_FIELD, stretch) for stretch in STRETCHES[1:]]
-    cases = xr.concat(tables, "case")
+    count = Counter(each.place for each in records.values())
+    tables += [from_both(kept, records, place) for place, number in count.items() if number == 2]
+    cases = xr.concat(tables, "case", join="outer")
     names = cases.record.values
     sites = {name: site_period(each.values) for name, each in records.items()}
     lengths = {name: significant_duration(each.values) for name, each in records.items()}
@@ -374,7 +550,11 @@ def main() -> None:
     records = {name: each for name, each in records.items() if each.place in places}
     cases = all_cases(records, options.work)
     save_table(cases, options.work / "cases.nc")
-    figures, text = figures_of(cases)
+    kept = Kept(options.work)
+    figures, text = figures_of(cases, rules_of(kept, records))
+    checks = {suite: checked_records(kept, records, suite) for suite in LENGTHS}
+    made = {suite: checked_motions(kept, records, suite) for suite in LENGTHS}
+    text |= tables_of_checks(checks, made)
     print("\n\n".join(text.values()))
     if options.save:
         save_table(figures, options.save)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import scipy.stats
 import xarray as xr
 
+from stochlin.analyses.sites.motion_fit import LIKE_DURATION, OTHER_COMPONENT, USES
+from stochlin.analyses.sites.record_checks import MOST_AT_ENDS, MOST_MISFIT, MOST_OFFSET
 from stochlin.kernels.basics.arrays import Array
 
 NOMINAL = (0.5, 0.84, 0.9, 0.95)
@@ -20,6 +22,12 @@ ALIKE = 1.25  # largest ratio of the periods of two sites that are alike
 GRID = np.arange(0, 0.805, 0.01)  # of scatter
 DRAWS, TAIL = 2000, 0.025
 SPECTRUM, OWN, OTHER = "spectrum", "own component", "other component"
+BOTH, PGA_ELSEWHERE, SA_ELSEWHERE = "both components", "elsewhere by PGA", "elsewhere by Sa"
+SA_ELSEWHERE_BOTH = f"{SA_ELSEWHERE}, {BOTH}"
+USUAL, AFTER = (USES[use].scatter for use in ("spectrum", OTHER_COMPONENT))
+LEVELS = (0.0, USUAL)  # of scatter
+FITTED = -1.0  # in place of a scatter: that of the fit to both components
+CONFIDENCE = 0.9  # of the gaps by rule, and of both components
 FAR_FIELD, LAKE_BED = "far field", "lake bed"
 SUITES = (FAR_FIELD, LAKE_BED)
 OSCILLATORS = 6  # the first pairs
@@ -123,8 +131,10 @@ def shown(cases: xr.Dataset) -> dict[str, xr.Dataset]:
     return {name: group for name, group in groups.items() if group.sizes["case"]}
 
 
-def figures_of(cases: xr.Dataset) -> tuple[xr.Dataset, dict[str, str]]:
-    """What the pictures of the page show, and its tables."""
+def figures_of(all_cases: xr.Dataset, gaps: xr.DataArray) -> tuple[xr.Dataset, dict[str, str]]:
+    """What the pictures of the page show, and its tables, with the ``gaps`` of rules [m]."""
+    cases = all_cases.sel(scatter=list(LEVELS))
+    rules = judged_rules(cases, gaps)
     groups = shown(cases)
     rows = [
         [[share_interval(held(group.below.sel(scatter=s), q), group.place.values) for q in CURVE]
@@ -146,6 +156,7 @@ def figures_of(cases: xr.Dataset) -> tuple[xr.Dataset, dict[str, str]]:
         "title": "Predicted gaps and recorded earthquakes",
         "history": "benchmarks/reality.py",
     }
+    figures = figures.merge(rules)
     tables = {
         "records": _records(cases),
         "held": _held(groups),
@@ -157,6 +168,8 @@ def figures_of(cases: xr.Dataset) -> tuple[xr.Dataset, dict[str, str]]:
         "crossed": _crossed(cases),
         "pounding": _pounding(groups),
         "duration": _duration(cases),
+        "rules": _rules(rules),
+        "components": _components(all_cases),
     }
     return figures, tables
 
@@ -355,18 +368,30 @@ def _pounding(groups: dict[str, xr.Dataset]) -> str:
     return _table(("Predicted from", "scatter", *bins), rows)
 
 
+def _rank_correlation(first: Array, second: Array, place: Array) -> str:
+    """Spearman's correlation, and its 95 % interval by drawing places."""
+    random, places = np.random.default_rng(0), np.unique(place)
+    of_place = [np.flatnonzero(place == each) for each in places]
+    drawn = random.integers(places.size, size=(DRAWS, places.size))
+    chosen = [np.concatenate([of_place[n] for n in each]) for each in drawn]
+    rhos = [scipy.stats.spearmanr(first[each], second[each])[0] for each in chosen]
+    rho, _ = scipy.stats.spearmanr(first, second)
+    lower, upper = np.nanquantile(rhos, [TAIL, 1 - TAIL])
+    return f"{rho:.2f} ({lower:.2f} to {upper:.2f})"
+
+
 def _duration(cases: xr.Dataset) -> str:
     rows = []
     for part in dict.fromkeys(name for name in cases.part.values.tolist() if name.startswith(SPECTRUM)):
         group = of(cases, part, FAR_FIELD).isel(scatter=-1, pair=slice(None, OSCILLATORS))
         off = group.off.sel(strength=group.strength[-1]).mean(("pair",))
-        rho, _ = scipy.stats.spearmanr(group.significant_duration, off)
+        rho = _rank_correlation(group.significant_duration.values, off.values, group.place.values)
         cells = [
             _percent(share_interval(held(group.below.sel(strength=s), 0.9), group.place.values))
             for s in group.strength.values
         ]
         length = "as above" if part == SPECTRUM else part.removeprefix(f"{SPECTRUM}, ")
-        rows.append((length, *cells, f"{float(off.mean()):+.2f}", f"{rho:.2f}"))
+        rows.append((length, *cells, f"{float(off.mean()):+.2f}", rho))
     strengths = [_strength(s) for s in cases.strength.values]
     last = strengths[-1]
     head = (
@@ -374,6 +399,189 @@ def _duration(cases: xr.Dataset) -> str:
         f"its correlation with the record's duration, {last}",
     )
     return _table(("Motions last", *strengths, *head), rows)
+
+
+# --- rules --------------------------------------------------------------------------------------------
+
+
+def _of_equal_gaps(gaps: xr.DataArray) -> xr.DataArray:
+    """Rules that ask for the same gaps everywhere become one, with all their names."""
+    names: dict[int, list[str]] = {}
+    for rule in range(gaps.sizes["rule"]):
+        alike = (n for n in names if np.allclose(gaps.isel(rule=n), gaps.isel(rule=rule), rtol=1e-9))
+        names.setdefault(next(alike, rule), []).append(str(gaps.rule.values[rule]))
+    distinct = gaps.isel(rule=list(names))
+    return distinct.assign_coords(rule=[", ".join(each) for each in names.values()])
+
+
+def judged_rules(cases: xr.Dataset, gaps: xr.DataArray) -> xr.Dataset:
+    """What records of (a) need over the gap of each rule, over suite and rule.
+
+    A cell is a pair and a strength. The first rule is the simulation; mean gaps are equal to its own if
+    the mean logarithms over the cells are.
+    """
+    gaps = _of_equal_gaps(gaps)
+    found: dict[str, list[list[float]]] = {name: [] for name in _RULE_COLUMNS}
+    for suite in gaps.suite.values:
+        group = of(cases, SPECTRUM, suite).isel(pair=gaps.pair.values)
+        needed, place = group.needed.drop_vars("pair", errors="ignore"), group.place.values
+        own = gaps.sel(suite=suite).drop_vars("pair")
+        equal = np.exp(np.log(own.isel(rule=0) / own).mean(("strength", "pair")))
+        for name in gaps.rule.values:
+            gap = own.sel(rule=name)
+            logs = np.log((needed / gap).where(needed > 0))
+            cells = logs.mean("case")
+            held, held_equal = (
+                share_interval((needed <= each).transpose("case", ...).values * 1.0, place)
+                for each in (gap, gap * equal.sel(rule=name))
+            )
+            values = (
+                float(np.exp(logs.median())),
+                float(np.sqrt(logs.var("case", ddof=1).mean())),
+                float(cells.std(ddof=1)),
+                float(equal.sel(rule=name)),
+                *held,
+                *held_equal,
+            )
+            for column, value in zip(_RULE_COLUMNS, values, strict=True):
+                found[column].append(value)
+    sizes = gaps.sizes["suite"], gaps.sizes["rule"]
+    columns = {
+        name: (("suite", "rule"), np.reshape(found[name], sizes), {"units": "1", "long_name": long_name})
+        for name, long_name in _RULE_COLUMNS.items()
+    }
+    return xr.Dataset(columns, coords={"suite": gaps.suite.values, "rule": gaps.rule.values})
+
+
+def _with_ends(name: str, long_name: str) -> dict[str, str]:
+    return {
+        f"{name}{end}": long_name + end.replace("_", ", 95 % interval, ")
+        for end in ("", "_lower", "_upper")
+    }
+
+
+_RULE_COLUMNS = {
+    "rule_median_ratio": "median of the needed gap over that of the rule",
+    "rule_scatter_within": "standard deviation of its logarithm within pairs and strengths",
+    "rule_scatter_between": "standard deviation of its logarithm between pairs and strengths",
+    "rule_factor": "factor on the gaps of the rule at the mean gap of the simulation",
+    **_with_ends("rule_held", "share of the gaps of the rule that held"),
+    **_with_ends(
+        "rule_held_at_equal_gap", "share of its gaps that held at the mean gap of the simulation"
+    ),
+}
+
+
+def _ends(table: xr.Dataset, name: str) -> tuple[float, ...]:
+    return tuple(float(table[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
+
+
+def _rules(rules: xr.Dataset) -> str:
+    rows = []
+    for suite in rules.suite.values:
+        own = rules.sel(suite=suite)
+        order = own.rule_held_at_equal_gap.argsort().values[::-1]
+        for number, n in enumerate(order):
+            one = own.isel(rule=n)
+            rows.append(
+                (suite if not number else "", str(one.rule.values).replace("_", "\\_"),
+                 f"{float(one.rule_median_ratio):.2f}", f"{float(one.rule_scatter_within):.2f}",
+                 f"{float(one.rule_scatter_between):.2f}", _percent(_ends(one, "rule_held")),
+                 f"{float(one.rule_factor):.2f}", _percent(_ends(one, "rule_held_at_equal_gap")))
+            )  # fmt: skip
+    head = (
+        "",
+        "rule",
+        "median of needed/predicted",
+        "scatter within pairs",
+        "scatter between pairs",
+        "held, %",
+        "factor to equal mean gap",
+        "held at equal mean gap, %",
+    )
+    return _table(head, rows)
+
+
+# --- one component and both ---------------------------------------------------------------------------
+
+
+def _components(cases: xr.Dataset) -> str:
+    """At nominally 90 %, from one component and from both."""
+    one, of_fit = (USUAL, AFTER), (0.0, FITTED)
+    tries = (
+        (OTHER, "one component", "the other component", (0.0, *one)),
+        (BOTH, "both components", "each of them", of_fit),
+        (PGA_ELSEWHERE, "one component", "the rest of the suite, scaled by PGA", (0.0, *one)),
+        (SA_ELSEWHERE, "one component", "the rest of the suite, scaled by Sa", (0.0, *one)),
+        (SA_ELSEWHERE_BOTH, "both components", "the rest of the suite, scaled by Sa", of_fit),
+    )
+    rows = []
+    for part, fitted, on, levels in tries:
+        for level in levels:
+            first = level == levels[0]
+            row = [fitted if first else "", on if first else "", f"{level:g}"]
+            groups = [of(cases, part, suite) for suite in SUITES]
+            if level == FITTED:
+                each = [group.fitted_scatter for group in groups]
+                row[2] = " and ".join(
+                    f"{float(one.min()):.2f} to {float(one.max()):.2f}" for one in each
+                )
+            for group in groups:
+                rank = group.below.sel(scatter=level)
+                row.append(_percent(share_interval(held(rank, CONFIDENCE), group.place.values)))
+            for group in groups:
+                known = group.sel(scatter=list(LEVELS))
+                likely = scatter_of([known]) if first and FITTED not in levels else ()
+                row.append("{:.2f} ({:.2f} to {:.2f})".format(*likely) if likely else "")
+            rows.append(row)
+    held_on = [f"held on the {suite}, %" for suite in SUITES]
+    scatters = [f"most likely scatter, {suite}" for suite in SUITES]
+    return _table(("Fitted to", "tried on", "scatter", *held_on, *scatters), rows)
+
+
+# --- checks of records and fits -----------------------------------------------------------------------
+
+
+def _beyond(table: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Where each check raises a doubt."""
+    levels = table[["start_level", "end_level"]].to_array().max("variable")
+    beyond = {
+        "velocity pulse": table.pulse_indicator > 0,
+        "offset": abs(table.offset) > MOST_OFFSET,
+        "cut file": levels > MOST_AT_ENDS,
+        "shape of the spectrum": table.spectral_misfit > MOST_MISFIT,
+    }
+    if "duration_ratio" in table:
+        beyond["duration of the fit"] = abs(np.log(table.duration_ratio)) > np.log(LIKE_DURATION)
+        beyond["spectrum of the fit"] = table.fit_doubts.str.contains("mean spectrum")
+    return beyond
+
+
+def tables_of_checks(checks: Mapping[str, xr.Dataset], made: Mapping[str, xr.Dataset]) -> dict[str, str]:
+    """The records that a check flags, and how often each flags records and motions that were made."""
+    flagged, counts = [], []
+    for suite, table in checks.items():
+        beyond = _beyond(table)
+        for n, name in enumerate(table.record.values.tolist()):
+            here = [check for check, doubt in beyond.items() if doubt.values[n]]
+            if here:
+                period = float(table.pulse_period[n])
+                told = [
+                    f"{check} of {period:.2g} s" if check == "velocity pulse" else check
+                    for check in here
+                ]
+                short = name.rpartition("/")[2].rpartition(".")[0]
+                flagged.append((short, str(table.place.values[n]), "; ".join(told)))
+        false = _beyond(made[suite])
+        for number, (check, doubt) in enumerate(beyond.items()):
+            of_made = f"{int(false[check].sum())} of {false[check].size}" if check in false else ""
+            counts.append(
+                (suite if not number else "", check, f"{int(doubt.sum())} of {doubt.size}", of_made)
+            )
+    return {
+        "flagged": _table(("record", "earthquake and station", "doubts"), flagged),
+        "alarms": _table(("", "check", "records", "motions of filtered noise"), counts),
+    }
 
 
 def write_page(page: Path, tables: dict[str, str]) -> None:
