@@ -161,7 +161,7 @@ def test_the_verdict_belongs_to_the_code_as_applied(storeyed: CaseAnswer) -> Non
 def test_which_is_which_stands_on_the_screen_the_page_and_in_the_file(tmp_path: Path) -> None:
     out, page = tmp_path / "gap.nc", tmp_path / "gap.html"
     path = case_file(tmp_path)
-    shown = answered("gap", path, "--out", out, "--report", page).output
+    shown = answered("gap", path, "--details", "--out", out, "--report", page).output
     rules = re.findall(r"^(\w+(?: as you apply it| of simulated peaks)?)  ", shown, re.MULTILINE)
     usual = ["simulation", "eq_3_linearized", "eq_3_drift", "eq_3_paper", "srss"]
     words = " as you apply it", " of simulated peaks"

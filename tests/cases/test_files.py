@@ -23,7 +23,7 @@ from stochlin.analyses.explorer.opening import opened
 from stochlin.messages import DoubtfulInput
 from stochlin.models.parameters import Range
 from stochlin.models.plausible import PLAUSIBLE
-from stochlin.views.separation.words import summary
+from stochlin.views.separation.verdict import reason
 
 pytestmark = pytest.mark.invariant
 
@@ -100,7 +100,7 @@ def test_progress_of_an_answer_never_goes_back(tmp_path: Path) -> None:
     shares: list[float] = []
     answer = answer_case(read(tmp_path, changed("paths = 2048", "paths = 100")), shares.append)
     assert answer.separation.sizes["path"] == answer.case.paths == 128  # whole groups of 32
-    assert "simulating 128 such motions" in " ".join(summary(answer))
+    assert "% of 128 motions" in reason(answer)
     assert shares == sorted(shares)
     assert shares[-1] == 1
 

@@ -11,7 +11,7 @@ import pytest
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.separation import answer_case
-from stochlin.views.separation.words import summary
+from stochlin.views.separation.verdict import cautions, comparisons
 from stochlin.views.shared.words import scatter
 
 pytestmark = pytest.mark.invariant
@@ -51,7 +51,7 @@ def test_the_answer_says_how_the_motions_compare_with_the_record(fitted: Case) -
     answer = answer_case(fitted)
     error = float(answer.spectrum.energy_ratio_standard_error)
     assert float(answer.spectrum.energy_ratio) == pytest.approx(1.0, abs=4 * error)
-    told = summary(answer)[-1]
+    told = comparisons(answer)[-1]
     assert (
         f"Energy of the motions relative to the record: {float(answer.spectrum.energy_ratio):.2f}"
         in told
@@ -104,7 +104,7 @@ def test_the_answer_says_what_is_wrong_with_a_record(tmp_path: Path) -> None:
     answer = answer_case(sl.read_case(tmp_path / "case.toml"))
     assert answer.checks is not None
     assert list(answer.doubts_of_records()) == ["wave.at2"]
-    assert any("Record wave.at2: It starts with" in sentence for sentence in summary(answer))
+    assert any("Record wave.at2: It starts with" in sentence for sentence in cautions(answer))
     assert case.scatter == 0.4
 
 

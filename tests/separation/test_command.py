@@ -42,12 +42,12 @@ class Done(NamedTuple):
 
 def done(folder: Path, text: str, *more: object) -> Done:
     (folder / "case.toml").write_text(text, encoding="utf-8")
-    out = ("--report", folder / "gap.html", "--out", folder / "gap.nc", *more)
+    out = ("--details", "--report", folder / "gap.html", "--out", folder / "gap.nc", *more)
     return Done(invoke("gap", folder / "case.toml", *out), folder)
 
 
 def screen_of(folder: Path, text: str) -> str:
-    """What the screen says of a case, without the page and its pictures."""
+    """What the screen says of a case without details, the page and its pictures."""
     (folder / "case.toml").write_text(text, encoding="utf-8")
     result = answered("gap", folder / "case.toml")
     return result.output
@@ -143,6 +143,12 @@ def test_the_readme_shows_numbers_of_the_example(example: Done) -> None:
             assert verdict == meanings[int(one.verdict)]
 
 
+def test_the_first_steps_show_what_the_example_prints(example: Done) -> None:
+    start = (Path(__file__).parents[2] / "docs" / "start.md").read_text(encoding="utf-8")
+    (shown,) = (text for text in re.findall(r"```text\n(.*?)```", start, re.DOTALL) if "Why: " in text)
+    assert shown.rstrip() in example.result.output
+
+
 def test_all_four_families_of_codes_are_on_the_screen_the_page_and_in_the_file(example: Done) -> None:
     of_code = {"canada": "SRSS", "share_of_sum": "sum", "asce_41": "height", "china_gb_50011": "fixed"}
     with xr.open_dataset(example.folder / "gap.nc") as table:
@@ -229,8 +235,8 @@ def test_the_page_ends_with_a_statement_to_sign(example: Done) -> None:
     screen = " ".join(example.result.output.split())
     for said in (
         "Office block and Annex should stand",
-        "95 % interval of the gap is",
         "The existing gap of 5.0 cm keeps them apart in",
+        "Verdict:",
         "The shaking, mean of the motions:",
     ):
         (told,) = re.findall(rf"{said}[^:.]*[\d.]*[^:.]*", screen)
@@ -261,7 +267,7 @@ def test_the_page_needs_nothing_else(name: str, request: pytest.FixtureRequest) 
     assert used <= set(ids)
 
 
-@pytest.mark.parametrize(("name", "pictures"), [("example", 3), ("site", 4)])
+@pytest.mark.parametrize(("name", "pictures"), [("example", 4), ("site", 5)])
 def test_the_page_can_be_read_aloud(name: str, pictures: int, request: pytest.FixtureRequest) -> None:
     page = Page(request.getfixturevalue(name).page)
     assert ("html", {"lang": "en"}) in page.tags
@@ -309,7 +315,7 @@ def test_the_page_warns_of_what_is_doubtful(site: Done) -> None:
     assert "Kasai, Jagiasi and Jeng (1996), constants unverified" in words
     assert "In the recorded motions they would have needed" in words
     assert "stays sufficient up to these values" in words
-    assert re.search(r"keeps them apart in [\d.]+.% of the motions .*: enough\.", words)
+    assert re.search(r"keeps them apart in [\d.]+.% of the motions \([^)]*\)\. Verdict: enough; ", words)
 
 
 @pytest.mark.slow
@@ -333,7 +339,7 @@ def test_elastic_buildings_without_a_gap(tmp_path: Path) -> None:
 def test_floors_that_cannot_be_level_are_told_at_once(tmp_path: Path) -> None:
     one = done(tmp_path, few(sl.example_case()).replace("storeys = 8", "storeys = 6"))
     assert one.result.exit_code == 0, one.result.output
-    first = " ".join(one.result.output.split("\n")[2:6])
+    first = " ".join(one.result.output.split("\n")[3:8])
     for shown in (first, " ".join(html.unescape(one.page).split())):
         assert "although the file says so: storeys are 4.00 m and 3.00 m high in Office block" in shown
 
@@ -347,7 +353,7 @@ def test_buildings_that_move_alike_are_not_called_safe_without_a_word(tmp_path: 
 @pytest.mark.slow
 def test_too_few_motions_for_an_interval_are_said_to_be(tmp_path: Path) -> None:
     output = screen_of(tmp_path, few(sl.example_case()).replace('"90 %"', '"99.5 %"'))
-    assert "99.5 % of motions" in output
+    assert "in 99.5 % of 128 motions" in output
     assert "the motions are too few" in " ".join(output.split())
 
 
@@ -506,37 +512,60 @@ def test_commands_with_wrong_files_are_refused(
     assert len(list(tmp_path.iterdir())) == 1
 
 
+def rendered(page: str, wide: int, tall: int, measure: str, folder: Path) -> list[int]:
+    """Whole numbers that a script measures on a page (``inner``) in a window of this size [px]."""
+    frame = folder / "frame.html"
+    frame.write_text(
+        f"""<!doctype html><meta charset="utf-8"><iframe srcdoc="{html.escape(page)}" width="{wide}"
+        height="{tall}" style="border: 0" onload="
+          const inner = this.contentDocument, root = inner.documentElement;
+          {measure}
+          document.title = found.map(Math.round).join(' ')">
+        </iframe>""",
+        encoding="utf-8",
+    )
+    command = [str(CHROMIUM), "--headless=new", "--no-sandbox", "--disable-gpu", "--dump-dom"]
+    command += ["--window-size=1400,900"]
+    command += [f"--user-data-dir={folder / 'profile'}", "--virtual-time-budget=5000", frame.as_uri()]
+    dumped = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout
+    found = re.search(r"<title>([-\d ]+)</title>", dumped)
+    assert found, dumped[:500]
+    return [int(number) for number in found[1].split()]
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium to render the page in")
+@pytest.mark.parametrize(("wide", "tall"), [(1280, 720), (400, 800)])
+def test_the_drawing_and_the_four_lines_stand_on_the_first_screen(
+    wide: int, tall: int, example: Done, tmp_path: Path
+) -> None:
+    """The four lines beside the drawing, below it on a phone, where the drawing has the verdict."""
+    measure = """const below = e => e.getBoundingClientRect().bottom;
+          const drawn = inner.querySelector('svg');
+          const why = [...inner.querySelectorAll('p')].find(e => e.textContent.startsWith('Why'));
+          const found = [below(drawn), drawn.getBoundingClientRect().width, below(why)];"""
+    drawn, width, why = rendered(example.page, wide, tall, measure, tmp_path)
+    assert 0 < drawn <= tall
+    assert width >= 0.85 * min(wide, 440)
+    assert why <= tall or wide < 500
+
+
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium to render the page in")
 @pytest.mark.parametrize("name", with_slow(["example", "example at a desk", "site"], {"site"}))
 def test_the_page_fits_a_phone_and_breaks_no_number(
     name: str, request: pytest.FixtureRequest, tmp_path: Path
 ) -> None:
     wide = DESK if "desk" in name else PHONE
-    page = html.escape(request.getfixturevalue(name.split(maxsplit=1)[0]).page)
-    frame = tmp_path / "frame.html"
-    frame.write_text(
-        f"""<!doctype html><meta charset="utf-8"><iframe srcdoc="{page}" width="{wide}" height="800"
-        style="border: 0" onload="
-          const inner = this.contentDocument, root = inner.documentElement;
-          const over = [...inner.querySelectorAll('.scroll')].map(e => e.scrollWidth - e.clientWidth);
-          const lines = e => {{
+    measure = """const tables = [...inner.querySelectorAll('.scroll')];
+          const over = tables.map(e => e.scrollWidth - e.clientWidth);
+          const lines = e => {
             const range = inner.createRange(); range.selectNodeContents(e);
             return range.getClientRects().length;
-          }};
+          };
           const broken = [...inner.querySelectorAll('dd, td')].filter(e =>
             !e.children.length && !e.textContent.trim().includes(' ') && lines(e) > 1);
-          const widths = [root.clientWidth, root.scrollWidth, Math.max(...over)];
-          document.title = [...widths, broken.length].join(' ')">
-        </iframe>""",
-        encoding="utf-8",
-    )
-    command = [str(CHROMIUM), "--headless=new", "--no-sandbox", "--disable-gpu", "--dump-dom"]
-    command += ["--window-size=1400,900"]
-    command += [f"--user-data-dir={tmp_path / 'profile'}", "--virtual-time-budget=5000", frame.as_uri()]
-    dumped = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout
-    found = re.search(r"<title>(\d+) (\d+) (-?\d+) (\d+)</title>", dumped)
-    assert found, dumped[:500]
-    width, needed, within_table, broken = map(int, found.groups())
+          const found = [root.clientWidth, root.scrollWidth, Math.max(...over), broken.length];"""
+    page = request.getfixturevalue(name.split(maxsplit=1)[0]).page
+    width, needed, within_table, broken = rendered(page, wide, 800, measure, tmp_path)
     assert 0 < width <= wide
     assert needed <= width
     assert not broken

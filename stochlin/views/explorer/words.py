@@ -14,7 +14,7 @@ from stochlin.views.explorer.pictures import (
     simulations,
     told_by_height,
 )
-from stochlin.views.shared.words import SPACE, centimetres, length, per_cent, rule_label
+from stochlin.views.shared.words import SPACE, interval, length, per_cent, rule_label
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -142,9 +142,8 @@ def gaps(table: xr.Dataset, simulated: xr.Dataset | None = None, every: bool = T
 
 def _simulated_gap(table: xr.Dataset) -> str:
     answer = table.sel(rule="simulation")
-    low, high = (float(answer[f"gap_{end}"]) for end in ("lower", "upper"))
     return (
-        f"Simulated: {length(float(answer.gap))} ({centimetres(low)} to {length(high)}) for "
+        f"Simulated: {length(float(answer.gap))} ({interval(answer, 'gap')}) for "
         f"{per_cent(table.attrs['confidence'])}."
     )
 

@@ -21,6 +21,7 @@ from stochlin.views.shared.screen import (
 )
 
 REPORTS = (".html", ".htm")
+MORE = "'--details' adds the shaking, heights, drifts and the table of rules."
 
 
 @COMMANDS.register("gap")
@@ -43,7 +44,12 @@ REPORTS = (".html", ".htm")
     "or .pdf, and save the data beside the picture.",
 )
 @click.option(
-    "--all-rules", is_flag=True, help="Show all rules and codes, not only the usual ones and your codes."
+    "--all-rules",
+    is_flag=True,
+    help="Show all rules and codes, not only the usual ones and your codes; with details.",
+)
+@click.option(
+    "--details", is_flag=True, help="Also print shaking, heights, drifts and the table of rules."
 )
 @click.option("--example", is_flag=True, help="Print a case file to start from, and stop.")
 @click.option(
@@ -56,6 +62,7 @@ def gap(
     picture: Path | None,
     sensitivity: Path | None,
     all_rules: bool,
+    details: bool,
     example: bool,
     example_record: bool,
 ) -> None:
@@ -69,6 +76,7 @@ def gap(
       stochlin gap --example > case.toml
       stochlin gap --example-record > record.at2
       stochlin gap case.toml
+      stochlin gap case.toml --details
       stochlin gap case.toml --report gap.html --out gap.nc
       stochlin gap case.toml --picture gap.png
       stochlin gap case.toml --all-rules
@@ -101,7 +109,8 @@ def gap(
         with progress_bar("simulating") as progress:
             answer = answer_case(described, progress, sensitivity is not None, all_rules)
         page = report_page(answer) if report else ""
-        show(lines(answer_sections(answer)))
+        details = details or all_rules
+        show([*lines(answer_sections(answer), details), *([] if details else ["", MORE])])
         table = answer.table(samples=data is not None and data.suffix.lower() == ".nc")
         write(table, data, picture, lambda _: answer_figure(answer))
         if answer.matters is not None:

@@ -15,7 +15,8 @@ from stochlin.messages import hyphenated
 from stochlin.models.buildings import ShearBuilding
 from stochlin.views.separation.risk import risk_sentences
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.separation.words import confidence, ductilities, existing, headline, interval, rows
+from stochlin.views.separation.verdict import existing, headline, needed, verdict
+from stochlin.views.separation.words import confidence, ductilities, rows
 from stochlin.views.shared.blocks import Term, Terms, Text
 from stochlin.views.shared.descriptions import site_in_words, source_in_words
 from stochlin.views.shared.uncertain import contained
@@ -216,7 +217,7 @@ def statement(answer: CaseAnswer) -> list[Term]:
         ),
         (
             "Error",
-            f"The 95{SPACE}% interval of the {about.gap} is {interval(table)}. It covers the "
+            f"The 95{SPACE}% interval of the {about.gap} is {needed(answer)}. It covers the "
             f"sampling of {case.paths} motions; 'Limits of this answer' lists what it leaves out.",
         ),
         (
@@ -237,5 +238,5 @@ def statement(answer: CaseAnswer) -> list[Term]:
     if sentences := risk_sentences(answer):
         said.insert(3, ("Risk", " ".join(sentences)))
     if answer.existing is not None:
-        said.insert(3, (f"Existing {about.gap}", existing(answer.existing, case)))
+        said.insert(3, (f"Existing {about.gap}", f"{existing(answer)} {verdict(answer)}"))
     return [Term(name, text) for name, text in said]

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 from stochlin.views.sensitivity import words as what_matters
 from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import facts as small_print
-from stochlin.views.separation import pictures, words
+from stochlin.views.separation import pictures, verdict, words
+from stochlin.views.separation.elevation import elevation_picture
 from stochlin.views.separation.risk import risk_blocks, risk_caption, risk_figure
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.separation.subjects import subject_of
@@ -25,7 +27,7 @@ from stochlin.views.shared.blocks import (
 )
 from stochlin.views.shared.page import page
 from stochlin.views.shared.uncertain import unknowns
-from stochlin.views.shared.words import SPACE, centimetres, opening, walls
+from stochlin.views.shared.words import SPACE, centimetres, doubt
 from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
@@ -41,16 +43,20 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         f"{case.title}. This statement sums up the page for a reviewer: rational analysis of the "
         f"{about.gap} by nonlinear simulation."
     )
+    first, *others = texts(verdict.first_lines(answer))
     return [
-        opening(case, answer.doubts()),
-        ViewSection("", [Text(words.headline(answer), "answer"), *texts(words.summary(answer))]),
-        ViewSection("", texts(walls(case))),
-        ViewSection("Uncertain parameters", unknowns(case, f"the {about.gap} is that")),
+        ViewSection("", [doubt(answer.doubts())]),
+        ViewSection("", [Text(case.title, "title")], on_screen=False),
+        ViewSection("", [replace(first, look="answer"), elevation_picture(answer), *others]),
+        ViewSection("", texts(verdict.cautions(answer))),
         ViewSection(f"The existing {about.gap}", words.allowances(answer)),
+        ViewSection("", texts(verdict.comparisons(answer))),
+        ViewSection("", texts(verdict.details(answer)), detail=True),
+        ViewSection("Uncertain parameters", unknowns(case, f"the {about.gap} is that")),
         ViewSection(f"How often {about.meet}", risk_blocks(answer)),
-        ViewSection("The rules and the answer", [words.rules_table(answer)]),
-        ViewSection("", [Items(missing)], on_page=False),
-        ViewSection("", words.rules_notes(answer)),
+        ViewSection("The rules and the answer", [words.rules_table(answer)], detail=True),
+        ViewSection("Rules that are not available", [Items(missing)], on_page=False),
+        ViewSection("", words.rules_notes(answer), detail=True),
         ViewSection(
             "Limits of this answer", [Items(small_print.uncertainties(answer))], on_screen=False
         ),

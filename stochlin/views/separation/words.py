@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stochlin.analyses.cases.codes import APPLIED, KIND, applied_in_words
-from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.separation.separation import COMBINED
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.separation.subjects import subject_of
@@ -16,16 +15,10 @@ from stochlin.views.shared.words import (
     SPACE,
     along,
     centimetres,
-    floors,
-    length,
-    over_records,
     per_cent,
     rule_label,
-    scatter,
-    shaking,
     with_interval,
 )
-from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,8 +51,6 @@ FAMILIES = (
     "SRSS, root of the sum of squared displacements; sum, a factor times "
     "their sum; height, a factor times the height; fixed, a distance."
 )
-MOST_SHOWN = 4  # heights at which the gap is told
-ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
 OF_TWO = "needs a second building"  # the reason why a rule is not available
 SHOWN_TEXTS = ("family", "mark", "reference", "assumptions", "missing")
 
@@ -83,14 +74,14 @@ class RuleLine(NamedTuple):
     missing: str
 
 
-def _of_each(table: xr.Dataset, name: str) -> list[float]:
+def of_each(table: xr.Dataset, name: str) -> list[float]:
     """A number for each building of the case."""
     return [float(table[f"{name}_{n}"]) for n in (1, 2) if f"{name}_{n}" in table]
 
 
 def ductilities(table: xr.Dataset) -> str:
     """Mean peak ductilities of the buildings."""
-    texts = [f"{v:.1f}" if np.isfinite(v) else "none (elastic)" for v in _of_each(table, "ductility")]
+    texts = [f"{v:.1f}" if np.isfinite(v) else "none (elastic)" for v in of_each(table, "ductility")]
     return " and ".join(texts)
 
 
@@ -182,56 +173,9 @@ def names_of(answer: CaseAnswer) -> dict[str, str]:
     return {**{f"structure_{n}": building.name for n, building in buildings}, "ground": "the ground"}
 
 
-def headline(answer: CaseAnswer) -> str:
-    """The answer in one sentence."""
-    names = " and ".join(building.name for building in answer.case.one_or_two)
-    gap = length(float(answer.separation.gap[0]))
-    return f"{names} {subject_of(answer.case).stand.format(gap=gap)}."
-
-
 def confidence(case: Case) -> str:
     """The required probability of no pounding."""
     return f"{100 * case.confidence:.4g}{SPACE}%"
-
-
-def interval(table: xr.Dataset) -> str:
-    """The interval of the answer, of 95 %."""
-    _, low, high = with_interval(table.isel(rule=0), "gap")
-    if np.isfinite(high):
-        return f"{centimetres(low)} to {length(high)}"
-    return f"{length(low)} or more; the motions are too few for an upper end"
-
-
-def summary(answer: CaseAnswer) -> list[str]:
-    """The meaning of the answer, its confidence, and the results of the rules."""
-    case, table, about = answer.case, answer.separation, subject_of(answer.case)
-    sentences = [
-        floors(case),
-        f"With that {about.gap} {about.kept} in {confidence(case)} of motions like the one "
-        f"described. This comes from simulating {case.paths} such motions; the 95{SPACE}% interval of "
-        f"the {about.gap} is {interval(table)}.",
-        shaking(answer.shaking, case),
-        scatter(case),
-        _heights(answer),
-        _alike(table),
-        _yielding(table),
-        _storeys(answer),
-        _verdicts(answer),
-    ]
-    if answer.existing is not None and case.gap is not None:
-        sentences.append(existing(answer.existing, case))
-    if answer.over_records is not None:
-        gap = float(table.gap[0])
-        sentences.append(over_records(answer.over_records, len(case.records), gap, about.gap))
-    elif case.records:
-        gaps = ", ".join(
-            f"{name} {length(float(gap))}"
-            for name, gap in zip(case.records, table.record_separation.values, strict=True)
-        )
-        sentences.append(f"In the recorded motions {about.they} would have needed: {gaps}.")
-    sentences += [f"Record {name}: {text}" for name, text in answer.doubts_of_records().items()]
-    sentences.append(" ".join(fit_in_words(answer.spectrum, answer.case.periods)))
-    return [sentence for sentence in sentences if sentence]
 
 
 def allowances(answer: CaseAnswer) -> list[Block]:
@@ -257,115 +201,8 @@ def allowances(answer: CaseAnswer) -> list[Block]:
     return [Text(begin), Items(_strength(limits, answer.separation) + changes), Text(note, "note")]
 
 
-def _heights(answer: CaseAnswer) -> str:
-    """The height that governs the gap, and the gaps needed below it; nothing for oscillators."""
-    table = answer.separation
-    if "height" not in table.dims:
-        return ""
-    both = answer.case.one_or_two
-    for building, other in zip(both, both[::-1], strict=True):
-        if not isinstance(building, StoreyBuilding):
-            own_height = (
-                f", although it is {building.height:.4g}{SPACE}m high" if building.height else ""
-            )
-            return (
-                f"{building.name} is described without storeys: its displacement is compared with that "
-                f"of the roof of {other.name}, {other.height:.4g}{SPACE}m up{own_height}."
-            )
-    governs = float(table.governing_height[0])
-    lower = table.gap_at_height[0].sel(height=table.height < governs)
-    places = np.linspace(0, max(lower.size - 1, 0), min(MOST_SHOWN, lower.size))
-    parts = [
-        f"{centimetres(float(gap))}{SPACE}cm at {float(gap.height):.4g}{SPACE}m"
-        for gap in (lower[int(index)] for index in np.unique(places.astype(int)))
-    ]
-    below = f"; at lower heights less is sufficient: {', '.join(parts)}" if parts else ""
-    what = subject_of(answer.case).gap
-    return f"The {what} is needed at {governs:.4g}{SPACE}m{below}."
-
-
-def _alike(table: xr.Dataset) -> str:
-    if "peak_2" not in table:
-        return ""
-    if float(table.gap[0]) > ALIKE * max(float(table.peak_1), float(table.peak_2)):
-        return ""
-    return (
-        "Both move alike in this model, but no two real buildings do. A small difference of the "
-        "periods needs a gap: repeat the calculation with one."
-    )
-
-
-def _yielding(table: xr.Dataset) -> str:
-    values = _of_each(table, "ductility")
-    alone = len(values) == 1
-    if not np.isfinite(values).any():
-        return "The building stays elastic." if alone else "Both buildings stay elastic."
-    begin = "Its mean peak ductility is" if alone else "Their mean peak ductilities are"
-    sentence = f"{begin} {ductilities(table)}"
-    if np.nanmax(values) < 1:
-        return f"{sentence}: {'it hardly yields' if alone else 'they hardly yield'}."
-    if np.nanmax(values) > MUCH:
-        return (
-            f"{sentence}: more than most buildings can sustain. The model does not include loss of "
-            "strength."
-        )
-    return f"{sentence}."
-
-
-def _storeys(answer: CaseAnswer) -> str:
-    """The storey of each building with the largest ductility, or the largest drift if none yields."""
-    table, parts = answer.separation, []
-    for number, building in enumerate(answer.case.one_or_two, start=1):
-        if not isinstance(building, StoreyBuilding):
-            continue
-        own = table.isel(element=np.flatnonzero(table.element_structure == number))
-        yields = building.structure.yields
-        worst = own.ductility if yields else own.peak_drift_mean
-        row = own.isel(element=int(worst.argmax("element")))
-        drift, storey = float(row.peak_drift_mean), int(row.storey)
-        share = drift / float(building.structure.arrays()["heights"][storey - 1])
-        text = f"storey {storey} of {building.name}, {length(drift)}, {per_cent(share, 2)} of its height"
-        parts.append(f"{text}, ductility {float(row.ductility):.1f}" if yields else text)
-    return f"Mean peak drifts of the worst storeys: {'; '.join(parts)}." if parts else ""
-
-
-def _verdicts(answer: CaseAnswer) -> str:
-    shown = rows(answer)[1:]
-    count = {word: sum(row.verdict == word for row in shown) for word in {r.verdict for r in shown}}
-    words = {
-        "safe": "safe here",
-        "unsafe": "unsafe",
-        "within error": "undecided within the error of the simulation",
-    }
-    parts = [f"{count[word]} {text}" for word, text in words.items() if count.get(word)]
-    about = subject_of(answer.case)
-    sentence = (
-        f"Rules for the {about.gap}, {sum(count.get(w, 0) for w in words)} of them: {', '.join(parts)}."
-    )
-    if not count.get("unsafe"):
-        return sentence
-    worst = answer.worst()
-    lacking = per_cent(-float(worst.error))
-    row = next(row for row in shown if row.rule == worst.rule)
-    return f"{sentence} The worst, {row.label}, gives {row.gap}{SPACE}cm, {lacking} less than needed."
-
-
-def existing(found: xr.Dataset, case: Case) -> str:
-    """Whether the existing gap is enough."""
-    share, low, high = with_interval(found, "no_pounding_probability")
-    word, about = "undecided within the error of the simulation", subject_of(case)
-    if low >= case.confidence:
-        word = "enough"
-    elif high < case.confidence:
-        word = "not enough"
-    return (
-        f"The existing {about.gap} of {length(float(found.attrs['gap_m']))} {about.keeping} in "
-        f"{per_cent(share, 1)} of the motions ({per_cent(low, 1)} to {per_cent(high, 1)}): {word}."
-    )
-
-
 def _strength(found: xr.Dataset, table: xr.Dataset) -> list[str]:
-    factors = _of_each(table, "reduction_factor")
+    factors = of_each(table, "reduction_factor")
     yielding = [n for n, now in enumerate(factors, start=1) if np.isfinite(now)]
     if not yielding:
         return []

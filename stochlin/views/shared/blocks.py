@@ -74,6 +74,7 @@ class Picture:
     title: str
     caption: str
     draw: Callable[[], Figure]
+    beside: bool = False  # first of a page, without its title: what follows stands beside it
 
 
 Block: TypeAlias = Text | Items | Table | Terms | Picture
@@ -87,6 +88,7 @@ class ViewSection:
     blocks: Sequence[Block]
     on_screen: bool = True
     on_page: bool = True
+    detail: bool = False  # on the screen only if details are asked for
     columns: bool = False  # side by side, where the page is wide enough
 
 

@@ -219,12 +219,12 @@ def cut(name: str, wide: int) -> str:
     return name if len(name) <= wide else f"{name[: wide - 3]}..."
 
 
-def lines(sections: Iterable[ViewSection]) -> list[str]:
+def lines(sections: Iterable[ViewSection], details: bool = False) -> list[str]:
     """Sections as text: a line without text between them, and around every table."""
     shown: list[str] = []
     for section in sections:
         written = [line for block in section.blocks for line in _written(block)]
-        if section.on_screen and written:
+        if section.on_screen and written and (details or not section.detail):
             shown += ["", *([f"{section.title}:"] if section.title else []), *written]
     apart = [line for before, line in pairwise(["", *shown]) if before or line]
     return apart if apart[-1] else apart[:-1]

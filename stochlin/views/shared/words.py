@@ -73,6 +73,14 @@ def with_interval(table: xr.Dataset, name: str, of: str = "") -> tuple[float, fl
     return value, low, high
 
 
+def interval(table: xr.Dataset, name: str) -> str:
+    """The 95 % interval of a length of a table, in cm."""
+    _, low, high = with_interval(table, name)
+    if np.isfinite(high):
+        return f"{centimetres(low)} to {length(high)}"
+    return f"{length(low)} or more; the motions are too few for an upper end"
+
+
 def along(table: xr.Dataset, dimension: str) -> list[xr.Dataset]:
     """The parts of a table along a dimension, in their order."""
     return [table.isel({dimension: place}) for place in range(table.sizes[dimension])]
@@ -207,10 +215,14 @@ def over_records(found: xr.Dataset, count: int, gap: float, what: str = "gap") -
     )
 
 
+def doubt(doubts: Sequence[str]) -> Text:
+    """Doubtful input as the first line of an answer, if there is any."""
+    return Text(f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else "", "doubt")
+
+
 def opening(case: Case, doubts: Sequence[str]) -> ViewSection:
-    """Doubtful input as the first line of an answer, if there is any, and the title of the case."""
-    doubt = f"CHECK THE INPUT, ITS UNITS FIRST: {'; '.join(doubts)}." if doubts else ""
-    return ViewSection("", [Text(doubt, "doubt"), Text(case.title, "title")])
+    """Doubtful input, if there is any, and the title of the case."""
+    return ViewSection("", [doubt(doubts), Text(case.title, "title")])
 
 
 def walls(case: Case) -> list[str]:

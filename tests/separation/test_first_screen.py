@@ -1,0 +1,291 @@
+"""What is seen first of a gap: the drawing on the page, its positions to scale, and the four lines."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cases import with_buildings
+from commands import answered, refused
+from matplotlib.axes import Axes
+from matplotlib.text import Text
+
+import stochlin as sl
+from stochlin.analyses.cases.separation import CaseAnswer, answer_case
+from stochlin.views.separation.elevation import elevation_figure
+from stochlin.views.separation.report import answer_sections
+from stochlin.views.separation.verdict import first_lines
+from stochlin.views.shared.screen import lines
+
+pytestmark = pytest.mark.cli
+
+CM = 100.0
+EXAMPLE = sl.example_case().replace("2048", "128").partition("[contact]")[0]
+NONE_YET = EXAMPLE.replace('existing = "5 cm"', "")
+NO_HEIGHTS = NONE_YET.replace('height = "24 m"', "").replace('height = "15 m"', "")
+STOREYS = """[building_{n}]
+name = "Block {n}"
+period = "{period} s"
+storeys = {storeys}
+storey_height = "{height} m"
+floor_mass = "300 t"
+damping = "5 %"
+hardening = "5 %"
+base_shear_coefficient = 0.15
+"""
+LEFT = STOREYS.format(n=1, period=0.5, storeys=3, height=3.2)
+RIGHT = STOREYS.format(n=2, period=0.3, storeys=2, height=3.5)
+KIOSK = """[building_{n}]
+name = "Kiosk"
+period = "0.4 s"
+damping = "5 %"
+hardening = "5 %"
+reduction_factor = 3
+height = "4 m"
+"""
+
+
+def of(*buildings: str) -> str:
+    """These buildings with few motions, and without an existing gap."""
+    text = with_buildings(*buildings).replace("2048", "128").partition("[contact]")[0]
+    return text.replace('existing = "5 cm"', "").replace("floors_align = true", "floors_align = false")
+
+
+def with_codes(text: str) -> str:
+    """Codes that take heights and no displacements."""
+    start, head, rest = text.partition("[separation]\n")
+    return f'{start}{head}codes = ["asce_41", "china_gb_50011"]\n{rest}'
+
+
+CASES = {
+    "oscillators": EXAMPLE,
+    "enough": EXAMPLE.replace('"5 cm"', '"90 cm"'),
+    "no gap yet": NONE_YET,
+    "no heights": NO_HEIGHTS,
+    "storeys": of(LEFT, RIGHT),
+    "mixed": of(LEFT, KIOSK.format(n=2)),
+    "set-back": of(LEFT),
+    "set-back of an oscillator": of(KIOSK.format(n=1)).replace(
+        'confidence = "90 %"', 'confidence = "90 %"\nexisting = "2 cm"'
+    ),
+    "alike": NONE_YET.replace('"0.6 s"', '"1.0 s"'),
+    "too few motions": NONE_YET.replace('"90 %"', '"99.5 %"'),
+    "codes": with_codes(NONE_YET),
+    "codes without heights": with_codes(NO_HEIGHTS),
+}
+
+
+@pytest.fixture(scope="module")
+def answer(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], CaseAnswer]:
+    """The answer to a case of these names, computed once."""
+    folder = tmp_path_factory.mktemp("cases")
+
+    @cache
+    def answered_case(name: str) -> CaseAnswer:
+        path = folder / f"{name}.toml"
+        path.write_text(CASES[name], encoding="utf-8")
+        return answer_case(sl.read_case(path))
+
+    return answered_case
+
+
+def drawn(answer: CaseAnswer) -> tuple[Axes, Axes, Axes]:
+    """The shares, the gaps and the buildings, in the same place across."""
+    figure = elevation_figure(answer)
+    figure.draw_without_rendering()
+    shares, gaps, buildings = figure.axes
+    assert gaps.get_xlim() == buildings.get_xlim()
+    for text in figure.findobj(Text):
+        if text.get_text() and text.get_visible():
+            box = text.get_window_extent()
+            assert -1 < box.x0 < box.x1 < figure.bbox.width + 1, text.get_text()
+            assert -1 < box.y0 < box.y1 < figure.bbox.height + 1, text.get_text()
+    return shares, gaps, buildings
+
+
+def dimension_lines(gaps: Axes) -> list[tuple[float, float]]:
+    """Row and length [cm] of each dimension line."""
+    found = [line for line in gaps.get_lines() if line.get_marker() == "|"]
+    return [(float(line.get_ydata()[0]), float(line.get_xdata()[1])) for line in found]
+
+
+def displaced(buildings: Axes) -> list[np.ndarray]:
+    """Displacements [cm] and levels [m] of each building."""
+    found = [line for line in buildings.get_lines() if line.get_marker() in ("o", "s")]
+    return [np.array(line.get_data()) for line in found]
+
+
+def walls(buildings: Axes) -> list[tuple[float, float]]:
+    """Place across [cm] and height [m] of the face of each building."""
+    polygons = [patch.get_xy() for patch in buildings.patches]
+    return [(float(xy[1][0]), float(xy[2][1])) for xy in polygons]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_kind_of_case_stands_to_scale(name: str, answer: Any) -> None:
+    one = answer(name)
+    table = one.separation
+    shares, gaps, buildings = drawn(one)
+    apart = CM * (table.gap[0].item() if one.existing is None else one.existing.attrs["gap_m"])
+    wanted = [(face, b.height or 10.0) for face, b in zip((0, apart), one.case.buildings, strict=False)]
+    np.testing.assert_allclose(walls(buildings), wanted, rtol=1e-12, atol=1e-12)
+    row = 0 if one.existing is None else 1
+    assert (row, CM * table.gap[0].item()) in dimension_lines(gaps)
+    if one.existing is not None:
+        assert dimension_lines(gaps)[0] == (0, apart)
+    (band,) = (line for line in gaps.get_lines() if line.get_linewidth() == 7)
+    assert band.get_xdata()[0] == CM * table.gap_lower[0].item()
+    if np.isfinite(table.gap_upper[0]):
+        assert band.get_xdata()[1] == CM * table.gap_upper[0].item()
+    of_gap = table.isel(rule=0) if one.existing is None else one.existing
+    bars = [(bar.get_x(), bar.get_width()) for bar in shares.patches]
+    share = 100 * of_gap.no_pounding_probability.item()
+    np.testing.assert_allclose(bars, [(0, share), (share, 100 - share)])
+    for n, (moved, levels) in enumerate(displaced(buildings)):
+        towards = moved if n == 0 else apart - moved
+        if "height" in table.dims:
+            np.testing.assert_allclose(levels[1:], table.height)
+            np.testing.assert_allclose(towards[1:], CM * table[f"peak_at_height_{n + 1}"])
+        else:
+            assert levels[1] == min(height for _, height in wanted)
+            assert towards[1] == pytest.approx(CM * table[f"peak_{n + 1}"].item())
+        assert moved[0] == wanted[n][0]
+
+
+def test_floors_are_at_their_levels_and_slabs_on_columns_are_marked(answer: Any) -> None:
+    one = answer("storeys")
+    *_, buildings = drawn(one)
+    floors = [[segment[0][1] for segment in lines.get_segments()] for lines in buildings.collections]
+    np.testing.assert_allclose(floors[0], [3.2, 6.4, 9.6])
+    np.testing.assert_allclose(floors[1], [3.5, 7.0])
+    apart = CM * one.separation.gap[0].item()
+    marks = {
+        (float(line.get_xdata()[0]), float(line.get_ydata()[0]))
+        for line in buildings.get_lines()
+        if line.get_marker() == "x"
+    }
+    assert marks == {(0.0, 3.5), (0.0, 7.0), (apart, 3.2), (apart, 6.4)}
+
+
+def test_floors_of_oscillators_are_dotted_where_their_number_is_known(answer: Any) -> None:
+    *_, buildings = drawn(answer("oscillators"))
+    floors = [[segment[0][1] for segment in lines.get_segments()] for lines in buildings.collections]
+    np.testing.assert_allclose(floors[0], np.arange(3, 25, 3))
+    assert all(lines.get_linestyle()[0][1] is not None for lines in buildings.collections)
+
+
+def test_the_line_stands_where_one_building_ends(answer: Any) -> None:
+    *_, buildings = drawn(answer("set-back of an oscillator"))
+    assert len(buildings.patches) == 1
+    (line,) = (line for line in buildings.get_lines() if list(line.get_xdata()) == [2.0, 2.0])
+    assert list(line.get_ydata()) == [0, 4.0]
+    assert "property\nline" in [text.get_text() for text in buildings.texts]
+
+
+def test_codes_of_the_file_are_dimension_lines_with_their_verdict(answer: Any) -> None:
+    one = answer("codes")
+    _, gaps, _ = drawn(one)
+    for row, rule in enumerate(("asce_41", "china_gb_50011"), start=1):
+        gap = CM * one.separation.gap.sel(rule=rule).item()
+        (length,) = (length for place, length in dimension_lines(gaps) if place == row)
+        far = [line for line in gaps.get_lines() if line.get_marker() == ">"]
+        assert length == gap or (length < gap and row in [line.get_ydata()[0] for line in far])
+    verdicts = {text.get_text() for text in gaps.texts}
+    assert {"safe", "unsafe"} <= verdicts
+
+
+def test_what_is_refused_has_words_and_no_line(answer: Any) -> None:
+    one = answer("codes without heights")
+    _, gaps, _ = drawn(one)
+    assert [row for row, _ in dimension_lines(gaps)] == [0, 2]  # that of China without heights
+    assert [text.get_text() for text in gaps.texts].count("not available") == 1
+    unknown = one.separation.assign(gap=one.separation.gap * np.nan)
+    _, gaps, buildings = drawn(dataclasses.replace(one, separation=unknown))
+    assert not dimension_lines(gaps)
+    assert walls(buildings)[1][0] == 0
+
+
+def test_more_than_two_buildings_are_refused_with_the_command_that_takes_them(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(of(LEFT, RIGHT, KIOSK.format(n=3)), encoding="utf-8")
+    assert "describes 3 buildings; this command needs two" in refused("gap", path)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_screen_begins_with_the_required_gap_verdict_and_reason(name: str, answer: Any) -> None:
+    one = answer(name)
+    first, alone = first_lines(one), one.case.alone
+    shown = [line for line in lines(answer_sections(one)) if line]
+    assert " ".join(shown).startswith(" ".join(first))
+    assert len(first) == (2 if one.existing is None else 4)
+    names = " and ".join(building.name for building in one.case.buildings)
+    stand = "away from its property line" if alone else "apart"
+    gap = CM * one.separation.gap[0].item()
+    told = "0" if name == "alike" else f"{gap:.1f}"
+    assert first[0].startswith(f"{names} should stand {told}\N{NO-BREAK SPACE}cm {stand}. 95")
+    assert f"at most {told}\N{NO-BREAK SPACE}cm; mean peak" in first[-1]
+    assert first[-1].startswith("Why: in ")
+    if one.existing is not None:
+        word = "enough" if name == "enough" else "not enough"
+        share = 1 - one.existing.no_pounding_probability.item()
+        assert f"in {100 - 100 * share:.1f}" in first[1]
+        assert first[2].startswith(f"Verdict: {word}; ")
+        assert f" in {100 * share:.1f}\N{NO-BREAK SPACE}% of the motions, and 10" in first[2]
+    if name == "oscillators":
+        assert all(len(line) <= 100 for line in first)
+
+
+def test_a_verdict_within_the_error_is_undecided(answer: Any) -> None:
+    one = answer("oscillators")
+    near = one.existing.assign(
+        no_pounding_probability=0.89,
+        no_pounding_probability_lower=0.85,
+        no_pounding_probability_upper=0.93,
+    )
+    undecided = first_lines(dataclasses.replace(one, existing=near))
+    assert undecided[2].startswith("Verdict: undecided within the error of the simulation; ")
+    assert "89.0\N{NO-BREAK SPACE}% of the motions (85.0" in undecided[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("storeys", ["Floors are not level", "eq_3_drift: the drift closure"]),
+        ("mixed", ["9.6 m up, although it is 4 m high"]),
+        ("alike", ["no two real buildings do"]),
+        ("too few motions", ["or more; the motions are too few for an upper end"]),
+        ("codes without heights", ["asce_41", "needs height_1, height_2"]),
+        (
+            "oscillators",
+            ["Damping: at least", "In brackets: 95 % intervals", "Rules for the gap, 4 of them:"],
+        ),
+    ],
+)
+def test_cautions_refusals_and_intervals_need_no_details(
+    name: str, said: list[str], answer: Any
+) -> None:
+    short, whole = (
+        " ".join(" ".join(lines(answer_sections(answer(name)), details)).split())
+        for details in (False, True)
+    )
+    for part in said:
+        assert part in short
+    for detail in ("The shaking, mean", "Families of building codes", "rule gap [cm] error"):
+        assert detail not in short
+        assert detail in whole
+    assert set(short.split()) <= set(whole.split())
+
+
+def test_the_command_prints_details_when_asked(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(NONE_YET, encoding="utf-8")
+    short, whole = (answered("gap", path, *more).output for more in ((), ("--details",)))
+    assert "mark" not in short
+    assert whole.splitlines()[:3] == short.splitlines()[:3]
+    assert "eq_3_linearized" in whole
+    assert short.splitlines()[-1].startswith("'--details' adds")
