@@ -12,7 +12,7 @@ from stochlin.analyses.cases.case import Case
 from stochlin.analyses.explorer.form import GROUND
 from stochlin.analyses.explorer.opening import opened
 from stochlin.analyses.explorer.saving import case_text
-from stochlin.analyses.sites.motion_fit import RECORD_TO_RECORD
+from stochlin.analyses.sites.motion_fit import USES
 from stochlin.views.shared.descriptions import source_in_words
 
 pytestmark = pytest.mark.invariant
@@ -42,7 +42,7 @@ def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
     form, notes = opened(case)
     explored = form.case()
     assert explored.ground == case.ground
-    assert explored.scatter == case.scatter == case.motion["scatter"] == RECORD_TO_RECORD
+    assert explored.scatter == case.scatter == case.motion["scatter"] == USES["spectrum"].scatter
     assert any("Motions scatter by" in note for note in notes)
     assert form[GROUND] == "eurocode_8"
     assert not any("have the spectrum" in note for note in notes)

@@ -166,7 +166,9 @@ def law_of(section: Section) -> tuple[str, type[Structure]]:
     """Name and class of the hysteresis law; a ValueError for a parameter of another law."""
     laws = laws_in_numbers()
     name = section.text("law", tuple(laws), "bilinear")
-    owners = {key: other for other, law in laws.items() for key in law.own_parameters()}
+    owners: dict[str, str] = {}
+    for other, law in laws.items():
+        owners = dict.fromkeys(law.own_parameters(), other) | owners
     misspelled = any(key not in section.keys and key not in owners for key in section.values)
     for key, other in owners.items():
         if key in section and key not in laws[name].own_parameters() and not misspelled:
