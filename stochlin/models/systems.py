@@ -16,31 +16,34 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.messages import brief
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding, ShearBuilding
 from stochlin.models.links import GROUND, Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 
-AnyStructure = Structure | ShearBuilding
-STRUCTURES = Structure, ShearBuilding
+AnyStructure = Structure | MultistoreyBuilding
+STRUCTURES = Structure, MultistoreyBuilding
 LEVEL = 0.05  # [m], floors whose heights differ by less are at the same level
 
 
 class Stack(NamedTuple):
-    """One structure as a stack of ``n`` floors, each with the storey below it.
+    """One structure as a stack of floors, with its elements: the storeys below them, or its modes.
 
     Of an oscillator with arrays of cells (c,) as parameters, the system has the leading axis of the
     cells.
     """
 
-    system: System  # its elements are the storeys; without ``couple`` where they stay elastic
-    levels: Array  # (n,) [m], heights of the floors above the ground; NaN for an oscillator
-    law: Structure  # hysteresis law of all storeys; a structure without strength if they stay elastic
+    system: System  # with as many elements as coordinates; without ``couple`` where they stay elastic
+    levels: Array  # (f,) [m], heights of the floors above the ground; NaN for an oscillator
+    law: Structure  # hysteresis law of all elements; a structure without strength if they stay elastic
+    shear_shares: Array  # (f, n) [-], of the forces of the elements in the storey shears
+    by_modes: bool = False  # whether coordinates and elements are modes in place of floors and storeys
 
     @property
     def is_oscillator(self) -> bool:
@@ -48,8 +51,18 @@ class Stack(NamedTuple):
         return bool(np.isnan(self.levels).any())
 
     @property
+    def coordinates(self) -> int:
+        """Number of coordinates, which is also that of the elements."""
+        return int(self.system.mass.shape[-1])
+
+    @property
+    def yields(self) -> Array:
+        """Whether each element can yield in some cell (n,)."""
+        return np.asarray(~np.isposinf(np.atleast_2d(self.system.strength)).all(axis=0))
+
+    @property
     def law_parameters(self) -> Array:
-        """Parameters that the law adds (n, k), one row for each storey."""
+        """Parameters that the law adds (n, k), one row for each element."""
         shape = self.system.mass.shape
         values = (array.to_numpy() for array in self.law.law_parameters())
         rows = [a[:, None] if a.ndim and len(shape) > 1 else a for a in values]
@@ -82,6 +95,11 @@ class Arrangement(NamedTuple):
         return np.concatenate([[0], np.cumsum([stack.levels.size for stack in self.stacks])])
 
     @property
+    def first_coordinate(self) -> Array:
+        """Number of the first coordinate of each structure, followed by the count of all (s + 1,)."""
+        return np.concatenate([[0], np.cumsum([stack.coordinates for stack in self.stacks])])
+
+    @property
     def floors(self) -> list[str]:
         """Names of the floors and the storeys below them; 2.3 is the third floor of structure 2."""
         return [
@@ -93,8 +111,82 @@ class Arrangement(NamedTuple):
         ]
 
     @property
+    def coordinates(self) -> list[str]:
+        """Names of the coordinates and of their elements: floors and storeys, or modes."""
+        floors, first = self.floors, self.first
+        return [
+            name
+            for s, stack in enumerate(self.stacks)
+            for name in (
+                [f"mode {s + 1}.{i + 1}" for i in range(stack.coordinates)]
+                if stack.by_modes
+                else floors[first[s] : first[s + 1]]
+            )
+        ]
+
+    @property
+    def shear_shares(self) -> Array:
+        """Shares of the forces of the elements in the storey shears (f, n) [-]; NaN if not known."""
+        return scipy.linalg.block_diag(*(stack.shear_shares for stack in self.stacks))
+
+    @property
+    def yielding_modes(self) -> Array:
+        """Numbers of the coordinates that are modes which can yield."""
+        own = [stack.yields & stack.by_modes for stack in self.stacks]
+        return np.flatnonzero(np.concatenate(own))
+
+    @property
+    def watched(self) -> list[str]:
+        """Names of what is reported as elements: the storeys below all floors, and modes that yield."""
+        names = self.coordinates
+        return [*self.floors, *(names[mode] for mode in self.yielding_modes)]
+
+    @property
+    def of_watched(self) -> Array:
+        """Number of the element of each of the `watched`; -1 for storeys of a building by its modes."""
+        storeys = [
+            np.full(stack.levels.size, -1) if stack.by_modes else begin + np.arange(stack.coordinates)
+            for begin, stack in zip(self.first_coordinate[:-1], self.stacks, strict=True)
+        ]
+        return np.concatenate([*storeys, self.yielding_modes])
+
+    @property
+    def displacements(self) -> Array:
+        """Matrix (w, n) from the coordinates to floors and then modes that yield, as `watched`."""
+        shapes = self.storeys.shapes
+        return np.concatenate([shapes, np.eye(shapes.shape[1])[self.yielding_modes]])
+
+    @property
+    def drifts(self) -> Array:
+        """Matrix (w, w) from the `displacements` to drifts of storeys; modes stay as they are."""
+        drifts, below = np.eye(len(self.watched)), self.below
+        on = np.flatnonzero(below >= 0)
+        drifts[on, below[on]] = -1.0
+        return drifts
+
+    @property
+    def watched_strength(self) -> Array:
+        """Strength (..., w) of the `watched` [m]; NaN for storeys of a building whose modes yield.
+
+        Such storeys have no law of their own. Where nothing can yield, it is infinite.
+        """
+        return self.of_elements(self.storeys.strength, np.inf, np.nan)
+
+    def of_elements(self, values: Array, elastic: float, unknown: float) -> Array:
+        """Values (..., n) of the elements for the `watched`.
+
+        Storeys of a building by its modes have the value ``elastic``, or ``unknown`` if modes yield.
+        """
+        weak = np.array([stack.by_modes and bool(stack.yields.any()) for stack in self.stacks])
+        owner = np.repeat(np.arange(len(self.stacks)), np.diff(self.first))
+        blank = np.where(weak[owner], unknown, elastic)
+        blank = np.concatenate([blank, np.zeros(self.yielding_modes.size)])
+        number = self.of_watched
+        return np.where(number >= 0, values[..., number], blank)
+
+    @property
     def below(self) -> Array:
-        """Number of the floor below each floor (n,); -1 is the ground."""
+        """Number of the floor below each floor (f,); -1 is the ground."""
         under = np.arange(self.first[-1]) - 1
         under[self.first[:-1]] = -1
         return under
@@ -132,20 +224,11 @@ def stack_of(structure: AnyStructure) -> Stack:
 
     Its strength is given in metres. An oscillator without a mass is taken to have 1 kg.
     """
+    if isinstance(structure, MultistoreyBuilding):
+        by_modes = isinstance(structure, ModalBuilding)
+        shares = structure.shear_shares()
+        return Stack(structure.system(), structure.levels(), structure.element_law, shares, by_modes)
     values = {name: np.asarray(value) for name, value in structure.cells().items()}
-    if isinstance(structure, ShearBuilding):
-        n, k, yields = structure.storeys, values["stiffnesses"], structure.yields
-        hardening = values["hardening"] if yields else np.ones(())
-        storeys = System(
-            mass=values["masses"],
-            damping=structure.damping_matrix(),
-            extensions=np.eye(n) - np.eye(n, k=-1),
-            shapes=np.eye(n),
-            post=hardening * k - structure.geometric_stiffness(),
-            couple=(1 - hardening) * k,
-            strength=np.broadcast_to(values["yield_drifts"] if yields else np.inf, n).astype(float),
-        )
-        return Stack(storeys, structure.levels(), structure.storey_law)
     mass, w = values.get("mass", np.float64(1.0)), 2 * np.pi / values["period"]
     hardening = values["hardening"] if structure.yields else np.ones(())
     strength = values.get("yield_displacement", np.inf)
@@ -157,7 +240,7 @@ def stack_of(structure: AnyStructure) -> Stack:
     own, post, couple, limit, damping = wide
     unit = np.ones((1, 1))
     storey = System(own, damping[..., None], unit, unit, post, couple, limit)
-    return Stack(storey, np.full(1, np.nan), structure)
+    return Stack(storey, np.full(1, np.nan), structure, np.ones((1, 1)))
 
 
 def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]:
@@ -194,12 +277,12 @@ def shares_at(levels: Array, height: float) -> dict[int, float]:
 
 def floor_count(structure: AnyStructure) -> int:
     """Number of floors of a structure; an oscillator has one."""
-    return structure.storeys if isinstance(structure, ShearBuilding) else 1
+    return structure.storeys if isinstance(structure, MultistoreyBuilding) else 1
 
 
 def first_mode(structure: AnyStructure) -> Structure:
     """An oscillator itself, or the first mode of a building as an oscillator."""
-    return structure.oscillator() if isinstance(structure, ShearBuilding) else structure
+    return structure.oscillator() if isinstance(structure, MultistoreyBuilding) else structure
 
 
 def weaker(structure: AnyStructure, factor: float) -> AnyStructure:
@@ -217,8 +300,8 @@ def retrofitted(structure: AnyStructure, stiffening: float, strengthening: float
     """
     changed: dict[str, Any] = {}
     if stiffening != 1:
-        if isinstance(structure, ShearBuilding):
-            changed["stiffnesses"] = structure.arrays()["stiffnesses"] * stiffening
+        if isinstance(structure, MultistoreyBuilding):
+            structure = structure.stiffened(stiffening)
         else:
             changed["period"] = structure.period / np.sqrt(stiffening)
     if structure.yields and strengthening != stiffening:
@@ -229,12 +312,16 @@ def retrofitted(structure: AnyStructure, stiffening: float, strengthening: float
 
 def elastic_period(structure: AnyStructure) -> float:
     """Period of an oscillator, or of the first mode of a building without the P-delta effect [s]."""
-    if isinstance(structure, ShearBuilding):
-        return float(replace(structure, p_delta=False).periods()[0])
+    if isinstance(structure, ShearBuilding) and structure.p_delta:
+        structure = replace(structure, p_delta=False)
+    if isinstance(structure, MultistoreyBuilding):
+        return float(structure.mode_periods()[0])
     return float(structure.arrays()["period"])
 
 
-def tuned(building: ShearBuilding, period: float | None, strengthening: float = 1.0) -> AnyStructure:
+def tuned(
+    building: MultistoreyBuilding, period: float | None, strengthening: float = 1.0
+) -> AnyStructure:
     """The building with all stiffnesses in one proportion for an elastic period [s], its own if None.
 
     Its yield shears are multiplied by ``strengthening``; the period leaves them alone.
@@ -244,13 +331,15 @@ def tuned(building: ShearBuilding, period: float | None, strengthening: float = 
 
 
 def _yield_of(structure: AnyStructure) -> str:
-    return "yield_drifts" if isinstance(structure, ShearBuilding) else "yield_displacement"
+    return (
+        structure.strength_name if isinstance(structure, MultistoreyBuilding) else "yield_displacement"
+    )
 
 
 def first_period(structure: AnyStructure) -> xr.DataArray:
     """Period of an oscillator, or of the first mode of a building [s]."""
-    if isinstance(structure, ShearBuilding):
-        return structure.periods()[0]
+    if isinstance(structure, MultistoreyBuilding):
+        return structure.mode_periods()[0]
     return structure.arrays()["period"]
 
 

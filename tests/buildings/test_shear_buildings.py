@@ -289,9 +289,9 @@ def test_one_storey_is_the_oscillator(
 def test_storeys_have_the_law_that_is_asked_for(law: Any) -> None:
     building = sl.ShearBuilding(**TWO, **STRENGTH, law=law)
     kind = laws_in_numbers()[law] if isinstance(law, str) else sl.Hysteretic
-    assert type(building.storey_law) is kind
+    assert type(building.element_law) is kind
     assert type(building.oscillator()) is kind
-    assert building.storey_law.step() is not None
+    assert building.element_law.step() is not None
     assert ("law=" in building.describe()) == (law != "bilinear")
     stack = stack_of(building)
     assert stack.law_parameters.shape == (2, len(kind.own_parameters()))
@@ -307,7 +307,7 @@ def test_parameters_of_a_law_go_storey_by_storey() -> None:
         stack_of(building).law_parameters, [[0.6, 0.3, exponent], [0.8, 0.3, exponent]]
     )
     assert "beta=[0.6, 0.8], gamma=0.3" in building.describe()
-    assert all(array.dims in ((), ("storey",)) for array in building.storey_law.arrays().values())
+    assert all(array.dims in ((), ("storey",)) for array in building.element_law.arrays().values())
     assert building.oscillator().beta == 0.6  # of the storey that yields first
 
 

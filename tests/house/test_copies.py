@@ -41,9 +41,21 @@ GIVEN: dict[str, dict[str, Any]] = {
         "envelope": sl.HsuBernard(5.0),
         "duration": 20.0,
     },
+    "ModalBuilding": {
+        "periods": [0.5],
+        "shapes": [[1.0]],
+        "masses": [1e5],
+        "heights": [3.0],
+        "damping": 0.05,
+    },
     "ShearBuilding": {"masses": [1e5], "stiffnesses": [1e8], "heights": [3.0], "damping": 0.05},
 }
-UNHASHABLE = {"ShearBuilding", "AtlasSpecification", "Form"}  # they hold arrays and mappings
+UNHASHABLE = {
+    "ModalBuilding",
+    "ShearBuilding",
+    "AtlasSpecification",
+    "Form",
+}  # they hold arrays and mappings
 OTHERS = {
     "Form": first_form(),
     "Case": first_form().case(),

@@ -158,6 +158,16 @@ OWN: dict[str, dict[str, Any]] = {
     "Uncertain": {"median": 1.0, "spread": 0.2},
     "pounding_risk": {"hazard": HAZARD, "duration": 3.0},
     "required_gap": {"hazard": HAZARD, "duration": 3.0, "risk": 0.002},
+    "ModalBuilding": {
+        "periods": [0.5],
+        "shapes": [[1.0]],
+        "participation": [1.0],
+        "modal_masses": [1e5],
+        "hardening": 0.1,
+        "yield_displacements": 0.01,
+        "law": "bouc_wen",
+        "law_parameters": {"beta": 0.6},
+    },
     "ShearBuilding": {
         "hardening": 0.1,
         "yield_drifts": 0.01,

@@ -49,6 +49,8 @@ class Pair(NamedTuple):
     @property
     def weak(self) -> Any:
         """The first without its strength."""
+        if isinstance(self.first, sl.ModalBuilding):
+            return _by_modes(2, {})
         if isinstance(self.first, sl.ShearBuilding):
             return _building(self.first.law, 2, {})
         law = {"law": OWN} if isinstance(self.first, sl.Hysteretic) else {}
@@ -56,12 +58,21 @@ class Pair(NamedTuple):
 
     @property
     def storeys(self) -> int:
-        """Of both."""
-        return sum(getattr(one, "storeys", 1) for one in self.both)
+        """Of both, with the modes that yield."""
+        modes = sum(isinstance(one, sl.ModalBuilding) for one in self.both)
+        return modes + sum(getattr(one, "storeys", 1) for one in self.both)
 
 
 def _building(law: Any, storeys: int, strength: Mapping[str, float]) -> sl.ShearBuilding:
     return sl.ShearBuilding([1e5] * storeys, [1e9] * storeys, [3.0] * storeys, 0.05, law=law, **strength)
+
+
+def _by_modes(storeys: int, strength: Mapping[str, float]) -> sl.ModalBuilding:
+    """A uniform chain of these storeys by its modes, in closed form; the first one may yield."""
+    phase = (2 * np.arange(1, storeys + 1) - 1) * np.pi / (4 * storeys + 2)
+    shapes = np.sin(2 * phase[:, None] * np.arange(1, storeys + 1))
+    periods = np.pi / (100 * np.sin(phase))
+    return sl.ModalBuilding(periods, shapes, [1e5] * storeys, [3.0] * storeys, 0.05, **strength)
 
 
 def _oscillators(kind: Any, **law: Any) -> Pair:
@@ -72,6 +83,9 @@ def _oscillators(kind: Any, **law: Any) -> Pair:
 def _buildings(law: Any) -> Pair:
     strength = {"hardening": 0.5, "yield_drifts": 0.001}
     return Pair(*(_building(law, storeys, strength) for storeys in (2, 3)))
+
+
+OF_MODE_1 = {"hardening": 0.5, "yield_displacements": 0.001}
 
 
 @cache
@@ -85,6 +99,7 @@ def kinds() -> dict[str, Pair]:
         "`ShearBuilding`, bilinear": storeys,
         "`ShearBuilding`, Bouc-Wen": _buildings("bouc_wen"),
         "`ShearBuilding`, a law in sympy": _buildings(OWN),
+        "`ModalBuilding`": Pair(*(_by_modes(n, OF_MODE_1) for n in (2, 3))),
         "an oscillator beside a `ShearBuilding`": Pair(one.first, storeys.second),
     }
 

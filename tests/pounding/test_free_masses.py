@@ -18,6 +18,7 @@ from hypothesis import given
 from scipy.special import beta
 
 import stochlin as sl
+from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.impacts import (
@@ -64,8 +65,9 @@ def free_row(masses, contact, gap=0.0, sides=None, owners=None, springs=0.0):
     system = System(mass, np.zeros((n, n)), np.eye(n), np.eye(n), post, zero, np.full(n, np.inf))
     elements = Elements(system, np.full(n, LINEAR), np.ones(n, np.int64), np.zeros((n, 0)))
     none = np.zeros(0, np.int64)
+    shear = Rows.of(np.diag(post)), Rows.of(np.zeros((n, n)))
     parts = Parts(
-        *(mass, structure, structure, np.zeros((n, n)), np.full(n, np.inf)),
+        *(mass, structure, structure, np.zeros((n, n)), shear, np.full(n, np.inf)),
         *(none, none, np.zeros(0)),
     )
     contacts = forces.Contacts.of(laws, n, left, right, space, e)

@@ -96,7 +96,7 @@ def test_motion_is_that_of_another_integrator(exponent, constant, where):
     errors = []
     for steps in (300, 1200):
         (frame,) = all_connected(system)
-        off = stepped(frame.part, seconds, steps)[-1, : frame.floors.size] - theirs[:, -1]
+        off = stepped(frame.part, seconds, steps)[-1, : frame.watched.size] - theirs[:, -1]
         errors.append(np.abs(off).max() / np.abs(theirs).max())
     assert errors[1] < 3e-4
     assert errors[1] < 0.15 * errors[0] or errors[1] < 5e-5

@@ -178,7 +178,7 @@ def test_motion_is_that_of_linear_stretches(links, p_delta):
             out = np.empty((1, part.size, LANES))
             part.block(dt)(f, part.at_rest(), steps, out)
             assert (out == out[..., :1]).all()  # equal motions, equal answers
-            found[frame.floors] = out[0, :, 0]
+            found[frame.watched] = out[0, :, 0]
         errors.append(np.abs(found - theirs[:, -1]).max() / np.abs(theirs).max())
     assert errors[1] < 2e-4
     assert errors[1] < 0.4 * errors[0] or errors[1] < 1e-5

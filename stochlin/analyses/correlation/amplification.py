@@ -28,7 +28,7 @@ from stochlin.analyses.tables.floors import ELEMENT, FLOOR
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.arguments import Duration, OneOf, Paths, Seed, checked, fitting
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
@@ -198,7 +198,7 @@ def _of_peaks(
         )
     seconds = check_duration(duration, {"structure": structure})
     drawn: dict[str, Any] = {"envelope": envelope, "paths": paths, "seed": seed}
-    if isinstance(structure, ShearBuilding):
+    if isinstance(structure, MultistoreyBuilding):
         table = _of_storeys(structure, ground, duration=seconds, **drawn)
     else:
         grounds = int(np.prod([array.size for array in ground.arrays().values()]))
@@ -248,20 +248,22 @@ def _on_one_ground(
     return xr.Dataset(table, attrs=finite_attributes(run, duration, envelope))
 
 
-def _of_storeys(building: ShearBuilding, ground: Ground, **motion: Any) -> xr.Dataset:
+def _of_storeys(building: MultistoreyBuilding, ground: Ground, **motion: Any) -> xr.Dataset:
     """Amplification of peak displacements and drifts of a building with storeys."""
-    motions = simulate([building, replace(building, yield_drifts=None)], ground, **motion)
+    elastic = replace(building, **{building.strength_name: None})
+    motions = simulate([building, elastic], ground, **motion)
     n = building.storeys
     own = motions.isel({FLOOR: slice(None, n), ELEMENT: slice(None, n)})
     peaks, drifts = (
-        _ratios(motions[name].values[:, :n], motions[name].values[:, n:])
+        _ratios(motions[name].values[:, :n], motions[name].values[:, n : 2 * n])
         for name in ("peak", "peak_drift")
     )
     columns = {name: (FLOOR, values) for name, values in peaks.items()}
     for end in ("", "_standard_error"):
         columns[f"drift_amplification{end}"] = (ELEMENT, drifts[f"amplification{end}"])
     # The yield drift is the mean peak drift over the ductility; compared without a division.
-    stayed = bool((own.peak_drift * own.ductility <= own.peak_drift_mean).all())
+    most = motions.peak_drift.max("path") * motions.ductility
+    stayed = not bool((most > motions.peak_drift_mean).any())
     table = xr.Dataset(columns, coords=own[["peak_mean", "ductility"]].coords)
     status = np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
     attrs = {key: value for key, value in motions.attrs.items() if not key.startswith("structure_")}

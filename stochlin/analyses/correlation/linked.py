@@ -22,7 +22,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import Kinds, flat, in_chunks
 from stochlin.analyses.tables.cellwise import is_lazy
 from stochlin.models.arguments import checked
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
@@ -40,9 +40,9 @@ OF_ONE = {
 }
 
 
-def _check_linked(role: str, structure: Structure | ShearBuilding) -> None:
+def _check_linked(role: str, structure: Structure | MultistoreyBuilding) -> None:
     """Raise an error unless the structure is of one floor, with a mass."""
-    if isinstance(structure, ShearBuilding):
+    if isinstance(structure, MultistoreyBuilding):
         raise TypeError(
             f"{role} has storeys; allowed: structures of one floor. Call "
             "linearize_system([first, second], ground, links=[link])"

@@ -24,7 +24,7 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, sentence
 from stochlin.models.arguments import checked
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.structures import Structure
@@ -283,7 +283,7 @@ def solved_reduction_factor(structure: Structure, solved: xr.Dataset) -> float:
 
 def strength_in_metres(structure: AnyStructure, ground: Ground) -> Any:
     """The structure with its strength as a yield displacement [m] instead of a reduction factor."""
-    if isinstance(structure, ShearBuilding) or structure.reduction_factor is None:
+    if isinstance(structure, MultistoreyBuilding) or structure.reduction_factor is None:
         return structure
     uy = derived_together((structure,), ground)[0]["yield_displacement"]
     if not np.ndim(uy) and not 0 < float(uy) < np.inf:

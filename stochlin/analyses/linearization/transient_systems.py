@@ -35,7 +35,7 @@ from stochlin.kernels.linearization.transient import (
     StoreyChains,
     Transient,
 )
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import CASE
@@ -56,12 +56,12 @@ class StructureCells(NamedTuple):
     structure: AnyStructure
     stack: Stack  # its system has the leading axis of the cells; an oscillator has a mass of 1 kg
     period: Array  # (n,) [s]; that of a building is its first one
-    elastic_std: Array  # (n, m) standard deviations of the elastic drifts [m]
-    law: Array  # (k, n m) parameters of the law for all storeys, cell by cell
+    elastic_std: Array  # (n, m) standard deviations of the elastic extensions [m]
+    law: Array  # (k, n m) parameters of the law for all elements, cell by cell
     ground: Mapping[str, Array]  # parameters of the ground, (n,) each
     status: xr.DataArray
     position: xr.DataArray  # number of each cell in the row of all structures, -1 if invalid
-    seen: Array  # (h, m) factors that give the displacements of the result from those of the floors
+    seen: Array  # (h, m) factors that give the displacements of the result from the coordinates
 
     @property
     def has_storeys(self) -> bool:
@@ -69,9 +69,9 @@ class StructureCells(NamedTuple):
         return not self.stack.is_oscillator
 
     @property
-    def storeys(self) -> int:
-        """Number of storeys; 1 for oscillators."""
-        return self.stack.levels.size
+    def elements(self) -> int:
+        """Number of storeys or modes; 1 for oscillators."""
+        return self.stack.coordinates
 
     def stack_at(self, cell: int) -> Stack:
         """The structure of one cell."""
@@ -137,7 +137,7 @@ def side_of(
     Cells with a period longer than the motion are invalid.
     """
     check_duration(duration, {role: structure})
-    if isinstance(structure, ShearBuilding):
+    if isinstance(structure, MultistoreyBuilding):
         return _building(structure, ground, role, first)
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
@@ -163,7 +163,7 @@ def side_of(
     law = [row(array) for array in structure.law_parameters()]
     return StructureCells(
         structure,
-        Stack(system, np.full(1, np.nan), structure),
+        Stack(system, np.full(1, np.nan), structure, unit),
         period[:, 0],
         std,
         np.array(law).reshape(len(law), int(valid.sum())),
@@ -174,16 +174,16 @@ def side_of(
     )
 
 
-def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -> StructureCells:
+def _building(structure: MultistoreyBuilding, ground: Ground, role: str, first: int) -> StructureCells:
     """`side_of` for a building with storeys."""
     valid = ground.valid()
     position = numbered(valid, first)
     below = {name: of_cells(array, position).astype(float) for name, array in ground.arrays().items()}
     stack, count = stack_of(structure), int(valid.sum())
-    elastic, none = np.full(structure.storeys, -1.0), np.zeros(structure.storeys)
+    elastic, none = np.full(stack.coordinates, -1.0), np.zeros(stack.coordinates)
     rows = {name: xr.DataArray(row, dims=CASE) for name, row in below.items()}
     equations = Equations(Arrangement((stack,), ()), ground.with_arrays(rows))
-    drifts = np.empty((count, structure.storeys))
+    drifts = np.empty((count, stack.coordinates))
     for cells, part in alike(equations.state_space(elastic, none, none > 0)):
         response = StationaryResponse(part)
         drifts[cells] = response.std(stack.system.extensions)
@@ -195,7 +195,7 @@ def _building(structure: ShearBuilding, ground: Ground, role: str, first: int) -
     return StructureCells(
         structure,
         stack._replace(system=equations.system),
-        np.full(count, float(structure.periods()[0])),
+        np.full(count, float(structure.mode_periods()[0])),
         drifts,
         np.tile(stack.law_parameters.T, count),
         below,
@@ -280,7 +280,7 @@ def solve_course(
     """
     groups = _groups(sides, ground)
     fastest = max(group.fastest() for group in groups)
-    n, m = sum(side.period.size for side in sides), max(side.storeys for side in sides)
+    n, m = sum(side.period.size for side in sides), max(side.elements for side in sides)
     evaluations = RATES * fastest * course.duration
     check_work(
         f"{pairs.shape[1]} pairs at {course.times.size} instants, with {m} storeys, would take",
@@ -319,10 +319,10 @@ def over_time(table: xr.Dataset, course: TimeGrid) -> xr.Dataset:
 
 
 def _groups(sides: Sequence[StructureCells], ground: Ground) -> list[ChainEquations]:
-    """Equations of all cells; sides with the same number of storeys are one group."""
+    """Equations of all cells; sides with the same number of elements are one group."""
     groups = []
-    nodes = NODES_OF_STOREYS if any(side.storeys > 1 for side in sides) else NODES
-    for _, members in groupby(sides, lambda side: side.storeys):
+    nodes = NODES_OF_STOREYS if any(side.elements > 1 for side in sides) else NODES
+    for _, members in groupby(sides, lambda side: side.elements):
         alike = list(members)
         parts = zip(*map(_structures, alike), strict=True)
         structures = StoreyChains(*map(np.concatenate, parts))
@@ -331,7 +331,7 @@ def _groups(sides: Sequence[StructureCells], ground: Ground) -> list[ChainEquati
 
 
 def _structures(side: StructureCells) -> StoreyChains:
-    """Equations of the drifts ``d = E u``, from ``M u'' = -C u' - E' (k d - h y) + M 1 f``."""
+    """Equations of the extensions ``d = E u``, from ``M u'' = -C u' - E' (k d - h y) + M 1 f``."""
     mass, damping, extensions, _, _, couple, strength = side.stack.system
     floors, by_forces = np.linalg.inv(extensions), extensions / mass[:, None]
     shears, seen = by_forces @ extensions.T, side.seen @ floors
@@ -342,12 +342,13 @@ def _structures(side: StructureCells) -> StoreyChains:
         shears * couple[:, None],
         strength,
         side.elastic_std,
+        np.broadcast_to(extensions.sum(axis=1), mass.shape),
         np.broadcast_to(seen, (len(mass), *seen.shape)),
     )
 
 
 def _coefficients(sides: Sequence[StructureCells]) -> Coefficients:
-    """Function for the equivalent coefficients of all yielding storeys by their laws."""
+    """Function for the equivalent coefficients of all yielding elements by their laws."""
     yielding = [side for side in sides if side.structure.yields]
 
     def closure_of(side: StructureCells) -> Closure:

@@ -12,7 +12,6 @@ from stochlin.analyses.pounding.ensembles import checked_ensemble
 from stochlin.analyses.pounding.estimates import pounding_estimate_row
 from stochlin.analyses.pounding.rows import (
     BetweenBuildings,
-    Building,
     Standing,
     build_row,
     checked_buildings,
@@ -34,9 +33,9 @@ from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import SAMPLES, RowResponse, StepCounts
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.arguments import Points, checked
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding
 from stochlin.models.parameters import Model
-from stochlin.models.systems import first_mode
+from stochlin.models.systems import AnyStructure, first_mode
 
 ESTIMATES = {"one hit": "largest_radius_amplification", "chain": "chain_radius_amplification"}
 TRUTHS = {"displacement": "peak_amplification", "energy radius": "peak_radius_amplification"}
@@ -45,7 +44,7 @@ FEWEST = 2  # smallest number of motions for a standard deviation
 
 @checked
 def pounding_estimate_error(
-    structures: Sequence[Building],
+    structures: Sequence[AnyStructure],
     gaps: npt.ArrayLike,
     contact: BetweenBuildings,
     motion: Records,
@@ -185,14 +184,16 @@ def _radii(standing: Standing, response: RowResponse) -> Array:
     """Largest energy radius of the first mode of each structure at the samples [m], (structures,)."""
     at, mass, radii = response.at, standing.row.parts.mass, []
     u, v = response.history[:, at.q : at.v], response.history[:, at.v : at.z]
+    first = standing.arrangement.first_coordinate
     for b, structure in enumerate(standing.structures):
-        floors = slice(standing.first[b], standing.first[b + 1])
-        moves = np.ones(1)
-        if isinstance(structure, ShearBuilding):
-            moves = structure.participation().to_numpy()
-        shares = mass[floors] * moves
-        shares = shares / (shares @ moves)
-        q, rate = (values[:, floors] @ shares for values in (u, v))
+        own = slice(first[b], first[b + 1])
+        shares = np.ones(1)
+        if isinstance(structure, ModalBuilding):
+            shares = np.eye(structure.modes)[structure.leading]
+        elif isinstance(structure, MultistoreyBuilding):
+            moves = structure.first_mode_moves().to_numpy()
+            shares = mass[own] * moves / (mass[own] @ moves**2)
+        q, rate = (values[:, own] @ shares for values in (u, v))
         w = 2 * np.pi / float(first_mode(structure).arrays()["period"])
         radii.append(np.hypot(q, rate / w).max())
     return np.array(radii)

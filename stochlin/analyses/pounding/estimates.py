@@ -18,7 +18,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.contacts import impact_loss, velocities_after_impact
 from stochlin.messages import brief, sentence
 from stochlin.models.arguments import Points, checked
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.contacts.base import checked_value
 from stochlin.models.laws.bilinear import Bilinear
@@ -290,8 +290,8 @@ def _mode(structure: AnyStructure, role: str) -> Mode:
         raise ValueError(f"{role}: mass is not given; a hit needs it, in kg")
     w = 2 * np.pi / oscillator.arrays()["period"]
     moves, levels = np.ones(1), np.full(1, np.nan)
-    if isinstance(structure, ShearBuilding):
-        moves, levels = structure.participation().to_numpy(), structure.levels()
+    if isinstance(structure, MultistoreyBuilding):
+        moves, levels = structure.first_mode_moves().to_numpy(), structure.levels()
     return Mode(w, float(oscillator.mass), moves, levels, structure.valid())
 
 

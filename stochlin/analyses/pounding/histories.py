@@ -14,6 +14,7 @@ from stochlin.analyses.tables.floors import FLOOR, LINK, link_coordinates
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
+from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.contacts import ForceLaw, forces
 from stochlin.kernels.simulation.laws import SLACK
 from stochlin.models.links import Link
@@ -61,27 +62,34 @@ def floor_coords(standing: Standing) -> dict[str, Any]:
     return coords
 
 
-def _course(standing: Standing, response: RowResponse) -> Quantities:
+def _course(standing: Standing, response: RowResponse, ground: SampledMotion) -> Quantities:
     """Displacements, velocities, accelerations, forces and energies in the history of a response."""
     at, to, kept = response.at, response.to, response.history
-    row, first = standing.row, standing.first[:-1]
-    system, n = row.elements.system, int(standing.first[-1])
-    u, v, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
-    extension, rate = _products(u, system.extensions), _products(v, system.extensions)
+    row, arrangement, floors = standing.row, standing.arrangement, standing.first[:-1]
+    system, first, n = row.elements.system, arrangement.first_coordinate[:-1], row.parts.mass.size
+    q, v, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
+    extension, rate = _products(q, system.extensions), _products(v, system.extensions)
     force = system.post * extension + system.couple * z
     stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
     drag = _drags(standing, rate)
-    pushed, squeezed = _contact_forces(standing, response, u, v)
+    pushed, squeezed = _contact_forces(standing, response, q, v)
     load = _products(v, system.damping) + _products(force + drag, system.extensions.T)
-    shear, most, missing = force[:, :n], kept[:, to.most], np.abs(kept[:, to.missing])
+    shear = _products(force[:, :n], arrangement.shear_shares)
+    most, missing = kept[:, to.most], np.abs(kept[:, to.missing])
     imbalance = np.divide(missing, most, out=np.zeros_like(most), where=most > 0)
     kinetic = np.add.reduceat(0.5 * system.mass * v**2, first, axis=1)
+    accelerated = np.interp(
+        response.time, ground.dt * np.arange(ground.acceleration.size), ground.acceleration
+    )
+    # A floor moves with the ground as far as the modes of a building leave out mass.
+    carried = np.multiply.outer(accelerated, 1 - system.shapes.sum(axis=1))
+    sped = -(load + _products(pushed, row.contacts.weights.T)) / system.mass
     values: Quantities = {
-        "displacement": (FLOOR, u),
-        "velocity": (FLOOR, v),
-        "acceleration": (FLOOR, -(load + _products(pushed, row.contacts.weights.T)) / system.mass),
+        "displacement": (FLOOR, _products(q, system.shapes)),
+        "velocity": (FLOOR, _products(v, system.shapes)),
+        "acceleration": (FLOOR, _products(sped, system.shapes) + carried),
         "storey_shear": (FLOOR, shear),
-        "base_shear": (STRUCTURE, shear[:, first]),
+        "base_shear": (STRUCTURE, shear[:, floors]),
         "input_energy": (STRUCTURE, kept[:, to.entering : to.viscous]),
         "kinetic_energy": (STRUCTURE, kinetic),
         "elastic_energy": (STRUCTURE, np.add.reduceat(stored[:, :n], first, axis=1)),
@@ -149,14 +157,19 @@ def _link_forces(standing: Standing, force: Array, rate: Array, drag: Array) -> 
 
 
 def histories(
-    standing: Standing, response: RowResponse, start: float, time: Array, times: Array | None
+    standing: Standing,
+    response: RowResponse,
+    ground: SampledMotion,
+    start: float,
+    time: Array,
+    times: Array | None,
 ) -> xr.Dataset:
     """Dataset of the histories of a response, over ``time`` [s], and of its impacts.
 
     ``times`` are those since the beginning [s] at which it is asked for; None at the samples, which the
     response has.
     """
-    line, course = response.impacts.T, _course(standing, response)
+    line, course = response.impacts.T, _course(standing, response, ground)
     if times is not None:
         course = {n: (dim, _interpolated(v, response.time, times)) for n, (dim, v) in course.items()}
     return xr.Dataset(

@@ -14,7 +14,6 @@ from stochlin.analyses.pounding.estimates import largest_by_one_impact
 from stochlin.analyses.pounding.histories import contacts, histories, labelled
 from stochlin.analyses.pounding.rows import (
     BetweenBuildings,
-    Building,
     Standing,
     build_row,
     check_contact,
@@ -45,6 +44,7 @@ from stochlin.models.contacts import Contact
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model
+from stochlin.models.systems import AnyStructure
 
 OF_CONTACTS = "contact", "impact", "side", "neighbours"  # dimensions dropped for one building alone
 
@@ -58,7 +58,7 @@ REFERENCES = (
 
 @checked
 def pound(
-    structures: Sequence[Building],
+    structures: Sequence[AnyStructure],
     gaps: npt.ArrayLike = (),
     contact: BetweenBuildings | None = None,
     motion: Records | None = None,
@@ -305,7 +305,7 @@ def _of_one(
     del values["energy_balance_error"]  # it has a history
     start = float(time[0])
     at = time.to_numpy().astype(float) if times is None else start + times
-    table = histories(standing, successful(outcomes)[0], start, at, times)
+    table = histories(standing, successful(outcomes)[0], ground, start, at, times)
     return table.assign(labelled(values, standing))
 
 

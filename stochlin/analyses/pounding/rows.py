@@ -16,14 +16,14 @@ from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 from stochlin.messages import brief
 from stochlin.models.arguments import as_numbers
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.contacts import Contact, Element
 from stochlin.models.links import Link
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Structure
 from stochlin.models.systems import (
     LEVEL,
     STRUCTURES,
+    AnyStructure,
     Arrangement,
     arrangement_of,
     check_links,
@@ -31,8 +31,6 @@ from stochlin.models.systems import (
     shares_at,
     slabs_on_columns,
 )
-
-Building = Structure | ShearBuilding
 
 NUMBERS = "numbers, since a history is of one row"
 SLABS, COLUMN = "slab to slab", "slab to column"
@@ -75,7 +73,7 @@ class Meeting(NamedTuple):
 class Standing(NamedTuple):
     """Buildings in a row, and each of them alone, as kernels take them."""
 
-    structures: Sequence[Building]
+    structures: Sequence[AnyStructure]
     row: BuildingRow
     alone: BuildingRow  # the same without links between buildings; the row itself, if there are none
     arrangement: Arrangement
@@ -96,7 +94,7 @@ class Standing(NamedTuple):
     @property
     def with_floors(self) -> bool:
         """Whether there is a building with storeys."""
-        return any(isinstance(structure, ShearBuilding) for structure in self.structures)
+        return any(isinstance(structure, MultistoreyBuilding) for structure in self.structures)
 
     @property
     def shortest(self) -> float:
@@ -104,7 +102,7 @@ class Standing(NamedTuple):
         return min(float(first_period(structure)) for structure in self.structures)
 
 
-def checked_buildings(structures: Sequence[Building]) -> list[Building]:
+def checked_buildings(structures: Sequence[AnyStructure]) -> list[AnyStructure]:
     """The structures as a list, after a check that each has what time steps need."""
     if not isinstance(structures, Sequence) or not structures:
         raise ValueError(
@@ -113,7 +111,7 @@ def checked_buildings(structures: Sequence[Building]) -> list[Building]:
     for number, structure in enumerate(structures, start=1):
         role = f"structures, number {number}"
         expect(structure, STRUCTURES, role)
-        if isinstance(structure, ShearBuilding):
+        if isinstance(structure, MultistoreyBuilding):
             continue
         check_scalars(structure, role, NUMBERS)
         if structure.mass is None:
@@ -190,7 +188,7 @@ def meetings(levels: Sequence[Array]) -> list[Meeting]:
 
 
 def build_row(
-    structures: Sequence[Building],
+    structures: Sequence[AnyStructure],
     gaps: Array,
     contact: Contact | None,
     links: Sequence[Link | None],
@@ -206,7 +204,7 @@ def build_row(
             f"at {columns[0].level:g} m; allowed: a contact with a force, for instance "
             "Kelvin(stiffness, restitution=..)"
         )
-    left, right = _sides(places, system)
+    left, right = (floors @ system.storeys.shapes for floors in _sides(places, system))
     mass = system.storeys.mass
     reduced = 1.0 / ((left + right) ** 2 @ (1.0 / mass))
     space = np.array([gaps[m.building] for m in places], float)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.pounding.rows import Building, Standing
+from stochlin.analyses.pounding.rows import Standing
 from stochlin.analyses.simulation.connected_structures import modes_of, shortest_mode
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.parallel import Progress, cores, in_order
@@ -76,7 +76,7 @@ def _check_runs(
     standing: Standing, grounds: Sequence[SampledMotion], paces: Sequence[kernel.StepCounts]
 ) -> None:
     """Raise a ValueError if the motions would take too much time or memory."""
-    n, lanes = int(standing.first[-1]), min(LANES, len(grounds))
+    n, lanes = standing.row.parts.mass.size, min(LANES, len(grounds))
     samples = [len(ground.acceleration) for ground in grounds]
     steps = sum(
         p.cuts * (1.0 + NEAR * (p.substeps - 1)) * many for p, many in zip(paces, samples, strict=True)
@@ -135,7 +135,7 @@ def responses(
     done = in_order(lambda number: run(batches[number]), len(batches), progress)
     for batch, of_batch in zip(batches, done, strict=True):
         for number, response in zip(batch, of_batch, strict=True):
-            outcomes[number] = _failure(standing.structures, response) or response
+            outcomes[number] = _failure(standing, response) or response
     return [outcomes[number] for number in range(len(jobs))]
 
 
@@ -173,16 +173,14 @@ def successful(outcomes: Sequence[Outcome]) -> list[RowResponse]:
     return done
 
 
-def _failure(structures: Sequence[Building], response: RowResponse) -> ArithmeticError | None:
+def _failure(standing: Standing, response: RowResponse) -> ArithmeticError | None:
     """The error of a motion that was ended before its end, because a building falls or numbers do."""
     failed = float(response.numbers[response.to.failed])
     if failed == np.inf:
         return None
-    first = 0
-    for number, structure in enumerate(structures, start=1):
-        storeys = structure.storeys if isinstance(structure, ShearBuilding) else 1
-        u = response.numbers[response.at.q + first : response.at.q + first + storeys]
-        first += storeys
+    firsts = response.at.q + standing.arrangement.first_coordinate
+    for number, structure in enumerate(standing.structures, start=1):
+        u = response.numbers[firsts[number - 1] : firsts[number]]
         if not isinstance(structure, ShearBuilding) or not structure.p_delta:
             continue
         heights = structure.arrays()["heights"].to_numpy()

@@ -54,10 +54,11 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     first = standing.first
     for ending, own in (("", response), ("_alone", alone)):
         to = own.to
-        shear = own.of(to.force, to.force + first[-1])
+        known = np.isfinite(standing.arrangement.shear_shares).all(axis=1)
+        shear = np.where(known, own.of(to.shear, to.pull), np.nan)
         values |= {
             f"peak{ending}": (FLOOR, own.peaks),
-            f"peak_acceleration{ending}": (FLOOR, own.of(to.acceleration, to.force)),
+            f"peak_acceleration{ending}": (FLOOR, own.of(to.acceleration, to.shear)),
             f"peak_storey_shear{ending}": (FLOOR, shear),
             f"peak_base_shear{ending}": (STRUCTURE, shear[first[:-1]]),
         }
@@ -110,7 +111,8 @@ def _columns(standing: Standing, response: RowResponse) -> Quantities:
         standing.first[m.building + (m.struck != "left")] + m.storey if m.struck else 0
         for m in standing.places
     ]
-    strength = (storeys.elastic * storeys.strength)[floor]
+    yield_force = storeys.elastic * storeys.strength
+    strength = standing.arrangement.of_elements(yield_force, np.inf, np.inf)[floor]
     force = np.where(struck, most, np.nan)
     share = np.where(np.isfinite(strength), force / strength, np.nan)
     return {"column_force": (CONTACT, force), "column_force_share": (CONTACT, share)}

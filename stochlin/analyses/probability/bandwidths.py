@@ -90,8 +90,8 @@ def _of_storeys(moments: TransientMoments, pairs: Array, ground: Ground) -> Spec
     systems = []
     for i, j in pairs.T:
         stacks = first.stack_at(int(i)), second.stack_at(int(j) - cells)
-        begins = i * first.storeys, cells * first.storeys + (j - cells) * second.storeys
-        storeys = [b + np.arange(s.levels.size) for b, s in zip(begins, stacks, strict=True)]
+        begins = i * first.elements, cells * first.elements + (j - cells) * second.elements
+        storeys = [b + np.arange(s.coordinates) for b, s in zip(begins, stacks, strict=True)]
         equations = Equations(Arrangement(stacks, ()), ground_of(ground, first.ground, int(i)))
         rate = np.sqrt(np.concatenate([stack.system.elastic / stack.system.mass for stack in stacks]))
         systems.append((equations, np.concatenate(storeys), NO_SLIP * rate))

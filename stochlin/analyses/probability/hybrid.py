@@ -16,7 +16,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
@@ -43,7 +43,7 @@ def hybrid_pounding(
     some instant until then.
     """
     for role, structure in (("first", first), ("second", second)):
-        if isinstance(structure, ShearBuilding):
+        if isinstance(structure, MultistoreyBuilding):
             raise TypeError(
                 f"{role} is a building with storeys; method='hybrid' is only available for oscillators: "
                 "give its oscillator(), or method='evolutionary'"

@@ -46,7 +46,7 @@ def stepped_response(
 
     The steps are of second order, so that the remaining error is about a third of the last change.
     """
-    weights = np.zeros((len(functions), sum(group.floors.size for group in connected)))
+    weights = np.zeros((len(functions), sum(group.watched.size for group in connected)))
     for row, terms in zip(weights, functions, strict=True):
         row[list(terms)] = list(terms.values())
     shortest = min(group.shortest for group in connected)
@@ -90,9 +90,11 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     intervals, none = np.array([between.size - 1]), np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
     kept = run(row, motion, StepCounts(first.cuts, 1), SAMPLES)[0].history
-    u, v, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
-    strength, drift = system.storeys.strength, u @ system.extensions.T
-    energies = _energies(system, kept, to, v, drift, z).assign(step_error=first.error)
+    q, rate, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
+    u, v = (values @ system.storeys.shapes.T for values in (q, rate))
+    drift = q @ (system.drifts @ system.displacements).T
+    extension = q @ system.extensions.T
+    energies = _energies(system, kept, to, rate, extension, z).assign(step_error=first.error)
     lone = system.stacks[0].is_oscillator
 
     def over(dimension: str, values: Array) -> tuple[Any, Array]:
@@ -106,7 +108,7 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
         table["storey_drift"] = over(ELEMENT, drift)
         table = table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
     if structure.yields:
-        table["z"] = over(ELEMENT, z / strength)
+        table["z"] = over(ELEMENT, system.of_elements(z / system.storeys.strength, 0.0, np.nan))
     return table.merge(energies)
 
 
@@ -161,11 +163,11 @@ def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
     The functions in ``motion`` are the displacement of each structure at the highest level where they
     can meet, all drifts, and the relative displacements at all levels.
     """
-    n, values, count = int(system.first[-1]), motion.values, len(system.stacks)
+    n, values, count = len(system.watched), motion.values, len(system.stacks)
     peaks, drifts = np.split(np.abs(values[:, : count + n]).max(axis=0), [count])
     at_height = np.maximum(values[:, count + n :].max(axis=0), 0.0)
-    strength = system.storeys.strength
-    stayed = (drifts <= strength).all()
+    strength = system.watched_strength
+    stayed = not (drifts > strength).any()
     columns = {"separation": at_height.max()}
     columns |= {f"peak_{number}": peak for number, peak in enumerate(peaks, start=1)}
     if count == 2:
@@ -220,11 +222,11 @@ def _values(
     f, dt = _forcing(ground, cuts), ground.dt / cuts
     values = np.zeros((len(f) + 1, len(weights)))
     for group in connected:
-        floors, block, state = group.floors, group.part.block(dt), group.part.at_rest(1)
+        watched, block, state = group.watched, group.part.block(dt), group.part.at_rest(1)
         for begin in range(0, len(f), AT_ONCE):
             part = f[begin : begin + AT_ONCE]
-            out = np.empty((len(part), floors.size, 1))
+            out = np.empty((len(part), watched.size, 1))
             block(part, state, 1, out)
-            moved = out[..., 0] @ weights[:, floors].T
+            moved = out[..., 0] @ weights[:, watched].T
             values[begin + 1 : begin + 1 + len(part)] += moved
     return values

@@ -27,7 +27,7 @@ from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.simulation.views import meeting_heights
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.systems.response import StationaryResponse
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.peak_factors.vanmarcke import Vanmarcke1975
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
@@ -62,7 +62,7 @@ class PairInMotion:
     @property
     def has_storeys(self) -> bool:
         """Whether one of the structures is a building with storeys."""
-        return any(isinstance(structure, ShearBuilding) for structure in self.structures)
+        return any(isinstance(structure, MultistoreyBuilding) for structure in self.structures)
 
     @property
     def scatter(self) -> float:
@@ -132,7 +132,9 @@ class PairInMotion:
         """Mean peak ductility of the first modes, from roof displacements; 0 if elastic."""
         roofs = self.motions.peak_mean.to_numpy()[self.system.first[1:] - 1]
         shares = [
-            float(structure.participation()[-1]) if isinstance(structure, ShearBuilding) else 1.0
+            float(structure.first_mode_moves()[-1])
+            if isinstance(structure, MultistoreyBuilding)
+            else 1.0
             for structure in self.structures
         ]
         ductilities: Array = roofs / np.array(shares) / np.array(self.yield_displacements)
@@ -145,6 +147,11 @@ class PairInMotion:
             np.array([weights(self.system, number, height) for height in self.heights])
             for number in range(len(self.structures))
         ]
+
+    @property
+    def of_coordinates(self) -> list[Array]:
+        """The `weights` as those of the coordinates of the system (heights, coordinates)."""
+        return [weights @ self.system.storeys.shapes for weights in self.weights]
 
     def simulated_rho(self) -> Array:
         """Correlation by stationary simulation [-], (heights,)."""
@@ -159,7 +166,7 @@ class PairInMotion:
         if self.has_storeys:
             if closure == DRIFT:
                 raise ValueError(NO_DRIFT)
-            return correlation_of(self.linearized, *self.weights)
+            return correlation_of(self.linearized, *self.of_coordinates)
         lacking = {type(s).__name__ for s in self.structures if closure not in s.closure_names()}
         if lacking:
             raise ValueError(f"no {closure} closure for {', '.join(sorted(lacking))}")
@@ -195,7 +202,7 @@ class PairInMotion:
     def relative_moments(self) -> tuple[Array, ...]:
         """Spectral moments ``l0, l1, l2`` of the linearized ``u_1 - u_2``, or of ``u_1`` if alone."""
         if self.has_storeys:
-            weights_1, *weights_2 = self.weights
+            weights_1, *weights_2 = self.of_coordinates
             return tuple(m[0] for m in self.linearized.spectral_moments(weights_1 - sum(weights_2)))
         first, *others = self.solved
         if others:

@@ -45,7 +45,7 @@ from stochlin.models.arguments import (
     Truth,
     checked,
 )
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.codes import BuildingPeaks, Neighbours, Zone
@@ -223,7 +223,7 @@ def separation(
     both = {role: median_of(structure) for role, structure in by_role.items()}
     check_duration(duration, both)
     tall = (height_1, height_2)[: len(both)]
-    if any(isinstance(structure, ShearBuilding) for structure in both.values()):
+    if any(isinstance(structure, MultistoreyBuilding) for structure in both.values()):
         check_levels(list(both.values()), tall, floors_align)
         for_codes = of_storeys(neighbours, list(both.values()), tall)
 
@@ -243,7 +243,7 @@ def separation(
             # The rules take the structures at their medians, and the peaks of all samples.
             structures, ground = tuple(map(median_of, by_role.values())), median_of(ground)
             seconds = strong_seconds(duration, envelope)
-            if any(isinstance(structure, ShearBuilding) for structure in structures):
+            if any(isinstance(structure, MultistoreyBuilding) for structure in structures):
                 structures = in_metres(structures, ground)
             pair = PairInMotion(structures, ground, motions, confidence, seconds, tall)
             rules = all_rules(pair, for_codes, zone, unverified, numbers)

@@ -15,7 +15,7 @@ from stochlin.analyses.simulation.views import at_height, meeting_heights
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.systems.response import StationaryResponse
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.rules.codes import Neighbours
@@ -46,12 +46,13 @@ def linearized_at_roof(
     motion = linearized_motion(structures, ground, links)
     system = arrangement_of(structures)
     height = meeting_heights(*system.stacks)[-1]
-    roof_1, roof_2 = (weights(system, number, height)[None] for number in (0, 1))
+    floors = system.storeys.shapes
+    roof_1, roof_2 = (weights(system, number, height)[None] @ floors for number in (0, 1))
     return float(correlation_of(motion, roof_1, roof_2)[0]), float(motion.std(roof_1 - roof_2)[0, 0])
 
 
 def correlation_of(motion: StationaryResponse, weights_1: Array, weights_2: Array) -> Array:
-    """Correlation of two displacements with these weights of the floors (k, floors), linearized."""
+    """Correlation of two displacements with these weights of the coordinates (k, n), linearized."""
     first, second, apart = (motion.std(row)[0] for row in (weights_1, weights_2, weights_1 - weights_2))
     rho: Array = (first**2 + second**2 - apart**2) / (2 * first * second)
     return rho
@@ -103,7 +104,7 @@ def of_storeys(
     are given the height of the level, which is the same for both.
     """
     roofs = [
-        float(structure.levels()[-1]) if isinstance(structure, ShearBuilding) else height
+        float(structure.levels()[-1]) if isinstance(structure, MultistoreyBuilding) else height
         for structure, height in zip(structures, heights, strict=True)
     ]
     level = None not in roofs and len(set(roofs)) == 1
@@ -115,14 +116,16 @@ def check_levels(
 ) -> None:
     """Raise a ValueError if heights contradict the storeys, or floors that should align do not."""
     for n, (structure, height) in enumerate(zip(structures, heights, strict=True), start=1):
-        if isinstance(structure, ShearBuilding) and height is not None:
+        if isinstance(structure, MultistoreyBuilding) and height is not None:
             roof = float(structure.levels()[-1])
             if abs(height - roof) > LEVEL:
                 raise ValueError(
                     f"height_{n} = {height:g} m, but the storeys of that building add up to {roof:g} m; "
                     "leave it out"
                 )
-    levels = [structure.levels() for structure in structures if isinstance(structure, ShearBuilding)]
+    levels = [
+        structure.levels() for structure in structures if isinstance(structure, MultistoreyBuilding)
+    ]
     if not floors_align or len(levels) < len(structures):
         return
     off = [levels[side][floor - 1] for side, floor in slabs_on_columns(*levels)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,11 +34,11 @@ class SteppedGroup(NamedTuple):
     """Structures that are stepped together: oscillators, linked structures, or one building."""
 
     part: Oscillators | SteppedStructures
-    floors: Array  # (n,) numbers of the floors in the system
+    watched: Array  # (w,) numbers of the displacements in the system, as `Arrangement.displacements`
     shortest: float  # [s], shortest elastic period that determines the time step
     slowest: float  # [s], longest decay time of the elastic vibrations
     period: Any  # [s], longest elastic period, or (n,) that of each oscillator
-    scale: Any = 1.0  # the unit in which displacements are computed [m], or (n,) that of each floor
+    scale: Any = 1.0  # the unit in which displacements are computed [m], or (w,) that of each
 
 
 def connected_of(system: Arrangement) -> tuple[list[SteppedGroup], list[int]]:
@@ -69,11 +70,12 @@ def sampled_connected(system: Arrangement, samples: Sequence[Sequence[Stack]]) -
     sampled = []
     for members in _tied(system):
         group = _connected(system, members)
-        (usual, law), stacks = elements_of(system, members), [system.stacks[m] for m in members]
+        assert isinstance(group.part, SteppedStructures)
+        usual, stacks = group.part.elements, [system.stacks[m] for m in members]
         of_links = usual.system.damping - System.beside([stack.system for stack in stacks]).damping
         elements = _with_stacks(usual, of_links, [[sample[m] for m in members] for sample in samples])
         shortest = _connected(system._replace(stacks=tuple(stiffest)), members).shortest
-        part = SteppedStructures(usual, law, elements)
+        part = replace(group.part, samples=elements)
         sampled.append(group._replace(part=part, shortest=shortest))
     return sampled
 
@@ -86,7 +88,7 @@ def _with_stacks(usual: Elements, of_links: Array, samples: Sequence[Sequence[St
     """Elements with the same links and other storeys, those of each sample."""
     elements = []
     for stacks in samples:
-        mass, damping, _, shapes, *storeys = System.beside([stack.system for stack in stacks])
+        mass, damping, _, _, *storeys = System.beside([stack.system for stack in stacks])
         own, first = usual.own.copy(), 0
         for stack in stacks:
             parameters = stack.law_parameters
@@ -94,7 +96,8 @@ def _with_stacks(usual: Elements, of_links: Array, samples: Sequence[Sequence[St
             first += len(parameters)
         pairs = zip(storeys, usual.system[4:], strict=True)
         springs = (np.concatenate([part, whole[mass.size :]]) for part, whole in pairs)
-        system = System(mass, damping + of_links, usual.system.extensions, shapes, *springs)
+        same = usual.system.extensions, usual.system.shapes
+        system = System(mass, damping + of_links, *same, *springs)
         elements.append(usual._replace(system=system, own=own))
     return elements
 
@@ -115,30 +118,40 @@ def _connected(system: Arrangement, members: Array) -> SteppedGroup:
     elements, law = elements_of(system, members)
     whole, stacks = elements.system, [system.stacks[m] for m in members]
     systems = [whole, *(stack.system for stack in stacks)]
+    watched, coordinates = _watched(system, members), _numbers(system.first_coordinate, members)
+    seen = whole._replace(shapes=system.displacements[np.ix_(watched, coordinates)])
+    element = system.of_watched[watched][:, None] == coordinates
     return SteppedGroup(
-        SteppedStructures(elements, law),
-        _floors(system, members),
+        SteppedStructures(elements._replace(system=seen), law, (), element.astype(float)),
+        watched,
         shortest=min(map(shortest_mode, systems)),
         slowest=1 / float(-np.linalg.eigvals(whole.state_matrix).real.max()),
         period=float(modes_of(whole)[0].max()),
     )
 
 
-def _floors(system: Arrangement, members: Array) -> Array:
-    """Numbers of the floors of the structures ``members``."""
-    first = system.first
+def _numbers(first: Array, members: Array) -> Array:
+    """Numbers of the floors or coordinates of the structures ``members``; ``first`` is that of each."""
     return np.concatenate([np.arange(first[m], first[m + 1]) for m in members])
+
+
+def _watched(system: Arrangement, members: Array) -> Array:
+    """Numbers of the displacements of the structures ``members``: their floors and yielding modes."""
+    own = np.isin(system.yielding_modes, _numbers(system.first_coordinate, members))
+    return np.append(_numbers(system.first, members), int(system.first[-1]) + np.flatnonzero(own))
 
 
 def elements_of(system: Arrangement, members: Array) -> tuple[Elements, Any]:
     """Masses and springs of the structures ``members`` (numbers from 0), and their laws in time steps.
 
-    The elements are the storeys, the springs of the links, and then the dashpots with an exponent.
+    The elements are those of the structures, the springs of the links, and then the dashpots with an
+    exponent.
     """
-    first, floors = system.first, _floors(system, members)
-    springs = np.flatnonzero(np.abs(system.extensions[:, floors]).any(axis=1))
-    drifts = system.extensions[np.ix_(springs, floors)]
-    ties = [system.ties[spring - int(first[-1])] for spring in springs[floors.size :]]
+    first = system.first_coordinate
+    coordinates = _numbers(first, members)
+    n, springs = coordinates.size, np.flatnonzero(np.abs(system.extensions[:, coordinates]).any(axis=1))
+    drifts = system.extensions[np.ix_(springs, coordinates)]
+    ties = [system.ties[spring - int(first[-1])] for spring in springs[n:]]
     stacks = [system.stacks[m] for m in members]
     mass, damping, _, shapes, *storeys = System.beside([stack.system for stack in stacks])
     damping = damping.copy()
@@ -146,14 +159,14 @@ def elements_of(system: Arrangement, members: Array) -> tuple[Elements, Any]:
     kinds = [law.step() if yielding else LINEAR for law, yielding in yields]
     force = np.transpose(storeys).tolist()
     own = [row for stack in stacks for row in stack.law_parameters]
-    for along, tie in zip(drifts[floors.size :], ties, strict=True):
+    for along, tie in zip(drifts[n:], ties, strict=True):
         force.append(list(tie.link.spring))
         if not tie.link.is_power_law:
             damping += tie.link.number("damping_constant") * np.outer(along, along)
         kinds.append(_kind(tie.link))
         own.append(np.empty(0))
     drifts[np.array(kinds) == SLACK] *= -1  # a link with slack pulls when the floors move apart
-    for along, tie in zip(drifts[floors.size :], ties, strict=True):
+    for along, tie in zip(drifts[n:], ties, strict=True):
         if tie.link.is_power_law:
             drifts = np.vstack([drifts, along])
             force.append([0.0, 0.0, np.inf])

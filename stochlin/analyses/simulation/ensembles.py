@@ -60,7 +60,8 @@ class SimulationCells(NamedTuple):
 class SimulationRun(NamedTuple):
     """A simulation that is ready to run.
 
-    It has floors: an oscillator has one, a building with storeys has one for each storey.
+    It has floors: an oscillator has one, a building with storeys has one for each storey. After the
+    floors come the modes that yield.
     """
 
     crowd: Crowd  # all structures, grouped by the kind of their time steps, with ground and plan
@@ -198,7 +199,7 @@ def prepare(
     if cells is not None and not cells.valid.any():
         raise ValueError("no structure has valid parameters; correct those that are out of range")
     own = 0 if cells is None else cells.valid.size
-    count = own + sum(group.floors.size for group in connected)
+    count = own + sum(group.watched.size for group in connected)
     if moments:
         check_memory(count if cells is None or connected else int(cells.valid.sum()), paths)
     groups = list(connected)
@@ -208,9 +209,9 @@ def prepare(
     rows, (scale, period) = np.full(count, -1), np.full((2, count), np.nan)
     begin = 0
     for group in groups:
-        rows[group.floors] = begin + np.arange(group.floors.size)
-        scale[group.floors], period[group.floors] = group.scale, group.period
-        begin += group.floors.size
+        rows[group.watched] = begin + np.arange(group.watched.size)
+        scale[group.watched], period[group.watched] = group.scale, group.period
+        begin += group.watched.size
     soil = ground.lone_filter()
     rates = -np.linalg.eigvals(soil.arrays.matrix).real if soil.states else np.array([np.inf])
     soils = [each.lone_filter() for each in grounds] or [soil]

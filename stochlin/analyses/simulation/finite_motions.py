@@ -111,7 +111,7 @@ def simulate_finite(
     levels = np.asarray(quantiles, float)
     check_finite(run, duration, moving.functions)
     system, pairs = moving.system, pairs_of(moving.system)
-    n = run.valid.size
+    n = len(system.floors)
     storeys = drifts_of(system) if moving.has_storeys else []
     places = at_heights(system) if moving.has_storeys else []
     functions = [

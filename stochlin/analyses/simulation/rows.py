@@ -8,6 +8,7 @@ import numpy as np
 
 from stochlin.analyses.simulation.connected_structures import elements_of
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.account import Parts
 from stochlin.kernels.simulation.contacts import Contacts
@@ -23,15 +24,17 @@ def structure_of_floors(system: Arrangement) -> Array:
 def row_of(structures: Sequence[AnyStructure], system: Arrangement, contacts: Contacts) -> BuildingRow:
     """Buildings with these links and contacts as kernels take them."""
     elements, law = elements_of(system, np.arange(len(structures)))
-    storeys, structure, ties = system.storeys, structure_of_floors(system), system.ties
+    storeys, ties = system.storeys, system.ties
+    structure = np.repeat(np.arange(len(system.stacks)), np.diff(system.first_coordinate))
     n, others = structure.size, elements.kind.size - structure.size
     powers = np.array([tie.link.is_power_law for tie in ties], bool)
     dashpot = np.where(powers, n + len(ties) + np.cumsum(powers) - 1, -1)
     constant = [0.0 if tie.link.is_power_law else tie.link.number("damping_constant") for tie in ties]
+    shares = np.nan_to_num(system.shear_shares)  # shears that are not known are left out later
     heights = [
         each.arrays()["heights"].to_numpy()
         if isinstance(each, ShearBuilding) and each.p_delta
-        else np.full(stack.levels.size, np.inf)
+        else np.full(stack.coordinates, np.inf)
         for each, stack in zip(structures, system.stacks, strict=True)
     ]
     parts = Parts(
@@ -39,6 +42,10 @@ def row_of(structures: Sequence[AnyStructure], system: Arrangement, contacts: Co
         structure=structure,
         owner=np.append(structure, np.full(others, -1)),
         damping=storeys.damping,
+        shear=(
+            Rows.of(shares @ (storeys.post[:, None] * storeys.extensions)),
+            Rows.of(shares * storeys.couple),
+        ),
         limit=np.concatenate([*heights, np.full(others, np.inf)]),
         spring=n + np.arange(len(ties)),
         dashpot=dashpot.astype(np.int64),

@@ -291,11 +291,11 @@ def _stationary(moving: StructuresInMotion, run: SimulationRun, progress: Progre
     storeys = drifts_of(moving.system) if moving.has_storeys else []
     view = None
     if storeys:
-        floors = [{floor: 1.0} for floor in range(run.valid.size)]
+        floors = [{floor: 1.0} for floor in range(len(moving.system.floors))]
         view = view_of([*floors, *storeys], run.order, run.scale)
     moments = simulate_moments(run, progress, view)
-    n, over = run.valid.size, moving.floor
-    check_response(moving.system, np.isfinite(moments.displacement_std[None, :n]) | ~run.valid)
+    n, over = len(moving.system.floors), moving.floor
+    check_response(moving.system, np.isfinite(moments.displacement_std[None, :n]) | ~run.valid[:n])
     table = xr.Dataset(
         {
             "displacement_std": (over, moments.displacement_std[:n]),

@@ -41,8 +41,8 @@ class StructuresInMotion(NamedTuple):
     alone: list[int]  # numbers of their floors
     connected: list[SteppedGroup]
     links: tuple[Link | None, ...]
-    strength: Array  # (n,) yield drift [m] of the storey below each floor
-    drift_times: Array  # (n,) relaxation time [s] of its plastic drift; 0 for finite motions
+    strength: Array  # (w,) [m], of all that is watched
+    drift_times: Array  # (w,) relaxation time [s] of its plastic drift; 0 for finite motions
 
     @property
     def has_storeys(self) -> bool:
@@ -63,7 +63,7 @@ class StructuresInMotion(NamedTuple):
     def functions(self) -> int:
         """Number of displacements, drifts and relative displacements with a peak in a finite motion."""
         storeys = self.strength.size if self.has_storeys else 0
-        return self.strength.size + storeys + len(pairs_of(self.system))
+        return len(self.system.floors) + storeys + len(pairs_of(self.system))
 
     def floor_coords(self) -> dict[str, Any]:
         """Coordinates of both dimensions of a table over pairs of floors."""
@@ -107,7 +107,7 @@ def structures_in_motion(
         connected_of(system) if samples is None else (sampled_connected(system, samples), [])
     )
     floors = [int(system.first[n]) for n in alone]
-    strength = system.storeys.strength
+    strength = system.watched_strength
     drift_times = np.zeros(strength.size)
     cells = None
     if alone:
@@ -115,7 +115,7 @@ def structures_in_motion(
         cells = cells_of_all(oscillators, ground, stationary)
         strength[floors], drift_times[floors] = cells.yield_displacement, cells.drift_time
     if stationary and connected:
-        among = np.concatenate([group.floors for group in connected])
+        among = np.concatenate([group.watched for group in connected])
         drift_times[among] = _drift_times(structures, ground, links, system)[among]
     return StructuresInMotion(system, cells, floors, connected, links, strength, drift_times)
 
@@ -126,15 +126,16 @@ def _drift_times(
     links: Sequence[Link | None],
     system: Arrangement,
 ) -> Array:
-    """Relaxation times [s] of the plastic drifts of all storeys by linearization; 0 if elastic.
+    """Relaxation times [s] of all that is `watched` by linearization; 0 if elastic.
 
     Links with slack are left out.
     """
     kept = [None if link is None or link.slack is not None else link for link in links]
-    storeys = system.storeys
+    storeys, count = system.storeys, len(system.watched)
     try:
-        k_eq = linearize_system(structures, ground, kept).k_eq.values[: storeys.mass.size]
+        k_eq = linearize_system(structures, ground, kept).k_eq.values[:count]
     except ArithmeticError:  # a run that is too short shows it by its change of variance
-        return np.zeros(storeys.mass.size)
+        return np.zeros(count)
+    hardening = system.of_elements(storeys.post / storeys.elastic, 1.0, 1.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(k_eq > 0, 1 / (storeys.post / storeys.elastic * k_eq), 0.0)
+        return np.where(k_eq > 0, 1 / (hardening * k_eq), 0.0)

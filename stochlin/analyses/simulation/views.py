@@ -10,7 +10,8 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.ensemble import View
 from stochlin.models.systems import Arrangement, Stack, shares_at
 
-Terms = dict[int, float]  # linear function of displacements: numbers of floors and their factors
+# Linear function of displacements: numbers of floors, or after them of modes that yield, and factors.
+Terms = dict[int, float]
 
 
 class Pair(NamedTuple):
@@ -83,10 +84,8 @@ def at_heights(system: Arrangement) -> list[tuple[int, float, Terms]]:
 
 
 def drifts_of(system: Arrangement) -> list[Terms]:
-    """Drifts of all storeys of a system."""
-    return [
-        {i: 1.0} | ({int(below): -1.0} if below >= 0 else {}) for i, below in enumerate(system.below)
-    ]
+    """Drifts of all storeys of a system, and displacements of the modes that yield."""
+    return [{int(i): float(row[i]) for i in np.flatnonzero(row)} for row in system.drifts]
 
 
 def view_of(functions: list[Terms], rows: Array, scale: Array) -> View:

@@ -29,13 +29,20 @@ def floor_coordinates(system: Arrangement) -> Coordinates:
 
 
 def element_coordinates(system: Arrangement, links: Sequence[str] = ()) -> Coordinates:
-    """Coordinates along ``element``: storeys, named like the floors above them, then links."""
-    structures, numbers = (np.append(part, np.zeros(len(links), int)) for part in _places(system))
+    """Coordinates along ``element``: storeys, named like the floors above them, then modes and links.
+
+    The modes are those that yield, of buildings by their modes.
+    """
+    structures, numbers = _places(system)
+    modes = system.yielding_modes
+    owners = np.searchsorted(system.first_coordinate, modes, side="right")
+    structures = np.concatenate([structures, owners, np.zeros(len(links), int)])
+    numbers = np.append(numbers, np.zeros(modes.size + len(links), int))
     long_name = "structure of the element, 0 for links"
     return {
-        ELEMENT: (ELEMENT, [*system.floors, *links], {"long_name": "element (storey or link)"}),
+        ELEMENT: (ELEMENT, [*system.watched, *links], {"long_name": "element (storey, mode or link)"}),
         "element_structure": (ELEMENT, structures, {"units": "1", "long_name": long_name}),
-        "storey": (ELEMENT, numbers, {"units": "1", "long_name": "number of the storey, 0 for links"}),
+        "storey": (ELEMENT, numbers, {"units": "1", "long_name": "number of the storey, 0 for others"}),
     }
 
 

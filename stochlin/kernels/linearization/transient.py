@@ -58,9 +58,9 @@ ROUNDING = 1e-9  # relative variance of the difference below which it is roundin
 
 
 class StoreyChains(NamedTuple):
-    """Structures of ``m`` storeys, ``d'' = -damping d' - stiffness d + coupling y + f e_1``.
+    """Structures of ``m`` storeys or modes, ``d'' = -damping d' - stiffness d + coupling y + shaken f``.
 
-    ``e_1`` is 1 in the first storey.
+    Of storeys, the ground accelerates only the first one; of modes all.
     """
 
     frequency: Array  # (n,) w [rad/s], the scale of velocities
@@ -69,6 +69,7 @@ class StoreyChains(NamedTuple):
     coupling: Array  # (n, m, m) [1/s^2], 0 where elastic
     yield_displacement: Array  # (n, m) [m], infinite where elastic
     scale: Array  # (n, m) [m]
+    shaken: Array  # (n, m): share of the forcing that acts on each of them
     seen: Array  # (n, h, m): weights of the drifts in the ``h`` displacements of the results
 
 
@@ -162,7 +163,7 @@ class ChainEquations:
         self.unit = (s / structures.yield_displacement)[self.yields]
         self.frequency = np.broadcast_to(w[:, None], s.shape)[self.yields]
         self.seen = structures.seen * s[:, None]
-        self.push = 1 / (s[:, 0] * w)
+        self.push = structures.shaken / (s * w[:, None])
         self.ground_push = np.einsum("nij,nj->ni", filters.covariance, filters.output)
         ratio, rate = s[:, None] / s[..., None], w[:, None, None]
         self.matrix = np.zeros((n, 3 * m, 3 * m))
@@ -194,7 +195,7 @@ class ChainEquations:
             held,
             exponentials(a * times),
             np.ascontiguousarray(back[..., y]),
-            back[..., v.start] * self.push[:, None],  # the ground accelerates the first storey
+            (back[..., v] @ self.push[..., None])[..., 0],
             (exponentials(-f.matrix * times) @ self.ground_push[..., None])[..., 0],
             (soil.swapaxes(-1, -2) @ f.output[..., None])[..., 0],
             soil[-1],

@@ -13,6 +13,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import compiled
+from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.simulation.contacts import stored_in
 from stochlin.kernels.simulation.laws import SLACK, VISCOUS
 from stochlin.kernels.simulation.time_step import (
@@ -34,6 +35,7 @@ class Parts(NamedTuple):
     structure: Array  # (n,): number of the structure of each coordinate
     owner: Array  # (e,): number of the structure of each element; -1 for those of links
     damping: Array  # (n, n) [N s/m]: the damping matrix of the structures, without links
+    shear: tuple[Rows, Rows]  # (f, n), (f, e) [N/m]: storey shears from coordinates, and from each z
     limit: Array  # (e,) [m]: extension at which a structure falls; infinite where it cannot
     spring: Array  # (l,): number of the element that is the spring of each link
     dashpot: Array  # (l,): number of the element that is its dashpot with an exponent, or -1
@@ -50,7 +52,7 @@ class Account(NamedTuple):
     highest: int  # (f) largest displacement [m]
     lowest: int  # (f) smallest displacement [m]
     acceleration: int  # (f) largest absolute acceleration [m/s^2], as means of steps
-    force: int  # (e) largest force of each spring [N]
+    shear: int  # (f) largest shear of the storey below each floor [N]
     pull: int  # (l) largest force of each link [N], as means of steps
     stroke: int  # (l) largest absolute extension of each link [m]
     entering: int  # (s) energy put in by the ground so far [J]
@@ -86,13 +88,13 @@ class Account(NamedTuple):
         cls, places: Places, elements: Elements, structures: int, links: int, contacts: int
     ) -> Account:
         """The rows after ``places``."""
-        f, s, e, c = len(elements.system.shapes), structures, elements.kind.size, contacts
+        f, s, c = len(elements.system.shapes), structures, contacts
         n = elements.system.mass.size
         sizes = {
             "highest": f,
             "lowest": f,
             "acceleration": f,
-            "force": e,
+            "shear": f,
             "pull": links,
             "stroke": links,
         }
@@ -142,18 +144,25 @@ def watch_displacements(steps, at, to, x, lanes):
 
 
 @compiled
-def _watch_springs(column, weight, spring, info, owner, at, to, x, lanes):
-    """Largest forces of springs at the ends of steps, and energies dissipated by their slips."""
-    end, change, slipped = to.scratch_1, to.scratch_2, to.scratch_3
-    for i in range(info.shape[0]):
-        if info[i, KIND] == VISCOUS:
-            continue
-        post, couple, z, slip = spring[i, POST], spring[i, COUPLE], at.z + i, at.slip + i
-        times_row(column, weight, i, x, at.q, end, lanes)
+def _watch_shears(column, weight, column_z, weight_z, at, to, x, lanes):
+    """Largest storey shears at the ends of steps."""
+    of_q, of_z = to.scratch_1, to.scratch_2
+    for i in range(column.shape[0]):
+        most = to.shear + i
+        times_row(column, weight, i, x, at.q, of_q, lanes)
+        times_row(column_z, weight_z, i, x, at.z, of_z, lanes)
         for lane in range(lanes):
-            force = abs(post * x[end, lane] + couple * x[z, lane])
-            x[to.force + i, lane] = max(x[to.force + i, lane], x[to.counts, lane] * force)
-        if couple == 0.0 or owner[i] < 0:
+            shear = abs(x[of_q, lane] + x[of_z, lane])
+            x[most, lane] = max(x[most, lane], x[to.counts, lane] * shear)
+
+
+@compiled
+def _watch_springs(column, weight, spring, info, owner, at, to, x, lanes):
+    """Energies dissipated by the slips of springs."""
+    change, slipped = to.scratch_2, to.scratch_3
+    for i in range(info.shape[0]):
+        couple, z, slip = spring[i, COUPLE], at.z + i, at.slip + i
+        if info[i, KIND] == VISCOUS or couple == 0.0 or owner[i] < 0:
             continue
         times_row(column, weight, i, x, at.dq, change, lanes)
         for lane in range(lanes):
@@ -218,6 +227,8 @@ def watch(steps, parts, at, to, x, lanes):
     dt, (column, weight), info = steps.dt, steps.extensions, steps.info
     of_floor, share = steps.shapes
     _watch_accelerations(of_floor, share, dt, at, to, x, lanes)
+    (of_q, share_q), (of_z, share_z) = parts.shear
+    _watch_shears(of_q, share_q, of_z, share_z, at, to, x, lanes)
     _watch_springs(column, weight, steps.spring, info, parts.owner, at, to, x, lanes)
     _watch_masses(parts.damping, parts.mass, parts.structure, dt, at, to, x, lanes)
     if parts.spring.size > 0:

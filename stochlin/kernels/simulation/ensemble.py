@@ -81,11 +81,13 @@ class Oscillators(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SteppedStructures:
-    """Buildings and oscillators with any laws, and links; displacements are those of the floors."""
+    """Buildings and oscillators with any laws, and links; displacements are those of the shapes."""
 
     elements: Elements
     law: Any  # the result of `laws.by_number`
     samples: Sequence[Elements] = ()  # with uncertain parameters: one for each motion, group after group
+    # (w, n): which of the first n elements belongs to each displacement, if any; None if it is its own
+    element: Array | None = None
     _steps: dict[float, Steps] = field(default_factory=dict, init=False)
 
     @property
@@ -122,11 +124,11 @@ class SteppedStructures:
         return block
 
     def plastic(self, x: Any) -> Array:
-        """The plastic parts of the drifts of the storeys (n, lanes), which are the first elements."""
-        n, at = self.size, self.places
+        """The plastic parts of the extensions that the displacements show (w, lanes)."""
+        at, n = self.places, self.elements.system.mass.size
         extensions = self.elements.system.extensions[:n]
         plastic: Array = extensions @ x[at.q : at.v] - x[at.z : at.z + n]
-        return plastic
+        return plastic if self.element is None else self.element @ plastic
 
 
 class UncertainGround(NamedTuple):

@@ -112,7 +112,7 @@ def models(case: Case) -> tuple[str, str]:
 def _law(building: AnyBuilding) -> str:
     """Name of the law of an oscillator, or of the storeys."""
     structure = building.structure
-    law = structure.storey_law if isinstance(structure, ShearBuilding) else structure
+    law = structure.element_law if isinstance(structure, ShearBuilding) else structure
     return hyphenated(type(law).__name__)
 
 

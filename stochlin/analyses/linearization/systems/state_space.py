@@ -31,7 +31,7 @@ from stochlin.kernels.linearization.systems.state_space import (
 )
 from stochlin.messages import brief
 from stochlin.models.arguments import as_numbers, checked
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding, ShearBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, expect
@@ -50,8 +50,9 @@ ONE_SYSTEM = "a scalar, since this describes one system"
 class Equations:
     """Eqs. (5), (6), (8), (11) and (12) of structures on one ground, in one or several cells (c).
 
-    The springs (s) are the storeys and, after them, the links (l). The elements (e) are the springs that
-    can have a hysteresis law: the storeys and the links that yield. There are n floors.
+    The springs (s) are the elements of the structures, which are storeys or modes, and, after them, the
+    links (l). The elements (e) are the springs that can have a hysteresis law: those of the structures
+    and the links that yield. There are n coordinates.
     """
 
     arrangement: Arrangement
@@ -60,12 +61,36 @@ class Equations:
     @cached_property
     def springs(self) -> list[str]:
         """Names of the springs."""
-        return [*self.arrangement.floors, *(tie.name for tie in self.arrangement.ties)]
+        return [*self.arrangement.coordinates, *(tie.name for tie in self.arrangement.ties)]
+
+    @property
+    def first_link(self) -> int:
+        """Number of the first link among the springs."""
+        return int(self.arrangement.first_coordinate[-1])
+
+    @property
+    def reported_names(self) -> list[str]:
+        """Names of the elements of results: the `watched` of the structures, and links that yield."""
+        links = (self.springs[spring] for spring in self.elements[self.first_link :])
+        return [*self.arrangement.watched, *links]
+
+    def reported(self, values: Array, elastic: float, unknown: float | None = None) -> Array:
+        """Values (..., e) of the elements for those of results; see `Arrangement.of_elements`."""
+        unknown = elastic if unknown is None else unknown
+        own = self.arrangement.of_elements(values, elastic, unknown)
+        return np.concatenate([own, values[..., self.first_link :]], axis=-1)
+
+    def from_reported(self, values: Array, elastic: float) -> Array:
+        """Values (e,) of the elements from those of results, ``elastic`` where there is none."""
+        number = self.reported(np.arange(len(self.elements)), -1).astype(int)
+        of_elements = np.full(len(self.elements), elastic)
+        of_elements[number[number >= 0]] = values[number >= 0]
+        return of_elements
 
     @cached_property
     def elements(self) -> Array:
         """Numbers of the springs that are elements (e,)."""
-        n, ties = len(self.arrangement.floors), self.arrangement.ties
+        n, ties = self.first_link, self.arrangement.ties
         return np.array([*range(n), *(n + i for i, tie in enumerate(ties) if tie.link.yields)])
 
     @cached_property
@@ -80,7 +105,7 @@ class Equations:
 
     @cached_property
     def system(self) -> System:
-        """Storeys and springs of links in all cells, without the dashpots of links."""
+        """Elements and springs of links in all cells, without the dashpots of links."""
         mass, damping, _, shapes, *storeys = self.arrangement.storeys
         pairs = zip(storeys, self._links, strict=False)
         springs = (np.concatenate([self._wide(own), link], axis=1) for own, link in pairs)
@@ -89,20 +114,20 @@ class Equations:
 
     def states(self, own: Array) -> list[str]:
         """Names of the states, by structures, links last; elements with ``own`` (e,) have a ``z``."""
-        floors, first = self.arrangement.floors, self.arrangement.first
+        coordinates, first = self.arrangement.coordinates, self.arrangement.first_coordinate
         names = [self.springs[spring] for spring in self.elements[own]]
         listed = list(self.ground.filter(self._ground).states)
         for begin, end in pairwise(first):
-            here = floors[begin:end]
+            here = coordinates[begin:end]
             listed += [f"{state}_{name}" for state in "uv" for name in here]
             listed += [f"z_{name}" for name in here if name in names]
-        return listed + [f"z_{name}" for name in names if name not in floors]
+        return listed + [f"z_{name}" for name in names if name not in coordinates]
 
     def order(self, own: Array) -> Order:
         """Numbers of the states; elements with ``own`` (e,) have a ``z``."""
         states = self.states(own)
         names = {name: i for i, name in enumerate(states)}
-        q, v = (np.array([names[f"{s}_{floor}"] for floor in self.arrangement.floors]) for s in "uv")
+        q, v = (np.array([names[f"{s}_{name}"] for name in self.arrangement.coordinates]) for s in "uv")
         z = np.array([names[f"z_{self.springs[spring]}"] for spring in self.elements[own]], int)
         return Order(np.arange(len(states) - q.size - v.size - z.size), q, v, z)
 
@@ -203,7 +228,7 @@ def check_one_system(
     models += [(s, f"structures, number {n}") for n, s in enumerate(structures, start=1)]
     models += [(link, f"links, number {n}") for n, link in enumerate(links, start=1) if link is not None]
     for model, role in models:
-        if not isinstance(model, ShearBuilding):
+        if not isinstance(model, MultistoreyBuilding):
             check_scalars(model, role, ONE_SYSTEM)
 
 
@@ -286,23 +311,24 @@ def statespace(
         if not np.isfinite(coefficients[-1]).all():
             raise ValueError(f"{name} = {brief(list(values))}; allowed: finite numbers")
     equations = Equations(arrangement_of([_of_any_strength(s) for s in structures], links), ground)
-    elements = [equations.springs[spring] for spring in equations.elements]
+    elements = equations.reported_names
     if not len(c_eq) == len(k_eq) == len(elements):
         raise ValueError(
             f"c_eq, k_eq have lengths {len(c_eq)}, {len(k_eq)}; allowed: {len(elements)}, one of each "
             f"kind for every element, {brief(elements)}"
         )
-    own = (coefficients[0] != -1) | (coefficients[1] != 0)
-    for element in np.flatnonzero(own[: len(equations.arrangement.floors)]):
-        number = int(np.searchsorted(equations.arrangement.first, element, side="right"))
+    c, k = (equations.from_reported(*each) for each in zip(coefficients, (-1.0, 0.0), strict=True))
+    own = (c != -1) | (k != 0)
+    for element in np.flatnonzero(own[: equations.first_link]):
+        number = int(np.searchsorted(equations.arrangement.first_coordinate, element, side="right"))
         structure = structures[number - 1]
         if structure.hardening is None:
             raise ValueError(
                 f"{type(structure).__name__}, number {number}: hardening is not given; with c_eq = "
-                f"{coefficients[0][element]:g}, k_eq = {coefficients[1][element]:g} it yields, and "
+                f"{c[element]:g}, k_eq = {k[element]:g} it yields, and "
                 "needs its hardening"
             )
-    written = equations.state_space(coefficients[0], coefficients[1], own)
+    written = equations.state_space(c, k, own)
     names = equations.states(own)
     extension = np.zeros((len(equations.springs), len(names)))
     extension[:, written.order.coordinates] = written.extensions
@@ -331,6 +357,8 @@ def _of_any_strength(structure: AnyStructure) -> Any:
         return structure
     if isinstance(structure, ShearBuilding):
         return replace(structure, yield_drifts=1.0)
+    if isinstance(structure, MultistoreyBuilding):  # its strengths say which modes yield
+        return structure
     return replace(structure, yield_displacement=1.0, reduction_factor=None)
 
 

@@ -27,12 +27,12 @@ from stochlin.kernels.linearization.gaussian import absolute_moment
 from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
 from stochlin.kernels.linearization.systems.state_space import StateSpace
 from stochlin.models.arguments import Number, OneOf, checked
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, Range
 from stochlin.models.structures import GAUSSIAN
-from stochlin.models.systems import AnyStructure, arrangement_of, check_stationary
+from stochlin.models.systems import AnyStructure, arrangement_of, check_stationary, stack_of
 
 ITERATIONS = ("newton", "substitution")
 # Variables of `linearize_system` and their dimensions beside those of the cells.
@@ -200,8 +200,11 @@ def check_chain(models: Mapping[str, Model]) -> None:
 
     ``models`` are structures, ground and links by their roles.
     """
-    elements = sum(model.storeys if isinstance(model, ShearBuilding) else 1 for model in models.values())
-    cells = max(1, count_cells(*(m for m in models.values() if not isinstance(m, ShearBuilding))))
+    elements = sum(
+        stack_of(model).coordinates if isinstance(model, MultistoreyBuilding) else 1
+        for model in models.values()
+    )
+    cells = max(1, count_cells(*(m for m in models.values() if not isinstance(m, MultistoreyBuilding))))
     check_work(
         f"the iteration of {cells} systems would take" if cells > 1 else "the iteration would take",
         "take fewer cells at a time, storeys together, or structures that are not linked apart",
@@ -243,7 +246,7 @@ def solved(equations: Equations) -> SystemSolution:
 def check_laws(structures: Sequence[AnyStructure], closure: str) -> None:
     """Raise a ValueError if a law does not have this closure, or systems do not."""
     for structure in structures:
-        law = structure.storey_law if isinstance(structure, ShearBuilding) else structure
+        law = structure.element_law if isinstance(structure, MultistoreyBuilding) else structure
         check_element_closure(law, closure)
 
 
@@ -252,7 +255,9 @@ def equations_of(
 ) -> Equations:
     """Equations with all strengths in metres; raises if a storey has no stationary response."""
     solid: list[Any] = [
-        structure if isinstance(structure, ShearBuilding) else strength_in_metres(structure, ground)
+        structure
+        if isinstance(structure, MultistoreyBuilding)
+        else strength_in_metres(structure, ground)
         for structure in structures
     ]
     system = arrangement_of(solid, links)
@@ -280,7 +285,8 @@ def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) 
         finite | (solution.status >= labels.NOT_CONVERGED), solution.status, labels.NOT_PHYSICAL
     )
     failed = status >= labels.NOT_CONVERGED
-    results |= {"c_eq": solution.c_eq.copy(), "k_eq": solution.k_eq.copy()}
+    results["c_eq"] = equations.reported(solution.c_eq, -1.0)
+    results["k_eq"] = equations.reported(solution.k_eq, 0.0)
     for values in results.values():
         values[failed] = np.nan
     strength, std = equations.strength, results["displacement_std"]
@@ -291,8 +297,13 @@ def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) 
     q, floors = equations.order(own).coordinates, equations.system.shapes
     of_floors = floors @ results["covariance"][:, q[:, None], q] @ floors.T
     rho = np.clip(of_floors / (std[:, :, None] * std[:, None]), -1, 1)
-    results |= {"z_std": z, "velocity_z_corr": corr, "rho": rho, "yield_drift": strength}
-    results["ductility_std"] = results["drift_std"] / strength
+    results |= {
+        "z_std": equations.reported(z, 0.0),
+        "velocity_z_corr": equations.reported(corr, 0.0),
+        "rho": rho,
+        "yield_drift": equations.reported(strength, np.inf, np.nan),
+    }
+    results["ductility_std"] = results["drift_std"] / results["yield_drift"]
     apart = results["relative_displacement_std"]
     results["relative_displacement_std"] = apart.reshape(count, n, n)
     if any(tie.link.damping_exponent is not None for tie in system.ties):
@@ -309,7 +320,7 @@ def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) 
         variables,
         coords={
             **{name: cells.shape.coords[name] for name in cells.shape.coords},
-            **element_coordinates(system, [equations.springs[e] for e in equations.elements[n:]]),
+            **element_coordinates(system, equations.reported_names[len(system.watched) :]),
             **floor_coordinates(system),
             "floor_2": ("floor_2", system.floors, {"long_name": "floor"}),
             "state": ("state", states, {"long_name": "state"}),
@@ -327,12 +338,15 @@ def _responses(equations: Equations, solution: SystemSolution) -> dict[str, Arra
     n = len(equations.arrangement.floors)
     floors = equations.system.shapes
     pairs = (floors[:, None] - floors).reshape(n * n, -1)
+    links = equations.system.extensions[equations.elements[equations.first_link :]]
+    system = equations.arrangement
+    drifts = np.concatenate([system.drifts @ system.displacements, links])
     parts: list[tuple[Array, dict[str, Array]]] = []
     dashpots = np.nan_to_num(solution.dashpots)
-    for cells, system in alike(equivalent_systems(equations, solution)):
-        motion = StationaryResponse(system)
+    for cells, linear in alike(equivalent_systems(equations, solution)):
+        motion = StationaryResponse(linear)
         part = {
-            "drift_std": motion.std(equations.system.extensions[equations.elements]),
+            "drift_std": motion.std(drifts),
             "displacement_std": motion.std(floors),
             "velocity_std": motion.std(floors, rates=True),
             "relative_displacement_std": motion.std(pairs),
@@ -340,7 +354,7 @@ def _responses(equations: Equations, solution: SystemSolution) -> dict[str, Arra
             "residual": motion.residual,
             "moments": np.stack(motion.moments, axis=1),
         }
-        if equations.arrangement.ties:
+        if system.ties:
             part["link_force_std"] = link_forces(equations, dashpots, motion, cells)
         parts.append((cells, part))
     order = np.argsort(np.concatenate([cells for cells, _ in parts]))
@@ -356,7 +370,7 @@ def link_forces(
     For a dashpot with an exponent, the variance of its linearized force is replaced by that of the
     nonlinear force for a Gaussian rate.
     """
-    springs = np.arange(len(equations.arrangement.floors), len(equations.springs))
+    springs = np.arange(equations.first_link, len(equations.springs))
     dashpots, exponents = dashpots[cells], equations.exponents[cells]
     post, couple = (part[cells] for part in equations.of_links)
     linear = motion.force_std(post, couple, dashpots)

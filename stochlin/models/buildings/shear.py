@@ -3,34 +3,40 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
-import scipy.constants
 import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.systems import System
 from stochlin.messages import brief
-from stochlin.models.arguments import Whole
-from stochlin.models.laws.hysteretic import Hysteretic, law_of
+from stochlin.models.arguments import Whole, as_numbers
+from stochlin.models.buildings.base import (
+    FLOOR,
+    GRAVITY,
+    MODE,
+    MOST_STOREYS,
+    STOREY,
+    MultistoreyBuilding,
+    along,
+    check_ranges,
+)
+from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
-from stochlin.models.states import in_words
 from stochlin.models.structures import DAMPING, HARDENING, Structure
 from stochlin.models.uncertain import takes_uncertain
 
 if TYPE_CHECKING:
     import sympy
 
-STOREY, MODE, FLOOR = "storey", "mode", "floor"
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
 ONE_FOR_ALL = ("yield_drifts", "dampers")  # one number may stand for all storeys
-SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
-MOST_STOREYS = 200
 STOREYS = Whole(1, MOST_STOREYS)
-GRAVITY = scipy.constants.g
+SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
 
 
 @dataclass(frozen=True)
@@ -51,11 +57,11 @@ class RegularBuilding(Model):
         for name, value in self.cells().items():
             if isinstance(value, xr.DataArray) and name != "storey_height":
                 raise ValueError(f"{name} is an array; allowed: one number for the building")
-        _check_ranges(self, "")
+        check_ranges(self, "")
 
 
 @dataclass(frozen=True)
-class ShearBuilding(Model):
+class ShearBuilding(MultistoreyBuilding):
     """Shear building: a mass on each floor, a hysteretic spring in each storey, and modal damping.
 
     Storeys are counted from the ground up; each storey has the number of the floor above it. Every mode
@@ -114,10 +120,7 @@ class ShearBuilding(Model):
     [3.5, 7.0, 10.5]
     """
 
-    instead = (
-        "for a building with storeys use linearize_system, simulate or pound, or give the "
-        "building's oscillator()"
-    )
+    strength_name: ClassVar[str] = "yield_drifts"
 
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
     stiffnesses: Parameter = parameter("N/m", "stiffness of the storey", POSITIVE)
@@ -136,7 +139,7 @@ class ShearBuilding(Model):
         values = {key: getattr(self, key) for key in OF_STOREYS if getattr(self, key) is not None}
         for field, value in values.items():
             if field not in ONE_FOR_ALL or not np.isscalar(value):
-                object.__setattr__(self, field, _over_storeys(f"{name}: {field}", value))
+                object.__setattr__(self, field, along(f"{name}: {field}", value, STOREY))
         arrays = {key: getattr(self, key) for key in values}
         arrays = {key: value for key, value in arrays.items() if isinstance(value, xr.DataArray)}
         if len({array.sizes[STOREY] for array in arrays.values()}) > 1:
@@ -152,7 +155,7 @@ class ShearBuilding(Model):
         for field in ("damping", "hardening"):
             if isinstance(getattr(self, field), xr.DataArray):
                 raise ValueError(f"{name}: {field} is an array; allowed: one number for the building")
-        _check_ranges(self, f"{name}: ")
+        check_ranges(self, f"{name}: ")
         if self.yield_drifts is not None and self.hardening is None:
             raise ValueError(
                 f"{name}: hardening is not given; storeys with a yield drift need their hardening "
@@ -161,7 +164,7 @@ class ShearBuilding(Model):
         if not isinstance(self.p_delta, bool):
             raise TypeError(f"{name}: p_delta = {brief(self.p_delta)}; allowed: True or False")
         self._check_weight()
-        _ = self.storey_law
+        _ = self.element_law
 
     @classmethod
     @takes_uncertain
@@ -256,26 +259,87 @@ class ShearBuilding(Model):
             **others,
         )
 
-    def over_cells(self) -> dict[str, xr.DataArray]:
-        """Empty: arrays of one building are over its storeys, and are not dimensions of a result."""
-        return {}
+    @classmethod
+    @takes_uncertain
+    def from_mode(
+        cls,
+        *,
+        period: float,
+        shape: Any,
+        masses: Any,
+        heights: Any,
+        damping: float,
+        **others: Any,
+    ) -> Self:
+        """The building that has a given first mode, with its period and shape, exactly.
 
-    def valid(self) -> xr.DataArray:
-        """True: a building with an invalid value cannot be made."""
-        return xr.DataArray(True)
+        Its other modes are those of a chain of storeys. They are not the ones of a wall or a frame with
+        the same first mode; `ModalBuilding` takes these.
+
+        Parameters
+        ----------
+        period : float
+            Period of the first mode [s], without the P-delta effect.
+        shape : array
+            Displacement of each floor in this mode, from the ground up, in any unit. It grows from floor
+            to floor.
+        masses, heights, damping
+            As in `ShearBuilding`.
+        **others
+            ``hardening``, ``yield_drifts``, ``dampers``, ``law``, ``law_parameters`` and ``p_delta``, as
+            in `ShearBuilding`.
+
+        Returns
+        -------
+        ShearBuilding
+            With the storey stiffnesses ``w^2 sum(m_j s_j, j = i..n)/(s_i - s_(i-1))``, for the shape
+            ``s``, the masses ``m`` and ``w = 2 pi/period``.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As in `ShearBuilding`, or if the shape does not grow from floor to floor (the message names
+            the storey), or has another number of floors than the masses.
+
+        Examples
+        --------
+        >>> import stochlin as sl
+        >>> frame = sl.ShearBuilding.from_mode(
+        ...     period=0.6, shape=[0.4, 0.75, 1.0], masses=[2e5] * 3, heights=[3.5] * 3, damping=0.05
+        ... )
+        >>> round(float(frame.periods()[0]), 12)
+        0.6
+        """
+        name = f"{cls.__name__}.from_mode: "
+        known = RegularBuilding(period, 1.0, 1.0)
+        moves = as_numbers(f"{name}shape", shape, "a number for each floor").astype(float)
+        floors = along(f"{name}masses", masses, FLOOR).to_numpy()
+        if moves.shape != floors.shape or not np.isfinite(moves).all():
+            raise ValueError(
+                f"{name}shape = {brief(shape)}; allowed: a finite number for each of the {floors.size} "
+                "floors"
+            )
+        moves = moves * np.sign(moves[-1])
+        drifts = np.diff(moves, prepend=0.0)
+        if not (drifts > 0).all():
+            worst = int(np.argmin(drifts))
+            below = moves[worst] - drifts[worst]
+            raise ValueError(
+                f"{name}shape does not grow in storey {worst + 1}, from {below:g} to {moves[worst]:g}; "
+                "allowed: a shape that grows from the ground to the roof, as the "
+                "first mode of a chain of storeys does. For other shapes take ModalBuilding"
+            )
+        above = (floors * moves)[::-1].cumsum()[::-1]
+        square = (2 * np.pi / float(known.cells()["period"])) ** 2
+        return cls(masses, square * above / drifts, heights, damping, **others)
 
     @property
     def storeys(self) -> int:
         """Number of storeys."""
         return int(self.cells()["masses"].size)
 
-    @property
-    def yields(self) -> bool:
-        """Whether yield drifts are given, so that storeys can yield."""
-        return self.yield_drifts is not None
-
     @cached_property
-    def storey_law(self) -> Structure:
+    def element_law(self) -> Structure:
         """Oscillators that have the hysteresis law of the storeys, over the dimension ``storey``.
 
         They provide the closures, the time steps and the parameters of the law. Their periods are those
@@ -290,20 +354,30 @@ class ShearBuilding(Model):
         if self.yields:
             drifts = xr.DataArray(values["yield_drifts"], dims=STOREY)
             common |= {"hardening": self.hardening, "yield_displacement": drifts}
-        own = dict(self._own_parameters())
-        law = law_of(self.law, common, own)
-        bad = np.flatnonzero(~np.broadcast_to(law.valid(), self.storeys))
-        if bad.size:
-            each = {n: a.isel({STOREY: bad[0]}, missing_dims="ignore") for n, a in law.arrays().items()}
-            try:
-                type(law)(**{name: float(value) for name, value in each.items()})
-            except ValueError as error:
-                raise ValueError(f"law_parameters: storey {bad[0] + 1}, {error}") from error
-        return law
+        return self._law_over(STOREY, self.storeys, common)
 
-    def levels(self) -> Array:
-        """Levels of the floors above the ground [m], (storeys,)."""
-        return np.cumsum(self._over_all["heights"])
+    def system(self) -> System:
+        """The building as a chain: coordinates are the displacements of the floors."""
+        n, values = self.storeys, self._over_all
+        k = values["stiffnesses"]
+        hardening = float(self.cells()["hardening"]) if self.yields else 1.0
+        return System(
+            mass=values["masses"],
+            damping=self.damping_matrix(),
+            extensions=np.eye(n) - np.eye(n, k=-1),
+            shapes=np.eye(n),
+            post=hardening * k - self.geometric_stiffness(),
+            couple=(1 - hardening) * k,
+            strength=values.get("yield_drifts", np.full(n, np.inf)),
+        )
+
+    def shear_shares(self) -> Array:
+        """The identity: the force of a storey is its shear (storeys, storeys)."""
+        return np.eye(self.storeys)
+
+    def stiffened(self, factor: float) -> Self:
+        """The building with the elastic stiffness of all storeys multiplied by a factor."""
+        return replace(self, stiffnesses=self.arrays()["stiffnesses"] * factor)
 
     def periods(self) -> xr.DataArray:
         """Periods of the elastic building [s] over ``mode``, which is counted from 1, longest first."""
@@ -321,6 +395,14 @@ class ShearBuilding(Model):
         attrs = {"units": "1", "long_name": "displacement of the floor over that of the oscillator"}
         floors = {FLOOR: np.arange(1, mass.size + 1)}
         return xr.DataArray((mass @ shape) * shape, dims=FLOOR, coords=floors, attrs=attrs)
+
+    def mode_periods(self) -> xr.DataArray:
+        """The same as `periods`, under a name that all buildings have."""
+        return self.periods()
+
+    def first_mode_moves(self) -> xr.DataArray:
+        """The same as `participation`, under a name that all buildings have."""
+        return self.participation()
 
     def oscillator(self) -> Structure:
         """The first mode as an oscillator, with its effective modal mass [kg].
@@ -343,7 +425,7 @@ class ShearBuilding(Model):
         """
         mass, shape = self._over_all["masses"], self._modes()[1][:, 0]
         moves = self.participation().to_numpy()
-        law = self.storey_law
+        law = self.element_law
         weakest, strength = 0, dict[str, Any]()
         if self.yields:
             at_yield = self._over_all["yield_drifts"] / np.abs(np.diff(moves, prepend=0.0))
@@ -385,24 +467,14 @@ class ShearBuilding(Model):
 
     def describe(self) -> str:
         """The building with its parameters in one line."""
-        parts = [] if self.law == "bilinear" else [f"law={in_words(self.law)}"]
-        parts += [
-            f"{name}={brief(np.asarray(value).tolist())}" for name, value in self._own_parameters()
-        ]
+        parts = self._told_law()
         parts += ["p_delta=True"] if self.p_delta else []
         return ", ".join([super().describe()[:-1], *parts]) + ")"
 
-    def _own_parameters(self) -> list[tuple[str, Any]]:
-        """Names and values of the ``law_parameters``; arrays are over the storeys."""
-        values = self.law_parameters if self.law_parameters is not None else {}
-        if not isinstance(values, Mapping):
-            raise TypeError(f"law_parameters = {brief(values)}; allowed: a mapping of numbers by name")
-        return [(name, self._of_storeys(name, value)) for name, value in values.items()]
-
-    def _of_storeys(self, name: str, value: Any) -> Any:
+    def _of_elements(self, name: str, value: Any) -> Any:
         if np.isscalar(value):
             return value
-        array = _over_storeys(f"law_parameters: {name}", value)
+        array = along(f"law_parameters: {name}", value, STOREY)
         if array.size != self.storeys:
             raise ValueError(
                 f"law_parameters: {name} has {array.size} values; allowed: a number, or one for each of "
@@ -443,29 +515,3 @@ class ShearBuilding(Model):
             )
         squares, vectors = scipy.linalg.eigh_tridiagonal(diagonal, beside)
         return np.sqrt(squares), vectors / root[:, None]
-
-
-def _check_ranges(model: Model, prefix: str) -> None:
-    """Raise a ValueError if a number is out of range in any storey."""
-    for key, value in model.cells().items():
-        if not isinstance(value, xr.DataArray):  # numbers were checked when the model was made
-            continue
-        allowed = model.allowed(key)
-        bad = np.flatnonzero(~allowed.contains(value.to_numpy()))
-        if bad.size:
-            raise ValueError(
-                f"{prefix}{key} = {float(value[bad[0]]):g} in storey {bad[0] + 1} is out of range; "
-                f"allowed: {allowed}"
-            )
-
-
-def _over_storeys(label: str, value: Any) -> xr.DataArray:
-    try:
-        array = np.asarray(value)
-    except (ValueError, TypeError):  # ragged lists; a dataset
-        array = np.empty(())
-    if array.ndim != 1 or not array.size:
-        raise ValueError(
-            f"{label} = {brief(value)}; allowed: a list or 1-D array with one number for each storey"
-        )
-    return xr.DataArray(array, dims=STOREY)

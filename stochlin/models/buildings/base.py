@@ -1,0 +1,162 @@
+"""What the buildings have in common that analyses take: floors, modes, and one law for all elements."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import numpy as np
+import scipy.constants
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.systems import System
+from stochlin.messages import brief
+from stochlin.models.laws.hysteretic import law_of
+from stochlin.models.parameters import CASE, Model
+from stochlin.models.states import in_words
+from stochlin.models.structures import Structure
+
+if TYPE_CHECKING:
+    import sympy
+
+STOREY, MODE, FLOOR = "storey", "mode", "floor"
+MOST_STOREYS = 200
+GRAVITY = scipy.constants.g
+
+
+class MultistoreyBuilding(Model):
+    """Base of the buildings with floors: `ShearBuilding` and `ModalBuilding`.
+
+    The elements of a building have one hysteresis law: they are its storeys, or its modes.
+    """
+
+    instead = (
+        "for a building with storeys use linearize_system, simulate or pound, or give the "
+        "building's oscillator()"
+    )
+    strength_name: ClassVar[str]  # the parameter with the strength of the elements [m]
+    damping: Any
+    hardening: Any
+    law: str | sympy.Expr | Mapping[str, sympy.Expr]
+    law_parameters: Mapping[str, Any] | None
+
+    def over_cells(self) -> dict[str, xr.DataArray]:
+        """Empty: arrays of one building are over its storeys, and are not dimensions of a result."""
+        return {}
+
+    def valid(self) -> xr.DataArray:
+        """True: a building with an invalid value cannot be made."""
+        return xr.DataArray(True)
+
+    def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
+        """The building itself, which has no dimensions of a result."""
+        return self
+
+    @property
+    def yields(self) -> bool:
+        """Whether a strength is given, so that elements can yield."""
+        return getattr(self, self.strength_name) is not None
+
+    @property
+    @abstractmethod
+    def storeys(self) -> int:
+        """Number of storeys, which is also that of the floors."""
+
+    @property
+    @abstractmethod
+    def element_law(self) -> Structure:
+        """Oscillators that have the hysteresis law of the elements, over the storeys or the modes."""
+
+    @abstractmethod
+    def system(self) -> System:
+        """The building as coordinates, elements and floors."""
+
+    @abstractmethod
+    def shear_shares(self) -> Array:
+        """Share of each element's force in the shear of each storey (storeys, elements) [-].
+
+        It is NaN in storeys whose shear is not known.
+        """
+
+    @abstractmethod
+    def mode_periods(self) -> xr.DataArray:
+        """Periods of the elastic building [s] over ``mode``, which is counted from 1, longest first."""
+
+    @abstractmethod
+    def first_mode_moves(self) -> xr.DataArray:
+        """Displacement of each floor in the first mode over that of `oscillator` [-], over ``floor``."""
+
+    @abstractmethod
+    def oscillator(self) -> Structure:
+        """The first mode as an oscillator, with its effective modal mass [kg]."""
+
+    @abstractmethod
+    def stiffened(self, factor: float) -> Self:
+        """The building with its elastic stiffness multiplied by a factor."""
+
+    def levels(self) -> Array:
+        """Levels of the floors above the ground [m], (storeys,)."""
+        heights: Array = self.arrays()["heights"].to_numpy()
+        return np.cumsum(heights)
+
+    def _law_over(self, dimension: str, count: int, common: Mapping[str, Any]) -> Structure:
+        """Oscillators with the law and these parameters; raises a ValueError if one is not valid."""
+        law = law_of(self.law, common, dict(self._own_parameters()))
+        bad = np.flatnonzero(~np.broadcast_to(law.valid(), count))
+        if bad.size:
+            one = {dimension: bad[0]}
+            each = {name: array.isel(one, missing_dims="ignore") for name, array in law.arrays().items()}
+            try:
+                type(law)(**{name: float(value) for name, value in each.items()})
+            except ValueError as error:
+                raise ValueError(f"law_parameters: {dimension} {bad[0] + 1}, {error}") from error
+        return law
+
+    def _told_law(self) -> list[str]:
+        """The law and its parameters, for a description, if it is not the bilinear one."""
+        parts = [] if self.law == "bilinear" else [f"law={in_words(self.law)}"]
+        own = self._own_parameters()
+        return parts + [f"{name}={brief(np.asarray(value).tolist())}" for name, value in own]
+
+    def _own_parameters(self) -> list[tuple[str, Any]]:
+        """Names and values of the ``law_parameters``; arrays are over the elements."""
+        values = self.law_parameters if self.law_parameters is not None else {}
+        if not isinstance(values, Mapping):
+            raise TypeError(f"law_parameters = {brief(values)}; allowed: a mapping of numbers by name")
+        return [(name, self._of_elements(name, value)) for name, value in values.items()]
+
+    @abstractmethod
+    def _of_elements(self, name: str, value: Any) -> Any:
+        """A parameter of the law, checked: a number, or an array over the elements."""
+
+
+def check_ranges(model: Model, prefix: str) -> None:
+    """Raise a ValueError if a number of an array is out of range; the message names its place."""
+    for key, value in model.cells().items():
+        if not isinstance(value, xr.DataArray):  # numbers were checked when the model was made
+            continue
+        allowed = model.allowed(key)
+        bad = np.argwhere(~allowed.contains(value.to_numpy()))
+        if len(bad):
+            number = float(value.to_numpy()[tuple(bad[0])])
+            dims = (STOREY if dim == CASE else dim for dim in value.dims)
+            where = ", ".join(f"{dim} {n + 1}" for dim, n in zip(dims, bad[0], strict=True))
+            raise ValueError(
+                f"{prefix}{key} = {number:g} in {where} is out of range; allowed: {allowed}"
+            )
+
+
+def along(label: str, value: Any, dimension: str) -> xr.DataArray:
+    """A list or 1-D array as an array over a dimension; raises a ValueError for anything else."""
+    try:
+        array = np.asarray(value)
+    except (ValueError, TypeError):  # ragged lists; a dataset
+        array = np.empty(())
+    if array.ndim != 1 or not array.size:
+        raise ValueError(
+            f"{label} = {brief(value)}; allowed: a list or 1-D array with one number for each "
+            f"{dimension}"
+        )
+    return xr.DataArray(array, dims=dimension)

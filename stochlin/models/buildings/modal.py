@@ -1,0 +1,423 @@
+"""Buildings by their modes, as programs of structural analysis print them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.systems import System
+from stochlin.messages import DoubtfulInput, brief, listed
+from stochlin.models.buildings.base import (
+    FLOOR,
+    MODE,
+    MOST_STOREYS,
+    STOREY,
+    MultistoreyBuilding,
+    along,
+    check_ranges,
+)
+from stochlin.models.laws.hysteretic import Hysteretic
+from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
+from stochlin.models.structures import DAMPING, HARDENING, Structure
+from stochlin.models.uncertain import Uncertain
+
+if TYPE_CHECKING:
+    import sympy
+
+ANY = Range(lower=-np.inf)
+ORTHOGONAL = 0.02  # largest modal mass that two modes share, over the root of those of both
+LEAST_MASS = 1e-6  # share of the mass below which a mode does not move along the gap
+ENOUGH_MASS = 0.9  # share of the mass that codes ask of the modes together
+YIELDING = "yielding mode"
+DIMENSIONS = {
+    **dict.fromkeys(("periods", "damping", "participation", "modal_masses"), MODE),
+    **dict.fromkeys(("hardening", "yield_displacements"), YIELDING),
+    "masses": FLOOR,
+    "heights": STOREY,
+}
+OF_STRENGTH = ("hardening", "yield_displacement")
+MAYBE_ONE = ("damping", "hardening", "yield_displacements")  # one number may stand for a list
+
+
+@dataclass(frozen=True)
+class ModalBuilding(MultistoreyBuilding):
+    """Building by its modes: each is an oscillator on the ground, and the floors move by their shapes.
+
+    The displacement ``D_n`` of mode ``n`` is that of an oscillator with its period and damping ratio.
+    The floors move by the sum of ``G_n s_n D_n`` over the modes, with the participation factors ``G_n``
+    and the shapes ``s_n``. A contact or a link at a floor acts on each mode by the shape there. Only
+    the motion along the gap is described; that across the gap is neglected. The building has the mass of
+    the given modes only, so that modes that are left out make a floor harder to move by a contact.
+
+    The first few modes may yield. They are oscillators with a hysteresis law, in the sense of modal
+    pushover analysis: the yielding of one mode does not affect the others. The sum over the modes
+    follows in time, so that no rule of combination is needed.
+
+    Parameters
+    ----------
+    periods : array
+        Periods of the modes [s], longest first.
+    shapes : array
+        Displacement of each floor along the gap, for each mode (modes, floors), in any unit: floors from
+        the ground up. For walls and irregular plans that of the edge that faces the neighbour.
+    masses : array
+        Masses of the floors [kg], one for each floor, positive.
+    heights : array
+        Height of each storey [m], positive. The level of a floor is the sum of the heights below it.
+    damping : float or array
+        Viscous damping ratio [-], in (0, 1): one number, or one for each mode.
+    hardening : float or array, optional
+        Hardening ratio of the modes that yield, post-yield over elastic stiffness [-], in (0, 1]. It is
+        required with ``yield_displacements``.
+    yield_displacements : float or array, optional
+        Displacement at yield ``D_y`` [m] of the oscillators of the first modes, positive: one number for
+        mode 1, or one for each of the first few modes. From a pushover curve of mode ``n`` it is the
+        roof displacement at yield over ``G_n s_n`` of the roof. The other modes stay elastic.
+    participation : array, optional
+        Participation factor of each mode for ground motion along the gap [-], in the unit of the shapes.
+        By default it is computed from shapes and masses, ``G = s' m/(s' M s)``. This holds for floors
+        that do not turn. For the corner of a building that turns, give the factors that the program
+        prints, with ``modal_masses``.
+    modal_masses : array, optional
+        Effective modal masses along the gap [kg], given with ``participation``: the ratios of
+        participating mass that the program prints, times the mass of the building.
+    law : str, sympy.Expr or mapping
+        Hysteresis law of the modes that yield, as in `ShearBuilding`.
+    law_parameters : mapping, optional
+        Parameters that the law adds: numbers, or arrays with one number for each mode that yields.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a value is not a number or out of range, arrays differ in length, periods do not fall from
+        mode to mode, two shapes are not orthogonal with the masses (so that floors or masses are missing
+        or the building turns), a mode does not move along the gap, the modes have more than the whole
+        mass, participation is given without modal masses, or the law is not known.
+
+    Warns
+    -----
+    DoubtfulInput
+        If the modes have less than 90 % of the mass together.
+
+    References
+    ----------
+    Chopra, A. K. (2012), Dynamics of Structures, 4th ed., sections 13.1 and 13.2; Chopra, A. K. and
+    Goel, R. K. (2002), Earthquake Eng. Struct. Dyn. 31, for modes that yield.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> tower = sl.ModalBuilding(
+    ...     periods=[0.5, 0.18],
+    ...     shapes=[[0.62, 1.0], [-1.61, 1.0]],
+    ...     masses=[2e5, 2e5],
+    ...     heights=[3.5, 3.5],
+    ...     damping=0.05,
+    ... )
+    >>> tower.effective_masses().round(-2).tolist()
+    [379000.0, 20700.0]
+    >>> tower.first_mode_moves().round(3).values
+    array([0.726, 1.17 ])
+    """
+
+    strength_name: ClassVar[str] = "yield_displacements"
+
+    periods: Parameter = parameter("s", "period of the mode", POSITIVE)
+    shapes: Parameter = parameter("1", "shape of the mode at the floor", ANY)
+    masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
+    heights: Parameter = parameter("m", "height of the storey", POSITIVE)
+    damping: Parameter = parameter("1", "damping ratio of the mode", DAMPING)
+    hardening: Parameter | None = parameter("1", "hardening ratio of the mode", HARDENING, None)
+    yield_displacements: Parameter | None = parameter("m", "yield displacement", POSITIVE, None)
+    _: KW_ONLY
+    participation: Parameter | None = parameter("1", "participation factor", ANY, None)
+    modal_masses: Parameter | None = parameter("kg", "effective modal mass", POSITIVE, None)
+    law: str | sympy.Expr | Mapping[str, sympy.Expr] = "bilinear"
+    law_parameters: Mapping[str, Any] | None = None
+
+    def __new__(cls, *args: Any, **kwargs: Any) -> Self:
+        """A new building, or an `UncertainModel`; which shapes cannot make."""
+        given = {**dict(zip(("periods", "shapes"), args, strict=False)), **kwargs}
+        for name in ("shapes", "participation"):
+            if isinstance(given.get(name), Uncertain):
+                raise ValueError(
+                    f"{cls.__name__}: {name} is uncertain; allowed: numbers. Let periods, damping or "
+                    "yield displacements be uncertain"
+                )
+        return super().__new__(cls, *args, **kwargs)
+
+    def __post_init__(self) -> None:
+        name = f"{type(self).__name__}: "
+        object.__setattr__(self, "shapes", _table(f"{name}shapes", self.shapes))
+        for field, dimension in DIMENSIONS.items():
+            value = getattr(self, field)
+            if value is not None and not (field in MAYBE_ONE and np.isscalar(value)):
+                object.__setattr__(self, field, along(f"{name}{field}", value, dimension))
+        self._check_counts(name)
+        super().__post_init__()
+        check_ranges(self, name)
+        periods = self.arrays()["periods"].to_numpy()
+        rising = np.flatnonzero(np.diff(periods) > 0)
+        if rising.size:
+            n = rising[0] + 1
+            raise ValueError(
+                f"{name}periods of modes {n} and {n + 1} are {periods[n - 1]:g} and {periods[n]:g} s; "
+                "allowed: periods in seconds, the longest first"
+            )
+        if self.yields and self.hardening is None:
+            raise ValueError(
+                f"{name}hardening is not given; modes with a yield displacement need their hardening "
+                f"ratio, allowed: {HARDENING}"
+            )
+        if (self.participation is None) != (self.modal_masses is None):
+            raise ValueError(
+                f"{name}participation and modal_masses belong together; allowed: both, as the "
+                "program of the modes prints them, or neither"
+            )
+        if self.participation is None:
+            self._check_orthogonal(name)
+        self._check_masses(name)
+        _ = self.element_law
+
+    @property
+    def storeys(self) -> int:
+        """Number of storeys, which is also that of the floors."""
+        return int(self.arrays()["heights"].size)
+
+    @property
+    def modes(self) -> int:
+        """Number of modes."""
+        return int(self.arrays()["periods"].size)
+
+    @cached_property
+    def element_law(self) -> Structure:
+        """Oscillators that have the hysteresis law of the modes, over the dimension ``mode``.
+
+        Modes that stay elastic have the strength of the last one that yields, which has no use.
+        """
+        values = self.arrays()
+        common: dict[str, Any] = {"period": values["periods"], "damping": self.damping}
+        if self.yields:
+            common |= {
+                "hardening": self._over_modes(self.hardening),
+                "yield_displacement": self._over_modes(self.yield_displacements),
+            }
+        return self._law_over(MODE, self.modes, common)
+
+    def system(self) -> System:
+        """The building as coordinates, elements and floors: each mode is one coordinate and element."""
+        values, unit, mass = self.arrays(), np.eye(self.modes), self.effective_masses()
+        w = 2 * np.pi / values["periods"].to_numpy()
+        damping = np.broadcast_to(values["damping"].to_numpy(), w.shape)
+        k, hardening, strength = mass * w**2, np.ones(w.size), np.full(w.size, np.inf)
+        weak = slice(self._yielding)
+        if self.yields:
+            hardening[weak], strength[weak] = values["hardening"], values["yield_displacements"]
+        return System(
+            mass=mass,
+            damping=np.diag(2 * damping * w * mass),
+            extensions=unit,
+            shapes=self._moves,
+            post=hardening * k,
+            couple=(1 - hardening) * k,
+            strength=strength,
+        )
+
+    def shear_shares(self) -> Array:
+        """Share of each mode's force in the shear of each storey, by its static forces (storeys, modes).
+
+        Where the participation factors are given, only the shear of the lowest storey is known, which is
+        the sum of the forces of the modes; the shears above are NaN.
+        """
+        if self.modal_masses is not None:
+            shares = np.full((self.storeys, self.modes), np.nan)
+            shares[0] = 1.0
+            return shares
+        forces = self.arrays()["masses"].to_numpy()[:, None] * self._moves
+        above: Array = forces[::-1].cumsum(axis=0)[::-1]
+        return above / self.effective_masses()
+
+    @property
+    def leading(self) -> int:
+        """Number of the mode with the largest effective mass, from 0."""
+        return int(np.argmax(self.effective_masses()))
+
+    def effective_masses(self) -> Array:
+        """Effective modal mass of each mode along the gap [kg], (modes,)."""
+        if self.modal_masses is not None:
+            given: Array = self.arrays()["modal_masses"].to_numpy()
+            return given
+        shapes, masses = self._shapes_and_masses
+        shared: Array = (shapes @ masses) ** 2 / (shapes**2 @ masses)
+        return shared
+
+    def factors(self) -> Array:
+        """Participation factor of each mode for ground motion along the gap [-], (modes,)."""
+        if self.participation is not None:
+            given: Array = self.arrays()["participation"].to_numpy()
+            return given
+        shapes, masses = self._shapes_and_masses
+        computed: Array = (shapes @ masses) / (shapes**2 @ masses)
+        return computed
+
+    def mode_periods(self) -> xr.DataArray:
+        """Periods of the elastic building [s] over ``mode``, which is counted from 1."""
+        periods = self.arrays()["periods"]
+        return periods.assign_coords({MODE: np.arange(1, periods.size + 1)})
+
+    def first_mode_moves(self) -> xr.DataArray:
+        """Displacement of each floor over that of `oscillator` [-], over ``floor``."""
+        attrs = {"units": "1", "long_name": "displacement of the floor over that of the oscillator"}
+        floors = {FLOOR: np.arange(1, self.storeys + 1)}
+        return xr.DataArray(self._moves[:, self.leading], dims=FLOOR, coords=floors, attrs=attrs)
+
+    def oscillator(self) -> Structure:
+        """The mode with the largest effective mass [kg] as an oscillator.
+
+        The displacement of a floor is `first_mode_moves` times that of the oscillator. All other modes
+        are neglected.
+
+        Examples
+        --------
+        >>> import stochlin as sl
+        >>> tower = sl.ModalBuilding([0.5], [[0.6, 1.0]], [2e5, 1e5], [3.5, 3.5], 0.05)
+        >>> tower.oscillator().period
+        0.5
+        """
+        law, n = self.element_law.isel({MODE: self.leading}), self.leading
+        own: dict[str, Any] = {name: float(a) for name, a in law.arrays().items()}
+        if n >= self._yielding:
+            own = {name: value for name, value in own.items() if name not in OF_STRENGTH}
+        if isinstance(law, Hysteretic):
+            own["law"] = law.law
+        return type(law)(**own, mass=float(self.effective_masses()[n]))
+
+    def stiffened(self, factor: float) -> Self:
+        """The building with its elastic stiffness multiplied by a factor, and all shapes kept."""
+        return replace(self, periods=self.arrays()["periods"] / np.sqrt(factor))
+
+    def describe(self) -> str:
+        """The building with its parameters in one line."""
+        return ", ".join([super().describe()[:-1], *self._told_law()]) + ")"
+
+    @property
+    def _moves(self) -> Array:
+        """Displacement of each floor over that of each mode's oscillator [-] (floors, modes)."""
+        moves: Array = (self.arrays()["shapes"].to_numpy() * self.factors()[:, None]).T
+        return moves
+
+    @property
+    def _shapes_and_masses(self) -> tuple[Array, Array]:
+        values = self.arrays()
+        return values["shapes"].to_numpy(), values["masses"].to_numpy()
+
+    @property
+    def _yielding(self) -> int:
+        """Number of modes that yield, which are the first ones."""
+        return _size(self.yield_displacements) if self.yields else 0
+
+    def _over_modes(self, value: Any) -> xr.DataArray:
+        """A parameter of the modes that yield over all modes; the last one stands for the others."""
+        given = np.broadcast_to(np.asarray(value, float), self._yielding)
+        wide = np.pad(given, (0, self.modes - given.size), mode="edge")
+        return xr.DataArray(wide, dims=MODE)
+
+    def _of_elements(self, name: str, value: Any) -> Any:
+        if np.isscalar(value):
+            return value
+        array = along(f"law_parameters: {name}", value, MODE)
+        if array.size != self._yielding:
+            raise ValueError(
+                f"law_parameters: {name} has {array.size} values; allowed: a number, or one for each of "
+                f"the {self._yielding} modes that yield"
+            )
+        return self._over_modes(array.to_numpy())
+
+    def _check_counts(self, name: str) -> None:
+        assert isinstance(self.shapes, xr.DataArray)
+        modes, floors = self.shapes.shape
+        wanted = {"periods": modes, "masses": floors, "heights": floors, "damping": modes}
+        wanted |= dict.fromkeys(("participation", "modal_masses"), modes)
+        if floors > MOST_STOREYS:
+            raise ValueError(f"{name}shapes has {floors} floors; allowed: at most {MOST_STOREYS}")
+        for field, count in wanted.items():
+            value = getattr(self, field)
+            if isinstance(value, xr.DataArray) and value.size != count:
+                what = "mode" if DIMENSIONS[field] == MODE else "floor"
+                raise ValueError(
+                    f"{name}{field} has {value.size} values, shapes has {modes} modes of {floors} "
+                    f"floors; allowed: one for each {what} in both"
+                )
+        if self._yielding > modes:
+            raise ValueError(
+                f"{name}yield_displacements has {self._yielding} values; allowed: one for each of at "
+                f"most {modes} modes"
+            )
+        if _size(self.hardening) not in (1, self._yielding):
+            raise ValueError(
+                f"{name}hardening has {_size(self.hardening)} values; allowed: one number, or one for "
+                f"each of the {self._yielding} modes that yield"
+            )
+
+    def _check_orthogonal(self, name: str) -> None:
+        shapes, masses = self._shapes_and_masses
+        modal = (shapes * masses) @ shapes.T
+        if not (np.diag(modal) > 0).all():
+            still = int(np.argmin(np.diag(modal))) + 1
+            raise ValueError(f"{name}shapes of mode {still} are all 0; allowed: a mode that moves")
+        root = np.sqrt(np.diag(modal))
+        shared = np.abs(modal / np.outer(root, root)) - np.eye(root.size)
+        if shared.max() > ORTHOGONAL:
+            i, j = np.sort(np.unravel_index(np.argmax(shared), shared.shape)) + 1
+            raise ValueError(
+                f"{name}shapes of modes {i} and {j} are not orthogonal with the masses: they share "
+                f"{shared.max():.2g} of their modal masses; allowed: at most {ORTHOGONAL:g}. Give all "
+                "floors and their masses, or, for the corner of a building that turns, participation "
+                "and modal_masses of the program that made the modes"
+            )
+
+    def _check_masses(self, name: str) -> None:
+        shares = self.effective_masses() / self._shapes_and_masses[1].sum()
+        still = np.flatnonzero((shares < LEAST_MASS) | (self.factors() == 0)) + 1
+        if still.size:
+            raise ValueError(
+                f"{name}mode {listed(still)} does not move along the gap: less than {LEAST_MASS:g} of "
+                "the mass takes part; leave such modes out"
+            )
+        if shares.sum() > 1 + ORTHOGONAL:
+            raise ValueError(
+                f"{name}modal_masses are {shares.sum():.3g} of the masses together; allowed: at most 1. "
+                "Give effective modal masses in kg, along the gap"
+            )
+        if shares.sum() < ENOUGH_MASS:
+            warnings.warn(
+                f"{name}the modes have {shares.sum():.1%} of the mass; {1 - shares.sum():.1%} is left "
+                f"out, more than the {1 - ENOUGH_MASS:.0%} that codes allow: give more modes",
+                DoubtfulInput,
+                stacklevel=4,
+            )
+
+
+def _table(label: str, value: Any) -> xr.DataArray:
+    """Mode shapes over modes and floors; raises a ValueError for anything but a table of numbers."""
+    try:
+        array = np.asarray(value, float)
+    except (ValueError, TypeError, OverflowError):  # ragged lists; texts; numbers beyond all floats
+        array = np.empty(())
+    if array.ndim != 2 or not array.size:
+        raise ValueError(
+            f"{label} = {brief(value)}; allowed: a list of modes, each with one number for every floor"
+        )
+    return xr.DataArray(array, dims=(MODE, FLOOR))
+
+
+def _size(value: object) -> int:
+    """Number of values of a parameter; 1 of a number."""
+    return value.size if isinstance(value, xr.DataArray) else 1

@@ -1,0 +1,368 @@
+"""Buildings by their modes: as chains of storeys, against closed forms, and what is wrong is said."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.optimize import brentq
+
+import stochlin as sl
+from stochlin.messages import DoubtfulInput
+from stochlin.models.systems import stack_of
+
+pytestmark = pytest.mark.invariant
+
+GROUND = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.02)
+TALL = sl.ShearBuilding(
+    [2e5, 2e5, 2e5, 1.5e5], [4e8, 3.6e8, 3e8, 2.2e8], heights=[3.5] * 4, damping=0.05
+)
+LOW = sl.ShearBuilding([1.5e5] * 2, [2.5e8, 2e8], heights=[3.5] * 2, damping=0.05)
+WEAK = sl.ShearBuilding([1.5e5] * 2, [2.5e8, 2e8], [3.0, 4.2], 0.05, 0.1, 0.006)  # floors not level
+RECORDS = sl.simulated_motions(GROUND, 4.0, paths=2, seed=1)
+BUMPER = sl.Kelvin(1e9, restitution=0.65)
+TIE = sl.Link(stiffness=1e8, damping_constant=1e6, floors=(2, 2))
+SHORT = {"duration": 4.0, "paths": 32}
+TWO: dict[str, Any] = {
+    "periods": [0.5, 0.18],
+    "shapes": [[0.62, 1.0], [-1.61, 1.0]],
+    "masses": [2e5, 2e5],
+    "heights": [3.5, 3.5],
+    "damping": 0.05,
+}
+
+
+def modes_of(building: sl.ShearBuilding, count: int | None = None) -> dict[str, Any]:
+    """Its modes by numpy, with shapes of any size and sign."""
+    values = {name: array.to_numpy() for name, array in building.arrays().items()}
+    drifts = np.eye(building.storeys) - np.eye(building.storeys, k=-1)
+    stiffness = drifts.T @ np.diag(values["stiffnesses"]) @ drifts
+    root = np.sqrt(values["masses"])
+    squares, vectors = np.linalg.eigh(stiffness / np.outer(root, root))
+    sizes = np.array([3.0, -0.2, 1.0, 7.0])[: squares.size]
+    kept = slice(count)
+    return {
+        "periods": (2 * np.pi / np.sqrt(squares))[kept],
+        "shapes": (sizes[:, None] * (vectors / root[:, None]).T)[kept],
+        "masses": values["masses"],
+        "heights": values["heights"],
+        "damping": building.damping,
+    }
+
+
+BY_MODES = sl.ModalBuilding(**modes_of(TALL))
+
+ANALYSES: dict[str, Callable[[Any], xr.Dataset]] = {
+    "linearize_system": lambda b: sl.linearize_system([b, LOW], GROUND),
+    "linearize_system, linked": lambda b: sl.linearize_system([b, WEAK], GROUND, [TIE]),
+    "correlate": lambda b: sl.correlate(b, WEAK, GROUND),
+    "simulate": lambda b: sl.simulate([b, WEAK], GROUND, **SHORT),
+    "simulate, linked": lambda b: sl.simulate([b, WEAK], GROUND, link=TIE, **SHORT),
+    "simulate, stationary": lambda b: sl.simulate([b, LOW], GROUND, paths=32, relaxation_times=2),
+    "simulate, beside an oscillator": lambda b: sl.simulate(
+        [sl.Bilinear(0.5, 0.05, 0.1, yield_displacement=0.01), b], GROUND, **SHORT
+    ),
+    "separation": lambda b: sl.separation(b, WEAK, GROUND, **SHORT),
+    "separation, alone": lambda b: sl.separation(b, None, GROUND, **SHORT),
+    "existing_gap": lambda b: sl.existing_gap(b, LOW, GROUND, gap=0.02, **SHORT),
+    "pounding_probability": lambda b: sl.pounding_probability(b, WEAK, GROUND, 0.02, **SHORT),
+    "mitigate": lambda b: sl.mitigate(
+        *(b, WEAK, GROUND, 4.0, 0.02, {"softer": sl.Measure(stiffening_1=0.8, added_damping_1=0.1)}),
+        paths=32,
+    ),
+    "amplification": lambda b: sl.amplification(b, GROUND, of="peak", **SHORT),
+    "respond": lambda b: sl.respond(b, RECORDS[0]).drop_vars("step_error"),
+    "recorded_gap": lambda b: sl.recorded_gap(b, WEAK, RECORDS[0]).drop_vars("step_error"),
+}
+
+
+OF_ROUNDING = "covariance", "residual", "covariance_change", "coefficient_change"
+
+
+def assert_same(one: xr.Dataset, other: xr.Dataset, rtol: float) -> None:
+    assert set(one.data_vars) == set(other.data_vars)
+    for name, array in one.drop_vars(OF_ROUNDING, errors="ignore").data_vars.items():
+        if array.dtype.kind in "fiu":
+            size = float(np.abs(array.where(np.isfinite(array))).max())
+            np.testing.assert_allclose(
+                other[name].values, array.values, rtol=0, atol=rtol * size, err_msg=str(name)
+            )
+
+
+@pytest.mark.parametrize("analysis", ANALYSES)
+def test_all_modes_of_an_elastic_chain_are_the_chain(analysis: str) -> None:
+    of = ANALYSES[analysis]
+    assert_same(of(TALL), of(BY_MODES), 1e-9)
+
+
+@pytest.mark.parametrize("contact", [BUMPER, sl.Stereomechanical(0.6)])
+@pytest.mark.parametrize("motions", [RECORDS[0], RECORDS])
+def test_all_modes_of_an_elastic_chain_pound_like_the_chain(contact: Any, motions: Any) -> None:
+    """Up to the tolerance of the passes of a time step, 1e-8, over a few hundred steps with contact."""
+    second, kind = (WEAK, BUMPER) if contact is BUMPER else (LOW, contact)
+    chain, modes = (sl.pound([b, second], 0.01, kind, motions) for b in (TALL, BY_MODES))
+    assert chain.impacts.max() > 0
+    names = ["energy_balance_error", "step_error"]
+    assert_same(*(table.drop_vars(names, errors="ignore") for table in (chain, modes)), 1e-7)
+    errors = (float(table.energy_balance_error.max()) for table in (chain, modes))
+    assert next(errors) == pytest.approx(next(errors), rel=1e-3, abs=1e-9)
+
+
+def test_the_difference_of_two_elastic_buildings_is_the_complete_quadratic_combination() -> None:
+    """Standard deviations of modes, their correlations and their sums, from closed forms."""
+    low = sl.ModalBuilding(**modes_of(LOW))
+    table = sl.linearize_system([BY_MODES, low], GROUND)
+    apart = table.relative_displacement_std
+    np.testing.assert_allclose(
+        [apart.sel(floor="1.1", floor_2="2.1"), apart.sel(floor="1.2", floor_2="2.2")],
+        [0.00727805039, 0.0140778843],
+        rtol=1e-8,
+    )
+    with pytest.warns(DoubtfulInput, match=r"86\.3% of the mass"):
+        first = [sl.ModalBuilding(**modes_of(b, 1)) for b in (TALL, LOW)]
+    apart = sl.linearize_system(first, GROUND).relative_displacement_std
+    np.testing.assert_allclose(
+        [apart.sel(floor="1.1", floor_2="2.1"), apart.sel(floor="1.2", floor_2="2.2")],
+        [0.00728010513, 0.0140850014],
+        rtol=1e-7,
+    )
+    oscillators = [sl.Bilinear(period, 0.05) for b in (TALL, LOW) for period in modes_of(b)["periods"]]
+    modes = sl.linearize_system(oscillators, GROUND)
+    np.testing.assert_allclose(
+        modes.displacement_std,
+        [0.0164955, 0.00171393, 0.00066549, 0.00037683, 0.00594576, 0.00062531],
+        rtol=1e-5,
+    )
+    np.testing.assert_allclose(modes.rho[[0, 1], 4], [0.0634773364, 0.186137637], rtol=1e-8)
+
+
+WALL = {"height": 30.0, "slices": 60, "mass": 4e4, "first": 0.8}  # mass [kg/m], first period [s]
+
+
+def cantilever(modes: int) -> dict[str, Any]:
+    """Modes of an Euler-Bernoulli cantilever, by its characteristic equation cos(b) cosh(b) = -1."""
+    guesses = [(n - 0.5) * np.pi for n in range(1, modes + 1)]
+    b = np.array([brentq(lambda x: np.cos(x) + 1 / np.cosh(x), g - 0.6, g + 0.6) for g in guesses])
+    share = (np.sinh(b) - np.sin(b)) / (np.cosh(b) + np.cos(b))
+    slices = int(WALL["slices"])
+    x = b[:, None] * (np.arange(slices) + 1) / slices
+    s = share[:, None]
+    shapes = np.cosh(x) - np.cos(x) - s * (np.sinh(x) - np.sin(x))
+    storey = WALL["height"] / slices
+    masses = np.full(slices, WALL["mass"] * storey)
+    masses[-1] /= 2  # the trapezoidal rule over the height
+    periods = WALL["first"] * (b[0] / b) ** 2
+    return {
+        "periods": periods,
+        "shapes": shapes,
+        "masses": masses,
+        "heights": [storey] * slices,
+        "damping": 0.05,
+    }
+
+
+def test_a_wall_has_the_effective_masses_of_a_cantilever() -> None:
+    wall = sl.ModalBuilding(**cantilever(4))
+    shares = wall.effective_masses() / (WALL["mass"] * WALL["height"])
+    # Half a slice of the mass is at the fixed end and does not move.
+    np.testing.assert_allclose(shares, [0.613, 0.188, 0.065, 0.033], atol=6e-4)
+    ratios = wall.arrays()["periods"].to_numpy() / WALL["first"]
+    roots = np.array([1.87510, 4.69409, 7.85476, 10.99554])
+    np.testing.assert_allclose(ratios, (roots[0] / roots) ** 2, rtol=1e-5)
+
+
+def test_a_wall_bends_less_below_its_roof_than_a_straight_chain() -> None:
+    """With equal roofs in the first mode, its middle moves .339 of the roof, that of the chain half."""
+    wall = sl.ModalBuilding(**cantilever(4))
+    moves = wall.first_mode_moves().to_numpy()
+    x = np.array(1.8751040687 / 2)
+    share = (np.sinh(2 * x) - np.sin(2 * x)) / (np.cosh(2 * x) + np.cos(2 * x))
+    middle = (np.cosh(x) - np.cos(x) - share * (np.sinh(x) - np.sin(x))) / 2
+    assert moves[29] / moves[-1] == pytest.approx(float(middle), rel=1e-9)
+    chain = sl.ShearBuilding.regular(period=0.8, storeys=60, storey_height=0.5, mass=2e4, damping=0.05)
+    of_chain = chain.participation().to_numpy()
+    assert moves[29] / moves[-1] < 0.35 < of_chain[29] / of_chain[-1]
+
+
+def test_one_mode_that_yields_is_the_yielding_oscillator() -> None:
+    """Displacements are those of the oscillator times the moves of the floors; so is its ductility."""
+    strength = {"hardening": 0.1, "yield_displacements": 0.01}
+    stiff = sl.ShearBuilding([2e5, 1e5, 4e5], [4e8, 4e8, 9e8], [3.0] * 3, 0.05)
+    one = sl.ModalBuilding(**modes_of(stiff, 1), **strength)
+    first, moves = one.oscillator(), one.first_mode_moves().to_numpy()
+    assert (first.hardening, first.yield_displacement) == (0.1, 0.01)
+    building, oscillator = (sl.simulate([s], GROUND, **SHORT) for s in (one, first))
+    peaks = oscillator.peak.values
+    np.testing.assert_allclose(building.peak.values, peaks * np.abs(moves), rtol=1e-9)
+    of_mode = building.sel(element="mode 1.1")
+    np.testing.assert_allclose(of_mode.peak_drift, peaks[:, 0], rtol=1e-9)
+    assert float(of_mode.ductility) > 1
+    assert np.isnan(building.ductility.sel(element=["1.1", "1.2", "1.3"])).all()
+
+
+@pytest.mark.parametrize("law", [{}, {"law": "bouc_wen", "law_parameters": {"beta": 0.7}}])
+def test_modes_yield_side_by_side(law: dict[str, Any]) -> None:
+    """Two modes are the oscillators of both under the same motions, with the strength of each."""
+    strengths, hardening = np.array([0.008, 0.002]), np.array([0.1, 0.3])
+    values = modes_of(TALL)
+    building = sl.ModalBuilding(**values, hardening=hardening, yield_displacements=strengths, **law)
+    kind = sl.BoucWen if law else sl.Bilinear
+    own = law.get("law_parameters", {})
+    oscillators: list[Any] = [
+        kind(period, 0.05, h, yield_displacement=y, **own)
+        for period, h, y in zip(values["periods"], hardening, strengths, strict=False)
+    ]
+    oscillators += [sl.Bilinear(period, 0.05) for period in values["periods"][2:]]
+    motion = RECORDS[0]
+    table = sl.respond(building, motion)
+    moves = stack_of(building).system.shapes
+    alone = np.stack([sl.respond(o, motion).displacement.values for o in oscillators], axis=1)
+    size = np.abs(table.displacement.values).max()
+    # Records are taken in steps that are halved until peaks move by less than 1e-4.
+    np.testing.assert_allclose(table.displacement.values, alone @ moves.T, atol=1e-3 * size)
+    linear = sl.linearize_system([building], GROUND)
+    both = [sl.linearize(o, GROUND) for o in oscillators[:2]]
+    np.testing.assert_allclose(
+        linear.ductility_std[-2:], [float(one.ductility_std) for one in both], rtol=1e-6
+    )
+
+
+def test_coefficients_of_yielding_modes_give_back_the_state_space() -> None:
+    building = sl.ModalBuilding(**modes_of(TALL), hardening=0.1, yield_displacements=[0.008, 0.002])
+    table = sl.linearize_system([building, WEAK], GROUND)
+    space = sl.statespace([building, WEAK], GROUND, table.c_eq.values, table.k_eq.values)
+    covariance = sl.stationary_covariance(space)
+    np.testing.assert_allclose(covariance, table.covariance, rtol=1e-9, atol=1e-15)
+
+
+def test_a_corner_that_turns_takes_the_numbers_of_its_program() -> None:
+    """Given participation factors and masses that are those computed change nothing but known shears."""
+    given = {"participation": BY_MODES.factors(), "modal_masses": BY_MODES.effective_masses()}
+    corner = sl.ModalBuilding(**modes_of(TALL), **given)
+    one, other = (sl.pound([b], motion=RECORDS[0]) for b in (BY_MODES, corner))
+    np.testing.assert_allclose(other.peak, one.peak, rtol=1e-12)
+    np.testing.assert_allclose(other.peak_base_shear, one.peak_base_shear, rtol=1e-12)
+    assert np.isnan(other.peak_storey_shear[0, 1:]).all()
+    assert np.isfinite(one.peak_storey_shear).all()
+
+
+def test_floors_follow_the_ground_where_modes_are_left_out() -> None:
+    """With one mode that moves all floors by .3 of its oscillator, .7 of the ground is left."""
+    values = modes_of(TALL, 1) | {"shapes": np.ones((1, 4))}
+    with pytest.warns(DoubtfulInput, match=r"have 13\.3% of the mass"):
+        rest = sl.ModalBuilding(**values, participation=[0.3], modal_masses=[1e5])
+    of_floors = sl.pound([rest], motion=RECORDS[0]).acceleration.values[:, 0]
+    alone = sl.pound([rest.oscillator()], motion=RECORDS[0]).acceleration.values[:, 0]
+    ground = RECORDS[0].values
+    for floor in of_floors.T:
+        np.testing.assert_allclose(floor, 0.3 * alone + 0.7 * ground, atol=1e-9 * np.ptp(ground))
+
+
+def test_uncertain_periods_scale_all_modes() -> None:
+    values = modes_of(TALL)
+    uncertain = sl.ModalBuilding(**values | {"periods": sl.Uncertain(values["periods"], 0.0)})
+    one, other = (sl.simulate([b], GROUND, **SHORT) for b in (BY_MODES, uncertain))
+    np.testing.assert_allclose(other.peak, one.peak, rtol=1e-9)
+
+
+WRONG: dict[str, tuple[dict[str, Any], str]] = {
+    "not orthogonal": (
+        {"shapes": [[0.62, 1.0], [1.0, 1.0]]},
+        r"modes 1 and 2 are not orthogonal .*0\.97",
+    ),
+    "a floor is missing": ({"masses": [2e5]}, r"masses has 1 values, shapes has 2 modes of 2 floors"),
+    "frequencies": (
+        {"periods": [2.0, 5.5]},
+        r"periods of modes 1 and 2 are 2 and 5\.5 s; .*longest first",
+    ),
+    "not a table": ({"shapes": [0.6, 1.0]}, r"shapes = .*a list of modes"),
+    "ragged": ({"shapes": [[0.6, 1.0], [1.0]]}, r"shapes = .*a list of modes"),
+    "negative": ({"masses": [2e5, -1.0]}, r"masses = -1 in floor 2 is out of range"),
+    "NaN": ({"shapes": [[0.62, np.nan], [-1.61, 1.0]]}, r"shapes = nan in mode 1, floor 2"),
+    "no hardening": ({"yield_displacements": [0.01]}, r"hardening is not given"),
+    "too many strengths": (
+        {"yield_displacements": [0.01] * 3, "hardening": 0.1},
+        r"yield_displacements has 3 values; allowed: one for each of at most 2 modes",
+    ),
+    "hardening": (
+        {"yield_displacements": [0.01], "hardening": [0.1, 0.2]},
+        r"hardening has 2 values; .*the 1 modes that yield",
+    ),
+    "strength": (
+        {"yield_displacements": [0.01, 0.0], "hardening": 0.1},
+        r"yield_displacements = 0 in yielding mode 2",
+    ),
+    "participation alone": ({"participation": [1.0, 0.3]}, r"participation and modal_masses belong"),
+    "ratios for masses": (
+        {"participation": [1.0, 0.3], "modal_masses": [5e5, 2e4]},
+        r"modal_masses are 1\.3 of the masses together",
+    ),
+    "across the gap": (
+        {"participation": [1.0, 0.3], "modal_masses": [4e5, 1e-3]},
+        r"mode 2 does not move along the gap",
+    ),
+    "still": ({"shapes": [[0.62, 1.0], [0.0, 0.0]]}, r"shapes of mode 2 are all 0"),
+    "uncertain shapes": ({"shapes": sl.Uncertain([[0.6, 1.0]], 0.1)}, r"shapes is uncertain"),
+    "law": ({"law": "elastic"}, r"law = 'elastic'"),
+    "parameters of the law": (
+        {
+            **{"yield_displacements": [0.01], "hardening": 0.1, "law": "bouc_wen"},
+            "law_parameters": {"beta": [0.5, 0.5]},
+        },
+        r"beta has 2 values; .*the 1 modes that yield",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_wrong_with_modes_is_said(case: str) -> None:
+    values, message = WRONG[case]
+    with pytest.raises((ValueError, TypeError), match=message):
+        sl.ModalBuilding(**TWO | values)
+
+
+def test_modes_with_little_mass_are_doubted() -> None:
+    with pytest.warns(DoubtfulInput, match=r"have 6\d\.\d% of the mass; 3\d\.\d% is left out"):
+        sl.ModalBuilding(**cantilever(1))
+
+
+def test_a_link_to_a_floor_that_is_not_there_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"structure 1 has 4; allowed: 1 to 4"):
+        sl.linearize_system([BY_MODES, LOW], GROUND, [sl.Link(stiffness=1e8, floors=(5, 1))])
+
+
+def test_a_chain_from_a_first_mode_has_this_mode() -> None:
+    mode = {"period": 0.9, "shape": [-0.2, -0.5, -0.7, -1.0], "masses": [2e5, 3e5, 2e5, 1e5]}
+    chain = sl.ShearBuilding.from_mode(**mode, heights=[3.0] * 4, damping=0.04)
+    one = modes_of(chain)
+    assert one["periods"][0] == pytest.approx(0.9, rel=1e-12)
+    shape = one["shapes"][0] / one["shapes"][0, -1]
+    np.testing.assert_allclose(shape, [0.2, 0.5, 0.7, 1.0], rtol=1e-12)
+    values = modes_of(TALL)
+    again = sl.ShearBuilding.from_mode(
+        period=values["periods"][0],
+        shape=values["shapes"][0],
+        masses=values["masses"],
+        heights=values["heights"],
+        damping=0.05,
+    )
+    np.testing.assert_allclose(again.arrays()["stiffnesses"], TALL.arrays()["stiffnesses"], rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"shape": [0.5, 0.5, 1.0]}, r"shape does not grow in storey 2, from 0\.5 to 0\.5"),
+        ({"shape": [-0.2, 0.5, 1.0]}, r"shape does not grow in storey 1, from 0 to -0\.2"),
+        ({"shape": [0.5, 1.0]}, r"allowed: a finite number for each of the 3 floors"),
+        ({"shape": [0.2, np.nan, 1.0]}, r"allowed: a finite number for each of the 3 floors"),
+        ({"shape": "straight"}, r"shape = 'straight'; allowed: a number for each floor"),
+        ({"period": -1.0}, r"period = -1 is out of range"),
+        ({"masses": [1e5, -1e5, 1e5]}, r"masses = -100000 in storey 2|stiffnesses"),
+    ],
+)
+def test_what_is_no_first_mode_of_a_chain_is_refused(values: dict[str, Any], message: str) -> None:
+    good: dict[str, Any] = {"period": 0.5, "shape": [0.3, 0.7, 1.0], "masses": [1e5] * 3}
+    with pytest.raises((ValueError, TypeError), match=message):
+        sl.ShearBuilding.from_mode(**good | values, heights=[3.0] * 3, damping=0.05)
