@@ -28,5 +28,6 @@ chain = sl.ShearBuilding.from_mode(
     yield_drifts=0.01,
 )
 ground = sl.named_ground("firm")
-sl.linearize_system([wall, chain], ground).to_netcdf("linearized.nc")
-sl.simulate([wall, chain], ground, duration=12.0, paths=128).to_netcdf("simulated.nc")
+sl.linearize_system([wall, chain], ground).drop_dims(["state", "iteration"]).to_netcdf("linearized.nc")
+table = sl.simulate([wall, chain], ground, duration=12.0, paths=128)
+table.drop_dims("path").to_netcdf("simulated.nc")
