@@ -48,7 +48,9 @@ NEARNESS, ENTRY = "nearness", "nearness_entry"
 COLUMNS = (REFERENCE, ENTRY)
 # Ranges that were simulated: of R/p, of the hardening ratio and of the damping ratio of the structure,
 # of the damping ratio of the ground, and of the period of the structure over that of the ground.
-STRENGTH, HARDENING, DAMPING = (0.0, 4.0), (0.02, 1.0), (0.01, 0.1)
+STRENGTH, HARDENING, DAMPING = (0.0, 4.0), (0.01, 1.0), (0.005, 0.3)
+# Ranges of the map itself: of the hardening ratio and of the damping ratio of the structure.
+MAP_HARDENING, MAP_DAMPING = (0.02, 1.0), (0.01, 0.1)
 GROUND_DAMPING, PERIOD = (0.03, 1.0), (0.1, 10.0)
 # Ranges on Clough-Penzien ground: of the period of the high-pass filter over that of the soil, and of
 # the damping ratio of the high-pass filter.
@@ -58,8 +60,9 @@ HIGH_PASS_PERIOD, HIGH_PASS_DAMPING = (2.0, 25.0), (0.2, 1.3)
 # corrected standard deviations are too large by 10 % and more.
 BEYOND = 2.0
 # The expected relative error of a corrected standard deviation combines two parts: one that is always
-# there, which is larger on Clough-Penzien ground, and this share of the scatter of the points around.
-LEAST, LEAST_CLOUGH_PENZIEN, BY_SPREAD = 0.01, 0.03, 0.45
+# there, which is larger where the correction is that of another case (Clough-Penzien ground, or a
+# hardening or damping ratio beyond the map), and this share of the scatter of the points around.
+LEAST, LEAST_BEYOND, BY_SPREAD = 0.01, 0.03, 0.45
 ROUNDING = 1e-9
 
 
@@ -83,7 +86,7 @@ def with_correction(structure: Structure, ground: Ground, derived: Solved) -> So
     least, point = LEAST, list[Cells]()
     inside: Cells = True
     if structure.yields and type(ground) in CORRECTED_GROUNDS:
-        least = LEAST_CLOUGH_PENZIEN if isinstance(ground, CloughPenzien) else LEAST
+        least = LEAST_BEYOND if isinstance(ground, CloughPenzien) else LEAST
         point = point_of(structure, ground, derived)
         inside = checked(ground, point)
     corrected = cellwise(_corrected, *arrays, inside, *point, name=name, least=least, kinds=(float,) * 3)
@@ -91,7 +94,13 @@ def with_correction(structure: Structure, ground: Ground, derived: Solved) -> So
 
 
 def _corrected(
-    std: Array, ductility: Array, uy: Array, inside: Array, *point: Array, name: str, least: float
+    std: Array,
+    ductility: Array,
+    uy: Array,
+    inside: Array,
+    *point: Array,
+    name: str,
+    least: Array | float,
 ) -> tuple[Array, ...]:
     """Corrected standard deviation [m], corrected ductility, and the relative error that is expected.
 
@@ -102,6 +111,9 @@ def _corrected(
         return std, ductility, np.where(elastic, 0.0, np.nan)
     logarithm, spread = _held_with_spread(*point, name=name)
     factor = np.exp(logarithm)
+    _, hardening, damping, *_ = point
+    mapped = within(hardening, MAP_HARDENING) & within(damping, MAP_DAMPING)
+    least = np.where(mapped, least, LEAST_BEYOND)
     error = np.where(inside, (least**2 + (BY_SPREAD * spread) ** 2) ** 0.5, np.nan)
     return std * factor, ductility * factor, np.where(elastic, 0.0, error)
 

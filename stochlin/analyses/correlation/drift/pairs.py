@@ -55,11 +55,16 @@ def drifting_pairs(
         (worst,) = cellwise(np.maximum, worst, caution_of_error(own), kinds=(np.int8,))
     of_sides = [side[name] for side in sides for name in ("displacement_std", "displacement_error")]
     of_pair = (table["rho"], doubt, share, table["rho_error"])
-    apart, lean = cellwise(_difference_error, *of_sides, *of_pair, kinds=(float, float))
+    periods = [structure.cells()["period"] for structure in (first, second)]
+    apart, lean, unsafe = cellwise(_difference_error, *periods, *of_sides, *of_pair, kinds=(float,) * 3)
     table |= {f"{DIFFERENCE}_error": apart, f"{DIFFERENCE}_bias": lean}
-    return table | {f"{DIFFERENCE}_caution": caution_of_error(apart), "caution": worst}
+    return table | {f"{DIFFERENCE}_caution": caution_of_error(unsafe), "caution": worst}
 
 
+# Logarithm of the ratio of the periods from which the margin of eq. (13) counts in the caution. Of pairs
+# with more similar periods, the difference comes from strength, hardening and damping alone, and its
+# estimate is less certain.
+ALIKE = 0.015
 JUDGED = (float, np.int8, float, float, float)
 
 
@@ -75,14 +80,21 @@ def _judged_rho(
     return rho, status, bias, error, np.where(np.isnan(bias), error, bias)
 
 
-@by_slabs(float, float)
-def _difference_error(*arrays: Array) -> tuple[Array, Array]:
-    """`relative_error` of pairs; NaN where ``rho_error``, the last array, is NaN, and 0 if elastic."""
+@by_slabs(float, float, float)
+@np.errstate(all="ignore")  # failed cells are NaN
+def _difference_error(period_1: Array, period_2: Array, *arrays: Array) -> tuple[Array, ...]:
+    """`relative_error` of pairs, and the part of the error that counts in the caution.
+
+    That part is the error less half of the bias to the safe side, if the periods differ. They are NaN
+    where ``rho_error``, the last array, is NaN, and 0 if both structures are elastic.
+    """
     *of_pair, rho_error = arrays
     error, bias = relative_error(*of_pair)
     error = np.where(np.isnan(rho_error), np.nan, error)
     error = np.where(rho_error == 0, 0.0, error)
-    return error, np.where(np.isnan(error), np.nan, bias)
+    bias = np.where(np.isnan(error), np.nan, bias)
+    unlike = np.abs(np.log(period_1 / period_2)) >= ALIKE
+    return error, bias, error - np.where(unlike, bias / 2, 0.0)
 
 
 def correlation_with_drift(
