@@ -74,7 +74,8 @@ def found(number):
     columns = [f"confidence_of_no_pounding{end}" for end in ("", "_poisson", "_corrected", "_simulated")]
     kept = table[columns]
     names = ["required_gap", "required_gap_corrected", "required_gap_simulated"]
-    kept = kept.assign(table[[*names, "caution", "caution_corrected"]])
+    flags = sl.pounding_probability(*pair, ground, gaps, paths=0, **options)  # by region
+    kept = kept.assign(table[names]).assign(flags[["caution", "caution_corrected"]])
     kept = kept.assign(gap=gaps)
     for n, one in enumerate(pair, start=1):
         for name in ("period", "damping", "hardening", "reduction_factor"):

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.probability.confidence_errors import cautions
+from stochlin.analyses.probability.confidence_errors import cautions, measured_cautions
 
 pytestmark = pytest.mark.invariant
 # By formula and corrected: alike and large, unlike and large, alike and small, without a correction.
@@ -67,3 +67,20 @@ def test_the_flags_change_at_the_limits_in_either_order_and_any_unit_of_time(
 ):
     assert flags(first, second, ground_period) == expected
     assert flags(second, first, ground_period) == expected
+
+
+def test_a_simulation_beside_the_formulas_sets_their_flags():
+    """0 up to 0.1 above the lower end of the interval, 1 beyond, and 2 without a confidence."""
+    over = ("time", "gap")
+    table = xr.Dataset(
+        {
+            "confidence_of_no_pounding": (over, PLAIN),
+            "confidence_of_no_pounding_corrected": (over, CORRECTED),
+            "confidence_of_no_pounding_simulated_lower": (over, [[0.86, 0.84, 0.1, 0.9]]),
+        },
+        attrs={"paths": 64, "seed": 3},
+    )
+    found = measured_cautions(table)
+    assert found["caution"].values.tolist() == [0, 1, 1, 0]
+    assert found["caution_corrected"].values.tolist() == [0, 0, 1, 2]
+    assert "64 motions, seed 3" in found["caution"].comment

@@ -211,16 +211,19 @@ def test_formulas_are_flagged_where_they_are_off_and_trusted_where_they_are_not(
             sl.Bilinear(T, 0.05, 0.05, reduction_factor=R)
             for T, R in zip((0.6, 1.1), factors, strict=True)
         ]
-        table = probability(*pair, FIRM, gaps, paths=2048, points=5)
-        last = table.isel(time=-1)
+        last = probability(*pair, FIRM, gaps, paths=2048, points=5).isel(time=-1)
+        by_region = probability(*pair, FIRM, gaps, points=5)
+        by_simulation = probability(*pair, FIRM, gaps, paths=2048, seed=1, points=5)
         for ending in ("", "_corrected"):
             error = last[f"confidence_of_no_pounding{ending}"] - last.confidence_of_no_pounding_simulated
-            # four standard errors of a share of 2048 are 0.044 at most
-            assert not ((last[f"caution{ending}"] == 0) & (error > 0.1 + 0.044)).any()
+            for flags in (by_region, by_simulation):
+                # four standard errors of a share of 2048 are 0.044 at most
+                assert not ((flags[f"caution{ending}"] == 0) & (error > 0.1 + 0.044)).any()
+                assert set(flags[f"caution{ending}"].dims) == {"gap"}
+            assert not ((by_simulation[f"caution{ending}"] == 1) & (error < 0.1 - 2 * 0.044)).any()
             off.append(float(error.max()))
     assert max(off) > 0.2
-    assert (last.caution_corrected == 0).any()
-    assert set(table.caution.dims) == {"gap"}
+    assert (by_region.caution_corrected == 0).any()
     named = gaps.assign_coords(gap=("gap", gaps.values, {"units": "m"}))
     assert probability(ONE, TWO, FIRM, named, points=3).gap.attrs["units"] == "m"
 

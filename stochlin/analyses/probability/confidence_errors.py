@@ -1,8 +1,8 @@
-"""Regions in which the confidence of no pounding by formula is accurate.
+"""Where the confidence of no pounding by formula is accurate: by a simulation beside it, or by region.
 
-They were chosen on half of 840 random pairs, 762 of them yielding, in finite motions with four gaps
-each, by comparison with simulation. `benchmarks/probability.py` tests them on the other half and prints
-the errors.
+The regions were chosen on half of 840 random pairs, 762 of them yielding, in finite motions with four
+gaps each, by comparison with simulation. `benchmarks/probability.py` tests them on the other half and
+prints the errors. `benchmarks/caution_of_probability.py` tests the flags by simulation.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure
 
+STEM, ENDINGS = "confidence_of_no_pounding", ("", "_corrected")
+OFF = 0.1  # most by which a confidence with the flag 0 is too large
 MEANINGS = ("too_large_by_0.1_at_most", "may_be_larger_than_that", "outside_of_what_was_checked")
 # Ranges of the checked pairs: R/p, hardening and damping of yielding structures, ratio of the periods.
 STRENGTH, HARDENING, DAMPING, RATIO = (0.0, 3.0), (0.02, 0.3), (0.02, 0.1), 3.0
@@ -37,10 +39,7 @@ def cautions(
     changes it little. The correction is accurate for a large confidence, and for moderate yielding with
     well separated periods.
     """
-    plain, corrected = (
-        table[f"confidence_of_no_pounding{ending}"].isel(time=-1, drop=True)
-        for ending in ("", "_corrected")
-    )
+    plain, corrected = (table[f"{STEM}{ending}"].isel(time=-1, drop=True) for ending in ENDINGS)
     if not (isinstance(first, Structure) and isinstance(second, Structure)):
         unknown = _flag(plain, xr.full_like(plain, 2))
         return {"caution": unknown, "caution_corrected": unknown}
@@ -64,6 +63,22 @@ def cautions(
         value = xr.where(known, xr.where(good, 0, 1), 2)  # type: ignore[no-untyped-call]
         value = xr.where(elastic, 0, value)  # type: ignore[no-untyped-call]
         flags[name] = _flag(plain, value)
+    return flags
+
+
+def measured_cautions(table: xr.Dataset) -> dict[str, xr.DataArray]:
+    """The flags of `cautions` by the simulation in the table: 0 for `OFF` at most, and 1 for more.
+
+    The formulas are compared with the lower end of the interval of the simulated confidence.
+    """
+    last = table.isel(time=-1, drop=True)
+    most = last[f"{STEM}_simulated_lower"] + OFF
+    source = f"by the simulation beside it: {table.attrs['paths']} motions, seed {table.attrs['seed']}"
+    flags = {}
+    for ending in ENDINGS:
+        plain = last[f"{STEM}{ending}"]
+        flags[f"caution{ending}"] = _flag(plain, (plain > most).astype(np.int8))
+        flags[f"caution{ending}"].attrs["comment"] = source
     return flags
 
 

@@ -14,7 +14,7 @@ from stochlin.analyses.linearization.transient_systems import (
     over_time,
 )
 from stochlin.analyses.probability.cells import PairTable, Solved, by_formula
-from stochlin.analyses.probability.confidence_errors import cautions
+from stochlin.analyses.probability.confidence_errors import cautions, measured_cautions
 from stochlin.analyses.probability.hybrid import hybrid_pounding
 from stochlin.analyses.probability.simulated import SAMPLES, Draws, by_simulation
 from stochlin.analyses.probability.strengths import at_strengths, strengths
@@ -113,8 +113,8 @@ def pounding_probability(
         Number of instants of the result.
     paths, seed : int
         Number and seed of the motions of the simulation, as in `simulate`. With ``paths=0`` there is no
-        simulation, and the accuracy of the formulas is known from ``caution`` only. With a simulation
-        only the intensity of the ground may be an array.
+        simulation, and ``caution`` follows from regions that were checked. With a simulation only the
+        intensity of the ground may be an array.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -134,7 +134,9 @@ def pounding_probability(
         Without ``time``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``; ``status``; and
         ``caution``, a flag of the confidence by formula at the end of the motion: 0 if it is too large
         by 0.1 at most, 1 if it may be too large by more, 2 outside the checked ranges. Likewise
-        ``caution_corrected``. The variables of ``"hybrid"`` are in the notes.
+        ``caution_corrected``. The flags compare with the lower end of the simulated interval; their
+        attribute ``comment`` names the seed. Only without a simulation they follow from regions (see the
+        notes). The variables of ``"hybrid"`` are in the notes.
 
     Raises
     ------
@@ -167,7 +169,8 @@ def pounding_probability(
     0.02 to 0.3, white noise, Kanai-Tajimi and named grounds, 8 to 40 s). The confidence by formula was
     too large by more than 0.1 in 24 % of the cases, and by up to 0.97. The corrected confidence, if it
     is known, was too large by more than 0.1 in 13 % of the cases, and by up to 0.78. The conditions for
-    the flags were chosen on half of the pairs, and the following results come from the other half:
+    the flags without a simulation were chosen on half of the pairs, and the following results come from
+    the other half:
 
     - With ``caution`` 0 the confidence by formula was too large by more than 0.1 in 2.2 % of the cases,
       by 0.12 at most; elsewhere in 29 %. ``caution`` is 0 for one pair of six: where the pair stays
@@ -271,6 +274,7 @@ def with_samples(
         options = confidence, Draws(paths, seed, float(scatter)), rest
         simulated = by_simulation(pairs, described, distance, *options)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
+        flags = flags and measured_cautions(table)
     table = over_time(table, pairs.course).assign(status=of_formula.status)
     table = table.assign(flags)
     table = table.assign_attrs(confidence=confidence, **labels.of_scatter(scatter))
