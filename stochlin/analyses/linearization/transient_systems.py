@@ -12,6 +12,7 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
+from stochlin.analyses.linearization.modulations import SampledModulation
 from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
@@ -20,8 +21,8 @@ from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.gaussian import Closure
+from stochlin.kernels.linearization.modulated_filters import RowsFilter
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
 from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
 from stochlin.kernels.linearization.transient import (
@@ -45,6 +46,7 @@ STEPS_PER_PERIOD = 16  # instants in the shortest period, for integrals over tim
 STRONG = 0.5  # share of the envelope's maximum below which shaking is no longer strong
 SCANNED = 4096  # instants at which an envelope is evaluated for checks
 COLUMNS = 8  # numbers that are stored for each structure or pair at an instant
+AT_NODES = 100  # numbers in a panel for each one of the matrices of the filters
 RATES = 20  # evaluations of the rates for each radian of the fastest mode, expected
 POINTS = 101  # instants of a result
 TIME = "time"
@@ -86,10 +88,19 @@ class TimeGrid(NamedTuple):
     times: Array  # [s], for integrals over time
     shown: Array  # indices of the instants of the result
     strong_end: float  # end of the strong shaking [s]
+    modulation: SampledModulation | None = None  # in place of an envelope
 
     def values(self, times: Array) -> Array:
-        """Values of the envelope at times [s]."""
-        return envelope_at(self.envelope, times)
+        """Values of the envelope at times [s]; of a modulation the largest over frequency."""
+        return _shaking(self.envelope, self.modulation, times)
+
+    def amplitudes(self, times: Array) -> Array:
+        """Amplitudes (t, r) of the outputs of the `modulated` ground at times [s]."""
+        return self.modulation.amplitudes(times) if self.modulation else self.values(times)[:, None]
+
+    def modulated(self, ground: RowsFilter) -> RowsFilter:
+        """The ground with the outputs that the motion needs."""
+        return self.modulation.modulated(ground) if self.modulation else ground
 
 
 class TransientMoments(NamedTuple):
@@ -247,7 +258,13 @@ def grounds_of(sides: Sequence[StructureCells]) -> dict[str, Array]:
     return {name: np.concatenate([side.ground[name] for side in sides]) for name in sides[0].ground}
 
 
-def course_of(envelope: Envelope | None, duration: float, shortest: float, points: int) -> TimeGrid:
+def course_of(
+    envelope: Envelope | None,
+    duration: float,
+    shortest: float,
+    points: int,
+    modulation: SampledModulation | None = None,
+) -> TimeGrid:
     """Instants of a motion, close enough for integrals over time with the shortest period."""
     stretches = points - 1
     instants = duration * STEPS_PER_PERIOD / shortest
@@ -260,10 +277,15 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
     times = np.linspace(0, duration, stretches * each + 1)
     shown = np.arange(points) * each
     scan = np.linspace(0, duration, SCANNED)
-    values = envelope_at(envelope, scan)
+    values = _shaking(envelope, modulation, scan)
     strong = np.flatnonzero(values >= STRONG * values.max())
     last = duration if strong[-1] == SCANNED - 1 else float(scan[strong[-1] + 1])
-    return TimeGrid(envelope, float(duration), times, shown, last)
+    return TimeGrid(envelope, float(duration), times, shown, last, modulation)
+
+
+def _shaking(envelope: Envelope | None, modulation: SampledModulation | None, times: Array) -> Array:
+    """Values of an envelope or largest values of a modulation at times [s]."""
+    return modulation.largest(times) if modulation else envelope_at(envelope, times)
 
 
 def solve_course(
@@ -278,20 +300,22 @@ def solve_course(
     ``pairs`` (2, p) has the numbers of their cells. ``progress`` is called with the share of the
     duration that is done.
     """
-    groups = _groups(sides, ground)
+    groups = _groups(sides, ground, course)
     fastest = max(group.fastest() for group in groups)
     n, m = sum(side.period.size for side in sides), max(side.elements for side in sides)
+    k, filters = groups[0].filters.matrix.shape[-1], sum(group.filters.matrix.size for group in groups)
     evaluations = RATES * fastest * course.duration
     check_work(
         f"{pairs.shape[1]} pairs at {course.times.size} instants, with {m} storeys, would take",
         "take fewer cells at a time, storeys together, or a shorter motion",
         {
-            "cubes of states in motion": evaluations * (n + 2 * pairs.shape[1]) * (3 * m) ** 3,
-            "numbers": COLUMNS * course.times.size * m * (n + pairs.shape[1]),
+            "cubes of states in motion": evaluations
+            * ((n + 2 * pairs.shape[1]) * (3 * m) ** 3 + 3 * m * k * n + filters),
+            "numbers": COLUMNS * course.times.size * m * (n + pairs.shape[1]) + AT_NODES * filters,
         },
     )
     closure = _coefficients(sides) if any(group.yields.any() for group in groups) else None
-    transient = Transient(groups, pairs, closure, course.values)
+    transient = Transient(groups, pairs, closure, course.amplitudes)
     kinks = () if course.envelope is None else course.envelope.kinks()
     return TransientMoments(*transient.solve(course.times, kinks, progress), tuple(sides), course)
 
@@ -314,11 +338,12 @@ def over_time(table: xr.Dataset, course: TimeGrid) -> xr.Dataset:
             duration_s=course.duration,
             envelope_model="none" if course.envelope is None else course.envelope.describe(),
             strong_shaking_end_s=course.strong_end,
+            **(course.modulation.attributes() if course.modulation else {}),
         )
     )
 
 
-def _groups(sides: Sequence[StructureCells], ground: Ground) -> list[ChainEquations]:
+def _groups(sides: Sequence[StructureCells], ground: Ground, course: TimeGrid) -> list[ChainEquations]:
     """Equations of all cells; sides with the same number of elements are one group."""
     groups = []
     nodes = NODES_OF_STOREYS if any(side.elements > 1 for side in sides) else NODES
@@ -326,7 +351,7 @@ def _groups(sides: Sequence[StructureCells], ground: Ground) -> list[ChainEquati
         alike = list(members)
         parts = zip(*map(_structures, alike), strict=True)
         structures = StoreyChains(*map(np.concatenate, parts))
-        groups.append(ChainEquations(structures, _filters(ground, grounds_of(alike)), nodes))
+        groups.append(ChainEquations(structures, _filters(ground, grounds_of(alike), course), nodes))
     return groups
 
 
@@ -374,31 +399,36 @@ def _coefficients(sides: Sequence[StructureCells]) -> Coefficients:
     return coefficients
 
 
-def _filters(ground: Ground, values: Mapping[str, Array]) -> Filters:
+def _filters(ground: Ground, values: Mapping[str, Array], course: TimeGrid) -> Filters:
     """Ground filters of the cells; equal filters are computed once."""
     intensity = 2 * np.pi * values["intensity"]
     shape = {name: row for name, row in values.items() if name != "intensity"}
     table = np.stack([np.zeros_like(intensity), *shape.values()])
     alike, which = np.unique(table, axis=1, return_inverse=True)
-    filters = [
-        _in_standard_deviations(
-            ground.filter({"intensity": 1.0, **dict(zip(shape, column.tolist(), strict=True))}).arrays
-        )
-        for column in alike[1:].T
-    ]
-    matrix, output, covariance = (np.stack(parts)[which.ravel()] for parts in zip(*filters, strict=True))
-    white = np.zeros_like(intensity) if output.size else intensity
-    return Filters(matrix, output * np.sqrt(intensity)[:, None], covariance, white)
+
+    def unit(column: Array) -> RowsFilter:
+        parameters = dict(zip(shape, column.tolist(), strict=True))
+        return RowsFilter.of(ground.filter({"intensity": 1.0, **parameters}).arrays)
+
+    filters = [_in_standard_deviations(course.modulated(unit(column))) for column in alike[1:].T]
+    cells = which.ravel()
+    if len(filters) == 1 and np.ptp(intensity) == 0:  # one ground for all
+        cells, intensity = cells[:1], intensity[:1]
+    matrix, *parts = (np.stack(parts)[cells] for parts in zip(*filters, strict=True))
+    return Filters(
+        matrix, *(np.sqrt(intensity).reshape(-1, *(1,) * (part.ndim - 1)) * part for part in parts)
+    )
 
 
-def _in_standard_deviations(unit: Matrices) -> tuple[Array, Array, Array]:
-    """Matrix, output and covariance of a filter under unit white noise, with states of unit variance."""
-    matrix, noise, output = unit
+def _in_standard_deviations(unit: RowsFilter) -> Filters:
+    """One filter under unit white noise, with states of unit variance."""
+    matrix, noise, rows, direct = unit
     if not noise.size:
-        return matrix, output, matrix
+        return Filters(matrix, rows, rows, direct)
     covariance = scipy.linalg.solve_continuous_lyapunov(matrix, -np.outer(noise, noise))
     scale = np.sqrt(np.diag(covariance))
-    return matrix * scale / scale[:, None], output * scale, covariance / np.outer(scale, scale)
+    push = rows @ covariance + direct[:, None] * noise
+    return Filters(matrix * scale / scale[:, None], rows * scale, push / scale, direct)
 
 
 def spread_over(values: Array, at: xr.DataArray) -> xr.DataArray:

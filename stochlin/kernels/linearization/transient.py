@@ -1,16 +1,17 @@
 """Covariance of linear and linearized structures over time, from rest under a modulated ground.
 
-The forcing is ``f(t) = m(t) o q``, with the stationary states ``q`` and the output row ``o`` of the
-ground filter ``q' = F q + noise``, and the envelope ``m``. ``P`` is the covariance of ``q``. The
-structures follow ``x' = A x + b f``. With ``C = E[x q']``, ``X = E[x x']`` of one structure and
-``X12 = E[x1 x2']`` of a pair,
+The forcing is ``f(t) = o(t) q + d(t) e`` with unit white noise ``e`` and the stationary states ``q`` of
+the ground filter ``q' = F q + n e``. ``P`` is the covariance of ``q``. The output ``o(t), d(t)`` is a
+sum of constant rows times amplitudes, which are functions of time: one row times the envelope, or the
+rows of `modulated_filters`. The structures follow ``x' = A x + b f``. With ``C = E[x q']``,
+``X = E[x x']`` of one structure, ``X12 = E[x1 x2']`` of a pair, and ``g = P o + d n``,
 
-    C'   = A C + C F' + m b (P o)'
-    X'   = A X + X A' + m [b (C o)' + (C o) b']
-    X12' = A1 X12 + X12 A2' + m [b1 (C2 o)' + (C1 o) b2'],
+    C'   = A C + C F' + b g'
+    X'   = A X + X A' + b (C o)' + (C o) b' + d^2 b b'
+    X12' = A1 X12 + X12 A2' + b1 (C2 o)' + (C1 o) b2' + d^2 b1 b2'.
 
-On white noise ``2 pi S0 m^2 b b'`` replaces ``m`` times the brackets. ``A`` of a yielding structure
-depends on ``X`` through its coefficients. A structure has one or more storeys; an oscillator has one.
+On white noise without a filter only ``d`` remains. ``A`` of a yielding structure depends on ``X``
+through its coefficients. A structure has one or more storeys; an oscillator has one.
 The states are, storey by storey, ``d/s``, ``d'/(s w)`` and ``y/s``, with the storey drift ``d``, the
 slip ``y = d - uy z`` as in `covariance`, and a scale ``s`` for each storey that makes them of order
 one. Structures with the same number of storeys are computed together.
@@ -18,10 +19,10 @@ one. Structures with the same number of storeys are computed together.
 Time is divided into panels. Within a panel, with ``t`` from its start, the transition matrix ``Phi`` of
 a structure, ``Phi' = A Phi``, reduces the equations to integrals over vectors:
 
-    beta = m Phi^-1 b,    D = C(0) + Int beta (exp(-F t) P o)' dt,    gamma = D exp(F' t) o
-    C = Phi D exp(F' t),  X12 = Phi1 [X12(0) + Int (beta1 gamma2' + gamma1 beta2') dt] Phi2',
+    beta = Phi^-1 b,      D = C(0) + Int beta (exp(-F t) g)' dt,    gamma = D exp(F' t) o + d^2 beta / 2
+    C = Phi D exp(F' t),  X12 = Phi1 [X12(0) + Int (beta1 gamma2' + gamma1 beta2') dt] Phi2'.
 
-with ``gamma = pi S0 beta`` on white noise. The integrals are those of polynomials through the
+The integrals are those of polynomials through the
 Gauss-Lobatto nodes of the panel. For elastic structures ``Phi = exp(A t)``. For yielding ones ``A*`` has
 constant coefficients, those at an earlier time, and ``Phi = exp(A* t) V`` with
 ``V' = exp(-A* t) (A - A*) Phi``; its inverse is ``U exp(-A* t)`` with
@@ -74,12 +75,16 @@ class StoreyChains(NamedTuple):
 
 
 class Filters(NamedTuple):
-    """The ground filter of each structure, with states over their standard deviations."""
+    """The ground filter of each structure, with states over their standard deviations.
+
+    It has ``r`` rows, whose sum with the amplitudes at a time is the output ``o, d`` and its ``g``.
+    Where all structures have the same filter, it stands there once, ``n`` = 1.
+    """
 
     matrix: Array  # (n, k, k): F [1/s]
-    output: Array  # (n, k): o [m/s^2]
-    covariance: Array  # (n, k, k): P
-    intensity: Array  # (n,) 2 pi S0 [m^2/s^3] for white noise, which has k = 0
+    output: Array  # (n, r, k): of o [m/s^2]
+    ground_push: Array  # (n, r, k): of g [m/s^2]
+    direct: Array  # (n, r): of d [m/s^1.5]
 
 
 class Own(NamedTuple):
@@ -117,9 +122,17 @@ class PanelMatrices(NamedTuple):
     forward: Array  # (q, n, 3 m, 3 m) exp(A* t)
     slips: Array  # (q, n, 3 m, m) columns of exp(-A* t) that belong to the slips
     push: Array  # (q, n, 3 m) exp(-A* t) b
-    soil: Array  # (q, n, k) exp(-F t) P o
-    output: Array  # (q, n, k) exp(F' t) o
+    soil: Array  # (q, n, r, k) exp(-F t) g of each row
+    output: Array  # (q, n, r, k) exp(F' t) o of each row
     filters: Array  # (n, k, k) exp(F t) at the end of the panel
+
+
+class GroundMotion(NamedTuple):
+    """The motion of the ground at the nodes of a panel."""
+
+    soil: Array  # (q, n, k) exp(-F t) g
+    output: Array  # (q, n, k) exp(F' t) o
+    half_white: Array  # (q, n) d^2 / 2
 
 
 class Path(NamedTuple):
@@ -144,7 +157,7 @@ class Path(NamedTuple):
         return covariances
 
 
-Envelope = Callable[[Array], Array]
+Amplitudes = Callable[[Array], Array]  # from times (q,) to the amplitudes of the rows (q, r)
 # From the moments (sv, sz, r) in yield displacements, (3, ..., n), to (1 + c_e, k_e), (2, ..., n).
 Coefficients = Callable[[Array], Array]
 
@@ -154,7 +167,7 @@ class ChainEquations:
 
     def __init__(self, structures: StoreyChains, filters: Filters, nodes: Nodes) -> None:
         self.structures, self.filters, self.nodes = structures, filters, nodes
-        w, s, k = structures.frequency, structures.scale, filters.output.shape[1]
+        w, s, k = structures.frequency, structures.scale, filters.output.shape[-1]
         n, m = s.shape
         self.shapes = (n, 3 * m, k), (n, 3 * m, 3 * m)
         d, v, y = self.parts = slice(m), slice(m, 2 * m), slice(2 * m, 3 * m)
@@ -164,7 +177,6 @@ class ChainEquations:
         self.frequency = np.broadcast_to(w[:, None], s.shape)[self.yields]
         self.seen = structures.seen * s[:, None]
         self.push = structures.shaken / (s * w[:, None])
-        self.ground_push = np.einsum("nij,nj->ni", filters.covariance, filters.output)
         ratio, rate = s[:, None] / s[..., None], w[:, None, None]
         self.matrix = np.zeros((n, 3 * m, 3 * m))
         _diagonal(self.matrix[:, d, v])[...] = w[:, None]
@@ -196,19 +208,32 @@ class ChainEquations:
             exponentials(a * times),
             np.ascontiguousarray(back[..., y]),
             (back[..., v] @ self.push[..., None])[..., 0],
-            (exponentials(-f.matrix * times) @ self.ground_push[..., None])[..., 0],
-            (soil.swapaxes(-1, -2) @ f.output[..., None])[..., 0],
+            f.ground_push @ exponentials(-f.matrix * times).swapaxes(-1, -2),
+            f.output @ soil,
             soil[-1],
         )
 
-    def first(self, frame: PanelMatrices, envelope: Array, soil: Array, own: Array) -> Path:
+    def ground_motion(self, frame: PanelMatrices, amplitudes: Array) -> GroundMotion:
+        """The motion of the ground in a panel with these amplitudes (q, r) at its nodes."""
+        at_nodes = amplitudes[:, None, None]
+        direct = amplitudes @ self.filters.direct.T
+        return GroundMotion(
+            (at_nodes @ frame.soil)[..., 0, :], (at_nodes @ frame.output)[..., 0, :], 0.5 * direct**2
+        )
+
+    def first(self, frame: PanelMatrices, ground: GroundMotion, soil: Array, own: Array) -> Path:
         """The path from covariances ``C`` and ``X`` on with the coefficients of the frame."""
         identity = np.broadcast_to(np.eye(frame.forward.shape[-1]), frame.forward.shape)
-        push = frame.push * envelope[:, None, None]
-        return self._at_nodes(frame, frame.forward, identity, push, soil, own)
+        return self._at_nodes(frame, ground, frame.forward, identity, frame.push, soil, own)
 
     def next(
-        self, frame: PanelMatrices, envelope: Array, path: Path, held: Array, soil: Array, own: Array
+        self,
+        frame: PanelMatrices,
+        ground: GroundMotion,
+        path: Path,
+        held: Array,
+        soil: Array,
+        own: Array,
     ) -> Path:
         """The path with other coefficients ``held`` (2, q, n, m) than that of the last iteration."""
         slip, relaxation = held - frame.held[:, None]
@@ -231,12 +256,12 @@ class ChainEquations:
             back = (path.inverse @ frame.slips) @ rates(frame.forward)
             inverse = identity - self.nodes.integrate(back, frame.length)
             push = inverse @ push
-        push = push[..., 0] * envelope[:, None, None]
-        return self._at_nodes(frame, frame.forward @ turn, inverse, push, soil, own)
+        return self._at_nodes(frame, ground, frame.forward @ turn, inverse, push[..., 0], soil, own)
 
     def _at_nodes(
         self,
         frame: PanelMatrices,
+        ground: GroundMotion,
         transition: Array,
         inverse: Array,
         push: Array,
@@ -244,9 +269,9 @@ class ChainEquations:
         own: Array,
     ) -> Path:
         """The path with ``Phi``, ``U`` and ``beta``, which is ``push``."""
-        soil = self.nodes.integrate(push[..., None] * frame.soil[..., None, :], frame.length) + soil
-        pull = (soil @ frame.output[..., None])[..., 0]
-        pull += 0.5 * self.filters.intensity[:, None] * push
+        soil = self.nodes.integrate(push[..., None] * ground.soil[..., None, :], frame.length) + soil
+        pull = (soil @ ground.output[..., None])[..., 0]
+        pull += ground.half_white[..., None] * push
         forced = push[..., None] * pull[..., None, :]
         forced += forced.swapaxes(-1, -2).copy()
         half = transition @ (self.nodes.integrate(forced, frame.length) + own)
@@ -292,9 +317,9 @@ class Transient:
         groups: Sequence[ChainEquations],
         pairs: Array,
         closure: Coefficients | None,
-        envelope: Envelope,
+        amplitudes: Amplitudes,
     ) -> None:
-        self.groups, self.closure, self.envelope = groups, closure, envelope
+        self.groups, self.closure, self.amplitudes = groups, closure, amplitudes
         self.nodes = groups[0].nodes
         before = sum(group.shapes[0][0] for group in groups[:-1])
         self.pairs = pairs[0], pairs[1] - before
@@ -305,7 +330,7 @@ class Transient:
     ) -> tuple[Own, Difference]:
         """Moments at increasing ``times`` from 0 on, from rest at 0.
 
-        Panels end at ``kinks``, the times at which the envelope is not smooth. ``progress`` is called
+        Panels end at ``kinks``, the times at which the amplitudes are not smooth. ``progress`` is called
         with the share of the time that is done. An ArithmeticError is raised if panels become too short.
         """
         ends = (*sorted({kink for kink in kinks if 0 < kink < times[-1]}), times[-1])
@@ -353,7 +378,8 @@ class Transient:
                     _check_pace(begin - mark, length, begin, end)
                     mark = begin
                 frames = self._frames(length, now.own, frames)
-                paths = self._paths(frames, self.envelope(begin + length * self.nodes.at), now)
+                amplitudes = self.amplitudes(begin + length * self.nodes.at)
+                paths = self._paths(frames, amplitudes, now)
                 error = np.inf
                 if paths is not None:
                     own = [path.own() for path in paths]
@@ -382,19 +408,25 @@ class Transient:
 
     @np.errstate(over="ignore", invalid="ignore")  # too long a panel may overflow, and is repeated
     def _paths(
-        self, frames: Sequence[PanelMatrices], envelope: Array, now: Covariances
+        self, frames: Sequence[PanelMatrices], amplitudes: Array, now: Covariances
     ) -> Sequence[Path] | None:
         """All structures over a panel from ``now`` on; None if the iteration does not converge."""
-        parts = [*zip(self.groups, frames, now.soil, now.own, strict=True)]
-        paths = [group.first(frame, envelope, *begin) for group, frame, *begin in parts]
+        grounds = [
+            group.ground_motion(frame, amplitudes)
+            for group, frame in zip(self.groups, frames, strict=True)
+        ]
+        parts = [*zip(self.groups, frames, grounds, now.soil, now.own, strict=True)]
+        paths = [group.first(frame, ground, *begin) for group, frame, ground, *begin in parts]
         if self.closure is None:
             return paths
         for _ in range(SWEEPS):
             before, held = paths, self.coefficients([path.squares for path in paths])
             try:
                 paths = [
-                    group.next(frame, envelope, path, own, *begin)
-                    for (group, frame, *begin), path, own in zip(parts, before, held, strict=True)
+                    group.next(frame, ground, path, own, *begin)
+                    for (group, frame, ground, *begin), path, own in zip(
+                        parts, before, held, strict=True
+                    )
                 ]
             except np.linalg.LinAlgError:  # they have run away so far that V is singular by rounding
                 return None
