@@ -20,6 +20,7 @@ from stochlin.analyses.explorer.pair import (
     structures_of,
 )
 from stochlin.analyses.explorer.storeys import simulated_correlation
+from stochlin.analyses.probability.confidence_errors import measured_cautions
 from stochlin.analyses.probability.probability import with_samples
 from stochlin.analyses.probability.simulated import SAMPLES
 from stochlin.analyses.separation.separation import separation
@@ -74,7 +75,8 @@ def with_motions(formula: xr.Dataset | None, motions: xr.Dataset | None) -> xr.D
     if formula is None or motions is None:
         return motions if formula is None else formula
     drawn = {name: motions.attrs[name] for name in ("paths", "seed")}
-    return formula.assign(motions.data_vars).assign_attrs(drawn)
+    both = formula.assign(motions.data_vars).assign_attrs(drawn)
+    return both.assign(measured_cautions(both))
 
 
 def _correlation(case: Case, progress: Progress) -> dict[str, xr.Dataset]:

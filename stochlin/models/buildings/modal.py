@@ -122,7 +122,7 @@ class ModalBuilding(MultistoreyBuilding):
     ...     damping=0.05,
     ... )
     >>> tower.effective_masses().round(-2).tolist()
-    [379000.0, 20700.0]
+    [379100.0, 20700.0]
     >>> tower.first_mode_moves().round(3).values
     array([0.726, 1.17 ])
     """
