@@ -13,8 +13,8 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.modulated_filters import (
     MOST_TERMS,
+    FourierSeries,
     RowsFilter,
-    Series,
     shortest_series,
 )
 from stochlin.messages import DoubtfulInput, brief
@@ -43,7 +43,7 @@ class SampledModulation:
     """A modulation at the frequencies of its series."""
 
     function: Callable[[Array, Array], Any]
-    series: Series
+    series: FourierSeries
 
     @classmethod
     def of(

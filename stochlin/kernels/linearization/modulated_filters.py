@@ -64,7 +64,7 @@ class RowsFilter(NamedTuple):
         return longer
 
 
-class Series(NamedTuple):
+class FourierSeries(NamedTuple):
     """A Fourier series for a modulation, by the angle of the frequency."""
 
     center: float  # c [rad/s]
@@ -90,7 +90,7 @@ class Series(NamedTuple):
         return chain._replace(rows=rows, direct=direct)
 
 
-def shortest_series(modulation: Modulation, times: Array, centers: Iterable[float]) -> Series:
+def shortest_series(modulation: Modulation, times: Array, centers: Iterable[float]) -> FourierSeries:
     """The series for a modulation that needs the least work, of those with the least error."""
     choices = []
     for center in centers:
@@ -106,7 +106,7 @@ def frequencies_of(center: float) -> Array:
     return center * np.tan(ANGLES / 2)
 
 
-def _series(center: float, values: Array, function: np.ufunc, first: float) -> Series:
+def _series(center: float, values: Array, function: np.ufunc, first: float) -> FourierSeries:
     """One kind of series for values (t, SAMPLES) of a modulation."""
     orders = first + np.arange(SAMPLES)
     squares = 0.5 * (values @ _coefficients(function, orders)) ** 2
@@ -114,7 +114,7 @@ def _series(center: float, values: Array, function: np.ufunc, first: float) -> S
     size = max(np.sqrt((values**2).mean(axis=1).max()), np.finfo(float).tiny)
     errors = left_out[1 : MOST_TERMS + 1] / size
     last = int(np.argmax(errors <= ENOUGH)) if errors.min() <= ENOUGH else MOST_TERMS - 1
-    return Series(center, function, orders[: last + 1], float(errors[last]))
+    return FourierSeries(center, function, orders[: last + 1], float(errors[last]))
 
 
 def _coefficients(function: np.ufunc, orders: Array) -> Array:
