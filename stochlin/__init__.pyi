@@ -73,7 +73,10 @@ from .analyses.records.gaps import recorded_gap as recorded_gap
 from .models.laws.bilinear import Bilinear as Bilinear
 from .models.laws.bouc_wen import BoucWen as BoucWen
 from .models.laws.hysteretic import Hysteretic as Hysteretic
-from .models.buildings import ModalBuilding as ModalBuilding, ShearBuilding as ShearBuilding
+from .models.buildings import (
+    ModalBuilding as ModalBuilding,
+    ShearBuilding as ShearBuilding,
+)
 from .models.uncertain import Uncertain as Uncertain
 from .analyses.linearization.strength import (
     reduction_factor as reduction_factor,

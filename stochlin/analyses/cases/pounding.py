@@ -107,8 +107,8 @@ def pound_motions(
         As in `pound_case`.
     motions : int, optional
         Number of simulated motions of the site, by default the records of the case. They are the first
-        of those that `separation` simulates for the case, with its seed and its time step, which is the
-        attribute ``step_s``; uncertain parameters are at their medians.
+        of those that ``stochlin gap`` simulates, with its seed and its time step, which is the attribute
+        ``step_s``; uncertain parameters are at their medians.
     progress : callable, optional
         Called with the share of the motions that is done.
     steps_per_contact : int

@@ -57,7 +57,7 @@ def transient_response(
     With a ``modulation`` ``a(t, w)`` the ground motion is an evolutionary process (Priestley 1965),
     whose amplitude depends on time and frequency:
 
-        f(t) = Int a(t, w) exp(i w t) dZ(w),    E[|dZ|^2] = S(w) dw,
+        f(t) = Int a(t, w) exp(i w t) dZ(w),    Var[dZ(w)] = S(w) dw,
 
     with the spectrum ``S`` of the ground and the evolutionary spectrum ``a^2 S``. Earthquakes lose high
     frequencies as they go on, for example.
