@@ -104,6 +104,27 @@ def storeyed_building(number: int, start: str) -> str:
     return head + (block + more).replace("#   ", "") + "\n"
 
 
+# Tables of buildings for case files; ``{n}`` is the number of the building.
+BLOCK = """[building_{n}]
+name = "Block {n}"
+period = "{period} s"
+storeys = {storeys}
+storey_height = "{height} m"
+floor_mass = "300 t"
+damping = "5 %"
+hardening = "5 %"
+base_shear_coefficient = 0.15
+"""
+KIOSK = """[building_{n}]
+name = "Kiosk"
+period = "0.4 s"
+damping = "5 %"
+hardening = "5 %"
+reduction_factor = 3
+height = "4 m"
+"""
+
+
 def with_buildings(*buildings: str) -> str:
     """The example of a case file with these buildings in place of its own."""
     text = sl.example_case()

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import xarray as xr
-from cases import with_buildings, with_slow
+from cases import BLOCK, KIOSK, with_buildings, with_slow
 from click.testing import Result
 from commands import answered, invoke, refused
 
@@ -357,34 +357,15 @@ def test_too_few_motions_for_an_interval_are_said_to_be(tmp_path: Path) -> None:
     assert "the motions are too few" in " ".join(output.split())
 
 
-OFFICE, ANNEX = (
-    f"""[building_{n}]
-name = "Block {n}"
-period = "{period} s"
-storeys = {storeys}
-storey_height = "{height} m"
-floor_mass = "300 t"
-damping = "5 %"
-hardening = "5 %"
-base_shear_coefficient = 0.15
-"""
-    for n, period, storeys, height in ((1, 0.5, 3, 3.2), (2, 0.3, 2, 3.5))
-)
-KIOSK = """[building_2]
-name = "Kiosk"
-period = "0.4 s"
-damping = "5 %"
-hardening = "5 %"
-reduction_factor = 3
-height = "4 m"
-"""
+OFFICE = BLOCK.format(n=1, period=0.5, storeys=3, height=3.2)
+ANNEX = BLOCK.format(n=2, period=0.3, storeys=2, height=3.5)
 
 
 @pytest.fixture(scope="module")
 def storeyed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Done]:
     """Floors that are not level, and a building beside an oscillator, each with its picture."""
     found = {}
-    for name, second in (("uneven", ANNEX), ("mixed", KIOSK)):
+    for name, second in (("uneven", ANNEX), ("mixed", KIOSK.format(n=2))):
         folder = tmp_path_factory.mktemp(name)
         text = with_buildings(OFFICE, second).replace("align = true", "align = false")
         found[name] = done(folder, few(text), "--picture", folder / "gap.svg")

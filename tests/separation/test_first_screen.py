@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases import with_buildings
+from cases import BLOCK, KIOSK, with_buildings
 from commands import answered, refused
 from matplotlib.axes import Axes
 from matplotlib.text import Text
@@ -28,26 +28,8 @@ CM = 100.0
 EXAMPLE = sl.example_case().replace("2048", "128").partition("[contact]")[0]
 NONE_YET = EXAMPLE.replace('existing = "5 cm"', "")
 NO_HEIGHTS = NONE_YET.replace('height = "24 m"', "").replace('height = "15 m"', "")
-STOREYS = """[building_{n}]
-name = "Block {n}"
-period = "{period} s"
-storeys = {storeys}
-storey_height = "{height} m"
-floor_mass = "300 t"
-damping = "5 %"
-hardening = "5 %"
-base_shear_coefficient = 0.15
-"""
-LEFT = STOREYS.format(n=1, period=0.5, storeys=3, height=3.2)
-RIGHT = STOREYS.format(n=2, period=0.3, storeys=2, height=3.5)
-KIOSK = """[building_{n}]
-name = "Kiosk"
-period = "0.4 s"
-damping = "5 %"
-hardening = "5 %"
-reduction_factor = 3
-height = "4 m"
-"""
+LEFT = BLOCK.format(n=1, period=0.5, storeys=3, height=3.2)
+RIGHT = BLOCK.format(n=2, period=0.3, storeys=2, height=3.5)
 
 
 def of(*buildings: str) -> str:
