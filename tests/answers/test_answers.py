@@ -35,7 +35,12 @@ LONG = {
     *("mitigate_with_a_record", "records_read_and_fitted", "risk_of_a_gap", "site_by_spectrum"),
 }
 # Time steps of other programs; what they once said is compared with ours above all the same.
-LONG_INDEPENDENT = {"blows_of_two_oscillators", "first_passage"}
+LONG_INDEPENDENT = {
+    "blows_of_two_oscillators",
+    "first_passage",
+    "frame_of_six_storeys",
+    "frame_of_ten_storeys",
+}
 VERIFIED = [name for name in CASES if (HERE / name / INDEPENDENT).exists()]
 
 

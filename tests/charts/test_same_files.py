@@ -91,6 +91,7 @@ def test_pictures_are_drawn_from_the_rounded_data(tmp_path):
     assert bool((exact.rho != chart.rho).any())
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 def test_either_solver_draws_the_same_chart(tmp_path):
     """The Lyapunov equation of each pair, iterated, and the closed forms: the same six digits."""

@@ -62,6 +62,7 @@ def test_the_formula_of_storeys_tells_how_far_it_is_and_stops_within_its_process
     assert worker.process_id == process
 
 
+@pytest.mark.slow
 def test_a_job_that_ignores_its_stop_is_killed_and_the_process_replaced(worker):
     process = worker.process_id
     job = asked_and_begun(worker, GAPS, Stubborn())

@@ -193,7 +193,7 @@ def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("chart", "kind"),
     [
-        ("fig4b --simulated-points 0", "svg"),
+        pytest.param("fig4b --simulated-points 0", "svg", marks=pytest.mark.slow),
         ("fig3b", "pdf"),
         ("fig6", "png"),
         pytest.param("fig6", "pdf", marks=pytest.mark.slow),

@@ -74,6 +74,7 @@ STRENGTH = {"hardening": 0.1, "yield_drifts": 0.01}
 MOTIONS = {"duration": 5.0, "paths": 32}
 
 
+@pytest.mark.slow
 def test_law_that_cannot_be_linearized_is_simulated():
     with pytest.raises(ArithmeticError, match="cannot be linearized"):
         sl.linearize(HIDDEN, GROUND)

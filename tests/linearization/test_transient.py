@@ -137,6 +137,7 @@ def test_an_envelope_whose_slope_is_infinite_at_the_start_is_followed():
         assert std == pytest.approx(np.sqrt(variance), rel=1e-6, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_a_panel_whose_iteration_runs_away_is_divided():
     """In the first panel tried, V of this weak structure grows to 1e256, singular by rounding."""
     weak = sl.BoucWen(0.9, 0.1, 0.3, yield_displacement=2.887e-4, exponent=2.5)

@@ -56,6 +56,7 @@ def test_the_estimate_of_a_history_is_that_of_the_row_with_its_energy_radii(cont
     assert float(wanted[1]) > 1
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_a_period_that_is_too_short_for_the_motion_has_no_estimate_and_spoils_that_of_its_neighbours():
     motion = MOTIONS.isel(path=0)

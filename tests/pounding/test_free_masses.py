@@ -294,6 +294,7 @@ def test_hertz_contact_takes_its_time(exponent):
     check_order([one.time.mean() for one in runs], time, 1e-5)
 
 
+@pytest.mark.slow
 @given(
     masses=st.tuples(*2 * [st.floats(1e3, 1e7)]),
     v0=st.floats(1e-3, 5.0),

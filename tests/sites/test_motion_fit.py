@@ -97,6 +97,7 @@ def test_both_components_are_fitted_by_their_geometric_means(record, motion):
     assert abs(table.energy_ratio - 1) < 4 * table.energy_ratio_standard_error
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_the_scatter_is_that_of_the_use(record):
     options = {"filters": 1}
@@ -127,6 +128,7 @@ def test_a_fit_that_misses_the_duration_says_so():
     assert table.attrs["doubts"].startswith("The motions have a significant duration of")
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 def test_a_fit_that_misses_the_spectrum_says_so_in_the_band_of_the_buildings():
     motion = burst_and_tail(30)

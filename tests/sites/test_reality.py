@@ -151,6 +151,7 @@ def test_flagged_records_are_listed_and_counted():
     assert "|  | cut file | 1 of 2 | 0 of 4 |" in tables["alarms"]
 
 
+@pytest.mark.slow
 @pytest.mark.cli
 def test_every_table_has_its_place_on_the_page(tmp_path):
     parts = ("spectrum", "own component", "other component")
