@@ -224,7 +224,7 @@ class ModalBuilding(MultistoreyBuilding):
             mass=mass,
             damping=np.diag(2 * damping * w * mass),
             extensions=unit,
-            shapes=self._moves,
+            shapes=self.moves(),
             post=hardening * k,
             couple=(1 - hardening) * k,
             strength=strength,
@@ -240,7 +240,7 @@ class ModalBuilding(MultistoreyBuilding):
             shares = np.full((self.storeys, self.modes), np.nan)
             shares[0] = 1.0
             return shares
-        forces = self.arrays()["masses"].to_numpy()[:, None] * self._moves
+        forces = self.arrays()["masses"].to_numpy()[:, None] * self.moves()
         above: Array = forces[::-1].cumsum(axis=0)[::-1]
         return above / self.effective_masses()
 
@@ -267,6 +267,11 @@ class ModalBuilding(MultistoreyBuilding):
         computed: Array = (shapes @ masses) / (shapes**2 @ masses)
         return computed
 
+    def moves(self) -> Array:
+        """Displacement of each floor over that of each mode's oscillator [-] (floors, modes)."""
+        moves: Array = (self.arrays()["shapes"].to_numpy() * self.factors()[:, None]).T
+        return moves
+
     def mode_periods(self) -> xr.DataArray:
         """Periods of the elastic building [s] over ``mode``, which is counted from 1."""
         periods = self.arrays()["periods"]
@@ -276,7 +281,7 @@ class ModalBuilding(MultistoreyBuilding):
         """Displacement of each floor over that of `oscillator` [-], over ``floor``."""
         attrs = {"units": "1", "long_name": "displacement of the floor over that of the oscillator"}
         floors = {FLOOR: np.arange(1, self.storeys + 1)}
-        return xr.DataArray(self._moves[:, self.leading], dims=FLOOR, coords=floors, attrs=attrs)
+        return xr.DataArray(self.moves()[:, self.leading], dims=FLOOR, coords=floors, attrs=attrs)
 
     def oscillator(self) -> Structure:
         """The mode with the largest effective mass [kg] as an oscillator.
@@ -306,12 +311,6 @@ class ModalBuilding(MultistoreyBuilding):
     def describe(self) -> str:
         """The building with its parameters in one line."""
         return ", ".join([super().describe()[:-1], *self._told_law()]) + ")"
-
-    @property
-    def _moves(self) -> Array:
-        """Displacement of each floor over that of each mode's oscillator [-] (floors, modes)."""
-        moves: Array = (self.arrays()["shapes"].to_numpy() * self.factors()[:, None]).T
-        return moves
 
     @property
     def _shapes_and_masses(self) -> tuple[Array, Array]:

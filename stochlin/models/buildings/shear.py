@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
-import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
-from stochlin.messages import brief
+from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import Whole, as_numbers
 from stochlin.models.buildings.base import (
     FLOOR,
@@ -25,6 +25,8 @@ from stochlin.models.buildings.base import (
     along,
     check_ranges,
 )
+from stochlin.models.buildings.chains import chain_modes, fitted_stiffnesses
+from stochlin.models.buildings.modal import ModalBuilding
 from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
 ONE_FOR_ALL = ("yield_drifts", "dampers")  # one number may stand for all storeys
 STOREYS = Whole(1, MOST_STOREYS)
+FIRST_OFF, OTHER_OFF = 0.02, 0.1  # errors of the first and of other periods of a fit that are told
 SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
 
 
@@ -333,6 +336,135 @@ class ShearBuilding(MultistoreyBuilding):
         square = (2 * np.pi / float(known.cells()["period"])) ** 2
         return cls(masses, square * above / drifts, heights, damping, **others)
 
+    @classmethod
+    @takes_uncertain
+    def fitted(cls, modes: ModalBuilding, *, damping: float | None = None, **others: Any) -> Self:
+        """The chain of storeys whose first modes are nearest to given ones, by least squares.
+
+        The errors of a mode are the logarithm of the ratio of its periods, and the difference of its
+        shapes of unit modal mass. Their squares are weighted by the effective mass of the mode. Of the
+        modes of a chain the fit is exact. `misfit` tells how far others are from a chain; `from_mode`
+        keeps the first mode instead, at the cost of the others.
+
+        Parameters
+        ----------
+        modes : ModalBuilding
+            The first modes along the gap, none left out between them, with the masses and heights. Its
+            strength is not used.
+        damping : float, optional
+            Viscous damping ratio of every mode [-], in (0, 1); by default that of ``modes``.
+        **others
+            ``hardening``, ``yield_drifts``, ``dampers``, ``law``, ``law_parameters`` and ``p_delta``, as
+            in `ShearBuilding`.
+
+        Returns
+        -------
+        ShearBuilding
+            With the masses and heights of ``modes``, and the storey stiffnesses of the fit.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As in `ShearBuilding`, or if ``modes`` is no `ModalBuilding`, the shape of its first mode
+            does not grow from floor to floor (the message names the storey), its shapes are not
+            orthogonal with the masses, or its modes have different damping and none is given.
+
+        Warns
+        -----
+        DoubtfulInput
+            If the first period is off by more than 2 %, or another one by more than 10 %.
+
+        Examples
+        --------
+        >>> import stochlin as sl
+        >>> modes = sl.ModalBuilding(
+        ...     [0.5, 0.18], [[0.62, 1.0], [-1.61, 1.0]], [2e5] * 2, heights=[3.5] * 2, damping=0.05
+        ... )
+        >>> frame = sl.ShearBuilding.fitted(modes)
+        >>> frame.misfit(modes).period_error.round(3).values
+        array([-0.003,  0.053])
+        """
+        name = f"{cls.__name__}.fitted: "
+        if not isinstance(modes, ModalBuilding):
+            raise TypeError(f"{name}modes = {brief(modes)}; allowed: a ModalBuilding")
+        if modes.participation is not None:  # of a corner that turns, unless the shapes are orthogonal
+            modes = replace(modes, participation=None, modal_masses=None)
+        if damping is None and not np.isscalar(modes.damping):
+            raise ValueError(
+                f"{name}damping is not given, and the modes have different ratios; allowed: one number, "
+                "for every mode of the chain"
+            )
+        values = {key: array.to_numpy() for key, array in modes.arrays().items()}
+        masses, shapes, shares = values["masses"], values["shapes"], modes.effective_masses()
+        start = cls.from_mode(
+            period=values["periods"][0],
+            shape=shapes[0],
+            masses=masses,
+            heights=values["heights"],
+            damping=modes.damping if damping is None else damping,
+            **others,
+        )
+        stiffnesses = fitted_stiffnesses(
+            start._over_all["stiffnesses"],
+            masses,
+            2 * np.pi / values["periods"],
+            shapes / np.sqrt(shapes**2 @ masses)[:, None],
+            shares / shares.sum(),
+        )
+        building = replace(start, stiffnesses=stiffnesses)
+        misfit = replace(building, p_delta=False).misfit(modes)
+        errors = misfit.period_error.to_numpy()
+        if abs(errors[0]) > FIRST_OFF or (np.abs(errors) > OTHER_OFF).any():
+            periods, moves = (
+                ", ".join(f"{error:.1%}" for error in misfit[kind].to_numpy())
+                for kind in ("period_error", "shape_error")
+            )
+            warnings.warn(
+                f"{name}no chain of storeys has these modes: the periods of the nearest one are off by "
+                f"{periods}, and displacements of floors by up to {moves} of the largest one in each "
+                "mode; for walls and buildings that bend as a whole keep the ModalBuilding",
+                DoubtfulInput,
+                stacklevel=3,
+            )
+        return building
+
+    def misfit(self, modes: ModalBuilding) -> xr.Dataset:
+        """Errors of the modes of this building relative to given ones, over ``mode``.
+
+        Parameters
+        ----------
+        modes : ModalBuilding
+            The first modes of a building with as many floors, in their order.
+
+        Returns
+        -------
+        xarray.Dataset
+            Over ``mode``: ``period`` of this building [s], ``period_error``, its relative difference to
+            the given one [-], and ``shape_error`` [-], the largest difference of the displacement of a
+            floor, as it is for equal displacements of both oscillators, over the largest displacement
+            of a floor in the given mode.
+
+        Raises
+        ------
+        ValueError
+            If the modes have another number of floors, or are more than those of this building.
+        """
+        wanted, masses = modes.moves().T, self._over_all["masses"]
+        if wanted.shape[1] != self.storeys or len(wanted) > self.storeys:
+            raise ValueError(
+                f"modes has {len(wanted)} modes of {wanted.shape[1]} floors; allowed: those of a "
+                f"building of {self.storeys} floors, at most {self.storeys}"
+            )
+        _, shapes = self._modes()
+        own = ((masses @ shapes) * shapes).T[: len(wanted)]
+        apart = np.abs(own - wanted).max(axis=1) / np.abs(wanted).max(axis=1)
+        period = self.periods()[: len(wanted)]
+        table = xr.Dataset({"period": period})
+        attrs = {"units": "1", "long_name": "relative difference to the period of the given mode"}
+        table["period_error"] = (period / modes.mode_periods() - 1).assign_attrs(attrs)
+        attrs = {"units": "1", "long_name": "largest difference of a floor, over the largest of a mode"}
+        return table.assign(shape_error=(MODE, apart, attrs))
+
     @property
     def storeys(self) -> int:
         """Number of storeys."""
@@ -503,15 +635,8 @@ class ShearBuilding(MultistoreyBuilding):
 
     def _modes(self) -> tuple[Array, Array]:
         """Circular frequencies [rad/s] of the modes, and mode shapes of unit modal mass as columns."""
-        root = np.sqrt(self._over_all["masses"])
-        k = self._over_all["stiffnesses"] - self.geometric_stiffness()
-        with np.errstate(all="ignore"):
-            diagonal = (k + np.append(k[1:], 0.0)) / root**2
-            beside = -k[1:] / (root[:-1] * root[1:])
-        if not (np.isfinite(diagonal).all() and np.isfinite(beside).all()):
-            raise ValueError(
-                f"{type(self).__name__}: stiffness over mass is beyond all numbers; check the units of "
-                "masses and stiffnesses"
-            )
-        squares, vectors = scipy.linalg.eigh_tridiagonal(diagonal, beside)
-        return np.sqrt(squares), vectors / root[:, None]
+        values = self._over_all
+        try:
+            return chain_modes(values["masses"], values["stiffnesses"] - self.geometric_stiffness())
+        except ValueError as error:
+            raise ValueError(f"{type(self).__name__}: {error}") from error
