@@ -77,6 +77,8 @@ from .models.buildings import (
     ModalBuilding as ModalBuilding,
     ShearBuilding as ShearBuilding,
 )
+from .analyses.buildings.pushover_files import read_pushover as read_pushover
+from .analyses.buildings.pushover import bilinear_of as bilinear_of
 from .models.uncertain import Uncertain as Uncertain
 from .analyses.linearization.strength import (
     reduction_factor as reduction_factor,

@@ -43,6 +43,7 @@ UNCHECKED = {
     "equivalent_coefficients": OF_A_MODEL,
     "read_hazard": OF_A_MODEL,
     "read_case": READS,
+    "read_pushover": READS,
     "open_atlas": READS,
     "write_atlas": READS,
     "lookup": "it compares its points with the axes of the atlas",

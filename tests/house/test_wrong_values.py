@@ -25,6 +25,10 @@ TIME = 0.02 * np.arange(200)
 RECORD = xr.DataArray(
     np.sin(9 * TIME) * np.exp(-TIME), dims="time", coords={"time": TIME}, attrs={"units": "m/s^2"}
 )
+ROOF = xr.DataArray([0.0, 0.01, 0.03, 0.06], dims="displacement", attrs={"units": "m"})
+PUSHOVER = xr.DataArray(
+    [0.0, 5e5, 7e5, 7.5e5], coords={"displacement": ROOF}, dims="displacement", attrs={"units": "N"}
+)
 V, Z = sympy.symbols("v z")
 
 WRONG: dict[str, Any] = {
@@ -182,6 +186,12 @@ OWN: dict[str, dict[str, Any]] = {
         "hardening": 0.1,
         "base_shear_coefficient": 0.1,
     },
+    "ShearBuilding.fitted": {
+        "modes": sl.ModalBuilding([0.5], [[1.0]], masses=[1e5], heights=[3.0], damping=0.05),
+        "damping": 0.05,
+    },
+    "read_pushover": {"length_units": "mm", "force_units": "kN"},
+    "bilinear_of": {"pushover": PUSHOVER},
     "Measure": {
         "added_damping_1": 0.1,
         "link": [sl.Link(1e6)],
@@ -207,7 +217,7 @@ OWN: dict[str, dict[str, Any]] = {
 # Atlases want a store: their own tests have what is wrong with them.
 STORED = {"write_atlas", "open_atlas", "lookup"}
 NAMES = [name for name in sl.__all__ if callable(getattr(sl, name)) and name not in STORED]
-NAMES.append("ShearBuilding.regular")
+NAMES += ["ShearBuilding.regular", "ShearBuilding.fitted"]
 LONG = {
     *("correlate", "existing_gap", "fit_ground", "fit_motion", "mitigate", "pounding_estimate"),
     *("pounding_fragility", "pounding_probability", "pounding_risk", "required_gap", "sensitivity"),
@@ -238,6 +248,7 @@ def arguments(name: str, tmp: Path) -> dict[str, Any]:
     }
     if "path" in parameters:
         texts = {"read_case": sl.example_case(), "read_spectrum": SPECTRUM}
+        texts["read_pushover"] = "0 0\n10 500\n30 700\n60 750\n"
         texts["read_hazard"] = "0.1,0.01\n0.3,0.001\n"
         text = texts.get(name, "\n".join(map(str, np.sin(TIME))))
         (tmp / "file.txt").write_text(text, encoding="utf-8")

@@ -18,6 +18,7 @@ READERS = {
     "record": lambda path: sl.read_record(path, units="g", dt=0.01),
     "spectrum": lambda path: sl.read_spectrum(path, units="g"),
     "hazard": lambda path: sl.read_hazard(path, units="g"),
+    "pushover": lambda path: sl.read_pushover(path, length_units="mm", force_units="kN"),
     "suite": lambda path: sl.read_records(path, units="g", dt=0.01),
     "case": sl.read_case,
     "specification": read_specification,

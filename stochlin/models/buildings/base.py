@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from abc import abstractmethod
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -12,7 +13,7 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
-from stochlin.messages import brief
+from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.laws.hysteretic import law_of
 from stochlin.models.parameters import CASE, Model
 from stochlin.models.states import in_words
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 STOREY, MODE, FLOOR = "storey", "mode", "floor"
 MOST_STOREYS = 200
+PERIOD_OFF = 0.1  # of the first period, by which a pushover curve may differ
 GRAVITY = scipy.constants.g
 
 
@@ -95,6 +97,70 @@ class MultistoreyBuilding(Model):
     @abstractmethod
     def stiffened(self, factor: float) -> Self:
         """The building with its elastic stiffness multiplied by a factor."""
+
+    def with_pushover(self, idealized: Mapping[str, Any]) -> Self:
+        """The building with the strength, the hardening and the elastic stiffness of a pushover curve.
+
+        The first mode becomes an oscillator with the displacement ``u_roof/(G s_roof)`` and the force
+        ``V/(G L)`` per unit of mass (Chopra and Goel), for the participation factor ``G`` and the
+        effective mass ``G L``. Its period is that of the first line of the idealization. In a chain all
+        storeys yield at once, with storey shears in the proportions of the first mode, so that forces
+        of this mode push it along the idealized curve; the stiffness of all storeys is multiplied by one
+        factor. Of a `ModalBuilding` mode 1 changes alone.
+
+        Parameters
+        ----------
+        idealized : xarray.Dataset
+            The result of `bilinear_of`, of which ``yield_force`` [N], ``yield_displacement`` [m],
+            ``hardening`` [-] and ``initial_stiffness`` [N/m] are used.
+
+        Returns
+        -------
+        ShearBuilding or ModalBuilding
+            The building that yields.
+
+        Raises
+        ------
+        ValueError
+            If a value is missing or not positive, or the weight of the building is to be considered
+            (``p_delta``), which a pushover curve contains.
+
+        Warns
+        -----
+        DoubtfulInput
+            If the curve begins with the stiffness of a first period that is off by more than 10 % from
+            that of the building: masses or units are then doubtful, or the forces were not those of the
+            first mode.
+
+        References
+        ----------
+        Chopra, A. K. and Goel, R. K. (2002), Earthquake Eng. Struct. Dyn. 31, 561-582.
+        """
+        if not isinstance(idealized, Mapping):
+            raise TypeError(f"idealized = {brief(idealized)}; allowed: the result of bilinear_of")
+        needed = ("yield_force", "yield_displacement", "hardening", "initial_stiffness")
+        values = {name: float(idealized.get(name, np.nan)) for name in needed}
+        for name, value in values.items():
+            if not value > 0:
+                raise ValueError(f"idealized has {name} = {value:g}; allowed: the result of bilinear_of")
+        first, roof = self.oscillator(), float(self.first_mode_moves()[-1])
+        mass, period = first.arrays()["mass"].item(), first.arrays()["period"].item()
+        displacement = values["yield_displacement"] / roof
+        begins = 2 * np.pi * np.sqrt(mass / (roof * values["initial_stiffness"]))
+        if abs(begins / period - 1) > PERIOD_OFF:
+            warnings.warn(
+                f"the pushover curve begins with the stiffness of a period of {begins:.3g} s, and the "
+                f"first mode has {period:.3g} s: check units and masses, and whether the forces were "
+                "those of the first mode; the stiffness of the curve is taken",
+                DoubtfulInput,
+                stacklevel=2,
+            )
+        own = 2 * np.pi * np.sqrt(mass * displacement / values["yield_force"])
+        return self._of_first_mode(float(own), displacement, values["hardening"])
+
+    @abstractmethod
+    def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
+        """The building whose first mode is such an oscillator."""
 
     def levels(self) -> Array:
         """Levels of the floors above the ground [m], (storeys,)."""

@@ -308,6 +308,22 @@ class ModalBuilding(MultistoreyBuilding):
         """The building with its elastic stiffness multiplied by a factor, and all shapes kept."""
         return replace(self, periods=self.arrays()["periods"] / np.sqrt(factor))
 
+    def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
+        if self.leading:
+            raise ValueError(
+                f"{type(self).__name__}: mode {self.leading + 1} has more effective mass than mode 1; "
+                "allowed with a pushover curve: a first mode that has the most"
+            )
+        periods = [period, *self.arrays()["periods"].to_numpy()[1:]]
+        hardenings, strengths = (
+            [own, *(self._over_modes(given)[1 : self._yielding] if self.yields else [])]
+            for own, given in (
+                (hardening, self.hardening),
+                (yield_displacement, self.yield_displacements),
+            )
+        )
+        return replace(self, periods=periods, hardening=hardenings, yield_displacements=strengths)
+
     def describe(self) -> str:
         """The building with its parameters in one line."""
         return ", ".join([super().describe()[:-1], *self._told_law()]) + ")"

@@ -511,6 +511,16 @@ class ShearBuilding(MultistoreyBuilding):
         """The building with the elastic stiffness of all storeys multiplied by a factor."""
         return replace(self, stiffnesses=self.arrays()["stiffnesses"] * factor)
 
+    def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
+        if self.p_delta:
+            raise ValueError(
+                f"{type(self).__name__}: p_delta = True; allowed with a pushover curve: False, since "
+                "the curve contains the effect of the weight"
+            )
+        drifts = yield_displacement * np.diff(self.participation(), prepend=0.0)
+        stiffer = self.stiffened((float(self.periods()[0]) / period) ** 2)
+        return replace(stiffer, hardening=hardening, yield_drifts=drifts)
+
     def periods(self) -> xr.DataArray:
         """Periods of the elastic building [s] over ``mode``, which is counted from 1, longest first."""
         w, _ = self._modes()

@@ -1,0 +1,1 @@
+"""Buildings as other programs print them: tables of modes."""

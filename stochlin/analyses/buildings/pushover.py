@@ -1,0 +1,255 @@
+"""Bilinear idealizations of pushover curves, by the methods of building codes."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from typing import Annotated
+
+import numpy as np
+import scipy.optimize
+import xarray as xr
+
+from stochlin.analyses.buildings.variables import VARIABLES
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import DoubtfulInput, brief
+from stochlin.models.arguments import Metres, Number, OneOf, checked
+from stochlin.models.structures import HARDENING
+
+CURVE, DISPLACEMENT = "base_shear", "displacement"
+FEWEST = 4  # points of a curve
+LEAST_HARDENING = 0.01
+FLAT = 1e-3  # relative difference of base shears that are alike
+EQUAL = 1e-9  # difference of areas, relative to the area
+BEND = 1e-3  # least energy beyond that of a straight line, relative to it
+BEGINNING = 0.1  # share of the largest base shear up to which the curve is taken to be elastic
+REFERENCES = {
+    "eurocode_8": "EN 1998-1:2004, annex B.3.",
+    "asce_41": "ASCE/SEI 41-17 (2017), 7.4.3.2.4.",
+}
+
+
+@checked
+def bilinear_of(
+    pushover: xr.DataArray,
+    method: Annotated[str, OneOf(REFERENCES)] = "asce_41",
+    *,
+    target_displacement: Metres | None = None,
+    hardening: Annotated[float, Number(HARDENING)] | None = None,
+) -> xr.Dataset:
+    """Bilinear idealization of a pushover curve.
+
+    Parameters
+    ----------
+    pushover : xarray.DataArray
+        Base shear [N] over the dimension ``displacement`` of the roof [m], as `read_pushover` reads it.
+    method : {"asce_41", "eurocode_8"}
+        ``"asce_41"``: the area below is that below the curve, the first line crosses the curve at 0.6 of
+        the yield force, and the second one ends on it. ``"eurocode_8"``: elastic-perfectly plastic, with
+        the largest base shear as yield force, and equal area.
+    target_displacement : float, optional
+        Displacement of the roof [m] up to which the curve is idealized, if it is less than that of the
+        largest base shear, which is the default.
+    hardening : float, optional
+        Hardening ratio to be taken in place of that of the idealization [-], in (0, 1].
+
+    Returns
+    -------
+    xarray.Dataset
+        Without dimensions ``yield_force`` [N], ``yield_displacement`` [m], ``hardening`` [-],
+        ``initial_stiffness`` [N/m] of the curve up to a tenth of its largest base shear,
+        ``effective_stiffness`` [N/m] up to yield, ``post_yield_ratio`` [-] as the method gives it and
+        ``target_displacement`` [m]; the curve, ``base_shear`` [N] over ``displacement``; and over
+        ``point`` (origin, yield, end) ``idealized_displacement`` [m] and ``idealized_base_shear`` [N].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the curve has fewer than 4 points, its displacements do not increase, its base shear is not
+        positive or falls from the start; if it does not bend up to its peak or target, so that it has no
+        yield point, or its area cannot be met; if the target is beyond the curve; or if an argument is
+        not valid.
+
+    Warns
+    -----
+    DoubtfulInput
+        If the idealization has a hardening ratio below 0.01, as that of Eurocode 8 always has, and none
+        is given. 0.01 is then taken, which a stationary response needs.
+
+    References
+    ----------
+    EN 1998-1:2004, Eurocode 8, annex B.3; ASCE/SEI 41-17 (2017), 7.4.3.2.4.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> import stochlin as sl
+    >>> roof = xr.DataArray([0.0, 0.02, 0.05, 0.12], dims="displacement", attrs={"units": "m"})
+    >>> shear = [0.0, 9e5, 1.3e6, 1.5e6]
+    >>> curve = xr.DataArray(
+    ...     shear, coords={"displacement": roof}, dims="displacement", attrs={"units": "N"}
+    ... )
+    >>> ideal = sl.bilinear_of(curve)
+    >>> round(float(ideal.yield_force)), round(float(ideal.yield_displacement), 4)
+    (1153846, 0.0256)
+    """
+    whole, forces = _curve_of(pushover)
+    peak = _peak_of(forces)
+    end = whole[peak] if target_displacement is None else min(target_displacement, whole[peak])
+    if target_displacement is not None and target_displacement > whole[-1]:
+        raise ValueError(
+            f"target_displacement = {target_displacement:g} m is beyond the curve, which ends at "
+            f"{whole[-1]:g} m; allowed: up to there"
+        )
+    before = whole < end
+    u = np.append(whole[before], end)
+    v = np.append(forces[before], np.interp(end, whole, forces))
+    force, displacement, last = _METHODS[method](u, v, float(np.trapezoid(v, u)))
+    stiffness = force / displacement
+    ratio = (last - force) / (end - displacement) / stiffness
+    beginning = BEGINNING * v.max()
+    table = xr.Dataset(
+        {
+            CURVE: pushover,
+            "yield_force": force,
+            "yield_displacement": displacement,
+            "hardening": _hardening(ratio, method) if hardening is None else float(hardening),
+            "post_yield_ratio": ratio,
+            "initial_stiffness": beginning / _first_at(u, v, beginning),
+            "effective_stiffness": stiffness,
+            "target_displacement": float(end),
+            "idealized_displacement": ("point", [0.0, displacement, end]),
+            "idealized_base_shear": ("point", [0.0, force, last]),
+        },
+        {"point": ("point", ["origin", "yield", "end"], {"long_name": "point of the idealization"})},
+    )
+    table = labels.with_run_information(
+        labels.label(table, VARIABLES),
+        "Bilinear idealization of a pushover curve",
+        f"bilinear_of(method={method!r})",
+        {},
+        REFERENCES[method],
+    )
+    return table.assign_attrs(method=method)
+
+
+def check_curve(displacement: Array, force: Array, places: Sequence[str]) -> None:
+    """Raise a ValueError unless these are a pushover curve; ``places`` name its points."""
+    if displacement.size < FEWEST:
+        raise ValueError(f"pushover has {displacement.size} points; allowed: {FEWEST} or more")
+    standing = np.flatnonzero(np.diff(displacement) <= 0)
+    if standing.size:
+        n = standing[0] + 1
+        raise ValueError(
+            f"{places[n]}: the displacement goes from {displacement[n - 1]:g} to {displacement[n]:g} m; "
+            "allowed: displacements that increase, of one push without unloading"
+        )
+    if displacement[0] != 0 or force[0] != 0:
+        raise ValueError(
+            f"{places[0]}: the curve begins at {displacement[0]:g} m and {force[0]:g} N; allowed: 0 and "
+            "0, so take off what the permanent loads cause"
+        )
+    bad = np.flatnonzero(force[1:] <= 0)
+    if bad.size:
+        n = bad[0] + 1
+        raise ValueError(f"{places[n]}: the base shear is {force[n]:g} N; allowed: positive ones")
+    if _peak_of(force) == 1:
+        raise ValueError(
+            f"{places[2]}: the base shear falls from the start, from {force[1]:g} to {force[2]:g} N; "
+            "allowed: a curve with its peak later, so give points in between"
+        )
+
+
+def _peak_of(force: Array) -> int:
+    """Index of the last point with the largest base shear, as far as the curve is known."""
+    return int(np.flatnonzero(force >= (1 - FLAT) * force.max())[-1])
+
+
+def _curve_of(pushover: object) -> tuple[Array, Array]:
+    """Displacements [m] and base shears [N] of a curve, checked."""
+    if not isinstance(pushover, xr.DataArray):
+        raise TypeError(
+            f"pushover = {brief(pushover)}; allowed: an xarray.DataArray over displacement, as "
+            "read_pushover gives it"
+        )
+    if pushover.dims != (DISPLACEMENT,) or DISPLACEMENT not in pushover.coords:
+        raise ValueError(
+            f"pushover has the dimensions {pushover.dims}; allowed: displacement alone, with its values"
+        )
+    arrays = pushover[DISPLACEMENT], pushover
+    for array, units in zip(arrays, ("m", "N"), strict=True):
+        if array.dtype.kind not in "iuf" or not np.isfinite(array).all():
+            raise TypeError(f"pushover has {array.dtype} in {units}; allowed: finite numbers")
+        if array.attrs.get("units") != units:
+            raise ValueError(
+                f"pushover has {brief(array.attrs.get('units'))} as units, where {units} is allowed; "
+                "convert it and say so in its attributes"
+            )
+    displacement, force = (array.to_numpy().astype(float) for array in arrays)
+    check_curve(displacement, force, [f"pushover, point {n}" for n in range(1, force.size + 1)])
+    return displacement, force
+
+
+def _hardening(ratio: float, method: str) -> float:
+    """The hardening ratio of an idealization, or the least one with a warning."""
+    if ratio >= LEAST_HARDENING:
+        return ratio
+    warnings.warn(
+        f"pushover: the hardening ratio by {method} is {ratio:.3g}; {LEAST_HARDENING:g} is taken, since "
+        "with less a building drifts away; give hardening, or another method",
+        DoubtfulInput,
+        stacklevel=4,
+    )
+    return LEAST_HARDENING
+
+
+def _first_at(u: Array, v: Array, force: float) -> float:
+    """Displacement at which a curve first has this base shear."""
+    n = int(np.argmax(v >= force))
+    return float(u[n - 1] + (u[n] - u[n - 1]) * (force - v[n - 1]) / (v[n] - v[n - 1]))
+
+
+def _eurocode_8(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
+    """Elastic-perfectly plastic, with the energy of the curve: forces at yield and end, and between."""
+    force = float(v.max())
+    _check_bend(u, force, energy)
+    return force, 2 * (float(u[-1]) - energy / force), force
+
+
+def _asce_41(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
+    """The same with equal area, an end on the curve, and a first line through it at 0.6 of yield."""
+    most, last = float(v.max()), float(v[-1])
+    _check_bend(u, last, energy)
+
+    def at_yield(force: float) -> float:
+        return _first_at(u, v, 0.6 * force) / 0.6
+
+    def excess(force: float) -> float:
+        """Twice the area of the idealization beyond that of the curve, over the latter."""
+        return (force * u[-1] + last * (u[-1] - at_yield(force))) / energy - 2
+
+    force = most
+    if excess(most) > EQUAL:  # else it hardly hardens, or has no such idealization
+        force = float(scipy.optimize.brentq(excess, 1e-6 * most, most, xtol=1e-9 * most))
+    if abs(excess(force)) > 1e3 * EQUAL:
+        raise ValueError(
+            "pushover: no two lines have its area and cross it at 0.6 of the yield force, since it "
+            "stiffens or has steps; allowed: a curve that flattens, or method='eurocode_8'"
+        )
+    return force, at_yield(force), last
+
+
+def _check_bend(u: Array, last: float, energy: float) -> None:
+    """Raise a ValueError for a curve that is not above the straight line to its end."""
+    if energy < 0.5 * u[-1] * last * (1 + BEND):
+        raise ValueError(
+            f"pushover does not bend up to {u[-1]:g} m, so that it has no yield point; allowed: a curve "
+            "that is pushed into yielding and flattens"
+        )
+
+
+_METHODS: Mapping[str, Callable[[Array, Array, float], tuple[float, float, float]]] = {
+    "eurocode_8": _eurocode_8,
+    "asce_41": _asce_41,
+}

@@ -1,0 +1,73 @@
+"""Units of lengths, masses and forces, as programs of structural analysis write them."""
+
+from __future__ import annotations
+
+import re
+
+from scipy import constants
+
+from stochlin.messages import brief
+
+LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": constants.inch, "ft": constants.foot}
+FORCES = {
+    "n": 1.0,
+    "kn": 1e3,
+    "mn": 1e6,
+    "kgf": constants.g,
+    "tonf": 1e3 * constants.g,
+    "lb": constants.lbf,
+    "lbf": constants.lbf,
+    "kip": 1e3 * constants.lbf,
+}
+MASSES = {"kg": 1.0, "t": 1e3, "tonne": 1e3}
+ALLOWED = {
+    "length": ", ".join(LENGTHS),
+    "force": "N, kN, MN, kgf, tonf, lbf, kip",
+    "mass": "kg, t, or a force over an acceleration such as kN-s2/m or kip-s2/in",
+}
+_OF_FORCE = re.compile(rf"({'|'.join(FORCES)})-s(?:ec)?2/({'|'.join(LENGTHS)})")
+# Signs of multiplication, and the 2 as a raised sign, also one that was read in another encoding.
+_SPELLED = str.maketrans({"²": "2", "\N{REPLACEMENT CHARACTER}": "2", "^": "", "*": "-", "·": "-"})
+
+
+def size_of(quantity: str, unit: str) -> float | None:
+    """A unit of a quantity in SI; None if it is not known, as ``ton``, which is several."""
+    written = unit.strip().lower().translate(_SPELLED).replace(" ", "-")
+    if quantity == "length":
+        return LENGTHS.get(written)
+    if quantity == "force":
+        return FORCES.get(written)
+    if match := _OF_FORCE.fullmatch(written):
+        return FORCES[match[1]] / LENGTHS[match[2]]
+    return MASSES.get(written)
+
+
+def size_stated(quantity: str, stated: str, asked: str | None, where: str) -> float:
+    """The unit of a quantity in SI, as stated in the file, or asked for where it is not.
+
+    ``where`` is the place in the file, for messages. Raises a ValueError if neither says it, if both
+    contradict each other, or if it is not known.
+    """
+    name = f"{quantity}_units"
+    if not stated and asked is None:
+        raise ValueError(
+            f"{where}: the file does not say the unit of the {quantity}; give {name}=, allowed: "
+            f"{ALLOWED[quantity]}"
+        )
+    sizes = {}
+    for unit, place in ((stated, where), (asked or "", name)):
+        if unit and (size := size_of(quantity, unit)) is None:
+            raise ValueError(
+                f"{place}: {brief(unit)} is not a known unit of a {quantity}; allowed: "
+                f"{ALLOWED[quantity]}"
+            )
+        if unit:
+            sizes[place] = size
+    first, *others = sizes.values()
+    if others and others != [first]:
+        raise ValueError(
+            f"{name} = {brief(asked)} contradicts {where}, which states {brief(stated)}; correct it, or "
+            "leave it out"
+        )
+    assert first is not None
+    return first

@@ -1,0 +1,1 @@
+"""Buildings as they were read from files of other programs."""

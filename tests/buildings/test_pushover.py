@@ -1,0 +1,432 @@
+"""Pushover curves: read from files, idealized against solutions by hand, and taken over by buildings."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+import stochlin as sl
+from stochlin.messages import DoubtfulInput
+
+pytestmark = pytest.mark.invariant
+
+NAME = "displacement"
+
+
+def curve(displacement: Any, force: Any, units: tuple[str, str] = ("m", "N")) -> xr.DataArray:
+    along = xr.DataArray(np.asarray(displacement, float), dims=NAME, attrs={"units": units[0]})
+    force = np.asarray(force, float)
+    return xr.DataArray(force, dims=NAME, coords={NAME: along}, attrs={"units": units[1]})
+
+
+def numbers(ideal: xr.Dataset) -> list[float]:
+    names = ("yield_force", "yield_displacement", "hardening")
+    return [float(ideal[name]) for name in names]
+
+
+# --- Idealizations ------------------------------------------------------------------------------------
+
+TRILINEAR = curve([0, 1, 3, 6], [0, 100, 140, 150])
+SOFT = curve([0, 1, 4, 10], [0, 60, 150, 180])  # 0.6 of its yield force is on its second line
+
+
+def test_eurocode_8_by_hand() -> None:
+    """Energies 50, 240 and 435, so that ``dy = 2 (6 - 725/150)``."""
+    with pytest.warns(DoubtfulInput, match=r"hardening ratio by eurocode_8 is 0; 0\.01 is taken"):
+        ideal = sl.bilinear_of(TRILINEAR, "eurocode_8")
+    np.testing.assert_allclose(numbers(ideal), [150, 2 * (6 - 725 / 150), 0.01])
+    assert (ideal.post_yield_ratio, ideal.initial_stiffness) == (0, 100)
+    np.testing.assert_allclose(ideal.idealized_base_shear, [0, 150, 150])
+
+
+@pytest.mark.parametrize(
+    ("pushed", "force", "displacement", "slope"),
+    [
+        # 6 V + 150 (6 - V/100) = 2 * 725; the first line is that of the curve.
+        (TRILINEAR, 1100 / 9, 11 / 9, (150 - 1100 / 9) / (6 - 11 / 9)),
+        # u(0.6 V) = 0.02 V - 1, so that uy = V/30 - 5/3, and 10 V + 180 (10 - uy) = 2 * 1335.
+        (SOFT, 142.5, 142.5 / 30 - 5 / 3, 37.5 / (10 - 142.5 / 30 + 5 / 3)),
+    ],
+)
+def test_asce_41_by_hand(pushed: xr.DataArray, force: float, displacement: float, slope: float) -> None:
+    ideal = sl.bilinear_of(pushed)
+    wanted = [force, displacement, slope / (force / displacement)]
+    np.testing.assert_allclose(numbers(ideal), wanted, rtol=1e-8)
+    assert ideal.post_yield_ratio == ideal.hardening
+    assert ideal.effective_stiffness == pytest.approx(force / displacement, rel=1e-8)
+    np.testing.assert_allclose(ideal.idealized_displacement[1:], [displacement, pushed[NAME][-1]])
+
+
+def test_a_bilinear_curve_is_its_own_idealization() -> None:
+    ideal = sl.bilinear_of(curve([0, 0.01, 0.02, 0.05, 0.12], [0, 5e5, 1e6, 1.15e6, 1.5e6]))
+    np.testing.assert_allclose(numbers(ideal), [1e6, 0.02, 0.1], rtol=1e-8)
+    plastic = curve([0, 0.01, 0.02, 0.05, 0.12, 0.13], [0, 5e5, 1e6, 1e6, 1e6, 5e5])
+    for method in ("asce_41", "eurocode_8"):
+        with pytest.warns(DoubtfulInput, match=r"0\.01 is taken"):
+            ideal = sl.bilinear_of(plastic, method)
+        np.testing.assert_allclose(numbers(ideal), [1e6, 0.02, 0.01], rtol=1e-6)
+
+
+@pytest.mark.parametrize("method", ["asce_41", "eurocode_8"])
+def test_areas_are_equal_by_quadrature(method: str) -> None:
+    """Of a smooth curve ``1 - exp(-u)`` in steps, up to its end and up to a target."""
+    u = np.linspace(0, 5, 41)
+    smooth = curve(u, 1 - np.exp(-u))
+    for target in (None, 2.3):
+        ideal = sl.bilinear_of(smooth, method, target_displacement=target, hardening=0.03)
+        end = 5 if target is None else target
+        assert (ideal.target_displacement, ideal.hardening) == (end, 0.03)
+        corners = ideal.idealized_displacement, ideal.idealized_base_shear
+        breaks = [float(ideal.yield_displacement)], u[(u > 0) & (u < end)]
+        own, of_curve = (
+            quad(lambda x, line=line: np.interp(x, *line), 0, end, points=points, limit=200)[0]
+            for line, points in zip((corners, (u, smooth)), breaks, strict=True)
+        )
+        assert own == pytest.approx(of_curve, rel=1e-7)
+
+
+@given(st.lists(st.floats(0.05, 0.9), min_size=2, max_size=6), st.floats(1e-4, 1e3), st.floats(1, 1e9))
+def test_of_a_curve_that_flattens_all_conditions_hold(
+    shares: list[float], width: float, stiffness: float
+) -> None:
+    """Each line has a share of the slope of the one before it; units do not matter."""
+    slopes = stiffness * np.cumprod([1.0, *shares])
+    u = width * np.arange(slopes.size + 1)
+    v = np.append(0.0, np.cumsum(slopes * width))
+    ideal = sl.bilinear_of(curve(u, v), hardening=0.1)
+    corners = ideal.idealized_displacement.values, ideal.idealized_base_shear.values
+    assert np.trapezoid(corners[1], corners[0]) == pytest.approx(np.trapezoid(v, u), rel=1e-6)
+    force, displacement = float(ideal.yield_force), float(ideal.yield_displacement)
+    assert np.interp(0.6 * displacement, u, v) == pytest.approx(0.6 * force, rel=1e-6)
+    assert 0 < force < v[-1]
+    assert corners[1][-1] == v[-1]
+    plastic = sl.bilinear_of(curve(u, v), "eurocode_8", hardening=0.1)
+    corners = plastic.idealized_displacement.values, plastic.idealized_base_shear.values
+    assert np.trapezoid(corners[1], corners[0]) == pytest.approx(np.trapezoid(v, u), rel=1e-9)
+    assert plastic.yield_force == v[-1]
+
+
+def test_what_comes_after_the_peak_or_the_target_does_not_count() -> None:
+    softening = curve([0, 1, 3, 6, 8, 9], [0, 100, 140, 150, 120, 60])
+    for target in (None, 7.0):
+        ideal = sl.bilinear_of(softening, target_displacement=target)
+        assert numbers(ideal) == numbers(sl.bilinear_of(TRILINEAR))
+    cut = sl.bilinear_of(softening, target_displacement=4.5)
+    np.testing.assert_allclose(
+        numbers(cut), numbers(sl.bilinear_of(curve([0, 1, 3, 4.5], [0, 100, 140, 145])))
+    )
+
+
+WRONG: dict[str, tuple[Callable[[], Any], str]] = {
+    "few points": (lambda: curve([0, 1, 2], [0, 1, 1.2]), "has 3 points; allowed: 4 or more"),
+    "back": (
+        lambda: curve([0, 1, 0.9, 2], [0, 1, 1.2, 1.3]),
+        r"point 3: the displacement goes from 1 to 0\.9 m; allowed: displacements that increase",
+    ),
+    "falls": (
+        lambda: curve([0, 1, 2, 3], [0, 3, 2, 1]),
+        r"point 3: the base shear falls from the start, from 3 to 2 N",
+    ),
+    "not from 0": (
+        lambda: curve([0.1, 1, 2, 3], [0, 2, 3, 3.3]),
+        r"point 1: the curve begins at 0\.1 m and 0 N; allowed: 0 and 0",
+    ),
+    "negative": (lambda: curve([0, 1, 2, 3], [0, 2, 3, -1]), "point 4: the base shear is -1 N"),
+    "straight": (
+        lambda: curve([0, 1, 2, 3], [0, 1, 2, 3]),
+        "does not bend up to 3 m, so that it has no yield point",
+    ),
+    "stiffens": (
+        lambda: curve([0, 1, 1.01, 2, 3, 4], [0, 60, 98, 99, 99.5, 100]),
+        r"no two lines have its area and cross it at 0\.6",
+    ),
+    "units": (
+        lambda: curve([0, 1, 2, 3], [0, 2, 3, 3.3], ("mm", "kN")),
+        "has 'mm' as units, where m is allowed",
+    ),
+    "dimensions": (
+        lambda: xr.DataArray([0.0, 1.0, 2.0, 2.1], dims="step"),
+        "has the dimensions .'step',.; allowed: displacement alone",
+    ),
+    "NaN": (lambda: curve([0, 1, 2, 3], [0, 2, np.nan, 3]), "allowed: finite numbers"),
+    "list": (lambda: [0, 1, 2], r"pushover = \[0, 1, 2\]; allowed: an xarray.DataArray"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_is_wrong_with_a_curve_is_said(case: str) -> None:
+    made, message = WRONG[case]
+    with pytest.raises((ValueError, TypeError), match=message):
+        sl.bilinear_of(made())
+
+
+def test_what_is_wrong_with_the_arguments_is_said() -> None:
+    with pytest.raises(ValueError, match="method = 'eurocode' is not known; did you mean 'eurocode_8'"):
+        sl.bilinear_of(TRILINEAR, "eurocode")
+    with pytest.raises(ValueError, match="target_displacement = 7 m is beyond the curve"):
+        sl.bilinear_of(TRILINEAR, target_displacement=7.0)
+    with pytest.raises(ValueError, match=r"target_displacement = -1\.0 is out of range"):
+        sl.bilinear_of(TRILINEAR, target_displacement=-1.0)
+    with pytest.raises(ValueError, match=r"hardening = 2\.0 is out of range"):
+        sl.bilinear_of(TRILINEAR, hardening=2.0)
+
+
+# --- Files --------------------------------------------------------------------------------------------
+
+FILES: dict[str, tuple[str, dict[str, Any]]] = {
+    "units in titles": ("Roof displacement [mm],Base shear (kN)\n0,0\n10,500\n30,700\n60,750\n", {}),
+    "line of units": (
+        "TABLE:  Base Shear vs Monitored Displacement\n"
+        "Step,Monitored Displ,Base Force,A-B,B-C\n,mm,kN,,\n"
+        "0,0,0,12,0\n1,10,500,12,0\n2,30,700,10,2\n3,60,750,8,4\n",
+        {},
+    ),
+    "decimal commas": ("Displ [cm];Shear [MN]\n0;0\n1;0,5\n3;0,7\n6;0,75\n", {}),
+    "spaces, reactions": (
+        "# roof, base\n0.0 0.0\n0.01 -500.\n0.03 -700.\n0.06 -7.5e2\n",
+        {"length_units": "m", "force_units": "kN"},
+    ),
+    "without its origin, pushed to the left": (
+        "shear,roof\n500,-10\n700,-30\n750,-60\n",
+        {"length_units": "mm", "force_units": "kN"},
+    ),
+    "columns by name and number": (
+        "a [mm],b [kN],c\n0,0,1\n10,500,1\n30,700,1\n60,750,1\n",
+        {"displacement_column": 0, "force_column": "b", "force_units": "kN"},
+    ),
+}
+
+
+@pytest.mark.parametrize("case", FILES)
+def test_a_curve_is_read_in_si(case: str, tmp_path: Path) -> None:
+    text, options = FILES[case]
+    path = tmp_path / "push.csv"
+    path.write_text(text, encoding="utf-8")
+    read = sl.read_pushover(path, **options)
+    np.testing.assert_allclose(read[NAME], [0, 0.01, 0.03, 0.06], rtol=1e-12)
+    np.testing.assert_allclose(read, [0, 5e5, 7e5, 7.5e5], rtol=1e-12)
+    assert (read.attrs["units"], read[NAME].attrs["units"]) == ("N", "m")
+    assert (read.name, read.attrs["source"]) == ("base_shear", "push.csv")
+    sl.bilinear_of(read)
+
+
+HEAD = "roof [mm],shear [kN]\n"
+UNREADABLE: dict[str, tuple[str, dict[str, Any], str]] = {
+    "no units": (
+        "roof [mm],shear\n0,0\n1,2\n2,3\n3,3.1\n",
+        {},
+        r"column 2: the file does not say the unit of the force; give force_units=, allowed: N, kN",
+    ),
+    "contradiction": (
+        f"{HEAD}0,0\n1,2\n2,3\n3,3.1\n",
+        {"length_units": "cm"},
+        r"length_units = 'cm' contradicts push\.csv, column 1, which states 'mm'",
+    ),
+    "which ton": (
+        "roof [mm],shear [ton]\n0,0\n1,2\n2,3\n3,3.1\n",
+        {},
+        "'ton' is not a known unit of a force; allowed: N, kN",
+    ),
+    "unit of another kind": (
+        f"{HEAD}0,0\n1,2\n",
+        {"force_units": 3},
+        "force_units = 3; allowed: a text",
+    ),
+    "which column": (
+        "roof,shear x,shear y\n0,0,0\n1,2,2\n2,3,3\n3,4,4\n",
+        {"length_units": "m", "force_units": "N"},
+        r"force_column is missing: push\.csv, line 2 has 3 columns .* shear x, shear y; give force_col",
+    ),
+    "no such column": (
+        f"{HEAD}0,0\n1,2\n",
+        {"force_column": 5},
+        r"force_column = 5 is not in push\.csv, line 2; allowed: 2 columns \(index 0 to 1\)",
+    ),
+    "one column": (f"{HEAD}0,0\n1,2\n", {"force_column": 0}, "are both in column 1"),
+    "no numbers": ("roof,shear\n", {}, "has no line of numbers"),
+    "text": (
+        f"{HEAD}0,0\n1,2\n2,collapse\n3,3\n",
+        {},
+        r"push\.csv, line 4, column 2: 'collapse' is not a force",
+    ),
+    "back": (
+        f"{HEAD}0,0\n1,2\n3,3\n2,3.1\n",
+        {},
+        r"push\.csv, line 5: the displacement goes from 0\.003",
+    ),
+    "falls": (f"{HEAD}0,0\n1,3\n2,2\n3,1\n", {}, r"push\.csv, line 4: the base shear falls from the st"),
+    "offset": (f"{HEAD}0.5,0\n1,2\n2,3\n3,3.1\n", {}, r"line 2: the curve begins at 0\.0005 m and 0 N"),
+    "few": (f"{HEAD}0,0\n1,2\n2,2.1\n", {}, "has 3 points; allowed: 4 or more"),
+}
+
+
+@pytest.mark.parametrize("case", UNREADABLE)
+def test_what_is_wrong_with_a_file_is_said(case: str, tmp_path: Path) -> None:
+    text, options, message = UNREADABLE[case]
+    path = tmp_path / "push.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises((ValueError, TypeError), match=message):
+        sl.read_pushover(path, **options)
+
+
+def test_a_file_that_is_not_there_is_said(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        sl.read_pushover(tmp_path / "none.csv")
+
+
+# --- Buildings ----------------------------------------------------------------------------------------
+
+MASSES, STIFFNESSES = np.array([3e5, 2.5e5, 2.5e5, 1.5e5]), np.array([4e8, 3e8, 3e8, 2e8])
+CHAIN = sl.ShearBuilding(MASSES, STIFFNESSES, [4.0, 3.2, 3.2, 3.2], 0.05)
+
+
+def first_mode() -> tuple[np.ndarray, float]:
+    """Shape with 1 at the roof and circular frequency, by numpy."""
+    drifts = np.eye(4) - np.eye(4, k=-1)
+    matrix = drifts.T @ np.diag(STIFFNESSES) @ drifts
+    squares, shapes = np.linalg.eig(matrix / MASSES[:, None])
+    n = int(np.argmin(squares))
+    return shapes[:, n] / shapes[-1, n], float(np.sqrt(squares[n]))
+
+
+SHAPE, OMEGA = first_mode()
+OF_ROOF = OMEGA**2 * float(MASSES @ SHAPE)  # base shear over the displacement of the roof
+
+
+def pushed_to(building: sl.ShearBuilding, base_shear: float) -> float:
+    """Displacement of the roof under forces of the first mode, storey by storey from its law."""
+    shears = base_shear * (MASSES * SHAPE)[::-1].cumsum()[::-1] / (MASSES @ SHAPE)
+    values = {name: array.to_numpy() for name, array in building.arrays().items()}
+    k, strength, hardening = values["stiffnesses"], values["yield_drifts"], values["hardening"]
+    beyond = np.maximum(shears - k * strength, 0.0)
+    return float((np.minimum(shears, k * strength) / k + beyond / (hardening * k)).sum())
+
+
+@pytest.mark.parametrize("softer", [1.0, 0.8])
+def test_a_chain_is_pushed_along_the_idealized_curve(softer: float) -> None:
+    """Its own stiffness times a factor, yield at 3 cm and hardening of 0.08."""
+    stiffness = softer * OF_ROOF
+    u = np.array([0, 0.03, 0.06, 0.12])
+    forces = stiffness * np.array([0, 0.03, 0.03 * 1.08, 0.03 * 1.24])
+    ideal = sl.bilinear_of(curve(u, forces))
+    np.testing.assert_allclose(numbers(ideal), [forces[1], 0.03, 0.08], rtol=1e-7)
+    if softer == 1:
+        building = CHAIN.with_pushover(ideal)
+    else:
+        with pytest.warns(DoubtfulInput, match="begins with the stiffness of a period of"):
+            building = CHAIN.with_pushover(ideal)
+    np.testing.assert_allclose(building.arrays()["stiffnesses"], softer * STIFFNESSES, rtol=1e-7)
+    roof = [pushed_to(building, force) for force in forces]
+    np.testing.assert_allclose(roof, u, rtol=1e-6, atol=1e-12)
+    first = building.oscillator()
+    moves = building.first_mode_moves()[-1]
+    assert first.yield_displacement == pytest.approx(0.03 / float(moves), rel=1e-7)
+
+
+def test_the_oscillator_of_the_first_mode_has_force_and_displacement_of_the_curve() -> None:
+    """Chopra and Goel: ``F/L = V/(G L)`` and ``D = u/(G s)``, with a curve that cracks early."""
+    u = np.array([0, 0.01, 0.04, 0.1])
+    forces = OF_ROOF * np.array([0, 0.01, 0.024, 0.03])
+    ideal = sl.bilinear_of(curve(u, forces))
+    force, displacement, hardening = numbers(ideal)
+    factor = MASSES @ SHAPE / (MASSES @ SHAPE**2)
+    modal_mass = (MASSES @ SHAPE) ** 2 / (MASSES @ SHAPE**2)
+    with pytest.warns(DoubtfulInput, match="of the mass"):
+        modes = sl.ModalBuilding([2 * np.pi / OMEGA], -3 * SHAPE[None], MASSES, [3.2] * 4, 0.04)
+    with pytest.warns(DoubtfulInput, match="of the mass"):
+        yielding = modes.with_pushover(ideal)
+    for building in (yielding, CHAIN.with_pushover(ideal)):
+        first = building.oscillator()
+        strength = (2 * np.pi / first.period) ** 2 * first.yield_displacement
+        assert strength == pytest.approx(force / modal_mass, rel=1e-9)
+        assert first.yield_displacement == pytest.approx(displacement / factor, rel=1e-9)
+        assert first.hardening == pytest.approx(hardening, rel=1e-12)
+        assert first.period > 1.1 * 2 * np.pi / OMEGA
+
+
+def test_higher_modes_keep_their_strength() -> None:
+    ideal = sl.bilinear_of(curve([0, 0.03, 0.06, 0.12], OF_ROOF * np.array([0, 0.03, 0.032, 0.036])))
+    drifts = np.eye(4) - np.eye(4, k=-1)
+    root = np.sqrt(MASSES)
+    matrix = drifts.T @ np.diag(STIFFNESSES) @ drifts / np.outer(root, root)
+    squares, vectors = np.linalg.eigh(matrix)
+    periods, shapes = 2 * np.pi / np.sqrt(squares), (vectors / root[:, None]).T
+    modes = sl.ModalBuilding(
+        periods, shapes, MASSES, [3.2] * 4, 0.05, hardening=0.2, yield_displacements=[0.05, 0.004]
+    )
+    values = modes.with_pushover(ideal).arrays()
+    factor = MASSES @ SHAPE / (MASSES @ SHAPE**2)
+    np.testing.assert_allclose(values["yield_displacements"], [0.03 / factor, 0.004], rtol=1e-7)
+    np.testing.assert_allclose(values["hardening"], [float(ideal.hardening), 0.2])
+    np.testing.assert_allclose(values["periods"], periods, rtol=1e-7)
+    elastic = sl.ModalBuilding(periods, shapes, MASSES, [3.2] * 4, 0.05).with_pushover(ideal)
+    assert elastic.arrays()["yield_displacements"].size == 1
+
+
+def test_what_does_not_fit_a_building_is_said() -> None:
+    ideal = sl.bilinear_of(curve([0, 0.03, 0.06, 0.12], OF_ROOF * np.array([0, 0.03, 0.032, 0.036])))
+    with pytest.warns(DoubtfulInput, match="check units and masses"):
+        CHAIN.with_pushover(ideal.assign(initial_stiffness=ideal.initial_stiffness * 1e3))
+    with pytest.raises(ValueError, match="idealized has hardening = nan; allowed: the result of bilin"):
+        CHAIN.with_pushover({"yield_force": 1e6, "yield_displacement": 0.02})
+    with pytest.raises(TypeError, match=r"idealized = 0\.02; allowed: the result of bilinear_of"):
+        CHAIN.with_pushover(0.02)  # type: ignore[arg-type]
+    values = CHAIN.arrays()
+    heavy = sl.ShearBuilding(MASSES, STIFFNESSES, values["heights"], 0.05, p_delta=True)
+    with pytest.raises(ValueError, match="p_delta = True; allowed with a pushover curve: False"):
+        heavy.with_pushover(ideal)
+    given_: dict[str, Any] = {"participation": [0.4, 1.2], "modal_masses": [1e5, 2.9e5]}
+    turning = sl.ModalBuilding([0.5, 0.4], [[0.5, 1], [0.4, 1]], [2e5] * 2, [3.0] * 2, 0.05, **given_)
+    with (
+        pytest.warns(DoubtfulInput, match="check units"),
+        pytest.raises(ValueError, match="mode 2 has more effective mass than mode 1"),
+    ):
+        turning.with_pushover(ideal)
+
+
+# --- Picture ------------------------------------------------------------------------------------------
+
+
+def test_the_picture_shows_the_curve_and_its_idealization(tmp_path: Path) -> None:
+    u, forces = np.array([0, 0.02, 0.05, 0.12, 0.15]), np.array([0, 9e5, 1.3e6, 1.5e6, 1.1e6])
+    ideal = sl.bilinear_of(curve(u, forces).assign_attrs(source="push.csv"))
+    ideal.to_netcdf(tmp_path / "table.nc")
+    with xr.open_dataset(tmp_path / "table.nc") as of_file:
+        for table in (ideal, of_file):
+            figure = sl.charts.draw_pushover(table)
+            (axes,) = figure.axes
+            drawn, idealized, point = (line.get_xydata() for line in axes.get_lines())
+            np.testing.assert_allclose(drawn, np.column_stack([100 * u, forces / 1e3]))
+            corners = table.idealized_displacement * 100, table.idealized_base_shear / 1e3
+            np.testing.assert_allclose(idealized, np.column_stack(corners))
+            np.testing.assert_allclose(point, idealized[1:2])
+            assert idealized[-1].tolist() == [12, 1500]
+            assert (axes.get_xlabel(), axes.get_ylabel()) == (
+                "displacement of the roof [cm]",
+                "base shear [kN]",
+            )
+            text = " ".join(figure.texts[-1].get_text().split())
+            assert "ASCE 41: push.csv. Yield at 2.6 cm and 1154 kN" in text
+            assert f"hardening ratio {float(ideal.hardening):.3g}; " in text
+    with pytest.warns(DoubtfulInput, match=r"0\.01 is taken"):
+        plastic = sl.bilinear_of(curve(u, forces), "eurocode_8")
+    figure = sl.charts.draw_pushover(plastic)
+    assert "hardening ratio 0.01 taken, 0 in" in " ".join(figure.texts[-1].get_text().split())
+    assert not sl.charts.draw_pushover(plastic, caption=False).texts[-1].get_text()
+
+
+def test_the_lines_of_the_picture_are_told_apart_in_grey_and_the_legend_is_outside() -> None:
+    figure = sl.charts.draw_pushover(sl.bilinear_of(SOFT))
+    (axes,) = figure.axes
+    curve_line, ideal_line = axes.get_lines()[:2]
+    assert curve_line.get_linestyle() != ideal_line.get_linestyle()
+    figure.draw_without_rendering()
+    assert axes.get_legend().get_window_extent().y0 >= axes.get_window_extent().y1
+    with pytest.raises(ValueError, match="allowed: what bilinear_of returns"):
+        sl.charts.draw_pushover(xr.Dataset())
