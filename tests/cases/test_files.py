@@ -352,7 +352,7 @@ WRONG = {
         "storeys = 8",
         "storeys = 8\nstoreys  = 8",
         "storeys  =",
-        ["'storeys' is already given in line 124", "each key once"],
+        ["'storeys' is already given in line 129", "each key once"],
     ),
     "dotted key": ("[contact]", "[contact]\na.b.c = 3", "a.b.c", ["contact.a is not a key"]),
     "dotted table": ("title =", "mitigations.a = 1\ntitle =", "mitigations.a", ["mitigations is not a"]),

@@ -218,7 +218,7 @@ WRONG = {
     "an oscillator with a storey height": (
         'name = "A"\nstorey_height = "3 m"\nstoreys = 4\n',
         "[building_1]",
-        ["building_1 has no strength", "base_shear_coefficient = 0.15, elastic = true"],
+        ["building_1 has no strength", "base_shear_coefficient = 0.15, pushover = "],
     ),
     "an oscillator with a base shear": (
         'period = "1 s"\nstoreys = 4\nbase_shear_coefficient = 0.2\n',

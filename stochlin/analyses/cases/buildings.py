@@ -7,11 +7,14 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import count
+from pathlib import Path
 from typing import Any
 
 from stochlin.analyses.cases.files.design import Design, read_design
+from stochlin.analyses.cases.files.known import Known
+from stochlin.analyses.cases.files.pushover import check_pushover, pushed
 from stochlin.analyses.cases.files.quantities import Quantity
-from stochlin.analyses.cases.files.schema import GAP, OSCILLATOR, keys_of_way
+from stochlin.analyses.cases.files.schema import GAP, OSCILLATOR, PUSHOVER, keys_of_way
 from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.cases.storeys import (
     OF_STOREYS,
@@ -27,7 +30,7 @@ from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import Structure
 from stochlin.models.uncertain import UncertainModel, applied, median_of
 
-STRENGTHS = ("reduction_factor", "yield_displacement", "ductility", "elastic")
+STRENGTHS = ("reduction_factor", "yield_displacement", "ductility", PUSHOVER, "elastic")
 MOST_SHOWN = 5  # gaps in an example
 _NUMBERED = re.compile(r"building_([1-9]\d*)")
 
@@ -105,13 +108,16 @@ def building_keys(whole: Section, *others: str) -> list[str]:
     return [f"building_{number}" for number in range(1, max(1, len(keys)) + 1)]
 
 
-def read_buildings(whole: Section, keys: Sequence[str]) -> tuple[AnyBuilding, ...]:
+def read_buildings(
+    whole: Section, keys: Sequence[str], folder: Path, known: Known
+) -> tuple[AnyBuilding, ...]:
     """All buildings; those with a strength by ductility are still elastic, until they are on a ground.
 
-    A building with any key of `OF_STOREYS` has storeys; any other is an oscillator.
+    A building with any key of `OF_STOREYS` has storeys; any other is an oscillator. Files of pushover
+    curves are in the folder, and are not read again if they are known.
     """
     return tuple(
-        read_storeys(section, number) if storey_keys(section) else _oscillator(section, number)
+        (read_storeys if storey_keys(section) else _oscillator)(section, number, folder, known)
         for number, section in enumerate(map(whole.section, keys), start=1)
     )
 
@@ -143,21 +149,25 @@ def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:
     return tuple(gaps)
 
 
-def _oscillator(section: Section, number: int) -> Building:
+def _oscillator(section: Section, number: int, folder: Path, known: Known) -> Building:
     _, law = law_of(section)
     section.only(*keys_of_way(OSCILLATOR), *law.own_parameters(), elsewhere=OF_STOREYS)
     strength = strength_key(
         section,
         STRENGTHS,
-        'reduction_factor = 4, yield_displacement = "3 cm", ductility = 4, elastic = true',
+        'reduction_factor = 4, yield_displacement = "3 cm", ductility = 4, pushover = "push.csv", '
+        "elastic = true",
     )
-    names = ("period", "damping") if strength == "elastic" else ("period", "damping", "hardening")
+    check_pushover(section)
+    names = ("period", "damping", *(() if strength in (PUSHOVER, "elastic") else ("hardening",)))
     if strength in ("reduction_factor", "yield_displacement"):
         names = (*names, strength)
     # Parameters of the law with a default, which is an attribute of the class, may be missing.
     own = [name for name in law.own_parameters() if name in section or not hasattr(law, name)]
     names = (*names, *(["mass"] if "mass" in section else []), *own)
     described = section.described(law, names)
+    if strength == PUSHOVER:
+        described = pushed(section, described, folder, known)
     structure: Structure = median_of(described)
     by_ductility = strength == "ductility"
     quantity = Quantity.declared(DuctilityTarget, "ductility")

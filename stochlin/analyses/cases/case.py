@@ -22,6 +22,7 @@ from stochlin.analyses.cases.buildings import (
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
 from stochlin.analyses.cases.files.design import read_codes
 from stochlin.analyses.cases.files.known import Known, name_of
+from stochlin.analyses.cases.files.pushover import pushover_files
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import WALL
 from stochlin.analyses.cases.files.sections import Section, read_sections
@@ -263,7 +264,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     ----------
     path : str or path
         Path of the case file, TOML as in `stochlin.example_case`. Values with a unit are texts such as
-        ``"0.8 s"``; paths of records are relative to the file. Nothing in the file is evaluated as code.
+        ``"0.8 s"``; paths of other files are relative to it. Nothing in the file is evaluated as code.
 
     Returns
     -------
@@ -317,7 +318,7 @@ def case_of(whole: Section, path: Path, known: Known) -> Case:
     site, motion, wanted = (whole.section(key) for key in ("site", "motion", "separation"))
     wanted.only(*wanted.keys, "numbers")
     of_site = read_site(site, motion, path.parent, known)
-    buildings = read_buildings(whole, keys)
+    buildings = read_buildings(whole, keys, path.parent, known)
     align = wanted.read("floors_align")
     slabs = slabs_of_row(buildings)
     if align and slabs:
@@ -328,7 +329,7 @@ def case_of(whole: Section, path: Path, known: Known) -> Case:
     before = ", ".join(others)
     return Case(
         whole=whole,
-        inputs=(path, *of_site.inputs),
+        inputs=(path, *of_site.inputs, *pushover_files(whole, keys, path.parent)),
         title=whole.read("title") or " and ".join(filter(None, [before, last])),
         of_site=of_site,
         described=buildings,

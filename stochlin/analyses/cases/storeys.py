@@ -6,13 +6,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from stochlin.analyses.cases.files.design import Design, read_design
+from stochlin.analyses.cases.files.known import Known
+from stochlin.analyses.cases.files.pushover import check_pushover, pushed
 from stochlin.analyses.cases.files.quantities import Quantity
-from stochlin.analyses.cases.files.schema import BUILDING, OSCILLATOR, REGULAR, SINGLY, keys_of_way
+from stochlin.analyses.cases.files.schema import (
+    BUILDING,
+    OF_PUSHOVER,
+    OSCILLATOR,
+    PUSHOVER,
+    REGULAR,
+    SINGLY,
+    keys_of_way,
+)
 from stochlin.analyses.cases.files.sections import Section
 from stochlin.messages import listed
 from stochlin.models.buildings import STOREYS, RegularBuilding, ShearBuilding
@@ -118,7 +129,7 @@ def storey_keys(section: Section) -> list[str]:
     return [key for key in OF_STOREYS if key in section]
 
 
-def read_storeys(section: Section, number: int) -> StoreyBuilding:
+def read_storeys(section: Section, number: int, folder: Path, known: Known) -> StoreyBuilding:
     """The building, regular or storey by storey; a ValueError for missing or additional keys."""
     a_few = any(key in section for key in WAYS[REGULAR][1:])
     singly = any(key in section for key in WAYS[SINGLY][: 2 if a_few else 3])
@@ -130,7 +141,10 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
         what = f"goes with {key}, not with elastic = true; leave one of them out"
         raise section.error("strength_factor", what)
     example = 'yield_drifts = "2 cm", of all storeys or a list' if singly else f"{key} = 0.15"
-    strength = strength_key(section, (key, "elastic"), f"{example}, elastic = true")
+    strength = strength_key(
+        section, (key, PUSHOVER, "elastic"), f'{example}, pushover = "push.csv", elastic = true'
+    )
+    check_pushover(section)
     _check_missing(section, needed)
     _check_counts(section, [*WAYS[SINGLY], "heights", "dampers", *law.own_parameters()])
     own = [key for key in law.own_parameters() if key in section or not hasattr(law, key)]
@@ -140,7 +154,7 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
         "law_parameters": {key: section.number_or_list(key, Quantity.declared(law, key)) for key in own},
         "p_delta": section.read("p_delta"),
     }
-    if strength != "elastic":
+    if strength == key:
         values["hardening"] = section.parameter(
             "hardening", Quantity.declared(ShearBuilding, "hardening")
         )
@@ -149,6 +163,8 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
             "dampers", Quantity.declared(ShearBuilding, "dampers")
         )
     described = (_singly if singly else _regular)(section, strength, values)
+    if strength == PUSHOVER:
+        described = pushed(section, described, folder, known)
     factor = section.read("strength_factor")
     period = section.number("period", PERIOD) if singly and "period" in section else None
     if period is not None or factor != 1:
@@ -156,10 +172,13 @@ def read_storeys(section: Section, number: int) -> StoreyBuilding:
     structure = median_of(described)
     if strength != "elastic":
         _doubt_strength(section, strength, structure)
-    known = section.read("name") or f"Building {number}"
-    uncertain = described if isinstance(described, UncertainModel) else None
-    design = read_design(section, structure.storeys, is_oscillator=False)
-    return StoreyBuilding(known, structure, strength, uncertain, design)
+    return StoreyBuilding(
+        section.read("name") or f"Building {number}",
+        structure,
+        strength,
+        described if isinstance(described, UncertainModel) else None,
+        read_design(section, structure.storeys, is_oscillator=False),
+    )
 
 
 def law_of(section: Section) -> tuple[str, type[Structure]]:
@@ -201,7 +220,7 @@ def _regular(section: Section, strength: str, values: dict[str, Any]) -> Any:
         "storey_height": heights,
         "storeys": len(heights) if isinstance(heights, list) else section.whole("storeys", STOREYS),
     }
-    if strength != "elastic":
+    if strength in WAYS[REGULAR]:
         values[strength] = section.parameter(strength, COEFFICIENT)
     return section.made(ShearBuilding.regular, values)
 
@@ -212,7 +231,7 @@ def _singly(section: Section, strength: str, values: dict[str, Any]) -> Any:
         values[key] = section.parameters(key, Quantity.declared(ShearBuilding, key))
     heights, storeys = _heights(section), np.size(median_of(values["masses"]))
     values["heights"] = heights if isinstance(heights, list) else [heights] * storeys
-    if strength != "elastic":
+    if strength in WAYS[SINGLY]:
         values[strength] = section.parameter_or_list(
             strength, Quantity.declared(ShearBuilding, strength)
         )
@@ -232,6 +251,7 @@ def _heights(section: Section) -> float | list[float]:
 def _check_keys(section: Section, allowed: Sequence[str]) -> None:
     """Raise a ValueError for an unknown key, or a key that cannot be combined with those of storeys."""
     elsewhere = (*OF_STOREYS, *OF_OSCILLATORS, "period")
+    shown = [key for key in allowed if key not in OF_PUSHOVER]  # which only a curve needs
     strange = [key for key in section.values if key in elsewhere and key not in allowed]
     if strange:
         marks = [key for key in storey_keys(section) if key not in strange]
@@ -239,7 +259,7 @@ def _check_keys(section: Section, allowed: Sequence[str]) -> None:
         raise section.error(
             strange[0],
             f"is not a key that is known here{more if strange[1:] else ''}, where {_say(marks)} by its "
-            f"storeys; allowed: {', '.join(allowed)}; for an oscillator, leave out {listed(marks)}",
+            f"storeys; allowed: {', '.join(shown)}; for an oscillator, leave out {listed(marks)}",
         )
     section.only(*allowed, elsewhere=elsewhere)
     if "heights" in section and "storey_height" in section:

@@ -24,7 +24,9 @@ from stochlin.analyses.cases.files.schema import (
     HEIGHTS,
     MOST_STOREYS,
     NUMBER,
+    OF_PUSHOVER,
     OSCILLATOR,
+    PUSHOVER,
     REGULAR,
     SHEARS,
 )
@@ -117,7 +119,7 @@ def open_case(files: Mapping[str, bytes]) -> tuple[Form, list[str]]:
         with warnings.catch_warnings(record=True) as doubts:
             warnings.simplefilter("always", DoubtfulInput)
             try:
-                _to_subfolders(read_sections(path).section("site", needed=False), files, path.parent)
+                _to_subfolders(read_sections(path), files, path.parent)
                 form, notes = opened(read_case(path))
             except (OSError, ValueError) as error:
                 raise ValueError(_without(folder, error)) from error
@@ -143,9 +145,9 @@ def _without(folder: str, error: Exception) -> str:
     )
 
 
-def _to_subfolders(site: Section, files: Mapping[str, bytes], folder: Path) -> None:
+def _to_subfolders(whole: Section, files: Mapping[str, bytes], folder: Path) -> None:
     """Move uploaded files to the subfolders of ``folder`` where the case looks for them."""
-    for text in {*_texts(site.values), *_of_tables(files)}:
+    for text in {*_texts(whole.values), *_of_tables(files)}:
         chosen, there = folder / PurePosixPath(text).name, folder / text
         inside = ".." not in there.parts and there.is_relative_to(folder)
         if inside and there.name in files and not there.exists():
@@ -319,6 +321,9 @@ def _open_building(
 ) -> tuple[dict[str, Any], dict[str, dict[str, Any]]]:
     """What the controls of a building say besides its keys, and its rest for each way to describe it."""
     shown: dict[str, Any] = {"yields": building.structure.yields}
+    if building.strength == PUSHOVER:
+        _in_numbers(building, table)
+        notes.append(f"What a pushover curve says of {building.name} is kept as numbers here.")
     if isinstance(building, StoreyBuilding):
         return _open_storeys(case, building, table, shown)
     structure = building.structure
@@ -334,7 +339,7 @@ def _open_building(
             f"The strength of {building.name}, given by ductility, is kept as a reduction factor "
             "here: another ground or period changes its yield displacement."
         )
-    by_displacement = building.strength == "yield_displacement"
+    by_displacement = building.strength in ("yield_displacement", PUSHOVER)
     shown |= {
         "described": OSCILLATOR,
         "strength": BY_DISPLACEMENT if by_displacement else BY_FACTOR,
@@ -342,6 +347,22 @@ def _open_building(
     }
     kept = {key: table[key] for key in ("mass", "height", "storeys") if key in table}
     return shown, {OSCILLATOR: kept | _noted(table), REGULAR: PLAIN_FLOORS | _noted(table)}
+
+
+def _in_numbers(building: AnyBuilding, table: dict[str, Any]) -> None:
+    """Put the numbers that a building has from a pushover curve in place of the name of its file."""
+    names = ["period", "yield_displacement"]
+    if isinstance(building, StoreyBuilding):
+        names = ["masses", "stiffnesses", "heights", "yield_drifts"]
+        for key in ("period", "floor_mass", "storeys", "storey_height", "strength_factor"):
+            table.pop(key, None)
+    for key in (PUSHOVER, *OF_PUSHOVER):
+        table.pop(key, None)
+    values, structure = building.structure.arrays(), building.structure
+    for name in names:
+        texts = [f"{number!r} {structure.units(name)}" for number in np.ravel(values[name]).tolist()]
+        table[name] = texts if values[name].ndim else texts[0]
+    table["hardening"] = float(values["hardening"])
 
 
 def _open_storeys(

@@ -50,6 +50,8 @@ OF_SCALE = (
 OSCILLATOR, REGULAR, SINGLY = "oscillator", "regular", "storey by storey"
 FRAME, WALL = "frame", "wall"  # structural systems
 OF_OSCILLATORS, OF_REGULAR, OF_STOREYS = (OSCILLATOR,), (REGULAR,), (REGULAR, SINGLY)
+PUSHOVER, OF_PUSHOVER = "pushover", ("pushover_method", "pushover_units", "participation")
+PARTICIPATION = Quantity("1", Range(1.0, 3.0, True, True, "1 for one storey, about 1.3 to 1.6 for more"))
 EUROCODE_8, ASCE_7, FILE = "eurocode_8", "asce_7", "spectrum of the file"
 
 ALL = table(Key("title", str, "Title of all results", None))
@@ -167,6 +169,10 @@ BUILDING = table(
     declared(ShearBuilding, "stiffnesses", ways=(SINGLY,)),
     declared(ShearBuilding, "yield_drifts", ways=(SINGLY,)),
     declared(ShearBuilding, "dampers", ways=OF_STOREYS),
+    Key(PUSHOVER, str, "File of its pushover curve, from which it has strength and hardening"),
+    Key("pushover_method", ("asce_41", "eurocode_8"), "Idealization of the curve", "asce_41"),
+    Key("pushover_units", str, "Units of displacement and base shear in the file, a list of both"),
+    Key("participation", PARTICIPATION, "Displacement of the roof over its own", ways=OF_OSCILLATORS),
     Key("elastic", bool, "It does not yield", False),
     Key("p_delta", bool, "Weight softens storeys (P-delta)", False, ways=OF_STOREYS),
     Key("law", str, "Hysteresis law", "bilinear"),

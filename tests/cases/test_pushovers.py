@@ -1,0 +1,238 @@
+"""Pushover curves in case files: buildings are those of Python, and what does not fit is said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import cases
+import numpy as np
+import pytest
+
+import stochlin as sl
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.explorer.opening import open_case, opened
+from stochlin.messages import DoubtfulInput
+
+pytestmark = pytest.mark.invariant
+
+# Of a building of 480 t in four equal storeys, whose first mode is straight and has 0.8 s.
+REGULAR: dict[str, Any] = {"period": 0.8, "storeys": 4, "storey_height": 3.0, "mass": 1.2e5}
+ELASTIC = sl.ShearBuilding.regular(**REGULAR, damping=0.05)
+ROOF = 4 / 3  # participation of the roof, 3 n/(2 n + 1), and its effective mass over all, below
+STIFFNESS = (10 / 12) * 4.8e5 * (2 * np.pi / 0.8) ** 2 / ROOF  # of the base shear over the roof
+U = np.array([0.0, 0.02, 0.04, 0.08, 0.16])
+CURVE = STIFFNESS * np.array([0.0, 0.02, 0.034, 0.042, 0.046])
+
+OSCILLATOR = """[building_1]
+period = "0.8 s"
+damping = "5 %"
+pushover = "push.csv"
+participation = 1.3333333333333333
+
+"""
+STOREYS = """[building_2]
+period = "0.8 s"
+storeys = 4
+storey_height = "3 m"
+floor_mass = "120 t"
+damping = "5 %"
+pushover = "push.csv"
+
+"""
+MASSES, STIFFNESSES = (
+    str([f"{value!r} {unit}" for value in ELASTIC.arrays()[key].values.tolist()])
+    for key, unit in (("masses", "kg"), ("stiffnesses", "N/m"))
+)
+SINGLY = f"""[building_2]
+masses = {MASSES}
+stiffnesses = {STIFFNESSES}
+storey_height = "3 m"
+damping = "5 %"
+pushover = "push.csv"
+
+"""
+
+
+@pytest.fixture(autouse=True)
+def push(tmp_path: Path) -> Path:
+    """The curve beside the case file."""
+    path = tmp_path / "push.csv"
+    lines = [f"{100 * u!r},{v / 1e3!r}" for u, v in zip(U.tolist(), CURVE.tolist(), strict=True)]
+    path.write_text("\n".join(["roof [cm],shear [kN]", *lines]), encoding="utf-8")
+    return path
+
+
+def read(folder: Path, *buildings: str) -> Case:
+    text = cases.with_buildings(*buildings).replace("align = true", "align = false")
+    (folder / "case.toml").write_text(text, encoding="utf-8")
+    return sl.read_case(folder / "case.toml")
+
+
+def same(one: Any, other: Any) -> None:
+    assert one.describe() == other.describe()
+    for name, array in one.arrays().items():
+        np.testing.assert_allclose(array, other.arrays()[name], rtol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["asce_41", "eurocode_8"])
+def test_buildings_are_those_of_python(method: str, push: Path, tmp_path: Path) -> None:
+    """The oscillator is the first mode of the building with storeys, as both have the same mode."""
+    line = f'pushover_method = "{method}"\nhardening = "3 %"\n'
+    ideal = sl.bilinear_of(sl.read_pushover(push), method, hardening=0.03)
+    wanted = ELASTIC.with_pushover(ideal)
+    chosen = (text.replace("damping", f"{line}damping", 1) for text in (OSCILLATOR, STOREYS, SINGLY))
+    oscillator, *others = chosen
+    for storeys in others:
+        case = read(tmp_path, oscillator, storeys)
+        assert case.first.strength == case.second.strength == "pushover"
+        assert case.inputs == (tmp_path / "case.toml", push)
+        same(case.second.structure, wanted)
+        first, mode = case.first.structure.arrays(), wanted.oscillator().arrays()
+        for name in ("period", "hardening", "yield_displacement"):
+            assert float(first[name]) == pytest.approx(float(mode[name]), rel=1e-6)
+
+
+def test_hardening_is_that_of_the_curve_unless_it_is_given(push: Path, tmp_path: Path) -> None:
+    ideal = sl.bilinear_of(sl.read_pushover(push))
+    case = read(tmp_path, OSCILLATOR, STOREYS)
+    for building in case.buildings:
+        assert building.structure.hardening == pytest.approx(float(ideal.hardening), rel=1e-12)
+    with pytest.warns(DoubtfulInput, match=r"building_1.pushover = 'push.csv' is doubtful: .*0\.01 is"):
+        read(tmp_path, f'{OSCILLATOR}pushover_method = "eurocode_8"\n', STOREYS)
+
+
+def test_units_are_those_of_the_file_or_of_their_key(push: Path, tmp_path: Path) -> None:
+    known = read(tmp_path, OSCILLATOR, STOREYS)
+    text = push.read_text(encoding="utf-8")
+    push.write_text(text.replace(" [cm]", "").replace(" [kN]", ""), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"line \d+: building_1.pushover = .*does not say the unit of"):
+        read(tmp_path, OSCILLATOR, STOREYS)
+    units = 'pushover_units = ["cm", "kN"]\n'
+    given = read(tmp_path, OSCILLATOR + units, STOREYS + units)
+    for one, other in zip(known.buildings, given.buildings, strict=True):
+        same(one.structure, other.structure)
+    with pytest.raises(ValueError, match=r"pushover_units = 'cm' is no pair of units; allowed: of dis"):
+        read(tmp_path, f'{OSCILLATOR}pushover_units = "cm"\n', STOREYS)
+
+
+def test_a_measured_period_and_a_factor_on_the_strength_come_after_the_curve(tmp_path: Path) -> None:
+    """Storeys keep their yield shears under another period."""
+    known = read(tmp_path, OSCILLATOR, SINGLY).second.structure
+    lines = 'period = "0.6 s"\nstrength_factor = 1.5\n'
+    tuned = read(tmp_path, OSCILLATOR, SINGLY + lines).second.structure
+    assert float(tuned.periods()[0]) == pytest.approx(0.6, rel=1e-9)
+    shears = [s.arrays()["stiffnesses"] * s.arrays()["yield_drifts"] for s in (known, tuned)]
+    np.testing.assert_allclose(shears[1], 1.5 * shears[0], rtol=1e-9)
+
+
+def test_uncertain_parameters_keep_the_curve(tmp_path: Path) -> None:
+    """A sample with another period of an oscillator has its strength; storeys that of the curve."""
+    case = read(
+        tmp_path,
+        OSCILLATOR.replace("0.8 s", "0.8 s +- 10 %"),
+        STOREYS.replace("0.8 s", "0.8 s +- 20 %"),
+    )
+    certain = read(tmp_path, OSCILLATOR, STOREYS)
+    first, second = (building.uncertain for building in case.buildings)
+    assert first is not None
+    assert second is not None
+    longer = first.at({"period": 1.2})
+    assert longer.period == pytest.approx(1.2 * certain.first.structure.period)
+    assert longer.yield_displacement == certain.first.structure.yield_displacement
+    same(second.at({"period": 1.4}), certain.second.structure)
+
+
+def test_doubtful_curves_are_doubted(push: Path, tmp_path: Path) -> None:
+    """Of another unit: the effective mass is 10/12 of the mass, and ten times that."""
+    heavy = f'{OSCILLATOR}mass = "480 t"\n'
+    read(tmp_path, heavy, STOREYS)
+    text = push.read_text(encoding="utf-8")
+    push.write_text(text.replace("cm", "mm"), encoding="utf-8")
+    with pytest.warns(DoubtfulInput) as caught:
+        read(tmp_path, heavy, STOREYS)
+    said = [str(warning.message) for warning in caught]
+    assert len(said) == 2
+    assert "building_1.pushover = 'push.csv' is doubtful: its stiffness" in said[0]
+    assert "an effective mass of 4e+06 kg, 8.33 of the mass; check units" in said[0]
+    assert "building_2.pushover = 'push.csv' is doubtful: the pushover curve begins" in said[1]
+
+
+WRONG: dict[str, tuple[str, str, str]] = {
+    "no participation": (
+        OSCILLATOR.replace("participation", "#"),
+        STOREYS,
+        r"building_1\.participation is missing; write, for instance, participation = 1\.5",
+    ),
+    "participation in per cent": (
+        OSCILLATOR.replace("1.3333333333333333", "0.75"),
+        STOREYS,
+        r"participation = 0\.75 is out of range; allowed: 1 <= value <= 3, finite \(1 for one storey",
+    ),
+    "no curve": (
+        OSCILLATOR.replace('pushover = "push.csv"', 'yield_displacement = "3 cm"\nhardening = 0.05'),
+        STOREYS,
+        r"building_1\.participation = 1\.33\d+ goes with pushover; add that, or leave it out",
+    ),
+    "two strengths": (
+        OSCILLATOR,
+        f"{STOREYS}base_shear_coefficient = 0.15\n",
+        r"strength is given 2 times, by base_shear_coefficient and pushover",
+    ),
+    "of storeys": (
+        OSCILLATOR,
+        f"{STOREYS}participation = 1.3\n",
+        r"building_2\.participation = 1\.3 is not a key that is known here",
+    ),
+    "no file": (
+        OSCILLATOR.replace("push.csv", "none.csv"),
+        STOREYS,
+        r"building_1\.pushover = 'none\.csv' cannot be used: .*there is no such file",
+    ),
+    "not a curve": (
+        OSCILLATOR.replace("push.csv", "notes.csv"),
+        STOREYS,
+        r"building_1\.pushover = 'notes\.csv' cannot be used: notes\.csv has no line of numbers",
+    ),
+    "weight": (
+        OSCILLATOR,
+        f"{STOREYS}p_delta = true\n",
+        r"building_2\.pushover = .* p_delta = True; allowed with a pushover curve: False",
+    ),
+    "method": (
+        OSCILLATOR,
+        f'{STOREYS}pushover_method = "eurocode"\n',
+        r"pushover_method = 'eurocode' is not known; did you mean 'eurocode_8'\?",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_does_not_fit_is_said(case: str, tmp_path: Path) -> None:
+    *buildings, message = WRONG[case]
+    (tmp_path / "notes.csv").write_text("pushed by us\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=rf"^case\.toml, line \d+: .*{message}"):
+        read(tmp_path, *buildings)
+
+
+@pytest.mark.parametrize("storeys", [STOREYS, SINGLY])
+def test_the_explorer_keeps_the_numbers_of_the_curve(storeys: str, tmp_path: Path) -> None:
+    case = read(tmp_path, OSCILLATOR, storeys)
+    form, notes = opened(case)
+    again = form.case()
+    assert again.inputs == (tmp_path / "case.toml",)
+    for one, other in zip(case.buildings, again.buildings, strict=True):
+        for name, array in one.structure.arrays().items():
+            np.testing.assert_allclose(other.structure.arrays()[name], array, rtol=1e-9)
+        assert f"What a pushover curve says of {one.name} is kept as numbers here." in notes
+
+
+def test_an_uploaded_case_reads_curves_of_its_own_folder_only(push: Path, tmp_path: Path) -> None:
+    text = cases.with_buildings(OSCILLATOR, STOREYS).replace("align = true", "align = false")
+    files = {"push.csv": push.read_bytes()}
+    inner = text.replace("push.csv", "curves/push.csv")
+    _, notes = open_case({"case.toml": inner.encode(), **files})
+    assert "What a pushover curve says of Building 1 is kept as numbers here." in notes
+    for outside in ("../push.csv", str(push)):
+        with pytest.raises(ValueError, match="is outside of the folder of the case file; allowed here"):
+            open_case({"case.toml": text.replace("push.csv", outside).encode(), **files})
