@@ -42,6 +42,7 @@ WITHOUT_FORMULA = {
     "peak_factor_names",
     "read_case",
     "read_hazard",
+    "read_modes",
     "read_pushover",
     "read_record",
     "read_records",

@@ -249,6 +249,7 @@ def arguments(name: str, tmp: Path) -> dict[str, Any]:
     if "path" in parameters:
         texts = {"read_case": sl.example_case(), "read_spectrum": SPECTRUM}
         texts["read_pushover"] = "0 0\n10 500\n30 700\n60 750\n"
+        texts["read_modes"] = "mode,,1\nperiod [s],,0.5\nlevel [m],mass [kg],shape\n3,1e5,1\n"
         texts["read_hazard"] = "0.1,0.01\n0.3,0.001\n"
         text = texts.get(name, "\n".join(map(str, np.sin(TIME))))
         (tmp / "file.txt").write_text(text, encoding="utf-8")

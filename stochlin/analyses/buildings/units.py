@@ -43,31 +43,32 @@ def size_of(quantity: str, unit: str) -> float | None:
 
 
 def size_stated(quantity: str, stated: str, asked: str | None, where: str) -> float:
-    """The unit of a quantity in SI, as stated in the file, or asked for where it is not.
+    """The unit of a quantity in SI, as stated in the file, or asked for where it is not or not known.
 
     ``where`` is the place in the file, for messages. Raises a ValueError if neither says it, if both
     contradict each other, or if it is not known.
     """
-    name = f"{quantity}_units"
-    if not stated and asked is None:
-        raise ValueError(
-            f"{where}: the file does not say the unit of the {quantity}; give {name}=, allowed: "
-            f"{ALLOWED[quantity]}"
-        )
-    sizes = {}
-    for unit, place in ((stated, where), (asked or "", name)):
-        if unit and (size := size_of(quantity, unit)) is None:
+    name, own = f"{quantity}_units", size_of(quantity, stated)
+    if asked is None:
+        if own is not None:
+            return own
+        if not stated:
             raise ValueError(
-                f"{place}: {brief(unit)} is not a known unit of a {quantity}; allowed: "
+                f"{where}: the file does not say the unit of the {quantity}; give {name}=, allowed: "
                 f"{ALLOWED[quantity]}"
             )
-        if unit:
-            sizes[place] = size
-    first, *others = sizes.values()
-    if others and others != [first]:
+        raise ValueError(
+            f"{where}: {brief(stated)} is not a known unit of a {quantity}; allowed: "
+            f"{ALLOWED[quantity]}; or give {name}="
+        )
+    size = size_of(quantity, asked)
+    if size is None:
+        raise ValueError(
+            f"{name} = {brief(asked)} is not a known unit of a {quantity}; allowed: {ALLOWED[quantity]}"
+        )
+    if own not in (None, size):
         raise ValueError(
             f"{name} = {brief(asked)} contradicts {where}, which states {brief(stated)}; correct it, or "
             "leave it out"
         )
-    assert first is not None
-    return first
+    return size

@@ -26,7 +26,7 @@ from stochlin.models.buildings.base import (
 from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
-from stochlin.models.uncertain import Uncertain
+from stochlin.models.uncertain import Uncertain, takes_uncertain
 
 if TYPE_CHECKING:
     import sympy
@@ -43,6 +43,7 @@ DIMENSIONS = {
     "heights": STOREY,
 }
 OF_STRENGTH = ("hardening", "yield_displacement")
+OF_TABLE = {"period", "shape", "mass", "height"}
 MAYBE_ONE = ("damping", "hardening", "yield_displacements")  # one number may stand for a list
 
 
@@ -152,6 +153,60 @@ class ModalBuilding(MultistoreyBuilding):
                     "yield displacements be uncertain"
                 )
         return super().__new__(cls, *args, **kwargs)
+
+    @classmethod
+    @takes_uncertain
+    def from_table(cls, table: xr.Dataset, *, damping: float, **others: Any) -> Self:
+        """The building of a table of modes, as `read_modes` reads it.
+
+        Participation factors and modal masses of the table are used if the shapes and the floor masses
+        do not give them, as for the corner of a building that turns.
+
+        Parameters
+        ----------
+        table : xarray.Dataset
+            ``period`` [s], ``shape``, ``mass`` [kg] and storey ``height`` [m] over ``mode`` and
+            ``floor``, and maybe ``participation`` and ``modal_mass`` [kg].
+        damping : float or array
+            As in `ModalBuilding`.
+        **others
+            ``hardening``, ``yield_displacements``, ``law`` and ``law_parameters``, as in
+            `ModalBuilding`.
+
+        Returns
+        -------
+        ModalBuilding
+            The building.
+
+        Raises
+        ------
+        ValueError, TypeError
+            As in `ModalBuilding`, or if the table lacks a variable.
+
+        Examples
+        --------
+        >>> import xarray as xr
+        >>> import stochlin as sl
+        >>> modes = xr.Dataset(
+        ...     {"period": ("mode", [0.5]), "shape": (("mode", "floor"), [[0.6, 1.0]])}
+        ... ).assign(mass=("floor", [2e5, 1e5]), height=("floor", [3.5, 3.5]))
+        >>> sl.ModalBuilding.from_table(modes, damping=0.05).modes
+        1
+        """
+        if not isinstance(table, xr.Dataset) or not {*table.data_vars} >= OF_TABLE:
+            raise ValueError(
+                f"table = {brief(table)}; allowed: a dataset with {listed(sorted(OF_TABLE))}, as from "
+                "read_modes"
+            )
+        shapes, masses = table["shape"].transpose(MODE, FLOOR).to_numpy(), table["mass"].to_numpy()
+        if "modal_mass" in table and not _give(shapes, masses, table["modal_mass"].to_numpy()):
+            others = {
+                "participation": table["participation"].to_numpy(),
+                "modal_masses": table["modal_mass"].to_numpy(),
+            } | others
+        return cls(
+            table["period"].to_numpy(), shapes, masses, table["height"].to_numpy(), damping, **others
+        )
 
     def __post_init__(self) -> None:
         name = f"{type(self).__name__}: "
@@ -383,12 +438,11 @@ class ModalBuilding(MultistoreyBuilding):
 
     def _check_orthogonal(self, name: str) -> None:
         shapes, masses = self._shapes_and_masses
-        modal = (shapes * masses) @ shapes.T
-        if not (np.diag(modal) > 0).all():
-            still = int(np.argmin(np.diag(modal))) + 1
+        moving = shapes.any(axis=1)
+        if not moving.all():
+            still = int(np.argmin(moving)) + 1
             raise ValueError(f"{name}shapes of mode {still} are all 0; allowed: a mode that moves")
-        root = np.sqrt(np.diag(modal))
-        shared = np.abs(modal / np.outer(root, root)) - np.eye(root.size)
+        shared = _shared(shapes, masses)
         if shared.max() > ORTHOGONAL:
             i, j = np.sort(np.unravel_index(np.argmax(shared), shared.shape)) + 1
             raise ValueError(
@@ -431,6 +485,22 @@ def _table(label: str, value: Any) -> xr.DataArray:
             f"{label} = {brief(value)}; allowed: a list of modes, each with one number for every floor"
         )
     return xr.DataArray(array, dims=(MODE, FLOOR))
+
+
+def _give(shapes: Array, masses: Array, modal_masses: Array) -> bool:
+    """Whether shapes are orthogonal with the masses, and have these effective modal masses [kg]."""
+    if (_shared(shapes, masses) > ORTHOGONAL).any():
+        return False
+    own = (shapes @ masses) ** 2 / (shapes**2 @ masses)
+    return bool((np.abs(own - modal_masses) <= ORTHOGONAL * masses.sum()).all())
+
+
+def _shared(shapes: Array, masses: Array) -> Array:
+    """Modal mass that two modes share, over the root of those of both [-] (modes, modes)."""
+    modal = (shapes * masses) @ shapes.T
+    root = np.sqrt(np.diag(modal))
+    shared: Array = np.abs(modal / np.outer(root, root)) - np.eye(root.size)
+    return shared
 
 
 def _size(value: object) -> int:

@@ -1,0 +1,1 @@
+"""Formats of files with the modes of a building, one file each."""

@@ -1,0 +1,74 @@
+"""What all formats of files with modes have in common, and the registry of the formats."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import ClassVar, NamedTuple
+
+from stochlin.analyses.buildings.sheets import Sheet
+from stochlin.kernels.basics.arrays import Array
+from stochlin.registry import Registry
+
+LEAST_SHARE = 0.001  # of the mass; programs print ratios to four digits, and less is left out
+
+
+class Asked(NamedTuple):
+    """What the caller says of a file that has several directions or points, or states no units."""
+
+    direction: str | None = None  # "UX", "UY" or "UZ"
+    points: tuple[str, ...] = ()
+    mass_units: str | None = None
+    length_units: str | None = None
+
+
+class ModesOfFile(NamedTuple):
+    """The modes in a file, in SI; modes in the order of the file, floors in any order.
+
+    ``participation`` and ``modal_masses`` are along the direction, if the file has them. ``left_out``
+    are the numbers of modes that do not move along it.
+    """
+
+    modes: Sequence[int]  # numbers in the file
+    periods: Array  # [s] (modes,)
+    shapes: Array  # (modes, floors)
+    masses: Array  # [kg] (floors,)
+    levels: Array  # above the ground [m] (floors,)
+    participation: Array | None = None  # (modes,)
+    modal_masses: Array | None = None  # [kg] (modes,)
+    left_out: Sequence[int] = ()
+
+
+class ModeFile(ABC):
+    """A format of files with modes."""
+
+    header: ClassVar[str]  # how a file of this format begins, for messages
+    takes: ClassVar[Sequence[str]]  # the arguments of `Asked` that have a meaning for it
+
+    @staticmethod
+    @abstractmethod
+    def recognizes(sheets: Sequence[Sheet]) -> bool:
+        """Whether the first lines are those of this format."""
+
+    @staticmethod
+    @abstractmethod
+    def read(sheets: Sequence[Sheet], asked: Asked) -> ModesOfFile:
+        """The modes in the sheets; a ValueError names line and column of what does not fit."""
+
+
+MODE_FILES: Registry[type[ModeFile]] = Registry(
+    "format of modes", "stochlin.analyses.buildings.mode_files"
+)
+
+
+def chosen_direction(asked: Asked, known: Mapping[str, object], where: str) -> str:
+    """The direction that is asked for, or the only one; a ValueError if it is not in the file."""
+    if asked.direction is None and len(known) == 1:
+        return next(iter(known))
+    if asked.direction is None or asked.direction not in known:
+        given = "is missing" if asked.direction is None else f"= {asked.direction!r} is not in the file"
+        raise ValueError(
+            f"direction {given}: {where} has modes along {' and '.join(known)}; give the one along the "
+            f"gap, direction={next(iter(known))!r}"
+        )
+    return asked.direction

@@ -1,0 +1,160 @@
+"""Modes of buildings from files, as programs of structural analysis print them."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Sequence
+from typing import Annotated
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.buildings.mode_files.base import MODE_FILES, Asked, ModesOfFile
+from stochlin.analyses.buildings.sheets import sheets_of
+from stochlin.analyses.buildings.variables import VARIABLES
+from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.inputs import input_path
+from stochlin.messages import DoubtfulInput, brief, listed, plain
+from stochlin.models.arguments import OneOf, checked
+from stochlin.models.buildings.base import FLOOR, MODE
+
+DIRECTIONS = ("UX", "UY", "UZ")
+
+
+@checked
+def read_modes(
+    path: str | os.PathLike[str],
+    *,
+    direction: Annotated[str, OneOf(DIRECTIONS)] | None = None,
+    points: Sequence[str] = (),
+    mass_units: str | None = None,
+    length_units: str | None = None,
+) -> xr.Dataset:
+    r"""Read the modes of a building from a file that a program of structural analysis printed.
+
+    The format is recognized by its first lines. Units are those of the file, or are given here; they
+    are not guessed.
+
+    Parameters
+    ----------
+    path : str or path
+        Path of the file: a table in the plain form of stochlin; tables that ETABS or SAP2000 export, as
+        a workbook or as text; or the report of OpenSees' ``modalProperties`` with a block of floors. The
+        user guide shows what each needs. Text is in UTF-8, with ``,``, ``;`` or tabs between columns.
+    direction : {"UX", "UY", "UZ"}, optional
+        Direction of the gap, needed where the file has modes along two.
+    points : sequence of str, optional
+        Names of the points whose displacements are the shapes, such as those of the edge that faces
+        the neighbour, one on each floor; needed where the file has several.
+    mass_units, length_units : str, optional
+        Units of masses and of levels, where the file does not state them: ``"kg"``, ``"t"``, or a force
+        over an acceleration such as ``"kN-s2/m"``; ``"m"``, ``"cm"``, ``"mm"``, ``"in"`` or ``"ft"``.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``period`` [s] and ``shape`` over ``mode`` and ``floor``, ``mass`` [kg] and the storey ``height``
+        [m] over ``floor``, from the ground up, for `ModalBuilding.from_table`. If the file has them,
+        also ``participation`` and the effective modal masses ``modal_mass`` [kg]. Modes keep the numbers
+        of the file and come by period, longest first.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ImportError
+        If the file is a workbook and openpyxl is not installed.
+    ValueError
+        If the format is not known; if masses, floors, units or numbers are missing or not valid (the
+        message names line and column); if a direction is missing; or if an argument has no meaning for
+        the format, or contradicts the file.
+
+    Warns
+    -----
+    DoubtfulInput
+        If the leading mode moves more at the lowest floor than at the roof.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import stochlin as sl
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "tower.csv"
+    >>> rows = ["mode,,1,2", "period [s],,0.5,0.18", "level [m],mass [t],shape,shape"]
+    >>> rows += ["7,200,1,1", "3.5,200,0.62,-1.61"]
+    >>> _ = path.write_text("\n".join(rows), encoding="utf-8")
+    >>> modes = sl.read_modes(path)
+    >>> modes["shape"].sel(mode=1).values.tolist(), modes.height.values.tolist()
+    ([0.62, 1.0], [3.5, 3.5])
+    >>> tower = sl.ModalBuilding.from_table(modes, damping=0.05)
+    """
+    path = input_path("path", path)
+    _check_texts(points, mass_units=mass_units, length_units=length_units)
+    name, asked = plain(path.name), Asked(direction, tuple(points), mass_units, length_units)
+    sheets = [sheet for sheet in sheets_of(path) if sheet]
+    kind = next((kind for kind in MODE_FILES.values() if kind.recognizes(sheets)), None)
+    if kind is None:
+        begins = " or ".join(kind.header for kind in MODE_FILES.values())
+        raise ValueError(f"{name} is no file of modes that is known; allowed: a file with {begins}")
+    for argument, value in asked._asdict().items():
+        if value and argument not in kind.takes:
+            raise ValueError(
+                f"{argument} = {brief(value)} has no meaning for {name}, which has {kind.header}; leave "
+                "it out"
+            )
+    return _labelled(kind.read(sheets, asked), name, asked.direction)
+
+
+def _check_texts(points: object, **units: object) -> None:
+    """Raise a TypeError for points or units that are no texts."""
+    if isinstance(points, str) or not isinstance(points, Sequence):
+        raise TypeError(f"points = {brief(points)}; allowed: a list of names")
+    for argument, unit in units.items():
+        if not isinstance(unit, str | None):
+            raise TypeError(f"{argument} = {brief(unit)}; allowed: a text, such as 'kg' or 'm'")
+
+
+def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Dataset:
+    """The dataset, with floors from the ground up and the modes by period."""
+    up, longest = np.argsort(modes.levels), np.argsort(-modes.periods, kind="stable")
+    levels = modes.levels[up]
+    heights = np.diff(levels, prepend=0.0)
+    if not (heights > 0).all():
+        raise ValueError(
+            f"{name}: two floors are at {levels[int(np.argmin(heights))]:g} m; allowed: each level once"
+        )
+    table = xr.Dataset(
+        {
+            "period": (MODE, modes.periods[longest]),
+            "shape": ((MODE, FLOOR), modes.shapes[longest][:, up]),
+            "mass": (FLOOR, modes.masses[up]),
+            "height": (FLOOR, heights),
+        },
+        {
+            MODE: (MODE, np.asarray(modes.modes)[longest], {"long_name": "number of the mode"}),
+            FLOOR: (FLOOR, np.arange(1, levels.size + 1), {"long_name": "floor, from the ground up"}),
+            "level": (FLOOR, levels, {"units": "m", "long_name": VARIABLES["level"][1]}),
+        },
+    )
+    if modes.participation is not None and modes.modal_masses is not None:
+        table["participation"] = MODE, modes.participation[longest]
+        table["modal_mass"] = MODE, modes.modal_masses[longest]
+    _doubt_order(table, name)
+    table = labels.label(table, VARIABLES)
+    table = labels.with_run_information(table, f"Modes of {name}", "read_modes", {})
+    about = {"source": name, "direction": direction or "", "left_out": listed(modes.left_out)}
+    return table.assign_attrs({key: text for key, text in about.items() if text})
+
+
+def _doubt_order(table: xr.Dataset, name: str) -> None:
+    """Warn if the leading mode moves most below, as if the floors were upside down."""
+    shapes, masses = table["shape"].values, table["mass"].values
+    own = (shapes @ masses) ** 2 / (shapes**2 @ masses)
+    leading = np.abs(shapes[np.argmax(table["modal_mass"].values if "modal_mass" in table else own)])
+    if leading[0] > leading[-1]:
+        warnings.warn(
+            f"{name}: the leading mode moves {leading[0]:g} at the lowest floor and {leading[-1]:g} at "
+            "the roof; are the floors in order?",
+            DoubtfulInput,
+            stacklevel=4,
+        )

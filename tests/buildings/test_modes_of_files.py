@@ -1,0 +1,184 @@
+"""Modes of buildings from files, against the buildings that the files were written of."""
+
+import re
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import stochlin as sl
+
+MASSES, LEVELS = np.array([3e5, 3e5, 2.2e5]), np.array([4.0, 7.2, 10.4])
+CHAIN = sl.ShearBuilding(MASSES, [4e8, 3e8, 2e8], np.diff(LEVELS, prepend=0.0), 0.05)
+PLAIN = """# a tower
+mode,,1,2
+period [s],,0.5,0.18
+level [m],mass [t],shape,shape
+7,200,1,1
+3.5,200,0.62,-1.61
+"""
+
+
+def modes_of(building: sl.ShearBuilding) -> tuple[np.ndarray, np.ndarray]:
+    """Periods and shapes (modes, floors) from the eigenvalues of its matrices, by numpy alone."""
+    k, m = np.append(np.asarray(building.stiffnesses), 0.0), np.asarray(building.masses)
+    stiffness = np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1)
+    squares, vectors = np.linalg.eig(stiffness / m[:, None])
+    order = np.argsort(squares)
+    return 2 * np.pi / np.sqrt(squares[order]), vectors.T[order]
+
+
+def plain_text(separator: str = ",", comma: bool = False) -> str:
+    """The chain in the plain form, from the roof down."""
+    periods, shapes = modes_of(CHAIN)
+    rows = [["mode", "", *"123"], ["period [s]", "", *map(repr, periods.tolist())]]
+    rows += [["level [cm]", "mass [kN-s²/m]", "shape", "shape", "shape"]]
+    for level, mass, shape in [*zip(LEVELS * 100, MASSES / 1000, shapes.T, strict=True)][::-1]:
+        rows.append([f"{level:g}", f"{mass:g}", *map(repr, shape.tolist())])
+    text = "\n".join("\t".join(row) for row in rows)
+    return (text.replace(".", ",") if comma else text).replace("\t", separator)
+
+
+def read(tmp_path: Path, text: str, **arguments: object) -> xr.Dataset:
+    path = tmp_path / "tower.csv"
+    path.write_text(text, encoding="utf-8")
+    return sl.read_modes(path, **arguments)
+
+
+@pytest.mark.parametrize(("separator", "comma"), [(",", False), (";", True), ("\t", True), (";", False)])
+def test_a_chain_of_storeys_by_its_modes_is_the_chain(
+    tmp_path: Path, separator: str, comma: bool
+) -> None:
+    table = read(tmp_path, plain_text(separator, comma))
+    tower = sl.ModalBuilding.from_table(table, damping=0.05)
+    np.testing.assert_allclose(tower.mode_periods(), CHAIN.periods(), rtol=1e-9)
+    np.testing.assert_allclose(tower.levels(), LEVELS)
+    np.testing.assert_allclose(tower.effective_masses().sum(), MASSES.sum())
+    ground = sl.WhiteNoise(0.01)
+    expected, found = (
+        sl.linearize_system([building], ground).displacement_std for building in (CHAIN, tower)
+    )
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+
+
+def test_every_variable_has_its_unit_and_floors_come_from_the_ground_up(tmp_path: Path) -> None:
+    table = read(tmp_path, PLAIN)
+    units = {name: table[name].attrs["units"] for name in ("period", "mass", "height", "level")}
+    assert units == {"period": "s", "mass": "kg", "height": "m", "level": "m"}
+    assert table["mass"].values.tolist() == [2e5, 2e5]
+    assert table["shape"].sel(mode=2).values.tolist() == [-1.61, 1.0]
+    assert table.attrs["source"] == "tower.csv"
+
+
+def test_units_may_be_asked_for_and_must_not_contradict_the_file(tmp_path: Path) -> None:
+    bare = PLAIN.replace("[m]", "").replace("[t]", "")
+    table = read(tmp_path, bare, mass_units="kip-s²/in", length_units="ft")
+    np.testing.assert_allclose(table["mass"], 200 * 4448.2216 / 0.0254, rtol=1e-7)
+    np.testing.assert_allclose(table["height"], 3.5 * 0.3048)
+    of_ton = read(tmp_path, PLAIN.replace("[t]", "[ton]"), mass_units="t")  # which ton the user knows
+    assert of_ton["mass"].values.tolist() == [2e5, 2e5]
+    with pytest.raises(ValueError, match=r"mass_units = 'kg' contradicts tower.csv, line 4, column 2"):
+        read(tmp_path, PLAIN, mass_units="kg")
+
+
+TURNING = PLAIN.replace("level", "participation,,0.7,0.2\nmodal mass [t],,210,60\nlevel", 1)
+
+
+def test_what_shapes_do_not_give_is_taken_from_the_file(tmp_path: Path) -> None:
+    table = read(tmp_path, TURNING)
+    with pytest.warns(UserWarning, match=r"67\.5% of the mass"):
+        tower = sl.ModalBuilding.from_table(table, damping=0.05)
+    assert tower.effective_masses().tolist() == [2.1e5, 6e4]
+    assert tower.factors().tolist() == [0.7, 0.2]
+    own = sl.ModalBuilding.from_table(read(tmp_path, PLAIN), damping=0.05)
+    masses = ",".join(f"{mass / 1000:.6g}" for mass in own.effective_masses())
+    factors = ",".join(f"{factor:.6g}" for factor in own.factors())
+    agreeing = TURNING.replace("210,60", masses).replace("0.7,0.2", factors)
+    again = sl.ModalBuilding.from_table(read(tmp_path, agreeing), damping=0.05)
+    assert again.modal_masses is None
+    assert again.describe() == own.describe()
+
+
+def test_an_uncertain_damping_makes_an_uncertain_building(tmp_path: Path) -> None:
+    table = read(tmp_path, PLAIN)
+    tower = sl.ModalBuilding.from_table(table, damping=sl.Uncertain(0.05, 0.2))
+    assert tower.median().describe() == sl.ModalBuilding.from_table(table, damping=0.05).describe()
+    assert tower.at({"damping": 1.2}).damping == pytest.approx(0.06)
+
+
+def test_floors_upside_down_are_doubted(tmp_path: Path) -> None:
+    with pytest.warns(UserWarning, match="are the floors in order"):
+        read(tmp_path, PLAIN.replace("\n7,", "\n3,"))
+
+
+BROKEN = {
+    "line 5, column 2: the mass is missing": PLAIN.replace("7,200", "7,"),
+    "line 6, column 2: the mass is -200; allowed: 0 < value": PLAIN.replace("5,200", "5,-200"),
+    "line 6, column 4: the shape is missing": PLAIN.replace(",-1.61", ""),
+    "line 6, column 5: there is no mode for this shape": PLAIN.replace("-1.61", "-1.61,1"),
+    "line 6, column 3: '0.6.2' is not a shape": PLAIN.replace("0.62", "0.6.2"),
+    "line 6, column 3: '0,62' is not a shape; allowed: a number, with a decimal point": PLAIN.replace(
+        "0.62", '"0,62"'
+    ),
+    "line 2: mode numbers are not 1, 2 and so on": PLAIN.replace("mode,,1,2", "mode,,1,1"),
+    "line 4: no floor follows": PLAIN[: PLAIN.index("\n7")],
+    "line 3: the floors are missing": PLAIN[: PLAIN.index("\nlevel")],
+    "line 2, column 1: the periods are missing below": PLAIN.replace("period [s],,0.5,0.18\n", ""),
+    "line 3, column 1: the unit of the periods is ''": PLAIN.replace("[s]", ""),
+    "line 3, column 1: 'frequency [Hz]' is not known here": PLAIN.replace(
+        "period [s]", "frequency [Hz]"
+    ),
+    "line 4, column 2: the file does not say the unit of the mass; give mass_units=": PLAIN.replace(
+        "[t]", ""
+    ),
+    "line 4, column 2: 'ton' is not a known unit of a mass": PLAIN.replace("[t]", "[ton]"),
+    "line 4, column 2: 'weight [kN]' is not the title of the masses": PLAIN.replace(
+        "mass [t]", "weight [kN]"
+    ),
+    "line 4, column 1: participation is given without modal mass": PLAIN.replace(
+        "level", "participation,,1,1\nlevel", 1
+    ),
+    ": two floors are at 3.5 m": PLAIN.replace("\n7,", "\n3.5,"),
+    " is no file of modes that is known; allowed: a file with a line 'mode,,1,2'": "height,mass\n3,4\n",
+    " is empty": "\n\n",
+}
+
+
+@pytest.mark.parametrize("message", BROKEN)
+def test_a_broken_table_is_refused_with_its_place(tmp_path: Path, message: str) -> None:
+    with pytest.raises(ValueError, match=f"tower.csv,? ?{re.escape(message)}"):
+        read(tmp_path, BROKEN[message])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"direction": "UX"}, "direction = 'UX' has no meaning for tower.csv, which has a line 'mode"),
+        ({"direction": "north"}, "direction = 'north' is not known; allowed: UX, UY, UZ"),
+        ({"points": "12"}, "points = '12'; allowed: a list of names"),
+        ({"mass_units": 1}, "mass_units = 1; allowed: a text"),
+    ],
+)
+def test_an_argument_without_a_meaning_is_refused(
+    tmp_path: Path, arguments: dict[str, object], message: str
+) -> None:
+    with pytest.raises((ValueError, TypeError), match=re.escape(message)):
+        read(tmp_path, PLAIN, **arguments)
+
+
+def test_a_table_that_lacks_masses_makes_no_building(tmp_path: Path) -> None:
+    table = read(tmp_path, PLAIN).drop_vars("mass")
+    with pytest.raises(ValueError, match="allowed: a dataset with height, mass, period, shape"):
+        sl.ModalBuilding.from_table(table, damping=0.05)
+
+
+def test_a_building_by_its_first_mode_alone_is_doubted_for_the_mass_that_is_left_out(
+    tmp_path: Path,
+) -> None:
+    first = re.sub(r",[^,\n]*$", "", PLAIN.replace("# a tower\n", ""), flags=re.MULTILINE)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        sl.ModalBuilding.from_table(read(tmp_path, first), damping=0.05)
+    assert not caught  # 94.8 % of the mass is enough
