@@ -1,0 +1,392 @@
+"""Modes as ETABS, SAP2000 and OpenSees print them, of a building that turns.
+
+The building is written out here: rigid floors with their masses at the four corners, and storeys whose
+stiffness along x is off the centre. Its eigenvalues are those of numpy. All modes together move every
+point of every floor as the ground does: the participation factors times the shapes add up to 1.
+"""
+
+import re
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.linalg
+import xarray as xr
+
+import stochlin as sl
+
+MASSES, HEIGHTS = np.array([300.0, 300.0, 220.0]), np.array([4.0, 3.2, 3.2])  # t, m
+LEVELS, STORIES = np.cumsum(HEIGHTS), ("Story1", "Story2", "Roof")
+A, B, OFF = 9.0, 6.0, 2.0  # half length along x, along y, and eccentricity [m]
+CORNERS = {"1": (A, B), "2": (-A, B), "3": (-A, -B), "4": (A, -B)}
+STIFFNESS = np.array([[4e5, 0, -4e5 * OFF], [0, 3e5, 0], [-4e5 * OFF, 0, 4e7 + 4e5 * OFF**2]])  # kN, m
+
+
+def eigen() -> tuple[np.ndarray, np.ndarray]:
+    """Periods [s], and displacements of the centres (modes, floors, ux uy rz), of unit modal mass."""
+    n = MASSES.size
+    matrix = np.zeros((3 * n, 3 * n))
+    for i in range(n):
+        matrix[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] += STIFFNESS
+        if i:
+            below = slice(3 * i - 3, 3 * i)
+            own = slice(3 * i, 3 * i + 3)
+            matrix[below, below] += STIFFNESS
+            matrix[below, own] -= STIFFNESS
+            matrix[own, below] -= STIFFNESS
+    inertia = np.ravel([(m, m, m * (A**2 + B**2)) for m in MASSES])
+    squares, vectors = scipy.linalg.eigh(matrix, np.diag(inertia))
+    return 2 * np.pi / np.sqrt(squares), vectors.T.reshape(3 * n, n, 3)
+
+
+PERIODS, SHAPES = eigen()
+LOADS = np.einsum("mfd,f->md", SHAPES[..., :2], MASSES)  # sums of mass times displacement (modes, x y)
+RATIOS = LOADS**2 / MASSES.sum()
+
+
+def moves(y: float) -> np.ndarray:
+    """Displacements along x at this y (modes, floors)."""
+    return SHAPES[..., 0] - y * SHAPES[..., 2]
+
+
+def at(corner: str, n: int, f: int) -> list[float]:
+    """Displacements along x and y of a corner."""
+    x, y = CORNERS[corner]
+    return [moves(y)[n, f], SHAPES[n, f, 1] + x * SHAPES[n, f, 2]]
+
+
+Cells = list[list[object]]
+
+
+def table(name: str, titles: str, units: str, rows: Cells) -> Cells:
+    return [[f"TABLE:  {name}"], titles.split("|"), units.split("|"), *rows, []]
+
+
+def ratios_table(case: str = "Case|Mode", decimals: int = 8) -> Cells:
+    rows: Cells = [
+        ["Modal", n, period, *np.round(ratio, decimals), 0.0, *np.cumsum(RATIOS[:n], axis=0)[-1], 0.0]
+        for n, (period, ratio) in enumerate(zip(PERIODS, RATIOS, strict=True), 1)
+    ]
+    titles = f"{case}|Period|UX|UY|UZ|SumUX|SumUY|SumUZ"
+    return table("Modal Participating Mass Ratios", titles, "||sec|||||", rows)
+
+
+def etabs(factor: float = 1.0) -> list[Cells]:
+    """The tables of ETABS; ``factor`` scales shapes, as another unit would."""
+    down = [*range(MASSES.size)][::-1]
+    heights: Cells = [[STORIES[f], HEIGHTS[f] * 1000, "Yes"] for f in down]
+    masses: Cells = [[STORIES[f], MASSES[f], MASSES[f], 0] for f in down] + [["Base", 50, 50, 0]]
+    centres: Cells = [
+        [STORIES[f], "D1", "Modal", "LinModEigen", "Mode", n + 1, *(factor * SHAPES[n, f])]
+        for f in down
+        for n in range(PERIODS.size)
+    ]
+    centres.insert(0, ["Roof", "D1", "Dead", "LinStatic", "", "", 1, 1, 0])
+    joints: Cells = [
+        [STORIES[f], c, f"{f}{c}", "Modal", "LinModEigen", "Mode", n + 1, *at(c, n, f)]
+        for f in down
+        for c in CORNERS
+        for n in range(PERIODS.size)
+    ]
+    of_case = "Output Case|Case Type|Step Type|Step Number"
+    return [
+        ratios_table(),
+        table("Story Definitions", "Story|Height|Master Story", "|mm|", heights),
+        table("Mass Summary by Story", "Story|UX|UY|UZ", "|kN-s²/m|kN-s²/m|kN-s²/m", masses),
+        table(
+            "Diaphragm Center Of Mass Displacements",
+            f"Story|Diaphragm|{of_case}|UX|UY|RZ",
+            "||||||mm|mm|rad",
+            centres,
+        ),
+        table("Joint Displacements", f"Story|Label|Unique Name|{of_case}|Ux|Uy", "|||||||mm|mm", joints),
+    ]
+
+
+def sap2000() -> list[Cells]:
+    """The tables of SAP2000: joints 11 to 34, by floor and corner, and the supports 1 to 4."""
+    names = {(f, c): f"{f + 1}{c}" for f in range(3) for c in CORNERS}
+    places: Cells = [[c, "GLOBAL", "Cartesian", x, y, 10] for c, (x, y) in CORNERS.items()]
+    places += [
+        [name, "GLOBAL", "Cartesian", *CORNERS[c], 10 + LEVELS[f]] for (f, c), name in names.items()
+    ]
+    weights: Cells = [[c, "MSSSRC1", 25, 25, 25] for c in CORNERS]
+    weights += [[name, "MSSSRC1", *[MASSES[f] / 4] * 3] for (f, _), name in names.items()]
+    found: Cells = [
+        [name, "MODAL", "LinModal", "Mode", n + 1, *at(c, n, f)]
+        for (f, c), name in names.items()
+        for n in range(PERIODS.size)
+    ]
+    ratios = [
+        [cell.replace("Modal", "MODAL") if cell == "Modal" else cell for cell in row]
+        for row in ratios_table("OutputCase|StepNum")
+    ]
+    ratios[2] = ["Text", "Unitless", "Sec", *["Unitless"] * 6]
+    return [
+        ratios,
+        table("Joint Coordinates", "Joint|CoordSys|CoordType|XorR|Y|Z", "Text|Text|Text|m|m|m", places),
+        table(
+            "Assembled Joint Masses",
+            "Joint|MassSource|U1|U2|U3",
+            "Text|Text|KN-s2/m|KN-s2/m|KN-s2/m",
+            weights,
+        ),
+        table(
+            "Joint Displacements",
+            "Joint|OutputCase|CaseType|StepType|StepNum|U1|U2",
+            "Text|Text|Text|Text|Unitless|m|m",
+            found,
+        ),
+    ]
+
+
+def as_text(tables: list[Cells], separator: str = ",", comma: bool = False) -> str:
+    rows = [row for cells in tables for row in cells]
+    lines = ["\t".join(map(str, row)) for row in rows]
+    if comma:
+        lines = [re.sub(r"(\d)\.(\d)", r"\1,\2", line) for line in lines]
+    return "\n".join(lines).replace("\t", separator)
+
+
+def by_page(cells: Cells, every: int = 5) -> Cells:
+    """A table with its titles and units again on each page."""
+    rows = cells[3:]
+    pages = [rows[n : n + every] for n in range(0, len(rows), every)]
+    return [row for page in pages for row in (*cells[:3], *page)]
+
+
+def opensees(y: float, floors: str = "# LEVEL[m] MASS[t]") -> str:
+    """The report, printed as OpenSees does, with the floors below it."""
+
+    def block(name: str, titles: list[str], rows: np.ndarray) -> str:
+        head = "".join(f"{title:>14}" for title in titles)
+        lines = ["".join(f"{value:14.6g}" for value in row) for row in rows]
+        return "\n".join(
+            [f"* {name}:", "# Some words, on it.", f"#{head}", "# ----- -----", *lines, "\n"]
+        )
+
+    axes = ["MX", "MY", "MZ", "RMX", "RMY", "RMZ"]
+    none = np.zeros((PERIODS.size, 4))
+    number = np.arange(1, PERIODS.size + 1)[:, None]
+    w = 2 * np.pi / PERIODS
+    whole = np.array([[MASSES.sum(), MASSES.sum(), 0, 0, 0, 0]])
+    squares = np.column_stack([number, w**2, w, 1 / PERIODS, PERIODS])
+    shapes = "\n".join(
+        " ".join(f"{value:.8g}" for value in (LEVELS[f], MASSES[f], *moves(y)[:, f])) for f in range(3)
+    )
+    return "".join(
+        [
+            "# MODAL ANALYSIS REPORT\n\n* 1. DOMAIN SIZE:\n# This is the size, 2 or 3.\n3\n\n\n",
+            block("2. EIGENVALUE ANALYSIS", ["MODE", "LAMBDA", "OMEGA", "FREQUENCY", "PERIOD"], squares),
+            block("4. TOTAL FREE MASS OF THE STRUCTURE", axes, whole),
+            block("6. MODAL PARTICIPATION FACTORS", ["MODE", *axes], np.hstack([number, LOADS, none])),
+            block("7. MODAL PARTICIPATION MASSES", ["MODE", *axes], np.hstack([number, LOADS**2, none])),
+            f"* FLOORS:\n{floors} {' '.join(f'MODE-{n}' for n in number.ravel())}\n{shapes}\n",
+        ]
+    )
+
+
+def read(tmp_path: Path, text: str, **arguments: object) -> sl.ModalBuilding:
+    path = tmp_path / "tower.csv"
+    path.write_text(text, encoding="utf-8")
+    return sl.read_modes(path, **arguments)
+
+
+VARIANTS: dict[str, Callable[[], str]] = {
+    "as exported": lambda: as_text(etabs()),
+    "another unit of the shapes": lambda: as_text(etabs(1000.0)),
+    "in another order": lambda: as_text(etabs()[::-1]),
+    "with a decimal comma": lambda: as_text(etabs(), ";", comma=True),
+    "with tabs": lambda: as_text(etabs(), "\t"),
+    "page by page": lambda: as_text([by_page(cells) for cells in etabs()]),
+    "with other tables": lambda: as_text(
+        [table("Program Control", "Program|Version", "", [["ETABS", "21.1"]]), *etabs()]
+    ),
+    "with a trailing separator": lambda: as_text(etabs()).replace("\n", ",,,\n"),
+}
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_tables_of_etabs_are_the_building(tmp_path: Path, variant: str) -> None:
+    table = read(tmp_path, VARIANTS[variant](), direction="UX")
+    np.testing.assert_allclose(table["mass"], MASSES * 1000)
+    np.testing.assert_allclose(table["height"], HEIGHTS)
+    kept = RATIOS[:, 0] >= 1e-3
+    assert table["mode"].values.tolist() == (np.flatnonzero(kept) + 1).tolist()
+    np.testing.assert_allclose(table["period"], PERIODS[kept])
+    np.testing.assert_allclose(table["modal_mass"], 1000 * MASSES.sum() * RATIOS[kept, 0], rtol=1e-5)
+    moved = table["participation"] * table["shape"]
+    np.testing.assert_allclose(moved, (LOADS[:, :1] * SHAPES[..., 0])[kept], rtol=1e-4, atol=1e-9)
+    assert table.attrs["direction"] == "UX"
+
+
+SOURCES: dict[str, tuple[Callable[[], str], dict[str, object]]] = {
+    "etabs": (lambda: as_text(etabs()), {"points": ["1"], "direction": "UX"}),
+    "sap2000": (lambda: as_text(sap2000()), {"points": ["11", "21", "31"], "direction": "UX"}),
+    "opensees": (lambda: opensees(B), {"direction": "UX"}),
+}
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.filterwarnings("ignore:.*right for an edge")
+def test_the_edge_of_a_building_that_turns_moves_with_the_ground_by_all_modes(
+    tmp_path: Path, source: str
+) -> None:
+    write, arguments = SOURCES[source]
+    table = read(tmp_path, write(), **arguments)
+    whole = (table["participation"] * table["shape"]).sum("mode")
+    np.testing.assert_allclose(whole, 1.0, atol=2e-3)
+    exact = (LOADS[:, :1] * moves(B))[table["mode"].values - 1]
+    np.testing.assert_allclose(table["participation"] * table["shape"], exact, atol=1e-5)
+    tower = sl.ModalBuilding.from_table(table, damping=0.05)
+    assert tower.modal_masses is not None
+    np.testing.assert_allclose(tower.effective_masses().sum(), MASSES.sum() * 1000, rtol=2e-3)
+    np.testing.assert_allclose(tower.levels(), LEVELS)
+
+
+@pytest.mark.parametrize("source", ["etabs", "sap2000"])
+def test_the_other_direction_does_not_turn_and_needs_no_factors(tmp_path: Path, source: str) -> None:
+    """Along y the centre of stiffness is that of mass."""
+    write, arguments = SOURCES[source]
+    table = read(tmp_path, write(), **arguments | {"direction": "UY"})
+    assert table.sizes["mode"] == 3
+    assert table.attrs["left_out"].count(",") == 5
+    tower = sl.ModalBuilding.from_table(table, damping=0.05)
+    assert tower.modal_masses is None
+    np.testing.assert_allclose(tower.effective_masses().sum(), MASSES.sum() * 1000)
+
+
+def test_units_of_a_report_may_be_asked_for(tmp_path: Path) -> None:
+    text = opensees(0.0, "# LEVEL MASS")
+    table = read(tmp_path, text, direction="UX", mass_units="t", length_units="ft")
+    np.testing.assert_allclose(table["mass"], MASSES * 1000)
+    np.testing.assert_allclose(table["level"], LEVELS * 0.3048)
+    np.testing.assert_allclose(
+        table["modal_mass"], 1000 * LOADS[table["mode"].values - 1, 0] ** 2, rtol=1e-5
+    )
+
+
+def test_a_report_of_scaled_shapes_is_doubted(tmp_path: Path) -> None:
+    """Printed with -unorm: factors are those of other shapes than the stored ones."""
+    scaled = re.sub(
+        r"(?<=FACTORS:\n)(.*?)(?=\n\n)",
+        lambda block: re.sub(r"-?\d+\.\d+", lambda n: f"{3 * float(n[0]):.6g}", block[0]),
+        opensees(0.0),
+        flags=re.DOTALL,
+    )
+    with pytest.warns(UserWarning, match="print the report without -unorm"):
+        read(tmp_path, scaled, direction="UX")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        read(tmp_path, opensees(0.0), direction="UX")
+
+
+def test_a_workbook_has_the_same_modes_as_the_text(tmp_path: Path) -> None:
+    openpyxl = pytest.importorskip("openpyxl", reason="openpyxl is in the extra 'tables'")
+    book = openpyxl.Workbook()
+    for cells in etabs()[::-1]:
+        sheet = book.create_sheet(cells[0][0].removeprefix("TABLE:  ")[:31])
+        for row in cells:
+            sheet.append([value.item() if isinstance(value, np.generic) else value for value in row])
+    book.save(tmp_path / "tower.xlsx")
+    of_book = sl.read_modes(tmp_path / "tower.xlsx", direction="UX")
+    of_text = read(tmp_path, as_text(etabs()), direction="UX")
+    xr.testing.assert_allclose(of_book.drop_attrs(), of_text.drop_attrs(), rtol=1e-12)
+    book["Mass Summary by Story"]["B5"] = "heavy"
+    book.save(tmp_path / "tower.xlsx")
+    place = "tower.xlsx, sheet Mass Summary by Story, line 5, column 2: 'heavy' is not a mass"
+    with pytest.raises(ValueError, match=re.escape(place)):
+        sl.read_modes(tmp_path / "tower.xlsx", direction="UX")
+
+
+def test_a_workbook_that_is_none_is_refused(tmp_path: Path) -> None:
+    pytest.importorskip("openpyxl", reason="openpyxl is in the extra 'tables'")
+    (tmp_path / "tower.xlsx").write_bytes(b"PK\x03\x04 and no more")
+    with pytest.raises(ValueError, match=r"tower.xlsx cannot be read as a workbook"):
+        sl.read_modes(tmp_path / "tower.xlsx")
+
+
+def test_without_the_library_of_workbooks_the_message_names_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
+    (tmp_path / "tower.xlsx").write_bytes(b"PK\x03\x04")
+    with pytest.raises(ImportError, match=r"pip install 'stochlin\[tables\]'"):
+        sl.read_modes(tmp_path / "tower.xlsx")
+
+
+ETABS, SAP, REPORT = as_text(etabs()), as_text(sap2000()), opensees(0.0)
+POINTS = {"points": ["11", "21", "31"]}
+BROKEN: dict[str, tuple[str, dict[str, object]]] = {
+    "direction is missing: table Modal Participating Mass Ratios has modes along UX and UY": (ETABS, {}),
+    "direction = 'UZ' is not in the file": (ETABS, {"direction": "UZ"}),
+    "line 5, column 4: 'n/a' is not a UX; allowed: a number": (
+        re.sub(r"(?<=Modal,2,)([^,]*),[^,]*", r"\1,n/a", ETABS, count=1),
+        {},
+    ),
+    "line 4, column 3: the period is missing": (re.sub(r"(?<=Modal,1,)[^,]*", "", ETABS, count=1), {}),
+    "line 2: table Modal Participating Mass Ratios has no column Period": (
+        ETABS.replace("Period", "Time", 1),
+        {},
+    ),
+    "line 15, column 2: the file does not say the unit of the length; give length_units=": (
+        ETABS.replace("\n,mm,\n", "\n"),
+        {},
+    ),
+    "line 23, column 2: 'kN' is not a known unit of a mass": (ETABS.replace("kN-s²/m", "kN"), {}),
+    "table Mass Summary by Story is missing: the file has Modal Participating Mass Ratios": (
+        as_text([cells for cells in etabs() if "Mass Summary" not in str(cells[0])]),
+        {},
+    ),
+    "line 22, column 1: story 'Story2' has no mass": (ETABS.replace("Story2,300.0,300.0,0\n", ""), {}),
+    "line 25, column 2: the mass is -300; allowed: 0 <= value": (
+        ETABS.replace("Story2,300.0,", "Story2,-300.0,"),
+        {},
+    ),
+    "has no displacement of floor 'Story1' in mode 5": (
+        re.sub(r"Story1,D1,Modal,LinModEigen,Mode,5,.*\n", "", ETABS),
+        {},
+    ),
+    "column 1: a second displacement of this story in mode 2; allowed: one diaphragm on each": (
+        re.sub(r"(Roof,D1,Modal,LinModEigen,Mode,2,.*\n)", r"\1\1", ETABS),
+        {},
+    ),
+    "table Joint Displacements has no displacement of floor 'Roof' in mode": (
+        ETABS,
+        {"points": ["9"]},
+    ),
+    "line 5, column 1: a second modal case, 'Ritz' beside 'Modal'": (
+        ETABS.replace("Modal,2,", "Ritz,2,"),
+        {},
+    ),
+    "joints 11 and 12 are both at 4 m; name one on each floor, points=['11', ...]": (SAP, {}),
+    "has joints with 93% of the mass": (re.sub(r"\n34,MODAL.*", "", SAP), POINTS),
+    "column 1: '11' is there twice; export one of them": (
+        re.sub(r"(11,MSSSRC1.*\n)", r"\1\1", SAP),
+        POINTS,
+    ),
+    "has no joint 99 above the base, which points names": (SAP, {"points": ["11", "21", "99"]}),
+    "line 3, column 3: periods are in 'min'; allowed: sec": (ETABS.replace(",sec,", ",min,"), {}),
+    "of the mass is not at the floors, 4, 7.2 m": (SAP, {"points": ["11", "21"]}),
+    "block 'FLOORS' is missing after this one; write '* FLOORS:'": (
+        REPORT[: REPORT.index("* FLOORS")],
+        {},
+    ),
+    "column 2: the file does not say the unit of the mass": (REPORT.replace("[t]", ""), {}),
+    "numbers for 11 titles": (REPORT.replace("\n7.2 300 ", "\n7.2 "), {}),
+    "column 2: the floors have 63.4% of the total free mass": (
+        re.sub(r"\n4 300 .*", "", REPORT),
+        {},
+    ),
+    "points = ('1',) has no meaning for tower.csv": (REPORT, {"points": ["1"]}),
+}
+
+
+@pytest.mark.parametrize("message", BROKEN)
+def test_a_broken_export_is_refused_with_its_place(tmp_path: Path, message: str) -> None:
+    text, arguments = BROKEN[message]
+    along = {} if "direction is missing" in message else {"direction": "UX"}
+    with pytest.raises(ValueError, match=re.escape(message)):
+        read(tmp_path, text, **along | arguments)
