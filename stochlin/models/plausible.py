@@ -31,7 +31,7 @@ class Plausible(NamedTuple):
         return text.partition("; is it ")[0] + meant if meant else text
 
 
-ANY = Plausible(0.0, float("inf"), "", "")
+ANY = Plausible(float("-inf"), float("inf"), "", "")
 _MASS = Plausible(5e3, 2e9, "a floor has 20 t and more", "the heaviest buildings have about 1e6 t")
 _STOREY = Plausible(0.5, 50.0, "storeys are 2 to 6 m high", "storeys are 2 to 6 m high")
 _INTENSITY = "an S0 of 0.01 m^2/s^3 gives peaks of about 0.3 g"

@@ -12,6 +12,7 @@ from typing import Any
 
 from stochlin.analyses.cases.files.design import Design, read_design
 from stochlin.analyses.cases.files.known import Known
+from stochlin.analyses.cases.files.modes import MODES
 from stochlin.analyses.cases.files.pushover import check_pushover, pushed
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import GAP, OSCILLATOR, PUSHOVER, keys_of_way
@@ -113,13 +114,19 @@ def read_buildings(
 ) -> tuple[AnyBuilding, ...]:
     """All buildings; those with a strength by ductility are still elastic, until they are on a ground.
 
-    A building with any key of `OF_STOREYS` has storeys; any other is an oscillator. Files of pushover
-    curves are in the folder, and are not read again if they are known.
+    A building with any key of `OF_STOREYS` has storeys; any other is an oscillator. Files of modes
+    and pushover curves are in the folder, and are not read again if they are known.
     """
     return tuple(
         (read_storeys if storey_keys(section) else _oscillator)(section, number, folder, known)
         for number, section in enumerate(map(whole.section, keys), start=1)
     )
+
+
+def files_of_buildings(whole: Section, keys: Sequence[str], folder: Path) -> list[Path]:
+    """Paths of the files of modes and of pushover curves, each once."""
+    named = (whole.section(key).values.get(of) for key in keys for of in (MODES, PUSHOVER))
+    return [folder / name for name in dict.fromkeys(n for n in named if isinstance(n, str))]
 
 
 def read_gaps(wanted: Section, count: int) -> tuple[float, ...]:

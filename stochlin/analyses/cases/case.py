@@ -16,13 +16,13 @@ from stochlin.analyses.cases.buildings import (
     AnyBuilding,
     Building,
     building_keys,
+    files_of_buildings,
     read_buildings,
     read_gaps,
 )
 from stochlin.analyses.cases.contacts import read_amplification_limit, read_contact, read_measures
 from stochlin.analyses.cases.files.design import read_codes
 from stochlin.analyses.cases.files.known import Known, name_of
-from stochlin.analyses.cases.files.pushover import pushover_files
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import WALL
 from stochlin.analyses.cases.files.sections import Section, read_sections
@@ -329,7 +329,7 @@ def case_of(whole: Section, path: Path, known: Known) -> Case:
     before = ", ".join(others)
     return Case(
         whole=whole,
-        inputs=(path, *of_site.inputs, *pushover_files(whole, keys, path.parent)),
+        inputs=(path, *of_site.inputs, *files_of_buildings(whole, keys, path.parent)),
         title=whole.read("title") or " and ".join(filter(None, [before, last])),
         of_site=of_site,
         described=buildings,

@@ -17,7 +17,7 @@ from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.sites.spectra import interpolated
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.rules.codes import BEHAVIOUR, CODE_RULES, IMPORTANCE, CodeRule, Neighbours
 from stochlin.models.systems import arrangement_of, first_mode
 
@@ -89,7 +89,7 @@ def _applied(case: Case, rule: type[CodeRule], table: xr.Dataset) -> Rule:
     )
     tall: tuple[Any, ...] = tuple(building.height for building in buildings)
     neighbours = Neighbours(case.floors_align, case.same_property, case.same_system)
-    if any(isinstance(structure, ShearBuilding) for structure in structures):
+    if any(isinstance(structure, MultistoreyBuilding) for structure in structures):
         neighbours = of_storeys(neighbours, structures, tall)
         tall = (heights,) * len(buildings)
     factors = _factors(rule, [building.design for building in buildings])
@@ -115,7 +115,9 @@ def design_displacements(case: Case, building: AnyBuilding, rule: type[CodeRule]
     period = float(mode.arrays()["period"])
     at = interpolated(spectrum.period.values, spectrum.values, np.array([period]))
     structure = building.structure
-    shape = structure.participation().values if isinstance(structure, ShearBuilding) else np.ones(1)
+    shape = (
+        structure.first_mode_moves().values if isinstance(structure, MultistoreyBuilding) else np.ones(1)
+    )
     behaviour, importance = (design.factors.get(name, 1.0) for name in (BEHAVIOUR, IMPORTANCE))
     elastic = shape * at * (period / (2 * np.pi)) ** 2
     displacements: Array = rule.under_design_forces(elastic, behaviour, importance)

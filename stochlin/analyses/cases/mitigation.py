@@ -15,7 +15,7 @@ from stochlin.analyses.simulation.finite_motions import keeping_apart
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.systems import LEVEL
 
 
@@ -119,7 +119,7 @@ def _check_fits(case: Case, name: str) -> None:
 def _check_level(case: Case, name: str) -> None:
     """Raise a ValueError if a link without given floors has no floors at the same level."""
     pair = [building.structure for building in case.pair]
-    levels = [structure.levels() for structure in pair if isinstance(structure, ShearBuilding)]
+    levels = [structure.levels() for structure in pair if isinstance(structure, MultistoreyBuilding)]
     if len(levels) < len(pair) or (np.abs(levels[0][:, None] - levels[1]) < LEVEL).any():
         return
     roof = min(own[-1] for own in levels)

@@ -18,7 +18,7 @@ from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.simulation import time_step
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.structures import Structure
 
@@ -173,7 +173,7 @@ def _what(case: Case) -> str:
     return "pounding" if len(case.buildings) > 1 else "alone"
 
 
-def _in_metres(case: Case) -> list[Structure | ShearBuilding]:
+def _in_metres(case: Case) -> list[Structure | MultistoreyBuilding]:
     """The structures of the buildings, with strengths in metres."""
     return [
         strength_in_metres(building.structure, case.ground)
@@ -227,7 +227,9 @@ def _described(table: xr.Dataset) -> xr.Dataset:
     return labels.label(_with_energies(table), VARIABLES)
 
 
-def _named(table: xr.Dataset, case: Case, structures: list[Structure | ShearBuilding]) -> xr.Dataset:
+def _named(
+    table: xr.Dataset, case: Case, structures: list[Structure | MultistoreyBuilding]
+) -> xr.Dataset:
     """The dataset with the names of the buildings, and their floors or yield displacements."""
     names = [building.name for building in case.buildings]
     strengths = [
@@ -240,7 +242,7 @@ def _named(table: xr.Dataset, case: Case, structures: list[Structure | ShearBuil
         table = table.assign_coords(storeys=("structure", storeys, {"long_name": "number of storeys"}))
         levels = np.full((table.sizes["structure"], table.sizes["floor"]), np.nan)
         for row, structure in zip(levels, structures, strict=True):
-            if isinstance(structure, ShearBuilding):
+            if isinstance(structure, MultistoreyBuilding):
                 row[: structure.storeys] = structure.levels()
         about = {"units": "m", "long_name": "height of the floor, not known of an oscillator"}
         table = table.assign_coords(floor_level=(("structure", "floor"), levels, about))

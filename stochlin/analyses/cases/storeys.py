@@ -1,4 +1,4 @@
-"""Buildings with storeys in a case file: regular ones from a few numbers, or storey by storey."""
+"""Buildings with storeys in a case file: from a few numbers, storey by storey, or by their modes."""
 
 from __future__ import annotations
 
@@ -13,10 +13,12 @@ import numpy as np
 
 from stochlin.analyses.cases.files.design import Design, read_design
 from stochlin.analyses.cases.files.known import Known
+from stochlin.analyses.cases.files.modes import modes_of
 from stochlin.analyses.cases.files.pushover import check_pushover, pushed
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import (
     BUILDING,
+    BY_MODES,
     OF_PUSHOVER,
     OSCILLATOR,
     PUSHOVER,
@@ -26,7 +28,13 @@ from stochlin.analyses.cases.files.schema import (
 )
 from stochlin.analyses.cases.files.sections import Section
 from stochlin.messages import listed
-from stochlin.models.buildings import STOREYS, RegularBuilding, ShearBuilding
+from stochlin.models.buildings import (
+    STOREYS,
+    ModalBuilding,
+    MultistoreyBuilding,
+    RegularBuilding,
+    ShearBuilding,
+)
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import Structure
@@ -40,6 +48,7 @@ WAYS = {
 }
 # A building with any of these keys has storeys; an oscillator has none of them.
 OF_STOREYS = [key.name for key in BUILDING.values() if key.ways and OSCILLATOR not in key.ways]
+OF_MODES = [key.name for key in BUILDING.values() if key.ways == (BY_MODES,)]
 OF_OSCILLATORS = [key.name for key in BUILDING.values() if key.ways == (OSCILLATOR,)]
 EXAMPLES = {"period": '"0.8 s"', "floor_mass": '"400 t"', "storeys": "8", "storey_height": '"3.2 m"'}
 PERIOD = Quantity.declared(RegularBuilding, "period")
@@ -52,7 +61,7 @@ class StoreyBuilding:
     """A building of a case with storeys; ``strength`` is the key that gives its strength in the file."""
 
     name: str
-    structure: ShearBuilding
+    structure: MultistoreyBuilding
     strength: str
     uncertain: UncertainModel | None = None  # as in `Building`
     design: Design = field(default_factory=Design)
@@ -75,7 +84,7 @@ class StoreyBuilding:
     @property
     def period(self) -> float:
         """Period of the first mode [s]."""
-        return float(self.structure.periods()[0])
+        return float(self.structure.mode_periods()[0])
 
     @property
     def weighed(self) -> bool:
@@ -130,21 +139,17 @@ def storey_keys(section: Section) -> list[str]:
 
 
 def read_storeys(section: Section, number: int, folder: Path, known: Known) -> StoreyBuilding:
-    """The building, regular or storey by storey; a ValueError for missing or additional keys."""
+    """The building with storeys; a ValueError for missing or additional keys."""
+    if any(key in section for key in OF_MODES):
+        return _by_modes(section, number, folder, known)
     a_few = any(key in section for key in WAYS[REGULAR][1:])
     singly = any(key in section for key in WAYS[SINGLY][: 2 if a_few else 3])
     way = SINGLY if singly else REGULAR
     name, law = law_of(section)
     _check_keys(section, list(dict.fromkeys([*WAYS[way], *keys_of_way(way), *law.own_parameters()])))
     *needed, key = WAYS[way]
-    if section.read("elastic") and "strength_factor" in section:
-        what = f"goes with {key}, not with elastic = true; leave one of them out"
-        raise section.error("strength_factor", what)
     example = 'yield_drifts = "2 cm", of all storeys or a list' if singly else f"{key} = 0.15"
-    strength = strength_key(
-        section, (key, PUSHOVER, "elastic"), f'{example}, pushover = "push.csv", elastic = true'
-    )
-    check_pushover(section)
+    strength = _strength(section, key, example)
     _check_missing(section, needed)
     _check_counts(section, [*WAYS[SINGLY], "heights", "dampers", *law.own_parameters()])
     own = [key for key in law.own_parameters() if key in section or not hasattr(law, key)]
@@ -165,13 +170,62 @@ def read_storeys(section: Section, number: int, folder: Path, known: Known) -> S
     described = (_singly if singly else _regular)(section, strength, values)
     if strength == PUSHOVER:
         described = pushed(section, described, folder, known)
+    building = _named(section, number, described, strength, scaled=singly)
+    if strength != "elastic":
+        assert isinstance(building.structure, ShearBuilding)
+        _doubt_strength(section, strength, building.structure)
+    return building
+
+
+def _by_modes(section: Section, number: int, folder: Path, known: Known) -> StoreyBuilding:
+    """The building by its modes, of a file or in tables."""
+    name, law = law_of(section)
+    allowed = [*keys_of_way(BY_MODES), *law.own_parameters()]
+    for key in (*OF_STOREYS, *OF_OSCILLATORS):
+        if key in section and key not in allowed:
+            raise section.error(
+                key,
+                "does not belong to a building by its modes, which have their own stiffness and mass; "
+                f"allowed: {', '.join(allowed)}",
+            )
+    section.only(*allowed)
+    table = modes_of(section, folder, known)
+    strength = _strength(section, "yield_displacements", 'yield_displacements = "4 cm", of mode 1')
+    if "storeys" in section and section.whole("storeys", STOREYS) != table.sizes["floor"]:
+        what = f"is not the number of floors of the modes, {table.sizes['floor']}; leave it out"
+        raise section.error("storeys", what)
+    own = [key for key in law.own_parameters() if key in section or not hasattr(law, key)]
+    values: dict[str, Any] = {
+        "law": name,
+        "law_parameters": {key: section.number_or_list(key, Quantity.declared(law, key)) for key in own},
+    }
+    for key in ("damping", *(() if strength in (PUSHOVER, "elastic") else ("hardening", strength))):
+        values[key] = section.parameter_or_list(key, Quantity.declared(ModalBuilding, key))
+    described = section.made(ModalBuilding.from_table, {"table": table, **values})
+    if strength == PUSHOVER:
+        described = pushed(section, described, folder, known)
+    return _named(section, number, described, strength, scaled=True)
+
+
+def _strength(section: Section, key: str, example: str) -> str:
+    """The key that gives the strength: this one, the pushover curve or ``elastic``."""
+    if section.read("elastic") and "strength_factor" in section:
+        what = f"goes with {key}, not with elastic = true; leave one of them out"
+        raise section.error("strength_factor", what)
+    strength = strength_key(
+        section, (key, PUSHOVER, "elastic"), f'{example}, pushover = "push.csv", elastic = true'
+    )
+    check_pushover(section)
+    return strength
+
+
+def _named(section: Section, number: int, described: Any, strength: str, scaled: bool) -> StoreyBuilding:
+    """The building with its name, and with its measured period and its strength factor."""
     factor = section.read("strength_factor")
-    period = section.number("period", PERIOD) if singly and "period" in section else None
+    period = section.number("period", PERIOD) if scaled and "period" in section else None
     if period is not None or factor != 1:
         described = applied(partial(tuned, period=period, strengthening=factor), described)
     structure = median_of(described)
-    if strength != "elastic":
-        _doubt_strength(section, strength, structure)
     return StoreyBuilding(
         section.read("name") or f"Building {number}",
         structure,

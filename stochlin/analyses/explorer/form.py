@@ -44,7 +44,7 @@ MEASURES = {S0: ("intensity",), PGA: ("pga",), SA: ("sa", "sa_period")}
 STRENGTHS = {"reduction factor R": "reduction_factor", "yield displacement": "yield_displacement"}
 SPECTRA = (EUROCODE_8, ASCE_7, FILE)
 BUILDINGS = ("building_1", "building_2")
-OF_YIELDING = ("yield_drifts", "base_shear_coefficient", "hardening")
+OF_YIELDING = ("yield_drifts", "yield_displacements", "base_shear_coefficient", "hardening")
 # Where the second building starts if no file says otherwise; the first one starts as its keys say.
 SECOND = {"period": 0.6, "storeys": 5}
 PLAIN_FLOORS = {"floor_mass": "400 t"}  # no result of the explorer depends on it

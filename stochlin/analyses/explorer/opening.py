@@ -17,6 +17,7 @@ from stochlin.analyses.cases.buildings import AnyBuilding
 from stochlin.analyses.cases.case import Case, read_case
 from stochlin.analyses.cases.files.design import OF_DESIGN
 from stochlin.analyses.cases.files.keys import Key
+from stochlin.analyses.cases.files.modes import MODES, OF_READING, in_tables, modes_of
 from stochlin.analyses.cases.files.quantities import Quantity, in_si, is_uncertain
 from stochlin.analyses.cases.files.schema import (
     BUILDING,
@@ -56,6 +57,7 @@ from stochlin.analyses.sites.suites import table_rows
 from stochlin.analyses.tables.inputs import only_within
 from stochlin.messages import DoubtfulInput, brief, listed
 from stochlin.models.arguments import Whole
+from stochlin.models.buildings.base import MODE
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS, Ground, ParallelGround
 from stochlin.models.laws.bilinear import Bilinear
@@ -181,6 +183,15 @@ def opened(case: Case) -> tuple[Form, list[str]]:
     tables: dict[str, Any] = copy.deepcopy(dict(case.whole.values))
     notes: list[str] = []
     pair = dict(zip(BUILDINGS, case.pair, strict=True))
+    for name, building in pair.items():
+        if MODES in tables[name]:
+            modes = modes_of(case.whole.section(name), case.inputs[0].parent, case.of_site.known)
+            if building.strength == PUSHOVER:  # it changes the period of the first mode
+                modes = modes.assign(period=(MODE, building.structure.arrays()["periods"].to_numpy()))
+            kept = {key: value for key, value in tables[name].items() if key not in OF_READING}
+            if isinstance(file := kept[MODES], str):
+                notes.append(f"The modes of {building.name} are kept as tables here, and not in {file}.")
+            tables[name] = kept | in_tables(modes)
     for name in ("site", *BUILDINGS):
         _at_medians(case, name, tables[name])
     choices = _open_site(case, tables["site"], notes)
@@ -353,7 +364,8 @@ def _in_numbers(building: AnyBuilding, table: dict[str, Any]) -> None:
     """Put the numbers that a building has from a pushover curve in place of the name of its file."""
     names = ["period", "yield_displacement"]
     if isinstance(building, StoreyBuilding):
-        names = ["masses", "stiffnesses", "heights", "yield_drifts"]
+        of_storeys = ["masses", "stiffnesses", "heights", "yield_drifts"]
+        names = ["yield_displacements"] if MODES in table else of_storeys
         for key in ("period", "floor_mass", "storeys", "storey_height", "strength_factor"):
             table.pop(key, None)
     for key in (PUSHOVER, *OF_PUSHOVER):
@@ -362,7 +374,7 @@ def _in_numbers(building: AnyBuilding, table: dict[str, Any]) -> None:
     for name in names:
         texts = [f"{number!r} {structure.units(name)}" for number in np.ravel(values[name]).tolist()]
         table[name] = texts if values[name].ndim else texts[0]
-    table["hardening"] = float(values["hardening"])
+    table["hardening"] = values["hardening"].item()
 
 
 def _open_storeys(

@@ -7,7 +7,7 @@ from typing import Any
 
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.linearization.strength import reduction_factor, strength_in_metres
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.rules.codes import Neighbours
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, elastic_period, tuned
@@ -21,7 +21,7 @@ def structures_of(case: Case) -> tuple[AnyStructure, AnyStructure]:
 
 def has_storeys(case: Case) -> bool:
     """Whether at least one building is described by storeys."""
-    return any(isinstance(structure, ShearBuilding) for structure in structures_of(case))
+    return any(isinstance(structure, MultistoreyBuilding) for structure in structures_of(case))
 
 
 def elastic_periods(case: Case) -> tuple[float, float]:
@@ -49,7 +49,7 @@ def equivalent_strength(case: Case, number: int) -> tuple[str, float]:
     It is the yield displacement [m] if the strength is given as a reduction factor, and vice versa.
     """
     structure: Any = structures_of(case)[number - 1]
-    if isinstance(structure, ShearBuilding) or not structure.yields:
+    if isinstance(structure, MultistoreyBuilding) or not structure.yields:
         raise ValueError(f"building {number} is no oscillator that yields")
     if structure.reduction_factor is None:
         return "reduction_factor", float(reduction_factor(structure, case.ground).reduction_factor)
@@ -84,7 +84,7 @@ def heights_of(case: Case) -> tuple[float | None, float | None]:
 def for_codes(case: Case) -> dict[str, Any]:
     """Arguments for rules of building codes; heights only of buildings without storeys."""
     heights = [
-        None if isinstance(building.structure, ShearBuilding) else building.height
+        None if isinstance(building.structure, MultistoreyBuilding) else building.height
         for building in case.pair
     ]
     return {

@@ -26,7 +26,7 @@ from stochlin.analyses.probability.simulated import SAMPLES
 from stochlin.analyses.separation.separation import separation
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.models.buildings import OF_STOREYS, ShearBuilding
+from stochlin.models.buildings import OF_STOREYS, MultistoreyBuilding
 
 SIMULATED_RATIOS = np.geomspace(0.25, 4.0, 13)
 RATIO_PATHS = 256  # correlations need fewer motions than quantiles
@@ -104,7 +104,7 @@ def merge_tables(case: Case, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
     storeys = {
         f"building_{number}": storeys_table(structure)
         for number, structure in enumerate(structures_of(case), start=1)
-        if isinstance(structure, ShearBuilding)
+        if isinstance(structure, MultistoreyBuilding)
     }
     for name, table in (storeys | dict(tables)).items():
         flat = table.reset_coords(set(table.coords) - set(table.dims))
@@ -116,12 +116,14 @@ def merge_tables(case: Case, tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
     ).assign_attrs(confidence=case.confidence, duration_s=case.duration, gap_m=gap_of(case))
 
 
-def storeys_table(building: ShearBuilding) -> xr.Dataset:
-    """Dataset with the parameters of the storeys of a building."""
+def storeys_table(building: MultistoreyBuilding) -> xr.Dataset:
+    """Dataset with the parameters of the storeys of a building, or of its modes and floors."""
     arrays, table = building.arrays(), xr.Dataset()
-    for name in OF_STOREYS:
-        if name in arrays:
+    for name, array in arrays.items():
+        of_storeys = name in OF_STOREYS and name != "heights"
+        if array.ndim or of_storeys:
             about = building.__dataclass_fields__[name].metadata
             attrs = {key: about[key] for key in ("units", "long_name")}
-            table[name] = arrays[name].broadcast_like(arrays["masses"]).assign_attrs(attrs)
+            wide = array.broadcast_like(arrays["masses"]) if of_storeys else array
+            table[name] = wide.assign_attrs(attrs)
     return table

@@ -20,7 +20,6 @@ from stochlin.analyses.explorer.pair import (
     with_period,
 )
 from stochlin.analyses.linearization.systems.solution import SystemSolution
-from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.linearization.systems.systems import equations_of, solved
 from stochlin.analyses.separation.pairs import peak_quantile
 from stochlin.analyses.separation.rules import (
@@ -43,7 +42,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.parameters import Parameter
-from stochlin.models.systems import AnyStructure, elastic_period
+from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, elastic_period
 
 RATIO = "period_ratio", "ratio of the periods, T2/T1"
 LINEARIZED_PEAKS = "peaks of linearization, storey by storey"
@@ -54,8 +53,8 @@ class ResponseAtContacts(NamedTuple):
 
     motion: StationaryResponse
     heights: Array  # [m], from the ground up to the lower roof
-    one: Array  # (heights, floors) factors that give displacements from those of all floors
-    two: Array  # (heights, floors)
+    one: Array  # (heights, coordinates) factors that give displacements from the coordinates
+    two: Array  # (heights, coordinates)
 
 
 class Alone(NamedTuple):
@@ -85,14 +84,18 @@ def _together(case: Case, first: Alone, second: Alone) -> ResponseAtContacts:
     )
     own = equations.yields & ((c_eq != -1) | (k_eq != 0))[0]
     heights = meeting_heights(*equations.arrangement.stacks)
-    factors_1, factors_2 = (_weights(equations, number, heights) for number in (0, 1))
+    arrangement = equations.arrangement
+    factors_1, factors_2 = (
+        _weights(arrangement, number, heights) @ arrangement.storeys.shapes for number in (0, 1)
+    )
     return ResponseAtContacts(
         StationaryResponse(equations.state_space(c_eq, k_eq, own)), heights, factors_1, factors_2
     )
 
 
-def _weights(equations: Equations, number: int, heights: Array) -> Array:
-    return np.array([weights(equations.arrangement, number, height) for height in heights])
+def _weights(arrangement: Arrangement, number: int, heights: Array) -> Array:
+    """Factors that give displacements from those of all floors (heights, floors)."""
+    return np.array([weights(arrangement, number, height) for height in heights])
 
 
 def displacement_densities(case: Case, frequency: Array) -> tuple[Array, Array, float]:
@@ -177,9 +180,9 @@ def simulated_correlation(case: Case, progress: Progress | None) -> xr.Dataset:
 
     Between two floors, the standard error is interpolated.
     """
-    _, heights, factors_1, factors_2 = in_motion(case)
+    arrangement, heights = arrangement_of(structures_of(case)), in_motion(case).heights
     motions = stationary_motions(structures_of(case), case.ground, case.duration, case.seed, progress)
-    factors_1, factors_2 = factors_1[-1:], factors_2[-1:]
+    factors_1, factors_2 = (_weights(arrangement, number, heights[-1:]) for number in (0, 1))
     error = factors_1 @ motions.rho_standard_error.values @ factors_2.T
     ratio = labels.axis(*RATIO, [ratio_of(case)])
     table = xr.Dataset(

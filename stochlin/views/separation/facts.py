@@ -12,7 +12,7 @@ from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.tables.toml import toml_text
 from stochlin.messages import hyphenated
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding, ShearBuilding
 from stochlin.views.separation.risk import risk_sentences
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.verdict import existing, headline, needed, verdict
@@ -102,17 +102,28 @@ def models(case: Case) -> tuple[str, str]:
             return f"it is one {kinds} oscillator, at the level of its roof", "Higher modes"
         return f"each is one {kinds} oscillator, at the level where they could meet", "Higher modes"
     descriptions = [
-        f"{building.name} is {f'a row of {law} storeys' if known else f'one {law} oscillator'}"
-        for building, law, known in zip(case.buildings, laws, storeys, strict=True)
+        f"{building.name} is {_kind(building, law)}"
+        for building, law in zip(case.buildings, laws, strict=True)
     ]
-    rigid = "Floors are rigid and storeys deform in shear only"
-    return f"{', '.join(descriptions)}. {rigid}", "Bending as a whole"
+    said = ", ".join(descriptions)
+    if not any(isinstance(building.structure, ShearBuilding) for building in case.buildings):
+        return f"{said}. The yielding of one mode does not affect the others", "Modes that are not given"
+    return f"{said}. Floors are rigid and storeys deform in shear only", "Bending as a whole"
+
+
+def _kind(building: AnyBuilding, law: str) -> str:
+    """The model of a building: storeys, modes, or one oscillator."""
+    structure = building.structure
+    if isinstance(structure, ModalBuilding):
+        count = structure.modes
+        return f"a sum of {count} modes, each a {law} oscillator" if count > 1 else f"one {law} mode"
+    return f"a row of {law} storeys" if isinstance(building, StoreyBuilding) else f"one {law} oscillator"
 
 
 def _law(building: AnyBuilding) -> str:
     """Name of the law of an oscillator, or of the storeys."""
     structure = building.structure
-    law = structure.element_law if isinstance(structure, ShearBuilding) else structure
+    law = structure.element_law if isinstance(structure, MultistoreyBuilding) else structure
     return hyphenated(type(law).__name__)
 
 
@@ -169,13 +180,14 @@ def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tup
     if (law := _law(building)) != "Bilinear":
         parameters = [("hysteresis law", law), *parameters]
     of = ""
-    if isinstance(structure, ShearBuilding):
+    if isinstance(structure, MultistoreyBuilding):
         of = " of the first mode"
         parameters = [(f"period{of}", f"{building.period:.4g}{SPACE}s"), *parameters]
         parameters += [
             (name, valued(value, "1")) for name, value in (structure.law_parameters or {}).items()
         ]
-        parameters += [("weight softens storeys (P-delta)", "yes")] if structure.p_delta else []
+        if isinstance(structure, ShearBuilding) and structure.p_delta:
+            parameters += [("weight softens storeys (P-delta)", "yes")]
     if structure.yields:
         shown = {f"reduction factor{of}": f"{float(table[f'reduction_factor_{number}']):.3g}"}
         shown[f"yield displacement{of}"] = length(float(table[f"yield_displacement_{number}"]))

@@ -131,7 +131,7 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
 def _drifts(axes: Axes, dataset: xr.Dataset) -> None:
     """Mean peak drifts of the storeys of both buildings; an oscillator has none."""
     for number, (color, dash), marker in zip((1, 2), CURVES, "os", strict=False):
-        there = dataset.element_structure.values == number
+        there = (dataset.element_structure.values == number) & (dataset.storey.values > 0)
         if str(number) in dataset.element.values[there] or not there.any():
             continue
         own = dataset.isel(element=there)

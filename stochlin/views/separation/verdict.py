@@ -240,8 +240,9 @@ def _storeys(answer: CaseAnswer) -> str:
     for number, building in enumerate(answer.case.one_or_two, start=1):
         if not isinstance(building, StoreyBuilding):
             continue
-        own = table.isel(element=np.flatnonzero(table.element_structure == number))
-        yields = building.structure.yields
+        of_building = (table.element_structure == number) & (table.storey > 0)
+        own = table.isel(element=np.flatnonzero(of_building))
+        yields = bool((own.ductility > 0).any())  # not of a building by its modes, of which modes yield
         worst = own.ductility if yields else own.peak_drift_mean
         row = own.isel(element=int(worst.argmax("element")))
         drift, storey = float(row.peak_drift_mean), int(row.storey)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stochlin.messages import hyphenated
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import ModalBuilding, ShearBuilding
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.models.envelopes.base import ENVELOPES
 from stochlin.models.grounds import ParallelGround
@@ -44,6 +44,7 @@ WITHIN = re.compile(r"\b[A-Z]\w*\(\w+=(?:[^()]|\([^()]*\))*\)")  # a model in a 
 ERRORS_OF_FIT = re.compile(r", have this spectrum in the mean with errors of .*?\(largest\)")
 COUNT = re.compile(r"^(\d+) of ")
 SHOWN = {
+    "ModalBuilding": "building by its modes",
     "ShearBuilding": "shear building",
     "ParallelGround": "filters in parallel",
     "WhiteNoise": "white noise",
@@ -115,7 +116,7 @@ def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> st
     if over:
         count, numbers, dimensions = over.groups()
         every = f"{count} times " if count else ""
-        places = dimensions.replace("storey", "the storeys")
+        places = re.sub(r"\b(?:yielding )?(?:storey|floor|mode)\b", r"the \g<0>s", dimensions)
         return f"{words}{every}{_measured(numbers, units)} over {places}"
     if uncertain := UNCERTAIN.fullmatch(value):
         spread = f" ± {uncertain[2]}" if uncertain[2] else ""
@@ -156,4 +157,5 @@ def _parts(given: str) -> Iterator[str]:
 def _kinds() -> dict[str, type[Model]]:
     """Every kind of model by its name."""
     named = (kind for registry in (LAWS, GROUNDS, ENVELOPES, CONTACTS) for kind in registry.values())
-    return {kind.__name__: kind for kind in (*named, ParallelGround, ShearBuilding, Link, Measure, Gap)}
+    others = ParallelGround, ModalBuilding, ShearBuilding, Link, Measure, Gap
+    return {kind.__name__: kind for kind in (*named, *others)}

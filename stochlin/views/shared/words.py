@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
-from stochlin.models.buildings import ShearBuilding
+from stochlin.models.buildings import ModalBuilding, ShearBuilding
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.views.shared.blocks import Text, ViewSection
 
@@ -115,8 +115,8 @@ def number(value: float, unit: str = "1") -> str:
 
 
 def valued(value: npt.ArrayLike, units: str, digits: int = 4) -> str:
-    """A parameter with its unit; storey by storey where they differ."""
-    numbers = np.atleast_1d(np.asarray(value))
+    """A parameter with its unit; storey by storey where they differ, and mode by mode before that."""
+    numbers = np.ravel(value)
     unit, scale = shown_unit(units, np.abs(numbers).max())
     each = [rounded(number, digits) for number in scale * numbers]
     return ", ".join(each if len(set(each)) > 1 else each[:1]) + unit
@@ -238,6 +238,12 @@ def _wall(building: AnyBuilding) -> str:
         f"roof moves {roof} times and its mid-height {middle} times as far as an oscillator of that "
         "period"
     )
+    if isinstance(structure, ModalBuilding):
+        return (
+            f"{caution}, and its bending is in the modes that describe it. Torsion is in them if the "
+            "shapes are those of the edge that faces the neighbour, and rocking of the foundation if it "
+            "was in the model of which they are."
+        )
     if not isinstance(structure, ShearBuilding) or structure.storeys == 1:
         return (
             f"{caution}, and one oscillator stands for it. {uniform}. Its second mode, with "

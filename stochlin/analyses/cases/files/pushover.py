@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -25,13 +24,6 @@ from stochlin.models.uncertain import applied, median_of
 
 OF_UNITS = "length_units", "force_units"
 SHARES = 0.4, 1.05  # plausible effective masses of a first mode, over the whole mass
-
-
-def pushover_files(whole: Section, keys: Sequence[str], folder: Path) -> list[Path]:
-    """Paths of the pushover curves of all buildings that have one."""
-    sections = map(whole.section, keys)
-    names = dict.fromkeys(section.text(PUSHOVER) for section in sections if PUSHOVER in section)
-    return [folder / name for name in names]
 
 
 def pushed(section: Section, elastic: Any, folder: Path, known: Known) -> Any:

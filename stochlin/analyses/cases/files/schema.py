@@ -6,12 +6,14 @@ well, by the names, units and ranges of these models. The example of a case expl
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
+from stochlin.analyses.buildings.modes import DIRECTIONS
 from stochlin.analyses.cases.files.keys import NEEDED, Column, Key, Place, Slider, declared, table
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.models.arguments import Whole
-from stochlin.models.buildings import RegularBuilding, ShearBuilding
+from stochlin.models.buildings import ModalBuilding, RegularBuilding, ShearBuilding
 from stochlin.models.envelopes import AminAng, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import MOST_FILTERS, CloughPenzien
 from stochlin.models.hazards import MEASURES
@@ -46,12 +48,15 @@ OF_SCALE = (
     "period alike."
 )
 
-# Ways to describe a building: as an oscillator, by a few numbers of all storeys, or storey by storey.
+# Ways to describe a building: as an oscillator, by a few numbers of all storeys, storey by storey, or by
+# its modes.
 OSCILLATOR, REGULAR, SINGLY = "oscillator", "regular", "storey by storey"
+BY_MODES = "by its modes"
 FRAME, WALL = "frame", "wall"  # structural systems
 OF_OSCILLATORS, OF_REGULAR, OF_STOREYS = (OSCILLATOR,), (REGULAR,), (REGULAR, SINGLY)
 PUSHOVER, OF_PUSHOVER = "pushover", ("pushover_method", "pushover_units", "participation")
 PARTICIPATION = Quantity("1", Range(1.0, 3.0, True, True, "1 for one storey, about 1.3 to 1.6 for more"))
+OF_MODES, OF_FLOORS = (BY_MODES,), (*OF_STOREYS, BY_MODES)
 EUROCODE_8, ASCE_7, FILE = "eurocode_8", "asce_7", "spectrum of the file"
 
 ALL = table(Key("title", str, "Title of all results", None))
@@ -143,7 +148,7 @@ BUILDING = table(
     Key(
         "storey_height", STOREY_HEIGHT, "", NEEDED, Slider(2.5, 6.0, 0.05, 3.0, "m", HEIGHTS), OF_STOREYS
     ),
-    Key("heights", STOREY_HEIGHT, "Heights of all storeys, from the ground up", ways=OF_STOREYS),
+    Key("heights", STOREY_HEIGHT, "Heights of all storeys, from the ground up", ways=OF_FLOORS),
     Key("floor_mass", Quantity.declared(RegularBuilding, "mass"), ways=OF_REGULAR),
     declared(Bilinear, "damping", "Damping ratio", Slider(0.005, 0.3, 0.005, 0.05)),
     declared(
@@ -161,11 +166,11 @@ BUILDING = table(
         *(RegularBuilding, "base_shear_coefficient", "Base shear coefficient"),
         *(Slider(0.02, 0.6, 0.01, 0.15, "", SHEARS), OF_REGULAR),
     ),
-    Key("strength_factor", FACTOR, "", 1.0, Slider(0.1, 4.0, 0.05, 1.0), OF_STOREYS),
+    Key("strength_factor", FACTOR, "", 1.0, Slider(0.1, 4.0, 0.05, 1.0), OF_FLOORS),
     declared(Bilinear, "hardening", "Hardening ratio", Slider(0.01, 1.0, 0.01, 0.05)),
     declared(Bilinear, "mass", ways=OF_OSCILLATORS),
     Key("height", HEIGHT, default=None, ways=OF_OSCILLATORS),
-    declared(ShearBuilding, "masses", ways=(SINGLY,)),
+    declared(ShearBuilding, "masses", ways=(SINGLY, BY_MODES)),
     declared(ShearBuilding, "stiffnesses", ways=(SINGLY,)),
     declared(ShearBuilding, "yield_drifts", ways=(SINGLY,)),
     declared(ShearBuilding, "dampers", ways=OF_STOREYS),
@@ -173,6 +178,18 @@ BUILDING = table(
     Key("pushover_method", ("asce_41", "eurocode_8"), "Idealization of the curve", "asce_41"),
     Key("pushover_units", str, "Units of displacement and base shear in the file, a list of both"),
     Key("participation", PARTICIPATION, "Displacement of the roof over its own", ways=OF_OSCILLATORS),
+    Key("modes", str, "File of its modes, or a table for each mode", ways=OF_MODES),
+    Key("direction", DIRECTIONS, "Direction of the gap in the file of modes", None, ways=OF_MODES),
+    Key(
+        "points",
+        str,
+        "Points with the shapes, a list with one on each floor",
+        None,
+        ways=OF_MODES,
+    ),
+    Key("mass_units", str, "Unit of the masses in the file of modes", None, ways=OF_MODES),
+    Key("length_units", str, "Unit of the levels in the file of modes", None, ways=OF_MODES),
+    declared(ModalBuilding, "yield_displacements", "Yield displacements of modes", ways=OF_MODES),
     Key("elastic", bool, "It does not yield", False),
     Key("p_delta", bool, "Weight softens storeys (P-delta)", False, ways=OF_STOREYS),
     Key("law", str, "Hysteresis law", "bilinear"),
@@ -196,6 +213,12 @@ BUILDING = table(
         "Importance factor of the code, by which it divides displacements",
         None,
     ),
+)
+SHAPE_OF_MODE = table(
+    Key("period", Quantity.declared(ModalBuilding, "periods"), "Period of the mode"),
+    Key("shape", Quantity.declared(ModalBuilding, "shapes"), "Displacement of each floor"),
+    Key("participation", Quantity.declared(ModalBuilding, "participation"), default=None),
+    Key("modal_mass", Quantity.declared(ModalBuilding, "modal_masses"), "Effective modal mass", None),
 )
 SEPARATION = table(
     Key("existing", GAP, "Existing gap", None, Slider(0.5, 60.0, 0.5, 5.0, "cm", POSITIVE)),
@@ -229,6 +252,7 @@ TABLES: Mapping[str, Mapping[str, Key]] = {
     "site.hazard": HAZARD,
     "motion": MOTION,
     "building": BUILDING,
+    "building.modes": SHAPE_OF_MODE,
     "separation": SEPARATION,
     "simulation": SIMULATION,
     "mitigation": MITIGATION,
@@ -243,4 +267,4 @@ def keys_of_way(way: str) -> list[str]:
 def keys_at(place: Place) -> Mapping[str, Key]:
     """The keys of the table at a place of a file; none where all are those of models."""
     name = ".".join(name for name in place if isinstance(name, str))
-    return TABLES.get("building" if name.startswith("building_") else name, {})
+    return TABLES.get(re.sub(r"^building_\d+", "building", name), {})

@@ -1,0 +1,252 @@
+"""Buildings by their modes in case files, against the same buildings storey by storey."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cases import FIRM_SITE
+
+import stochlin as sl
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.pounding import pound_motions
+from stochlin.analyses.cases.separation import answer_case
+from stochlin.analyses.explorer.formulas import gap_rules
+from stochlin.analyses.explorer.opening import open_case
+from stochlin.analyses.explorer.saving import case_text
+from stochlin.analyses.explorer.simulations import merge_tables, simulations
+from stochlin.views.shared.descriptions import in_words
+
+MASSES, HEIGHTS, STIFFNESSES = [3e5, 2.5e5, 2e5], [4.0, 3.0, 3.5], [2e8, 1.8e8, 1.2e8]
+STOREYS = f"""
+[building_1]
+masses = {[f"{mass} kg" for mass in MASSES]}
+stiffnesses = {[f"{stiffness} N/m" for stiffness in STIFFNESSES]}
+heights = {[f"{height} m" for height in HEIGHTS]}
+damping = 0.05
+elastic = true
+"""
+NEIGHBOUR = """
+[building_2]
+name = "Shop"
+period = "0.4 s"
+damping = 0.05
+hardening = 0.1
+yield_displacement = "1 cm"
+mass = "900 t"
+[separation]
+existing = "4 cm"
+confidence = 0.9
+[simulation]
+paths = 128
+[contact]
+model = "kelvin"
+stiffness = "1000 MN/m"
+restitution = 0.65
+"""
+OF_FILE = """
+[building_1]
+name = "Tower"
+modes = "tower.csv"
+damping = 0.05
+elastic = true
+"""
+YIELDING = OF_FILE.replace("elastic = true", 'hardening = 0.05\nyield_displacements = "2 cm"')
+
+
+def eigen() -> tuple[np.ndarray, np.ndarray]:
+    """Periods and shapes (modes, floors) of the storeys, by numpy alone."""
+    k = np.append(STIFFNESSES, 0.0)
+    matrix = np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1)
+    squares, vectors = np.linalg.eig(matrix / np.array(MASSES)[:, None])
+    order = np.argsort(squares)
+    return 2 * np.pi / np.sqrt(squares[order]), vectors.T[order]
+
+
+def tower() -> str:
+    """The storeys by all their modes, in the plain form."""
+    periods, shapes = eigen()
+    rows = [
+        ["mode", "", *"123"],
+        ["period [s]", "", *periods],
+        ["level [m]", "mass [kg]", *["shape"] * 3],
+    ]
+    rows += [[*floor] for floor in zip(np.cumsum(HEIGHTS), MASSES, *shapes, strict=True)]
+    return "\n".join(",".join(map(str, row)) for row in rows)
+
+
+def inline() -> str:
+    """The same as tables of a case file."""
+    tables = "".join(
+        f"[[building_1.modes]]\nperiod = '{period} s'\nshape = {shape.tolist()}\n"
+        for period, shape in zip(*eigen(), strict=True)
+    )
+    floors = STOREYS.replace(f"stiffnesses = {[f'{value} N/m' for value in STIFFNESSES]}\n", "")
+    return floors + tables
+
+
+def case_of(tmp_path: Path, building: str) -> Case:
+    (tmp_path / "tower.csv").write_text(tower(), encoding="utf-8")
+    path = tmp_path / "case.toml"
+    path.write_text(f"{FIRM_SITE}envelope = 'none'\n{building}{NEIGHBOUR}", encoding="utf-8")
+    return sl.read_case(path)
+
+
+def test_storeys_by_all_their_modes_need_the_same_gap_and_pound_alike(tmp_path: Path) -> None:
+    """The same motions, elastic: what differs is the integration of the highest modes."""
+    of_modes, of_storeys = (case_of(tmp_path, text) for text in (OF_FILE, STOREYS))
+    assert of_modes.first.storeys == 3
+    assert of_modes.first.height == pytest.approx(10.5)
+    gaps = [answer_case(case).separation.gap_at_height[0] for case in (of_modes, of_storeys)]
+    np.testing.assert_allclose(*gaps, rtol=2e-3)
+    hits = [pound_motions(case, 16) for case in (of_modes, of_storeys)]
+    assert float(hits[0].impacts.sum()) > 0
+    np.testing.assert_allclose(*(hit.peak_alone for hit in hits), rtol=2e-3)
+    np.testing.assert_allclose(*(hit.impacts.sum() for hit in hits), rtol=0.05)
+
+
+def test_modes_in_tables_are_those_of_a_file(tmp_path: Path) -> None:
+    of_file, of_tables = (case_of(tmp_path, text).first.structure for text in (OF_FILE, inline()))
+    for name, values in of_file.arrays().items():
+        np.testing.assert_allclose(of_tables.arrays()[name], values, rtol=1e-12)
+
+
+def test_the_file_is_beside_the_case_and_an_input_of_it(tmp_path: Path) -> None:
+    case = case_of(tmp_path, YIELDING)
+    assert case.inputs == (tmp_path / "case.toml", tmp_path / "tower.csv")
+    assert case.first.structure.yield_displacements == pytest.approx(0.02)
+    assert case.first.strength == "yield_displacements"
+    listed = case_of(tmp_path, YIELDING.replace('"2 cm"', '["2 cm"]')).first.structure
+    told = "over the yielding modes"
+    assert in_words(listed.describe()).endswith(told)
+    with pytest.raises(ValueError, match=r"line 10: building_1.modes = 'roof.csv' cannot be read"):
+        case_of(tmp_path, YIELDING.replace("tower", "roof"))
+
+
+def test_a_measured_period_and_a_strength_factor_change_the_modes(tmp_path: Path) -> None:
+    """Stiffer by (T1/T2)^2 at the same yield force, which the factor then multiplies."""
+    plain = case_of(tmp_path, YIELDING).first.structure
+    own = float(plain.mode_periods()[0])
+    lines = f"{YIELDING}period = '{own / 2} s'\nstrength_factor = 1.2\n"
+    changed = case_of(tmp_path, lines).first.structure
+    np.testing.assert_allclose(changed.mode_periods(), plain.mode_periods() / 2, rtol=1e-12)
+    assert float(changed.yield_displacements) == pytest.approx(0.02 / 4 * 1.2)
+
+
+def test_damping_and_strength_may_be_uncertain_and_damping_of_each_mode(tmp_path: Path) -> None:
+    uncertain = YIELDING.replace("0.05", '"5 % +- 20 %"', 1).replace('"2 cm"', '"1.5 to 2.5 cm"')
+    first = case_of(tmp_path, uncertain).first
+    assert {*first.uncertain.uncertain} == {"damping", "yield_displacements"}
+    each = case_of(tmp_path, OF_FILE.replace("0.05", '["5 %", "4 %", "3 %"]')).first.structure
+    assert each.arrays()["damping"].values.tolist() == [0.05, 0.04, 0.03]
+
+
+def wrong(change: str, building: str = OF_FILE) -> str:
+    return f"{building}{change}\n"
+
+
+BROKEN = {
+    "line 13: building_1.masses = ['1 t'] stands beside a file of modes": wrong("masses = ['1 t']"),
+    "line 13: building_1.stiffnesses = ['1 N/m'] does not belong to a building by its modes": wrong(
+        "stiffnesses = ['1 N/m']"
+    ),
+    "line 13: building_1.p_delta = True does not belong to a building by its modes": wrong(
+        "p_delta = true"
+    ),
+    "line 13: building_1.reduction_factor = 4 does not belong to a building by its modes": wrong(
+        "reduction_factor = 4"
+    ),
+    "line 13: building_1.storeys = 4 is not the number of floors of the modes, 3": wrong("storeys = 4"),
+    "line 8: building_1 has no strength; allowed: one of yield_displacements": OF_FILE.replace(
+        "elastic = true", ""
+    ),
+    "line 10: building_1.modes = 'tower.csv' cannot be read: direction = 'UX' has no meaning": wrong(
+        "direction = 'UX'"
+    ),
+    "line 10: building_1.modes = 3 is no list of tables": OF_FILE.replace('"tower.csv"', "3"),
+    "line 10: building_1.modes = [] is empty; allowed": OF_FILE.replace('"tower.csv"', "[]"),
+    "line 8: building_1.modes is missing": OF_FILE.replace('modes = "tower.csv"', 'direction = "UX"'),
+    "building_1.direction = 'UX' belongs to a file of modes": inline().replace(
+        "elastic", "direction = 'UX'\nelastic"
+    ),
+    "building_1.modes.shape = [1.0] has 1 numbers for 3 masses": re.sub(
+        r"shape = .*", "shape = [1.0]", inline()
+    ),
+    "building_1.modes participation and modal_mass belong together": inline() + "participation = 1\n",
+    "building_1.modes.frequency = 2 is not a key that is known here": inline() + "frequency = 2\n",
+    "building_1.heights = ['3 m'] has 1 values for 3 masses": re.sub(
+        r"heights = .*", "heights = ['3 m']", inline()
+    ),
+}
+
+
+@pytest.mark.parametrize("message", BROKEN)
+def test_what_does_not_belong_to_modes_is_refused(tmp_path: Path, message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)):
+        case_of(tmp_path, BROKEN[message])
+
+
+def test_the_explorer_keeps_modes_of_a_file_as_tables(tmp_path: Path) -> None:
+    case = case_of(tmp_path, YIELDING)
+    files = {name: (tmp_path / name).read_bytes() for name in ("case.toml", "tower.csv")}
+    form, notes = open_case(files)
+    assert "The modes of Tower are kept as tables here, and not in tower.csv." in notes
+    again = form.case()
+    assert again.first.structure.describe() == case.first.structure.describe()
+    (tmp_path / "saved.toml").write_text(case_text(again), encoding="utf-8")
+    (tmp_path / "tower.csv").unlink()
+    saved = sl.read_case(tmp_path / "saved.toml")
+    assert saved.first.structure.describe() == case.first.structure.describe()
+    softer = form.changed({("building_1", "period"): 1.0}).case().first.structure
+    assert float(softer.mode_periods()[0]) == pytest.approx(1.0)
+    assert not form.changed({("building_1", "yields"): False}).case().first.structure.yields
+
+
+PUSHOVER = """displacement [m],base shear [kN]
+0,0
+0.01,800
+0.03,1600
+0.06,1900
+0.1,2100
+"""
+
+
+def test_a_pushover_curve_beside_modes_is_that_of_the_library(tmp_path: Path) -> None:
+    (tmp_path / "push.csv").write_text(PUSHOVER, encoding="utf-8")
+    ideal = sl.bilinear_of(sl.read_pushover(tmp_path / "push.csv"))
+    expected = case_of(tmp_path, OF_FILE).first.structure.with_pushover(ideal)
+    case = case_of(tmp_path, OF_FILE.replace("elastic = true", 'pushover = "push.csv"'))
+    assert case.first.structure.describe() == expected.describe()
+    assert case.first.strength == "pushover"
+    assert [path.name for path in case.inputs] == ["case.toml", "tower.csv", "push.csv"]
+    files = {name: (tmp_path / name).read_bytes() for name in ("case.toml", "tower.csv", "push.csv")}
+    opened = open_case(files)[0].case().first.structure
+    for name, values in expected.arrays().items():
+        np.testing.assert_allclose(np.squeeze(opened.arrays()[name]), np.squeeze(values), rtol=1e-12)
+
+
+def test_the_explorer_computes_what_the_verbs_do(tmp_path: Path) -> None:
+    case_of(tmp_path, YIELDING)
+    files = {name: (tmp_path / name).read_bytes() for name in ("case.toml", "tower.csv")}
+    case = open_case(files)[0].case()
+    tables, rules = simulations(case), gap_rules(case)
+    np.testing.assert_allclose(
+        rules.gap.sel(rule="linearization"), tables["gaps"].gap.sel(rule="linearization"), rtol=1e-6
+    )
+    first, second, ground = case.first.structure, case.second.structure, case.ground
+    motion = {"duration": case.duration, "paths": case.paths, "seed": case.seed}
+    answer = sl.separation(first, second, ground, confidence=case.confidence, **motion)
+    np.testing.assert_allclose(tables["gaps"].gap[0], answer.gap[0], rtol=1e-12)
+    whole = merge_tables(case, tables)
+    assert whole.building_1_shapes.shape == (3, 3)
+    assert whole.building_1_periods.attrs["units"] == "s"
+
+
+def test_a_file_of_modes_outside_of_the_folder_is_not_read_for_the_explorer(tmp_path: Path) -> None:
+    case_of(tmp_path, OF_FILE)
+    (tmp_path / "sub").mkdir()
+    text = (tmp_path / "case.toml").read_text(encoding="utf-8").replace("tower.csv", "../tower.csv")
+    with pytest.raises(ValueError, match="is outside of the folder of the case file"):
+        open_case({"case.toml": text.encode()})
