@@ -1,0 +1,137 @@
+"""The command ``stochlin building``: what a file says of a building, printed and drawn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from stochlin.messages import brief
+from stochlin.views.shared.options import Names, QuantityType
+from stochlin.views.shared.screen import (
+    COMMANDS,
+    FILE,
+    bad_input,
+    data_target,
+    lines,
+    show,
+    write,
+)
+
+USUAL_DAMPING = 0.05
+
+
+@COMMANDS.register("building")
+@click.command()
+@click.argument("modes", required=False, type=FILE)
+@click.option("--direction", help="Direction of the gap, if the file has several: UX, UY or UZ.")
+@click.option(
+    "--points",
+    help="Points on the floors whose displacements are the shapes, one on each floor: 11,21,31.",
+)
+@click.option("--mass-units", help="Unit of the masses, if the file does not say it: kg, t, kN-s2/m.")
+@click.option("--length-units", help="Unit of the levels, if the file does not say it: m, cm, mm, ft.")
+@click.option(
+    "--damping",
+    type=QuantityType("1"),
+    help=f"Damping ratio of every mode; {USUAL_DAMPING:g} if not given.",
+)
+@click.option(
+    "--pushover",
+    type=FILE,
+    help="Pushover curve of the building under forces of its first mode: the strength of that mode.",
+)
+@click.option(
+    "--pushover-method",
+    type=Names("stochlin.analyses.buildings.pushover", "REFERENCES"),
+    default="asce_41",
+    show_default=True,
+    help="Idealization of the curve by two lines.",
+)
+@click.option(
+    "--pushover-units",
+    help="Units of displacement and base shear in that file, if it does not say them: mm,kN.",
+)
+@click.option("--example", is_flag=True, help="Print a table of modes to start from, and stop.")
+@click.option("--out", type=FILE, help="Save the modes as .nc, or as .csv.")
+@click.option(
+    "--picture",
+    type=FILE,
+    help="Draw the modes as .png, .svg or .pdf, and save the data beside the picture. With a pushover "
+    "curve, also draw NAME-pushover with the curve and its idealization.",
+)
+def building(
+    modes: Path | None,
+    direction: str | None,
+    points: str | None,
+    mass_units: str | None,
+    length_units: str | None,
+    damping: float | None,
+    pushover: Path | None,
+    pushover_method: str,
+    pushover_units: str | None,
+    example: bool,
+    out: Path | None,
+    picture: Path | None,
+) -> None:
+    """Show what files say of a building: periods, masses, shapes, strength, and what is assumed.
+
+    MODES is a file with the modes of a building: a table in plain form, tables that ETABS or SAP2000
+    export as .xlsx or .csv, or the report of OpenSees' modalProperties with its floors. A case file
+    takes it as modes = "tower.csv".
+
+    \b
+    Examples:
+      stochlin building --example > tower.csv
+      stochlin building tower.csv
+      stochlin building tower.csv --picture modes.png
+      stochlin building tower.csv --pushover push.csv
+      stochlin building etabs.xlsx --direction UX --points 12
+      stochlin building opensees.txt --direction UX --mass-units t --length-units m
+    """
+    with bad_input():
+        from stochlin.analyses.buildings.mode_files.plain import EXAMPLE
+        from stochlin.analyses.buildings.modes import read_modes
+        from stochlin.analyses.buildings.pushover import bilinear_of
+        from stochlin.analyses.buildings.pushover_files import read_pushover
+        from stochlin.analyses.buildings.summaries import with_masses
+        from stochlin.analyses.tables.storage import FORMATS
+        from stochlin.models.buildings import ModalBuilding
+        from stochlin.views.buildings.pictures import draw_modes
+        from stochlin.views.buildings.pushover import draw_pushover
+        from stochlin.views.buildings.words import building_sections
+
+        if example:
+            click.echo(EXAMPLE, nl=False)
+            return
+        if modes is None:
+            raise ValueError(
+                "MODES is missing; 'stochlin building --example > tower.csv' writes one to start from"
+            )
+        inputs = [modes, *([pushover] if pushover else [])]
+        data = data_target(out, picture, FORMATS, inputs)
+        curve = picture.with_stem(f"{picture.stem}-pushover") if picture and pushover else None
+        beside = data_target(None, curve, FORMATS, inputs)
+        named = [name.strip() for name in points.split(",")] if points else ()
+        units = {"mass_units": mass_units, "length_units": length_units}
+        table = read_modes(modes, direction=direction, points=named, **units)
+        tower = ModalBuilding.from_table(table, damping=USUAL_DAMPING if damping is None else damping)
+        ideal: Any = None
+        if pushover is not None:
+            names = dict(zip(("length_units", "force_units"), _pair(pushover_units), strict=True))
+            ideal = bilinear_of(read_pushover(pushover, **names), pushover_method)
+            tower = tower.with_pushover(ideal)
+        table = with_masses(table, tower)
+        show(lines(building_sections(table, tower, damping is not None, ideal)))
+        write(table, data, picture, draw_modes)
+        if ideal is not None:
+            write(ideal, beside, curve, draw_pushover)
+
+
+def _pair(units: str | None) -> list[str | None]:
+    """The units of displacement and base shear; None where they are not given."""
+    pair: list[str | None] = [None, None] if units is None else [*map(str.strip, units.split(","))]
+    if len(pair) != 2:
+        raise ValueError(f"--pushover-units {brief(units)}; allowed: two of them, such as mm,kN")
+    return pair

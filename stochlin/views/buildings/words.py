@@ -1,0 +1,127 @@
+"""A building as it was read, in plain words and short numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stochlin.models.buildings import GRAVITY
+from stochlin.views.shared.blocks import Items, Table, Text, ViewSection
+from stochlin.views.shared.words import SPACE, along, length, per_cent, rule_label
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import xarray as xr
+
+    from stochlin.models.buildings import ModalBuilding
+
+MOST_COLUMNS = 6  # modes whose shapes are printed
+
+
+def building_sections(
+    table: xr.Dataset, building: ModalBuilding, damped: bool, ideal: xr.Dataset | None = None
+) -> list[ViewSection]:
+    """The sections of ``stochlin building``.
+
+    ``damped`` says whether the damping was given, and ``ideal`` is the idealized pushover curve.
+    """
+    height, mass = float(table["level"][-1]), float(table["mass"].sum()) / 1000
+    modes, floors = (_count(table.sizes[name], name) for name in ("mode", "floor"))
+    along_axis = f" along {table.attrs['direction']}" if "direction" in table.attrs else ""
+    head = (
+        f"{table.attrs['source']}: {modes}{along_axis} of {floors}, {height:.4g}{SPACE}m high, "
+        f"{mass:.5g}{SPACE}t."
+    )
+    whole = per_cent(float(table["mass_share"].sum()), 1)
+    moves = "Floors, with their displacements over that of each mode's oscillator"
+    taken = [*_assumed(table, building, damped), *_strength(table, building, ideal)]
+    return [
+        ViewSection("", [Text(head)]),
+        ViewSection("Modes", [_modes(table), Text(f"Effective modal masses together: {whole}.")]),
+        ViewSection(moves, [_floors(table)]),
+        ViewSection("Taken and assumed", [Items(taken)]),
+    ]
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'s' * (number > 1)}"
+
+
+def _modes(table: xr.Dataset) -> Table:
+    shares = table["mass_share"].values
+    rows = [
+        [
+            str(mode["mode"].item()),
+            f"{float(mode['period']):.4g}",
+            f"{100 * share:.1f}",
+            f"{100 * so_far:.1f}",
+            f"{float(mode['floor_move'][-1]):.3f}",
+        ]
+        for mode, share, so_far in zip(along(table, "mode"), shares, np.cumsum(shares), strict=True)
+    ]
+    return Table.of(["mode", "period [s]", "mass [%]", "up to it [%]", "roof"], rows)
+
+
+def _floors(table: xr.Dataset) -> Table:
+    """From the roof down, as buildings are drawn."""
+    shown = table.isel(mode=slice(MOST_COLUMNS))
+    rows = [
+        [
+            str(floor["floor"].item()),
+            f"{float(floor['level']):.4g}",
+            f"{float(floor['height']):.4g}",
+            f"{float(floor['mass']) / 1000:.5g}",
+            *(f"{move:.3f}" for move in floor["floor_move"].values),
+        ]
+        for floor in along(shown.isel(floor=slice(None, None, -1)), "floor")
+    ]
+    heads = ["floor", "level [m]", "storey [m]", "mass [t]"]
+    return Table.of([*heads, *(f"mode {mode}" for mode in shown["mode"].values)], rows)
+
+
+def _assumed(table: xr.Dataset, building: ModalBuilding, damped: bool) -> Iterator[str]:
+    """What the numbers are from, and what is not in the file."""
+    given = building.modal_masses is not None
+    if given:
+        yield (
+            "Participation factors and modal masses are those of the file, since the shapes alone do "
+            "not give them: the building turns, or masses move that are not at the floors. Storey "
+            "shears above the first storey are not known."
+        )
+    else:
+        yield "Participation factors and modal masses are computed from shapes and floor masses."
+    if "left_out" in table.attrs:
+        yield (
+            f"Left out, since less than 0.1{SPACE}% of the mass moves along the gap: mode "
+            f"{table.attrs['left_out']}."
+        )
+    if table.sizes["mode"] > MOST_COLUMNS:
+        yield f"Shapes are shown of the first {MOST_COLUMNS} modes; --out saves all."
+    ratio = per_cent(building.arrays()["damping"].item(), 1)
+    assumed = "" if damped else ", assumed, since the file has none; --damping gives another"
+    yield f"Damping ratio of every mode: {ratio}{assumed}."
+    yield "Only the motion along the gap is described; that across it is neglected."
+
+
+def _strength(table: xr.Dataset, building: ModalBuilding, ideal: xr.Dataset | None) -> Iterator[str]:
+    """The strength of the first mode by a pushover curve, if there is one."""
+    if ideal is None:
+        yield (
+            "Strength: none, so that the building stays elastic. --pushover gives it; so do, in a case "
+            "file, pushover, or hardening and yield_displacements of the first modes."
+        )
+        return
+    first, force = building.oscillator(), float(ideal["yield_force"])
+    share = force / (GRAVITY * float(table["mass"].sum()))
+    yield (
+        f"Strength of mode 1 by the pushover curve {ideal['base_shear'].attrs['source']}, idealized by "
+        f"{rule_label(ideal.attrs['method'])}: yield at {force / 1e3:.5g}{SPACE}kN, "
+        f"{per_cent(share, 1)} of the weight, and {length(float(ideal['yield_displacement']))} of the "
+        f"roof; hardening ratio {float(ideal['hardening']):.3g}. The other modes stay elastic."
+    )
+    yield (
+        f"Mode 1 with the curve: period {building.mode_periods()[0].item():.4g}{SPACE}s up to yield, "
+        f"yield displacement of its oscillator {length(first.arrays()['yield_displacement'].item())}."
+    )
