@@ -263,6 +263,35 @@ def test_oscillators_have_one_displacement(tmp_path: Path) -> None:
         sl.read_case(case_file(tmp_path, text.replace('"2 cm"', '["1 cm", "2 cm"]')))
 
 
+EC8 = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\nfilters = 1'
+
+
+@pytest.mark.invariant
+def test_countries_have_their_code_with_its_factors(tmp_path: Path) -> None:
+    """Floors at 3, 6 and 9 m beside 4 and 8 m; ag S of Italy as stated, or the spectrum at 0 s."""
+    codes = '["Turkey", "Italy", "Iran", "Colombia", "New Zealand"]'
+    text = STOREYS.replace('["Greece", "asce_7"]', codes)
+    case = sl.read_case(case_file(tmp_path, text))
+    assert case.codes == ("tbdy_2018", "ntc_2018", "iran_2800", "nsr_10", "nzs_1170_5")
+    assert case.design_pga is None
+    table = of(tmp_path, text.replace("confidence", 'design_pga = "0.3 g"\nconfidence')).separation
+    roof = np.array([1.1 + 2 * 0.5 / 3, 0.9])  # cm, at 8 m
+    by_hand = {
+        "tbdy_2018_applied": max(0.5 * np.hypot(3 * roof[0], 2 * roof[1] / 1.25), 3 + 2 / 3),
+        "ntc_2018_applied": max(2.5 * roof[0] + 2 * roof[1], 8 * 0.6),
+        "iran_2800_applied": max(4, 0) + max(4, 2 * roof[1]),  # the shed is important
+        "nsr_10": 1 * 8,  # the hall has three storeys, the shed two
+        "nzs_1170_5_applied": 2.5 * roof[0] + 2 * roof[1],
+    }
+    for rule, gap in by_hand.items():
+        assert 100 * float(table.gap.sel(rule=rule)) == pytest.approx(gap, rel=1e-12), rule
+    lacking = of(tmp_path, text).separation.missing.sel(rule="ntc_2018_applied").item()
+    assert lacking == "needs design_pga"
+    site = 'ground = "firm"\nintensity = "0.01 m^2/s^3"'
+    of_spectrum = sl.read_case(case_file(tmp_path, text.replace(site, EC8).replace("12 s", "20 s")))
+    assert of_spectrum.design_pga == pytest.approx(0.25 * 1.15 * G, rel=1e-12)
+
+
 WRONG = [
     (
         '["0.4 cm", "0.9 cm"]',
@@ -300,6 +329,12 @@ WRONG = [
     ('"Greece"', '"srss"', "codes = ", "has srss, which states no factor on displacements under design"),
     ('["Greece", "asce_7"]', "8", "codes = 8", "is no line of text"),
     ("importance_factor = 1.25", "importance_factor = 5", "= 5", "codes have 0.8 to 1.5"),
+    (
+        "[simulation]",
+        "design_pga = 3.5\n[simulation]",
+        "= 3.5",
+        'has no unit; allowed: a text with one of its units, "3.5 m/s^2"',
+    ),
 ]
 
 
@@ -328,6 +363,7 @@ def test_factors_of_every_code_by_hand() -> None:
     """Displacements of 1 and 2 cm under design forces, of two properties whose floors do not align."""
     given = {"behaviour_1": 3.0, "behaviour_2": 5.0, "deflection_1": 2.0, "deflection_2": 4.0}
     level = {"height_1": 10.0, "height_2": 10.0, "zone": "I"}
+    level |= {"storeys_1": 4, "storeys_2": 10, "design_pga": 3.0}
     table = sl.code_gaps(0.01, 0.02, **given, **level, importance=1.25, importance_2=1.5)
     by_hand = {
         "eurocode_8": 3 * 1 + 5 * 2,
@@ -341,7 +377,14 @@ def test_factors_of_every_code_by_hand() -> None:
         "asce_41": 40,
         "mexico_city_simplified": 2 * 7,
         "china_gb_50011": 10,
+        "tbdy_2018": max(0.5 * np.hypot(3 * 1 / 1.25, 5 * 2 / 1.5), 3 + 1 * (10 - 6) / 3),
+        "ntc_2008": max(2 * 1 + 4 * 2, 10 * 3.0 / (0.5 * G)),
+        "ntc_2018": max(2 * 1 + 4 * 2, 10 * 3.0 / (0.5 * G)),
+        "iran_2800": max(5, 2 * 1) + max(5, 4 * 2),  # important buildings
+        "nsr_10": 3 * 10,
+        "nzs_1170_5": 2 * 1 + 4 * 2,
     }
+    assert {*by_hand, "srss", "share_of_sum"} == {*table.rule.values}
     for rule, gap in by_hand.items():
         assert 100 * float(table.gap.sel(rule=rule)) == pytest.approx(gap, rel=1e-12), rule
     for family in ("srss", "share_of_sum"):
@@ -359,6 +402,7 @@ def test_factors_of_every_code_by_hand() -> None:
 def test_displacements_multiplied_by_hand_are_those_of_the_code(code: str) -> None:
     """With a factor of 1 nothing is multiplied, and twice the factor is twice the displacement."""
     level = {"height_1": 10.0, "height_2": 12.0, "zone": "III"}
+    level |= {"storeys_1": 9, "storeys_2": 10, "design_pga": 1.0}
     ones = dict.fromkeys(("behaviour_1", "behaviour_2", "deflection_1", "deflection_2"), 1.0)
     share = 0.7 if code == "ubc_97" else 1.0
     plain = sl.code_gaps(0.2 * share, 0.3 * share, **level).gap.sel(rule=code)

@@ -557,7 +557,7 @@ def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     motion = {"envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 128}
     ground = sl.named_ground("firm", intensity=0.01)
     record = sl.read_record(tmp_path / "wave.txt", dt=0.02, units="g")
-    sites = {"height_1": 24.0, "height_2": 15.0, "zone": "II"}
+    sites = {"height_1": 24.0, "height_2": 15.0, "storeys_1": 8, "storeys_2": 5, "zone": "II"}
     sites |= dict.fromkeys(("floors_align", "same_property", "same_system"), True)
     expected = sl.separation(*pair, ground, 20.0, **motion, **sites, records={"wave.txt": record})
     assert answer.separation.equals(expected)

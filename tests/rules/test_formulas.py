@@ -187,6 +187,7 @@ def test_correlate_leaves_elastic_structures_at_eq_4():
 # ---- Rules of codes
 
 SITE = {"height_1": 12.0, "height_2": 20.0, "zone": "II"}
+SITE |= {"storeys_1": 3, "storeys_2": 9, "design_pga": 2.5}
 FOUR = ("SRSS", "sum", "height", "fixed")
 FAMILIES = [("share_of_sum", 0.6), ("share_of_height", 0.01), ("fixed_distance", 0.1)]
 lengths = st.floats(1e-3, 2)
@@ -208,6 +209,12 @@ lengths = st.floats(1e-3, 2)
         ("asce_41", 0.48, 0.48, 0.48, 0.48),
         ("mexico_city_simplified", *4 * (0.108 + 0.18,)),
         ("china_gb_50011", 0.1, 0.1, 0.1, 0.1),
+        ("tbdy_2018", *4 * (0.03 + 0.01 * 6 / 3,)),
+        ("ntc_2008", *4 * (0.07,)),
+        ("ntc_2018", *4 * (0.07,)),
+        ("iran_2800", *4 * (0.005 * 12 + 0.005 * 20,)),
+        ("nsr_10", 0.03 * 20, 0.02 * 20, 0.03 * 20, 0.02 * 20),
+        ("nzs_1170_5", *4 * (0.07,)),
     ],
 )
 def test_gaps_of_codes_are_those_by_hand(name, two, two_level, one, one_level):
@@ -351,13 +358,20 @@ def test_families_take_their_number(name, value, gap):
 
 @given(lengths, lengths, st.floats(3, 100), st.floats(3, 100), *3 * (st.booleans(),))
 def test_codes_do_not_ask_which_building_is_first(one, two, h_1, h_2, aligned, lot, system):
+    here_and_mirrored = [
+        {"storeys_1": round(1 + h_1 / 4), "storeys_2": round(1 + h_2 / 4), "importance_1": 1.2},
+        {"storeys_1": round(1 + h_2 / 4), "storeys_2": round(1 + h_1 / 4), "importance_2": 1.2},
+    ]
+    as_is, mirrored = ({"design_pga": 2.0} | more for more in here_and_mirrored)
     for name in sl.code_rule_names():
         rule, told = sl.code_rule(name), ("III", lot, system)
-        here = rule.gap(one, two, h_1, h_2, aligned, *told)
-        assert here == pytest.approx(rule.gap(two, one, h_2, h_1, aligned, *told), rel=1e-14)
-        assert rule.gap(1.5 * one, two, h_1, h_2, aligned, *told) >= here
+        here = rule.gap(one, two, h_1, h_2, aligned, *told, **as_is)
+        other_way = rule.gap(two, one, h_2, h_1, aligned, *told, **mirrored)
+        assert here == pytest.approx(other_way, rel=1e-14)
+        assert rule.gap(1.5 * one, two, h_1, h_2, aligned, *told, **as_is) >= here
         for safer in ((False, *told), (aligned, "III", False, system), (aligned, "III", lot, False)):
-            assert rule.gap(one, two, h_1, h_2, *safer) >= here * (1 - 1e-14)  # other rounding
+            # other rounding
+            assert rule.gap(one, two, h_1, h_2, *safer, **as_is) >= here * (1 - 1e-14)
 
 
 @given(lengths, lengths)
@@ -405,7 +419,9 @@ def test_codes_side_by_side():
 def test_rules_without_their_data_are_nan_and_say_what_is_missing():
     table = sl.code_gaps(0.03, [0.04, -0.1], height_1=12.0)
     lacking = dict.fromkeys(("mexico_city", "mexico_city_simplified"), "height_2, zone")
-    lacking |= dict.fromkeys(("peru_e030", "asce_41"), "height_2")
+    lacking |= dict.fromkeys(("peru_e030", "asce_41", "tbdy_2018"), "height_2")
+    lacking |= dict.fromkeys(("ntc_2008", "ntc_2018"), "height_2, design_pga")
+    lacking |= dict.fromkeys(("iran_2800", "nsr_10"), "height_2, storeys_1, storeys_2")
     for name in sl.code_rule_names():
         chosen = table.sel(rule=name)
         assert str(chosen.missing.item()) == lacking.get(name, "")

@@ -191,7 +191,7 @@ def test_the_table_has_no_samples_in_csv(tmp_path: Path) -> None:
     answered("gap", tmp_path / "case.toml", "--out", tmp_path / "t.csv")
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert lines[1].startswith("simulation,")
-    assert len(lines) == 25
+    assert len(lines) == 31
 
 
 class Page(HTMLParser):

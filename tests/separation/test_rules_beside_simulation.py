@@ -13,6 +13,8 @@ QUAKE = sl.AminAng(4.0, 15.0, 0.35)
 SHORT = {"paths": 512, "envelope": QUAKE}
 VERDICTS = {"answer": 0, "safe": 1, "unsafe": 2, "within_error": 3, "not_available": 4, "no_verdict": 5}
 COMBINED = {"asce_7", "canada", "eurocode_8", "ubc_97", "is_1893", "taiwan", "peru_e030"}
+OF_SITE = {"height_1": 20.0, "height_2": 30.0, "storeys_1": 6, "storeys_2": 9, "design_pga": 2.0}
+COMBINED |= {"tbdy_2018", "ntc_2008", "ntc_2018", "iran_2800", "nzs_1170_5"}
 
 
 def building(period, **options):
@@ -21,9 +23,7 @@ def building(period, **options):
 
 @pytest.fixture(scope="module")
 def table():
-    return sl.separation(
-        building(0.6), building(1.0), FIRM, 30.0, confidence=0.8, height_1=20.0, height_2=30.0, **SHORT
-    )
+    return sl.separation(building(0.6), building(1.0), FIRM, 30.0, confidence=0.8, **OF_SITE, **SHORT)
 
 
 def row(table, rule):
@@ -105,9 +105,7 @@ def test_linearization_alone_is_unsafe_where_structures_yield_and_right_where_th
 
 def test_gap_scales_with_the_motion(table):
     strong = sl.named_ground("firm", intensity=0.04)  # twice the amplitude, and R keeps the ratio
-    other = sl.separation(
-        building(0.6), building(1.0), strong, 30.0, confidence=0.8, height_1=20.0, height_2=30.0, **SHORT
-    )
+    other = sl.separation(building(0.6), building(1.0), strong, 30.0, confidence=0.8, **OF_SITE, **SHORT)
     for rule in ("simulation", "srss", "linearization", "eq_3_iwan_1980", "eq_3_paper"):
         ratio = float(row(other, rule).gap / row(table, rule).gap)
         assert ratio == pytest.approx(2, rel=1e-9)
@@ -118,7 +116,7 @@ def test_strength_can_be_given_by_the_yield_displacement(table):
         sl.Bilinear(T, 0.05, 0.05, yield_displacement=float(table[f"yield_displacement_{n}"]))
         for n, T in ((1, 0.6), (2, 1.0))
     ]
-    other = sl.separation(*pair, FIRM, 30.0, confidence=0.8, height_1=20.0, height_2=30.0, **SHORT)
+    other = sl.separation(*pair, FIRM, 30.0, confidence=0.8, **OF_SITE, **SHORT)
     np.testing.assert_allclose(other.gap, table.gap, rtol=1e-9)
     assert float(other.reduction_factor_1) == pytest.approx(4, rel=1e-9)
 

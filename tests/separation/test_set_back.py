@@ -98,12 +98,16 @@ def test_a_building_stays_on_its_side_with_every_floor() -> None:
 
 @pytest.mark.invariant
 def test_rules_of_two_say_that_they_need_a_second() -> None:
-    table = sl.separation(OFFICE, None, GROUND, **QUAKE, height_1=24.0, zone="I", unverified=True)
+    of_site = {"height_1": 24.0, "storeys_1": 7, "zone": "I"}
+    table = sl.separation(OFFICE, None, GROUND, **QUAKE, **of_site, unverified=True)
     known = table.gap.notnull()
     assert set(table.rule.values[known]) == OF_ONE | {
         "mexico_city",
         "mexico_city_simplified",
         "peru_e030",
+        "iran_2800",
+        "nsr_10",
+        "nzs_1170_5",
     }
     for rule in table.rule.values[~known]:
         assert table.missing.sel(rule=rule).item().startswith("needs a second building")
@@ -112,6 +116,9 @@ def test_rules_of_two_say_that_they_need_a_second() -> None:
     assert float(table.gap.sel(rule="asce_7")) == float(table.gap.sel(rule="ubc_97")) == peak
     assert float(table.gap.sel(rule="mexico_city")) == pytest.approx(peak + 0.024)
     assert float(table.gap.sel(rule="mexico_city_simplified")) == pytest.approx(0.168)
+    assert float(table.gap.sel(rule="iran_2800")) == pytest.approx(0.12)
+    assert float(table.gap.sel(rule="nsr_10")) == pytest.approx(0.24)
+    assert float(table.gap.sel(rule="nzs_1170_5")) == peak
 
 
 @pytest.mark.paper

@@ -32,7 +32,7 @@ def answer():
 def test_buildings_of_one_storey_get_the_answer_of_oscillators():
     one, two = building(1, period=0.5), building(1, period=0.8)
     storeys = sl.separation(one, two, FIRM, **FEW)
-    heights = {"height_1": 3.2, "height_2": 3.2}
+    heights = {"height_1": 3.2, "height_2": 3.2, "storeys_1": 1, "storeys_2": 1}
     plain = sl.separation(one.oscillator(), two.oscillator(), FIRM, **heights, **FEW)
     assert storeys.height.values.tolist() == [3.2]
     other = ("eq_3_drift", "eq_3_paper", "eq_3_simulated")

@@ -73,6 +73,7 @@ class Case:
     same_system: bool
     codes: tuple[str, ...]  # rules that the engineer applies
     zone: str | None
+    given_pga: float | None  # of the design [m/s^2], see `design_pga`
     numbers: Mapping[str, float]
     unverified: bool
     paths: int
@@ -118,6 +119,20 @@ class Case:
     def spectrum(self) -> xr.DataArray | None:
         """Elastic spectrum to which the ground is fitted."""
         return self.of_site.shaking.spectrum
+
+    @property
+    def design_pga(self) -> float | None:
+        """Peak ground acceleration of the design [m/s^2], as given or of the spectrum of the site."""
+        spectrum = self.spectrum if self.given_pga is None else None
+        if spectrum is None or spectrum.period[0] > 0:
+            return self.given_pga
+        return float(spectrum[0])
+
+    @property
+    def of_codes(self) -> dict[str, Any]:
+        """Zone, peak ground acceleration and storeys for rules of building codes, by name."""
+        storeys = {f"storeys_{n}": b.storeys for n, b in enumerate(self.one_or_two, start=1)}
+        return {"zone": self.zone, "design_pga": self.design_pga, **storeys}
 
     @property
     def duration(self) -> float:
@@ -341,6 +356,7 @@ def case_of(whole: Section, path: Path, known: Known) -> Case:
         same_system=wanted.read("same_system"),
         codes=read_codes(wanted, [building.design for building in buildings], of_site.spectrum),
         zone=wanted.read("zone"),
+        given_pga=wanted.read("design_pga"),
         numbers=_numbers(wanted.section("numbers", needed=False)),
         unverified=wanted.read("unverified"),
         paths=whole_groups(simulated.read("paths")),

@@ -95,7 +95,7 @@ def _applied(case: Case, rule: type[CodeRule], table: xr.Dataset) -> Rule:
     factors = _factors(rule, [building.design for building in buildings])
     (row,) = (
         row
-        for row in code_rules(peaks, tall, neighbours, case.zone, case.numbers, factors)
+        for row in code_rules(peaks, tall, neighbours, case.of_codes, case.numbers, factors)
         if row.name == rule.name
     )
     return replace(row, name=name, assumptions=f"{row.assumptions}; {_stated(case, rule)}")

@@ -142,10 +142,9 @@ def answer_case(
     simulated = separation(
         *pair,
         case.sampled_ground,
-        **case.motion | in_common,
+        **case.motion | in_common | case.of_codes,
         height_1=first.height,
         height_2=second.height if second else None,
-        zone=case.zone,
         numbers=case.numbers,
         unverified=case.unverified,
         records=dict(case.records) or None,

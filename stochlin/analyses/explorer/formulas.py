@@ -228,7 +228,7 @@ def _rules(case: Case, seconds: float) -> list[Rule]:
             case.scatter,
         ),
         *code_rules(
-            drifted[:, None], heights_of(case), neighbours_of(case), case.zone, dict(case.numbers)
+            drifted[:, None], heights_of(case), neighbours_of(case), case.of_codes, dict(case.numbers)
         ),
     ]
 

@@ -91,6 +91,6 @@ def for_codes(case: Case) -> dict[str, Any]:
         "height_1": heights[0],
         "height_2": heights[1],
         **vars(neighbours_of(case)),
-        "zone": case.zone,
+        **case.of_codes,
         "numbers": case.numbers,
     }

@@ -159,7 +159,7 @@ def rules(case: Case, seconds: float) -> tuple[list[Rule], Array]:
         equation_3_rule(peaks, "eq_3_white_noise", of_modes, **texts),
         equation_3_rule(peaks, "eq_3_linearized", correlation_of(motion, factors_1, factors_2), **texts),
         linearized_rule(tuple(apart), seconds, case.confidence, case.scatter),
-        *code_rules(peaks, (heights, heights), neighbours, case.zone, dict(case.numbers)),
+        *code_rules(peaks, (heights, heights), neighbours, case.of_codes, dict(case.numbers)),
     ]
     return listed, heights
 

@@ -50,6 +50,9 @@ def code_gaps(
     same_property: Truth = False,
     same_system: Truth = False,
     zone: Zone | None = None,
+    storeys_1: Parameter | None = None,
+    storeys_2: Parameter | None = None,
+    design_pga: Parameter | None = None,
     numbers: Mapping[str, float] | None = None,
     behaviour_1: Parameter | None = None,
     behaviour_2: Parameter | None = None,
@@ -85,18 +88,23 @@ def code_gaps(
         floors, this halves the gap in Mexico City.
     zone : str, optional
         Zone of Mexico City: ``"I"``, ``"II"`` or ``"III"``.
+    storeys_1, storeys_2 : float or array, optional
+        Numbers of storeys above the ground [-], at least 1, for Iran and Colombia.
+    design_pga : float or array, optional
+        Peak ground acceleration of the design at the site [m/s^2], positive: ``ag S`` of Italy.
     numbers : mapping, optional
         Numbers of rules by name, in place of their defaults, as in `code_rule`. With a number,
         ``"share_of_height"`` and ``"fixed_distance"`` [m] are also in the table.
     behaviour_1, behaviour_2 : float or array, optional
-        Behaviour factor of each building [-], at least 1: ``q`` of Eurocode 8, ``R`` of UBC-97 and IS
-        1893, ``Rd Ro`` of Canada, ``Q`` of Mexico City.
+        Behaviour factor of each building [-], at least 1: ``q`` of Eurocode 8, ``R`` of UBC-97, IS 1893
+        and TBDY 2018, ``Rd Ro`` of Canada, ``Q`` of Mexico City.
     deflection_1, deflection_2 : float or array, optional
-        Displacement factor of each building [-], at least 1: ``Cd`` of ASCE 7, ``1.4 alpha_y Ra`` of
-        Taiwan, ``0.75 R`` of Peru (0.85 if irregular).
+        Displacement factor of each building [-], at least 1: ``Cd`` of ASCE 7 and Iran, ``1.4 alpha_y
+        Ra`` of Taiwan, ``0.75 R`` of Peru (0.85 if irregular), ``mu_d`` of Italy, ``mu`` of New Zealand.
     importance, importance_2 : float or array, optional
-        Importance factor [-], 0.5 to 2, by default 1; of both buildings, or of each. ASCE 7 and Canada
-        divide by it. ``ag`` of Eurocode 8 contains it, so that it has no effect there.
+        Importance factor [-], 0.5 to 2, by default 1; of both buildings, or of each. ASCE 7, Canada and
+        TBDY 2018 divide by it, and Iran asks for the displacement if it is above 1. ``ag`` of Eurocode 8
+        contains it, so that it has no effect there.
 
     Returns
     -------
@@ -152,9 +160,10 @@ def code_gaps(
         **{"deflection_1": deflection_1, "deflection_2": deflection_2},
         **{"importance": importance, "importance_2": importance_2},
     }
-    check_neighbours(neighbours, alone, height_2=height_2, **factors)
+    check_neighbours(neighbours, alone, height_2=height_2, storeys_2=storeys_2, **factors)
     by_design = _are_of_design(factors)
-    pair = BuildingPeaks(peak_1, peak_2, height_1, height_2, **factors)
+    by_site = {"storeys_1": storeys_1, "storeys_2": storeys_2, "design_pga": design_pga}
+    pair = BuildingPeaks(peak_1, peak_2, height_1, height_2, **by_site, **factors)
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
     known = {*values, *(() if zone is None else ("zone",))}
@@ -164,8 +173,9 @@ def code_gaps(
         for rule in rules
     ]
     nothing = xr.full_like(valid, np.nan, float)
-    arguments: dict[str, Any] = {name: values.get(name) for name in (*PEAKS, "height_1", "height_2")}
-    arguments |= {"zone": zone, **vars(neighbours)}
+    of_site = (*PEAKS, "height_1", "height_2", *by_site)
+    arguments: dict[str, Any] = {name: values.get(name) for name in of_site}
+    arguments |= {"zone": zone, **vars(neighbours), **_importances(values)}
     gaps = [
         nothing
         if lacks
@@ -230,13 +240,18 @@ def _designed(rule: CodeRule, values: Mapping[str, Any], floors_align: bool) -> 
     factors = {name: values.get(name) for name in (f"{rule.multiplies}_1", f"{rule.multiplies}_2")}
     if rule.larger_factor and not floors_align and "peak_2" in values:
         factors = dict.fromkeys(factors, np.maximum(*map(values.__getitem__, factors)))
-    of_both = values.get("importance", 1.0)
-    importances = of_both, values.get("importance_2", of_both)
+    importances = _importances(values).values()
     return {
         peak: rule.designed(values[peak], factor, importance)
         for peak, factor, importance in zip(PEAKS, factors.values(), importances, strict=True)
         if peak in values
     }
+
+
+def _importances(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The importance factors of both buildings, as `CodeRule.gap` takes them."""
+    of_both = values.get("importance", 1.0)
+    return {"importance_1": of_both, "importance_2": values.get("importance_2", of_both)}
 
 
 def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:

@@ -55,7 +55,7 @@ class Rule:
 def all_rules(
     pair: PairInMotion,
     neighbours: Neighbours,
-    zone: str | None,
+    site: Mapping[str, Any],
     unverified: bool,
     numbers: Mapping[str, float] | None,
 ) -> list[Rule]:
@@ -63,7 +63,7 @@ def all_rules(
     return [
         *_with_correlations(pair, effective_rule_names(unverified)),
         _linearized(pair),
-        *code_rules(pair.peaks, pair.code_heights, neighbours, zone, numbers),
+        *code_rules(pair.peaks, pair.code_heights, neighbours, site, numbers),
     ]
 
 
@@ -177,14 +177,15 @@ def code_rules(
     peaks: Array,
     heights: tuple[Any, ...],
     neighbours: Neighbours,
-    zone: str | None,
+    site: Mapping[str, Any],
     numbers: Mapping[str, float] | None = None,
     factors: Mapping[str, Any] | None = None,
 ) -> list[Rule]:
     """The rules of building codes with these peaks [m], (1 or 2 structures, heights).
 
-    Without ``factors`` of `code_gaps` the peaks are simulated ones, and a code that defines
-    displacements of its own only combines them: it is not judged.
+    ``site`` has further arguments of `code_gaps` by name, such as the zone. Without ``factors`` of
+    `code_gaps` the peaks are simulated ones, and a code that defines displacements of its own only
+    combines them: it is not judged.
     """
     height_1, height_2 = (
         xr.DataArray(height, dims="height") if np.ndim(height) else height
@@ -196,8 +197,8 @@ def code_rules(
         next(iter(others), None),
         height_1=height_1,
         height_2=height_2,
-        zone=zone,
         numbers=numbers,
+        **site,
         **vars(neighbours),
         **(factors or {}),
     )

@@ -16,7 +16,7 @@ from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.separation.code_gaps import check_neighbours, rules_with, told_numbers
 from stochlin.analyses.separation.pairs import PairInMotion
 from stochlin.analyses.separation.rules import Rule, all_rules
-from stochlin.analyses.separation.storeys import check_levels, of_storeys
+from stochlin.analyses.separation.storeys import check_levels, numbers_of_storeys, of_storeys
 from stochlin.analyses.separation.variables import ALONE, VARIABLES
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
@@ -97,6 +97,9 @@ def separation(
     same_property: Truth = False,
     same_system: Truth = False,
     zone: Zone | None = None,
+    storeys_1: int | None = None,
+    storeys_2: int | None = None,
+    design_pga: float | None = None,
     numbers: Mapping[str, float] | None = None,
     unverified: Truth = False,
     records: Any = None,
@@ -140,6 +143,10 @@ def separation(
         same, as in `code_gaps`.
     zone : str, optional
         Zone of Mexico City, ``"I"``, ``"II"`` or ``"III"``.
+    storeys_1, storeys_2 : int, optional
+        Numbers of storeys of buildings described as oscillators; others have theirs.
+    design_pga : float, optional
+        Peak ground acceleration of the design [m/s^2], as in `code_gaps`.
     numbers : mapping, optional
         Numbers of code rules by name, as in `code_gaps`.
     unverified : bool
@@ -213,16 +220,18 @@ def separation(
     rules_with(numbers)
     if records is not None:
         checked_motions(records)
-    heights = BuildingPeaks(0.0, 0.0, height_1, height_2)
-    check_scalars(heights, "separation", "a number, the height of a building")
+    of_codes = BuildingPeaks(0.0, 0.0, height_1, height_2, storeys_1, storeys_2, design_pga)
+    check_scalars(of_codes, "separation", "a number")
     by_role = standing(first, second)
     alone = second is None
     neighbours = Neighbours(floors_align, same_property, same_system)
     for_codes = neighbours
-    check_neighbours(neighbours, alone, height_2=height_2)
+    check_neighbours(neighbours, alone, height_2=height_2, storeys_2=storeys_2)
     both = {role: median_of(structure) for role, structure in by_role.items()}
     check_duration(duration, both)
     tall = (height_1, height_2)[: len(both)]
+    site = {"zone": zone, "design_pga": design_pga}
+    site |= numbers_of_storeys(list(both.values()), (storeys_1, storeys_2))
     if any(isinstance(structure, MultistoreyBuilding) for structure in both.values()):
         check_levels(list(both.values()), tall, floors_align)
         for_codes = of_storeys(neighbours, list(both.values()), tall)
@@ -246,7 +255,7 @@ def separation(
             if any(isinstance(structure, MultistoreyBuilding) for structure in structures):
                 structures = in_metres(structures, ground)
             pair = PairInMotion(structures, ground, motions, confidence, seconds, tall)
-            rules = all_rules(pair, for_codes, zone, unverified, numbers)
+            rules = all_rules(pair, for_codes, site, unverified, numbers)
             table = _judged(rules, pair)
             if "input_factor" in motions:
                 table["input_factor"] = motions.input_factor

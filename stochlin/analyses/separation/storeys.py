@@ -111,6 +111,25 @@ def of_storeys(
     return replace(neighbours, same_system=neighbours.same_system and level)
 
 
+def numbers_of_storeys(
+    structures: Sequence[AnyStructure], given: Sequence[int | None]
+) -> dict[str, int | None]:
+    """Numbers of storeys by name, of the structures or as given for oscillators.
+
+    Raises a ValueError if a number contradicts the structure.
+    """
+    numbers = {f"storeys_{n}": number for n, number in enumerate(given, start=1)}
+    for (name, number), structure in zip(numbers.items(), structures, strict=False):
+        if not isinstance(structure, MultistoreyBuilding):
+            continue
+        if number not in (None, structure.storeys):
+            raise ValueError(
+                f"{name} = {number}, but that building has {structure.storeys} storeys; leave it out"
+            )
+        numbers[name] = structure.storeys
+    return numbers
+
+
 def check_levels(
     structures: Sequence[AnyStructure], heights: Sequence[float | None], floors_align: bool
 ) -> None:

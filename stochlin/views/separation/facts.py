@@ -146,6 +146,7 @@ def facts(answer: CaseAnswer) -> list[Terms]:
         (f"existing {subject_of(case).gap}", "none" if case.gap is None else length(case.gap)),
         *([] if case.alone else answered),
         ("zone of Mexico City", case.zone or "not given"),
+        *([("design PGA", f"{pga / METRES['g']:.3g}{SPACE}g")] if (pga := case.given_pga) else []),
         ("simulated motions", f"{case.paths}, seed {case.seed}"),
     ]
     groups = {"Site": ground, "Motion": motion}

@@ -10,14 +10,16 @@ for name in sl.ground_names():
 for name in sl.effective_rule_names(unverified=True):
     rule = sl.effective_rule(name)
     print(name, f"{float(rule.period_ratio(4.0, 0.05)):.9g} {float(rule.damping(4.0, 0.05, 0.05)):.9g}")
+of_site = {"storeys_1": 8, "storeys_2": 5, "design_pga": 2.5}
 for name in sl.code_rule_names():
     rule = sl.code_rule(name)
     # One property and two, on each with floors that are level and not; one and the same system.
     told = [(align, "III", one, True) for one in (True, False) for align in (True, False)]
-    gaps = (float(rule.gap(0.12, 0.09, 24.0, 15.0, *facts)) for facts in told)
+    gaps = (float(rule.gap(0.12, 0.09, 24.0, 15.0, *facts, **of_site)) for facts in told)
     print(name, rule.mark, *(f"{gap:.9g}" for gap in gaps))
     if not rule.missing((*rule.needs, "height_1"), alone=True):
-        print(name, f"{float(rule.gap(0.12, None, 24.0, None, False, 'III')):.9g}")
+        alone = rule.gap(0.12, None, 24.0, None, False, "III", **of_site)
+        print(name, f"{float(alone):.9g}")
 for name, value in (("share_of_sum", 0.8), ("share_of_height", 0.01), ("fixed_distance", 0.05)):
     print(name, value, sl.code_rule(name, value).gap(0.12, 0.09, 24.0, 15.0))
 for name in sl.peak_factor_names():

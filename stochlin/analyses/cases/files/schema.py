@@ -229,6 +229,7 @@ SEPARATION = table(
     Key("same_system", bool, "Same structural system", False),
     Key("codes", str, "Building codes that you apply, a list of names or of countries", None),
     Key("zone", tuple(ZONES), "Zone of Mexico City", None),
+    Key("design_pga", PEAK, "Peak ground acceleration of the design, for codes that ask for it", None),
     Key("unverified", bool, "Rules that are not compared with their source", False),
 )
 MOTIONS = Slider(256, 8192, 256, 2048, "", Whole(FEWEST_PATHS, MOST_PATHS))

@@ -27,13 +27,15 @@ INELASTIC = "peaks are largest displacements, inelastic where the structure yiel
 ALIGNED = "the factor for floors that align accepts contact at slab level"
 ALIKE = "half for the same height, structural system and slab levels, which accepts contact of slabs"
 BETWEEN = "between two properties the gap is the sum of both distances from the line"
-OF_PAIRS = (ALIGNED, ALIKE, BETWEEN)  # statements that say nothing of one building
+BESIDE = "the neighbour stands on the boundary and has left no joint"
+OF_PAIRS = (ALIGNED, ALIKE, BETWEEN, BESIDE)  # statements that say nothing of one building
 TWO = "a second building: what it says of a property line is not known here"
 CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.rules.codes")
 # Factors of codes on displacements under design forces, as `code_gaps` names them.
 FACTORS = BEHAVIOUR, DEFLECTION, IMPORTANCE = "behaviour", "deflection", "importance"
 AT_LEAST_1 = Range(1.0, include_lower=True, reason="it multiplies displacements under design forces")
 OF_IMPORTANCE = Range(0.5, 2.0, True, True, "codes have 0.8 to 1.5")
+STOREYS = Range(1.0, include_lower=True, reason="storeys above the ground")
 MULTIPLIED = "displacements that are multiplied already: it has no factor on those under design forces"
 
 
@@ -41,7 +43,8 @@ MULTIPLIED = "displacements that are multiplied already: it has no factor on tho
 class BuildingPeaks(Model):
     """Peak displacements [m] of two buildings or of one, and what rules need besides.
 
-    These are their heights [m], and the factors of codes if the peaks are those under design forces.
+    These are their heights [m] and storeys, the peak ground acceleration of the design [m/s^2], and the
+    factors of codes if the peaks are those under design forces.
     """
 
     of_arguments = True
@@ -50,6 +53,11 @@ class BuildingPeaks(Model):
     peak_2: Parameter | None = parameter("m", "peak displacement, structure 2", NOT_NEGATIVE, None)
     height_1: Parameter | None = parameter("m", "height, structure 1", POSITIVE, None)
     height_2: Parameter | None = parameter("m", "height, structure 2", POSITIVE, None)
+    storeys_1: Parameter | None = parameter("1", "number of storeys, structure 1", STOREYS, None)
+    storeys_2: Parameter | None = parameter("1", "number of storeys, structure 2", STOREYS, None)
+    design_pga: Parameter | None = parameter(
+        "m/s^2", "peak ground acceleration of the design", POSITIVE, None
+    )
     behaviour_1: Parameter | None = parameter("1", "behaviour factor, structure 1", AT_LEAST_1, None)
     behaviour_2: Parameter | None = parameter("1", "behaviour factor, structure 2", AT_LEAST_1, None)
     deflection_1: Parameter | None = parameter("1", "displacement factor, structure 1", AT_LEAST_1, None)
@@ -113,34 +121,45 @@ class CodeRule(Published):
         zone: Zone | None = None,
         same_property: bool = False,
         same_system: bool = False,
+        storeys_1: Any = None,
+        storeys_2: Any = None,
+        importance_1: Any = 1.0,
+        importance_2: Any = 1.0,
+        design_pga: Any = None,
     ) -> Any:
         """Required separation [m] for peak displacements [m] as the rule defines them.
 
         Without ``peak_2`` it is the distance of one building from its property line. Some rules also
-        need the heights of the buildings [m], or the zone ``"I"``, ``"II"`` or ``"III"`` of Mexico City;
-        a ValueError names what is missing. ``floors_align`` states whether the floors of both buildings
-        are at the same levels, ``same_property`` whether no property line is between them, and
-        ``same_system`` whether their structural systems are the same.
+        need the heights of the buildings [m] or their storeys, the zone ``"I"``, ``"II"`` or ``"III"``
+        of Mexico City, or the peak ground acceleration ``design_pga`` [m/s^2]; a ValueError names what
+        is missing. ``importance_1`` and ``_2`` are importance factors. ``floors_align`` states whether
+        the floors of both buildings are at the same levels, ``same_property`` whether no property line
+        is between them, and ``same_system`` whether their structural systems are the same.
         """
         if peak_2 is None and not self.line:
             raise ValueError(f"{self.name} needs {TWO}; give peak_2")
-        values = {"height_1": height_1, "height_2": height_2, "zone": zone}
+        values = {
+            **{"height_1": height_1, "height_2": height_2, "zone": zone, "design_pga": design_pga},
+            **{"storeys_1": storeys_1, "storeys_2": storeys_2},
+            **{"importance_1": importance_1, "importance_2": importance_2},
+        }
         names = [name for name, value in values.items() if value is not None]
         if missing := self.missing(names, peak_2 is None):
             raise ValueError(
-                f"{self.name} needs {', '.join(missing)}, which is not given; allowed: heights "
-                f"[m], zone one of {', '.join(ZONES)}"
+                f"{self.name} needs {', '.join(missing)}, which is not given; allowed: heights [m], "
+                f"numbers of storeys, design_pga [m/s^2], zone one of {', '.join(ZONES)}"
             )
+        known = {name: values[name] for name in names}
         if peak_2 is None:
-            return self.from_line(Site(peak_1, 0 * peak_1, height_1, height_1, zone))
+            return self.from_line(Site(peak_1, 0 * peak_1, **known))
         neighbours = Neighbours(floors_align, same_property, same_system)
-        return self.of_site(Site(peak_1, peak_2, height_1, height_2, zone, neighbours))
+        return self.of_site(Site(peak_1, peak_2, neighbours=neighbours, **known))
 
     def missing(self, given: Collection[str], alone: bool) -> list[str]:
         """Arguments that the rule requires and that are not ``given``, for two buildings or for one."""
         if alone and not self.line:
             return [TWO]
-        return [name for name in self.needs if name not in given and not (alone and name == "height_2")]
+        return [n for n in self.needs if n not in given and not (alone and n.endswith("_2"))]
 
     def of_site(self, site: Site) -> Any:
         """Required separation [m] of two buildings."""
@@ -151,7 +170,11 @@ class CodeRule(Published):
 
         By default this is the gap to a building of the same height that does not move.
         """
-        return self.of_site(site)
+        return self.of_site(replace(site, height_2=site.height_1))
+
+    def from_both_lines(self, site: Site) -> Any:
+        """Sum of the distances of both buildings from the line between them [m]."""
+        return self.from_line(site) + self.from_line(site.mirrored())
 
     def governed_by(self, same_property: bool) -> str:
         """The family of the rule for two buildings of one property or of two."""
@@ -196,9 +219,14 @@ class Site:
 
     peak_1: Any
     peak_2: Any
-    height_1: Any
-    height_2: Any
-    zone: str | None
+    height_1: Any = None
+    height_2: Any = None
+    zone: str | None = None
+    storeys_1: Any = None
+    storeys_2: Any = None
+    importance_1: Any = 1.0
+    importance_2: Any = 1.0
+    design_pga: Any = None
     neighbours: Neighbours = Neighbours()
 
     @property
@@ -223,8 +251,9 @@ class Site:
 
     def mirrored(self) -> Site:
         """The same pair with the buildings exchanged."""
-        swapped = {"peak_1": self.peak_2, "peak_2": self.peak_1}
-        return replace(self, **swapped, height_1=self.height_2, height_2=self.height_1)
+        buildings = ("peak", "height", "storeys", "importance")
+        swapped = {f"{of}_{n}": getattr(self, f"{of}_{3 - n}") for of in buildings for n in (1, 2)}
+        return replace(self, **swapped)
 
     def if_aligned(self, factor: float) -> float:
         """The factor if the floors align, else 1."""

@@ -74,7 +74,8 @@ class Asce7(ByProperty):
 class Canada(SquareRoot):
     """National Building Code of Canada: square root of the sum of the squared peaks.
 
-    By 4.1.8.13 they are the elastic deflections times ``Rd Ro/IE``.
+    By 4.1.8.13 they are the elastic deflections times ``Rd Ro/IE``. Adjacent structures are separated by
+    the root of squares of their individual deflections, or connected, as the Ontario code says, too.
     """
 
     assumptions = "peaks are anticipated deflections, Rd Ro over IE times elastic"
@@ -116,7 +117,8 @@ class Ubc97(ByProperty):
     """UBC-97: square root of the sum of the squared inelastic displacements within one property.
 
     A building keeps its own displacement from a property line, so that the gap between two properties is
-    the sum of both.
+    the sum of both. The sentences on displacements and on property lines were seen in a quotation, and
+    ``0.7 R`` in the code of the Philippines, which follows this one; the root of squares in IBC only.
     """
 
     assumptions = f"peaks are maximum inelastic displacements, 0.7 R times those of design; {BETWEEN}"
@@ -133,7 +135,7 @@ class OwnLot(CodeRule):
     """
 
     def of_site(self, site: Site) -> Any:
-        return (1 - 0.5 * site.alike) * (self.from_line(site) + self.from_line(site.mirrored()))
+        return (1 - 0.5 * site.alike) * self.from_both_lines(site)
 
 
 @published(CODE_RULES, "mexico_city", "NTC-Sismo, Mexico City, 1.10", "S", 7)
@@ -142,7 +144,8 @@ class MexicoCity(OwnLot):
 
     ``D`` is the peak displacement and ``h`` the height of the building; ``c`` is 0.001, 0.003 and 0.006
     in zones I, II and III. The gap between two buildings is the sum of both distances; half of it if
-    their heights, their structural systems and the levels of their slabs are the same.
+    their heights, their structural systems and the levels of their slabs are the same. The edition of
+    2023, which has other zones, was not seen.
     """
 
     assumptions = f"{INELASTIC}; {ALIKE}"
@@ -220,7 +223,7 @@ class Peru(CodeRule):
 
     def of_site(self, site: Site) -> Any:
         if not site.neighbours.same_property:
-            return self.from_line(site) + self.from_line(site.mirrored())
+            return self.from_both_lines(site)
         return np.maximum(self.least(site.lower_height), site.total * (2 / 3))
 
     def from_line(self, site: Site) -> Any:
@@ -289,3 +292,25 @@ class China(Numbered):
     def of_site(self, site: Site) -> Any:
         beyond = np.maximum(site.lower_height - 15.0, 0.0) if site.heights_known else 0.0
         return 0.1 + 0.02 * beyond / self.step + 0 * site.total
+
+
+@published(CODE_RULES, "nzs_1170_5", "NZS 1170.5:2004, New Zealand, 7.4.1", "M", 21)
+class NewZealand(CodeRule):
+    """NZS 1170.5: a building stays on its side of the boundary, and does not touch others of its site.
+
+    At the ultimate limit state its displacement does not reach beyond the boundary, so that the gap
+    between two properties is the sum of the peaks; it is also taken within one property.
+    """
+
+    assumptions = f"peaks are those of the ultimate limit state, mu times elastic; {BETWEEN}"
+    multiplies = DEFLECTION
+    called: ClassVar = {
+        BEHAVIOUR: "reduction k_mu/Sp of the forces",
+        DEFLECTION: "structural ductility factor mu",
+    }
+    countries = ("New Zealand",)
+    family = SUM
+    line = "from the boundary a building keeps its own displacement"
+
+    def of_site(self, site: Site) -> Any:
+        return site.total

@@ -1,0 +1,140 @@
+"""Codes with a least gap by height: clauses by hand at three heights, with both kinds of floors."""
+
+import numpy as np
+import pytest
+
+import stochlin as sl
+
+G = 9.80665
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    ("height", "level", "not_level"),
+    [
+        (6.0, max(0.25 * 0.10, 0.030), max(0.5 * 0.10, 0.030)),
+        (12.0, max(0.25 * 0.10, 0.030 + 2 * 0.010), max(0.5 * 0.10, 0.030 + 2 * 0.010)),
+        (24.0, max(0.25 * 0.10, 0.030 + 6 * 0.010), max(0.5 * 0.10, 0.030 + 6 * 0.010)),
+    ],
+)
+def test_turkey_by_hand(height, level, not_level):
+    """TBDY 2018, 4.9.3: R/I u = 6 and 8 cm, root 10 cm; beside 30 m the lower height counts."""
+    rule = sl.code_rule("tbdy_2018")
+    for align, gap in ((True, level), (False, not_level)):
+        assert float(rule.gap(0.06, 0.08, height, 30.0, align)) == pytest.approx(gap, rel=1e-12)
+        assert float(rule.gap(0.08, 0.06, 30.0, height, align)) == pytest.approx(gap, rel=1e-12)
+
+
+@pytest.mark.oracle
+def test_turkey_multiplies_by_r_over_i():
+    """18 and 24 mm reduced, R = 8, I = 1: level 0.25 * 8 * 30 = 60 mm, else 120 mm; 50 mm at 12 m."""
+    both = {"height_1": 12.0, "height_2": 12.0, "behaviour_1": 8.0, "behaviour_2": 8.0}
+    for align, importance, gap in ((True, 1.0, 0.06), (False, 1.0, 0.12), (False, 1.5, 0.08)):
+        told = {"floors_align": align, "importance": importance}
+        table = sl.code_gaps(0.018, 0.024, **both, **told)
+        assert float(table.gap.sel(rule="tbdy_2018")) == pytest.approx(gap, rel=1e-12)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("name", ["ntc_2008", "ntc_2018"])
+@pytest.mark.parametrize(
+    ("height", "share", "gap"),
+    [
+        (6.0, 0.25, max(0.07, 0.06 * 0.5)),
+        (18.0, 0.25, max(0.07, 0.18 * 0.5)),
+        (30.0, 0.25, max(0.07, 0.30 * 0.5)),
+        (30.0, 0.60, max(0.07, 0.30 * 1.0)),  # 2 ag S/g = 1.2 counts as 1
+    ],
+)
+def test_italy_by_hand(name, height, share, gap):
+    """NTC 2018, 7.2.1: the sum 3 + 4 cm, and h/100 (2 ag S/g), the factor 1 at most; any floors."""
+    rule = sl.code_rule(name)
+    for align in (True, False):
+        found = rule.gap(0.03, 0.04, height, 40.0, align, design_pga=share * G)
+        assert float(found) == pytest.approx(gap, rel=1e-5)  # g with its standard digits
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    ("height", "storeys", "importance", "each"),
+    [
+        (12.0, 4, 1.0, 0.005 * 12),
+        (12.0, 4, 1.2, max(0.005 * 12, 0.15)),  # important
+        (25.6, 8, 1.0, 0.005 * 25.6),
+        (28.8, 9, 1.0, max(0.005 * 28.8, 0.15)),
+        (40.0, 12, 1.0, max(0.005 * 40, 0.15)),
+    ],
+)
+def test_iran_by_hand(height, storeys, importance, each):
+    """Standard 2800: nonlinear displacement 15 cm; the neighbour has 6 m and 2 storeys, so 3 cm."""
+    rule = sl.code_rule("iran_2800")
+    one = {"storeys_1": storeys, "importance_1": importance}
+    assert float(rule.gap(0.15, None, height, **one)) == pytest.approx(each, rel=1e-12)
+    for align in (True, False):
+        gap = rule.gap(0.15, 0.15, height, 6.0, align, storeys_2=2, **one)
+        assert float(gap) == pytest.approx(each + 0.005 * 6, rel=1e-12)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    ("height", "storeys", "level", "not_level", "empty_plot"),
+    [
+        (6.0, 2, 0.0, 0.0, 0.0),
+        (9.0, 3, 0.0, 0.01 * 9, 0.0),
+        (12.0, 4, 0.02 * 12, 0.03 * 12, 0.01 * 12),
+        (30.0, 10, 0.02 * 30, 0.03 * 30, 0.01 * 30),
+    ],
+)
+def test_colombia_by_hand(height, storeys, level, not_level, empty_plot):
+    """NSR-10, table A.6.5-1, beside a house of one storey; displacements do not count."""
+    rule = sl.code_rule("nsr_10")
+    for align, gap in ((True, level), (False, not_level)):
+        found = rule.gap(0.5, 0.5, height, 3.0, align, storeys_1=storeys, storeys_2=1)
+        assert float(found) == pytest.approx(gap, rel=1e-12)
+    assert float(rule.gap(0.5, None, height, storeys_1=storeys)) == pytest.approx(empty_plot, rel=1e-12)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize("height", [6.0, 12.0, 30.0])
+@pytest.mark.parametrize("align", [True, False])
+def test_new_zealand_by_hand(height, align):
+    """NZS 1170.5, 7.4.1: each keeps its own displacement from the boundary, whatever its height."""
+    rule = sl.code_rule("nzs_1170_5")
+    assert float(rule.gap(0.03, None, height)) == 0.03
+    for same_property in (True, False):
+        gap = rule.gap(0.03, 0.04, height, 15.0, align, same_property=same_property)
+        assert float(gap) == pytest.approx(0.03 + 0.04, rel=1e-12)
+
+
+@pytest.mark.invariant
+def test_arrays_of_storeys_and_accelerations_are_cells_of_the_table():
+    more = {"storeys_1": [3, 9], "storeys_2": 4, "design_pga": [2.0, -1.0]}
+    table = sl.code_gaps(0.2, 0.1, height_1=30.0, height_2=12.0, **more).gap
+    assert table.sel(rule="iran_2800").values[0] == pytest.approx(0.15 + 0.06)
+    assert np.isnan(table[:, 1]).all()  # a negative acceleration
+    more["design_pga"] = 2.0
+    table = sl.code_gaps(0.2, 0.1, height_1=30.0, height_2=12.0, **more).gap
+    assert table.sel(rule="iran_2800").values.tolist() == pytest.approx([0.15 + 0.06, 0.2 + 0.06])
+
+
+@pytest.mark.invariant
+def test_what_a_rule_lacks_and_what_cannot_be_is_named():
+    with pytest.raises(ValueError, match=r"ntc_2018 needs design_pga, .*, design_pga \[m/s"):
+        sl.code_rule("ntc_2018").gap(0.03, 0.04, 12.0, 12.0)
+    with pytest.raises(ValueError, match="iran_2800 needs storeys_1, storeys_2, which is not given"):
+        sl.code_rule("iran_2800").gap(0.03, 0.04, 12.0, 12.0)
+    with pytest.raises(ValueError, match="nsr_10 needs storeys_1, which is not given"):
+        sl.code_rule("nsr_10").gap(0.03, None, 12.0)
+    with pytest.raises(ValueError, match="tbdy_2018 needs a second building"):
+        sl.code_rule("tbdy_2018").gap(0.03, None, 12.0)
+    for wrong, says in (
+        ({"design_pga": 0.0}, "design_pga = 0 "),
+        ({"storeys_1": 0.5}, r"storeys_1 = 0\.5 is out of range"),
+    ):
+        with pytest.raises(ValueError, match=says):
+            sl.code_gaps(0.03, 0.04, **wrong)
+    with pytest.raises(ValueError, match="storeys_2 is given, of a second building"):
+        sl.code_gaps(0.03, None, storeys_2=3)
+    tower = sl.ShearBuilding([4e5] * 2, [3e8] * 2, [3.0] * 2, 0.05)
+    with pytest.raises(ValueError, match="storeys_1 = 3, but that building has 2 storeys; leave it out"):
+        sl.separation(tower, None, sl.KanaiTajimi(0.5, 0.5, intensity=0.01), 9.0, storeys_1=3)
