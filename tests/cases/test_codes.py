@@ -12,12 +12,14 @@ from cases import with_slow
 from commands import answered, refused
 
 import stochlin as sl
+from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import Case
-from stochlin.analyses.cases.codes import with_applied_codes
+from stochlin.analyses.cases.codes import design_displacements, with_applied_codes
 from stochlin.analyses.cases.files.design import Design
 from stochlin.analyses.cases.separation import CaseAnswer, answer_case
 from stochlin.analyses.explorer.opening import opened
 from stochlin.analyses.explorer.saving import case_text
+from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.separation.report import report_page
 from stochlin.views.separation.words import rows, rules_caption
 
@@ -264,6 +266,45 @@ def test_oscillators_have_one_displacement(tmp_path: Path) -> None:
 
 
 EC8 = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\nfilters = 1'
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    ("period", "damping", "behaviour", "share"),
+    [
+        (0.1, 0.05, 1.0, 1.0 * (2 / 3 + 0.5 * (2.5 / 1.0 - 2 / 3))),  # below TB: less than 1.75
+        (0.1, 0.05, 3.0, 1 + 0.5 * 1.5),  # 3 * 0.75 is more than the elastic spectrum
+        (0.4, 0.02, 3.0, 2.5),  # q includes the damping: 2.5, not 2.99
+        (1.2, 0.05, 3.0, 2.5 * 0.5),
+        (2.0, 0.02, 4.5, 4.5 * 0.2 / 1.15),  # lower bound, more than 2.5 * 0.3 = 0.75; elastic 0.896
+        (2.0, 0.02, 8.0, 2.5 * (10 / 7) ** 0.5 * 0.3),  # 1.39 is more than the elastic spectrum
+    ],
+)
+def test_the_design_spectrum_of_eurocode_8_by_hand(
+    period: float,
+    damping: float,
+    behaviour: float,
+    share: float,
+    storeyed: CaseAnswer,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """EN 1998-1, 3.2.2.5, 4.3.4, ground C: displacements over ag S (T/2 pi)^2; TB .2, TC .6, TD 2 s."""
+    spectrum = sl.eurocode_8(0.25 * G, "C", damping=damping)
+    monkeypatch.setattr(Case, "spectrum", spectrum)
+    rule, design = CODE_RULES["eurocode_8"], Design(factors={"behaviour": behaviour})
+    first = storeyed.case.first
+    building = Building("Hut", sl.Bilinear(period, damping), "elastic", 3.0, 1, design=design)
+    unit = 0.25 * G * 1.15 * (period / 2 / np.pi) ** 2
+    displacement = behaviour * design_displacements(storeyed.case, building, rule)
+    assert displacement == pytest.approx(share * unit, rel=1e-4)  # between points of the spectrum
+    other = design_displacements(storeyed.case, building, CODE_RULES["is_1893"])
+    elastic = np.interp(period, spectrum.period, spectrum) * (period / 2 / np.pi) ** 2
+    assert behaviour * other == pytest.approx(elastic, rel=1e-4)
+    unknown = dataclasses.replace(building, design=Design())
+    assert design_displacements(storeyed.case, unknown, rule) == pytest.approx(elastic, rel=1e-4)
+    case = dataclasses.replace(storeyed.case, described=(building, first), codes=("eurocode_8",))
+    table = with_applied_codes(case, storeyed.separation.isel(rule=slice(0, 9)))
+    assert "3.2.2.5" in table.assumptions.sel(rule="eurocode_8_applied").item()
 
 
 @pytest.mark.invariant

@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.sites.design_spectra import reduced_eurocode_8
 
 G = 9.80665
 
@@ -39,6 +40,29 @@ def test_damping_of_eurocode_8():
     two, five, thirty = (sl.eurocode_8(2.0, "B", damping=x).sel(period=0.3) for x in (0.02, 0.05, 0.3))
     assert float(two / five) == pytest.approx(np.sqrt(10 / 7))
     assert float(thirty / five) == pytest.approx(0.55)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    ("period", "behaviour", "over_ag"),
+    [
+        (0.0, 3.0, 1.15 * 2 / 3),  # (3.13)
+        (0.1, 3.0, 1.15 * (2 / 3 + 0.5 * (2.5 / 3 - 2 / 3))),
+        (0.1, 1.0, 1.15 * (2 / 3 + 0.5 * (2.5 - 2 / 3))),
+        (0.4, 3.0, 1.15 * 2.5 / 3),  # (3.14)
+        (1.2, 3.0, 1.15 * 2.5 / 3 * 0.5),  # (3.15)
+        (3.0, 1.5, 1.15 * 2.5 / 1.5 * 0.6 * 2.0 / 9.0),  # (3.16): 0.256
+        (1.2, 8.0, 0.2),  # 1.15 * 2.5 / 8 * 0.5 = 0.180 is less
+        (3.0, 3.0, 0.2),  # 0.128 is less
+    ],
+)
+def test_design_spectrum_of_eurocode_8_by_hand(period, behaviour, over_ag):
+    """EN 1998-1, 3.2.2.5, ground C, type 1: S = 1.15, TB = 0.2, TC = 0.6, TD = 2 s; beta = 0.2."""
+    elastic = sl.eurocode_8(2.0, "C", damping=0.02)  # q includes the damping
+    reduced = reduced_eurocode_8(elastic, period, behaviour)
+    assert reduced == pytest.approx(2.0 * over_ag, rel=1e-12)
+    strong = (3 * elastic).assign_attrs(elastic.attrs)
+    assert reduced_eurocode_8(strong, period, behaviour) == pytest.approx(3 * reduced, rel=1e-12)
 
 
 @pytest.mark.oracle

@@ -14,6 +14,7 @@ from stochlin.analyses.separation.rules import Rule, code_rules
 from stochlin.analyses.separation.separation import COMBINED, gaps_by_height, judged_rules
 from stochlin.analyses.separation.storeys import of_storeys, weights
 from stochlin.analyses.separation.variables import VARIABLES
+from stochlin.analyses.sites.design_spectra import reduced_eurocode_8
 from stochlin.analyses.sites.spectra import interpolated
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
@@ -31,6 +32,11 @@ APPLY = (
     "as the code asks."
 )
 GIVEN, BY_SPECTRUM = "given", "of the first mode under the design spectrum"
+EC8 = "eurocode_8"  # name of its rule and of its spectrum
+LIMITED = (
+    "design spectrum of 3.2.2.5 with its branch below TB and its lower bound 0.2 ag; q times its "
+    "displacement is not taken above that of the elastic spectrum (4.3.4)"
+)
 
 
 def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
@@ -105,7 +111,8 @@ def design_displacements(case: Case, building: AnyBuilding, rule: type[CodeRule]
     """Displacements of the floors of a building under the design forces of a code [m].
 
     They are those of the file, or those of the first mode under the spectrum of the site, reduced by the
-    behaviour factor.
+    behaviour factor. By Eurocode 8 they are those of its design spectrum, but ``q`` times them is not
+    taken above the displacement of the elastic spectrum, as 4.3.4 allows.
     """
     design = building.design
     if design.displacements:
@@ -121,7 +128,17 @@ def design_displacements(case: Case, building: AnyBuilding, rule: type[CodeRule]
     behaviour, importance = (design.factors.get(name, 1.0) for name in (BEHAVIOUR, IMPORTANCE))
     elastic = shape * at * (period / (2 * np.pi)) ** 2
     displacements: Array = rule.under_design_forces(elastic, behaviour, importance)
+    if _reduces(case, building, rule):
+        reduced = reduced_eurocode_8(spectrum, period, behaviour)
+        displacements *= min(1.0, behaviour * reduced / at[0])
     return displacements
+
+
+def _reduces(case: Case, building: AnyBuilding, rule: type[CodeRule]) -> bool:
+    """Whether the design spectrum of Eurocode 8 is used, with a known behaviour factor."""
+    code = "" if case.spectrum is None else case.spectrum.attrs.get("code")
+    by_spectrum = not building.design.displacements and BEHAVIOUR in building.design.factors
+    return by_spectrum and rule.name == EC8 == code
 
 
 def _factors(rule: type[CodeRule], designs: Sequence[Design]) -> dict[str, float]:
@@ -138,6 +155,8 @@ def _factors(rule: type[CodeRule], designs: Sequence[Design]) -> dict[str, float
 def _stated(case: Case, rule: type[CodeRule]) -> str:
     """The displacements of the buildings and the factors of the code, in words."""
     told = [f"displacements: {sources(case)}"]
+    if any(_reduces(case, building, rule) for building in case.one_or_two):
+        told.append(LIMITED)
     for name in (rule.multiplies, *([IMPORTANCE] if rule.over_importance else [])):
         factors = (f"{building.design.factors.get(name, 1.0):g}" for building in case.one_or_two)
         told.append(f"{rule.called[name]}: {' and '.join(factors)}")

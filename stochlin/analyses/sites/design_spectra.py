@@ -15,6 +15,7 @@ from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import Acceleration, DampingOrZero, Seconds, checked, is_number
 
 STEP = 0.01  # step between the periods of a spectrum [s]
+LEAST = 0.2  # lower bound of the design spectrum of Eurocode 8, beta, over ag
 _EC8_LONGEST, _ASCE_LONGEST = 4.0, 10.0  # s
 
 
@@ -119,6 +120,20 @@ def eurocode_8(
     source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag / METRES['g']:.4g} g"
     curve = _code_spectrum(period, peak * shape, damping, source)
     return curve.assign_attrs(code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}")
+
+
+def reduced_eurocode_8(elastic: xr.DataArray, period: float, behaviour: float) -> float:
+    """Design spectrum of Eurocode 8 at a period [m/s^2], EN 1998-1:2004, eqs. (3.13) to (3.16).
+
+    ``elastic`` is the spectrum by `eurocode_8`, and ``behaviour`` the factor ``q``, which includes the
+    damping. The lower bound ``beta ag`` has the recommended ``beta = 0.2``.
+    """
+    s, rise, plateau, long = _EUROCODE[int(elastic.attrs["spectrum_type"])][elastic.attrs["soil"]]
+    peak, top = float(elastic[0]), 2.5 / behaviour  # ag S
+    if period < rise:
+        return peak * (2 / 3 + period / rise * (top - 2 / 3))
+    after = max(period, plateau)
+    return peak * max(top * plateau / after * min(1.0, long / after), LEAST / s)
 
 
 @checked
