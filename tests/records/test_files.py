@@ -294,11 +294,6 @@ REFUSALS = {
         r"time_column = 0 is named 't \[min\]'; allowed: time in seconds",
     ),
     "text": (changed(7, "0.1x"), BOTH, r"record.txt, line 8: '0.1x' is not a number"),
-    "decimal comma": (
-        lines(times(), WAVE, separator=";").replace(".", ","),
-        BOTH,
-        "line 1: '0,0' is not a number",
-    ),
     "first line": (changed(0, "x"), BOTH, "line 1: 'x' is not a number"),
     "typo in the first line": ("0.0x1\n" + SINGLE, READY, "line 1: '0.0x1' is not a number"),
     "stars": (changed(3, "********"), BOTH, r"line 4: '\*+' is not a number"),
@@ -342,7 +337,11 @@ REFUSALS = {
         r"is in ft/s2, which is no acceleration that is known; allowed: 'g'",
     ),
     "decimal commas": ("0,012\n-0,034\n" * 20, READY, "decimal commas, as in '0,012'; write"),
-    "decimal commas, columns": ("0,02;0,012\n" * 20, BOTH, "'0,02' is not a number.*decimal point"),
+    "decimal commas, tabs": (
+        "0,02\t0,012\n" * 20,
+        {**BOTH, "column": 1},
+        "line 1: .* is not a number.*decimal point",
+    ),
     "UTF-16": (lines(WAVE).encode("utf-16"), READY, "record.txt is text in UTF-16; allowed: UTF-8"),
     "binary": (np.array(WAVE).tobytes(), READY, "record.txt is no text; allowed: PEER AT2"),
     "tiny step": (

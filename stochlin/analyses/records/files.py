@@ -1,138 +1,130 @@
-"""Record files: PEER AT2 and columns of text, read without conversion of units."""
+"""Record files: the registered formats, and columns of text, read without conversion of units."""
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from io import StringIO
 from itertools import islice
 from pathlib import Path
-from types import MappingProxyType
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from stochlin.analyses.records.formats import (
+    FORMATS,
+    HEADER_LINES,
+    Format,
+    Line,
+    RecordFile,
+    Series,
+    as_float,
+    as_numbers,
+    without_comment,
+)
 from stochlin.analyses.tables.inputs import read_text
 from stochlin.messages import brief, listed, plain
-from stochlin.models.arguments import is_whole
+from stochlin.models.arguments import is_label, is_whole
 
 Column = int | str
-Line = tuple[int, str]
-"""Line number in the file, from 1, and its text."""
 
 METRES = {"g": 9.80665, "m/s^2": 1.0, "cm/s^2": 0.01, "mm/s^2": 0.001}
 _SPELLINGS = {"gal": "cm/s^2"} | {
     f"{length}/{spelling}": f"{length}/s^2"
     for length in ("m", "cm", "mm")
-    for spelling in ("s2", "s/s", "s**2", "sec/sec", "sec^2")
+    for spelling in ("s2", "s/s", "s**2", "sec/sec", "sec^2", "sec2")
 }
 _SECONDS = {"s", "sec", "second", "seconds"}
 
-_NUMBER = r"([-+.\dEeDd]+)"
-_AT2_DIALECTS = (
-    re.compile(rf"NPTS\s*=\s*(\d{{1,15}})\s*,?\s*DT\s*=\s*{_NUMBER}", re.IGNORECASE),
-    re.compile(rf"^\s*(\d{{1,15}})\s+{_NUMBER}\s+NPTS\s*,\s*DT", re.IGNORECASE),
-)
-_AT2_UNITS = re.compile(r"UNITS\s+OF\s+([^\s,]+)", re.IGNORECASE)
-_OF_PEER = re.compile(r"STRONG.MOTION", re.IGNORECASE)  # first line of a file whose second is a title
-_AT2_HEADER_LINES = 8
 # Units in column names that are not of a known acceleration.
 _OTHER_UNITS = re.compile(r"(mm|cm|m|km|in|ft|ms|hz|rad|deg)([/^*][\w/^*.-]*)?")
 _COMMA = re.compile(r"[-+]?\d+,\d{2,}")
+_DECIMAL_COMMA = re.compile(r"(^|;)\s*[-+]?\d*,\d")  # in a field between semicolons
+_DECIMAL_POINT = re.compile(r"(^|;)\s*[-+]?\d*\.\d+(e[-+]?\d+)?\s*(;|$)", re.IGNORECASE)
 _SAMPLE = 100  # lines checked for decimal commas
 _LINE_ENDS = ("\r\n", *"\r\x0b\x0c\x1c\x1d\x1e\x85\u2028\u2029")
 
 
-class Series(NamedTuple):
-    """Content of a record file: accelerations as written, and time, time step and units if stated."""
-
-    values: npt.NDArray[np.float64]
-    time: npt.NDArray[np.float64] | None
-    dt: float | None
-    units: str | None
-    column: str = ""  # name of the column
-    about: Mapping[str, str] = MappingProxyType({})  # event, station and component, if stated
-
-
-def read_series(path: Path, column: Column | None, time_column: Column | None) -> Series:
-    """Read a record file of either format."""
+def read_series(
+    path: Path,
+    column: Column | None,
+    time_column: Column | None,
+    component: Column | None = None,
+) -> Series:
+    """Read a record file of any format."""
     name, text = plain(path.name), _text(path)
-    head = list(islice(_content(text), _AT2_HEADER_LINES))
+    head = list(islice(_content(text), HEADER_LINES))
     if not head:
         raise ValueError(f"{name} is empty: it holds no line of numbers")
-    header = next((i for i, (_, line) in enumerate(head) if "NPTS" in line.upper()), None)
-    if header is None:
-        return _read_columns(text, head[0], name, column, time_column)
-    if column is None and time_column is None:
-        return _read_at2(text, head[: header + 1], name)
-    raise ValueError(f"column and time_column do not apply: {name} is an AT2 file of one series")
+    if component is not None and not (is_whole(component) or is_label(component)):
+        raise ValueError(f"component = {brief(component)}; allowed: the name or the number of one")
+    first = "\n".join(line for _, line in head)
+    of = next((of for of in FORMATS.values() if of.header.search(first)), None)
+    if of is None:
+        series = _read_columns(text, head[0], name, column, time_column)
+        return _named(series, component)
+    if column is not None or time_column is not None:
+        raise ValueError(
+            f"column and time_column do not apply: {name} is {of.title}; allowed: component"
+        )
+    series = _component(of, of.read(RecordFile(name, text.split("\n"))), component, name)
+    known = series.units and acceleration_units(series.units, f"{name}: units")
+    return series._replace(units=known)
+
+
+def _component(of: Format, series: Sequence[Series], component: Column | None, name: str) -> Series:
+    """The series of the component that is asked for, or the only one."""
+    if not of.has_components:
+        return _named(series[0], component)
+    names = [channel.about.get("component", "") for channel in series]
+    known = ", ".join(f"{n} ({plain(text)})" if text else f"{n}" for n, text in enumerate(names, 1))
+    if component is None:
+        if len(series) == 1:
+            return series[0]
+        raise ValueError(f"component is missing: {name} has {known}; give component=")
+    wanted = _letters(component)
+    fitting = [n for n, text in enumerate(names) if wanted and _letters(text) == wanted]
+    if not fitting and wanted in map(str, range(1, len(series) + 1)):
+        fitting = [int(wanted) - 1]
+    if len(fitting) != 1:
+        count = "is more than one" if fitting else "is not"
+        raise ValueError(f"component = {brief(component)} {count} in {name}; allowed: {known}")
+    return series[fitting[0]]
+
+
+def _named(series: Series, component: Column | None) -> Series:
+    """The only component of a file, with the name that is given for it."""
+    return (
+        series
+        if component is None
+        else series._replace(about={**series.about, "component": str(component)})
+    )
+
+
+def _letters(text: object) -> str:
+    return re.sub(r"\W|_", "", str(text)).upper()
+
+
+def is_record(name: str) -> bool:
+    """Whether a file has the ending of a record, also if it is compressed by gzip."""
+    endings = "|".join(["txt", "csv", "dat", "acc", *(of.endings for of in FORMATS.values())])
+    return re.search(rf"\.({endings})(\.gz)?$", name, re.IGNORECASE) is not None
 
 
 def _text(path: Path) -> str:
-    """Text of the file, with ``#`` for each comment sign and one kind of line ends."""
+    """Text of the file with one kind of line ends."""
     text = read_text(path)
     for other in _LINE_ENDS:
         text = text.replace(other, "\n")
-    return text.replace("%", "#")  # both start a comment
+    return text
 
 
 def _content(text: str, start: int = 0) -> Iterator[Line]:
-    """Numbered lines after the first ``start``, without comments, empty lines and white space.
-
-    The control-Z at the end of old DOS files is dropped.
-    """
+    """Numbered lines after the first ``start``, without comments, empty lines and white space."""
     for number, line in enumerate(StringIO(text), 1):
-        kept = line.partition("#")[0].strip(" \t\n\x1a")
+        kept = without_comment(line)
         if kept and number > start:
             yield number, kept
-
-
-def _read_at2(text: str, head: Sequence[Line], name: str) -> Series:
-    number, stated = head[-1]
-    match = next((header for pattern in _AT2_DIALECTS if (header := pattern.search(stated))), None)
-    dt = _float(match[2]) if match else None
-    if match is None or dt is None or not 0 < dt < math.inf:
-        raise ValueError(
-            f"{name}, line {number}: {brief(stated)} is not the header of an AT2 file; "
-            "allowed: 'NPTS= 5372, DT= .0100 SEC' or '4096 0.0100 NPTS, DT'"
-        )
-    units = next((unit[1] for _, line in head[:-1] if (unit := _AT2_UNITS.search(line))), None)
-    values = _plain_series(text, number)
-    if values is None:
-        fields = [(n, field) for n, line in _content(text, number) for field in line.split()]
-        values = _numbers(fields, name)
-    if values.size != int(match[1]):
-        raise ValueError(
-            f"{name} holds {values.size} values, but line {number} states NPTS = {match[1]}; "
-            "the file is cut or damaged: fetch it again"
-        )
-    known = units and acceleration_units(units, f"{name}: units")
-    return Series(values, None, dt, known, about=_at2_title(text))
-
-
-def _at2_title(text: str) -> dict[str, str]:
-    """Event, station and component in PEER's second line: ``Kobe, 1/16/1995, Nishi-Akashi, 090``."""
-    lines = text.split("\n", 2)
-    if not _OF_PEER.search(lines[0]):
-        return {}
-    *event, station, component = (part.strip() for part in f",,{lines[1]}".split(","))
-    known = any(event) and station and component
-    named = {"event": ", ".join(filter(None, event)), "station": station, "component": component}
-    return named if known else {}
-
-
-def _plain_series(text: str, header: int) -> npt.NDArray[np.float64] | None:
-    """The numbers after ``header`` lines, or None if there is anything else."""
-    start = 0
-    for _ in range(header):
-        start = text.find("\n", start) + 1
-    try:
-        values = np.array(text[start:].split(), dtype=float)
-    except ValueError:
-        return None
-    return values if np.isfinite(values).all() else None
 
 
 def _read_columns(
@@ -144,6 +136,8 @@ def _read_columns(
     start = number if names else 0
     if separator == ",":
         _refuse_decimal_commas(text, start, name)
+    if separator == ";":
+        text = _with_points(text, start, name)
     if next(_content(text, start), None) is None:
         raise ValueError(f"{name} is empty: it holds no line of numbers")
     rows: list[tuple[int, list[str]]] = []
@@ -174,7 +168,7 @@ def _read_columns(
     def series(index: int) -> npt.NDArray[np.float64]:
         if table is not None:
             return table[:, index].copy()
-        return _numbers([(n, fields[index]) for n, fields in rows], name)
+        return as_numbers([(n, fields[index]) for n, fields in rows], name)
 
     times = None if time_index is None else series(time_index)
     known = stated if stated in METRES else None
@@ -196,14 +190,34 @@ def _refuse_decimal_commas(text: str, start: int, name: str) -> None:
     lines = [line for _, line in islice(_content(text, start), _SAMPLE)]
     if all(_COMMA.fullmatch(line) for line in lines) and any(",0" in line for line in lines):
         raise ValueError(
-            f"{name} seems to have decimal commas, as in {brief(lines[0])}; write numbers with a point"
+            f"{name} seems to have decimal commas, as in {brief(lines[0])}; write numbers with a point, "
+            "or separate the columns by semicolons"
         )
+
+
+def _with_points(text: str, start: int, name: str) -> str:
+    """The text with decimal points for the decimal commas between semicolons."""
+    lines = text.split("\n")
+    commas, points = (
+        next((n for n, line in enumerate(lines[start:], start + 1) if mark.search(line)), None)
+        for mark in (_DECIMAL_COMMA, _DECIMAL_POINT)
+    )
+    if commas is None:
+        return text
+    if points is not None:
+        raise ValueError(
+            f"{name} has decimal points in line {points} and decimal commas in line {commas}; "
+            "allowed: one of them"
+        )
+    return "\n".join([*lines[:start], *(line.replace(",", ".") for line in lines[start:])])
 
 
 def _plain_table(text: str, start: int, separator: str | None) -> npt.NDArray[np.float64] | None:
     """The columns after ``start`` lines, or None unless all lines have equally many finite numbers."""
     try:
-        table = np.loadtxt(StringIO(text), comments="#", delimiter=separator, skiprows=start, ndmin=2)
+        table = np.loadtxt(
+            StringIO(text), comments=("#", "%"), delimiter=separator, skiprows=start, ndmin=2
+        )
     except ValueError:
         return None
     return table if np.isfinite(table).all() else None
@@ -217,7 +231,7 @@ def _fields(text: str, separator: str | None) -> list[str]:
 def _column_names(text: str, separator: str | None) -> list[str]:
     """Names of the columns in a first line without numbers; empty if it is a line of data."""
     fields = _fields(text, "\t" if separator is None and "\t" in text else separator)
-    return fields if all(re.match(r"[^-+.\d]|$", f) and _float(f) is None for f in fields) else []
+    return fields if all(re.match(r"[^-+.\d]|$", f) and as_float(f) is None for f in fields) else []
 
 
 def _data_index(
@@ -250,31 +264,6 @@ def _index(parameter: str, column: Column, names: Sequence[str], width: int, nam
 
 def _allowed_columns(names: Sequence[str], width: int) -> str:
     return f"{width} columns (index 0 to {width - 1})" + (f" named {listed(names)}" if names else "")
-
-
-def _numbers(fields: Sequence[Line], name: str) -> npt.NDArray[np.float64]:
-    values = np.empty(len(fields))
-    for i, (number, text) in enumerate(fields):
-        value = _float(text)
-        if value is None:
-            raise ValueError(
-                f"{name}, line {number}: {brief(text)} is not a number; "
-                "allowed: such as -0.5E-3, with a decimal point"
-            )
-        if not math.isfinite(value):
-            raise ValueError(
-                f"{name}, line {number}: {brief(text)} is not finite; "
-                "fill the gap, or cut the record there"
-            )
-        values[i] = value
-    return values
-
-
-def _float(text: str) -> float | None:
-    try:
-        return float(text.upper().replace("D", "E"))  # Fortran writes .5D-03
-    except ValueError:
-        return None
 
 
 def acceleration_units(units: str, parameter: str) -> str:

@@ -14,12 +14,12 @@ import xarray as xr
 from stochlin.analyses.records.files import (
     METRES,
     Column,
-    Series,
     acceleration_units,
     read_series,
     spelled,
     stated_units,
 )
+from stochlin.analyses.records.formats import Series
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
@@ -46,40 +46,51 @@ def read_record(
     units: str | None = None,
     column: Column | None = None,
     time_column: Column | None = None,
+    component: Column | None = None,
 ) -> xr.DataArray:
     r"""Read a strong-motion record.
 
-    Two formats are read. A PEER AT2 file is recognised by ``NPTS`` in its header, in the form
-    ``NPTS=  5372, DT=   .0100 SEC`` or ``4096    0.0100    NPTS, DT``, and states its time step and
-    units. A file with columns of text, separated by comma, semicolon or white space, with or without a
-    row of names, does not state the time step, and the units only in a name such as ``acc [g]``. Text
-    after ``#`` or ``%`` is a comment. Missing information is never guessed.
+    Formats are recognized by their header, which states time step and units: PEER AT2 (``NPTS=  5372,
+    DT=   .0100 SEC`` or ``4096    0.0100    NPTS, DT``), CSMIP Volume 2 (``.V2``), COSMOS 1.20
+    (``.V2c``), K-NET and KiK-net, the Engineering Strong Motion database (ESM), and the standard file of
+    UNAM and other Mexican networks. A file with columns of text, separated by comma, semicolon or white
+    space, with or without a row of names, does not state the time step, and the units only in a name
+    such as ``acc [g]``. Between semicolons numbers may have decimal commas. Text after ``#`` or ``%`` is
+    a comment. Missing information is never guessed.
 
     Parameters
     ----------
     path : str or path
-        Path of the file, text in UTF-8: a regular file of at most 64 MiB and two million lines.
+        Path of the file, text in UTF-8, also compressed by gzip: a regular file of at most 64 MiB and
+        two million lines.
     dt : float, optional
-        Time step [s], positive. Not needed for AT2 or with a ``time_column``.
+        Time step [s], positive. Not needed if the header states it or with a ``time_column``.
     units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
         Units of the numbers in the file. Not needed if the file states them.
     column, time_column : int or str, optional
         Columns of the acceleration and of the time [s], each by its index from 0 or by its name.
         ``column`` is not needed if only one column remains.
+    component : int or str, optional
+        Component of a file that holds several, by its name there, such as ``"N00E"``, or by its number
+        from 1. A file of one component that states another name is refused; in AT2 files and columns it
+        becomes the attribute of this name.
 
     Returns
     -------
     xarray.DataArray
         Ground acceleration [m/s^2] with the dimension ``time`` [s], named ``acceleration``. The
         attributes ``source`` and ``dt`` hold the file name and the time step; ``event``, ``station`` and
-        ``component`` are those in the title of an AT2 file.
+        ``component`` are those that the header states. The mean is subtracted from records that are not
+        corrected for their baseline: those of K-NET and KiK-net, and of ESM where the header says so.
+        The attribute ``comment`` then states it.
 
     Raises
     ------
     FileNotFoundError
         If there is no such file.
     ValueError
-        If the time step, the units or a column are missing, unknown or contradict the file; if the file
+        If the time step, the units, a column or a component are missing, unknown or contradict the file;
+        if a header or its number of samples is not that of its format; if the file
         has text, NaN or infinity among its numbers (the message names the line), lines of unequal
         length, a time that does not increase or has a gap, fewer than 16 samples or only zeros.
 
@@ -102,7 +113,7 @@ def read_record(
     """
     path = input_path("path", path)
     units = None if units is None else acceleration_units(units, "units")
-    series = read_series(path, column, time_column)
+    series = read_series(path, column, time_column, component)
     record = _labelled(series, plain(path.name), dt, units)
     for doubt in _doubts(record, series):
         warnings.warn(f"{record.attrs['source']}: {doubt}", DoubtfulInput, stacklevel=3)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.files import Column
+from stochlin.analyses.records.files import Column, is_record
 from stochlin.analyses.records.records import checked_record, read_record
 from stochlin.analyses.records.response import response_spectrum
 from stochlin.analyses.sites.spectra import (
@@ -37,7 +37,6 @@ from stochlin.models.arguments import (
     checked,
 )
 
-ENDINGS = {".at2", ".txt", ".csv", ".dat", ".acc"}
 FILE = "file"  # name of the table column with the paths of the records
 ABOUT = ("event", "station", "component")  # columns that become attributes
 LARGEST_FACTOR = 10.0
@@ -53,6 +52,7 @@ def read_records(
     units: str | None = None,
     column: Column | None = None,
     time_column: Column | None = None,
+    component: Column | None = None,
     skip_unreadable: Truth = False,
 ) -> Suite:
     r"""Read a suite of records: all files of a folder, or those listed in a table.
@@ -60,13 +60,15 @@ def read_records(
     Parameters
     ----------
     path : str or path
-        Path of a folder or a table. Of a folder and the folders in it, all files that end in .at2, .txt,
-        .csv, .dat or .acc are read in the order of their names. A table is comma-separated with a row of
-        names. Its column ``file`` has paths relative to the folder of the table. The columns ``dt`` [s]
-        and ``units``, which are optional, apply to each file. Units such as ``"t s, g"`` mean that the
-        first column of the file is time and the second acceleration; text after a semicolon is a remark.
-        The columns ``event``, ``station`` and ``component`` become attributes of the records.
-    dt, units, column, time_column
+        Path of a folder or a table. Of a folder and the folders in it, all files that end in .txt, .csv,
+        .dat or .acc, or as files of the formats of `read_record` do, such as .at2, .v2, .ns, .asc and
+        .191, are read in the order of their names, also compressed (.gz). A table is comma-separated
+        with a row of names. Its column ``file`` has paths relative to the folder of the table. The
+        columns ``dt`` [s] and ``units``, which are optional, apply to each file. Units such as ``"t s,
+        g"`` mean that the first column of the file is time and the second acceleration; text after a
+        semicolon is a remark. The columns ``event``, ``station`` and ``component`` become attributes of
+        the records; ``component`` also chooses one of several components of a file.
+    dt, units, column, time_column, component
         As in `read_record`, for all files without such an entry in the table.
     skip_unreadable : bool
         Whether a file that cannot be read is left out with a warning, instead of an error.
@@ -101,7 +103,13 @@ def read_records(
     ['a.at2', 'b.at2']
     """
     path = input_path("path", path)
-    usual = {"dt": dt, "units": units, "column": column, "time_column": time_column}
+    usual = {
+        "dt": dt,
+        "units": units,
+        "column": column,
+        "time_column": time_column,
+        "component": component,
+    }
     if not path.exists():
         raise FileNotFoundError(f"path = {brief(str(path))} is neither a folder nor a table")
     listed = _of_folder(path) if path.is_dir() else _of_table(path)
@@ -135,7 +143,7 @@ class _Listed(NamedTuple):
 def _of_folder(path: Path) -> Iterator[_Listed]:
     """Each file in a folder."""
     for file in sorted(path.rglob("*")):
-        if file.suffix.lower() in ENDINGS and file.is_file():
+        if is_record(file.name) and file.is_file():
             name = file.relative_to(path).as_posix()
             yield _Listed(name, plain(name), {}, {})
 
@@ -167,6 +175,8 @@ def _options(row: Mapping[str, str | None], where: str) -> dict[str, Any]:
     options: dict[str, Any] = {}
     units, step = (str(row.get(key) or "").strip() for key in ("units", "dt"))
     of_columns = [part.strip() for part in units.partition(";")[0].split(",")]
+    if component := str(row.get("component") or "").strip():
+        options["component"] = component
     if of_columns[-1]:
         options["units"] = of_columns[-1]
     if len(of_columns) == 2 and of_columns[0].split() == ["t", "s"]:

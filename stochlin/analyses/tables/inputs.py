@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import gzip
 import os
 import re
 import stat
-from collections.abc import Iterator
+import zlib
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from io import BytesIO
 from pathlib import Path
 
 from stochlin.analyses.tables.checks import as_path
 from stochlin.messages import brief, plain
 
+_GZIP = b"\x1f\x8b"
 MOST_BYTES = 64 * 2**20
 MOST_LINES = 2_000_000
 _KINDS = {
@@ -69,12 +73,15 @@ def read_input(path: Path, most: int = MOST_BYTES) -> bytes:
         what = _KINDS.get(stat.S_IFMT(status.st_mode), "no file")
         raise ValueError(f"{name} is {what}; allowed: a regular file")
     with path.open("rb") as file:
-        content = file.read(most + 1)
+        return _limited(file.read, name, most, status.st_size)
+
+
+def _limited(read: Callable[[int], bytes], name: str, most: int, size: int = 0) -> bytes:
+    content = read(most + 1)
     if len(content) > most:
-        size = max(status.st_size, len(content))
         raise ValueError(
-            f"{name} has {size} bytes or more; allowed: {most} bytes ({most >> 20} MiB); keep the "
-            "columns and rows that are needed"
+            f"{name} has {max(size, len(content))} bytes or more; allowed: {most} bytes "
+            f"({most >> 20} MiB); keep the columns and rows that are needed"
         )
     lines = content.count(b"\n")
     if lines > MOST_LINES:
@@ -86,8 +93,19 @@ def read_input(path: Path, most: int = MOST_BYTES) -> bytes:
 
 
 def read_text(path: Path) -> str:
-    """Text of a file as `read_input` reads it; a ValueError if it is not text in UTF-8."""
+    """Text of a file as `read_input` reads it, also compressed by gzip.
+
+    A ValueError is raised if it is not text in UTF-8.
+    """
     content = read_input(path)
+    if content.startswith(_GZIP):
+        try:
+            with gzip.GzipFile(fileobj=BytesIO(content)) as file:
+                content = _limited(file.read, f"{plain(path.name)}, unpacked,", MOST_BYTES)
+        except (OSError, EOFError, zlib.error) as error:
+            raise ValueError(
+                f"{plain(path.name)} is compressed by gzip and damaged ({error}); fetch it again"
+            ) from error
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise ValueError(f"{plain(path.name)} is text in UTF-16; allowed: UTF-8, so save it as such")
     if b"\0" in content:

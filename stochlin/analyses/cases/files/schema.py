@@ -100,6 +100,7 @@ READING = (
     Key("dt", TIME, "Time step", None),
     Key("column", Column, "Column of the accelerations", None),
     Key("time_column", Column, "Column of the times, in place of the time step", None),
+    Key("component", Column, "Component of a file with several, by its name or number from 1", None),
 )
 RECORD = table(
     Key("path", str, "File, beside the case file"),

@@ -1,0 +1,47 @@
+"""Volume 2 of the California Strong Motion Instrumentation Program (CSMIP): corrected accelerograms.
+
+Shakal, A. F. and Huang, M. J. (1985), Standard tape format for CSMIP strong-motion data tapes, Report
+OSMS 85-03, California Division of Mines and Geology; files ``.V2`` of https://www.strongmotioncenter.org.
+Channels follow each other, each with acceleration, velocity and displacement below lines such as
+``15050 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.6)``.
+"""
+
+from __future__ import annotations
+
+import re
+
+from stochlin.analyses.records.formats import FORMATS, Format, RecordFile, Series, as_float, field_width
+
+_HEADER = re.compile(r"\A\s*corrected accelerogram\b", re.IGNORECASE)
+_CHANNEL = re.compile(r".*\bchan\s*\d+\s*:\s*(.*?)(?:\s{2,}|\s+from\b|$)", re.IGNORECASE)
+_DATA = re.compile(r"\s*(\d{1,9})\s+points of accel data equally spaced at\s+(\S+)", re.IGNORECASE)
+_UNITS = re.compile(r"(?:\bin|units:)\s+([a-z/^*\d]+)", re.IGNORECASE)
+_END = re.compile(r"points of|end.of.data|/&", re.IGNORECASE)
+_WIDTH = 10  # of fields where it is not stated
+_EXAMPLE = "15050 points of accel data equally spaced at .020 sec, in cm/sec2. (8f10.6)"
+
+
+def _read(file: RecordFile) -> list[Series]:
+    channels, name, end = [], "", 0
+    for number, line in enumerate(file.lines, 1):
+        if number <= end:
+            continue
+        if _HEADER.match(line):
+            channel = _CHANNEL.match(line)
+            name = channel[1].strip() if channel else ""
+        if match := _DATA.match(line):
+            after = enumerate(file.lines[number:], number + 1)
+            end = next((n for n, text in after if _END.search(text)), len(file.lines) + 1) - 1
+            dt, units = as_float(match[2]), _UNITS.search(line[match.end() :])
+            if dt is None or not 0 < dt < 1e9:
+                raise file.wrong(number, repr(_EXAMPLE))
+            width = field_width(line.rpartition("(")[2]) or _WIDTH
+            values = file.counted(number + 1, end, int(match[1]), number, width)
+            about = {"component": name} if name else {}
+            channels.append(Series(values, None, dt, units[1] if units else None, about=about))
+    if not channels:
+        raise ValueError(f"{file.name} has no accelerations; allowed: such as {_EXAMPLE!r}")
+    return channels
+
+
+FORMATS.register("csmip")(Format("a CSMIP file", _HEADER, _read, "v[12]"))
