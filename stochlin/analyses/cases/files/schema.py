@@ -19,11 +19,12 @@ from stochlin.models.grounds import MOST_FILTERS, CloughPenzien
 from stochlin.models.hazards import MEASURES
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
-from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.plausible import PLAUSIBLE, Plausible
 from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE, ZONES
 
 FEWEST_PATHS = 100  # smallest number of motions for a quantile with an interval
 TIME, YEARS, NUMBER = Quantity("s", POSITIVE), Quantity("yr", POSITIVE), Quantity("1", POSITIVE)
+DEGREES = Quantity("1", Range(-360.0, 360.0, True, True), Plausible(-360.0, 360.0, "", ""))
 ACCELERATION, SPECTRAL_DENSITY = Quantity("m/s^2", POSITIVE), Quantity("m^2/s^3", POSITIVE)
 PEAK, RESPONSE = (ACCELERATION._replace(plausible=PLAUSIBLE[name]) for name in ("pga", "sa"))
 HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
@@ -121,7 +122,10 @@ SUITE = table(
 HAZARD = table(
     Key("measure", MEASURES, "Measure of the shaking; intensity is S0"),
     Key("sa_period", TIME, "Period of the spectral acceleration"),
-    Key("file", str, "File of intensities and annual frequencies of exceedance"),
+    Key("file", str, "File of intensities and annual frequencies, or of OpenQuake, or the USGS"),
+    Key("site", Whole(1), "Number of the site in a file of OpenQuake", None),
+    Key("coordinates", DEGREES, "Its longitude and latitude, in place of the number"),
+    Key("investigation_time", YEARS, "Time in which probabilities of the file hold", None),
     Key("intensities", ACCELERATION, "Intensities of a few points, in place of a file"),
     Key("frequencies", NUMBER, "Annual frequencies of exceedance of these points"),
     Key("return_periods", YEARS, "Return periods of these points, in place of frequencies"),

@@ -10,7 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.files.schema import ACCELERATION, NUMBER, SPECTRAL_DENSITY, YEARS
+from stochlin.analyses.cases.files.schema import (
+    ACCELERATION,
+    DEGREES,
+    NUMBER,
+    SPECTRAL_DENSITY,
+    YEARS,
+)
 from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.risk.risk import simulated_at
@@ -25,7 +31,7 @@ from stochlin.models.plausible import OFTEN, PLAUSIBLE, STRONG
 INTENSITY, RETURN_PERIOD, HAZARD = "intensity", "return_period", "hazard"
 GOALS = ("pga", "sa", "sa_period", RETURN_PERIOD, HAZARD)  # keys besides or in place of an intensity
 WAYS = {  # kinds of hazard, by the key that distinguishes them, with all keys of each kind
-    "file": ("file", "units"),
+    "file": ("file", "units", "site", "coordinates", "investigation_time"),
     "intensities": ("intensities", "frequencies", "return_periods"),
     "k0": ("k0", "k", "units"),
 }
@@ -149,8 +155,13 @@ def described_hazard(section: Section, folder: Path) -> Hazard:
         of["period"] = section.read("sa_period")
     if way == "file":
         units = section.text("units", tuple(METRES)) if "units" in section else None
+        place = chosen_key(section, ("site", "coordinates"), {})
+        if place:
+            of["site"] = section.read(place) if place == "site" else section.numbers(place, DEGREES)
+        if "investigation_time" in section:
+            of["investigation_time"] = section.read("investigation_time")
         with section.naming("file"):
-            return read_hazard(folder / section.read("file"), **of, units=units)
+            return read_hazard(_files(section, folder), **of, units=units)
     if way == "intensities":
         return _of_points(section, of)
     if "k0" not in section and "k" not in section:
@@ -201,9 +212,16 @@ def _of_points(section: Section, of: Mapping[str, Any]) -> HazardCurve:
 
 
 def hazard_file(site: Section, folder: Path) -> list[Path]:
-    """Path of the file of the hazard, if there is one."""
+    """Paths of the files of the hazard, if there are any."""
     hazard = site.section(HAZARD, needed=False)
-    return [folder / hazard.read("file")] if "file" in hazard else []
+    return _files(hazard, folder) if "file" in hazard else []
+
+
+def _files(section: Section, folder: Path) -> list[Path]:
+    """The file of the hazard, or several in a list."""
+    given = section.values["file"]
+    names = given if isinstance(given, list) and given else [given]
+    return [folder / replace(section, values={"file": name}).read("file") for name in names]
 
 
 def _sa(sa: float, period: float) -> dict[str, Any]:
