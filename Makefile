@@ -103,7 +103,7 @@ $(VENV)/oldest/.ready: OF_SET = $(PYTHON) lowest-direct
 $(VENV)/newest/.ready: OF_SET = $(NEWEST) highest
 $(VENV)/oldest/.ready $(VENV)/newest/.ready: pyproject.toml | $(VENV)/.dev
 	$(BIN)/uv venv --quiet --clear --python $(firstword $(OF_SET)) $(@D)
-	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --resolution $(lastword $(OF_SET)) --group dev -e ".[scale,app]"
+	$(BIN)/uv pip install --quiet --python $(@D)/bin/python --resolution $(lastword $(OF_SET)) --group dev -e ".[scale,app,tables]"
 	$(BIN)/uv pip freeze --quiet --python $(@D)/bin/python | grep -E "^(numpy|scipy|sympy|xarray|matplotlib|numba|click)="
 	$(@D)/bin/stochlin warmup
 	touch $@
@@ -128,7 +128,7 @@ $(VENV)/.run: pyproject.toml
 $(VENV)/.dev: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(INSTALL) "pip>=25.1"  # which knows the groups of pyproject.toml
-	$(INSTALL) --group dev -e ".[scale,app]"
+	$(INSTALL) --group dev -e ".[scale,app,tables]"
 	$(BIN)/stochlin warmup
 	touch $@ $(VENV)/.run
 

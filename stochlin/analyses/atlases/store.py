@@ -9,7 +9,6 @@ missing one as NaN with the worst flags.
 from __future__ import annotations
 
 import hashlib
-import importlib
 import json
 import math
 import os
@@ -43,6 +42,7 @@ from stochlin.analyses.atlases.checksums import (
 )
 from stochlin.analyses.atlases.specification import AtlasSpecification
 from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.tables.optional import needed
 from stochlin.analyses.tables.storage import whole_file
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
@@ -64,10 +64,7 @@ Block = dict[str, slice]
 
 def zarr_module() -> Any:
     """The module zarr; an ImportError with the installation command if it is not installed."""
-    try:
-        return importlib.import_module("zarr")
-    except ImportError as error:
-        raise ImportError("an atlas needs zarr: pip install 'stochlin[scale]'") from error
+    return needed("zarr", "an atlas", "scale")
 
 
 @cache
