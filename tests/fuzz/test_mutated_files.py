@@ -3,8 +3,10 @@
 A minute or so here; ``make fuzz`` goes on for an hour, with examples of its own each time.
 """
 
+import gzip
 import os
 import re
+import time
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +15,7 @@ from typing import Any
 import cases
 import numpy as np
 import pytest
+import samples
 from commands import invoke
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -23,6 +26,7 @@ from stochlin.messages import LONGEST_MESSAGE
 
 pytestmark = [pytest.mark.invariant, pytest.mark.slow]
 
+LONGEST = 10.0  # s of computing for one file
 TIMES = int(os.environ.get("FUZZ_TIMES", "1"))  # as many examples as usual
 INNER = re.compile(
     r"Traceback|YieldingPair|LinearPair|DuctilityTarget| object at 0x|NoneType|numpy\.|ufunc"
@@ -39,6 +43,30 @@ RECORDS = {
     + "\n".join("".join(f"{value:15.6E}" for value in row) for row in WAVE.reshape(-1, 5)),
     "old.at2": "A\nB\nC\n 60 0.0200 NPTS, DT\n" + " ".join(f"{value:.6f}" for value in WAVE),
 }
+CHANNELS = {"90 Deg": WAVE, "Up": WAVE}
+FORMATS = [
+    samples.knet(np.round(1e4 * WAVE)),
+    samples.esm(WAVE),
+    samples.unam([WAVE, WAVE], "/V/N00E"),
+    samples.csmip(CHANNELS),
+    samples.cosmos(CHANNELS),
+    "t [s];acc [g]\n"
+    + "\n".join(f"{0.02 * n:.2f};{x:.5f}" for n, x in enumerate(WAVE)).replace(".", ","),
+]
+POINTS = ([0.1, 0.2, 0.4], [1e-2, 1e-3, 1e-4])
+HAZARDS = [
+    samples.openquake(POINTS[0], {(-99.17, 19.33): POINTS[1], (-99.05, 19.40): POINTS[1]}),
+    samples.usgs({"PGA": POINTS, "SA0P5": POINTS, "SA1P0": POINTS}).replace(", ", ",\n"),
+    samples.usgs_of_before({"PGA": POINTS}).replace(", ", ",\n"),
+    "pga [g],probability\n0.1,0.01\n0.4,1e-4\n",
+]
+OF_HAZARDS = (
+    {},
+    {"site": 1},
+    {"site": (-99.05, 19.4), "units": "g"},
+    {"measure": "sa", "period": 0.7},
+    {"investigation_time": 50.0},
+)
 OPTIONS = ({}, {"dt": 0.02, "units": "g"}, {"units": "g", "column": 1, "time_column": 0})
 SPECIFICATION = """\
 title = "Lake beds"
@@ -213,6 +241,7 @@ def written(path: Path, text: str) -> Path:
 
 def check(call: Callable[[], object]) -> None:
     """A result, or an error that says in a line what is wrong."""
+    began = time.process_time()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)
@@ -223,6 +252,7 @@ def check(call: Callable[[], object]) -> None:
         assert said.isprintable(), said
         assert len(said) < LONGEST_MESSAGE
         assert not INNER.search(said), said
+    assert time.process_time() - began < LONGEST
 
 
 def examples(count: int) -> settings:
@@ -261,6 +291,30 @@ def test_mutated_records_are_read_or_refused_in_words(
     folder: Path, text: str, options: dict[str, Any]
 ) -> None:
     check(lambda: sl.read_record(written(folder / "record.txt", text), **options))
+
+
+@examples(1500)
+@given(
+    text=mutated(FORMATS),
+    options=st.sampled_from(({}, {"component": 1}, {"component": "Up"}, {"dt": 0.02, "units": "gal"})),
+    cut=st.integers(0, 60),
+)
+def test_mutated_records_of_other_networks_are_read_or_refused_in_words(
+    folder: Path, text: str, options: dict[str, Any], cut: int
+) -> None:
+    path = written(folder / "record.txt", text)
+    check(lambda: sl.read_record(path, **options))
+    packed = gzip.compress(path.read_bytes())
+    (folder / "record.gz").write_bytes(packed[: len(packed) - max(0, cut - 20)])
+    check(lambda: sl.read_record(folder / "record.gz", **options))
+
+
+@examples(1500)
+@given(text=mutated(HAZARDS), options=st.sampled_from(OF_HAZARDS))
+def test_mutated_hazards_are_read_or_refused_in_words(
+    folder: Path, text: str, options: dict[str, Any]
+) -> None:
+    check(lambda: sl.read_hazard(written(folder / "site.csv", text), **options))
 
 
 @examples(2000)
