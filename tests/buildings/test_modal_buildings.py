@@ -96,6 +96,19 @@ def test_all_modes_of_an_elastic_chain_are_the_chain(analysis: str) -> None:
     assert_same(of(TALL), of(BY_MODES), 1e-9)
 
 
+@pytest.mark.parametrize(
+    "analysis", ["linearize_system", "simulate, linked", "separation", "respond", "recorded_gap"]
+)
+def test_buildings_may_have_fewer_modes_than_floors_or_more(analysis: str) -> None:
+    """Three modes of four floors, and the same with each as two halves of its mass, side by side."""
+    of, values = ANALYSES[analysis], modes_of(TALL, 3)
+    three = sl.ModalBuilding(**values)
+    halves = {name: np.repeat(values[name], 2, axis=0) for name in ("periods", "shapes")}
+    parts = {"participation": three.factors(), "modal_masses": three.effective_masses()}
+    halves |= {name: np.repeat(part / 2, 2) for name, part in parts.items()}
+    assert_same(of(three), of(sl.ModalBuilding(**values | halves)), 1e-9)
+
+
 @pytest.mark.parametrize("contact", [BUMPER, sl.Stereomechanical(0.6)])
 @pytest.mark.parametrize("motions", [RECORDS[0], RECORDS])
 def test_all_modes_of_an_elastic_chain_pound_like_the_chain(contact: Any, motions: Any) -> None:

@@ -83,9 +83,9 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     between = np.arange(refine * samples[-1] + 1) / refine
     finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
     connected = all_connected(system)
-    count = floor_count(structure)
-    first = stepped_response(connected, finer, [{floor: 1.0} for floor in range(count)])
-    row = row_of([structure], system, Contacts.of([], count))
+    floors = range(floor_count(structure))
+    first = stepped_response(connected, finer, [{floor: 1.0} for floor in floors])
+    row = row_of([structure], system, Contacts.of([], system.storeys.mass.size))
     at, to = row.places
     intervals, none = np.array([between.size - 1]), np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
