@@ -104,11 +104,12 @@ def shake(
     test: tuple[str, float, int],
     numberer: str = "Plain",
     system: str = "FullGeneral",
+    constraints: str = "Plain",
 ) -> None:
     """Make ready for Newmark's steps of average acceleration under a motion of the ground."""
     ops.timeSeries("Path", 1, "-dt", dt, "-values", *acceleration, 0.0)  # a sample beyond the end
     ops.pattern("UniformExcitation", 1, 1, "-accel", 1)
-    ops.constraints("Plain")
+    ops.constraints(constraints)
     ops.numberer(numberer)
     ops.system(system)
     ops.test(*test)
