@@ -13,6 +13,7 @@ from unittest import mock
 
 import numba as nb
 import numpy as np
+import scipy.linalg
 from opensees_models import add_oscillators, new_model, opensees_or_none, shake
 
 import stochlin as sl
@@ -218,6 +219,43 @@ def storeys() -> None:
     )
 
 
+def modes(storeys: int = 10) -> None:
+    """A building by its modes, in the time of a chain of as many storeys, both yielding, in one run."""
+    chain = sl.ShearBuilding.regular(
+        period=1.0, storeys=storeys, storey_height=3.2, mass=4e5, damping=0.05, hardening=0.05,
+        base_shear_coefficient=0.15,
+    )  # fmt: skip
+    springs, system = chain.oscillator(), chain.system()
+    squares, vectors = scipy.linalg.eigh(system.stiffness, np.diag(system.mass))
+    ground = sl.named_ground("firm", intensity=0.02)
+    motions = sl.simulated_motions(ground, 20.0, paths=100)
+    low = sl.ShearBuilding([4e5] * 5, [8e8] * 5, [3.2] * 5, 0.05)
+    contact = sl.Kelvin(1e9, restitution=0.65)
+
+    def times(building: sl.ShearBuilding | sl.ModalBuilding) -> Array:
+        simulated = seconds(lambda: sl.simulate([building], ground, paths=1024, duration=20.0), 3)
+        pounded = seconds(lambda: sl.pound([building, low], 0.05, contact, motions), 3)
+        return np.array([simulated, pounded])
+
+    of_chain = times(chain)
+    for count in (3, storeys):
+        by_modes = sl.ModalBuilding(
+            2 * np.pi / np.sqrt(squares[:count]),
+            vectors.T[:count],
+            chain.masses,
+            chain.heights,
+            0.05,
+            springs.hardening,
+            springs.yield_displacement,
+        )
+        ratios = times(by_modes) / of_chain
+        print(
+            f"{count} modes of {storeys} storeys in the time of the chain: simulate, 1024 motions, "
+            f"{ratios[0]:.2f}; pound with five storeys, 100 motions, {ratios[1]:.2f} "
+            f"(chain {of_chain[0]:.2f} and {of_chain[1]:.2f} s)"
+        )
+
+
 def products_a_second() -> float:
     """Of a matrix with rows of LANES numbers, as the storeys' kernel makes them, on one core."""
     matrix, x, count = np.ones((8, 16)), np.ones((24, LANES)), 20_000
@@ -253,6 +291,7 @@ def main() -> None:
         )
     chart()
     storeys()
+    modes()
 
 
 if __name__ == "__main__":
