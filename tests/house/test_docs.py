@@ -76,6 +76,9 @@ SAID = {
         (GAP.format("eq_3_linearized"), "gives {:.1f} cm. The secant rule"),
         (GAP.format("eq_3_secant"), "The secant rule with the first modes gives {:.1f} cm"),
         (GAP.format("eurocode_8"), "by Eurocode 8 gives {:.1f} cm"),
+        ("100 * turning['front']", "The corner at the front needs {:.1f} cm"),
+        ("100 * turning['centre']", "the centre of the slabs {:.1f} cm"),
+        ("100 * turning['back']", "the corner at the back {:.1f} cm:"),
     ],
 }
 LONG = {"stochlin gap case.toml --report gap.html"}
@@ -85,7 +88,7 @@ LONG_SCRIPTS = {
     for name in (
         *("02_linearized_and_simulated", "03_error_by_strength", "04_error_by_ground", "11_own_law"),
         *("12_error_by_way", "14_probability_over_time", "15_drift_closure", "16_error_of_closures"),
-        *("17_gaps_in_earthquakes", "19_measures"),
+        *("17_gaps_in_earthquakes", "19_measures", "20_wall_beside_frame"),
     )
 }
 

@@ -59,7 +59,8 @@ class ModalBuilding(MultistoreyBuilding):
 
     The first few modes may yield. They are oscillators with a hysteresis law, in the sense of modal
     pushover analysis: the yielding of one mode does not affect the others. The sum over the modes
-    follows in time, so that no rule of combination is needed.
+    follows in time, so that no rule of combination is needed. This suits frames that yield over their
+    whole height; a building with a soft storey needs a `ShearBuilding`.
 
     Parameters
     ----------
