@@ -256,6 +256,27 @@ def modes(storeys: int = 10) -> None:
         )
 
 
+def laws() -> None:
+    """Oscillators of all laws in motions of 15 s: structure-steps/s, and over the bilinear law."""
+    given = {"period": 0.5, "damping": 0.05, "hardening": 0.1, "yield_displacement": 0.02}
+    worn = {"exponent": 1.5, "strength_decay": 0.02, "stiffness_decay": 0.05, "pinching": 0.9}
+    structures = [
+        sl.Bilinear(**given),
+        sl.BoucWen(**given),
+        sl.BoucWen(**given, exponent=1.5),
+        sl.BoucWenBaberNoori(**given, **worn),
+        sl.ModifiedClough(**given),
+        sl.Flag(**given),
+    ]
+    ground, paths, duration = sl.KanaiTajimi(0.4, 0.6, 0.02), 1024, 15.0
+    dt = sl.simulate(structures[:1], ground, paths=LANES, duration=1.0).attrs["step_s"]
+    rates = []
+    for one in structures:
+        spent = seconds(lambda one=one: sl.simulate([one], ground, paths=paths, duration=duration), 3)
+        rates.append(paths * duration / dt / spent)
+        print(f"{one.describe()}: {rates[-1]:.3g} structure-steps/s, {rates[-1] / rates[0]:.3f}")
+
+
 def products_a_second() -> float:
     """Of a matrix with rows of LANES numbers, as the storeys' kernel makes them, on one core."""
     matrix, x, count = np.ones((8, 16)), np.ones((24, LANES)), 20_000
@@ -292,6 +313,7 @@ def main() -> None:
     chart()
     storeys()
     modes()
+    laws()
 
 
 if __name__ == "__main__":

@@ -70,9 +70,12 @@ from .analyses.records.response import (
 from .analyses.records.gaps import recorded_gap as recorded_gap
 
 # Structures
+from .models.laws.baber_noori import BoucWenBaberNoori as BoucWenBaberNoori
 from .models.laws.bilinear import Bilinear as Bilinear
 from .models.laws.bouc_wen import BoucWen as BoucWen
+from .models.laws.flag import Flag as Flag
 from .models.laws.hysteretic import Hysteretic as Hysteretic
+from .models.laws.modified_clough import ModifiedClough as ModifiedClough
 from .models.buildings import (
     ModalBuilding as ModalBuilding,
     ShearBuilding as ShearBuilding,

@@ -52,6 +52,14 @@ def rates_by_state(law: Any, states: Any = None) -> Rates:
     return tuple((name, rates[name]) for name in names)
 
 
+def cannot_be_linearized(law: str) -> str:
+    """What is said where a law of more than one state would be linearized."""
+    return (
+        f"{law} cannot be linearized: a law with more than one state has no stationary closure here; "
+        "follow it in time, by simulate with a duration, separation, respond, recorded_gap or pound"
+    )
+
+
 def in_words(law: Any) -> str:
     """A law in messages and descriptions: the name or expression, or the expressions by state."""
     rates = dict(law) if isinstance(law, (Mapping, tuple)) else {"z": law}

@@ -16,7 +16,9 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure
+from stochlin.messages import listed
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
+from stochlin.models.states import cannot_be_linearized, in_words
 from stochlin.registry import Registry
 
 if TYPE_CHECKING:
@@ -52,6 +54,7 @@ class Structure(Model):
 
     # Closures in closed form, by name; None for `NARROW_BAND`, which works without such a function.
     closures: ClassVar[Mapping[str, Closure | None]] = {}
+    linearizes: ClassVar[bool] = True  # whether there are closures at all
 
     period: Parameter = parameter("s", "period of small oscillations", POSITIVE)
     damping: Parameter = parameter("1", "damping ratio", DAMPING)
@@ -112,6 +115,8 @@ class Structure(Model):
 
         It raises an ArithmeticError if the law has none in closed form, and none accurate by quadrature.
         """
+        if not self.linearizes:
+            raise ArithmeticError(cannot_be_linearized(type(self).__name__))
         closed = self.closures.get(name)
         if closed is None:
             self._compiled.check_expectations(self._examples)
@@ -127,11 +132,15 @@ class Structure(Model):
 
     def check_stationary(self, role: str) -> None:
         """Raise a ValueError if a state of the law grows for ever, so that none is stationary."""
-        if self.yields and getattr(self.step(), "states", 1) > 1:
-            try:
-                self._compiled.check_stationary(self._examples)
-            except ValueError as error:
-                raise ValueError(f"{role}: {error}") from None
+        if not self.yields or getattr(self.step(), "states", 1) == 1:
+            return
+        if growing := self._compiled.growing(self._examples):
+            name = type(self).__name__ if self.own_parameters() else f"law = {in_words(self.symbolic())}"
+            raise ValueError(
+                f"{role}: {name} has no stationary response: it depends on {listed(growing)}, which "
+                "keeps its sign when the motion turns, as an energy does, and grows for ever; follow it "
+                "in motions of finite length, by simulate with a duration, or separation"
+            )
 
     def step(self) -> Any:
         """The law in time steps: a kind of ``kernels.simulation.laws``, or a ``RateLaw`` of it."""

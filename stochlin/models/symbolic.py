@@ -15,8 +15,14 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.powers import exponential, logarithm, power
 from stochlin.kernels.linearization.gaussian import ClosureValue, gaussian_covariance, regress_slip
 from stochlin.kernels.linearization.quadrature import SlipRate, slip_expectations
-from stochlin.messages import DoubtfulInput, brief, listed
-from stochlin.models.states import GIVE, MOST_STATES, in_words, rates_by_state
+from stochlin.messages import DoubtfulInput, brief
+from stochlin.models.states import (
+    GIVE,
+    MOST_STATES,
+    cannot_be_linearized,
+    in_words,
+    rates_by_state,
+)
 
 if TYPE_CHECKING:
     from stochlin.models.states import Rates
@@ -121,16 +127,12 @@ class SymbolicLaw:
     def check_expectations(self, parameters: Array) -> None:
         """Raise an ArithmeticError if `gaussian` is not accurate; parameters as for `check`."""
         if len(self.rates) > 1:
-            raise ArithmeticError(
-                f"law = {in_words(self.rates)} cannot be linearized: a law with more than one state has "
-                "no stationary closure here; follow it in time, by simulate with a duration, "
-                "separation, respond, recorded_gap or pound"
-            )
+            raise ArithmeticError(cannot_be_linearized(f"law = {in_words(self.rates)}"))
         self._check_each(parameters, self._check_quadrature)
 
-    def check_stationary(self, parameters: Array) -> None:
-        """Raise a ValueError if z depends on a state like an energy; parameters as for `check`."""
-        self._check_each(parameters, self._check_growth)
+    def growing(self, parameters: Array) -> list[str]:
+        """States like an energy on which z depends for some of the parameters, given as for `check`."""
+        return list(dict.fromkeys(name for column in parameters.T for name in self._growing(column)))
 
     def _check_each(self, parameters: Array, check: Callable[[Array], None]) -> None:
         for column in np.ascontiguousarray(parameters.T):
@@ -192,20 +194,19 @@ class SymbolicLaw:
                 stacklevel=2,
             )
 
-    def _check_growth(self, column: Array) -> None:
-        rates, acting, more = dict(self.rates), set[str](), {"z"}
+    def _growing(self, column: Array) -> list[str]:
+        values = {
+            sympy.Symbol(name, real=True): value
+            for name, value in zip(self.parameters, column.tolist(), strict=True)
+        }
+        rates = {name: rate.subs(values) for name, rate in self.rates}
+        acting, more = set[str](), {"z"}
         while more:
             acting |= more
             more = {symbol.name for name in more for symbol in rates[name].free_symbols}
             more = (more & {*rates}) - acting
         signs = zip(rates, self._signs(column) or (), strict=True)
-        growing = [name for name, sign in signs if sign > 0 and name in acting]
-        if growing:
-            raise ValueError(
-                f"{self._named(column)} has no stationary response: it depends on {listed(growing)}, "
-                "which keeps its sign when the motion turns, as an energy does, and grows for ever; "
-                "follow it in motions of finite length, by simulate with a duration, or separation"
-            )
+        return [name for name, sign in signs if sign > 0 and name in acting]
 
     def _named(self, column: Array) -> str:
         """The law as messages name it, with the values of the parameters for which it was checked."""

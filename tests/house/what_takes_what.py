@@ -85,6 +85,7 @@ def _buildings(law: Any) -> Pair:
     return Pair(*(_building(law, storeys, strength) for storeys in (2, 3)))
 
 
+WORN = {"strength_decay": 0.02, "stiffness_decay": 0.05, "pinching": 0.9}
 OF_MODE_1 = {"hardening": 0.5, "yield_displacements": 0.001}
 
 
@@ -96,9 +97,13 @@ def kinds() -> dict[str, Pair]:
         "`Bilinear`": one,
         "`BoucWen`": _oscillators(sl.BoucWen),
         "`Hysteretic`": _oscillators(sl.Hysteretic, law=OWN),
+        "`BoucWenBaberNoori`": _oscillators(sl.BoucWenBaberNoori, **WORN),
+        "`ModifiedClough`": _oscillators(sl.ModifiedClough),
+        "`Flag`": _oscillators(sl.Flag),
         "`ShearBuilding`, bilinear": storeys,
         "`ShearBuilding`, Bouc-Wen": _buildings("bouc_wen"),
         "`ShearBuilding`, a law in sympy": _buildings(OWN),
+        "`ShearBuilding`, modified Clough": _buildings("modified_clough"),
         "`ModalBuilding`": Pair(*(_by_modes(n, OF_MODE_1) for n in (2, 3))),
         "an oscillator beside a `ShearBuilding`": Pair(one.first, storeys.second),
     }
@@ -218,7 +223,7 @@ def refusal(call: Callable[[Pair], object], structures: Pair) -> str:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             call(structures)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, ArithmeticError) as error:
         return str(error)
     return ""
 

@@ -30,9 +30,9 @@ ADVANCE = nb.void(nb.int64, nb.int64, _ROWS, nb.int64, nb.int64, nb.int64, nb.fl
 
 @dataclass(frozen=True)
 class RateLaw:
-    """A law with rates, in time steps."""
+    """A law with states, in time steps."""
 
-    advance: Any  # the result of `advance_of`
+    advance: Any  # the result of `advance_of`, or one of `paths`
     states: int  # their number
 
 

@@ -1,0 +1,175 @@
+"""The law of Baber, Wen and Noori: its states against another integrator, and where it is refused."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from loops import by_dop853, by_steps, random_turns
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+GROUND = sl.KanaiTajimi(0.4, 0.6, 0.02)
+GIVEN = {"period": 0.5, "damping": 0.05, "hardening": 0.1, "yield_displacement": 0.02}
+DECAY = {"strength_decay": 0.02, "stiffness_decay": 0.05}
+WORN = {"beta": 0.6, "exponent": 1.5, **DECAY, "pinching": 0.9}
+WORN |= {"pinching_rate": 1.0, "pinching_start": 0.15, "pinching_width": 0.2}
+WORN |= {"pinching_spread": 0.01, "pinching_coupling": 0.4}
+
+
+def worn(**changed):
+    return sl.BoucWenBaberNoori(**GIVEN | WORN | changed)
+
+
+def slopes(direction, w):
+    """``dz/dmu`` and ``dE/dmu`` by hand."""
+    z, e = w
+    beta, n, d_nu, d_eta, zeta_s, p, q, psi, d_psi, share = WORN.values()
+    nu, eta, loading = 1 + d_nu * e, 1 + d_eta * e, z * direction > 0
+    slip = nu * abs(z) ** n * (1.0 if loading else 1 - 2 * beta)
+    zeta = zeta_s * -np.expm1(-p * e)
+    width = (psi + d_psi * e) * (share + zeta)
+    h = 1 - zeta * np.exp(-(((z * direction - q / nu ** (1 / n)) / width) ** 2))
+    return h / eta * (1 - slip), z
+
+
+def published_history():
+    """Extensions of ``2 t sin(2 pi t)`` at its turns and at 1.1, 2.3 and 3.9, and which these are."""
+
+    def extension(t):
+        return 2 * t * np.sin(2 * np.pi * t)
+
+    def rate(t):
+        return np.sin(2 * np.pi * t) + 2 * np.pi * t * np.cos(2 * np.pi * t)
+
+    grid = np.linspace(0.01, 4, 400)
+    found = [brentq(rate, a, b) for a, b in pairwise(grid) if rate(a) * rate(b) < 0]
+    times = np.sort([0.0, *found, 1.1, 2.3, 3.9])
+    return extension(times), np.searchsorted(times, [1.1, 2.3, 3.9])
+
+
+EXPECTED = [[0.88180116, 1.64180666], [0.78911271, 7.84019183], [-0.02266042, 19.36526975]]
+
+
+def test_states_along_a_history():
+    """z and E, from an integrator of eighth order outside this repository."""
+    turns, at = published_history()
+    exact = by_dop853(slopes, turns, 2)
+    np.testing.assert_allclose(exact[at], EXPECTED, rtol=0, atol=1e-7)
+    found = by_steps(worn().step(), turns[:, None], 4000, WORN.values())[0][:, :, 0]
+    np.testing.assert_allclose(found[at], EXPECTED, rtol=0, atol=1e-7)
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-8)
+
+
+def test_states_along_random_histories():
+    turns = random_turns(0, 3, 12)
+    found, _ = by_steps(worn().step(), turns, 8000, WORN.values())
+    for lane in range(3):
+        exact = by_dop853(slopes, turns[:, lane], 2)
+        np.testing.assert_allclose(found[:, :, lane], exact, rtol=0, atol=1e-8)
+
+
+def test_work_from_the_virgin_state_is_never_negative():
+    """In 5000 random histories, each with other parameters."""
+    rng, lanes = np.random.default_rng(1), 5000
+    own = [rng.uniform(0.3, 1.0, lanes), rng.uniform(1.0, 3.0, lanes)]  # beta, n
+    own += [rng.uniform(0.0, most, lanes) for most in (0.1, 0.1, 0.95)]  # decays, zeta_s
+    own += [rng.uniform(0.1, 2.0, lanes), rng.uniform(0.0, 0.3, lanes)]  # p, q
+    own += [rng.uniform(0.05, 0.5, lanes), rng.uniform(0.0, 0.1, lanes), rng.uniform(0.1, 1.0, lanes)]
+    reached, least = by_steps(worn().step(), random_turns(2, lanes, 8), 150, own)
+    assert least.min() > -1e-4
+    assert (np.abs(reached[:, 0]) < 1.0 + 1e-6).all()
+
+
+def test_an_oscillator_on_a_record_follows_an_ode_solver():
+    structure, w = worn(), 2 * np.pi / GIVEN["period"]
+    uy, xi, alpha = GIVEN["yield_displacement"], GIVEN["damping"], GIVEN["hardening"]
+    record = sl.simulated_motions(GROUND, 6.0, paths=2, seed=3)[0]
+    time = record.time.to_numpy()
+
+    def slope(t, x):
+        u, v, z, e = x
+        of_z, of_e = slopes(np.sign(v), (z, e))
+        force = alpha * w**2 * u + (1 - alpha) * w**2 * uy * z
+        pull = -2 * xi * w * v - force - np.interp(t, time, record)
+        return [v, pull, v / uy * of_z, v / uy * of_e]
+
+    exact = solve_ivp(slope, time[[0, -1]], np.zeros(4), rtol=1e-9, atol=1e-11, max_step=2e-3)
+    table = sl.respond(structure, record)
+    assert exact.y[3, -1] > 5  # it degrades
+    peak = np.abs(exact.y[0]).max()
+    np.testing.assert_allclose(table.displacement[-1], exact.y[0, -1], rtol=0, atol=5e-4 * peak)
+    np.testing.assert_allclose(np.abs(table.displacement).max(), peak, rtol=5e-4)
+    spent = exact.y[3, -1] * (1 - alpha) * (w * uy) ** 2
+    ends = table.isel(time=-1)
+    stored = 0.5 * (1 - alpha) * (w * uy * exact.y[2, -1]) ** 2
+    np.testing.assert_allclose(ends.hysteretic_energy_per_mass + stored, spent, rtol=2e-3)
+
+
+def test_without_decay_it_is_the_bouc_wen_law():
+    plain = worn(strength_decay=0.0, stiffness_decay=0.0, pinching=0.0)
+    other = sl.BoucWen(**GIVEN, beta=0.6, gamma=0.4, exponent=1.5)
+    table = sl.simulate([plain, other], GROUND, paths=32, relaxation_times=1.0)
+    one, other = table.displacement_std.values
+    np.testing.assert_allclose(one, other, rtol=1e-4)
+
+
+def test_storeys_of_a_building_have_the_law_with_parameters_of_their_own():
+    record = sl.simulated_motions(GROUND, 6.0, paths=2, seed=3)[0]
+    parts = [1e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.1, 0.01
+    drifts = []
+    for decay in ([0.0, 0.0], [0.0, 0.2], 0.2):
+        own = WORN | {"strength_decay": decay}
+        named = sl.ShearBuilding(*parts, law="bouc_wen_baber_noori", law_parameters=own)
+        drifts.append(np.abs(sl.respond(named, record).storey_drift).max("time").to_numpy())
+    lower, upper = np.transpose(drifts)
+    assert len({*lower.round(6)}) == len({*upper.round(6)}) == 3
+    assert upper[0] < upper[1]  # the second storey alone is weakened
+    assert lower[1] < lower[2]  # then the first one, too
+    assert isinstance(named.oscillator(), sl.BoucWenBaberNoori)
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"beta": 0.0}, "beta = 0 is out of range; allowed: 0 < value"),
+        ({"exponent": 0.5}, "exponent = 0.5 is out of range; allowed: 1 <= value"),
+        ({"strength_decay": -0.1}, "strength_decay = -0.1 is out of range; allowed: 0 <= value"),
+        ({"pinching": 1.0}, "pinching = 1 is out of range; allowed: 0 <= value < 1"),
+        ({"pinching_width": 0.0}, "pinching_width = 0 is out of range; allowed: 0 < value"),
+    ],
+    ids=str,
+)
+def test_parameters_out_of_range_are_refused(changed, message):
+    with pytest.raises(ValueError, match=message):
+        worn(**changed)
+
+
+@pytest.mark.parametrize("changed", [{}, {"pinching": 0.0}, {"strength_decay": 0, "stiffness_decay": 0}])
+def test_stationary_analyses_name_the_finite_motion_instead(changed):
+    one, other = worn(**changed), sl.Bilinear(0.7, 0.05)
+    message = r"BoucWenBaberNoori .*{} simulate with a duration"
+    for linearizing in (
+        lambda: sl.linearize(one, GROUND),
+        lambda: sl.correlate(one, other, GROUND),
+        lambda: sl.linearize_system([one], GROUND),
+    ):
+        with pytest.raises(ArithmeticError, match=message.format("cannot be linearized.*")):
+            linearizing()
+    for simulating in (
+        lambda: sl.simulate([other, one], GROUND, paths=32),
+        lambda: sl.correlate(one, other, GROUND, method="simulation", paths=32),
+    ):
+        with pytest.raises(ValueError, match=message.format("has no stationary response.*")):
+            simulating()
+
+
+def test_rules_that_linearize_are_missing_with_the_reason():
+    table = sl.separation(worn(), sl.Bilinear(0.8, 0.05), GROUND, 5.0, paths=32)
+    assert np.isfinite(table.gap.sel(rule="simulation"))
+    for rule in ("linearization", "eq_3_linearized", "eq_3_paper"):
+        assert np.isnan(table.gap.sel(rule=rule))
+        assert "BoucWenBaberNoori cannot be linearized" in str(table.missing.sel(rule=rule).values)

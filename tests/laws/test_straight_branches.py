@@ -1,0 +1,166 @@
+"""The modified Clough and flag-shaped laws: branch by branch, their work, and oscillators with them."""
+
+import numpy as np
+import pytest
+from loops import by_steps, random_turns
+
+import stochlin as sl
+
+pytestmark = pytest.mark.oracle
+
+GROUND = sl.KanaiTajimi(0.4, 0.6, 0.02)
+GIVEN = {"period": 0.5, "damping": 0.05, "hardening": 0.1, "yield_displacement": 0.02}
+LAWS = [
+    *(sl.ModifiedClough(**GIVEN, unloading_exponent=a) for a in (0.0, 0.4, 0.8)),
+    *(sl.Flag(**GIVEN, beta=beta) for beta in (0.0, 0.6, 1.0)),
+]
+
+
+class Clough:
+    """The law from branch to branch: ``z`` after ``mu`` has moved to another value."""
+
+    def __init__(self, structure):
+        self.a, self.z, self.mu, self.zero = float(structure.unloading_exponent), 0.0, 0.0, 0.0
+        self.peaks = {1: 1.0, -1: 1.0}
+
+    def move(self, end):
+        s = 1 if end > self.mu else -1
+        while self.mu != end:
+            stiffness, event = self.branch(s)
+            reached = end if s * (end - event) <= 0 else event
+            self.z += stiffness * (reached - self.mu)
+            self.mu = reached
+            if abs(self.z) < 1e-14:
+                self.z, self.zero = 0.0, self.mu
+        self.peaks[s] = max(self.peaks[s], s * self.mu)
+
+    def branch(self, s):
+        """Its stiffness, and the mu at which it ends."""
+        if s * self.z < 0:
+            stiffness = self.peaks[-s] ** -self.a
+            return stiffness, self.mu - self.z / stiffness
+        peak, way = s * self.peaks[s], 1 / (self.peaks[s] - s * self.zero)
+        if s * (self.mu - peak) >= -1e-14:
+            return 0.0, s * np.inf
+        on_the_way = way * (self.mu - self.zero)
+        if abs(on_the_way - self.z) < 1e-13:
+            return way, peak
+        stiffness = self.peaks[s] ** -self.a
+        return stiffness, self.mu + (on_the_way - self.z) / (stiffness - way)
+
+
+class FlagShaped:
+    """The same, in closed form on each side of 0."""
+
+    def __init__(self, structure):
+        self.low, self.z, self.mu = 1 - float(structure.beta), 0.0, 0.0
+
+    def move(self, end):
+        if self.mu * end < 0:
+            self.move(0.0)
+        side = np.sign(self.mu or end)
+        before, after, z = abs(self.mu), abs(end), abs(self.z)
+        if after > before:
+            z = min(z + after - before, 1.0)
+        else:
+            z = max(z - before + after, min(self.low, after))
+        self.mu, self.z = end, side * z
+
+
+def by_branches(structure):
+    return (Clough if isinstance(structure, sl.ModifiedClough) else FlagShaped)(structure)
+
+
+def own_of(structure):
+    return [float(array) for array in structure.law_parameters()]
+
+
+@pytest.mark.parametrize("structure", LAWS, ids=lambda one: one.describe()[:8] + str(own_of(one)))
+@pytest.mark.parametrize("pieces", [1, 7])
+def test_states_along_random_histories(structure, pieces):
+    turns = random_turns(3, 40, 30)
+    found, _ = by_steps(structure.step(), turns, pieces, own_of(structure))
+    for lane in range(turns.shape[1]):
+        law = by_branches(structure)
+        for n in range(1, len(turns)):
+            law.move(turns[n, lane])
+            assert found[n, 0, lane] == pytest.approx(law.z, abs=1e-10)
+    assert (np.abs(found[:, 0]) <= 1.0 + 1e-12).all()
+
+
+@pytest.mark.parametrize("kind", [sl.ModifiedClough, sl.Flag])
+def test_work_from_the_virgin_state_is_never_negative(kind):
+    """In 5000 random histories, each with another parameter."""
+    lanes, legs, pieces = 5000, 12, 200
+    own = np.random.default_rng(4).uniform(0, 1, (1, lanes))
+    turns = random_turns(5, lanes, legs)
+    _, least = by_steps(kind(**GIVEN).step(), turns, pieces, own)
+    # A kink within a piece changes the trapezoidal rule by an eighth of its square at most; up to five
+    # kinks are on a leg.
+    piece = np.abs(np.diff(turns, axis=0)) / pieces
+    assert (least > -(5 / 8) * (piece**2).sum(axis=0)).all()
+
+
+def test_the_flag_comes_back():
+    """Without load nothing is left, where a bilinear building is displaced."""
+    turns = np.array([[0.0], [4.0], [0.0], [-2.5], [0.3]])
+    reached, _ = by_steps(sl.Flag(**GIVEN).step(), turns, 10, [0.7])
+    np.testing.assert_allclose(reached[:, 0, 0], [0.0, 1.0, 0.0, -1.0, 0.3], atol=1e-12)
+
+
+def test_without_hysteresis_or_yield_it_is_elastic():
+    weak = {"structures": [sl.Bilinear(0.5, 0.05)], "ground": GROUND, "paths": 32, "duration": 6.0}
+    elastic = sl.simulate(**weak).peak
+    for kind in (sl.Flag, sl.ModifiedClough):
+        strong = kind(**GIVEN | {"yield_displacement": 2.0})
+        same = sl.simulate(**weak | {"structures": [strong]}).peak
+        np.testing.assert_allclose(same, elastic, rtol=1e-6)
+
+
+@pytest.mark.parametrize("structure", [LAWS[1], LAWS[4]], ids=["modified Clough", "flag"])
+def test_an_oscillator_on_a_record_follows_central_differences(structure):
+    """In steps of 1/5000 of the period, whose error is some 1e-6, with the law from branch to branch."""
+    w, xi, alpha = 2 * np.pi / GIVEN["period"], GIVEN["damping"], GIVEN["hardening"]
+    uy, law = GIVEN["yield_displacement"], by_branches(structure)
+    record = sl.simulated_motions(GROUND, 5.0, paths=2, seed=3)[0]
+    time = record.time.to_numpy()
+    cuts = round((time[1] - time[0]) / (GIVEN["period"] / 5000))
+    dt = (time[1] - time[0]) / cuts
+    ground = np.interp(time[0] + dt * np.arange(cuts * (time.size - 1)), time, record)
+    u = before = peak = 0.0
+    for a in ground:
+        pull = -a - alpha * w**2 * u - (1 - alpha) * w**2 * uy * law.z
+        after = (2 * u - before + xi * w * dt * before + dt**2 * pull) / (1 + xi * w * dt)
+        u, before = after, u
+        law.move(u / uy)
+        peak = max(peak, abs(u))
+    table = sl.respond(structure, record)
+    assert peak > 2 * uy
+    np.testing.assert_allclose(np.abs(table.displacement).max(), peak, rtol=5e-4)
+    np.testing.assert_allclose(table.displacement[-1], u, rtol=0, atol=5e-4 * peak)
+    np.testing.assert_allclose(table.z[-1], law.z, rtol=0, atol=2e-3)
+
+
+def test_the_flag_has_a_stationary_response_and_the_modified_clough_law_has_none():
+    one, other = sl.Flag(**GIVEN), sl.ModifiedClough(**GIVEN)
+    table = sl.simulate([one], GROUND, paths=32, relaxation_times=1.0)
+    assert float(table.displacement_std[0]) > 0
+    with pytest.raises(ValueError, match=r"number 1: ModifiedClough .*simulate with a duration"):
+        sl.simulate([other], GROUND, paths=32)
+    for structure in (one, other):
+        name = type(structure).__name__
+        with pytest.raises(ArithmeticError, match=f"{name} cannot be linearized.*with a duration"):
+            sl.linearize(structure, GROUND)
+
+
+@pytest.mark.parametrize(
+    ("kind", "changed", "message"),
+    [
+        (sl.ModifiedClough, {"unloading_exponent": 1.0}, "unloading_exponent = 1 is out of range"),
+        (sl.ModifiedClough, {"unloading_exponent": -0.1}, "allowed: 0 <= value < 1"),
+        (sl.Flag, {"beta": 1.1}, "beta = 1.1 is out of range; allowed: 0 <= value <= 1"),
+    ],
+)
+def test_parameters_out_of_range_are_refused(kind, changed, message):
+    with pytest.raises(ValueError, match=message):
+        kind(**GIVEN, **changed)
