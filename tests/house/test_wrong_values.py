@@ -133,6 +133,7 @@ SINGLE = {
     "velocity_z_corr": 0.3,
     "mass": 1e5,
     "name": "firm",
+    "displacement": [0.03, -0.03],
 }
 DASHPOTS = ("HertzDamp", "ImpactKelvin", "Jankowski", "Kelvin", "NoTensionKelvin")
 HAZARD = sl.HazardCurve([0.1, 8.0], [0.01, 1e-3])

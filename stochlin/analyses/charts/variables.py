@@ -5,6 +5,8 @@ from stochlin.analyses.tables.labels import Variables
 
 VARIABLES: Variables = {
     **RECORDS,
+    "force_per_mass": ("m/s^2", "restoring force per unit mass"),
+    "hysteretic_work_per_mass": ("m^2/s^2", "work of the hysteretic force per unit mass"),
     "rho": ("1", "correlation coefficient ρ"),
     "amplification": ("1", "amplification D, inelastic / elastic"),
     "amplification_drift": ("1", "amplification of the standard deviation by the drift closure"),

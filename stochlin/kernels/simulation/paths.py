@@ -1,4 +1,4 @@
-"""Hysteresis laws of straight branches, followed exactly along the extension of a step.
+"""Hysteresis laws of straight branches, followed exactly along the extension of a step; loops of laws.
 
 Each law is ``advance(lanes, x, v, w, own, dt, new)`` as made by `laws.advance_of`. Its second state is
 the extension ``mu`` over the yield extension, which moves in one direction within a step.
@@ -6,9 +6,11 @@ the extension ``mu`` over the yield extension, which moves in one direction with
 
 from __future__ import annotations
 
-from stochlin.kernels.basics.compiled import compiled
+import numpy as np
+
+from stochlin.kernels.basics.compiled import compiled, entry
 from stochlin.kernels.basics.powers import exponential, logarithm
-from stochlin.kernels.simulation.laws import RateLaw
+from stochlin.kernels.simulation.laws import OTHER, RateLaw
 
 
 @compiled
@@ -51,4 +53,31 @@ def _flag(lanes, x, v, w, own, dt, new):
         x[new, lane] = min(max(z, lowest), highest)
 
 
+@compiled
+def _bilinear(lanes, x, v, w, own, dt, new):
+    """The bilinear law, which time steps have in closed form; its state is z."""
+    for lane in range(lanes):
+        x[new, lane] = min(max(x[w, lane] + x[v, lane] * dt, -1.0), 1.0)
+
+
 MODIFIED_CLOUGH, FLAG = RateLaw(_modified_clough, 5), RateLaw(_flag, 2)
+BILINEAR_PATH = RateLaw(_bilinear, 1)
+
+
+@entry
+def follow(law, states, extension, own, z):
+    """Write ``z`` at each of the extensions over the yield extension, from rest at the first.
+
+    ``law`` is the result of `by_number` for this law alone.
+    """
+    n, after = own.size, 1 + states + own.size
+    x = np.zeros((after + states, 1))
+    for k in range(n):
+        x[1 + states + k, 0] = own[k]
+    z[0] = 0.0
+    for point in range(1, extension.size):
+        x[0, 0] = extension[point] - extension[point - 1]
+        law(OTHER, 1, x, 0, 1, 1 + states, 1.0, after)
+        for k in range(states):
+            x[1 + k, 0] = x[after + k, 0]
+        z[point] = x[1, 0]
