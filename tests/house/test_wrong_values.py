@@ -208,6 +208,7 @@ OWN: dict[str, dict[str, Any]] = {
         "structures": (1, 2),
     },
     "pounding_estimate": {"duration": 3.0, "radius_1": 0.1, "radius_2": 0.2},
+    "code_gaps": {"peak_1": 0.1, "peak_2": 0.1},
     "pounding_estimate_row": {"radii": [0.1, 0.2]},
     "pounding_estimate_error": {"motion": [RECORD, 2 * RECORD], "points": 5},
     "pound": {"gaps": [0.05], "contact": sl.Kelvin(1e8, restitution=0.6), "motion": RECORD},

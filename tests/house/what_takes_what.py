@@ -19,7 +19,7 @@ import xarray as xr
 import stochlin as sl
 
 PAGE = Path(__file__).parents[2] / "docs" / "what_takes_what.md"
-STRUCTURES = {"structure", "structures", "first", "second"}  # names of arguments
+STRUCTURES = {"structure", "structures", "first", "second", "modes_1"}  # names of arguments
 V, Z = sympy.symbols("v z")
 OWN = V - (abs(V) * Z + V * abs(Z)) / 2
 TIME = 0.02 * np.arange(20)
@@ -32,6 +32,7 @@ GROUNDS = {
 CONTACT, LINK = sl.Kelvin(1e8, restitution=0.65), sl.Link(1e6, 1e5)
 DEVICE = sl.Link(0.0, 1e5, damping_exponent=0.5, structures=(1, 1), floors=(1, 0))
 SIZES = {"duration": 0.15, "paths": 16}
+SPECTRUM = sl.eurocode_8(2.0, "B")
 HAZARD = sl.HazardCurve([0.001, 0.01, 0.1], [0.1, 0.02, 0.001], measure="intensity")
 
 
@@ -146,6 +147,9 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
     ),
     "separation": lambda s: sl.separation(*s.both, s.ground, **SIZES),
     "separation, second=None": lambda s: sl.separation(s.first, None, s.ground, **SIZES),
+    "code_gaps, modes_1": lambda s: sl.code_gaps(
+        modes_1=s.first, modes_2=s.second, spectrum=SPECTRUM, ground=s.ground
+    ),
     "existing_gap": lambda s: sl.existing_gap(*s.both, s.ground, gap=0.005, **SIZES),
     "sensitivity": lambda s: sl.sensitivity(*s.both, s.ground, **SIZES),
     "sensitivity, second=None": lambda s: sl.sensitivity(s.first, None, s.ground, **SIZES),

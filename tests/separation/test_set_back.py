@@ -20,7 +20,7 @@ TOWER = sl.ShearBuilding(
 )
 TIME = 0.02 * np.arange(400)
 RECORD = xr.DataArray(3 * np.sin(6 * TIME) * np.exp(-TIME / 3), dims="time", coords={"time": TIME})
-OF_ONE = {"simulation", "linearization", "share_of_sum", "asce_7", "ubc_97", "eurocode_8"}
+OF_ONE = {"simulation", "linearization", "cqc", "share_of_sum", "asce_7", "ubc_97", "eurocode_8"}
 
 
 @pytest.mark.invariant

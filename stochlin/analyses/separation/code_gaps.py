@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.separation.modes import spectral_peaks
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.messages import brief
-from stochlin.models.arguments import Truth, checked, is_number
-from stochlin.models.parameters import Parameter
+from stochlin.models.arguments import Truth, checked, fitting, is_number
+from stochlin.models.grounds import Ground
+from stochlin.models.grounds.white_noise import WhiteNoise
+from stochlin.models.parameters import Model, Parameter
 from stochlin.models.rules.codes import (
     BEHAVIOUR,
     CODE_RULES,
@@ -26,10 +29,20 @@ from stochlin.models.rules.codes import (
     code_rule_names,
 )
 from stochlin.models.rules.published import look_up
+from stochlin.models.systems import AnyStructure
 
 PEAKS = "peak_1", "peak_2"
 AS_DEFINED = "displacements as each code defines them, its factors included"
 UNDER_DESIGN = "displacements under design forces, which each code multiplies by its factors"
+OF_SPECTRUM = (
+    "displacements of the elastic spectrum by the CQC over the modes of each building; cqc is that over "
+    "the modes of both"
+)
+REDUCED = (
+    f"{OF_SPECTRUM}. They are reduced to design forces by the behaviour factor, and multiplied by the "
+    "factors of each code"
+)
+JOINED: Mapping[str, Any] = {"coords": "minimal", "compat": "override"}
 TEXTS: Mapping[str, str] = {
     "family": "what governs the rule: SRSS or sum of the peaks, the height, or a fixed distance",
     "reference": "source of the rule",
@@ -39,10 +52,27 @@ TEXTS: Mapping[str, str] = {
 }
 
 
+def _check_source(
+    peak_1: object, peak_2: object, modes_1: object, modes_2: object, spectrum: object, ground: object
+) -> None:
+    """Raise a ValueError unless displacements are given once, as peaks or as modes with a spectrum."""
+    of_modes = {"modes_1": modes_1, "modes_2": modes_2, "spectrum": spectrum, "ground": ground}
+    given = [name for name, value in of_modes.items() if value is not None]
+    peaks = [name for name, value in zip(PEAKS, (peak_1, peak_2), strict=True) if value is not None]
+    if peaks and given:
+        raise ValueError(f"{peaks[0]} and {given[0]} are both given; allowed: peaks, or modes")
+    lacking = [name for name in ("modes_1", "spectrum") if of_modes[name] is None]
+    if given and lacking:
+        raise ValueError(f"{lacking[0]} is missing; {given[0]} needs modes_1 and a spectrum")
+    if not given and peak_1 is None:
+        raise ValueError("peak_1 is missing; give it, or modes_1 and a spectrum")
+
+
+@fitting(_check_source)
 @checked
 def code_gaps(
-    peak_1: Parameter,
-    peak_2: Parameter | None,
+    peak_1: Parameter | None = None,
+    peak_2: Parameter | None = None,
     *,
     height_1: Parameter | None = None,
     height_2: Parameter | None = None,
@@ -60,6 +90,10 @@ def code_gaps(
     deflection_2: Parameter | None = None,
     importance: Parameter | None = None,
     importance_2: Parameter | None = None,
+    modes_1: AnyStructure | None = None,
+    modes_2: AnyStructure | None = None,
+    spectrum: xr.DataArray | None = None,
+    ground: Ground | None = None,
 ) -> xr.Dataset:
     """Separation of two buildings by every known rule of a building code.
 
@@ -70,9 +104,13 @@ def code_gaps(
     then displacements under design forces, which each code multiplies by its factors. Without them the
     peaks are displacements as the code defines them.
 
+    In place of peaks the modes of the buildings and an elastic design spectrum may be given. The peaks
+    are then those of a response spectrum analysis of each building, at every height at which they could
+    meet. Beside each code stands ``cqc``, the response spectrum analysis of both buildings together.
+
     Parameters
     ----------
-    peak_1, peak_2 : float or array
+    peak_1, peak_2 : float or array, optional
         Peak displacements [m], not negative, at the level where the buildings could meet. Each code
         defines its own displacement, see ``assumptions``. If ``peak_2`` is None, the gap is the distance
         of one building from its property line, for rules that define it.
@@ -105,6 +143,17 @@ def code_gaps(
         Importance factor [-], 0.5 to 2, by default 1; of both buildings, or of each. ASCE 7, Canada and
         TBDY 2018 divide by it, and Iran asks for the displacement if it is above 1. ``ag`` of Eurocode 8
         contains it, so that it has no effect there.
+    modes_1, modes_2 : ModalBuilding, ShearBuilding or oscillator, optional
+        Buildings of which all modes are taken, as elastic, in place of peaks. If ``modes_2`` is None, it
+        is one building beside its property line. Factors of codes then need ``behaviour_1`` and ``_2``,
+        by which the spectrum is reduced to design forces.
+    spectrum : DataArray, optional
+        Elastic spectrum [m/s^2] over ``period`` [s], as from `eurocode_8`, `asce_7` and `read_spectrum`,
+        given with ``modes_1``. It is taken as it is, also for modes with other damping ratios. A mode
+        shorter than its shortest period has the ordinate there.
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien, optional
+        Ground on which the modes are correlated. By default it is white noise, as in the CQC of
+        programs.
 
     Returns
     -------
@@ -116,19 +165,37 @@ def code_gaps(
         ``missing``, the arguments that the rule lacks. The attribute ``comment`` says which
         displacements the peaks are taken for.
 
+        With modes the table is also over ``height`` [m], unless both structures are oscillators, and has
+        ``peak_1`` and ``peak_2`` [m], the CQC of each building under the spectrum, and ``rho`` [-], the
+        correlation of both. ``cqc`` [m], over ``rule``, is eq. (3) with ``rho`` and the displacements of
+        the code. It has no reduction for floors that align, and is NaN for rules without displacements.
+
     Raises
     ------
     ValueError, TypeError
         If the zone or a rule is unknown, a scalar is out of range, a value is not a number, dimensions
-        do not match, or an importance factor is given without a factor on displacements.
+        do not match, or an importance factor is given without a factor on displacements. With modes, if
+        peaks are given as well, the spectrum is missing, is reduced by a behaviour factor or ends before
+        the longest period, or heights contradict the storeys.
+
+    Warns
+    -----
+    DoubtfulInput
+        If modes have another damping ratio than the spectrum.
 
     Notes
     -----
     The table is a summary of one clause of each code for comparison. It does not replace the code.
 
+    The modes ``i`` of both buildings have the spectral displacements ``D_i``, and ``d_i`` is the share
+    of ``D_i`` by which a mode of building 1 closes the gap at the height, or, negative, by which one of
+    building 2 opens it. Then ``cqc`` is the root of ``sum_ij d_i d_j rho_ij D_i D_j`` over all modes of
+    both, with the correlations ``rho_ij`` of the oscillators of the modes: eq. (4) on white noise.
+
     References
     ----------
-    The coordinate ``reference`` names the source of each rule.
+    The coordinate ``reference`` names the source of each rule. Der Kiureghian (1981), Earthquake Eng.
+    Struct. Dyn. 9, for the CQC of one building.
 
     Examples
     --------
@@ -152,9 +219,16 @@ def code_gaps(
     >>> stated = sl.code_gaps(0.03, 0.04, height_1=12, height_2=20, numbers={"share_of_height": 0.01})
     >>> float(stated.gap.sel(rule="share_of_height"))
     0.12
+    >>> frame, wall = (
+    ...     sl.ShearBuilding([2e5] * n, [k] * n, [3.0] * n, 0.05) for n, k in ((3, 2e8), (2, 3e8))
+    ... )
+    >>> spectrum = sl.eurocode_8(ag=2.5, soil="C")
+    >>> by_modes = sl.code_gaps(modes_1=frame, modes_2=wall, spectrum=spectrum).sel(rule="srss")
+    >>> by_modes.height.values.tolist(), by_modes.gap.round(4).values, by_modes.cqc.round(4).values
+    ([3.0, 6.0], array([0.0218, 0.0384]), array([0.0215, 0.038 ]))
     """
-    alone = peak_2 is None
     neighbours = Neighbours(floors_align, same_property, same_system)
+    alone, told = peak_2 is None and modes_2 is None, neighbours.told()
     factors = {
         **{"behaviour_1": behaviour_1, "behaviour_2": behaviour_2},
         **{"deflection_1": deflection_1, "deflection_2": deflection_2},
@@ -163,29 +237,42 @@ def code_gaps(
     check_neighbours(neighbours, alone, height_2=height_2, storeys_2=storeys_2, **factors)
     by_design = _are_of_design(factors)
     by_site = {"storeys_1": storeys_1, "storeys_2": storeys_2, "design_pga": design_pga}
+    together = None
+    if modes_1 is not None and spectrum is not None:
+        both = [modes_1] if modes_2 is None else [modes_1, modes_2]
+        tall = height_1, height_2
+        together = spectral_peaks(both, spectrum, ground or WhiteNoise(1.0), tall, neighbours)
+        (peak_1, peak_2), (height_1, height_2) = together.peaks, together.heights
+        neighbours = together.neighbours
+    assert peak_1 is not None
     pair = BuildingPeaks(peak_1, peak_2, height_1, height_2, **by_site, **factors)
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
     known = {*values, *(() if zone is None else ("zone",))}
     rules = rules_with(numbers)
+    reduced = together is not None
     missing = [
-        ", ".join([*rule.missing(known, alone), *(_without(rule, known, alone) if by_design else ())])
+        ", ".join(
+            [*rule.missing(known, alone), *(_without(rule, known, alone, reduced) if by_design else ())]
+        )
         for rule in rules
     ]
     nothing = xr.full_like(valid, np.nan, float)
     of_site = (*PEAKS, "height_1", "height_2", *by_site)
     arguments: dict[str, Any] = {name: values.get(name) for name in of_site}
     arguments |= {"zone": zone, **vars(neighbours), **_importances(values)}
-    gaps = [
-        nothing
-        if lacks
-        else rule.gap(**arguments | (_designed(rule, values, floors_align) if by_design else {}))
-        for rule, lacks in zip(rules, missing, strict=True)
-    ]
+    gaps, differences = [], []
+    for rule, lacks in zip(rules, missing, strict=True):
+        designed = by_design and not lacks
+        own = arguments | (_designed(rule, values, floors_align, reduced) if designed else {})
+        gaps.append(nothing if lacks else rule.gap(**own))
+        combines = not alone and rule.takes_peaks() and not lacks
+        differences.append(together.apart(own) if together is not None and combines else nothing)
     dimension = xr.DataArray([rule.name for rule in rules], dims="rule", name="rule")
     dimension.attrs["long_name"] = "rule"
-    gap = xr.concat(
-        [xr.broadcast(g, valid)[0] for g in gaps], dim=dimension, coords="minimal", compat="override"
+    gap, cqc = (
+        xr.concat([each.broadcast_like(valid) for each in arrays], dim=dimension, **JOINED)
+        for arrays in (gaps, differences)
     )
     usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
     table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
@@ -197,16 +284,22 @@ def code_gaps(
         }
         entries = kept.get(name) or [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
+    peaks_are, models = UNDER_DESIGN if by_design else AS_DEFINED, dict[str, Model](pair=pair)
+    if together is not None and spectrum is not None:
+        table = table.assign({"cqc": cqc} if not alone else {}).assign(together.variables())
+        peaks_are = REDUCED if by_design else OF_SPECTRUM
+        of_modes = {"modes_1": modes_1, "modes_2": modes_2, "ground": ground}
+        models = {name: model for name, model in of_modes.items() if model is not None}
+        table.attrs["spectrum"] = str(spectrum.attrs.get("source", "a spectrum"))
     table = labels.label(table, VARIABLES)
     table.attrs["comment"] = (
-        f"The peaks are {UNDER_DESIGN if by_design else AS_DEFINED}. Rules whose mark has an M were not "
-        "compared with their source."
+        f"The peaks are {peaks_are}. Rules whose mark has an M were not compared with their source."
     )
     return labels.with_run_information(
         table,
         f"{'Set-back' if alone else 'Separation'} by the rules of building codes",
-        f"code_gaps(zone={zone!r}{neighbours.told()}{told_numbers(numbers)})",
-        {"pair": pair},
+        f"code_gaps(zone={zone!r}{told}{told_numbers(numbers)})",
+        models,
         "; ".join(dict.fromkeys(rule.reference for rule in rules)),
     )
 
@@ -222,30 +315,45 @@ def _are_of_design(factors: Mapping[str, object]) -> bool:
     return bool(given)
 
 
-def _without(rule: CodeRule, known: Collection[str], alone: bool) -> list[str]:
-    """What a rule lacks for displacements under design forces, the first factor as the code calls it."""
+def _without(rule: CodeRule, known: Collection[str], alone: bool, reduced: bool) -> list[str]:
+    """What a rule lacks for displacements under design forces, the first factor as the code calls it.
+
+    If ``reduced``, they are those of an elastic spectrum, reduced by the behaviour factor.
+    """
     if not rule.takes_peaks():
         return []
     if not rule.multiplies:
         return [MULTIPLIED]
-    needed = [f"{rule.multiplies}_{n}" for n in ((1,) if alone else (1, 2))]
-    first, *others = [name for name in needed if name not in known] or [""]
-    return [f"{first} ({rule.called[rule.multiplies]})", *others] if first else []
+    lacking = []
+    for factor in dict.fromkeys((rule.multiplies, *([BEHAVIOUR] if reduced else []))):
+        needed = [f"{factor}_{n}" for n in ((1,) if alone else (1, 2))]
+        first, *others = [name for name in needed if name not in known] or [""]
+        lacking += [f"{first} ({rule.called[factor]})", *others] if first else []
+    return lacking
 
 
-def _designed(rule: CodeRule, values: Mapping[str, Any], floors_align: bool) -> dict[str, Any]:
-    """The displacements of a code [m], for those under design forces; nothing if it takes none."""
+def _designed(
+    rule: CodeRule, values: Mapping[str, Any], floors_align: bool, reduced: bool
+) -> dict[str, Any]:
+    """The displacements of a code [m], for those under design forces; nothing if it takes none.
+
+    If ``reduced``, the values are those of an elastic spectrum, and are first reduced to design forces.
+    """
     if not rule.multiplies:
         return {}
     factors = {name: values.get(name) for name in (f"{rule.multiplies}_1", f"{rule.multiplies}_2")}
     if rule.larger_factor and not floors_align and "peak_2" in values:
         factors = dict.fromkeys(factors, np.maximum(*map(values.__getitem__, factors)))
     importances = _importances(values).values()
-    return {
-        peak: rule.designed(values[peak], factor, importance)
-        for peak, factor, importance in zip(PEAKS, factors.values(), importances, strict=True)
-        if peak in values
-    }
+    found = {}
+    for n, (factor, importance) in enumerate(zip(factors.values(), importances, strict=True), start=1):
+        if (peak := f"peak_{n}") in values:
+            displacement = values[peak]
+            if reduced:
+                behaviour = values[f"{BEHAVIOUR}_{n}"]
+                displacement = rule.under_design_forces(displacement, behaviour, importance)
+            found[peak] = rule.designed(displacement, factor, importance)
+    return found
 
 
 def _importances(values: Mapping[str, Any]) -> dict[str, Any]:

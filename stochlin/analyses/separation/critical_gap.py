@@ -15,6 +15,8 @@ from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.combination import double_difference
 from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, Range, parameter
 
+ALIKE = 1e-5  # gap over peak below which the gap is a rounding error of two equal structures
+
 
 @dataclass(frozen=True)
 class CorrelatedPeaks(Model):
@@ -75,6 +77,12 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
         "critical_gap()",
         {"pair": pair},
     )
+
+
+def equation_3(peak_1: Array, peak_2: Array, rho: Array) -> Array:
+    """Eq. (3) [m] with a correlation of rounding errors; 0 where it is one of two equal structures."""
+    gaps = double_difference(peak_1, peak_2, np.clip(rho, -1, 1))
+    return np.where(gaps < ALIKE * np.maximum(peak_1, peak_2), 0.0, gaps)
 
 
 def _valid_gap(*inputs: Array) -> Array:

@@ -16,15 +16,16 @@ from stochlin.analyses.linearization.peaks import peak_table, relative_moments, 
 from stochlin.analyses.linearization.strength import solved_reduction_factor
 from stochlin.analyses.linearization.systems.systems import linearized_motion
 from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.analyses.separation.modes import combine_modes, modes_of, oscillators_of
 from stochlin.analyses.separation.storeys import (
     correlation_in,
     correlation_of,
+    facing_heights,
     stationary_motions,
-    weights,
+    weights_at,
 )
 from stochlin.analyses.simulation.finite_motions import mean_with_error, pair_peaks
 from stochlin.analyses.simulation.simulation import simulate
-from stochlin.analyses.simulation.views import meeting_heights
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.buildings import MultistoreyBuilding
@@ -77,10 +78,7 @@ class PairInMotion:
     @cached_property
     def heights(self) -> Array:
         """Heights at which the structures could meet [m]."""
-        if not self.has_storeys:
-            return np.array([np.nan])
-        stacks = self.system.stacks
-        return stacks[0].levels if self.alone else meeting_heights(*stacks)
+        return facing_heights(self.system)
 
     @property
     def code_heights(self) -> tuple[Any, ...]:
@@ -143,10 +141,7 @@ class PairInMotion:
     @cached_property
     def weights(self) -> list[Array]:
         """Displacement of each structure at the heights, as weights of floors (heights, floors)."""
-        return [
-            np.array([weights(self.system, number, height) for height in self.heights])
-            for number in range(len(self.structures))
-        ]
+        return weights_at(self.system, self.heights)
 
     @property
     def of_coordinates(self) -> list[Array]:
@@ -188,6 +183,19 @@ class PairInMotion:
         if not np.isfinite(peaks).all():
             raise ArithmeticError(SHORT)
         return peaks
+
+    def combined_modes(self) -> tuple[Array, Array]:
+        """Peak ``|u|`` by the CQC of elastic modes [m], as `peaks`, and its correlation (heights,).
+
+        The peak of a mode is the quantile of that of its oscillator. An ArithmeticError or a ValueError
+        if there is none.
+        """
+        modes = modes_of(self.system)
+        moments = response_moments(solve_elastic(oscillators_of(modes), self.ground), self.ground)
+        peaks = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2).to_numpy()
+        if not np.isfinite(peaks).all():
+            raise ArithmeticError(SHORT)
+        return combine_modes(modes, peaks, self.ground, self.weights)
 
     def effective_arguments(self) -> dict[str, float]:
         """Arguments of `rho_effective`, without the rule."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,17 +11,21 @@ import xarray as xr
 
 from stochlin.analyses.correlation.effective import rho_effective
 from stochlin.analyses.separation.code_gaps import code_gaps
+from stochlin.analyses.separation.critical_gap import equation_3
 from stochlin.analyses.separation.pairs import SHORT, PairInMotion, peak_quantile
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.correlation.combination import double_difference
 from stochlin.models.rules.codes import CODE_RULES, Neighbours
 from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
 from stochlin.models.rules.peak_factors.vanmarcke import Vanmarcke1975
 from stochlin.models.structures import DRIFT, GAUSSIAN
 
 EQ_3 = "eq. (3) with the peaks of both structures"
-ALIKE = 1e-5  # gap over peak below which the gap is a rounding error of two equal structures
 COMBINES = "needs a second building: eq. (3) combines the peaks of two"
+CQC, SPECTRUM = "cqc", "response_spectrum"  # a rule, and its kind
+ELASTIC_MODES = (
+    "CQC over all elastic modes, with their peaks and correlations on the ground; what yields moves as "
+    "far as if it were elastic"
+)
 SOLVED, PAPER = ("simulated", "linearized", "drift"), "paper"
 
 
@@ -62,6 +66,7 @@ def all_rules(
     """All rules, including those that have no gap because something is missing."""
     return [
         *_with_correlations(pair, effective_rule_names(unverified)),
+        _of_modes(pair),
         _linearized(pair),
         *code_rules(pair.peaks, pair.code_heights, neighbours, site, numbers),
     ]
@@ -87,8 +92,7 @@ def _with_correlations(pair: PairInMotion, effective: Sequence[str]) -> list[Rul
 
 def equation_3_rule(peaks: Array, name: str, rhos: Array, **texts: Any) -> Rule:
     """Eq. (3) with these peaks (2, heights) [m] and correlations (heights,)."""
-    gaps = double_difference(peaks[0], peaks[1], np.clip(rhos, -1, 1))
-    gaps = np.where(gaps < ALIKE * np.max(peaks, axis=0), 0.0, gaps)
+    gaps = equation_3(peaks[0], peaks[1], rhos)
     return Rule(name, "equation_3", gaps, np.broadcast_to(rhos, gaps.shape), **texts)
 
 
@@ -143,6 +147,22 @@ def _with_effective_rho(pair: PairInMotion, name: str) -> Rule:
 
 def _nothing(pair: PairInMotion) -> Array:
     return np.full(pair.heights.size, np.nan)
+
+
+def _of_modes(pair: PairInMotion) -> Rule:
+    """Response spectrum analysis of both buildings together, or of one building alone."""
+    try:
+        peaks, rhos = pair.combined_modes()
+    except (ArithmeticError, ValueError) as error:
+        return Rule(CQC, SPECTRUM, _nothing(pair), missing=str(error))
+    texts: Any = {
+        "reference": "Der Kiureghian (1981), Earthquake Eng. Struct. Dyn. 9, here for a difference",
+        "mark": "C",
+        "assumptions": f"{ELASTIC_MODES}; {_unsimulated(pair.strong_seconds, pair.scatter)}",
+    }
+    if pair.alone:
+        return Rule(CQC, SPECTRUM, peaks[0], **texts)
+    return replace(equation_3_rule(peaks, CQC, rhos, **texts), kind=SPECTRUM)
 
 
 def _linearized(pair: PairInMotion) -> Rule:

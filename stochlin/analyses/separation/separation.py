@@ -69,7 +69,8 @@ EXACT = "nonlinear simulation of the given models"
 BEFORE_RECORDS = 0.8  # share of the work before the records, if there are any
 MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
-    "kind": "simulation, eq. (3) with a correlation, linearization, or building code",
+    "kind": "simulation, eq. (3) with a correlation, response spectrum analysis, linearization, or "
+    "building code",
     "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
     "reference": "source of the rule",
     "mark": "how the rule was checked: S seen in a copy of its source, C derived and checked, "
@@ -192,7 +193,7 @@ def separation(
     -----
     The verdict on a rule is safe or unsafe if the 95 % interval of its probability of no pounding is
     above or below the confidence. With scatter, the peaks for the rules
-    include it; correlations for stationary motions, and the rules ``eq_3_paper`` and
+    include it; correlations for stationary motions, and the rules ``eq_3_paper``, ``cqc`` and
     ``linearization``, which use no simulated peaks, are for motions of the median strength.
 
     The rule ``eq_3_paper`` is the procedure of the paper: eq. (3) with the elastic peaks times ``D`` of
@@ -201,6 +202,14 @@ def separation(
     ``linearization`` has the same standard deviations and ``rho``, but one peak factor, that of
     ``u_1 - u_2`` of the yielding structures in one direction. If this were also the factor of both
     elastic peaks, the two gaps would be equal. Buildings with storeys have no ``eq_3_paper``.
+
+    The rule ``cqc`` is the response spectrum analysis of both buildings together, as a code's user would
+    do it if programs could: all modes of both are elastic, also where the structures yield, whose
+    displacements are then those of the elastic structure (the equal displacement rule). The gap is the
+    root of ``sum_ij d_i d_j rho_ij D_i D_j``, with the quantiles ``D`` of the peaks of the oscillators
+    of the modes by Vanmarcke's peak factor, their correlations on the ground, and the shares ``d`` of
+    ``D`` in ``u_1 - u_2`` at the height. ``rho`` is the correlation of both displacements by the same
+    sum. For elastic oscillators it is ``eq_3_paper``; for one building it is the CQC of each floor.
 
     References
     ----------

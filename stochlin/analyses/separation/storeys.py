@@ -31,6 +31,17 @@ PATHS, RELAXATION_TIMES = 64, 5.0  # of the stationary simulation; the error of 
 SLOWEST = 20.0  # largest relaxation time of a drift over the duration for a stationary simulation
 
 
+def facing_heights(system: Arrangement) -> Array:
+    """Heights [m] at which two structures could meet, or those of the floors of one; NaN if unknown."""
+    return meeting_heights(*system.stacks) if system.stacks[1:] else system.stacks[0].levels
+
+
+def weights_at(system: Arrangement, heights: Array) -> list[Array]:
+    """Displacement of each structure at the heights, as weights of all floors (heights, floors)."""
+    numbers = range(len(system.stacks))
+    return [np.array([weights(system, n, height) for height in heights]) for n in numbers]
+
+
 def weights(system: Arrangement, number: int, height: float) -> Array:
     """Displacement of structure ``number`` at a height [m], as weights of all floors of the system."""
     weights = np.zeros(int(system.first[-1]))
@@ -88,11 +99,17 @@ def stationary_motions(
 def correlation_in(table: xr.Dataset, weights_1: Array, weights_2: Array) -> Array:
     """Correlation of two displacements with these weights of the floors, in a stationary simulation."""
     sigma = table.displacement_std.values
-    covariance = table.rho.values * np.outer(sigma, sigma)
-    variances = [np.einsum("hi,ij,hj->h", w, covariance, w) for w in (weights_1, weights_2)]
-    shared = np.einsum("hi,ij,hj->h", weights_1, covariance, weights_2)
-    rho: Array = shared / np.sqrt(variances[0] * variances[1])
-    return rho
+    return combined(table.rho.values * np.outer(sigma, sigma), [weights_1, weights_2])[1]
+
+
+def combined(covariance: Array, weights: Sequence[Array]) -> tuple[Array, Array]:
+    """Standard deviations (s, heights) of sums with these weights, and correlation of first and last.
+
+    The weights (heights, n) are those of n quantities with this covariance.
+    """
+    sizes = np.sqrt([np.einsum("hi,ij,hj->h", w, covariance, w) for w in weights])
+    shared = np.einsum("hi,ij,hj->h", weights[0], covariance, weights[-1])
+    return sizes, shared / (sizes[0] * sizes[-1])
 
 
 def of_storeys(

@@ -7,6 +7,7 @@ VARIABLES: Variables = {
     **SIMULATION,
     "gap": ("m", "gap between the structures"),
     "gap_at_height": ("m", "gap between the structures at the height"),
+    "cqc": ("m", "gap by the CQC over the modes of both structures"),
     "governing_height": ("m", "height that governs the gap of the rule"),
     "error": ("1", "relative error of the gap of the rule against simulation"),
     "separation_samples": ("m", "peak displacement of structure 1 towards structure 2"),

@@ -23,6 +23,14 @@ import scipy.linalg
 from stochlin.kernels.basics.arrays import Array
 
 
+class Modes(NamedTuple):
+    """Modes of vibration while all elements are elastic, longest period first."""
+
+    period: Array  # (n,) [s]
+    damping: Array  # (n,) [-], ratios, without what a damping matrix makes modes do to one another
+    moves: Array  # (f, n) [-], displacement of each floor over that of the oscillator of the mode
+
+
 class System(NamedTuple):
     """Masses, elements and floors of structures.
 
@@ -78,6 +86,14 @@ class System(NamedTuple):
         matrix[..., n:, :n] = -self.stiffness / self.mass[..., None]
         matrix[..., n:, n:] = -self.damping / self.mass[..., None]
         return matrix
+
+    def modes(self) -> Modes:
+        """Modes of one system, each with the displacement of its floors by its participation factor."""
+        root = np.sqrt(self.mass)
+        squares, vectors = scipy.linalg.eigh(self.stiffness / np.outer(root, root))
+        w, shapes = np.sqrt(squares), vectors / root[:, None]
+        damping = np.einsum("in,ij,jn->n", shapes, self.damping, shapes) / (2 * w)
+        return Modes(2 * np.pi / w, damping, (self.shapes @ shapes) * (self.mass @ shapes))
 
     def at(self, cells: Any) -> System:
         """The cells with these numbers."""

@@ -29,10 +29,12 @@ if TYPE_CHECKING:
 # Groups of rules, in the order in which they are shown.
 FORMULAS, FAMILY = "eq. (3) with a correlation coefficient", "families of rules of building codes"
 AS_APPLIED, COMBINATION = "the code as you apply it", "the code's combination of simulated peaks"
-GROUPS = ("", FORMULAS, "linearization", FAMILY, AS_APPLIED, COMBINATION)
+SPECTRUM = "response spectrum analysis"
+GROUPS = ("", FORMULAS, SPECTRUM, "linearization", FAMILY, AS_APPLIED, COMBINATION)
 KINDS = {
     "simulation": "",
     "equation_3": FORMULAS,
+    "response_spectrum": SPECTRUM,
     "linearization": "linearization",
     "code": FAMILY,
     KIND: AS_APPLIED,

@@ -29,7 +29,7 @@ LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
 SHORT = 0.5  # m: lengths below, such as drifts, are in cm
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 CAPITALS = {
-    **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb")},
+    **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb", "cqc")},
     "e030": "E.030",
     "paper": "as in Valles-Mattox and Reinhorn (1996)",
 }
