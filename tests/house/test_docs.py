@@ -62,6 +62,8 @@ SAID = {
     "choosing": [
         (f"{STIFF}.bias", "# {:.2f}: the simulated value is seven times as large"),
         ("rules.error.sel(rule='eq_3_elastic')", "# {:.2f}\n"),
+        ("100 * by_modes.cqc.sel(rule='srss')", "it asks for {:.1f} cm"),
+        ("100 * by_modes.gap.sel(rule='share_of_sum')", "and the sum for {:.1f} cm"),
     ],
     "buildings": [
         (GAP.format("simulation"), "The required gap is {:.1f} cm"),
@@ -75,6 +77,7 @@ SAID = {
         (GAP.format("linearization"), "Linearization alone gives {:.1f} cm"),
         (GAP.format("eq_3_linearized"), "gives {:.1f} cm. The secant rule"),
         (GAP.format("eq_3_secant"), "The secant rule with the first modes gives {:.1f} cm"),
+        (GAP.format("cqc"), "which are elastic, gives {:.1f} cm"),
         (GAP.format("eurocode_8"), "by Eurocode 8 gives {:.1f} cm"),
         ("100 * turning['front']", "The corner at the front needs {:.1f} cm"),
         ("100 * turning['centre']", "the centre of the slabs {:.1f} cm"),

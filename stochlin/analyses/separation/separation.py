@@ -209,7 +209,8 @@ def separation(
     root of ``sum_ij d_i d_j rho_ij D_i D_j``, with the quantiles ``D`` of the peaks of the oscillators
     of the modes by Vanmarcke's peak factor, their correlations on the ground, and the shares ``d`` of
     ``D`` in ``u_1 - u_2`` at the height. ``rho`` is the correlation of both displacements by the same
-    sum. For elastic oscillators it is ``eq_3_paper``; for one building it is the CQC of each floor.
+    sum. For elastic oscillators it is ``eq_3_paper``; for one building it is the CQC of each floor. For
+    30 elastic pairs it was -2 to +13 % off the simulated gap, for yielding ones -87 to +141 %.
 
     References
     ----------
