@@ -17,20 +17,22 @@ from arguments import file_and_work
 import stochlin as sl
 from stochlin.analyses.correlation.drift.signatures import derived_gram, derived_signatures
 from stochlin.analyses.linearization.bias_map import bias_map
+from stochlin.analyses.linearization.drift_map import smoothly_between
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.simulation import rare_yielding
 from stochlin.analyses.tables.storage import whole_file
+from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.correlation.nearness import ENTRIES, form_of
 from stochlin.kernels.correlation.signatures import signature
 
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.01, 0.02, 0.05, 0.1)
-ELASTIC_DUCTILITY = (3.2, 2.0, 1.25, 0.8, 0.5, 1 / 3)
+ELASTIC_DUCTILITY = (3.2, 2.0, 1.25, 1.0, 0.8, 0.63, 0.5, 1 / 3)
 GROUND_DAMPING = (0.03, 0.07, 0.17, 0.4, 1.0)
 PERIOD = 10 ** (0.1 * np.arange(-7, 8))
 # Motions and their length in memories, by elastic ductility: where the drift remembers long, fewer do.
-PATHS = {3.2: 128, 2.0: 128, 1.25: 128, 0.8: 64, 0.5: 64, 1 / 3: 32}
+PATHS = {3.2: 128, 2.0: 128, 1.25: 128, 1.0: 128, 0.8: 64, 0.63: 64, 0.5: 64, 1 / 3: 32}
 MEMORIES = {1 / 3: 4}
 LEFT_OUT = (1 / 3, 0.02)  # remembers 18 000 ground periods: corrected as at the next hardening
 STEPS_PER_PERIOD = 16
@@ -41,7 +43,7 @@ FINE = {
     "refined_hardening": (0.02, 0.03, 0.05, 0.07, 0.1, 0.14, 0.2, 0.3, 0.5),
     "refined_damping": DAMPING,
     "refined_ground_damping": (0.03, 0.045, 0.07, 0.11, 0.17, 0.4),
-    "refined_period": 10 ** (0.05 * np.arange(-14, 1)),
+    "refined_period": 10 ** (0.05 * np.array([-20, -18, -16, *range(-14, 1)])),
 }
 # Groups of nearly equal structures, and by how much one of each is off the first in the logarithms of
 # period, strength, hardening and damping.
@@ -226,6 +228,7 @@ def displacement_corrections(ductility):
     logarithm = np.log(solve_derived(structure, ground, "drift", USUAL).ductility_std).transpose(*GRID)
     simulated = logarithm.copy(data=np.log(ductility[:, :, :2]))
     change = filled(simulated - logarithm).diff("damping").isel(damping=0, drop=True)  # 0.01 to 0.02
+    change = change.sel(elastic_ductility_std=soil.elastic_ductility_std, method="nearest")
     inside = np.log(soil.period.clip(*PERIOD[[0, -1]]))
     change = change.assign_coords(period=np.log(PERIOD)).interp(period=inside.values)
     least = soil.sel(damping=[DAMPING[1]]) - change.assign_coords(period=soil.period.values)
@@ -278,10 +281,9 @@ def refinement(ductility, coarse):
         sl.KanaiTajimi(1.0, ground_damping),
     )
     derived = solve_derived(structure, ground, "drift", USUAL).ductility_std.transpose(*FINE)
-    logarithms = {name: np.log(coarse[name].values.astype(float)) for name in coarse.dims}
-    inside = {name: np.log(fine[own]) for name, own in zip(coarse.dims, FINE, strict=True)}
-    between = coarse.assign_coords(logarithms).interp(inside).transpose(*FINE)
-    added = np.log(fine / derived) - between.values
+    whole = Grid.of([np.log(coarse[name].values) for name in coarse.dims], coarse.values[..., None])
+    place = np.array(np.meshgrid(*(np.log(fine[own].values) for own in FINE), indexing="ij"))
+    added = np.log(fine / derived) - smoothly_between(whole, place)[0]
     known = [
         np.isin(fine[own].values, coarse[name]) for name, own in zip(coarse.dims, FINE, strict=True)
     ]
@@ -307,7 +309,9 @@ def labelled(signatures, displacement, white, added, near):
     table = xr.Dataset(reference_arrays()).assign(
         displacement_refinement=added,
         nearness=near.assign_coords(nearness_entry=np.arange(ENTRIES)),
-        signature_correction=signatures.rename(period="signature_period"),
+        signature_correction=signatures.rename(
+            elastic_ductility_std="signature_strength", period="signature_period"
+        ),
         displacement_correction=displacement.astype("float32"),
         displacement_correction_white_noise=white.astype("float32").rename(
             damping="damping_white_noise"
@@ -320,6 +324,7 @@ def labelled(signatures, displacement, white, added, near):
         "damping_white_noise": "damping ratio of the structure, of the corrections on white noise",
         "ground_damping": "damping ratio of the Kanai-Tajimi ground",
         "period": "period of the structure over the period of the ground",
+        "signature_strength": "R/p of the structure, of the signatures",
         "signature_period": "period of the structure over the period of the ground, of the signatures",
         "reference_period": "period of a reference structure over the period of the ground",
         "reference_elastic_ductility_std": "R/p of a reference structure",

@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from stochlin.kernels.correlation.nearness import (
     AXES,
     ENTRIES,
-    FAR,
-    NEAR,
+    MIDDLE,
     PAIRS,
     Nearness,
+    eased,
     form_of,
     with_nearness,
 )
@@ -35,13 +35,23 @@ def test_a_form_is_found_from_the_correlations_of_its_neighbours(seed):
     np.testing.assert_allclose(found[AXES:], across, rtol=0, atol=1e-9)
 
 
-def test_the_weight_of_the_form_falls_from_one_to_nothing_between_two_distances():
-    """Linearly in ``ln q``: a half at the geometric mean of both ends, times the trust of each."""
-    ends = np.array([NEAR / 2, NEAR, np.sqrt(NEAR * FAR), FAR, 2 * FAR])
+def test_the_weight_of_the_form_falls_from_one_to_nothing():
+    """A half at the distance ``MIDDLE``, the same share of it at a multiple of it; times both trusts."""
+    ends = MIDDLE * np.array([0.0, 1 / 3, 1.0, 3.0, 1e9])
     one = Nearness(np.zeros((AXES, ends.size)), np.zeros((ENTRIES, ends.size)), np.full(ends.size, 0.5))
     place = one.place.copy()
     place[0] = np.sqrt(ends)  # so that q, with a unit matrix, is this distance
     rho = np.full(ends.size, 0.4)
-    mixed, share, _ = with_nearness(rho, one, one._replace(place=place, trust=2 * one.trust), 0.0)
-    np.testing.assert_allclose(share, [0.5, 0.5, 0.25, 0.0, 0.0], rtol=0, atol=1e-14)
-    np.testing.assert_array_equal(mixed[share == 0], 0.4)
+    other = one._replace(place=place, trust=2 * one.trust)
+    with np.errstate(divide="ignore"):  # ln q of equal structures
+        mixed, share, _ = with_nearness(rho, one, other, 0.0)
+    np.testing.assert_allclose(share, [0.0, 0.45, 0.25, 0.05, 0.0], rtol=0, atol=1e-14)
+    np.testing.assert_allclose(mixed[[0, -1]], 0.4, rtol=0, atol=1e-14)
+
+
+def test_a_share_rises_smoothly():
+    share = np.linspace(-0.5, 1.5, 2001)
+    rise = eased(share)
+    assert rise[share <= 0].max() == 0
+    assert rise[share >= 1].min() == rise[share == 0.5] * 2 == 1
+    assert np.abs(np.diff(rise, 2)).max() < 7 * (share[1] - share[0]) ** 2  # 6 by its second derivative

@@ -65,8 +65,14 @@ def test_correlation_is_a_projection_and_what_is_left_of_it(seed, references, ra
     # The same by partial correlations with the references, which have a share of their own.
     blurred = [(1 - OWN) * matrix[2:, 2:] + OWN * np.eye(references) for matrix in (derived, simulated)]
 
+    # Where a correction is large, the simulated signature is shortened, as another test says.
+    shorter = [
+        np.linalg.norm(told.known) / np.linalg.norm(k) for told, k in zip(insights, known, strict=True)
+    ]
+
     def explained(matrix, gram, i, j):
-        return (1 - OWN) * matrix[i, 2:] @ np.linalg.solve(gram, matrix[j, 2:])
+        scale = shorter[i] * shorter[j] if matrix is simulated else 1.0
+        return scale * (1 - OWN) * matrix[i, 2:] @ np.linalg.solve(gram, matrix[j, 2:])
 
     left_derived, left = (
         [1 + LEFT - explained(matrix, gram, n, n) for n in (0, 1)]
@@ -97,6 +103,19 @@ def test_equal_structures_move_as_one_however_they_are_corrected():
     np.testing.assert_allclose(informed_correlation(np.ones(50), told, told), 1, atol=1e-12)
 
 
+def test_signatures_are_shortened_smoothly_to_length_one():
+    """By less than a thousandth where they are shorter than 0.9, and without a kink beyond."""
+    own = np.zeros((1, 2001))
+    correction = np.linspace(0.0, 2.0, own.size)[None]
+    known = insight(own, correction).known[0]
+    assert (known <= 1).all()
+    assert (np.diff(known) > 0).all()
+    short = correction[0] < 0.9
+    np.testing.assert_allclose(known[short], correction[0, short], rtol=0.04)
+    slope = np.gradient(known, correction[0])
+    assert np.abs(np.diff(slope)).max() < 0.02  # a limit without rounding has a step of 1
+
+
 def test_unknown_signatures_leave_the_derived_correlation():
     nothing = np.full((3, 1), np.nan)
     unknown = Insight(nothing, nothing, nothing[0])
@@ -123,7 +142,8 @@ def test_shipped_signatures_are_those_simulated_anew(monkeypatch):
     monkeypatch.setattr(rare_yielding, "MOST_STEPS", np.inf)  # as its main function does
     point = {"elastic_ductility_std": 2.0, "hardening": 0.2, "ground_damping": 0.17}
     result = module.part(*point.values(), seed=2)
-    shipped = drift_map().signature_correction.sel(point)
+    corrections = drift_map().signature_correction.rename(signature_strength="elastic_ductility_std")
+    shipped = corrections.sel(point)
     periods, dampings = shipped.signature_period.values[::7], [0.02, 0.1]
     structure, ground = module.grid(periods, dampings)
     ground = sl.KanaiTajimi(1.0, point["ground_damping"])

@@ -29,7 +29,7 @@ import xarray as xr
 from stochlin.analyses.linearization.bias_map import KNOWN_GROUNDS, between_points, point_of
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array, in_one_shape
-from stochlin.kernels.basics.interpolation import Grid
+from stochlin.kernels.basics.interpolation import Grid, interpolate_smoothly
 from stochlin.models.grounds import CloughPenzien, Ground, WhiteNoise
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
@@ -160,11 +160,12 @@ def hold_at_ends(name: str, point: Sequence[Cells]) -> tuple[Cells, ...]:
 
     Outside the map they are those at its boundary. There is one array for each entry of the variable.
     """
-    return cellwise(_held, *point, name=name, kinds=(float,) * len(_grids(name)))
+    return cellwise(_held, *point, name=name, kinds=(float,) * _grid(name).sizes[-1])
 
 
 @cache
-def _grids(name: str) -> tuple[Grid, ...]:
+def _grid(name: str) -> Grid:
+    """The map of a variable, with a column for each of its entries."""
     whole = drift_map()[name]
     if name == DISPLACEMENT:
         whole = _refined(whole, drift_map()[REFINEMENT])
@@ -176,51 +177,56 @@ def _grids(name: str) -> tuple[Grid, ...]:
             whole = xr.concat(order, dim).transpose(*whole.dims)
     axes = [np.log(whole[dim].values.astype(float)) for dim in whole.dims if dim not in COLUMNS]
     columns = whole.values if whole.dims[-1] in COLUMNS else whole.values[..., None]
-    return tuple(Grid.of(axes, column) for column in np.moveaxis(columns, -1, 0))
+    return Grid.of(axes, columns)
 
 
 def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
     """One map over the points of the coarse map and of the refinement.
 
-    The coarse map is interpolated to all points, and the refinement is added at its own points.
+    Both are interpolated to all points and added. The refinement is 0 outside its own points.
     """
-    inner, outer = (
-        [array[dim].values.round(12) for dim in array.dims] for array in (refinement, coarse)
-    )
-    points = [np.union1d(axis, finer) for axis, finer in zip(outer, inner, strict=True)]
-    logarithms = [np.log(axis.astype(float)) for axis in outer]
-    whole = [array.ravel() for array in np.meshgrid(*map(np.log, points), indexing="ij")]
-    values = between_points(Grid.of(logarithms, coarse.values), whole)
-    values = values.reshape([axis.size for axis in points])
-    values[np.ix_(*map(np.searchsorted, points, inner))] += refinement.values
+    parts = [[array[dim].values.round(12) for dim in array.dims] for array in (coarse, refinement)]
+    points = [np.union1d(*axes) for axes in zip(*parts, strict=True)]
+    place = np.array(np.meshgrid(*map(np.log, points), indexing="ij"))
+    values = np.zeros(place.shape[1:])
+    for array, axes in zip((coarse, refinement), parts, strict=True):
+        grid = Grid.of([np.log(axis) for axis in axes], array.values[..., None])
+        values += np.nan_to_num(smoothly_between(grid, place)[0])
     return xr.DataArray(values, dims=coarse.dims, coords=dict(zip(coarse.dims, points, strict=True)))
 
 
 @np.errstate(divide="ignore", invalid="ignore")  # R/p of elastic structures is 0; failed cells are NaN
 def _held(*point: Array, name: str) -> Array | tuple[Array, ...]:
-    grids = _grids(name)
-    inside = _inside(grids[0], point)
-    values = tuple(between_points(grid, inside) for grid in grids)
-    return values if len(values) > 1 else values[0]
+    grid = _grid(name)
+    values = smoothly_between(grid, _inside(grid, point))
+    return tuple(values) if len(values) > 1 else values[0]
 
 
 @np.errstate(divide="ignore", invalid="ignore")
 def _held_with_spread(*point: Array, name: str) -> tuple[Array, Array]:
     """The interpolated values, and the standard deviations of the points around each place.
 
-    The standard deviations have the weights of the interpolation.
+    The standard deviations have the weights of linear interpolation.
     """
-    (grid,) = _grids(name)
+    grid = _grid(name)
     inside = _inside(grid, point)
-    value = between_points(grid, inside)
+    mean = between_points(grid, inside)
     square = between_points(grid._replace(values=grid.values**2), inside)
-    return value, np.sqrt(np.maximum(square - value**2, 0))
+    return smoothly_between(grid, inside)[0], np.sqrt(np.maximum(square - mean**2, 0))
+
+
+def smoothly_between(grid: Grid, place: Array) -> Array:
+    """Smoothly interpolated values of each column of a map, at ``place`` with a row for each axis."""
+    points = np.ascontiguousarray(place.reshape(len(place), -1))
+    out = np.empty((points.shape[1], grid.sizes[-1]))
+    interpolate_smoothly(*grid, points, out)
+    return np.moveaxis(out, -1, 0).reshape(-1, *place.shape[1:])
 
 
 def _inside(grid: Grid, point: tuple[Array, ...]) -> Array:
     """Logarithms of the parameters, moved to the boundary where they are outside the map."""
     place = np.log(np.array(in_one_shape(*point)))
-    ends = zip(grid.axes, grid.sizes, strict=True)
+    ends = zip(grid.axes, grid.sizes, strict=False)
     for row, (axis, size) in enumerate(ends):
         place[row] = np.clip(place[row], axis[0], axis[size - 1])
     return place

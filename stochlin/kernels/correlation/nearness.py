@@ -19,7 +19,7 @@ AXES = 4  # period, strength, hardening, damping
 PAIRS = tuple((i, j) for i in range(AXES) for j in range(i))
 ENTRIES = AXES + len(PAIRS)  # of a symmetric matrix over these axes
 LEAST = 1e-3  # smallest eigenvalue of the correlations, to which smaller ones are raised
-NEAR, FAR = 0.3, 1.5  # q up to which the weight w of eq. (13) is 1, and from which it is 0
+MIDDLE = 2 / 3  # q at which the weight w of eq. (13) is a half
 WEIGHT = 0.5  # weight of eq. (12) beside eq. (11), whose errors are equal and independent
 SAFE = 0.12  # margin on ln(1 - rho), up to twice this for structures independent of the references
 
@@ -68,13 +68,19 @@ def with_nearness(
     of both structures that is independent of the references, ``f`` in eq. (13).
     """
     form: Array = (_form(first, second, first) + _form(first, second, second)) / 2
-    share = np.clip(np.log(FAR / form) / np.log(FAR / NEAR), 0, 1) * first.trust * second.trust
+    share = first.trust * second.trust / (1 + (form / MIDDLE) ** 2)
     left = 1 - rho
     apart = np.log(form / (1 + form) / left)
     known = np.isfinite(apart) & (share > 0)
     share, apart = np.where(known, share, 0.0), np.where(known, apart, 0.0)
     mixed = 1 - left * np.exp(share * (WEIGHT * apart + SAFE * (1 + unseen)))
     return np.where(known, mixed, rho), share, share * apart
+
+
+def eased(share: Array) -> Array:
+    """A share that rises smoothly from 0 to 1 where ``share`` does; 0 or 1 beyond."""
+    share = np.clip(share, 0, 1)
+    return share * share * (3 - 2 * share)
 
 
 def _form(first: Nearness, second: Nearness, reference: Nearness) -> Array:

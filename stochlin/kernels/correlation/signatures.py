@@ -17,6 +17,7 @@ from stochlin.kernels.basics.arrays import Array
 
 OWN = 0.01  # share of the unit matrix in the correlations of references, against ill-conditioning
 LEFT = 1e-3  # added to the variance that is independent of the references, against division by zero
+BLUR = 0.1  # share of the square of a correction, over which the limit of eq. (10) is rounded
 
 
 class Insight(NamedTuple):
@@ -46,7 +47,8 @@ def insight(derived: Array, correction: Array) -> Insight:
     """The `Insight` of structures from their derived signatures (k, n) and the corrections, eq. (10)."""
     known = derived + correction
     # A signature has a length of at most 1, since it is the projection of a unit vector.
-    known = known / np.maximum(np.sqrt((known**2).sum(axis=0)), 1.0)
+    square, blur = (known**2).sum(axis=0), BLUR * (correction**2).sum(axis=0)
+    known = known / np.sqrt((square + 1 + np.hypot(square - 1, 2 * blur)) / 2)
     unseen = np.sqrt((_left(known) + LEFT) / (_left(derived) + LEFT))
     return Insight(known, unseen * derived, unseen)
 

@@ -31,7 +31,7 @@ from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, is_labelled
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness
+from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness, eased
 from stochlin.kernels.correlation.signatures import OWN, Insight, insight, signature
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
@@ -162,7 +162,7 @@ def _nearness(*arrays: Array) -> tuple[Array, ...]:
     place = [np.log(value) for value in arrays[:AXES]]
     least, most = KNOWN_NEARNESS
     trust = np.log(strength / ELASTIC) / np.log(least / ELASTIC)
-    trust = np.clip(trust, 0, 1) * np.clip(np.log(hardening) / np.log(most), 0, 1)
+    trust = eased(trust) * eased(np.log(hardening) / np.log(most))
     return tuple(np.broadcast_arrays(*place, *arrays[AXES:], trust))
 
 

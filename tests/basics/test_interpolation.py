@@ -1,0 +1,47 @@
+"""Smooth interpolation on a grid: scipy's Hermite splines axis by axis, and slopes without steps."""
+
+import numpy as np
+import pytest
+import scipy.interpolate
+
+from stochlin.kernels.basics.interpolation import Grid, interpolate_smoothly
+
+pytestmark = pytest.mark.oracle
+
+
+def interpolated(axes, values, points):
+    out = np.empty((points.shape[1], values.shape[-1]))
+    interpolate_smoothly(*Grid.of(axes, values), np.ascontiguousarray(points), out)
+    return out
+
+
+def by_splines(axes, values, point):
+    """A spline with the slopes of parabolas, 0 at its ends, reduces one axis after the other."""
+    for axis, x in zip(axes, point, strict=True):
+        slopes = np.zeros_like(values)
+        if axis.size > 2:
+            slopes[1:-1] = np.gradient(values, axis, axis=0)[1:-1]
+        values = scipy.interpolate.CubicHermiteSpline(axis, values, slopes)(x)
+    return values
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 3, 5])
+def test_interpolation_is_by_splines_along_each_axis(dimensions):
+    rng = np.random.default_rng(dimensions)
+    axes = [np.cumsum(rng.uniform(0.1, 1, 2 + rng.integers(0, 4))) for _ in range(dimensions)]
+    values = rng.standard_normal([*(axis.size for axis in axes), 3])
+    points = np.array([rng.uniform(axis[0], axis[-1], 60) for axis in axes])
+    points[:, :20] = np.array([rng.choice(axis, 20) for axis in axes])
+    points[0, 10:20] = rng.uniform(axes[0][0], axes[0][-1], 10)
+    expected = [by_splines(axes, values, point) for point in points.T]
+    np.testing.assert_allclose(interpolated(axes, values, points), expected, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, -0.1, 2.1])
+def test_points_outside_are_nan_and_spoil_no_others(wrong):
+    axes = [np.array([0.0, 0.5, 2.0])] * 3
+    points = np.full((3, 4), 0.7)
+    points[1, 2] = wrong
+    out = interpolated(axes, np.ones((3, 3, 3, 2)), points)
+    assert np.isnan(out[2]).all()
+    np.testing.assert_allclose(np.delete(out, 2, axis=0), 1, rtol=0, atol=1e-14)
