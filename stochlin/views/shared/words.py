@@ -9,6 +9,7 @@ import numpy as np
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.models.buildings import ModalBuilding, ShearBuilding
+from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.views.shared.blocks import Text, ViewSection
 
@@ -29,7 +30,7 @@ LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
 SHORT = 0.5  # m: lengths below, such as drifts, are in cm
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 CAPITALS = {
-    **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb", "cqc")},
+    **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb", "cqc", "tbdy", "ntc")},
     "e030": "E.030",
     "paper": "as in Valles-Mattox and Reinhorn (1996)",
 }
@@ -96,7 +97,7 @@ def per_cent(share: float, digits: int = 0, sign: str = "") -> str:
 def rule_label(rule: str) -> str:
     """Name of a rule for a reader, ``eq. (3), Iwan (1980)``; of one without a title by its own name."""
     stem = rule.removeprefix("eq_3_")
-    known = EFFECTIVE_RULES.get(stem)
+    known = EFFECTIVE_RULES.get(stem) or CODE_RULES.get(stem)
     words = [w if w in COMMON else CAPITALS.get(w, w.title()) for w in stem.split("_")]
     name = known.published_name() if known and known.title else " ".join(words)
     return name if stem == rule else f"eq. (3), {name}"

@@ -78,7 +78,9 @@ class Italy2018(Italy):
     countries = ("Italy",)
 
 
-@published(CODE_RULES, "iran_2800", "Standard 2800, Iran, fourth edition", "M high", 19)
+@published(
+    CODE_RULES, "iran_2800", "Standard 2800, Iran, fourth edition", "M high", 19, "Standard 2800 of Iran"
+)
 class Iran(CodeRule):
     """Standard 2800: from the boundary 0.005 of the height, or the displacement if that is larger.
 
@@ -108,7 +110,7 @@ class Iran(CodeRule):
         return np.maximum(0.005 * site.height_1, displaced * site.peak_1)
 
 
-@published(CODE_RULES, "nsr_10", "NSR-10, Colombia, A.6.5.2", "S", 20)
+@published(CODE_RULES, "nsr_10", "NSR-10, Colombia, A.6.5.2", "S", 20, "NSR-10")
 class Colombia(CodeRule):
     """NSR-10: a new building keeps a share of its height from its boundary, by table A.6.5-1.
 

@@ -294,7 +294,7 @@ class China(Numbered):
         return 0.1 + 0.02 * beyond / self.step + 0 * site.total
 
 
-@published(CODE_RULES, "nzs_1170_5", "NZS 1170.5:2004, New Zealand, 7.4.1", "M", 21)
+@published(CODE_RULES, "nzs_1170_5", "NZS 1170.5:2004, New Zealand, 7.4.1", "M", 21, "NZS 1170.5")
 class NewZealand(CodeRule):
     """NZS 1170.5: a building stays on its side of the boundary, and does not touch others of its site.
 
