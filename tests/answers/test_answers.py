@@ -116,7 +116,7 @@ def test_every_case_says_why_it_is_kept_and_why_its_tolerance_is_what_it_is() ->
     assert len(CASES) >= 30
     files = [path for path in HERE.rglob("*") if EXPECTED in path.parts and path.is_file()]
     kept = sum(path.stat().st_size for path in files)
-    assert kept < 1.24e6  # bytes
+    assert kept < 1.26e6  # bytes
 
 
 # --- The comparison itself, and its rewriting ---

@@ -440,7 +440,7 @@ def test_rules_of_a_kind_share_a_line_until_each_is_to_have_its_own(simulated):
     for below in (None, tables["gaps"]):
         few, every = (charts.gaps_figure(table, None, below, each) for each in (False, True))
         lines, all_lines = (len(figure["layout"]["yaxis"]["categoryarray"]) for figure in (few, every))
-        assert lines <= 7 < all_lines
+        assert lines <= 8 < all_lines
         of_codes = few["data"][-1]
         assert len(set(of_codes["y"])) == 1
         assert "SRSS" in of_codes["hovertext"]

@@ -319,7 +319,7 @@ def test_simulation_is_drawn_when_it_is_asked_for_and_forgotten_when_it_is_old(p
     assert page.script(curves) == 4
     assert "Simulated:" in page.text("panel=gaps")
     lines = "return document.querySelectorAll('[data-panel=gaps] .ytick text').length"
-    assert page.script(lines) == 7
+    assert page.script(lines) == 8
     page.click("every")
     wait(lambda: page.script(lines) > 30)
     page.enter("separation.existing", "9")
