@@ -63,7 +63,7 @@ def frame(storeys, period):
 
 
 ground = sl.named_ground("firm", intensity=0.012)
-motion = {"duration": 20.0, "envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 1024}
+motion = {"duration": 20.0, "envelope": sl.AminAng(4.0, 15.0, 0.35), "paths": 256}
 pairs = {
     "10 storeys, 0.9 s, beside a frame of 5, 0.5 s": (10, 0.9, frame(5, 0.5)),
     "5 storeys, 0.45 s, beside a frame of 10, 1 s": (5, 0.45, frame(10, 1.0)),

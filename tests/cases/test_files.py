@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from cases import blocks_to_uncomment, recorded_example, uncommented
 from hypothesis import given
 from hypothesis import strategies as st
@@ -560,7 +561,8 @@ def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     sites = {"height_1": 24.0, "height_2": 15.0, "storeys_1": 8, "storeys_2": 5, "zone": "II"}
     sites |= dict.fromkeys(("floors_align", "same_property", "same_system"), True)
     expected = sl.separation(*pair, ground, 20.0, **motion, **sites, records={"wave.txt": record})
-    assert answer.separation.equals(expected)
+    # Sums over modes are rounded otherwise by the oldest libraries.
+    xr.testing.assert_allclose(answer.separation, expected, rtol=1e-13, atol=1e-15)
     assert answer.existing is not None
     assert answer.existing.equals(sl.existing_gap(*pair, ground, 20.0, 0.05, **motion))
     np.testing.assert_allclose(
