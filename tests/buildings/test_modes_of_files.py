@@ -25,9 +25,10 @@ def modes_of(building: sl.ShearBuilding) -> tuple[np.ndarray, np.ndarray]:
     """Periods and shapes (modes, floors) from the eigenvalues of its matrices, by numpy alone."""
     k, m = np.append(np.asarray(building.stiffnesses), 0.0), np.asarray(building.masses)
     stiffness = np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1)
-    squares, vectors = np.linalg.eig(stiffness / m[:, None])
-    order = np.argsort(squares)
-    return 2 * np.pi / np.sqrt(squares[order]), vectors.T[order]
+    root = np.sqrt(m)
+    squares, vectors = np.linalg.eigh(stiffness / np.outer(root, root))
+    shapes = vectors.T / root
+    return 2 * np.pi / np.sqrt(squares), shapes / np.linalg.norm(shapes, axis=1, keepdims=True)
 
 
 def plain_text(separator: str = ",", comma: bool = False) -> str:

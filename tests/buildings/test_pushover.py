@@ -290,9 +290,10 @@ def first_mode() -> tuple[np.ndarray, float]:
     """Shape with 1 at the roof and circular frequency, by numpy."""
     drifts = np.eye(4) - np.eye(4, k=-1)
     matrix = drifts.T @ np.diag(STIFFNESSES) @ drifts
-    squares, shapes = np.linalg.eig(matrix / MASSES[:, None])
-    n = int(np.argmin(squares))
-    return shapes[:, n] / shapes[-1, n], float(np.sqrt(squares[n]))
+    root = np.sqrt(MASSES)
+    squares, vectors = np.linalg.eigh(matrix / np.outer(root, root))
+    shape = vectors[:, 0] / root
+    return shape / shape[-1], float(np.sqrt(squares[0]))
 
 
 SHAPE, OMEGA = first_mode()

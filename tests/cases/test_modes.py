@@ -60,9 +60,10 @@ def eigen() -> tuple[np.ndarray, np.ndarray]:
     """Periods and shapes (modes, floors) of the storeys, by numpy alone."""
     k = np.append(STIFFNESSES, 0.0)
     matrix = np.diag(k[:-1] + k[1:]) - np.diag(k[1:-1], 1) - np.diag(k[1:-1], -1)
-    squares, vectors = np.linalg.eig(matrix / np.array(MASSES)[:, None])
-    order = np.argsort(squares)
-    return 2 * np.pi / np.sqrt(squares[order]), vectors.T[order]
+    root = np.sqrt(MASSES)
+    squares, vectors = np.linalg.eigh(matrix / np.outer(root, root))
+    shapes = vectors.T / root
+    return 2 * np.pi / np.sqrt(squares), shapes / np.linalg.norm(shapes, axis=1, keepdims=True)
 
 
 def tower() -> str:
