@@ -1,1 +1,1 @@
-"""Buildings as other programs print them: tables of modes."""
+"""Buildings as other programs print them: tables of modes and pushover curves."""

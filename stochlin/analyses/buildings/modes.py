@@ -10,7 +10,7 @@ from typing import Annotated
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.buildings.mode_files.base import MODE_FILES, Asked, ModesOfFile
+from stochlin.analyses.buildings.mode_files.base import MODE_FILES, AskedModes, ModesOfFile
 from stochlin.analyses.buildings.sheets import sheets_of
 from stochlin.analyses.buildings.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -18,6 +18,7 @@ from stochlin.analyses.tables.inputs import input_path
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import OneOf, checked
 from stochlin.models.buildings.base import FLOOR, MODE
+from stochlin.models.buildings.modal import effective_masses_of
 
 DIRECTIONS = ("UX", "UY", "UZ")
 
@@ -90,7 +91,7 @@ def read_modes(
     """
     path = input_path("path", path)
     _check_texts(points, mass_units=mass_units, length_units=length_units)
-    name, asked = plain(path.name), Asked(direction, tuple(points), mass_units, length_units)
+    name, asked = plain(path.name), AskedModes(direction, tuple(points), mass_units, length_units)
     sheets = [sheet for sheet in sheets_of(path) if sheet]
     kind = next((kind for kind in MODE_FILES.values() if kind.recognizes(sheets)), None)
     if kind is None:
@@ -148,9 +149,9 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
 
 def _doubt_order(table: xr.Dataset, name: str) -> None:
     """Warn if the leading mode moves most below, as if the floors were upside down."""
-    shapes, masses = table["shape"].values, table["mass"].values
-    own = (shapes @ masses) ** 2 / (shapes**2 @ masses)
-    leading = np.abs(shapes[np.argmax(table["modal_mass"].values if "modal_mass" in table else own)])
+    shapes, known = table["shape"].values, table.get("modal_mass")
+    own = effective_masses_of(shapes, table["mass"].values) if known is None else known.values
+    leading = np.abs(shapes[np.argmax(own)])
     if leading[0] > leading[-1]:
         warnings.warn(
             f"{name}: the leading mode moves {leading[0]:g} at the lowest floor and {leading[-1]:g} at "

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.buildings.pushover import CURVE, DISPLACEMENT, check_curve
-from stochlin.analyses.buildings.sheets import Row, number_in, sheets_of, with_unit
+from stochlin.analyses.buildings.sheets import SheetRow, number_in, sheets_of, with_unit
 from stochlin.analyses.buildings.units import size_stated
 from stochlin.analyses.buildings.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -113,24 +113,24 @@ def read_pushover(
     )
 
 
-def _fields(row: Row) -> Row:
+def _fields(row: SheetRow) -> SheetRow:
     """The line with its numbers apart, where only spaces are between them."""
     apart = row.cells[0].split()
     alone = len(row.cells) == 1 and all(number_in(field) is not None for field in apart)
     return row._replace(cells=tuple(apart)) if alone else row
 
 
-def _is_of_numbers(row: Row) -> bool:
+def _is_of_numbers(row: SheetRow) -> bool:
     return sum(number_in(cell, not row.has_comma) is not None for cell in row.cells) > 1
 
 
-def _known_titles(row: Row) -> int:
+def _known_titles(row: SheetRow) -> int:
     """How many columns are known by the titles in a line."""
     known = "|".join(pattern for pattern, _ in TITLES.values())
     return sum(re.search(known, cell, re.IGNORECASE) is not None for cell in row.cells)
 
 
-def _column(what: str, asked: int | str | None, titles: Row | None, first: Row) -> int:
+def _column(what: str, asked: int | str | None, titles: SheetRow | None, first: SheetRow) -> int:
     """Index of the column of displacements or forces."""
     names = [] if titles is None else [with_unit(cell)[0] for cell in titles.cells]
     parameter, width = f"{what}_column", max(len(first.cells), len(names))
@@ -149,7 +149,7 @@ def _column(what: str, asked: int | str | None, titles: Row | None, first: Row) 
     raise ValueError(f"{parameter} = {brief(asked)} is not in {first.where}; allowed: {known}")
 
 
-def _size(quantity: str, column: int, above: Sequence[Row], asked: object, name: str) -> float:
+def _size(quantity: str, column: int, above: Sequence[SheetRow], asked: object, name: str) -> float:
     """The unit of a column in SI, from its title, from the line below the titles, or as asked for."""
     if not isinstance(asked, str | None):
         raise TypeError(f"{quantity}_units = {brief(asked)}; allowed: a text, such as 'mm' or 'kN'")

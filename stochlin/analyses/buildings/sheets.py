@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from stochlin.analyses.tables.inputs import MOST_LINES, read_input, read_text
+from stochlin.analyses.tables.optional import needed
 from stochlin.messages import brief, plain, sentence
 from stochlin.models.parameters import Range
 
@@ -19,7 +20,7 @@ _SAMPLE = 50  # lines in which the separator is looked for
 _UNIT = re.compile(r"\s*(.*?)\s*[(\[](.*)[)\]]\s*")
 
 
-class Row(NamedTuple):
+class SheetRow(NamedTuple):
     """One line of a file with its cells; columns are counted from 0 here and from 1 in messages."""
 
     where: str  # file, sheet and line
@@ -49,7 +50,7 @@ class Row(NamedTuple):
         return value
 
 
-Sheet = Sequence[Row]
+Sheet = Sequence[SheetRow]
 """The lines of a text, or of one sheet of a workbook, that are not empty."""
 
 
@@ -88,13 +89,9 @@ def _text(path: Path, name: str) -> Sheet:
 
 
 def _workbook(path: Path, name: str) -> list[Sheet]:
-    try:
-        import openpyxl
-    except ImportError as error:
-        raise ImportError(
-            f"{name} is a workbook, which needs openpyxl: pip install 'stochlin[tables]'; or save its "
-            "tables as one .csv file"
-        ) from error
+    openpyxl = needed(
+        "openpyxl", f"{name} is a workbook, which", "tables", "save its tables as one .csv file"
+    )
     try:
         book = openpyxl.load_workbook(path, read_only=True, data_only=True)
     except Exception as error:  # of any library within: zip, XML
@@ -122,5 +119,5 @@ def _filled(rows: Iterable[list[str]], where: str, has_comma: bool = False) -> S
         while stripped and not stripped[-1]:
             stripped.pop()
         if stripped:
-            filled.append(Row(f"{where}, line {line}", tuple(stripped), has_comma))
+            filled.append(SheetRow(f"{where}, line {line}", tuple(stripped), has_comma))
     return filled

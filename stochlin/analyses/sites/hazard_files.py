@@ -18,7 +18,7 @@ from stochlin.analyses.records.files import (
 from stochlin.analyses.records.formats import Series
 from stochlin.analyses.sites.hazard_formats import (
     HAZARD_FORMATS,
-    Asked,
+    AskedHazard,
     HazardFormat,
     Ordinate,
     Site,
@@ -108,7 +108,7 @@ def read_hazard(
         raise ValueError(
             f"investigation_time = {brief(investigation_time)}; allowed: a positive number of years"
         )
-    asked = Asked(site, investigation_time)
+    asked = AskedHazard(site, investigation_time)
     read = [_ordinates(file, asked) for file in paths]
     if len(read) == 1 and read[0] is None:
         return _of_columns(paths[0], of, units, asked)
@@ -121,7 +121,7 @@ def read_hazard(
     return _of_ordinates(ordinates, names, of, units)
 
 
-def _ordinates(path: Path, asked: Asked) -> list[Ordinate] | None:
+def _ordinates(path: Path, asked: AskedHazard) -> list[Ordinate] | None:
     """The hazard curves of a file of a registered format; None for columns of text."""
     text = read_text(path).replace("\r\n", "\n")
     known = (of for of in HAZARD_FORMATS.values() if of.start.match(text))
@@ -129,7 +129,7 @@ def _ordinates(path: Path, asked: Asked) -> list[Ordinate] | None:
     return None if of is None else of.read(plain(path.name), text, asked)
 
 
-def _of_columns(path: Path, of: Hazard, units: str | None, asked: Asked) -> HazardCurve:
+def _of_columns(path: Path, of: Hazard, units: str | None, asked: AskedHazard) -> HazardCurve:
     of_s0, name = of.measure == "intensity", plain(path.name)
     refuse(name, "a file of one site", {"site": asked.site})
     if of_s0 and units is not None:

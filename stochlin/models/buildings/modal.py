@@ -310,9 +310,7 @@ class ModalBuilding(MultistoreyBuilding):
         if self.modal_masses is not None:
             given: Array = self.arrays()["modal_masses"].to_numpy()
             return given
-        shapes, masses = self._shapes_and_masses
-        shared: Array = (shapes @ masses) ** 2 / (shapes**2 @ masses)
-        return shared
+        return effective_masses_of(*self._shapes_and_masses)
 
     def factors(self) -> Array:
         """Participation factor of each mode for ground motion along the gap [-], (modes,)."""
@@ -488,11 +486,17 @@ def _table(label: str, value: Any) -> xr.DataArray:
     return xr.DataArray(array, dims=(MODE, FLOOR))
 
 
+def effective_masses_of(shapes: Array, masses: Array) -> Array:
+    """Effective modal masses [kg] of shapes (modes, floors) that describe the whole motion."""
+    effective: Array = (shapes @ masses) ** 2 / (shapes**2 @ masses)
+    return effective
+
+
 def _give(shapes: Array, masses: Array, modal_masses: Array) -> bool:
     """Whether shapes are orthogonal with the masses, and have these effective modal masses [kg]."""
     if (_shared(shapes, masses) > ORTHOGONAL).any():
         return False
-    own = (shapes @ masses) ** 2 / (shapes**2 @ masses)
+    own = effective_masses_of(shapes, masses)
     return bool((np.abs(own - modal_masses) <= ORTHOGONAL * masses.sum()).all())
 
 

@@ -13,7 +13,7 @@ from stochlin.registry import Registry
 LEAST_SHARE = 0.001  # of the mass; programs print ratios to four digits, and less is left out
 
 
-class Asked(NamedTuple):
+class AskedModes(NamedTuple):
     """What the caller says of a file that has several directions or points, or states no units."""
 
     direction: str | None = None  # "UX", "UY" or "UZ"
@@ -43,7 +43,7 @@ class ModeFile(ABC):
     """A format of files with modes."""
 
     header: ClassVar[str]  # how a file of this format begins, for messages
-    takes: ClassVar[Sequence[str]]  # the arguments of `Asked` that have a meaning for it
+    takes: ClassVar[Sequence[str]]  # the arguments of `AskedModes` that have a meaning for it
 
     @staticmethod
     @abstractmethod
@@ -52,7 +52,7 @@ class ModeFile(ABC):
 
     @staticmethod
     @abstractmethod
-    def read(sheets: Sequence[Sheet], asked: Asked) -> ModesOfFile:
+    def read(sheets: Sequence[Sheet], asked: AskedModes) -> ModesOfFile:
         """The modes in the sheets; a ValueError names line and column of what does not fit."""
 
 
@@ -61,7 +61,7 @@ MODE_FILES: Registry[type[ModeFile]] = Registry(
 )
 
 
-def chosen_direction(asked: Asked, known: Mapping[str, object], where: str) -> str:
+def chosen_direction(asked: AskedModes, known: Mapping[str, object], where: str) -> str:
     """The direction that is asked for, or the only one; a ValueError if it is not in the file."""
     if asked.direction is None and len(known) == 1:
         return next(iter(known))

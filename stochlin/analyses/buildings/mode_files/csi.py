@@ -10,7 +10,7 @@ import numpy as np
 from stochlin.analyses.buildings.mode_files.base import (
     LEAST_SHARE,
     MODE_FILES,
-    Asked,
+    AskedModes,
     ModeFile,
     ModesOfFile,
     chosen_direction,
@@ -22,7 +22,7 @@ from stochlin.analyses.buildings.mode_files.csi_tables import (
     spelled,
     tables_in,
 )
-from stochlin.analyses.buildings.sheets import Row, Sheet
+from stochlin.analyses.buildings.sheets import Sheet, SheetRow
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
 from stochlin.models.buildings.modal import ANY
@@ -68,7 +68,7 @@ class CsiModes(ModeFile):
     """
 
     header: ClassVar[str] = f"a line 'TABLE:  {RATIOS}' of ETABS or SAP2000"
-    takes: ClassVar[Sequence[str]] = Asked._fields
+    takes: ClassVar[Sequence[str]] = AskedModes._fields
 
     @staticmethod
     def recognizes(sheets: Sequence[Sheet]) -> bool:
@@ -76,7 +76,7 @@ class CsiModes(ModeFile):
         return any(TITLE.match(row.cell(0)) for sheet in sheets for row in sheet)
 
     @staticmethod
-    def read(sheets: Sequence[Sheet], asked: Asked) -> ModesOfFile:
+    def read(sheets: Sequence[Sheet], asked: AskedModes) -> ModesOfFile:
         """The modes of all tables together."""
         tables = tables_in(sheets)
         ratios = needed_table(tables, RATIOS)
@@ -128,7 +128,7 @@ def _only_case(ratios: CsiTable) -> str:
     return first
 
 
-def _whole(row: Row, column: int) -> int:
+def _whole(row: SheetRow, column: int) -> int:
     """The number of a mode."""
     value = row.number(column, "mode number", POSITIVE)
     if value != round(value):
@@ -138,8 +138,8 @@ def _whole(row: Row, column: int) -> int:
 
 def _displacements(
     table: CsiTable, axis: str, case: str, moving: Sequence[int], points: Sequence[str]
-) -> Iterator[tuple[Row, int, float]]:
-    """Row, mode and displacement of the modal case, of the named points if there are any."""
+) -> Iterator[tuple[SheetRow, int, float]]:
+    """SheetRow, mode and displacement of the modal case, of the named points if there are any."""
     names = [
         n for n in (table.column(t, needed=False) for t in ("Label", "Unique Name", "Joint")) if n >= 0
     ]
@@ -166,7 +166,7 @@ def _by_floor(
 
 
 def _of_stories(
-    tables: dict[str, CsiTable], asked: Asked, axis: str, case: str, moving: Sequence[int]
+    tables: dict[str, CsiTable], asked: AskedModes, axis: str, case: str, moving: Sequence[int]
 ) -> Floors:
     """The floors of ETABS, with the shapes of centres of mass or of named joints."""
     stories, levels = _levels(needed_table(tables, *HEIGHTS), asked)
@@ -204,7 +204,7 @@ def _of_each_story(
     return _by_floor(table, stories, found, moving)
 
 
-def _levels(table: CsiTable, asked: Asked) -> tuple[list[str], Array]:
+def _levels(table: CsiTable, asked: AskedModes) -> tuple[list[str], Array]:
     """Names of the stories and their levels above the base [m]; stories come from the roof down."""
     name, height = table.column("Story", "Name"), table.column("Height")
     size = table.size("length", height, asked.length_units)
@@ -214,7 +214,7 @@ def _levels(table: CsiTable, asked: Asked) -> tuple[list[str], Array]:
 
 
 def _of_joints(
-    tables: dict[str, CsiTable], asked: Asked, axis: str, case: str, moving: Sequence[int]
+    tables: dict[str, CsiTable], asked: AskedModes, axis: str, case: str, moving: Sequence[int]
 ) -> Floors:
     """The floors of SAP2000: the levels of the joints that have displacements, or of the named ones."""
     own, moves = f"U{'XY'.index(axis[1]) + 1}", needed_table(tables, OF_JOINTS)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from stochlin.analyses.buildings.sheets import Row, Sheet, number_in
+from stochlin.analyses.buildings.sheets import Sheet, SheetRow, number_in
 from stochlin.analyses.buildings.units import size_stated
 from stochlin.messages import listed
 
@@ -17,9 +17,9 @@ class CsiTable(NamedTuple):
     """A table with its titles, its units if a row has them, and its rows."""
 
     name: str
-    titles: Row
-    units: list[Row]  # none or one
-    rows: list[Row]
+    titles: SheetRow
+    units: list[SheetRow]  # none or one
+    rows: list[SheetRow]
 
     def column(self, *titles: str, needed: bool = True) -> int:
         """Number of the column with one of these titles; -1 if there is none, and it is not needed."""

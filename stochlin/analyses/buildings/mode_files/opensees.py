@@ -12,12 +12,12 @@ import numpy as np
 from stochlin.analyses.buildings.mode_files.base import (
     LEAST_SHARE,
     MODE_FILES,
-    Asked,
+    AskedModes,
     ModeFile,
     ModesOfFile,
     chosen_direction,
 )
-from stochlin.analyses.buildings.sheets import Row, Sheet, with_unit
+from stochlin.analyses.buildings.sheets import Sheet, SheetRow, with_unit
 from stochlin.analyses.buildings.units import size_stated
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed
@@ -34,8 +34,8 @@ _BLOCK = re.compile(r"\*\s*(?:\d+\.\s*)?(.*?)\s*:?\s*$")
 class Report(NamedTuple):
     """One block of the report: its titles, and its lines of numbers."""
 
-    titles: Row
-    rows: list[Row]
+    titles: SheetRow
+    rows: list[SheetRow]
 
     def column(self, title: str) -> int:
         """Number of the column of this title."""
@@ -79,7 +79,7 @@ class OpenSeesModes(ModeFile):
         return " ".join(sheets[0][0].cell(0).split()) == REPORT
 
     @staticmethod
-    def read(sheets: Sequence[Sheet], asked: Asked) -> ModesOfFile:
+    def read(sheets: Sequence[Sheet], asked: AskedModes) -> ModesOfFile:
         """The modes of the report and of the floors below it."""
         blocks = _blocks(sheets[0])
         size = _block(blocks, SIZE).rows[0].number(0, "domain size")
@@ -134,13 +134,13 @@ def _blocks(sheet: Sheet) -> dict[str, Report]:
         words = " ".join(row.cells)
         if match := _BLOCK.match(words):
             name = match[1].upper()
-            blocks[name] = Report(Row(row.where, ()), [])
+            blocks[name] = Report(SheetRow(row.where, ()), [])
             continue
         cells = tuple(words.removeprefix("#").split())
         if name and not words.startswith("#"):
-            blocks[name].rows.append(Row(row.where, cells))
+            blocks[name].rows.append(SheetRow(row.where, cells))
         elif name and set(words) - set("#- "):
-            blocks[name] = blocks[name]._replace(titles=Row(row.where, cells))
+            blocks[name] = blocks[name]._replace(titles=SheetRow(row.where, cells))
     return blocks
 
 
@@ -148,12 +148,12 @@ def _block(blocks: dict[str, Report], name: str) -> Report:
     """The block of this name; a ValueError if it is missing or has no numbers."""
     if name in blocks and blocks[name].rows:
         return blocks[name]
-    last = next(reversed(blocks.values())).titles if blocks else Row("the file", ())
+    last = next(reversed(blocks.values())).titles if blocks else SheetRow("the file", ())
     cure = f"write {BY_HAND}" if name == FLOORS else "print the report again, whole"
     raise last.error(None, f"block {brief(name)} is missing after this one; {cure}")
 
 
-def _floors(block: Report, asked: Asked) -> tuple[Array, Array, Array, float]:
+def _floors(block: Report, asked: AskedModes) -> tuple[Array, Array, Array, float]:
     """Levels [m], masses [kg] and shapes (modes, floors), and the unit of the masses in SI."""
     titles = block.titles
     names = [with_unit(title) for title in titles.cells]

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from stochlin.analyses.buildings.mode_files.base import MODE_FILES, Asked, ModeFile, ModesOfFile
-from stochlin.analyses.buildings.sheets import Row, Sheet, with_unit
+from stochlin.analyses.buildings.mode_files.base import MODE_FILES, AskedModes, ModeFile, ModesOfFile
+from stochlin.analyses.buildings.sheets import Sheet, SheetRow, with_unit
 from stochlin.analyses.buildings.units import size_stated
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
@@ -57,7 +57,7 @@ class PlainModes(ModeFile):
         return bool(rows) and rows[0].cell(0).lower() == MODE
 
     @staticmethod
-    def read(sheets: Sequence[Sheet], asked: Asked) -> ModesOfFile:
+    def read(sheets: Sequence[Sheet], asked: AskedModes) -> ModesOfFile:
         """The modes of the only sheet."""
         rows = _content(sheets[0])
         at = next((n for n, row in enumerate(rows) if with_unit(row.cell(0))[0] == LEVEL), None)
@@ -94,13 +94,13 @@ class PlainModes(ModeFile):
         )
 
 
-def _content(sheet: Sheet) -> list[Row]:
+def _content(sheet: Sheet) -> list[SheetRow]:
     return [row for row in sheet if not row.cell(0).startswith("#")]
 
 
-def _lines(rows: Sequence[Row]) -> dict[str, Row]:
+def _lines(rows: Sequence[SheetRow]) -> dict[str, SheetRow]:
     """The lines above the floors by their names; a ValueError for an unknown or a repeated one."""
-    lines: dict[str, Row] = {}
+    lines: dict[str, SheetRow] = {}
     for row in rows:
         name, _ = with_unit(row.cell(0))
         if name not in (PERIOD, FACTOR, MODAL_MASS) or name in lines:
@@ -115,14 +115,14 @@ def _lines(rows: Sequence[Row]) -> dict[str, Row]:
     return lines
 
 
-def _over_modes(row: Row, count: int, what: str, allowed: Range | None = None) -> Array:
+def _over_modes(row: SheetRow, count: int, what: str, allowed: Range | None = None) -> Array:
     """The numbers of a line, one for each mode."""
     if len(row.cells) > FIRST + count:
         raise row.error(FIRST + count, f"there is no mode for this {what}; allowed: {count} numbers")
     return np.array([row.number(FIRST + n, what, allowed) for n in range(count)])
 
 
-def _size(row: Row, column: int, quantity: str, asked: str | None) -> float:
+def _size(row: SheetRow, column: int, quantity: str, asked: str | None) -> float:
     """The unit of a column or a line, in SI, from its title."""
     where = f"{row.where}, column {column + 1}"
     return size_stated(quantity, with_unit(row.cell(column))[1], asked, where)

@@ -26,7 +26,7 @@ class Ordinate(NamedTuple):
     units: str | None  # of the intensities
 
 
-class Asked(NamedTuple):
+class AskedHazard(NamedTuple):
     """What is asked for besides the path; a format refuses what does not apply to it."""
 
     site: Site | None
@@ -38,7 +38,7 @@ class HazardFormat(NamedTuple):
 
     title: str
     start: re.Pattern[str]
-    read: Callable[[str, str, Asked], list[Ordinate]]
+    read: Callable[[str, str, AskedHazard], list[Ordinate]]
 
 
 HAZARD_FORMATS: Registry[HazardFormat] = Registry(

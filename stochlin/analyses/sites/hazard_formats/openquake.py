@@ -16,7 +16,7 @@ import numpy as np
 from stochlin.analyses.records.formats import as_float
 from stochlin.analyses.sites.hazard_formats import (
     HAZARD_FORMATS,
-    Asked,
+    AskedHazard,
     HazardFormat,
     Ordinate,
     Site,
@@ -33,7 +33,7 @@ _LEVEL = "poe-"
 _NEAR = 0.01  # degrees, about 1 km: largest distance of a site that is named by its coordinates
 
 
-def _read(name: str, text: str, asked: Asked) -> list[Ordinate]:
+def _read(name: str, text: str, asked: AskedHazard) -> list[Ordinate]:
     lines = [(n, line) for n, line in enumerate(text.split("\n"), 1) if line.strip()]
     comments = [line for _, line in lines if line.lstrip("\"'").startswith("#")]
     (head, names), *rows = lines[len(comments) :]

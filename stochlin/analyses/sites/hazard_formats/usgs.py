@@ -17,7 +17,7 @@ import numpy as np
 
 from stochlin.analyses.sites.hazard_formats import (
     HAZARD_FORMATS,
-    Asked,
+    AskedHazard,
     HazardFormat,
     Ordinate,
     measure_in_words,
@@ -32,7 +32,7 @@ _START = re.compile(r"\s*\{")
 _PERIOD = re.compile(r"SA(\d{1,3})P(\d{1,6})")  # SA0P2 at 0.2 s
 
 
-def _read(name: str, text: str, asked: Asked) -> list[Ordinate]:
+def _read(name: str, text: str, asked: AskedHazard) -> list[Ordinate]:
     refuse(name, TITLE, {"site": asked.site, "investigation_time": asked.years})
     try:
         response = json.loads(text)["response"]
