@@ -52,9 +52,13 @@ def rates_by_state(law: Any, states: Any = None) -> Rates:
     return tuple((name, rates[name]) for name in names)
 
 
-def cannot_be_linearized(law: str) -> str:
-    """What is said where a law of more than one state would be linearized."""
-    return (
+class NotLinearizedError(ArithmeticError):
+    """A law has no equivalent coefficients; simulated motions follow it nevertheless."""
+
+
+def cannot_be_linearized(law: str) -> NotLinearizedError:
+    """The error where a law of more than one state would be linearized."""
+    return NotLinearizedError(
         f"{law} cannot be linearized: a law with more than one state has no stationary closure here; "
         "follow it in time, by simulate with a duration, separation, respond, recorded_gap or pound"
     )

@@ -116,7 +116,7 @@ class Structure(Model):
         It raises an ArithmeticError if the law has none in closed form, and none accurate by quadrature.
         """
         if not self.linearizes:
-            raise ArithmeticError(cannot_be_linearized(type(self).__name__))
+            raise cannot_be_linearized(type(self).__name__)
         closed = self.closures.get(name)
         if closed is None:
             self._compiled.check_expectations(self._examples)

@@ -19,6 +19,7 @@ from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.states import (
     GIVE,
     MOST_STATES,
+    NotLinearizedError,
     cannot_be_linearized,
     in_words,
     rates_by_state,
@@ -127,7 +128,7 @@ class SymbolicLaw:
     def check_expectations(self, parameters: Array) -> None:
         """Raise an ArithmeticError if `gaussian` is not accurate; parameters as for `check`."""
         if len(self.rates) > 1:
-            raise ArithmeticError(cannot_be_linearized(f"law = {in_words(self.rates)}"))
+            raise cannot_be_linearized(f"law = {in_words(self.rates)}")
         self._check_each(parameters, self._check_quadrature)
 
     def growing(self, parameters: Array) -> list[str]:
@@ -262,7 +263,7 @@ class SymbolicLaw:
         error = np.nan_to_num(np.max(np.abs(coarse - fine) / (np.abs(fine) + latent[0])), nan=np.inf)
         if not error < ACCURACY:
             kinks = np.unique([0.0, *(float(np.squeeze(k)) for k in self.slip_rate.kinks(column))])
-            raise ArithmeticError(
+            raise NotLinearizedError(
                 f"{self._named(column)} cannot be linearized: its Gaussian expectations have the error "
                 f"{error:.1e}, allowed {ACCURACY:.0e}, since it bends, jumps or is steep elsewhere than "
                 f"at v = 0 and z = {', '.join(f'{kink:g}' for kink in kinks)}, has a power below 1/2 "

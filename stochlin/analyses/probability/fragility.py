@@ -61,8 +61,8 @@ def pounding_fragility(
 
     Parameters
     ----------
-    first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
-        The structures, as in `pounding_probability`.
+    first, second : Bilinear, BoucWen, Hysteretic, ModifiedClough, ShearBuilding or any other structure
+        The structures, as in `pounding_probability`; without formulas if a law cannot be linearized.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground, with the intensity to which reduction factors refer.
     gap : float or array
@@ -145,8 +145,10 @@ def pounding_fragility(
             table[f"required_gap{ending}"] = results[f"required_gap{ending}"]
     if SAMPLES in results:
         table = table.assign(_lognormal(results[SAMPLES], named_gap, named_intensity))
-    kept = results[["status", "caution", "caution_corrected"]]
-    table = labels.label(table.assign(kept), VARIABLES).assign_attrs(results.attrs)
+    for name in ("status", "caution", "caution_corrected"):
+        if name in results:
+            table[name] = results[name]
+    table = labels.label(table, VARIABLES).assign_attrs(results.attrs)
     table = labelled_fragility(table, "m^2/s^3")
     return labels.with_run_information(
         table,

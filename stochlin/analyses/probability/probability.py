@@ -35,6 +35,7 @@ from stochlin.models.arguments import (
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
+from stochlin.models.states import NotLinearizedError
 from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import median_of
@@ -85,9 +86,10 @@ def pounding_probability(
 
     Parameters
     ----------
-    first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding
+    first, second : Bilinear, BoucWen, Hysteretic, ModifiedClough, ShearBuilding or any other structure
         The structures. All parameters of oscillators broadcast by dimension name. With a building with
-        storeys the gap is checked at all heights; see the notes.
+        storeys the gap is checked at all heights; see the notes. For a law that cannot be linearized the
+        result has the simulated variables only, and its attribute ``comment`` gives the reason.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground before modulation. With ``"hybrid"`` it may be None; it is then fitted to the record.
     gap : float or array
@@ -145,7 +147,8 @@ def pounding_probability(
         within the whole duration, the duration is shorter than a period, or arguments do not belong to
         the method.
     ArithmeticError
-        If a single case fails; in a table the cell is NaN and its status gives the reason.
+        If a single case fails; in a table the cell is NaN and its status gives the reason. Also if a law
+        cannot be linearized and there is no simulation, with ``paths=0``.
 
     Notes
     -----
@@ -258,7 +261,7 @@ def with_samples(
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
     seconds = check_course(duration, envelope)
     pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
-    of_formula, below, table = pairs, ground, xr.Dataset()
+    of_formula, below, table, not_linearized = pairs, ground, xr.Dataset(), ""
     flags: dict[str, xr.DataArray] = {}
     if scatter and solve is not None:
         factors, weights = strengths(scatter)
@@ -266,9 +269,15 @@ def with_samples(
         left, right = (strength_in_metres(structure, ground) for structure in (first, second))
         of_formula = PairTable.of(left, right, below, distance, seconds, envelope, points, weights)
     if solve is not None:
-        solved = solve(of_formula, below, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
-        table = by_formula(of_formula, solved, below, confidence)
-        flags = cautions(first, second, ground, table, scatter)
+        try:
+            solved = solve(of_formula, below, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
+        except NotLinearizedError as error:
+            if not paths:
+                raise
+            not_linearized = str(error)
+        else:
+            table = by_formula(of_formula, solved, below, confidence)
+            flags = cautions(first, second, ground, table, scatter)
     if paths:
         rest = part_of(progress, 0.0 if solve is None else OF_FORMULA, 1.0)
         options = confidence, Draws(paths, seed, float(scatter)), rest
@@ -281,7 +290,8 @@ def with_samples(
     table = labels.label(table, VARIABLES)
     labels.raise_if_lone_failure(table, "pounding_probability")
     if first.yields or second.yields:
-        table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
+        missing = f"There are no formulas: {not_linearized}." if not_linearized else ""
+        table = table.assign_attrs(comment=missing or labels.CAUTION_SIGMA)
     return labels.with_run_information(
         table,
         f"Probability of pounding in a finite motion, {ground.name} ground",

@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 
 from stochlin.views.shared.descriptions import in_words, roles_in_words
-from stochlin.views.shared.style import CURVES, filled, legend_beside, styled
+from stochlin.views.shared.style import CURVES, decade_ticks, filled, legend_beside, styled
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Hashable, Mapping
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -47,7 +47,7 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
     ``stochlin probability`` saves it, the confidence in each record by the hybrid method below these.
     """
     stem = "confidence_of_no_pounding"
-    if stem not in dataset or dataset[stem].dims != ("time",):
+    if _dims_of(dataset, stem) != ("time",):
         raise ValueError(
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a probability of pounding over "
             "time alone, so select one pair and one gap"
@@ -83,7 +83,7 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
     """Draw the result of `pounding_fragility`: probability over intensity, one curve for each gap."""
     name = "pounding_probability"
     simulated, corrected = f"{name}_simulated", f"{name}_corrected"
-    if name not in dataset or set(dataset[name].dims) != {"intensity", "gap"}:
+    if {*_dims_of(dataset, name)} != {"intensity", "gap"}:
         raise ValueError(
             f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a fragility, over intensity "
             "and gap"
@@ -95,19 +95,20 @@ def draw_fragility(dataset: xr.Dataset) -> Figure:
     for (color, dash), marker, index in zip(cycle(CURVES), cycle(MARKERS), chosen, strict=False):
         curve = dataset.isel(gap=int(index))
         label = f"gap {float(curve.gap):.3g} m"
-        axes.plot(curve.intensity, curve[name], color=color, linestyle=dash, label=label)
+        if name in curve:
+            axes.plot(curve.intensity, curve[name], color=color, linestyle=dash, label=label)
         if known(curve, corrected):
             axes.plot(curve.intensity, curve[corrected], color=color, linestyle=dash, lw=0.6)
         if simulated in curve:
-            axes.plot(
-                curve.intensity, curve[simulated], color=color, linestyle="none", marker=marker, ms=4
-            )
+            line = {"linestyle": "none"} if name in curve else {"linestyle": dash, "label": label}
+            axes.plot(curve.intensity, curve[simulated], color=color, marker=marker, ms=4, **line)
     if known(dataset, corrected):
         axes.plot([], [], color="0.3", lw=0.6, label="thin: bias corrected")
     if simulated in dataset:
         axes.plot([], [], color="0.3", linestyle="none", marker="o", ms=4, label="markers: simulated")
     axes.set(xscale="log", ylim=(-0.02, 1.02), xlabel=r"intensity $S_0$ [m$^2$/s$^3$]")
     axes.set_ylabel("probability of pounding")
+    decade_ticks(axes.xaxis)
     legend_beside(axes)
     return figure
 
@@ -140,6 +141,12 @@ def draw_evolutionary_psd(density: xr.DataArray) -> Figure:
         each.grid(visible=False)
     bar.set_label(r"two-sided PSD [m$^2$/s$^3$]")
     return figure
+
+
+def _dims_of(dataset: xr.Dataset, name: str) -> tuple[Hashable, ...]:
+    """Dimensions of a probability by formula, or of the simulated one where there is no formula."""
+    present = [each for each in (name, f"{name}_simulated") if each in dataset]
+    return dataset[present[0]].dims if present else ()
 
 
 def known(dataset: xr.Dataset, name: str) -> bool:

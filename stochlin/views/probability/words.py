@@ -78,14 +78,14 @@ def answer_sections(answer: ProbabilityAnswer) -> list[ViewSection]:
 def _wanted(answer: ProbabilityAnswer) -> str:
     """The gap for the wanted confidence, by formula and simulated."""
     table = answer.table
-    formulas = [f"{length(float(table.required_gap))} by formula"]
-    if bool(table.required_gap_corrected.notnull()):
-        formulas.append(f"{length(float(table.required_gap_corrected))} corrected")
     simulated, low, high = with_interval(table, "required_gap_simulated")
-    return (
-        f"Gap for a confidence of {100 * answer.case.confidence:.4g}{SPACE}%: {', '.join(formulas)}, "
-        f"{length(simulated)} simulated ({centimetres(low)} to {centimetres(high)})."
-    )
+    gaps = [
+        f"{length(float(table[f'required_gap{ending}']))} {name}"
+        for name, ending in (("by formula", ""), ("corrected", "_corrected"))
+        if f"required_gap{ending}" in table and bool(table[f"required_gap{ending}"].notnull())
+    ]
+    gaps.append(f"{length(simulated)} simulated ({centimetres(low)} to {centimetres(high)})")
+    return f"Gap for a confidence of {100 * answer.case.confidence:.4g}{SPACE}%: {', '.join(gaps)}."
 
 
 def _cautions(answer: ProbabilityAnswer, shown: Sequence[tuple[str, str]]) -> list[str]:
@@ -104,7 +104,7 @@ def _cautions(answer: ProbabilityAnswer, shown: Sequence[tuple[str, str]]) -> li
         if int(table.get(f"caution{ending}", 0)) and bool(last[STEM + ending].notnull()):
             cautions.append(UNRELIABLE.format(name))
     yields = case.first.structure.yields or case.second.structure.yields
-    if yields and bool(table.permanent_set.any()):
+    if STEM in table and yields and bool(table.permanent_set.any()):
         end = table.attrs["strong_shaking_end_s"]
         cautions.append(
             f"After {end:.3g} s the formula no longer includes the permanent set of yielding buildings."

@@ -11,7 +11,7 @@ from stochlin.analyses.risk.rates import range_of_rate, shares_of_rate
 from stochlin.models.hazards import HazardCurve
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.blocks import Block, Table, Text, texts
-from stochlin.views.shared.style import open_frame
+from stochlin.views.shared.style import decade_ticks, open_frame
 from stochlin.views.shared.symbols import typeset
 from stochlin.views.shared.words import (
     MISSING,
@@ -53,7 +53,6 @@ def risk_blocks(answer: CaseAnswer) -> list[Block]:
 def risk_figure(answer: CaseAnswer) -> Figure:
     """Above, the probability of pounding by intensity; below, the share of the rate by intensity."""
     from matplotlib.figure import Figure
-    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     assert answer.risk is not None
     risk, (name, units, unit) = answer.risk.isel(risk_gap=0), _measure(answer)
@@ -78,9 +77,7 @@ def risk_figure(answer: CaseAnswer) -> Figure:
         xlabel=typeset(f"{name} [{units}]"),
         ylabel="share of the\nfrequency [%]",
     )
-    below.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    below.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    below.xaxis.set_minor_formatter(NullFormatter())
+    decade_ticks(below.xaxis)
     open_frame(above)
     open_frame(below)
     return figure

@@ -76,6 +76,15 @@ def ratio_ticks(axis: Axis, values: np.ndarray) -> None:
     plain_ticks(axis, [t for t in TICKS if values[0] / 1.001 <= t <= values[-1] * 1.001])
 
 
+def decade_ticks(axis: Axis) -> None:
+    """Plain numbers 1, 2 and 5 of each decade on an axis that is logarithmic already."""
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
 def plain_ticks(axis: Axis, ticks: Sequence[float]) -> None:
     """Plain numbers on an axis that is logarithmic already."""
     from matplotlib.ticker import FixedLocator, NullLocator, StrMethodFormatter

@@ -1,0 +1,79 @@
+"""Probability of pounding of laws without equivalent coefficients: by simulation alone."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from commands import answered
+
+import stochlin as sl
+from stochlin.views.probability.pictures import draw_fragility, draw_pounding
+
+GROUND = sl.KanaiTajimi(0.4, 0.6, intensity=0.02)
+MOTION = {"envelope": sl.AminAng(1.0, 6.0, 0.5), "duration": 10.0, "paths": 64, "seed": 3}
+CLOUGH = sl.ModifiedClough(0.6, 0.05, hardening=0.05, yield_displacement=0.02)
+BESIDE = sl.Bilinear(1.0, 0.05, hardening=0.05, yield_displacement=0.04)
+STEM = "confidence_of_no_pounding"
+
+
+def chain(law):
+    """A building of one storey with the period of `CLOUGH`."""
+    stiffness = 1e5 * (2 * np.pi / 0.6) ** 2
+    strength = {"hardening": 0.05, "yield_drifts": [0.02], "law": law}
+    return sl.ShearBuilding([1e5], [stiffness], [3.0], 0.05, **strength)
+
+
+def test_shares_are_those_of_simulated_separations():
+    table = sl.pounding_probability(CLOUGH, BESIDE, GROUND, 0.1, **MOTION)
+    assert STEM not in table
+    assert "cannot be linearized" in table.attrs["comment"]
+    moved = sl.simulate([CLOUGH, BESIDE], GROUND, **MOTION)
+    apart = moved.separation.isel(structure=0, structure_2=1)
+    share = float((apart <= 0.1).mean("path"))
+    assert float(table[f"{STEM}_simulated"][-1]) == share
+    assert 0 < share < 1
+
+
+def test_a_building_of_one_storey_is_the_oscillator():
+    one, storey = (
+        sl.pounding_probability(each, BESIDE, GROUND, 0.1, **MOTION)
+        for each in (CLOUGH, chain("modified_clough"))
+    )
+    for name in (f"{STEM}_simulated", "required_gap_simulated"):
+        np.testing.assert_allclose(storey[name], one[name], rtol=1e-6)
+
+
+def test_fragility_is_simulated_and_drawn():
+    gaps, levels = [0.06, 0.12], [0.005, 0.02, 0.08]
+    table = sl.pounding_fragility(CLOUGH, BESIDE, GROUND, gaps, levels, **MOTION)
+    simulated = table.pounding_probability_simulated
+    assert "pounding_probability" not in table
+    assert set(simulated.dims) == {"gap", "intensity"}
+    assert (simulated.diff("gap") <= 0).all()
+    assert (simulated.diff("intensity") >= 0).all()
+    for level in levels:
+        single = sl.pounding_probability(
+            CLOUGH, BESIDE, sl.KanaiTajimi(0.4, 0.6, intensity=level), gaps[0], **MOTION
+        )
+        expected = 1 - float(single[f"{STEM}_simulated"][-1])
+        assert float(simulated.sel(gap=gaps[0], intensity=level)) == expected
+    legend = draw_fragility(table).axes[0].get_legend().get_texts()
+    assert "gap 0.06 m" in {text.get_text() for text in legend}
+
+
+def test_without_a_simulation_there_is_nothing():
+    with pytest.raises(ArithmeticError, match="ModifiedClough cannot be linearized"):
+        sl.pounding_probability(CLOUGH, BESIDE, GROUND, 0.1, **MOTION | {"paths": 0})
+
+
+@pytest.mark.cli
+def test_the_command_prints_and_draws_what_is_simulated(tmp_path):
+    path, out = tmp_path / "case.toml", tmp_path / "p.nc"
+    text = sl.example_case().replace("2048", "128")
+    text = text.replace('damping = "5 %"\n', 'damping = "5 %"\nlaw = "modified_clough"\n', 1)
+    path.write_text(text, encoding="utf-8")
+    said = " ".join(answered("probability", path, "--out", out).output.split())
+    assert "There are no formulas: ModifiedClough cannot be linearized" in said
+    with xr.open_dataset(out, engine="scipy") as table:
+        assert STEM not in table
+        names = {text.get_text() for text in draw_pounding(table).axes[0].get_legend().get_texts()}
+    assert names >= {"simulated", "simulated, 95 %"}
