@@ -16,7 +16,7 @@ from stochlin.analyses.probability.probability import pounding_probability
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.structures import Structure
 
 BEFORE_RECORDS = 0.4  # share of the work before many records
 INSTANTS = 501  # at which the confidence in the records is kept
@@ -57,9 +57,9 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     `stochlin.pounding_probability`.
     """
     first, second = case.pair
-    bilinear = all(isinstance(building.structure, Bilinear) for building in case.pair)
+    oscillators = all(isinstance(building.structure, Structure) for building in case.pair)
     many = len(case.records) > MOST_RECORDS
-    motions = {} if many or not bilinear else case.records  # the hybrid method needs bilinear laws
+    motions = {} if many or not oscillators else case.records  # the hybrid method has no storeys
     medians = first.structure, second.structure, case.ground, gap
     sampled = first.sampled, second.sampled, case.sampled_ground, gap
     simulating = part_of(progress, 0.0, BEFORE_RECORDS if many else 1.0)

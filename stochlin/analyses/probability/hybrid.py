@@ -18,9 +18,9 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
-from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Gap
+from stochlin.models.states import NotLinearizedError
+from stochlin.models.structures import Gap, Structure
 from stochlin.models.systems import AnyStructure
 
 POINTS_PER_PERIOD = 16
@@ -40,7 +40,8 @@ def hybrid_pounding(
     For a phase difference ``D`` in [0, pi] of the two structures, ``u_1 - u_2`` reaches an amplitude
     ``A(t, D)`` once in each cycle, which increases with ``D``. If ``D`` is the same during the whole
     record, there was pounding if ``D`` exceeds the smallest phase difference that leads to pounding at
-    some instant until then.
+    some instant until then. The phase differences have the correlation of linearization, or that of the
+    record itself if a law cannot be linearized.
     """
     for role, structure in (("first", first), ("second", second)):
         if isinstance(structure, MultistoreyBuilding):
@@ -48,7 +49,7 @@ def hybrid_pounding(
                 f"{role} is a building with storeys; method='hybrid' is only available for oscillators: "
                 "give its oscillator(), or method='evolutionary'"
             )
-        expect(structure, Bilinear, role)
+        expect(structure, Structure, role)
         check_scalars(structure, role, SCALARS)
     if record is None:
         raise ValueError("record is missing; method='hybrid' needs one, such as from read_record")
@@ -56,12 +57,16 @@ def hybrid_pounding(
         ground = ground_of_record(record)
     expect(ground, Ground, "ground")
     left, right = (_in_metres(s, ground, role) for s, role in ((first, "first"), (second, "second")))
-    rho = float(correlate(left, right, ground).rho)
     period = min(float(left.arrays()["period"]), float(right.arrays()["period"]))
     step = float(record["time"][1] - record["time"][0])
     refine = max(1, int(np.ceil(POINTS_PER_PERIOD * step / period)))
     motions = [respond(structure, record, refine=refine) for structure in (left, right)]
     radius_1, radius_2 = (motion.radius.to_numpy() for motion in motions)
+    recorded = recorded_gap(left, right, record)
+    try:
+        rho = float(correlate(left, right, ground).rho)
+    except NotLinearizedError:
+        rho = float(recorded.rho)
     k = concentration(min(max(rho, -1.0), 1.0))
     gap = distance.arrays()["gap"]
     valid = distance.valid()
@@ -82,7 +87,7 @@ def hybrid_pounding(
         radius_1=motions[0].radius,
         radius_2=motions[1].radius,
         recorded_difference=motions[0].displacement - motions[1].displacement,
-        separation=recorded_gap(left, right, record).separation,
+        separation=recorded.separation,
         required_gap=_required(radius_1, radius_2, k, confidence),
         rho=rho,
         status=labels.status_where(valid),
@@ -100,11 +105,11 @@ def hybrid_pounding(
     )
 
 
-def _in_metres(structure: AnyStructure, ground: Ground, role: str) -> Bilinear:
+def _in_metres(structure: AnyStructure, ground: Ground, role: str) -> Structure:
     """The structure with its strength in metres, checked for the response to a record."""
     structure = strength_in_metres(structure, ground)
     check_structure(role, structure)
-    assert isinstance(structure, Bilinear)
+    assert isinstance(structure, Structure)
     return structure
 
 

@@ -193,7 +193,8 @@ def pounding_probability(
     and ``confidence_of_no_pounding_fresh_phase``, with a new phase in every cycle. Without time it
     returns ``rho``, ``separation`` [m], the largest ``u_1 - u_2`` in the record, and ``required_gap``
     [m]. The confidence is 0 from the instant at which the radii differ by more than the gap, since one
-    structure then closes the gap for any phase.
+    structure then closes the gap for any phase. The structures are oscillators, and ``rho`` is that of
+    linearization, or that of the record itself if a law cannot be linearized.
 
     References
     ----------

@@ -48,9 +48,7 @@ UNRELIABLE = (
     "Do not rely on the column {}: for buildings like these it may be far off. The column simulated has "
     "no such error."
 )
-NO_RECORDS = (
-    "The records are not evaluated: the hybrid method is only available for bilinear oscillators."
-)
+NO_RECORDS = "The records are not evaluated: the hybrid method is only available for oscillators."
 
 
 def answer_sections(answer: ProbabilityAnswer) -> list[ViewSection]:
