@@ -76,6 +76,7 @@ mass = "900 t"
 WEN = ANNEX.replace(
     "p_delta", 'law = "bouc_wen"\nbeta = 0.6\ngamma = [0.4, 0.3, 0.4]\nexponent = 2\np_delta'
 )
+RAYLEIGH = ANNEX + 'damping_model = "rayleigh"\ndamping_modes = [1, 2]\n'
 
 
 def changed(form, **values):
@@ -112,7 +113,7 @@ def read_text(text, folder):
 def assert_same(structures, others):
     for structure, other in zip(structures, others, strict=True):
         assert type(structure) is type(other)
-        for name in ("law", "p_delta"):
+        for name in ("law", "p_delta", "damping_model", "damping_modes"):
             assert getattr(structure, name, "") == getattr(other, name, "")
         ours, theirs = structure.arrays(), other.arrays()
         assert ours.keys() == theirs.keys()
@@ -120,7 +121,7 @@ def assert_same(structures, others):
             np.testing.assert_array_equal(array, theirs[name], err_msg=name)
 
 
-@pytest.mark.parametrize("other", [ANNEX, SHOP.replace('mass = "900 t"\n', ""), WEN])
+@pytest.mark.parametrize("other", [ANNEX, SHOP.replace('mass = "900 t"\n', ""), WEN, RAYLEIGH])
 @pytest.mark.parametrize("elastic", [False, True])
 def test_a_form_holds_the_buildings_of_its_file_and_writes_them(other, elastic, tmp_path):
     office = OFFICE.replace("base_shear_coefficient = 0.15", "elastic = true") if elastic else OFFICE

@@ -174,12 +174,17 @@ OWN: dict[str, dict[str, Any]] = {
         "law_parameters": {"beta": 0.6},
     },
     "ShearBuilding": {
+        "masses": [1e5, 1e5],
+        "stiffnesses": [1e8, 1e8],
+        "heights": [3.0, 3.0],
         "hardening": 0.1,
         "yield_drifts": 0.01,
         "dampers": 1e5,
         "law": "bouc_wen",
         "law_parameters": {"beta": 0.6},
         "p_delta": True,
+        "damping_model": "rayleigh",
+        "damping_modes": (1, 2),
     },
     "ShearBuilding.regular": {
         "storeys": 3,

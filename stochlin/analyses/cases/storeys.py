@@ -29,6 +29,8 @@ from stochlin.analyses.cases.files.schema import (
 from stochlin.analyses.cases.files.sections import Section
 from stochlin.messages import listed
 from stochlin.models.buildings import (
+    OF_RAYLEIGH,
+    ONE_PER_MODE,
     STOREYS,
     ModalBuilding,
     MultistoreyBuilding,
@@ -158,6 +160,8 @@ def read_storeys(section: Section, number: int, folder: Path, known: Known) -> S
         "law": name,
         "law_parameters": {key: section.number_or_list(key, Quantity.declared(law, key)) for key in own},
         "p_delta": section.read("p_delta"),
+        "damping_model": section.read("damping_model"),
+        "damping_modes": section.values.get("damping_modes"),
     }
     if strength == key:
         values["hardening"] = section.parameter(
@@ -183,10 +187,10 @@ def _by_modes(section: Section, number: int, folder: Path, known: Known) -> Stor
     allowed = [*keys_of_way(BY_MODES), *law.own_parameters()]
     for key in (*OF_STOREYS, *OF_OSCILLATORS):
         if key in section and key not in allowed:
+            what = f"stiffness and mass; allowed: {', '.join(allowed)}"
+            what = f"damping; {ONE_PER_MODE}" if key in OF_RAYLEIGH else what
             raise section.error(
-                key,
-                "does not belong to a building by its modes, which have their own stiffness and mass; "
-                f"allowed: {', '.join(allowed)}",
+                key, f"does not belong to a building by its modes, which have their own {what}"
             )
     section.only(*allowed)
     table = modes_of(section, folder, known)
@@ -305,7 +309,8 @@ def _heights(section: Section) -> float | list[float]:
 def _check_keys(section: Section, allowed: Sequence[str]) -> None:
     """Raise a ValueError for an unknown key, or a key that cannot be combined with those of storeys."""
     elsewhere = (*OF_STOREYS, *OF_OSCILLATORS, "period")
-    shown = [key for key in allowed if key not in OF_PUSHOVER]  # which only a curve needs
+    # Those that only a pushover curve or Rayleigh damping needs would make the list too long.
+    shown = [key for key in allowed if key not in (*OF_PUSHOVER, *OF_RAYLEIGH)]
     strange = [key for key in section.values if key in elsewhere and key not in allowed]
     if strange:
         marks = [key for key in storey_keys(section) if key not in strange]

@@ -42,7 +42,13 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.parameters import Parameter
-from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, elastic_period
+from stochlin.models.systems import (
+    AnyStructure,
+    Arrangement,
+    arrangement_of,
+    elastic_period,
+    first_mode,
+)
 
 RATIO = "period_ratio", "ratio of the periods, T2/T1"
 LINEARIZED_PEAKS = "peaks of linearization, storey by storey"
@@ -138,7 +144,8 @@ def correlation(case: Case, ratios: Array, progress: Progress | None) -> xr.Data
 def _of_first_modes(case: Case, period_2: Parameter) -> xr.DataArray:
     """Correlation of the first modes by eq. (4)."""
     first, second = structures_of(case)
-    return rho_white_noise(elastic_period(first), period_2, first.damping, second.damping).rho
+    ratios = (first_mode(structure).damping for structure in (first, second))
+    return rho_white_noise(elastic_period(first), period_2, *ratios).rho
 
 
 def rules(case: Case, seconds: float) -> tuple[list[Rule], Array]:

@@ -75,8 +75,8 @@ def modes_of(system: Arrangement) -> Modes:
     worst = int(np.argmax(modes.damping))
     if modes.damping[worst] >= 1:
         raise ValueError(
-            f"the dampers give the mode of {modes.period[worst]:.3g} s the damping ratio "
-            f"{modes.damping[worst]:.3g}; allowed where modes are combined: below 1"
+            f"dampers or Rayleigh damping give the mode of {modes.period[worst]:.3g} s the damping "
+            f"ratio {modes.damping[worst]:.3g}; allowed where modes are combined: below 1"
         )
     return modes
 

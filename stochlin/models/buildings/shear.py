@@ -26,6 +26,7 @@ from stochlin.models.buildings.base import (
     check_ranges,
 )
 from stochlin.models.buildings.chains import chain_modes, fitted_stiffnesses
+from stochlin.models.buildings.damping import MODAL, checked_modes, mode_ratios
 from stochlin.models.buildings.modal import ModalBuilding
 from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
@@ -65,11 +66,13 @@ class RegularBuilding(Model):
 
 @dataclass(frozen=True)
 class ShearBuilding(MultistoreyBuilding):
-    """Shear building: a mass on each floor, a hysteretic spring in each storey, and modal damping.
+    """Shear building: a mass on each floor, a hysteretic spring in each storey, and viscous damping.
 
     Storeys are counted from the ground up; each storey has the number of the floor above it. Every mode
     of the elastic building has the same damping ratio ``xi``: ``C = sum_m 2 xi w_m M phi_m phi_m' M``,
-    with modes ``phi_m`` of unit modal mass. This damping matrix does not change when storeys yield.
+    with modes ``phi_m`` of unit modal mass. With ``damping_model="rayleigh"`` two modes ``i`` and ``j``
+    have this ratio: ``C = a0 M + a1 K`` with ``a0 = 2 xi w_i w_j/(w_i + w_j)``, ``a1 = 2 xi/(w_i +
+    w_j)`` and the elastic stiffness ``K``. Neither damping matrix changes when storeys yield.
 
     Parameters
     ----------
@@ -80,7 +83,7 @@ class ShearBuilding(MultistoreyBuilding):
     heights : array
         Height of each storey [m], positive. The level of a floor is the sum of the heights below it.
     damping : float
-        Viscous damping ratio of every mode [-], in (0, 1).
+        Viscous damping ratio [-], in (0, 1), of every mode, or of two with Rayleigh damping.
     hardening : float, optional
         Hardening ratio of every storey, post-yield over elastic stiffness [-], in (0, 1]. It is required
         with ``yield_drifts``.
@@ -100,13 +103,19 @@ class ShearBuilding(MultistoreyBuilding):
     p_delta : bool
         Whether the stiffness of each storey is reduced by the weight above it over its height. The
         modes and their damping then include this reduction.
+    damping_model : str
+        ``"modal"``, the same damping ratio in every mode, or ``"rayleigh"``.
+    damping_modes : tuple of int, optional
+        The two modes with the damping ratio ``damping``, with Rayleigh damping, for instance ``(1, 3)``.
+        Modes between them have a lower ratio, all others a higher one; see `damping_ratios`.
 
     Raises
     ------
     ValueError, TypeError
         If a value is not a number or out of range (the message names the storey), arrays differ in
         length or have more than 200 storeys, yield drifts are given without hardening, the law is not
-        known or not odd, or the weight above a storey takes all its elastic stiffness.
+        known or not odd, the weight above a storey takes all its elastic stiffness, or the modes of
+        Rayleigh damping are not two different ones of the building, or given with modal damping.
 
     References
     ----------
@@ -128,7 +137,7 @@ class ShearBuilding(MultistoreyBuilding):
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
     stiffnesses: Parameter = parameter("N/m", "stiffness of the storey", POSITIVE)
     heights: Parameter = parameter("m", "height of the storey", POSITIVE)
-    damping: Parameter = parameter("1", "damping ratio of every mode", DAMPING)
+    damping: Parameter = parameter("1", "damping ratio", DAMPING)
     hardening: Parameter | None = parameter("1", "hardening ratio", HARDENING, None)
     yield_drifts: Parameter | None = parameter("m", "drift at yield", POSITIVE, None)
     _: KW_ONLY
@@ -136,6 +145,8 @@ class ShearBuilding(MultistoreyBuilding):
     law: str | sympy.Expr | Mapping[str, sympy.Expr] = "bilinear"
     law_parameters: Mapping[str, Any] | None = None
     p_delta: bool = False
+    damping_model: str = MODAL
+    damping_modes: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         name = type(self).__name__
@@ -166,6 +177,8 @@ class ShearBuilding(MultistoreyBuilding):
             )
         if not isinstance(self.p_delta, bool):
             raise TypeError(f"{name}: p_delta = {brief(self.p_delta)}; allowed: True or False")
+        modes = checked_modes(f"{name}: ", self.damping_model, self.damping_modes, self.storeys)
+        object.__setattr__(self, "damping_modes", modes)
         self._check_weight()
         _ = self.element_law
 
@@ -206,7 +219,8 @@ class ShearBuilding(MultistoreyBuilding):
             Base shear at yield over the weight [-], positive, at most 100. Without it the building stays
             elastic. A value above 1 gives a warning.
         **others
-            ``dampers``, ``law``, ``law_parameters`` and ``p_delta``, as in `ShearBuilding`.
+            ``dampers``, ``law``, ``law_parameters``, ``p_delta``, ``damping_model`` and
+            ``damping_modes``, as in `ShearBuilding`.
 
         Returns
         -------
@@ -289,8 +303,8 @@ class ShearBuilding(MultistoreyBuilding):
         masses, heights, damping
             As in `ShearBuilding`.
         **others
-            ``hardening``, ``yield_drifts``, ``dampers``, ``law``, ``law_parameters`` and ``p_delta``, as
-            in `ShearBuilding`.
+            ``hardening``, ``yield_drifts``, ``dampers``, ``law``, ``law_parameters``, ``p_delta``,
+            ``damping_model`` and ``damping_modes``, as in `ShearBuilding`.
 
         Returns
         -------
@@ -352,10 +366,10 @@ class ShearBuilding(MultistoreyBuilding):
             The first modes along the gap, none left out between them, with the masses and heights. Its
             strength is not used.
         damping : float, optional
-            Viscous damping ratio of every mode [-], in (0, 1); by default that of ``modes``.
+            Viscous damping ratio [-], as in `ShearBuilding`; by default that of ``modes``.
         **others
-            ``hardening``, ``yield_drifts``, ``dampers``, ``law``, ``law_parameters`` and ``p_delta``, as
-            in `ShearBuilding`.
+            ``hardening``, ``yield_drifts``, ``dampers``, ``law``, ``law_parameters``, ``p_delta``,
+            ``damping_model`` and ``damping_modes``, as in `ShearBuilding`.
 
         Returns
         -------
@@ -391,8 +405,7 @@ class ShearBuilding(MultistoreyBuilding):
             modes = replace(modes, participation=None, modal_masses=None)
         if damping is None and not np.isscalar(modes.damping):
             raise ValueError(
-                f"{name}damping is not given, and the modes have different ratios; allowed: one number, "
-                "for every mode of the chain"
+                f"{name}damping is not given, and the modes have different ratios; allowed: one number"
             )
         values = {key: array.to_numpy() for key, array in modes.arrays().items()}
         masses, shapes, shares = values["masses"], values["shapes"], modes.effective_masses()
@@ -549,7 +562,8 @@ class ShearBuilding(MultistoreyBuilding):
     def oscillator(self) -> Structure:
         """The first mode as an oscillator, with its effective modal mass [kg].
 
-        The oscillator has the hysteresis law of the storeys. Its yield displacement is that at which the
+        The oscillator has the damping ratio of this mode, and the hysteresis law of the storeys. Its
+        yield displacement is that at which the
         first storey yields in this mode. The displacement of a floor is `participation` times that of
         the oscillator. Higher modes and the concentration of yielding in one storey are neglected.
 
@@ -581,7 +595,7 @@ class ShearBuilding(MultistoreyBuilding):
             own["law"] = law.law
         return type(law)(
             period=float(self.periods()[0]),
-            damping=self.damping,
+            damping=float(self.damping_ratios()[0]),
             **strength,
             **own,
             mass=float((mass @ shape) ** 2),
@@ -598,19 +612,48 @@ class ShearBuilding(MultistoreyBuilding):
         taken: Array = GRAVITY * above / self._over_all["heights"]
         return taken
 
+    def damping_ratios(self) -> xr.DataArray:
+        """Damping ratio of every mode of the elastic building [-] over ``mode``, without the dampers.
+
+        Of Rayleigh damping it is ``a0/(2 w) + a1 w/2`` in the mode of the circular frequency ``w``.
+
+        Examples
+        --------
+        >>> import stochlin as sl
+        >>> tower = sl.ShearBuilding(
+        ...     [2e5] * 3, [4e8] * 3, [3.5] * 3, 0.05, damping_model="rayleigh", damping_modes=(1, 2)
+        ... )
+        >>> tower.damping_ratios().round(4).values
+        array([0.05  , 0.05  , 0.0638])
+        """
+        periods = self.periods()
+        ratios = mode_ratios(float(self.cells()["damping"]), self._modes()[0], self.damping_modes)
+        return periods.copy(data=ratios).assign_attrs(units="1", long_name="damping ratio of the mode")
+
+    @property
+    def damped_modes(self) -> str:
+        """The modes with the damping ratio that was given, in words."""
+        return (
+            "modes {} and {} (Rayleigh, initial stiffness)".format(*self.damping_modes)
+            if self.damping_modes
+            else "every mode"
+        )
+
     def damping_matrix(self) -> Array:
         """Damping matrix of the floors [N s/m], (storeys, storeys)."""
         w, shapes = self._modes()
         values = self._over_all
         modal = values["masses"][:, None] * shapes
         drifts = np.eye(w.size) - np.eye(w.size, k=-1)
-        by_modes = (modal * (2 * self.cells()["damping"] * w)) @ modal.T
+        by_modes = (modal * (2 * self.damping_ratios().to_numpy() * w)) @ modal.T
         return by_modes + (drifts.T * values.get("dampers", np.zeros(w.size))) @ drifts
 
     def describe(self) -> str:
         """The building with its parameters in one line."""
         parts = self._told_law()
         parts += ["p_delta=True"] if self.p_delta else []
+        if self.damping_modes:
+            parts += [f"damping_model={self.damping_model}", f"damping_modes={self.damping_modes}"]
         return ", ".join([super().describe()[:-1], *parts]) + ")"
 
     def _of_elements(self, name: str, value: Any) -> Any:

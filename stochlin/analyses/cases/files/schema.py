@@ -13,7 +13,13 @@ from stochlin.analyses.buildings.modes import DIRECTIONS
 from stochlin.analyses.cases.files.keys import NEEDED, Column, Key, Place, Slider, declared, table
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.models.arguments import Whole
-from stochlin.models.buildings import ModalBuilding, RegularBuilding, ShearBuilding
+from stochlin.models.buildings import (
+    DAMPING_MODELS,
+    STOREYS,
+    ModalBuilding,
+    RegularBuilding,
+    ShearBuilding,
+)
 from stochlin.models.envelopes import AminAng, GammaEnvelope, ShinozukaSato
 from stochlin.models.grounds import MOST_FILTERS, CloughPenzien
 from stochlin.models.hazards import MEASURES
@@ -197,6 +203,8 @@ BUILDING = table(
     declared(ModalBuilding, "yield_displacements", "Yield displacements of modes", ways=OF_MODES),
     Key("elastic", bool, "It does not yield", False),
     Key("p_delta", bool, "Weight softens storeys (P-delta)", False, ways=OF_STOREYS),
+    Key("damping_model", DAMPING_MODELS, "Model of the viscous damping", "modal", ways=OF_STOREYS),
+    Key("damping_modes", STOREYS, "Two modes with the damping ratio, a list", None, ways=OF_STOREYS),
     Key("law", str, "Hysteresis law", "bilinear"),
     Key("system", (FRAME, WALL), "Structural system", FRAME, noted=True),
     Key("name", str, "Name in results", None),
