@@ -147,7 +147,7 @@ class Structure(Model):
         return self._compiled.step
 
     def law_parameters(self) -> list[xr.DataArray]:
-        """Values of the `own_parameters` of this law, in the same order."""
+        """What closures and time steps of this law take: the `own_parameters`, in the same order."""
         values = self.arrays()
         return [values[name] for name in self.own_parameters()]
 

@@ -10,9 +10,15 @@ pytestmark = pytest.mark.oracle
 
 GROUND = sl.KanaiTajimi(0.4, 0.6, 0.02)
 GIVEN = {"period": 0.5, "damping": 0.05, "hardening": 0.1, "yield_displacement": 0.02}
+CRACKS = {"cracking": 0.4, "uncracked_stiffness": 2.5}
+CAPPED = {"cap_ductility": 2.0, "softening": 0.3, "residual": 0.25}
 LAWS = [
     *(sl.ModifiedClough(**GIVEN, unloading_exponent=a) for a in (0.0, 0.4, 0.8)),
     *(sl.Flag(**GIVEN, beta=beta) for beta in (0.0, 0.6, 1.0)),
+    sl.ModifiedClough(**GIVEN, **CRACKS),
+    sl.ModifiedClough(**GIVEN, **CAPPED),
+    sl.ModifiedClough(**GIVEN, **CRACKS, **CAPPED | {"residual": 0.8}, unloading_exponent=0.0),
+    sl.ModifiedClough(**GIVEN, **CRACKS, **CAPPED | {"residual": 0.0, "cap_ductility": 1.0}),
 ]
 
 
@@ -20,8 +26,20 @@ class Clough:
     """The law from branch to branch: ``z`` after ``mu`` has moved to another value."""
 
     def __init__(self, structure):
-        self.a, self.z, self.mu, self.zero = float(structure.unloading_exponent), 0.0, 0.0, 0.0
-        self.peaks = {1: 1.0, -1: 1.0}
+        given = structure.cells()
+        self.a, self.z, self.mu, self.zero = given["unloading_exponent"], 0.0, 0.0, 0.0
+        self.first = (1.0, 1.0)
+        if "cracking" in given:
+            self.first = given["cracking"] / given["uncracked_stiffness"], given["cracking"]
+        self.corners = [(0.0, 0.0), self.first, (1.0, 1.0)]
+        if "cap_ductility" in given:
+            cap, least = given["cap_ductility"], given["residual"]
+            self.corners += [(cap, 1.0), (cap + (1.0 - least) / given["softening"], least)]
+        self.corners += [(1e9, self.corners[-1][1])]
+        self.peaks = {1: self.first[0], -1: self.first[0]}
+
+    def backbone(self, size):
+        return np.interp(size, *zip(*self.corners, strict=True))
 
     def move(self, end):
         s = 1 if end > self.mu else -1
@@ -33,19 +51,30 @@ class Clough:
             if abs(self.z) < 1e-14:
                 self.z, self.zero = 0.0, self.mu
         self.peaks[s] = max(self.peaks[s], s * self.mu)
+        if self.peaks[s] > 1.0:  # the other side is cracked, too
+            self.peaks[-s] = max(self.peaks[-s], 1.0)
+
+    def unloading(self, s):
+        """A chord to the point of cracking on the other side, and weaker after yielding."""
+        peak = min(self.peaks[s], 1.0)
+        chord = (self.backbone(peak) + self.first[1]) / (peak + self.first[0])
+        return chord * max(self.peaks[s], 1.0) ** -self.a
 
     def branch(self, s):
         """Its stiffness, and the mu at which it ends."""
         if s * self.z < 0:
-            stiffness = self.peaks[-s] ** -self.a
+            stiffness = self.unloading(-s)
             return stiffness, self.mu - self.z / stiffness
-        peak, way = s * self.peaks[s], 1 / (self.peaks[s] - s * self.zero)
+        peak = s * self.peaks[s]
         if s * (self.mu - peak) >= -1e-14:
-            return 0.0, s * np.inf
+            corner = next(x for x, _ in self.corners if x > s * self.mu + 1e-12)
+            rise = self.backbone(corner) - self.backbone(s * self.mu)
+            return rise / (corner - s * self.mu), s * corner
+        way = self.backbone(self.peaks[s]) / (self.peaks[s] - s * self.zero)
         on_the_way = way * (self.mu - self.zero)
         if abs(on_the_way - self.z) < 1e-13:
             return way, peak
-        stiffness = self.peaks[s] ** -self.a
+        stiffness = self.unloading(s)
         return stiffness, self.mu + (on_the_way - self.z) / (stiffness - way)
 
 
@@ -88,17 +117,103 @@ def test_states_along_random_histories(structure, pieces):
     assert (np.abs(found[:, 0]) <= 1.0 + 1e-12).all()
 
 
-@pytest.mark.parametrize("kind", [sl.ModifiedClough, sl.Flag])
+def any_backbone(seed, lanes):
+    """Structures with any parameters, one in each lane."""
+    rng = np.random.default_rng(seed)
+    return sl.ModifiedClough(
+        **GIVEN,
+        unloading_exponent=rng.uniform(0.0, 1.0, lanes),
+        cracking=rng.uniform(0.0, 1.0, lanes),
+        uncracked_stiffness=rng.uniform(1.0, 4.0, lanes),
+        cap_ductility=rng.uniform(1.0, 5.0, lanes),
+        softening=rng.uniform(0.12, 2.0, lanes),
+        residual=rng.uniform(0.0, 1.0, lanes),
+    )
+
+
+@pytest.mark.parametrize("kind", ["modified Clough", "flag", "backbone"])
 def test_work_from_the_virgin_state_is_never_negative(kind):
     """In 5000 random histories, each with another parameter."""
     lanes, legs, pieces = 5000, 12, 200
-    own = np.random.default_rng(4).uniform(0, 1, (1, lanes))
+    share = np.random.default_rng(4).uniform(0, 1, lanes)
+    structure = {
+        "modified Clough": sl.ModifiedClough(**GIVEN, unloading_exponent=share),
+        "flag": sl.Flag(**GIVEN, beta=share),
+        "backbone": any_backbone(4, lanes),
+    }[kind]
+    assert structure.valid().all()
     turns = random_turns(5, lanes, legs)
-    _, least = by_steps(kind(**GIVEN).step(), turns, pieces, own)
-    # A kink within a piece changes the trapezoidal rule by an eighth of its square at most; up to five
-    # kinks are on a leg.
-    piece = np.abs(np.diff(turns, axis=0)) / pieces
-    assert (least > -(5 / 8) * (piece**2).sum(axis=0)).all()
+    own = [array.to_numpy() for array in structure.law_parameters()]
+    reached, least = by_steps(structure.step(), turns, pieces, own)
+    # A kink within a piece changes the trapezoidal rule by an eighth of its square at most, times the
+    # change of the slope. Up to seven are on a leg, and slopes are between -2 and 4.
+    piece, kinks = np.abs(np.diff(turns, axis=0)) / pieces, 7 * 6 if kind == "backbone" else 5
+    assert (least > -(kinks / 8) * (piece**2).sum(axis=0)).all()
+    assert (np.abs(reached[:, 0]) <= 1.0 + 1e-12).all()
+
+
+def test_any_backbone_from_branch_to_branch():
+    structure, turns = any_backbone(6, 60), random_turns(7, 60, 20)
+    own = [array.to_numpy() for array in structure.law_parameters()]
+    found, _ = by_steps(structure.step(), turns, 2, own)
+    for lane in range(60):
+        cells = structure.isel({"case": lane}).cells()
+        law = Clough(sl.ModifiedClough(**{name: float(value) for name, value in cells.items()}))
+        for n in range(1, len(turns)):
+            law.move(turns[n, lane])
+            assert found[n, 0, lane] == pytest.approx(law.z, abs=1e-12)
+
+
+def test_the_first_loading_follows_its_corners():
+    """Cracking, yielding, cap and what is left, in one motion and on both sides."""
+    structure = sl.ModifiedClough(**GIVEN, **CRACKS, **CAPPED)
+    mu = np.array([0.16, 0.58, 1.0, 1.7, 2.0, 3.0, 4.5, 9.0])
+    for sign in (1.0, -1.0):
+        loop = sl.hysteresis_loop(structure, sign * mu * GIVEN["yield_displacement"], refine=1)
+        expected = [0.0, 0.4, 0.7, 1.0, 1.0, 1.0, 0.7, 0.25, 0.25]
+        np.testing.assert_allclose(loop.z, sign * np.array(expected), atol=1e-12)
+
+
+def test_without_strength_left_the_hysteretic_force_is_gone():
+    """Beyond the branch that falls, on one side only."""
+    structure = sl.ModifiedClough(**GIVEN, **CAPPED | {"residual": 0.0})
+    z = sl.hysteresis_loop(structure, [0.2, 0.1, 0.2, -0.02, 0.2], refine=4).z[4::4]
+    np.testing.assert_allclose(z, [0.0, -5 / 11, 0.0, -1.0, 0.0], atol=1e-12)
+
+
+def test_a_crack_along_the_elastic_line_or_a_cap_out_of_reach_change_nothing():
+    plain = sl.ModifiedClough(**GIVEN)
+    for changed in ({"cracking": 0.3, "uncracked_stiffness": 1.0}, CAPPED | {"cap_ductility": 50.0}):
+        both = [plain, sl.ModifiedClough(**GIVEN, **changed)]
+        table = sl.simulate(both, GROUND, paths=32, duration=6.0)
+        assert float(table.peak.min()) > GIVEN["yield_displacement"]
+        np.testing.assert_allclose(*table.peak.values.T, rtol=1e-9)
+
+
+def test_loss_of_strength_in_every_analysis_of_finite_motions():
+    """Displacements are larger than without a cap; storeys may have caps of their own."""
+    record = 2.0 * sl.simulated_motions(GROUND, 8.0, paths=2, seed=3)[0]
+    weak = sl.ModifiedClough(**GIVEN, **CRACKS, **CAPPED, mass=1e5)
+    strong = sl.ModifiedClough(**GIVEN, **CRACKS, mass=1e5)
+    peaks = [float(np.abs(sl.respond(one, record).displacement).max()) for one in (weak, strong)]
+    assert peaks[0] > 1.1 * peaks[1]
+    table = sl.separation(weak, strong, GROUND, 8.0, paths=32)
+    assert np.isfinite(table.gap.sel(rule="simulation"))
+    hit = sl.pound([weak, strong], [0.01], sl.Kelvin(1e8, restitution=0.65), record)
+    assert int(hit.sizes["impact"]) > 0
+    own = {**CAPPED, **CRACKS, "cap_ductility": [1.5, 8.0]}
+    parts = [1e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.1, 0.01
+    frame = sl.ShearBuilding(*parts, law="modified_clough", law_parameters=own)
+    other = sl.ShearBuilding(
+        *parts, law="modified_clough", law_parameters=own | {"cap_ductility": [8.0, 8.0]}
+    )
+    lower = [np.abs(sl.respond(one, record / 2).storey_drift[:, 0]).max() for one in (frame, other)]
+    assert float(lower[0]) > 1.5 * float(lower[1])
+    assert frame.oscillator().cap_ductility == 1.5
+    with pytest.raises(ValueError, match=r"law_parameters: storey 2, .*no descending branch"):
+        sl.ShearBuilding(
+            *parts, law="modified_clough", law_parameters={**CAPPED, "softening": [0.2, 0.1]}
+        )
 
 
 def test_the_flag_comes_back():
@@ -117,7 +232,9 @@ def test_without_hysteresis_or_yield_it_is_elastic():
         np.testing.assert_allclose(same, elastic, rtol=1e-6)
 
 
-@pytest.mark.parametrize("structure", [LAWS[1], LAWS[4]], ids=["modified Clough", "flag"])
+@pytest.mark.parametrize(
+    "structure", [LAWS[1], LAWS[4], LAWS[8]], ids=["modified Clough", "flag", "backbone"]
+)
 def test_an_oscillator_on_a_record_follows_central_differences(structure):
     """In steps of 1/5000 of the period, whose error is some 1e-6, with the law from branch to branch."""
     w, xi, alpha = 2 * np.pi / GIVEN["period"], GIVEN["damping"], GIVEN["hardening"]
@@ -158,6 +275,11 @@ def test_the_flag_has_a_stationary_response_and_the_modified_clough_law_has_none
     [
         (sl.ModifiedClough, {"unloading_exponent": 1.0}, "unloading_exponent = 1 is out of range"),
         (sl.ModifiedClough, {"unloading_exponent": -0.1}, "allowed: 0 <= value < 1"),
+        (sl.ModifiedClough, CAPPED | {"cap_ductility": 0.9}, "allowed: 1 <= value, .*not before yield"),
+        (sl.ModifiedClough, CAPPED | {"residual": 1.0}, "allowed: 0 <= value < 1, .*1 at the cap"),
+        (sl.ModifiedClough, {"cracking": 0.4}, "cracking is given without uncracked_stiffness"),
+        (sl.ModifiedClough, {"softening": 0.4}, "softening is given without cap_ductility"),
+        (sl.ModifiedClough, CAPPED | {"softening": 0.11}, r"no descending branch .*0\.111111 < value"),
         (sl.Flag, {"beta": 1.1}, "beta = 1.1 is out of range; allowed: 0 <= value <= 1"),
     ],
 )

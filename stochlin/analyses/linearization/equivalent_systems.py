@@ -144,7 +144,8 @@ def _problem_of(
     structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
 ) -> tuple[_Solver, list[Cells]]:
     """Solver of a structure on its ground, and the arrays that it takes."""
-    values, soil, law = structure.cells(), ground.cells(), structure.own_parameters()
+    values, soil = structure.cells(), ground.cells()
+    law = [values[name] for name in structure.own_parameters() if name in values]
     elastic = closure is None or not structure.yields
     solver = _Solver(
         len(law),
@@ -165,7 +166,7 @@ def _problem_of(
         values.get("yield_displacement", values.get("reduction_factor", np.inf)),
         values["peak_factor"],
         lone(structure.has_one_solution()),
-        *(values[name] for name in law),
+        *law,
         *soil.values(),
     ]
     return solver, inputs

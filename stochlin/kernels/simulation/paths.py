@@ -8,35 +8,63 @@ from __future__ import annotations
 
 import numpy as np
 
-from stochlin.kernels.basics.compiled import compiled, entry
+from stochlin.kernels.basics.compiled import called_often, compiled, entry
 from stochlin.kernels.basics.powers import exponential, logarithm
 from stochlin.kernels.simulation.laws import OTHER, RateLaw
 
 
+@called_often
+def _backbone(mu, x, own, lane):
+    """``z`` of the first loading at a mu from that of cracking on; ``own`` as in `_modified_clough`."""
+    crack, limit, rise = x[own + 1, lane], x[own + 2, lane], x[own + 3, lane]
+    cap, softening, residual = x[own + 4, lane], x[own + 5, lane], x[own + 6, lane]
+    falling = max(1.0 - softening * (mu - cap), residual)
+    return min(crack + rise * (mu - limit), 1.0, falling)
+
+
+@called_often
+def _unloading(peak, x, own, lane):
+    """Stiffness in unloading from the side whose largest mu is ``peak``, over the stiffness to yield.
+
+    Before yielding the way leads to the point of cracking on the other side. Then the stiffness falls
+    with the exponent.
+    """
+    crack, limit, rise = x[own + 1, lane], x[own + 2, lane], x[own + 3, lane]
+    chord = min(crack + rise * (peak - limit), 1.0) + crack
+    worn = exponential(-x[own, lane] * logarithm(max(peak, 1.0)))
+    return chord / (min(peak, 1.0) + limit) * worn
+
+
 @compiled
 def _modified_clough(lanes, x, v, w, own, dt, new):
-    """Peak-oriented branches; own: exponent ``a`` of the unloading stiffness.
+    """Peak-oriented branches.
 
-    States: z; mu; the mu at which z was last zero; the largest mu so far beyond 1, up and down. Formulas
-    are those of an upward motion; others are mirrored.
+    own: the exponent of the unloading stiffness; z and mu of cracking, and the slope from there to
+    yielding (1, 1 and 0 without cracking); mu of the cap (infinite without one), the slope beyond it,
+    downwards, and the least z of the backbone.
+    States: z; mu; the mu at which z was last zero; the largest mu so far beyond that of cracking, up and
+    down. Once one side has yielded, the other is cracked up to yielding, too. Formulas are those of an
+    upward motion; others are mirrored.
     """
     for lane in range(lanes):
-        move, a = x[v, lane] * dt, x[own, lane]
+        move, limit = x[v, lane] * dt, x[own + 2, lane]
         side = 1.0 if move >= 0.0 else -1.0
         up, down = x[w + 3, lane], x[w + 4, lane]
         ahead, behind = (up, down) if move >= 0.0 else (down, up)
         z, mu, zero = side * x[w, lane], side * x[w + 1, lane], side * x[w + 2, lane]
-        end = mu + abs(move)
-        loading = exponential(-a * logarithm(1.0 + ahead))  # stiffness along the unloading branch
-        unloading = exponential(-a * logarithm(1.0 + behind))
+        end, least = mu + abs(move), 1.0 if limit + max(up, down) > 1.0 else 0.0
+        peak = max(limit + ahead, least)
+        unloading = _unloading(max(limit + behind, least), x, own, lane)
         crossing = mu - z / unloading
-        crosses = z < 0.0 and end >= crossing
+        crosses = z <= 0.0 and end >= crossing
         zero = crossing if crosses else zero
-        aim = min((end - zero) / (1.0 + ahead - zero), 1.0)  # on the way to the largest mu so far
-        back = z + loading * abs(move)  # up an unloading branch again, until that way is met
-        after = aim if crosses else min(back, aim)
+        way = _backbone(peak, x, own, lane) * ((end - zero) / (peak - zero))
+        way = way if end < peak else _backbone(end, x, own, lane)
+        # Up an unloading branch again, until the way to the largest mu so far is met
+        back = z + _unloading(peak, x, own, lane) * abs(move)
+        after = way if crosses else min(back, way)
         after = z + unloading * abs(move) if z < 0.0 and not crosses else after
-        beyond = max(ahead, end - 1.0)
+        beyond = max(ahead, end - limit)
         x[new, lane], x[new + 1, lane], x[new + 2, lane] = side * after, side * end, side * zero
         x[new + 3, lane] = beyond if move >= 0.0 else up
         x[new + 4, lane] = down if move >= 0.0 else beyond

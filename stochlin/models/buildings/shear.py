@@ -589,7 +589,8 @@ class ShearBuilding(MultistoreyBuilding):
             strength = {"hardening": self.hardening, "yield_displacement": float(at_yield[weakest])}
         own: dict[str, Any] = {
             name: float(value[weakest] if value.ndim else value)
-            for name, value in zip(law.own_parameters(), law.law_parameters(), strict=True)
+            for name, value in law.arrays().items()
+            if name in law.own_parameters()
         }
         if isinstance(law, Hysteretic):
             own["law"] = law.law

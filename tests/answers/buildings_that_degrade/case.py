@@ -19,6 +19,9 @@ laws = {
     "decay": sl.BoucWenBaberNoori(**strong, strength_decay=0.02, stiffness_decay=0.05, **pinching),
     "clough": sl.ModifiedClough(**strong),
     "flag": sl.Flag(**strong),
+    "backbone": sl.ModifiedClough(
+        **strong, cracking=0.4, uncracked_stiffness=2.5, cap_ductility=1.5, softening=0.4, residual=0.2
+    ),
 }
 for name, structure in laws.items():
     sl.hysteresis_loop(structure, [0.05, -0.05, 0.03], refine=8).to_netcdf(f"{name}.nc")
