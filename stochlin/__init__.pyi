@@ -84,6 +84,7 @@ from .analyses.buildings.pushover_files import read_pushover as read_pushover
 from .analyses.buildings.pushover import bilinear_of as bilinear_of
 from .analyses.buildings.modes import read_modes as read_modes
 from .analyses.charts.loops import hysteresis_loop as hysteresis_loop
+from .views.charts.loops import plot_loop as plot_loop
 from .models.uncertain import Uncertain as Uncertain
 from .analyses.linearization.strength import (
     reduction_factor as reduction_factor,

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import sympy
 import xarray as xr
+from matplotlib.figure import Figure
 
 import stochlin as sl
 from stochlin.models.arguments import (
@@ -50,6 +51,7 @@ UNCHECKED = {
     "to_at2": "it takes a record, whose samples it checks",
     "strong_part": "it takes a record, and two shares that are checked together",
     "exceedance": "it takes arrays, whose dimensions it checks",
+    "plot_loop": "it hands them to hysteresis_loop, which checks them",
     "stationary_covariance": "it takes the dataset of another function",
     "named_ground": BY_NAME,
     "effective_rule": BY_NAME,
@@ -66,7 +68,8 @@ UNCHECKED = {
 def test_what_a_signature_declares_is_checked(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     function = getattr(sl, name)
     plain = inspect.unwrap(function)
-    monkeypatch.setitem(plain.__globals__, "sympy", sympy)  # which modules import when they need it
+    for later in (sympy, Figure):  # which modules import when they need it
+        monkeypatch.setitem(plain.__globals__, later.__name__, later)
     assert bool(checks_of(plain)) == (name not in UNCHECKED)
     assert hasattr(function, "__wrapped__") == (name not in UNCHECKED)
 

@@ -66,6 +66,8 @@ def test_picture():
     np.testing.assert_array_equal(drawn.get_xdata(), loop.displacement)
     np.testing.assert_array_equal(drawn.get_ydata(), loop.force_per_mass)
     assert "Flag(period=0.5" in figure.texts[-1].get_text()
+    [at_once] = sl.plot_loop(sl.Flag(**GIVEN), [0.05, -0.05, 0.0]).axes
+    np.testing.assert_array_equal(at_once.lines[0].get_xydata(), drawn.get_xydata())
     assert axes.get_xlabel() == "displacement relative to the ground [m]"
     with pytest.raises(ValueError, match=r"allowed: a result of stochlin\.hysteresis_loop"):
         sl.charts.draw_loop(loop[["z"]])

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
+from stochlin.analyses.charts.loops import hysteresis_loop
 from stochlin.views.shared.style import CURVES, filled, open_frame, quantity, styled
 
 if TYPE_CHECKING:
@@ -14,6 +15,42 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT, AXIS, LINE = 4.6, 3.2, 0.5, 0.14  # inches; of a line of text
 LEFT = 0.15  # of the width
 CAPTION = 70  # characters
+
+
+def plot_loop(structure: Any, history: Any) -> Figure:
+    """The picture of a structure's restoring force along a history of displacements.
+
+    It is `stochlin.charts.draw_loop` of the result of `hysteresis_loop`, which gives the numbers.
+
+    Parameters
+    ----------
+    structure : Bilinear, BoucWen, Hysteretic or another oscillator
+        As in `hysteresis_loop`.
+    history : array
+        Displacements [m] from turn to turn, as in `hysteresis_loop`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The loop, with its end as a dot, and the structure in words.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As in `hysteresis_loop`.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (5) to (7).
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> rocking = sl.Flag(0.6, 0.05, hardening=0.05, yield_displacement=0.02)
+    >>> figure = sl.plot_loop(rocking, [0.05, -0.05, 0.0])
+    >>> figure.savefig("loop.pdf")  # doctest: +SKIP
+    """
+    return draw_loop(hysteresis_loop(structure, history))
 
 
 @styled()

@@ -23,8 +23,10 @@ laws = {
         **strong, cracking=0.4, uncracked_stiffness=2.5, cap_ductility=1.5, softening=0.4, residual=0.2
     ),
 }
+history = [0.05, -0.05, 0.03]
 for name, structure in laws.items():
-    sl.hysteresis_loop(structure, [0.05, -0.05, 0.03], refine=8).to_netcdf(f"{name}.nc")
+    sl.hysteresis_loop(structure, history, refine=8).to_netcdf(f"{name}.nc")
+sl.plot_loop(laws["decay"], history).savefig("decay.png")
 
 Path("tower.csv").write_text(TABLE, encoding="utf-8")
 Path("push.csv").write_text("\n".join(PUSH), encoding="utf-8")
