@@ -16,6 +16,7 @@ import scipy.linalg
 import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.tables.inputs import only_within
 
 MASSES, HEIGHTS = np.array([300.0, 300.0, 220.0]), np.array([4.0, 3.2, 3.2])  # t, m
 LEVELS, STORIES = np.cumsum(HEIGHTS), ("Story1", "Story2", "Roof")
@@ -222,6 +223,37 @@ def test_tables_of_etabs_are_the_building(tmp_path: Path, variant: str) -> None:
     assert table.attrs["direction"] == "UX"
 
 
+def scrolled(text: str) -> str:
+    """The floors of a report from the roof down, with tabs between the columns."""
+    head, floors = text.split("* FLOORS:\n")
+    titles, *rows = floors.splitlines()
+    return f"{head}* FLOORS:\n\n{titles}\n" + "".join(
+        row.replace(" ", "\t") + "\n" for row in rows[::-1]
+    )
+
+
+OTHERS: dict[str, tuple[str, str]] = {
+    "SAP2000, in another order": (as_text(sap2000()), as_text(sap2000()[::-1])),
+    "SAP2000, with a decimal comma": (as_text(sap2000()), as_text(sap2000(), ";", comma=True)),
+    "SAP2000, page by page": (as_text(sap2000()), as_text([by_page(cells) for cells in sap2000()])),
+    "OpenSees, from the roof down": (opensees(0.0), scrolled(opensees(0.0))),
+    "OpenSees, with the ends of lines of Windows": (opensees(0.0), opensees(0.0).replace("\n", "\r\n")),
+    "OpenSees, in another unit of the same size": (
+        opensees(0.0),
+        opensees(0.0).replace("[t]", "[kN-s2/m]"),
+    ),
+}
+
+
+@pytest.mark.parametrize("variant", OTHERS)
+def test_legal_variants_are_the_same_building(tmp_path: Path, variant: str) -> None:
+    usual, other = (
+        read(tmp_path, text, direction="UX", points=["11", "21", "31"] if "SAP" in variant else ())
+        for text in OTHERS[variant]
+    )
+    xr.testing.assert_identical(other, usual)
+
+
 SOURCES: dict[str, tuple[Callable[[], str], dict[str, object]]] = {
     "etabs": (lambda: as_text(etabs()), {"points": ["1"], "direction": "UX"}),
     "sap2000": (lambda: as_text(sap2000()), {"points": ["11", "21", "31"], "direction": "UX"}),
@@ -299,6 +331,32 @@ def test_a_workbook_has_the_same_modes_as_the_text(tmp_path: Path) -> None:
     place = "tower.xlsx, sheet Mass Summary by Story, line 5, column 2: 'heavy' is not a mass"
     with pytest.raises(ValueError, match=re.escape(place)):
         sl.read_modes(tmp_path / "tower.xlsx", direction="UX")
+
+
+def test_a_folder_with_a_file_for_each_table_has_the_same_modes(tmp_path: Path) -> None:
+    """Other files in it are left alone; what is wrong is said with the file, and links lead nowhere."""
+    folder = tmp_path / "tower"
+    folder.mkdir()
+    for n, cells in enumerate(etabs()[::-1]):
+        (folder / f"table {n}.csv").write_text(as_text([cells]), encoding="utf-8")
+    (folder / "push.csv").write_text("displacement [mm],base shear [kN]\n0,0\n5,200\n", encoding="utf-8")
+    (folder / "notes.txt").write_text("UY is across the gap", encoding="utf-8")
+    of_folder = sl.read_modes(folder, direction="UX")
+    of_text = read(tmp_path, as_text(etabs()), direction="UX")
+    xr.testing.assert_identical(of_folder.drop_attrs(), of_text.drop_attrs())
+    masses = folder / "table 2.csv"
+    text = masses.read_text(encoding="utf-8")
+    masses.write_text(text.replace("Story2,300.0", "Story2,heavy"), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"table 2.csv, line 5, column 2: 'heavy' is not a mass"):
+        sl.read_modes(folder, direction="UX")
+    outside = tmp_path / "outside.csv"
+    masses.rename(outside)
+    masses.symlink_to(outside)
+    with only_within(folder), pytest.raises(ValueError, match="is outside of the folder"):
+        sl.read_modes(folder, direction="UX")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(ValueError, match=r"the folder empty holds no file \.csv"):
+        sl.read_modes(tmp_path / "empty")
 
 
 def test_a_workbook_that_is_none_is_refused(tmp_path: Path) -> None:
@@ -381,6 +439,12 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         {},
     ),
     "points = ('1',) has no meaning for tower.csv": (REPORT, {"points": ["1"]}),
+    "column 2: 'heavy' is not a mass": (REPORT.replace("\n7.2 300 ", "\n7.2 heavy "), {}),
+    "column 1: 'x' is not a level": (REPORT.replace("\n7.2 300 ", "\nx 300 "), {}),
+    "line 21, column 6: 'top' is not a length; allowed: a number": (
+        SAP.replace("11,GLOBAL,Cartesian,9.0,6.0,14.0", "11,GLOBAL,Cartesian,9.0,6.0,top"),
+        POINTS,
+    ),
 }
 
 

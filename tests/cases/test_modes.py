@@ -19,6 +19,7 @@ from stochlin.analyses.explorer.saving import case_text
 from stochlin.analyses.explorer.simulations import merge_tables, simulations
 from stochlin.views.shared.descriptions import in_words
 
+DOCS = Path(__file__).parents[2] / "docs"
 MASSES, HEIGHTS, STIFFNESSES = [3e5, 2.5e5, 2e5], [4.0, 3.0, 3.5], [2e8, 1.8e8, 1.2e8]
 STOREYS = f"""
 [building_1]
@@ -249,9 +250,22 @@ def test_the_explorer_computes_what_the_verbs_do(tmp_path: Path) -> None:
     assert whole.building_1_periods.attrs["units"] == "s"
 
 
+def test_a_folder_of_tables_is_the_building_of_its_files(tmp_path: Path) -> None:
+    tables = (DOCS / "from_tables" / "annex.csv").read_text(encoding="utf-8")
+    (tmp_path / "annex").mkdir()
+    for n, table in enumerate(tables.split("\n\n")):
+        (tmp_path / "annex" / f"{n}.csv").write_text(table, encoding="utf-8")
+    (tmp_path / "annex.csv").write_text(tables, encoding="utf-8")
+    whole, folder = (
+        case_of(tmp_path, f'{OF_FILE.replace("tower.csv", path)}direction = "UX"\n').first.structure
+        for path in ("annex.csv", "annex")
+    )
+    assert folder.describe() == whole.describe()
+
+
 def test_a_file_of_modes_outside_of_the_folder_is_not_read_for_the_explorer(tmp_path: Path) -> None:
     case_of(tmp_path, OF_FILE)
-    (tmp_path / "sub").mkdir()
-    text = (tmp_path / "case.toml").read_text(encoding="utf-8").replace("tower.csv", "../tower.csv")
-    with pytest.raises(ValueError, match="is outside of the folder of the case file"):
-        open_case({"case.toml": text.encode()})
+    text = (tmp_path / "case.toml").read_text(encoding="utf-8")
+    for outside in ("../tower.csv", "..", str(tmp_path)):
+        with pytest.raises(ValueError, match="is outside of the folder of the case file"):
+            open_case({"case.toml": text.replace("tower.csv", outside).encode()})

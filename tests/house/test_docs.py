@@ -28,8 +28,9 @@ REFERENCE = (DOCS / "reference" / "index.md").read_text(encoding="utf-8")
 PUBLIC = Path(sl.__file__).with_suffix(".pyi").read_text(encoding="utf-8")
 
 
-# The commands and the code of the worked case need one another: tests/house/test_worked_case.py
-RUN_HERE = {name: text for name, text in PAGES.items() if name != "worked_case"}
+# Their commands and their code need one another: tests/house/test_worked_case.py
+CASES = "worked_case", "from_tables"
+RUN_HERE = {name: text for name, text in PAGES.items() if name not in CASES}
 
 
 # By tests/house/test_command.py.

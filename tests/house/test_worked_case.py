@@ -1,4 +1,4 @@
-"""The worked case of the documentation: it runs as printed, and the page shows what it prints."""
+"""The cases of the documentation: they run as printed, and the pages show what they print."""
 
 import html
 import re
@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 import xarray as xr
@@ -18,10 +19,17 @@ import stochlin as sl
 pytestmark = [pytest.mark.cli, pytest.mark.slow]
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGE = (DOCS / "worked_case.md").read_text(encoding="utf-8")
 CASE = DOCS / "worked_case.toml"
+# Files, the page for the file, and the least numbers of blocks and of numbers in bold.
+CASES = {
+    "worked_case": ([CASE], "worked_case.html", 7, 20),
+    "from_tables": (sorted((DOCS / "from_tables").iterdir()), "case.html", 4, 3),
+}
 NUMBER = r"\d+\.?\d*"
-RUN = re.findall(r"^```(python|console)\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
+
+
+def blocks(page: str, languages: str) -> list[str]:
+    return re.findall(rf"^```({languages})\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
 
 
 def plain(text: str) -> str:
@@ -47,45 +55,58 @@ def one_fit() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(scope="module")
-def printed(tmp_path_factory: pytest.TempPathFactory) -> str:
-    """All that commands and code of the page print, in its order, and the page that is written."""
-    folder = tmp_path_factory.mktemp("worked_case")
-    shutil.copy(CASE, folder)
+class Shown(NamedTuple):
+    """A page of the documentation, and all that its commands and code print, in their order."""
+
+    name: str
+    page: str
+    printed: str
+
+
+@pytest.fixture(scope="module", params=CASES)
+def shown(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Shown:
+    """With the files of the case, which engineers have, and the page that is written."""
+    name = request.param
+    page = (DOCS / f"{name}.md").read_text(encoding="utf-8")
+    folder = tmp_path_factory.mktemp(name)
+    files, written, *_ = CASES[name]
     said: list[str] = []
+    for file in files:
+        shutil.copy(file, folder)
+        said.append(file.read_text(encoding="utf-8"))
     names: dict[str, object] = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         patch.setenv("MPLBACKEND", "agg")
-        for language, block in RUN:
+        for language, block in blocks(page, "python|console"):
             if language == "console":
-                result = answered(*shlex.split(block)[1:])
-                said.append(result.output)
+                said += [answered(*shlex.split(line)[1:]).output for line in block.splitlines()]
             else:
                 with redirect_stdout(StringIO()) as out:
-                    exec(compile(block, "worked_case.md", "exec"), names)
+                    exec(compile(block, f"{name}.md", "exec"), names)
                 said.append(out.getvalue())
-    said.append((folder / "worked_case.html").read_text(encoding="utf-8"))
-    return plain("\n".join(said))
+    said.append((folder / written).read_text(encoding="utf-8"))
+    return Shown(name, page, plain("\n".join(said)))
 
 
-def test_the_page_shows_what_is_printed(printed: str) -> None:
-    blocks = re.findall(r"^```text\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
-    assert len(blocks) >= 7
-    missing = [line for block in blocks for line in block.splitlines() if plain(line) not in printed]
+def test_the_page_shows_what_is_printed(shown: Shown) -> None:
+    texts = [block for _, block in blocks(shown.page, "text")]
+    assert len(texts) >= CASES[shown.name][2]
+    missing = [line for text in texts for line in text.splitlines() if plain(line) not in shown.printed]
     assert not missing
 
 
-def test_every_number_of_the_text_is_printed(printed: str) -> None:
+def test_every_number_of_the_text_is_printed(shown: Shown) -> None:
     """Those in bold are results; the others are input, which the case file and the code hold."""
-    bold = [one for text in re.findall(r"\*\*(.+?)\*\*", PAGE) for one in re.findall(NUMBER, text)]
-    assert len(bold) >= 20
-    assert set(bold) <= set(re.findall(NUMBER, printed))
+    bold = [one for text in re.findall(r"\*\*(.+?)\*\*", shown.page) for one in re.findall(NUMBER, text)]
+    assert len(bold) >= CASES[shown.name][3]
+    assert set(bold) <= set(re.findall(NUMBER, shown.printed))
 
 
 def test_the_file_takes_the_spreads_of_the_page(tmp_path: Path) -> None:
     text = CASE.read_text(encoding="utf-8")
-    (spread,) = re.findall(r"^```toml\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE)
+    page = (DOCS / "worked_case.md").read_text(encoding="utf-8")
+    ((_, spread),) = blocks(page, "toml")
     for line in spread.splitlines():
         if "=" in line:
             text, found = re.subn(rf"^{line.split()[0]} = .*$", line, text, flags=re.MULTILINE)

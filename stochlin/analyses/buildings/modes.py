@@ -41,8 +41,9 @@ def read_modes(
     ----------
     path : str or path
         Path of the file: a table in the plain form of stochlin; tables that ETABS or SAP2000 export, as
-        a workbook or as text; or the report of OpenSees' ``modalProperties`` with a block of floors. The
-        user guide shows what each needs. Text is in UTF-8, with ``,``, ``;`` or tabs between columns.
+        a workbook, as text, or as a folder with one ``.csv`` for each; or the report of OpenSees'
+        ``modalProperties`` with a block of floors. The user guide shows what each needs. Text is in
+        UTF-8, with ``,``, ``;`` or tabs between columns.
     direction : {"UX", "UY", "UZ"}, optional
         Direction of the gap, needed where the file has modes along two.
     points : sequence of str, optional

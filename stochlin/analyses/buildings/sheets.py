@@ -55,7 +55,15 @@ Sheet = Sequence[SheetRow]
 
 
 def sheets_of(path: Path) -> list[Sheet]:
-    """All sheets of a workbook, or the one of a text; an OSError or ValueError if it is neither."""
+    """All sheets of a workbook, the one of a text, or those of all files ``.csv`` in a folder.
+
+    An OSError or ValueError is raised if it is none of these.
+    """
+    if path.is_dir():
+        files = sorted(f for f in path.iterdir() if f.suffix.lower() == ".csv" and f.is_file())
+        if not files:
+            raise ValueError(f"the folder {plain(path.name)} holds no file .csv")
+        return [sheet for file in files for sheet in sheets_of(file)]
     name, content = plain(path.name), read_input(path)
     sheets = _workbook(path, name) if content.startswith(_WORKBOOK) else [_text(path, name)]
     if not any(sheets):

@@ -24,7 +24,7 @@ USUAL_DAMPING = 0.05
 
 @COMMANDS.register("building")
 @click.command()
-@click.argument("modes", required=False, type=FILE)
+@click.argument("modes", required=False, type=click.Path(path_type=Path))
 @click.option("--direction", help="Direction of the gap, if the file has several: UX, UY or UZ.")
 @click.option(
     "--points",
@@ -78,8 +78,8 @@ def building(
     """Show what files say of a building: periods, masses, shapes, strength, and what is assumed.
 
     MODES is a file with the modes of a building: a table in plain form, tables that ETABS or SAP2000
-    export as .xlsx or .csv, or the report of OpenSees' modalProperties with its floors. A case file
-    takes it as modes = "tower.csv".
+    export as .xlsx or .csv, in one file or in a folder, or the report of OpenSees' modalProperties with
+    its floors. A case file takes it as modes = "tower.csv".
 
     \b
     Examples:
@@ -123,7 +123,10 @@ def building(
             ideal = bilinear_of(read_pushover(pushover, **names), pushover_method)
             tower = tower.with_pushover(ideal)
         table = with_masses(table, tower)
-        show(lines(building_sections(table, tower, damping is not None, ideal)))
+        asked = {"modes": modes.name, "direction": direction, "points": named, **units}
+        asked["pushover"] = pushover.name if pushover else None
+        keys = {key: value for key, value in asked.items() if value}
+        show(lines(building_sections(table, tower, damping is not None, keys, ideal)))
         write(table, data, picture, draw_modes)
         if ideal is not None:
             write(ideal, beside, curve, draw_pushover)

@@ -55,6 +55,8 @@ def tables_in(sheets: Sequence[Sheet]) -> dict[str, CsiTable]:
         for row in sheet:
             if match := TITLE.match(row.cell(0)):
                 name, current = match[1].strip(" \"'"), None
+            elif not name:
+                continue  # what precedes the tables, or another file in their folder
             elif current is None:
                 current = tables.setdefault(spelled(name), CsiTable(name, row, [], []))
                 if current.titles.cells != row.cells:
