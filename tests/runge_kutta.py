@@ -15,46 +15,61 @@ class Frame(NamedTuple):
 
     m: np.ndarray  # (storeys,)
     k: np.ndarray  # (storeys,)
-    xi: float  # in all modes
+    xi: float  # in all modes, or in two of them
     alpha: float
     n: float
     beta: np.ndarray | float  # (storeys, 1), or one of all storeys
     gamma: np.ndarray | float
+    rayleigh: tuple = ()  # the two modes, from 1
+    tangent: bool = False  # whether its part of the stiffness follows that of yielding storeys
 
     def modes(self):
         """Squares of the circular frequencies, and the shapes of the modes."""
+        return eigh(self.stiffness(), np.diag(self.m))
+
+    def stiffness(self):
+        """The matrix of the elastic frame."""
         k = self.k
-        stiffness = np.diag(k) + np.diag([*k[1:], 0.0]) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
-        return eigh(stiffness, np.diag(self.m))
+        return np.diag(k) + np.diag([*k[1:], 0.0]) - np.diag(k[1:], 1) - np.diag(k[1:], -1)
+
+    def factors(self):
+        """``a0`` and ``a1`` of Rayleigh damping, from ``xi = a0/(2 w) + a1 w/2`` in both modes."""
+        w = np.sqrt(self.modes()[0])[[n - 1 for n in self.rayleigh]]
+        return np.linalg.solve(np.stack([1 / w, w], axis=1) / 2, [self.xi, self.xi])
 
     def damping(self):
         """The damping matrix over the masses."""
         squares, shapes = self.modes()
+        if self.rayleigh:
+            a0, a1 = self.factors()
+            elastic = 0 if self.tangent else a1 * self.stiffness() / self.m[:, None]
+            return a0 * np.eye(self.m.size) + elastic
         return shapes @ np.diag(2 * self.xi * np.sqrt(squares)) @ shapes.T * self.m
 
-    def peak_drifts(self, motions, step):
-        """Of the storeys in all motions (steps, motions); each of their values lasts for a step."""
-        damping = self.damping()
+    def peaks(self, motions, step):
+        """Of the drifts and of the floors in motions (steps, motions), whose values last for a step."""
+        damping, later = self.damping(), self.factors()[1] if self.tangent else 0.0
 
         def rates(state, ground):
             u, v, z = state
             drift, rate = between(u), between(v)
-            shear = self.k[:, None] * (self.alpha * drift + (1 - self.alpha) * z)
-            net = shear - np.vstack([shear[1:], np.zeros_like(shear[:1])])
             bent = (
                 self.beta * abs(rate) * abs(z) ** (self.n - 1) * z + self.gamma * rate * abs(z) ** self.n
             )
+            held = z + later * (rate - bent)
+            shear = self.k[:, None] * (self.alpha * (drift + later * rate) + (1 - self.alpha) * held)
+            net = shear - np.vstack([shear[1:], np.zeros_like(shear[:1])])
             return np.array([v, -ground - damping @ v - net / self.m[:, None], rate - bent])
 
         state = np.zeros((3, self.m.size, motions.shape[1]))
-        peaks = np.zeros_like(state[0])
+        peaks = np.zeros_like(state[:2])
         for ground in motions:
             a = rates(state, ground)
             b = rates(state + step / 2 * a, ground)
             c = rates(state + step / 2 * b, ground)
             d = rates(state + step * c, ground)
             state = state + step / 6 * (a + 2 * b + 2 * c + d)
-            peaks = np.maximum(peaks, abs(between(state[0])))
+            peaks = np.maximum(peaks, abs(np.array([between(state[0]), state[0]])))
         return peaks
 
 
@@ -63,12 +78,13 @@ def between(floors):
     return np.diff(floors, axis=0, prepend=0.0)
 
 
-def library_numbers(steps, groups):
+def library_numbers(steps, groups, first=0):
     """The random numbers of the library, by a second program: xoshiro256+, the four parts of its bits.
 
-    Their sum is made normal up to its ninth moment by a polynomial.
+    Their sum is made normal up to its ninth moment by a polynomial. A group has 32 motions.
     """
-    seeds = [np.random.SeedSequence(0, spawn_key=(group,)) for group in range(groups)]
+    numbers = range(first, first + groups)
+    seeds = [np.random.SeedSequence(0, spawn_key=(group,)) for group in numbers]
     s = np.hstack([seed.generate_state(4 * 32, np.uint64).reshape(4, 32) for seed in seeds])
     numbers = np.empty((steps, s.shape[1]))
     for row in numbers:
@@ -94,11 +110,11 @@ def answers_and_numbers(frame, strength, end, limits):
     squares, _ = frame.modes()
     step = 2 * pi / np.sqrt(squares[3]) / 256
     white = library_numbers(int(np.ceil(end / step)), PATHS // 32) * np.sqrt(strength / step)
-    peaks = frame.peak_drifts(-white, step)
+    peaks, _ = frame.peaks(-white, step)
     exceedance = np.mean(peaks > limits[..., None] / 1000, axis=-1)
     # Motions of its own, four times as many; distances of the probabilities over their standard errors.
     own = np.random.default_rng(1).standard_normal((round(end / OWN_STEP), OWN_PATHS))
-    own_peaks = frame.peak_drifts(own * np.sqrt(strength / OWN_STEP), OWN_STEP)
+    own_peaks, _ = frame.peaks(own * np.sqrt(strength / OWN_STEP), OWN_STEP)
     own_exceedance = np.mean(own_peaks > limits[..., None] / 1000, axis=-1)
     variance = own_exceedance * (1 - own_exceedance)
     apart = abs(exceedance - own_exceedance) / np.sqrt(variance / PATHS + variance / OWN_PATHS)

@@ -9,6 +9,7 @@ from cases import assert_near
 from hypothesis import given
 from hypothesis import strategies as st
 from motions import from_sample_to_sample, shaking
+from runge_kutta import Frame
 
 import stochlin as sl
 from stochlin.models.systems import tuned
@@ -251,3 +252,60 @@ def test_a_yielding_frame_moves_and_is_damped_as_by_another_integrator() -> None
     assert_near(table.displacement.values[:, 0, :4], wanted, 1e-4)
     assert float(table.viscous_energy.sel(structure=1)[-1]) == pytest.approx(energy[-1], rel=1e-3)
     assert float(table.energy_balance_error.max()) < 1e-6
+
+
+# --- Damping on the stiffness of before yielding: the numbers of the page ---
+
+M, K = 1e5 * np.array([3, 3, 3, 3, 3, 2.4]), 1e8 * np.array([4.2, 4, 3.6, 3.1, 2.5, 1.8])
+UY = np.array([12, 12, 11, 10, 9, 8]) / 1000
+FORCES = ((0.02, 0.062, 0.147), (0.05, 0.083, 0.198))  # S0, largest forces over the strength
+SHAKING = ((0.02, 1.8, 0.97), (0.05, 3.1, 0.955))  # S0, mean ductility, least ratio of drifts
+
+
+@pytest.mark.slow
+@pytest.mark.oracle
+@pytest.mark.parametrize(("intensity", "ductility", "least"), SHAKING)
+def test_drifts_are_a_little_smaller_than_with_damping_on_the_tangent_stiffness(
+    intensity: float, ductility: float, least: float
+) -> None:
+    """By a program that has both, in the same motions."""
+    step, own = 0.005, 1 / (2 * UY[:, None] ** 3)
+    noise = np.random.default_rng(0).standard_normal((3000, 512)) * np.sqrt(2 * np.pi * intensity / step)
+    initial, tangent = (
+        Frame(M, K, 0.05, 0.05, 3, own, own, (1, 3), later).peaks(noise, step)[0].mean(axis=1)
+        for later in (False, True)
+    )
+    assert np.mean(initial / UY) == pytest.approx(ductility, abs=0.1)
+    ratio = initial / tangent
+    assert ratio.min() == pytest.approx(least, abs=0.004)
+    assert ratio.max() < 1.01
+
+
+@pytest.mark.slow
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    ("intensity", "dashpots", "whole"), [(0.02, 0.062, 0.147), (0.05, 0.083, 0.198)]
+)
+def test_dashpots_of_yielding_storeys_carry_a_small_share_of_their_strength(
+    intensity: float, dashpots: float, whole: float
+) -> None:
+    """Medians over motions of the largest force of a storey's dashpot, and of all damping above it."""
+    law = {"beta": 0.5, "gamma": 0.5, "exponent": 3.0}
+    frames = [
+        sl.ShearBuilding(
+            *(M, K, [3.2] * 6, 0.05, 0.05, UY), law="bouc_wen", law_parameters=law, **damping
+        )
+        for damping in (RAYLEIGH, {})
+    ]
+    motions = sl.simulated_motions(sl.WhiteNoise(intensity), 15.0, paths=16, step=0.02)
+    rates = [
+        np.stack([sl.respond(each, motion).velocity.values for motion in motions]) for each in frames
+    ]
+    _, a1 = factors(frames[0], 0.05, (1, 3))
+    strength = K * UY
+    largest = abs(a1 * K * np.diff(rates[0], axis=-1, prepend=0.0)).max(axis=1) / strength
+    assert np.median(largest, axis=0).max() == pytest.approx(dashpots, rel=0.08)
+    for each, velocities in zip(frames, rates, strict=True):
+        forces = (velocities @ each.damping_matrix())[..., ::-1].cumsum(axis=-1)[..., ::-1]
+        shares = np.median(abs(forces).max(axis=1) / strength, axis=0)
+        assert shares.max() == pytest.approx(whole, rel=0.08)
