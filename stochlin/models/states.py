@@ -56,11 +56,21 @@ class NotLinearizedError(ArithmeticError):
     """A law has no equivalent coefficients; simulated motions follow it nevertheless."""
 
 
-def cannot_be_linearized(law: str) -> NotLinearizedError:
-    """The error where a law of more than one state would be linearized."""
+def cannot_be_linearized(law: str, states: int) -> NotLinearizedError:
+    """The error where a law would be linearized that has so many states; 0 if not given by rates."""
+    why = "a law with more than one state has no stationary closure here"
+    by = "transient_response, pounding_probability, " if states else ""
     return NotLinearizedError(
-        f"{law} cannot be linearized: a law with more than one state has no stationary closure here; "
-        "follow it in time, by simulate with a duration, separation, respond, recorded_gap or pound"
+        f"{law} cannot be linearized: {why if states else 'its rates are not given in symbols'}; follow "
+        f"it in time, by {by}simulate with a duration, separation, respond, recorded_gap or pound"
+    )
+
+
+def turns_with_the_motion(law: str, states: list[str]) -> NotLinearizedError:
+    """The error where a law would be linearized whose further states have no mean."""
+    return NotLinearizedError(
+        f"{law} cannot be linearized in time: {listed(states)} turns with the motion, so that its mean "
+        "is 0, and only the means of further states are followed; use simulate with a duration"
     )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.gaussian import Closure
+from stochlin.kernels.linearization.gaussian import Closure, ClosureInTime
 from stochlin.messages import listed
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.states import cannot_be_linearized, in_words
@@ -54,7 +54,6 @@ class Structure(Model):
 
     # Closures in closed form, by name; None for `NARROW_BAND`, which works without such a function.
     closures: ClassVar[Mapping[str, Closure | None]] = {}
-    linearizes: ClassVar[bool] = True  # whether there are closures at all
 
     period: Parameter = parameter("s", "period of small oscillations", POSITIVE)
     damping: Parameter = parameter("1", "damping ratio", DAMPING)
@@ -115,12 +114,27 @@ class Structure(Model):
 
         It raises an ArithmeticError if the law has none in closed form, and none accurate by quadrature.
         """
-        if not self.linearizes:
-            raise cannot_be_linearized(type(self).__name__)
         closed = self.closures.get(name)
         if closed is None:
+            if not self.linearizes:
+                raise cannot_be_linearized(self._name, self._states)
             self._compiled.check_expectations(self._examples)
         return closed or self._compiled.gaussian
+
+    def closure_in_time(self) -> ClosureInTime:
+        """The Gaussian closure of this law with the means of its further states, if it has any.
+
+        It raises an ArithmeticError as `closure` does, or if a further state has no mean.
+        """
+        if self.linearizes or not self._states:
+            return ClosureInTime(self.closure(GAUSSIAN))
+        self._compiled.check_in_time(self._examples)
+        law = self._compiled
+        return ClosureInTime(law.held.gaussian, self._states - 1, law.mean_rates)
+
+    def further_states(self) -> tuple[str, ...]:
+        """Names of the states besides z of a law that gives the rates of its states in symbols."""
+        return tuple(name for name, _ in self._compiled.rates[1:])
 
     def has_one_solution(self) -> xr.DataArray:
         """True for the cells in which linearization is known to have only one solution.
@@ -135,11 +149,10 @@ class Structure(Model):
         if not self.yields or getattr(self.step(), "states", 1) == 1:
             return
         if growing := self._compiled.growing(self._examples):
-            name = type(self).__name__ if self.own_parameters() else f"law = {in_words(self.symbolic())}"
             raise ValueError(
-                f"{role}: {name} has no stationary response: it depends on {listed(growing)}, which "
-                "keeps its sign when the motion turns, as an energy does, and grows for ever; follow it "
-                "in motions of finite length, by simulate with a duration, or separation"
+                f"{role}: {self._name} has no stationary response: it depends on {listed(growing)}, "
+                "which keeps its sign when the motion turns, as an energy does, and grows for ever; "
+                "follow it in motions of finite length, by simulate with a duration, or separation"
             )
 
     def step(self) -> Any:
@@ -150,6 +163,21 @@ class Structure(Model):
         """What closures and time steps of this law take: the `own_parameters`, in the same order."""
         values = self.arrays()
         return [values[name] for name in self.own_parameters()]
+
+    @property
+    def linearizes(self) -> bool:
+        """Whether the law has closures of a stationary response."""
+        return bool(self.closures) or self._states == 1
+
+    @property
+    def _states(self) -> int:
+        """Number of states of a law that is given by their rates; 0 of one that is not."""
+        return 0 if type(self).symbolic is Structure.symbolic else len(self._compiled.rates)
+
+    @property
+    def _name(self) -> str:
+        """The law as messages name it."""
+        return type(self).__name__ if self.own_parameters() else f"law = {in_words(self.symbolic())}"
 
     @cached_property
     def _compiled(self) -> SymbolicLaw:

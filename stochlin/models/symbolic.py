@@ -14,22 +14,28 @@ import sympy
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.powers import exponential, logarithm, power
 from stochlin.kernels.linearization.gaussian import ClosureValue, gaussian_covariance, regress_slip
-from stochlin.kernels.linearization.quadrature import SlipRate, slip_expectations
+from stochlin.kernels.linearization.quadrature import (
+    SlipRate,
+    even_expectation,
+    slip_expectations,
+)
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.states import (
     GIVE,
     MOST_STATES,
     NotLinearizedError,
-    cannot_be_linearized,
     in_words,
     rates_by_state,
+    turns_with_the_motion,
 )
 
 if TYPE_CHECKING:
     from stochlin.models.states import Rates
 
 ORDER = 52
-ACCURACY = 1e-9
+ACCURACY = 1e-9  # of Gaussian expectations
+ACCURACY_IN_TIME = 1e-3  # of those with the means of further states, some of which may be small
+MEANS = (0.0, 0.1, 1.0, 10.0)  # of further states for which the latter are checked
 LARGEST = 1e300
 _FUNCTIONS = {  # that both numpy and math have
     *(sympy.Abs, sympy.sign, sympy.Max, sympy.Min, sympy.Heaviside, sympy.Piecewise),
@@ -89,15 +95,46 @@ class SymbolicLaw:
         def slip(rate: Array, displacement: Array, values: Array) -> Array:
             return rate - self._values(rate, (displacement,), values)[0]
 
+        return self._integrand(slip)
+
+    def _integrand(self, function: Callable[[Array, Array, Array], Array]) -> SlipRate:
+        """A function of ``v``, ``z`` and the parameters that bends where the rate of z does."""
         probes = np.random.default_rng(4).uniform(0.3, 1.7, (len(self.parameters), _PROBES.shape[1]))
-        slip_rate = SlipRate(slip, self._kinks(), False)
-        return slip_rate._replace(rate_independent=_is_rate_independent(slip_rate, probes))
+        integrand = SlipRate(function, self._kinks(), False)
+        return integrand._replace(rate_independent=_is_rate_independent(integrand, probes))
 
     def gaussian(self, latent: Array, parameters: Array) -> ClosureValue:
         """Gaussian closure by quadrature: equivalent coefficients, with their derivatives."""
         slip, slip_jacobian = slip_expectations(self.slip_rate, latent, parameters, ORDER)
         moments = gaussian_covariance(latent)
         return ClosureValue(*regress_slip(slip, slip_jacobian, *moments), *moments)
+
+    @cached_property
+    def held(self) -> SymbolicLaw:
+        """The law with z alone, whose parameters are followed by all further states, held."""
+        return compiled(self.rates[0][1], (*self.parameters, *(name for name, _ in self.rates[1:])))
+
+    @cached_property
+    def _further_rates(self) -> list[SlipRate]:
+        """Rates of the further states, as functions of ``v``, ``z`` and what `held` has."""
+        own = len(self.parameters)
+
+        def rate_of(state: int) -> SlipRate:
+            def rate(v: Array, z: Array, values: Array) -> Array:
+                states = [np.broadcast_to(value, v.shape) for value in values[own:]]
+                return self._values(v, (z, *states), values[:own])[state]
+
+            return self.held._integrand(rate)
+
+        return [rate_of(state) for state in range(1, len(self.rates))]
+
+    def mean_rates(self, latent: Array, parameters: Array) -> Array:
+        """Mean rates of the further states (states, n) for Gaussian ``(v, z)``, by quadrature.
+
+        ``parameters`` are those of `held`, with the means of these states in place of the states.
+        """
+        rates = [even_expectation(rate, latent, parameters, ORDER) for rate in self._further_rates]
+        return np.array(rates).reshape(-1, latent.shape[1])
 
     @cached_property
     def step(self) -> Any:
@@ -127,9 +164,14 @@ class SymbolicLaw:
 
     def check_expectations(self, parameters: Array) -> None:
         """Raise an ArithmeticError if `gaussian` is not accurate; parameters as for `check`."""
-        if len(self.rates) > 1:
-            raise cannot_be_linearized(f"law = {in_words(self.rates)}")
         self._check_each(parameters, self._check_quadrature)
+
+    def check_in_time(self, parameters: Array) -> None:
+        """Raise an ArithmeticError if `held` is not accurate, or if a further state has no mean.
+
+        ``parameters`` are those for `check`.
+        """
+        self._check_each(parameters, self._check_held)
 
     def growing(self, parameters: Array) -> list[str]:
         """States like an energy on which z depends for some of the parameters, given as for `check`."""
@@ -252,8 +294,16 @@ class SymbolicLaw:
                 return -1, *further
         return None
 
+    def _check_held(self, column: Array) -> None:
+        signs = zip(self.rates, self._signs(column) or (), strict=True)
+        if turning := [name for (name, _), sign in signs if sign < 0 and name != "z"]:
+            raise turns_with_the_motion(self._named(column), turning)
+        for mean in MEANS:
+            means = np.full(len(self.rates) - 1, mean)
+            self.held._check_quadrature(np.concatenate([column, means]), ACCURACY_IN_TIME)
+
     @np.errstate(all="ignore")
-    def _check_quadrature(self, column: Array) -> None:
+    def _check_quadrature(self, column: Array, allowed: float = ACCURACY) -> None:
         latent = np.array([[0.1, 1.0, 2.0, 50.0], [2.5, 0.4, 0.9, 1.2], [0.7, 0.0, 0.3, 0.5]])
         parameters = np.repeat(column[:, None], latent.shape[1], axis=1)
         coarse, fine = (
@@ -261,11 +311,11 @@ class SymbolicLaw:
             for order in (ORDER, 3 * ORDER)
         )
         error = np.nan_to_num(np.max(np.abs(coarse - fine) / (np.abs(fine) + latent[0])), nan=np.inf)
-        if not error < ACCURACY:
+        if not error < allowed:
             kinks = np.unique([0.0, *(float(np.squeeze(k)) for k in self.slip_rate.kinks(column))])
             raise NotLinearizedError(
                 f"{self._named(column)} cannot be linearized: its Gaussian expectations have the error "
-                f"{error:.1e}, allowed {ACCURACY:.0e}, since it bends, jumps or is steep elsewhere than "
+                f"{error:.1e}, allowed {allowed:.0e}, since it bends, jumps or is steep elsewhere than "
                 f"at v = 0 and z = {', '.join(f'{kink:g}' for kink in kinks)}, has a power below 1/2 "
                 "there, or grows too fast. Write kinks as Abs, sign, Heaviside, Max, Min or Piecewise "
                 "of z alone and make the law smoother, or use simulation, which takes it as it is"

@@ -16,7 +16,7 @@ TIMES = np.linspace(0, 20, 401)
 def moments(variance, product, relaxation):
     """Moments over time (times, 2) of two structures, and (times,) their covariance."""
     nothing = np.zeros_like(variance)
-    own = Own(variance, nothing, nothing, nothing, relaxation)
+    own = Own(variance, nothing, nothing, nothing, relaxation, nothing[:, None])
     return own, Difference(*[np.zeros((len(product), 1))] * 3, product[:, None])
 
 

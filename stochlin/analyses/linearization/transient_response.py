@@ -54,6 +54,10 @@ def transient_response(
     the state matrix ``A`` of the structure, the covariance ``C`` of structure and ground, and the input
     matrix ``B``, which is proportional to the envelope.
 
+    A law with memory has further states ``e`` besides ``z``, such as the dissipated energy. Its
+    coefficients are those of the law in which ``e`` has its mean, and the means grow with the response,
+    ``E[e]' = E[rate of e]``, from 0 on (Baber and Wen 1981).
+
     With a ``modulation`` ``a(t, w)`` the ground motion is an evolutionary process (Priestley 1965),
     whose amplitude depends on time and frequency:
 
@@ -64,8 +68,8 @@ def transient_response(
 
     Parameters
     ----------
-    structure : Bilinear, BoucWen or Hysteretic
-        The structure.
+    structure : Bilinear, BoucWen, Hysteretic or BoucWenBaberNoori
+        The structure. Further states of its law keep their sign when the motion turns, as energies do.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground; its parameters and those of the structure broadcast by dimension name.
     duration : float
@@ -84,7 +88,10 @@ def transient_response(
     -------
     xarray.Dataset
         Over ``time`` [s] and the dimensions of the parameters: ``displacement_std`` [m],
-        ``velocity_std`` [m/s], ``z_std`` [-] (0 if elastic), ``c_eq`` [-] and ``k_eq`` [1/s]. Over
+        ``velocity_std`` [m/s], ``z_std`` [-] (0 if elastic), ``c_eq`` [-] and ``k_eq`` [1/s]; and
+        ``hysteretic_energy`` [m^2/s^2], the mean work done on the hysteretic spring so far, over the
+        mass: what it has dissipated, and the little that it stores. A law with memory adds
+        ``state_mean``, the means of its further states over ``state``, as the law measures them. Over
         ``time``: ``envelope`` [-], of a modulation its largest value over frequency, and
         ``permanent_set``, a flag that is 1 after the strong shaking.
         Over the dimensions of the parameters: ``yield_displacement`` [m] and ``status``.
@@ -97,7 +104,8 @@ def transient_response(
         given, or the modulation is no function, is complex, negative, not finite or zero throughout, has
         another shape, or is so rough over frequency that 5 % of it are lost.
     ArithmeticError
-        If a single case fails; in a table the cell is NaN and its status gives the reason.
+        If a single case fails, or the law has no rates in symbols, as that of `ModifiedClough` and
+        `Flag`; in a table the cell is NaN and its status gives the reason.
 
     Notes
     -----
@@ -113,6 +121,7 @@ def transient_response(
 
     References
     ----------
+    Baber, T. T. and Wen, Y. K. (1981), J. Eng. Mech. Div. ASCE 107, 1069-1087.
     Priestley, M. B. (1965), J. R. Stat. Soc. B 27.
     Roberts, J. B. and Spanos, P. D. (1990). Random vibration and statistical linearization.
 
@@ -152,15 +161,22 @@ def transient_response(
     own = solve_course([side], ground, np.zeros((2, 0), int), course).own
     shown = course.shown
     _, _, _, uy = oscillators_of([side])
+    couple = side.stack.system.couple.ravel()
+    work, means = own.means[shown, :1].sum(axis=1), own.means[shown, 1:]
     values = {
         "displacement_std": np.sqrt(np.maximum(own.displacement[shown], 0)),
         "velocity_std": np.sqrt(np.maximum(own.velocity[shown], 0)),
         "z_std": np.sqrt(np.maximum(own.z[shown], 0)) / uy,
         "c_eq": own.slip[shown] - 1,
         "k_eq": own.relaxation[shown],
+        "hysteretic_energy": couple * np.where(np.isinf(uy), 0.0, uy) ** 2 * work,
         "yield_displacement": uy,
     }
     table = xr.Dataset({name: spread_over(row, side.position) for name, row in values.items()})
+    if means.shape[1]:
+        states = [spread_over(means[:, n], side.position) for n in range(means.shape[1])]
+        table["state_mean"] = xr.concat(states, "state").transpose("time", "state", ...)
+        table["state"] = "state", [*structure.further_states()]
     table = over_time(table, course).assign(status=side.status.astype(np.int8))
     table = labels.label(table, VARIABLES)
     if structure.yields:

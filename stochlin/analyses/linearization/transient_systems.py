@@ -21,7 +21,7 @@ from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.linearization.gaussian import Closure
+from stochlin.kernels.linearization.gaussian import ClosureInTime
 from stochlin.kernels.linearization.modulated_filters import RowsFilter
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
 from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
@@ -29,9 +29,9 @@ from stochlin.kernels.linearization.transient import (
     NODES,
     NODES_OF_STOREYS,
     ChainEquations,
-    Coefficients,
     Difference,
     Filters,
+    LawsInTime,
     Own,
     StoreyChains,
     Transient,
@@ -314,8 +314,8 @@ def solve_course(
             "numbers": COLUMNS * course.times.size * m * (n + pairs.shape[1]) + AT_NODES * filters,
         },
     )
-    closure = _coefficients(sides) if any(group.yields.any() for group in groups) else None
-    transient = Transient(groups, pairs, closure, course.amplitudes)
+    laws = _laws_in_time(sides) if any(group.yields.any() for group in groups) else None
+    transient = Transient(groups, pairs, laws, course.amplitudes)
     kinks = () if course.envelope is None else course.envelope.kinks()
     return TransientMoments(*transient.solve(course.times, kinks, progress), tuple(sides), course)
 
@@ -372,12 +372,12 @@ def _structures(side: StructureCells) -> StoreyChains:
     )
 
 
-def _coefficients(sides: Sequence[StructureCells]) -> Coefficients:
-    """Function for the equivalent coefficients of all yielding elements by their laws."""
+def _laws_in_time(sides: Sequence[StructureCells]) -> LawsInTime:
+    """The closures of all yielding elements by their laws, whose first state is the energy."""
     yielding = [side for side in sides if side.structure.yields]
 
-    def closure_of(side: StructureCells) -> Closure:
-        return side.stack.law.closure("gaussian")
+    def closure_of(side: StructureCells) -> ClosureInTime:
+        return side.stack.law.closure_in_time()
 
     def law_of(side: StructureCells) -> Array:
         return side.law[:, np.isfinite(side.stack.system.strength.ravel())]
@@ -387,16 +387,24 @@ def _coefficients(sides: Sequence[StructureCells]) -> Coefficients:
         for closure, members in groupby(yielding, closure_of)
     ]
     ends = np.cumsum([law.shape[1] for _, law in groups])
+    states = 1 + max(closure.states for closure, _ in groups)
 
-    def coefficients(latent: Array) -> Array:
-        parts, states = [], latent[0, ..., 0].size
-        for (closure, law), end in zip(groups, ends, strict=True):
-            part = latent[..., end - law.shape[1] : end]
-            of_all = law if states == 1 else np.tile(law, states)
-            parts.append(closure(part.reshape(3, -1), of_all).coefficients.reshape(2, *part.shape[1:]))
-        return np.concatenate(parts, axis=-1)
+    def closure(latent: Array, means: Array) -> tuple[Array, Array]:
+        coefficients, rates = np.empty((2, *latent.shape[1:])), np.zeros(means.shape)
+        rates[0] = latent.prod(axis=0)
+        for (of_law, law), end in zip(groups, ends, strict=True):
+            cells, own = slice(end - law.shape[1], end), slice(1, 1 + of_law.states)
+            part = latent[..., cells]
+            spread = law.reshape(len(law), *(1,) * (part.ndim - 2), -1)
+            spread = np.broadcast_to(spread, (len(law), *part.shape[1:]))
+            rows = np.concatenate([spread, means[own, ..., cells]])
+            flat = part.reshape(3, -1), rows.reshape(len(rows), -1)
+            found = of_law.closure(*flat).coefficients
+            coefficients[..., cells] = found.reshape(2, *part.shape[1:])
+            rates[own, ..., cells] = of_law.mean_rates(*flat).reshape(of_law.states, *part.shape[1:])
+        return coefficients, rates
 
-    return coefficients
+    return LawsInTime(states, closure)
 
 
 def _filters(ground: Ground, values: Mapping[str, Array], course: TimeGrid) -> Filters:

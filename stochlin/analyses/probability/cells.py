@@ -239,8 +239,10 @@ def _drift(pairs: PairTable, moments: TransientMoments, ground: Ground) -> tuple
     """Variances [m^2] of the plastic drifts and of their difference; NaN outside the map of the bias."""
     own, both, sides, course = moments
     first, second = (side.structure for side in sides)
-    if not (isinstance(first, Structure) and isinstance(second, Structure)):
-        unknown = np.nan if first.yields or second.yields else 0.0  # the map has oscillators only
+    if not (isinstance(first, Structure) and isinstance(second, Structure)) or not all(
+        structure.linearizes or not structure.yields for structure in (first, second)
+    ):
+        unknown = np.nan if first.yields or second.yields else 0.0
         return np.full_like(own.displacement, unknown), np.full_like(both.d_d, unknown)
     solved = zip((linearize(first, ground), linearize(second, ground)), sides, strict=True)
     biases = [of_cells(table.bias, side.position) for table, side in solved]

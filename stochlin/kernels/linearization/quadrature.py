@@ -52,25 +52,35 @@ def slip_expectations(
     The moments are ``sv``, ``sz``, ``r`` of the Gaussian ``(v, z)``; ``parameters`` (m, n) are those of
     the law, and ``order`` is the number of Gauss-Legendre nodes of each panel.
     """
-    values = np.empty((2, latent.shape[1]))
-    jacobian = np.empty((2, 3, latent.shape[1]))
+    return _assemble(_moments(law, latent, parameters, order, 4), latent)
+
+
+def even_expectation(function: SlipRate, latent: Array, parameters: Array, order: int) -> Array:
+    """``E[f]`` (n,) of an even function ``f(v, z)``, with arguments as for `slip_expectations`."""
+    expectation: Array = _moments(function, latent, parameters, order, 1)[0, 0]
+    return expectation
+
+
+def _moments(law: SlipRate, latent: Array, parameters: Array, order: int, powers: int) -> Array:
+    """``M[a, b] = 2 E[w x^a t^b; x > 0]`` for ``x = v/sv`` and ``t = z/sz``, (powers, powers, n)."""
+    moments = np.empty((powers, powers, latent.shape[1]))
     block = CELLS if law.rate_independent else 1 + CELLS // order
     for begin in range(0, latent.shape[1], block):
         cells = slice(begin, begin + block)
-        moments = _moments(law._replace(parameters=parameters[:, cells]), latent[:, cells], order)
-        values[:, cells], jacobian[:, :, cells] = _assemble(moments, latent[:, cells])
-    return values, jacobian
+        of_block = law._replace(parameters=parameters[:, cells])
+        moments[..., cells] = _of_block(of_block, latent[:, cells], order, powers)
+    return moments
 
 
-def _moments(law: SlipRate, latent: Array, order: int) -> Array:
-    """``M[a, b] = 2 E[w x^a t^b; x > 0]`` for ``x = v/sv`` and ``t = z/sz``, shape (4, 4, n)."""
+def _of_block(law: SlipRate, latent: Array, order: int, powers: int) -> Array:
+    """`_moments` of cells that are computed together."""
     sv, sz, r = (row[:, None] for row in latent)
     q = np.sqrt((1 - r) * (1 + r))
     t, weight = _panels(law.kinks(law.parameters[:, :, None]), sz, r, q, order)
     weight = 2 * weight * np.exp(-0.5 * t * t) / SQRT_2PI
     inner = _inner_closed if law.rate_independent else _inner_quadrature
-    powers = np.stack([weight, weight * t, weight * t**2, weight * t**3])
-    return np.einsum("anj,bnj->abn", inner(law, sv, sz * t, r * t, q, order), powers)
+    outer = np.stack([weight * t**power for power in range(powers)])
+    return np.einsum("anj,bnj->abn", inner(law, sv, sz * t, r * t, q, order, powers), outer)
 
 
 def _panels(
@@ -95,17 +105,21 @@ def _panels(
     return (middle + half * nodes).reshape(shape), (half * weights).reshape(shape)
 
 
-def _inner_closed(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
+def _inner_closed(
+    law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int, powers: int
+) -> Array:
     """``E[w x^a; x > 0 | t]`` for ``w = sv x w(1, z)``: truncated Gaussian moments by recursion."""
     density = np.exp(-0.5 * (mean / q) ** 2) / SQRT_2PI
     below = [ndtr(mean / q)]
     below.append(mean * below[0] + q * density)
-    for power in range(2, 5):
+    for power in range(2, powers + 1):
         below.append(mean * below[-1] + (power - 1) * q * q * below[-2])
     return sv * law(np.ones_like(z), z) * np.stack(below[1:])
 
 
-def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int) -> Array:
+def _inner_quadrature(
+    law: SlipRate, sv: Array, z: Array, mean: Array, q: Array, order: int, powers: int
+) -> Array:
     """``E[w x^a; x > 0 | t]`` by Gauss-Legendre quadrature, where the density is not negligible.
 
     The panels become smaller towards ``v = 0``, near which a rate-dependent law may change within a
@@ -118,7 +132,7 @@ def _inner_quadrature(law: SlipRate, sv: Array, z: Array, mean: Array, q: Array,
     weight = width * weights * np.exp(-0.5 * ((x - mean[..., None]) / q[..., None]) ** 2)
     weight *= law(sv[..., None] * x, np.broadcast_to(z[..., None], x.shape))
     weight /= SQRT_2PI * q[..., None]
-    return np.stack([(weight * x**power).sum(axis=-1) for power in range(4)])
+    return np.stack([(weight * x**power).sum(axis=-1) for power in range(powers)])
 
 
 def on_panels(edges: Array, order: int) -> tuple[Array, Array]:

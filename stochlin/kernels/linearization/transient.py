@@ -43,9 +43,9 @@ from stochlin.kernels.basics.parallel import Progress
 
 RTOL, ATOL = 1e-9, 1e-12  # tolerances of covariances, in units of the elastic stationary response
 RTOL_YIELDING = 1e-7  # with yielding structures, for which linearization is itself an approximation
-LEAST_Z = 0.04  # sz over the yield displacement below which slip is neglected (probability 1e-130)
+LEAST_Z = 0.04  # sz over the yield displacement below which closures are those of this sz
+LEAST_RATE = 1e-12  # sv over w times the yield displacement, to which it is limited
 LARGEST_CORRELATION = 1 - 1e-12  # to which corr(v, z) is limited
-RESTING = np.array([1.0, 1.0, 0.0])  # (sv, sz, r) in place of those at rest, whose result is not used
 # Nodes of a panel: fewer with storeys, whose larger matrices then remain in the processor's cache.
 NODES, NODES_OF_STOREYS = lobatto(24), lobatto(16)
 FIRST = 5.0  # length of the first panel, as phase of the fastest oscillation [rad]
@@ -95,6 +95,7 @@ class Own(NamedTuple):
     z: Array  # (times, all storeys) variance of uy z of the storeys [m^2]
     slip: Array  # (times, all storeys) 1 + c_e
     relaxation: Array  # (times, all storeys) k_e [1/s]
+    means: Array  # (times, states, all storeys) of the further states of the laws
 
 
 class Difference(NamedTuple):
@@ -112,6 +113,7 @@ class Covariances(NamedTuple):
     soil: list[Array]  # C (n, 3 m, k) of each group
     own: list[Array]  # X (n, 3 m, 3 m) of each group
     both: Array  # X12 (p, 3 m, 3 m)
+    means: Array  # (states, y) of the further states of all yielding storeys
 
 
 class PanelMatrices(NamedTuple):
@@ -158,8 +160,15 @@ class Path(NamedTuple):
 
 
 Amplitudes = Callable[[Array], Array]  # from times (q,) to the amplitudes of the rows (q, r)
-# From the moments (sv, sz, r) in yield displacements, (3, ..., n), to (1 + c_e, k_e), (2, ..., n).
-Coefficients = Callable[[Array], Array]
+
+
+class LawsInTime(NamedTuple):
+    """The laws of all yielding storeys, linearized, with the means of their further states."""
+
+    states: int  # largest number of further states
+    # From the moments (sv, sz, r) in yield displacements, (3, ..., y), and the means (states, ..., y) to
+    # the coefficients (1 + c_e, k_e), (2, ..., y), and the rates of the means, (states, ..., y).
+    closure: Callable[[Array, Array], tuple[Array, Array]]
 
 
 class ChainEquations:
@@ -293,20 +302,18 @@ class ChainEquations:
             w**2 * _weighted(self.seen, own[..., v, v], self.seen),
         )
 
-    def latent(self, squares: Array) -> tuple[Array, Array]:
-        """``(sv, sz, r)`` (3, ..., y) of the yielding storeys, and which of them move."""
+    def latent(self, squares: Array) -> Array:
+        """``(sv, sz, r)`` (3, ..., y) of the yielding storeys."""
         d_d, d_y, y_y, v_d, v_y, v_v = squares[..., self.yields]
-        unit, z_z, v_z = self.unit, d_d - 2 * d_y + y_y, v_d - v_y
-        sz, sv = np.sqrt(np.maximum(z_z, 0)), np.sqrt(np.maximum(v_v, 0))
-        moving = (sz * unit > LEAST_Z) & (sv > 0)
-        r = np.minimum(np.maximum(v_z / (sv * sz), -LARGEST_CORRELATION), LARGEST_CORRELATION)
-        rates = sv * unit * self.frequency
-        resting = RESTING.reshape(3, *(1,) * moving.ndim)
-        return np.where(moving, np.stack([rates, sz * unit, r]), resting), moving
+        z_z, v_z = d_d - 2 * d_y + y_y, v_d - v_y
+        sz = np.maximum(np.sqrt(np.maximum(z_z, 0)), LEAST_Z / self.unit)
+        sv = np.maximum(np.sqrt(np.maximum(v_v, 0)), LEAST_RATE / self.unit)
+        r = np.clip(v_z / (sv * sz), -LARGEST_CORRELATION, LARGEST_CORRELATION)
+        return np.stack([sv * self.unit * self.frequency, sz * self.unit, r])
 
 
 class Transient:
-    """The equations of all structures and pairs; ``closure`` is None if all structures are elastic.
+    """The equations of all structures and pairs; ``laws`` is None if all structures are elastic.
 
     In ``pairs`` (2, p), the numbers of structures are counted over all groups; the first of a pair is
     in the first group, and the second in the last one, which may be the same.
@@ -316,14 +323,15 @@ class Transient:
         self,
         groups: Sequence[ChainEquations],
         pairs: Array,
-        closure: Coefficients | None,
+        laws: LawsInTime | None,
         amplitudes: Amplitudes,
     ) -> None:
-        self.groups, self.closure, self.amplitudes = groups, closure, amplitudes
+        self.groups, self.laws, self.amplitudes = groups, laws, amplitudes
         self.nodes = groups[0].nodes
         before = sum(group.shapes[0][0] for group in groups[:-1])
         self.pairs = pairs[0], pairs[1] - before
-        self.tolerance = RTOL if closure is None else RTOL_YIELDING
+        self.tolerance = RTOL if laws is None else RTOL_YIELDING
+        self.yields = np.concatenate([group.yields.ravel() for group in groups])
 
     def solve(
         self, times: Array, kinks: Sequence[float] = (), progress: Progress | None = None
@@ -334,19 +342,23 @@ class Transient:
         with the share of the time that is done. An ArithmeticError is raised if panels become too short.
         """
         ends = (*sorted({kink for kink in kinks if 0 < kink < times[-1]}), times[-1])
-        _, own, both = self._at_rest()
-        seen, reached, moments = [([x[None] for x in own], both[None])], 1, []
+        _, own, both, means = self._at_rest()
+        seen = [Covariances([], [x[None] for x in own], both[None], means[None])]
+        reached, moments = 1, []
         for begin, end, over in self._panels(ends):
             until = int(np.searchsorted(times, end, side="right"))
             shares = (times[reached:until] - begin) / (end - begin)
-            between = [self.nodes.interpolate(x, shares) for x in over.own]
-            seen.append((between, self.nodes.interpolate(over.both, shares)))
+            own = [self.nodes.interpolate(x, shares) for x in over.own]
+            both, means = (self.nodes.interpolate(x, shares) for x in (over.both, over.means))
+            seen.append(Covariances([], own, both, means))
             reached = until
             if progress is not None:
                 progress(float(end / times[-1]))
-            if sum(len(both) for _, both in seen) >= AT_ONCE or until == times.size:
-                own = [np.concatenate(parts) for parts in zip(*(own for own, _ in seen), strict=True)]
-                moments.append(self._moments(own, np.concatenate([both for _, both in seen])))
+            if sum(len(part.both) for part in seen) >= AT_ONCE or until == times.size:
+                owns = zip(*(part.own for part in seen), strict=True)
+                others = zip(*((part.both, part.means) for part in seen), strict=True)
+                both, means = (np.concatenate(parts) for parts in others)
+                moments.append(self._moments([*map(np.concatenate, owns)], both, means))
                 seen = []
         structures, pairs = zip(*moments, strict=True)
         return (
@@ -357,7 +369,9 @@ class Transient:
     def _at_rest(self) -> Covariances:
         """Covariances at rest, all zero."""
         soil, own = ([np.zeros(group.shapes[n]) for group in self.groups] for n in (0, 1))
-        return Covariances(soil, own, np.zeros((self.pairs[0].size, len(own[0][0]), len(own[-1][0]))))
+        both = np.zeros((self.pairs[0].size, len(own[0][0]), len(own[-1][0])))
+        states = 0 if self.laws is None else self.laws.states
+        return Covariances(soil, own, both, np.zeros((states, int(self.yields.sum()))))
 
     def _panels(self, ends: Sequence[float]) -> Iterator[tuple[float, float, Covariances]]:
         """Start, end and covariances of successive panels, which also end at each of ``ends``.
@@ -377,50 +391,55 @@ class Transient:
                 if tried % WINDOW == 0:
                     _check_pace(begin - mark, length, begin, end)
                     mark = begin
-                frames = self._frames(length, now.own, frames)
+                frames = self._frames(length, now, frames)
                 amplitudes = self.amplitudes(begin + length * self.nodes.at)
-                paths = self._paths(frames, amplitudes, now)
+                paths, means = self._paths(frames, amplitudes, now)
                 error = np.inf
-                if paths is not None:
+                if paths:
                     own = [path.own() for path in paths]
                     error = self._over_tolerance(map(self.nodes.last_terms, own), own, (0, 2, 3))
                 factor = MARGIN * max(error, ATOL) ** (-1 / self.nodes.at.size)
-                if paths is None or not error <= 1:
+                if not error <= 1:
                     length, left = length * max(SHORTER, factor), 0
                     continue
                 left -= 1
                 both = self._pairs(paths, length, now.both)
                 until = begin + length if left else end
-                yield begin, until, Covariances([], own, both)
+                yield begin, until, Covariances([], own, both, means)
                 soil = [path.soil_at_end(frame) for path, frame in zip(paths, frames, strict=True)]
-                begin, now = until, Covariances(soil, [x[-1] for x in own], both[-1])
+                begin, now = until, Covariances(soil, [x[-1] for x in own], both[-1], means[-1])
                 if factor > WORTH_IT:
                     length, left = length * min(factor, LONGER), 0
 
     def _frames(
-        self, length: float, own: Sequence[Array], old: Sequence[PanelMatrices]
+        self, length: float, now: Covariances, old: Sequence[PanelMatrices]
     ) -> Sequence[PanelMatrices]:
-        """Frames of all groups for a panel of this length, from ``X`` and those of the last one."""
-        squares = [group.squares_of(x) for group, x in zip(self.groups, own, strict=True)]
+        """Frames of all groups for a panel of this length from ``now`` on, and those of the last one."""
+        squares = [group.squares_of(x) for group, x in zip(self.groups, now.own, strict=True)]
         before: Sequence[PanelMatrices | None] = old or [None for _ in self.groups]
-        parts = zip(self.groups, self.coefficients(squares), before, strict=True)
+        parts = zip(self.groups, self.coefficients(squares, now.means)[0], before, strict=True)
         return [group.frame(length, held, frame) for group, held, frame in parts]
 
     @np.errstate(over="ignore", invalid="ignore")  # too long a panel may overflow, and is repeated
     def _paths(
         self, frames: Sequence[PanelMatrices], amplitudes: Array, now: Covariances
-    ) -> Sequence[Path] | None:
-        """All structures over a panel from ``now`` on; None if the iteration does not converge."""
+    ) -> tuple[Sequence[Path], Array]:
+        """All structures over a panel from ``now`` on, none if the iteration does not converge.
+
+        Beside them stand the means of the further states at the nodes.
+        """
         grounds = [
             group.ground_motion(frame, amplitudes)
             for group, frame in zip(self.groups, frames, strict=True)
         ]
         parts = [*zip(self.groups, frames, grounds, now.soil, now.own, strict=True)]
         paths = [group.first(frame, ground, *begin) for group, frame, ground, *begin in parts]
-        if self.closure is None:
-            return paths
+        means = np.broadcast_to(now.means, (self.nodes.at.size, *now.means.shape))
+        if self.laws is None:
+            return paths, means
         for _ in range(SWEEPS):
-            before, held = paths, self.coefficients([path.squares for path in paths])
+            before, (held, rates) = paths, self.coefficients([path.squares for path in paths], means)
+            means = self.nodes.integrate(rates, frames[0].length) + now.means
             try:
                 paths = [
                     group.next(frame, ground, path, own, *begin)
@@ -429,12 +448,12 @@ class Transient:
                     )
                 ]
             except np.linalg.LinAlgError:  # they have run away so far that V is singular by rounding
-                return None
+                break
             squares = [path.squares for path in paths]
             change = (newer - path.squares for newer, path in zip(squares, before, strict=True))
             if self._over_tolerance(change, squares, (0, 1, 3)) <= SETTLED:
-                return paths
-        return None
+                return paths, means
+        return (), means
 
     def _over_tolerance(
         self, differences: Iterable[Array], moments: Iterable[Array], axes: tuple[int, ...]
@@ -459,42 +478,45 @@ class Transient:
         return covariances
 
     @np.errstate(under="ignore", invalid="ignore", divide="ignore")
-    def coefficients(self, squares: Sequence[Array]) -> Sequence[Array]:
-        """``1 + c_e`` and ``k_e`` (2, ..., n, m) of each group by the closure, for `squares_of` it."""
+    def coefficients(self, squares: Sequence[Array], means: Array) -> tuple[Sequence[Array], Array]:
+        """``1 + c_e`` and ``k_e`` (2, ..., n, m) of each group by the laws, for `squares_of` it.
+
+        Beside them stand the rates (..., states, y) of the ``means`` of the further states.
+        """
         values = [np.zeros((2, *moments.shape[1:])) for moments in squares]
-        if self.closure is None:
-            return values
+        if self.laws is None:
+            return values, np.zeros_like(means)
         parts = [group.latent(moments) for group, moments in zip(self.groups, squares, strict=True)]
-        latent, moving = (np.concatenate(part, axis=-1) for part in zip(*parts, strict=True))
-        coefficients = np.where(moving, self.closure(latent), 0.0)
+        latent = np.concatenate(parts, axis=-1)
+        coefficients, rates = self.laws.closure(latent, np.moveaxis(means, -2, 0))
         ends = np.cumsum([group.unit.size for group in self.groups])
         for group, value, of_group in zip(
             self.groups, values, np.split(coefficients, ends[:-1], axis=-1), strict=True
         ):
             value[..., group.yields] = of_group
-        return values
+        return values, np.moveaxis(rates, 0, -2)
 
-    def _moments(self, own: Sequence[Array], both: Array) -> tuple[Own, Difference]:
-        """Moments from the covariances ``X`` and ``X12``, whose first dimension is time."""
+    def _moments(self, own: Sequence[Array], both: Array, means: Array) -> tuple[Own, Difference]:
+        """Moments from ``X`` and ``X12`` and the means of the states, whose first dimension is time."""
         squares = [group.squares_of(x) for group, x in zip(self.groups, own, strict=True)]
-        held = self.coefficients(squares)
+        held, _ = self.coefficients(squares, means)
         sums = [group.seen_in(x) for group, x in zip(self.groups, own, strict=True)]
         structures = [
-            Own(u_u, v_v, group.structures.scale**2 * (d_d - 2 * d_y + y_y), *coefficients)
+            (u_u, v_v, group.structures.scale**2 * (d_d - 2 * d_y + y_y), *coefficients)
             for group, (u_u, _, v_v), (d_d, d_y, y_y, *_), coefficients in zip(
                 self.groups, sums, squares, held, strict=True
             )
         ]
         rows = (len(both), -1)
-        return (
-            Own(
-                *(
-                    np.concatenate([part.reshape(rows) for part in parts], axis=1)
-                    for parts in zip(*structures, strict=True)
-                )
-            ),
-            Difference(*(part.reshape(rows) for part in self._difference(sums[0], sums[-1], both))),
+        u_u, v_v, z_z, slip, relaxation = (
+            np.concatenate([part.reshape(rows) for part in parts], axis=1)
+            for parts in zip(*structures, strict=True)
         )
+        of_all = np.zeros((*means.shape[:-1], self.yields.size))
+        of_all[..., self.yields] = means
+        difference = self._difference(sums[0], sums[-1], both)
+        moments = Own(u_u, v_v, z_z, slip, relaxation, of_all)
+        return moments, Difference(*(part.reshape(rows) for part in difference))
 
     def _difference(
         self, first: Sequence[Array], second: Sequence[Array], both: Array

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Parameter, Range, parameter
 from stochlin.models.structures import LAWS, Structure
@@ -110,7 +110,6 @@ class BoucWenBaberNoori(Structure):
     32
     """
 
-    linearizes: ClassVar[bool] = False
     symbolic = staticmethod(symbolic)
 
     beta: Parameter = parameter("1", "width beta of the loops", POSITIVE, 0.5)

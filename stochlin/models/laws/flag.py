@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from stochlin.models.parameters import Parameter, Range, parameter
 from stochlin.models.structures import LAWS, Structure
@@ -45,8 +45,6 @@ class Flag(Structure):
     >>> sl.simulate([rocking], ground, paths=32, duration=10.0).sizes["path"]
     32
     """
-
-    linearizes: ClassVar[bool] = False
 
     beta: Parameter = parameter(
         "1", "height beta of the flag", Range(upper=1.0, include_lower=True, include_upper=True), 1.0

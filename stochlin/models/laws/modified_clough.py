@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -101,8 +101,6 @@ class ModifiedClough(Structure):
     >>> [round(float(z), 6) for z in loop.z]
     [0.0, 1.0, 0.6, 0.2]
     """
-
-    linearizes: ClassVar[bool] = False
 
     unloading_exponent: Parameter = parameter("1", "exponent of the unloading stiffness", BELOW_1, 0.4)
     cracking: Parameter | None = parameter("1", "z at cracking", Range(upper=1.0), None)
