@@ -395,10 +395,10 @@ def _laws_in_time(sides: Sequence[StructureCells]) -> LawsInTime:
         for (of_law, law), end in zip(groups, ends, strict=True):
             cells, own = slice(end - law.shape[1], end), slice(1, 1 + of_law.states)
             part = latent[..., cells]
-            spread = law.reshape(len(law), *(1,) * (part.ndim - 2), -1)
+            spread = law.reshape(len(law), *(1,) * (part.ndim - 2), law.shape[1])
             spread = np.broadcast_to(spread, (len(law), *part.shape[1:]))
             rows = np.concatenate([spread, means[own, ..., cells]])
-            flat = part.reshape(3, -1), rows.reshape(len(rows), -1)
+            flat = part.reshape(3, -1), rows.reshape(len(rows), part[0].size)
             found = of_law.closure(*flat).coefficients
             coefficients[..., cells] = found.reshape(2, *part.shape[1:])
             rates[own, ..., cells] = of_law.mean_rates(*flat).reshape(of_law.states, *part.shape[1:])

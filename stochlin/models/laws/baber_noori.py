@@ -48,7 +48,8 @@ class BoucWenBaberNoori(Structure):
         ``zeta1 = zeta_s (1 - exp(-p E))``,  ``zeta2 = (psi + d_psi E) (lambda + zeta1)``.
 
     It degrades for ever, so that it has no stationary response. It is followed in motions of finite
-    length: by `simulate` with a duration, `separation`, `respond`, `recorded_gap` and `pound`.
+    length: by `simulate` with a duration, `separation`, `respond`, `recorded_gap` and `pound`, and
+    linearized with its mean energy by `transient_response` and `pounding_probability`.
 
     Parameters
     ----------

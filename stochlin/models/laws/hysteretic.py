@@ -46,7 +46,8 @@ class Hysteretic(Structure):
     ValueError, TypeError
         As in `Bilinear`; also if the law is not given, has other symbols or functions, differs in both
         directions, or is not finite with ``z`` between -2.5 and 2.5 and further states from 0 to 2.5.
-        What linearizes raises an ArithmeticError if the law has more than one state, kinks that cannot
+        What linearizes raises an ArithmeticError if the law has more than one state (but in time, where
+        the further states keep their sign when the motion turns, it does not), kinks that cannot
         be located, or powers of ``Abs(z)`` below 1/2.
 
     References
