@@ -214,6 +214,24 @@ def test_one_mode_that_yields_is_the_yielding_oscillator() -> None:
     assert np.isnan(building.ductility.sel(element=["1.1", "1.2", "1.3"])).all()
 
 
+def test_the_time_step_follows_modes_that_yield_or_move_the_building() -> None:
+    """The third mode moves the roof by a thousandth of the first one only, if it stays elastic."""
+    shapes = [[0.094, 0.331, 0.65, 1.0], [-0.565, -1.082, -0.495, 1.0], [1.729, 0.529, -1.648, 1.0]]
+    wall: dict[str, Any] = {"periods": [0.72, 0.118, 0.03], "shapes": shapes, "heights": [3.4] * 4}
+    wall |= {"masses": [3e5, 3e5, 3e5, 2.2e5], "damping": 0.05}
+    device = sl.Link(damping_constant=1e6, structures=(1, 1), floors=(4, 0))
+    for strengths, link, followed in (
+        (None, None, 0.118),
+        ([0.045], None, 0.118),
+        ([0.045, 0.002, 0.001], None, 0.03),
+        (None, device, 0.118),
+    ):
+        hardening = None if strengths is None else 0.05
+        building = sl.ModalBuilding(**wall, hardening=hardening, yield_displacements=strengths)
+        table = sl.simulate([building], GROUND, link=link, duration=1.0, paths=32)
+        assert table.attrs["step_s"] == pytest.approx(followed / 32, rel=0.01)
+
+
 @pytest.mark.parametrize("law", [{}, {"law": "bouc_wen", "law_parameters": {"beta": 0.7}}])
 def test_modes_yield_side_by_side(law: dict[str, Any]) -> None:
     """Two modes are the oscillators of both under the same motions, with the strength of each."""

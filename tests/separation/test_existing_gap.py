@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.analyses.separation.searches import Required
+from stochlin.analyses.separation.searches import Required, up_to
 from stochlin.messages import ImplausibleInput
 
 pytestmark = pytest.mark.oracle
@@ -155,3 +155,32 @@ def test_a_trial_of_a_search_is_nobodys_input_and_other_warnings_are_told():
 
     with pytest.warns(UserWarning, match="something else"):
         Required(in_vain, most=1.0)(5.0)
+
+
+def test_a_few_motions_decide_where_they_are_clear_and_all_of_them_find_the_edge():
+    """The gap of a few is 5 % too large, within their error of 10 %; all ask for the value itself."""
+    tried = {"few": [], "all": []}
+
+    def of(which, factor, error):
+        def gap(value):
+            tried[which].append(value)
+            return [factor * value * (1 + sign * error) for sign in (0, -1, 1)]
+
+        return gap
+
+    grid = [0.5, 0.9, 1.1, 1.5]
+    found = up_to(Required(of("all", 1.0, 0.02), 1.0, of("few", 1.05, 0.1)), grid)
+    assert found.value == pytest.approx(1, rel=1e-3)
+    assert (found.lower, found.upper) == pytest.approx((1 / 1.02, 1 / 0.98), rel=1e-3)
+    assert tried["few"] == [0.5, 0.9, 1.1]
+    assert not {0.5, 1.5} & set(tried["all"])
+    # All motions contradict the few at the value before the edge: it is there, within the error.
+    wrong = up_to(Required(of("all", 1.2, 0.02), 1.0, of("few", 1.0, 0.001)), grid)
+    assert wrong.value == 0.9
+
+
+def test_what_is_known_is_not_simulated_again():
+    def never(value):
+        raise AssertionError(value)
+
+    assert Required(never, 1.0, known={0.0: (2.0, 1.9, 2.1)})(0.0) == 2.0

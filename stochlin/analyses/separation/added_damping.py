@@ -169,12 +169,10 @@ def _of_one(
         known = dict(zip(tried, scan[name].values[n].tolist(), strict=True))
 
         def needed(added: float) -> float:
-            if added in known:
-                return known[added]
             left, right = (damped(s, x * added) for s, x in zip((first, second), shares, strict=True))
             return float(estimated_gap(left, right, record, estimate)[name])
 
-        return least(Required(needed, gap), list(known)).value
+        return least(Required(needed, gap, known=known), list(known)).value
 
     added = [
         xr.DataArray([least_of(n, shares, name) for n, shares in enumerate(SIDES.values())], dims=DAMPED)

@@ -1,14 +1,16 @@
 """Searches for the values of a parameter at which a required gap equals the existing one.
 
 The required gap comes from a simulation and has a 95 % interval. Each value of the parameter is
-simulated only once. The interval of a found value follows from the same simulations: it contains the
+simulated only once. Whether a gap is sufficient is often clear from a few motions; an edge is found with
+all of them. The interval of a found value follows from the same simulations: it contains the
 values at which the existing gap is within the interval of the required gap.
 """
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +19,12 @@ import scipy.optimize
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import ImplausibleInput
 
-CLOSE = 1e-3  # relative tolerance of a found value
+CLOSE = 1e-3  # relative tolerance of a found value, and of an estimated gap there
+CLEAR = 2.0  # half 95 % intervals between a gap from a few motions and the limit, so that these decide
+
+
+Ends = tuple[float, float, float]  # required gap, and the ends of its interval [m]
+GapOf = Callable[[float], float | Sequence[float]]
 
 
 class Edge(NamedTuple):
@@ -32,32 +39,45 @@ NONE, NO_LIMIT = Edge(np.nan), Edge(np.inf)
 
 
 class Required:
-    """The required gap as a function of a value, with or without its interval; ``most`` is the limit."""
+    """The required gap as a function of a value, with or without its interval; ``most`` is the limit.
 
-    def __init__(self, function: Callable[[float], float | Sequence[float]], most: float) -> None:
-        self._function, self.most = function, most
-        self._known: dict[float, tuple[float, float, float]] = {}
+    ``by_few`` is the same function by a few motions. What is ``known`` before is not computed again.
+    """
+
+    def __init__(
+        self,
+        function: GapOf,
+        most: float,
+        by_few: GapOf | None = None,
+        known: Mapping[float, float | Sequence[float]] = MappingProxyType({}),
+    ) -> None:
+        self.most, self._by_few = most, by_few
+        self._function, self._known = function, {value: _ends(gap) for value, gap in known.items()}
+        self._of_few: dict[float, Ends] = {}
 
     def __call__(self, value: float) -> float:
         """Required gap at a value [m]."""
         return self._at(float(value))[0]
 
-    def _at(self, value: float) -> tuple[float, float, float]:
-        if value not in self._known:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", ImplausibleInput)  # a trial is nobody's input
-                ends = np.broadcast_to(np.asarray(self._function(value), float), 3)
-            self._known[value] = float(ends[0]), float(ends[1]), float(ends[2])
-        return self._known[value]
+    def _at(self, value: float) -> Ends:
+        return _once(self._known, self._function, value)
 
     def enough(self, value: float) -> bool:
-        """Whether the limit is sufficient at a value."""
+        """Whether the limit is sufficient at a value; a few motions decide where they are clear."""
+        value = float(value)
+        if self._by_few is not None and value not in self._known:
+            gap, least, most = _once(self._of_few, self._by_few, value)
+            if gap + CLEAR * (most - gap) < self.most or gap - CLEAR * (gap - least) > self.most:
+                return gap < self.most
         return self(value) <= self.most
 
     def edge(self, first: float, second: float) -> Edge:
         """The edge between a sufficient value and one that is not."""
         low, high = sorted((float(first), float(second)))
-        root = scipy.optimize.brentq(lambda x: self(x) - self.most, low, high, rtol=CLOSE, xtol=1e-6)
+        if self(first) > self.most or self(second) <= self.most:  # all contradict the few, just so
+            root = first if self(first) > self.most else second
+        else:
+            root = scipy.optimize.brentq(self._excess, low, high, rtol=CLOSE, xtol=1e-6)
         required, least, most = self._at(float(root))
         slope = (self(high) - self(low)) / (high - low)
         for end in (least, most):  # near these values, the ends of the interval equal the limit
@@ -66,6 +86,12 @@ class Required:
                 self(moved)
         return Edge(float(root), *self._interval(float(root)))
 
+    def _excess(self, value: float) -> float:
+        """Required gap less the limit [m]; 0 if it is close, for a gap that is an estimate."""
+        required, least, most = self._at(value)
+        close = CLOSE * self.most if least < most else 0.0
+        return 0.0 if abs(required - self.most) <= close else required - self.most
+
     def _interval(self, value: float) -> tuple[float, float]:
         """Values next to ``value`` at which the ends of the required gap's interval equal the limit."""
         at = np.array(sorted(self._known))
@@ -73,6 +99,20 @@ class Required:
         passed = np.concatenate([_crossings(at, end - self.most) for end in ends])
         below, above = passed[passed <= value], passed[passed >= value]
         return float(below.max(initial=at[0])), float(above.min(initial=at[-1]))
+
+
+def _once(known: dict[float, Ends], function: GapOf, value: float) -> Ends:
+    """The gap that a function gives for a value, which is computed if it is not known."""
+    if value not in known:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ImplausibleInput)  # a trial is nobody's input
+            known[value] = _ends(function(value))
+    return known[value]
+
+
+def _ends(gap: float | Sequence[float]) -> Ends:
+    required, least, most = np.broadcast_to(np.asarray(gap, float), 3)
+    return float(required), float(least), float(most)
 
 
 def _crossings(at: Array, values: Array) -> Array:

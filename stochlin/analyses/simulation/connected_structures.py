@@ -28,6 +28,9 @@ from stochlin.models.systems import Arrangement, Stack
 
 # Least share of the mass in a mode that determines the time step. Higher modes are integrated stably.
 LEAST_SHARE = 0.01
+# Least static displacement of a mode that stays elastic, over the largest of a mode.
+LEAST_DISPLACEMENT = 1e-3
+ROUNDING = 1e-9  # of the strain of an element in a mode, relative to the largest
 
 
 class SteppedGroup(NamedTuple):
@@ -124,7 +127,7 @@ def _connected(system: Arrangement, members: Array) -> SteppedGroup:
     return SteppedGroup(
         SteppedStructures(elements._replace(system=seen), law, (), element.astype(float)),
         watched,
-        shortest=min(map(shortest_mode, systems)),
+        shortest=min(shortest_mode(each, of_displacements=True) for each in systems),
         slowest=1 / float(-np.linalg.eigvals(whole.state_matrix).real.max()),
         period=float(modes_of(whole)[0].max()),
     )
@@ -180,8 +183,8 @@ def elements_of(system: Arrangement, members: Array) -> tuple[Elements, Any]:
     return Elements(whole, numbers, states, np.array(rows)), law
 
 
-def modes_of(system: System) -> tuple[Array, Array]:
-    """Periods [s] and effective modal masses, as shares of the mass, of all modes."""
+def modes_of(system: System) -> tuple[Array, Array, Array]:
+    """Periods [s], effective masses as shares of the mass, and shapes (n, modes), of all modes."""
     mass, stiffness = system.mass, system.stiffness
     squares, shapes = scipy.linalg.eigh(stiffness, np.diag(mass))
     if squares[0] <= 0:
@@ -190,13 +193,22 @@ def modes_of(system: System) -> tuple[Array, Array]:
             f"rounding errors; the largest one is {stiffness.max():.3g} N/m: reduce it"
         )
     shares = (mass @ shapes) ** 2 / mass.sum()
-    return 2 * np.pi / np.sqrt(squares), shares
+    return 2 * np.pi / np.sqrt(squares), shares, shapes
 
 
-def shortest_mode(system: System) -> float:
-    """Shortest period of all modes with a share of the mass that matters [s]."""
-    periods, shares = modes_of(system)
-    return float(periods[shares >= LEAST_SHARE].min())
+def shortest_mode(system: System, of_displacements: bool = False) -> float:
+    """Shortest period of all modes that matter [s], which are those with a share of the mass.
+
+    Where only displacements are asked for, and no accelerations or forces of contacts, a mode that
+    strains no element that can yield also needs a share of the static displacement.
+    """
+    periods, shares, shapes = modes_of(system)
+    matter = shares >= LEAST_SHARE
+    if of_displacements:
+        static, strained = shares * periods**2, np.abs(system.extensions @ shapes)
+        yields = strained[system.couple > 0].max(axis=0, initial=0.0) > ROUNDING * strained.max(axis=0)
+        matter &= yields | (static >= LEAST_DISPLACEMENT * static.max())
+    return float(periods[matter].min())
 
 
 def _kind(link: Link) -> int:
