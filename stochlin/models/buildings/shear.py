@@ -115,7 +115,8 @@ class ShearBuilding(MultistoreyBuilding):
         If a value is not a number or out of range (the message names the storey), arrays differ in
         length or have more than 200 storeys, yield drifts are given without hardening, the law is not
         known or not odd, the weight above a storey takes all its elastic stiffness, or the modes of
-        Rayleigh damping are not two different ones of the building, or given with modal damping.
+        Rayleigh damping are not two different ones of the building, leave mode 1 no vibration, or are
+        given with modal damping.
 
     References
     ----------
@@ -180,6 +181,11 @@ class ShearBuilding(MultistoreyBuilding):
         modes = checked_modes(f"{name}: ", self.damping_model, self.damping_modes, self.storeys)
         object.__setattr__(self, "damping_modes", modes)
         self._check_weight()
+        if modes and (first := float(self.damping_ratios()[0])) >= 1:
+            raise ValueError(
+                f"{name}: damping_modes = {modes} give mode 1 the damping ratio {first:.3g}; allowed: "
+                "below 1; take mode 1 as one of them"
+            )
         _ = self.element_law
 
     @classmethod
