@@ -54,16 +54,14 @@ def _modified_clough(lanes, x, v, w, own, dt, new):
         z, mu, zero = side * x[w, lane], side * x[w + 1, lane], side * x[w + 2, lane]
         end, least = mu + abs(move), 1.0 if limit + max(up, down) > 1.0 else 0.0
         peak = max(limit + ahead, least)
-        unloading = _unloading(max(limit + behind, least), x, own, lane)
-        crossing = mu - z / unloading
-        crosses = z <= 0.0 and end >= crossing
+        unloads = z <= 0.0  # from the side behind; else it may be on an unloading branch of this side
+        stiffness = _unloading(max(limit + (behind if unloads else ahead), least), x, own, lane)
+        crossing, along = mu - z / stiffness, z + stiffness * abs(move)
+        crosses = unloads and end >= crossing
         zero = crossing if crosses else zero
-        way = _backbone(peak, x, own, lane) * ((end - zero) / (peak - zero))
+        way = _backbone(peak, x, own, lane) * ((end - zero) / (peak - zero))  # to the largest mu so far
         way = way if end < peak else _backbone(end, x, own, lane)
-        # Up an unloading branch again, until the way to the largest mu so far is met
-        back = z + _unloading(peak, x, own, lane) * abs(move)
-        after = way if crosses else min(back, way)
-        after = z + unloading * abs(move) if z < 0.0 and not crosses else after
+        after = way if crosses or (not unloads and way < along) else along
         beyond = max(ahead, end - limit)
         x[new, lane], x[new + 1, lane], x[new + 2, lane] = side * after, side * end, side * zero
         x[new + 3, lane] = beyond if move >= 0.0 else up
