@@ -34,6 +34,7 @@ from stochlin.models.structures import Gap
 
 SEED, PAIRS, PATHS, POINTS = 20261127, 100, 2000, 41
 STEP, PER_PERIOD = 0.01, 40  # s; steps in the shorter period
+SMALL = 0.5  # most by which z changes in a step, over the yield displacement and the exponent
 LEVELS = {"median": 0.5, "90 %": 0.9}
 OWN = BoucWenBaberNoori.own_parameters()
 
@@ -121,16 +122,19 @@ def responses(motions: Array, step: float, inner: int, own: Array, uy: Array, sh
                 break
             for part in range(inner):
                 for s in range(2):
-                    x = y[s]
-                    for stage in range(4):
-                        share = (part + (0.0, 0.5, 0.5, 1.0)[stage]) / inner
-                        ground = (1 - share) * motions[path, i] + share * motions[path, i + 1]
-                        ahead = (0.0, 0.5, 0.5, 1.0)[stage] * dt
+                    pieces = 1 + int(abs(y[s, 1]) * dt * own[s, 4] / SMALL)
+                    short = dt / pieces
+                    for piece in range(pieces):
+                        x = y[s]
+                        for stage in range(4):
+                            ahead = (0.0, 0.5, 0.5, 1.0)[stage]
+                            share = (part + (piece + ahead) / pieces) / inner
+                            ground = (1 - share) * motions[path, i] + share * motions[path, i + 1]
+                            for m in range(4):
+                                middle[m] = x[m] + (ahead * short * k[stage - 1, m] if stage else 0.0)
+                            rates(middle, ground / uy[s], own[s], k[stage])
                         for m in range(4):
-                            middle[m] = x[m] + (ahead * k[stage - 1, m] if stage else 0.0)
-                        rates(middle, ground / uy[s], own[s], k[stage])
-                    for m in range(4):
-                        x[m] += dt / 6 * (k[0, m] + 2 * k[1, m] + 2 * k[2, m] + k[3, m])
+                            x[m] += short / 6 * (k[0, m] + 2 * k[1, m] + 2 * k[2, m] + k[3, m])
                 u_1, u_2 = uy[0] * y[0, 0], uy[1] * y[1, 0]
                 peaks[path, 0] = max(peaks[path, 0], u_1)
                 peaks[path, 1] = max(peaks[path, 1], u_2)

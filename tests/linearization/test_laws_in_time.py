@@ -1,4 +1,4 @@
-"""Laws with memory linearized in time: against another integrator, energy balance and simulation."""
+"""Laws with memory linearized in time: against another integrator, energy balance and their limits."""
 
 import numpy as np
 import pytest

@@ -20,7 +20,11 @@ from stochlin.analyses.linearization.bias_map import (
     relative_bias,
     rho_bias_map,
 )
-from stochlin.analyses.linearization.equivalent_systems import STRENGTH_RATIO, derived_together
+from stochlin.analyses.linearization.equivalent_systems import (
+    STRENGTH_RATIO,
+    derived_together,
+    solved_nearest,
+)
 from stochlin.analyses.linearization.systems.solution import solve_equations
 from stochlin.analyses.linearization.systems.systems import (
     check_chain,
@@ -64,7 +68,9 @@ def chained_pairs(
         if closure != GAUSSIAN:
             gaussian = _solved((structure,), ground, GAUSSIAN, tolerance) | ratio
         sides.append(side)
-        biases[f"bias_{len(sides)}"], caution = relative_bias(structure, ground, side, gaussian)
+        nearest = solved_nearest(structure, ground, gaussian, tolerance)
+        of_side = relative_bias(structure, ground, side, gaussian, nearest)
+        biases[f"bias_{len(sides)}"], caution = of_side
         cautions.append(caution)
         places += place_in_map(structure, ground, elastic)
     of_map = cellwise(_rho_bias, *places, grid=rho_bias_map(*pair, ground))[0]

@@ -17,6 +17,7 @@ from stochlin.analyses.linearization.bias_map import (
 )
 from stochlin.analyses.linearization.equivalent_systems import (
     INTERNAL,
+    solved_nearest,
     solved_together,
     system_and_forcing,
 )
@@ -45,7 +46,7 @@ def linearized_pairs(
     gaussian = sides
     if closure != "gaussian":
         gaussian = solved_together(pair, ground, "gaussian", tolerance)
-    return pairs_of_solved(pair, ground, sides, gaussian)
+    return pairs_of_solved(pair, ground, sides, gaussian, tolerance)
 
 
 def pairs_of_solved(
@@ -53,6 +54,7 @@ def pairs_of_solved(
     ground: Ground,
     sides: Sequence[Solved],
     gaussians: Sequence[Solved],
+    tolerance: Tolerance,
 ) -> dict[str, Cells]:
     """As `linearized_pairs`, from solved structures.
 
@@ -64,7 +66,8 @@ def pairs_of_solved(
     biases: dict[str, Cells] = {}
     solved = zip(pair, sides, gaussians, strict=True)
     for number, (structure, side, gaussian) in enumerate(solved, start=1):
-        bias, caution = relative_bias(structure, ground, side, gaussian)
+        nearest = solved_nearest(structure, ground, gaussian, tolerance)
+        bias, caution = relative_bias(structure, ground, side, gaussian, nearest)
         inputs += [side[name] for name in SYSTEM]
         inputs += [gaussian[name] for name in SYSTEM] if other_closure else []
         inputs += place_in_map(structure, ground, gaussian)

@@ -165,7 +165,7 @@ def _of_oscillators(case: Case) -> xr.Dataset:
     pair, ground = _solved(case), case.ground
     first, second = pair.structures
     sides = list(pair.gaussian)
-    table = pairs_of_solved(pair.structures, ground, sides, sides)
+    table = pairs_of_solved(pair.structures, ground, sides, sides, USUAL)
     arguments = (first.period, second.period, first.damping, second.damping)
     shown = {name: table[name] for name in ("bias", "bias_1", "bias_2", "caution", "status")}
     shown |= {

@@ -23,12 +23,16 @@ from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.tables import OFF
 from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.structures import Structure
 
 FILE = "bias_map.nc"
 RATIO = "elastic_ductility_std"  # R/p: standard deviation of the elastic displacement over uy
 STD = "displacement_std"
 KNOWN_GROUNDS = (KanaiTajimi, WhiteNoise)
+# Of Bouc-Wen structures: beta and exponents n that were simulated, and the fitted share of the bias of
+# bilinear structures, n/(n + ROUNDED beta).
+BETA, SHARPEST, ROUNDED = (0.3, 0.9), 5.0, 1.5
 EXPECTED = 0.05  # expected error above which an error of more than OFF is not rare
 
 
@@ -62,21 +66,33 @@ def point_of(structure: Structure, ground: Ground, solved: Solved) -> list[Cells
     return [*point, soil["damping"], own["period"] / soil["period"]]
 
 
+def nearest_bilinear(structure: Structure) -> Structure:
+    """The bilinear structure like a Bouc-Wen one; any other structure itself."""
+    if not (isinstance(structure, BoucWen) and structure.yields):
+        return structure
+    return Bilinear(**{name: getattr(structure, name) for name in Structure.parameter_names()})
+
+
 def relative_bias(
-    structure: Structure, ground: Ground, solved: Solved, gaussian: Solved
+    structure: Structure, ground: Ground, solved: Solved, gaussian: Solved, nearest: Solved
 ) -> tuple[Cells, ...]:
     """Relative bias of ``displacement_std`` by any closure, and its caution as by `caution_of`.
 
     The bias is 0 if the structure is elastic, and NaN if it is unknown.
 
     ``solved`` is by that closure and ``gaussian`` by the Gaussian one, whose bias is in the map. For the
-    Gaussian closure both are the same object.
+    Gaussian closure both are the same object. ``nearest`` is `nearest_bilinear` by the Gaussian closure.
     """
-    known = type(ground) in KNOWN_GROUNDS and isinstance(structure, Bilinear)
+    known = type(ground) in KNOWN_GROUNDS and isinstance(structure, (Bilinear, BoucWen))
     point = point_of(structure, ground, gaussian) if known else []
     arrays = (solved[STD], gaussian[STD], gaussian["yield_displacement"], *point)
     options = {"name": map_name(ground), "other": solved is not gaussian}
-    return cellwise(_relative_bias, *arrays, kinds=(float, np.int8), **options)
+    bias, caution = cellwise(_relative_bias, *arrays, kinds=(float, np.int8), **options)
+    if nearest is gaussian:
+        return bias, caution
+    shape = (structure.cells()[name] for name in ("beta", "gamma", "exponent"))
+    arrays = (bias, gaussian[STD], nearest[STD], *shape)
+    return cellwise(_of_bouc_wen, *arrays, kinds=(float, np.int8))
 
 
 @np.errstate(divide="ignore", invalid="ignore")  # invalid cells are NaN and stay so
@@ -89,6 +105,25 @@ def _relative_bias(
     bias = np.where(np.isinf(yield_displacement), 0.0, of_map)
     bias = (1 + bias) * std / gaussian - 1 if other else np.where(np.isnan(std), np.nan, bias)
     return bias, _caution(bias, most=OFF)
+
+
+@np.errstate(invalid="ignore")
+def _of_bouc_wen(
+    bias: Array, std: Array, nearest: Array, beta: Array, gamma: Array, n: Array
+) -> tuple[Array, Array]:
+    """Bias and caution of Bouc-Wen structures from two estimates by the nearest bilinear one.
+
+    They are its ``bias``, and the error of ``std`` if the true standard deviations of both are equal.
+    The bias is a share of the smaller one; the caution is that of the same share of the larger one.
+    """
+    equal = (1 + bias) * std / nearest - 1
+    smaller = np.where(np.abs(bias) < np.abs(equal), bias, equal)
+    larger = np.maximum(np.abs(bias), np.abs(equal))
+    simulated = (
+        (beta >= BETA[0]) & (beta <= BETA[1]) & (n <= SHARPEST) & (np.abs(beta + gamma - 1) < 1e-9)
+    )
+    share = np.where(simulated, n / (n + ROUNDED * beta), np.nan)
+    return share * smaller, _caution(share * larger, most=OFF)
 
 
 def rho_bias_map(first: Structure, second: Structure, ground: Ground) -> Grid | None:

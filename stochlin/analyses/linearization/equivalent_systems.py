@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.linearization.bias_map import nearest_bilinear
 from stochlin.analyses.linearization.drift_map import with_correction
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
@@ -35,7 +36,7 @@ from stochlin.kernels.linearization.single_structures import (
 )
 from stochlin.messages import brief, sentence
 from stochlin.models.grounds import Ground
-from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
+from stochlin.models.structures import DRIFT, GAUSSIAN, NARROW_BAND, Structure
 
 AT_ONCE = 1 << 15  # cells that are solved together, which limits the memory for intermediate results
 ROUNDING = 1e-9  # by which a correlation may exceed 1
@@ -104,6 +105,16 @@ def solved_together(
         return solved
     pairs = zip(structures, solved, strict=True)
     return [with_correction(structure, ground, results) for structure, results in pairs]
+
+
+def solved_nearest(
+    structure: Structure, ground: Ground, gaussian: Solved, tolerance: Tolerance
+) -> Solved:
+    """The `nearest_bilinear` structure by the Gaussian closure; ``gaussian`` if it is the structure."""
+    near = nearest_bilinear(structure)
+    if near is structure:
+        return gaussian
+    return solved_together((near,), ground, GAUSSIAN, tolerance)[0]
 
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:

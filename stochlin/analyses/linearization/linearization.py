@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.bias_map import caution_of_error, relative_bias
-from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_together
+from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_nearest, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -89,6 +89,14 @@ def linearize(
     too small by 1 to 9 % at the period of the ground, and by a factor of up to thirty for structures
     much stiffer than the ground. `correlate` by simulation does not have this error.
 
+    The bias of Bouc-Wen structures is taken from that of the nearest bilinear one, with the same
+    period, damping, hardening and strength, for ``beta`` from 0.3 to 0.9, ``gamma = 1 - beta`` and ``n``
+    up to 5. It is the share ``n/(n + 1.5 beta)`` of the smaller of two estimates: the bilinear bias, and
+    the error if the true displacements of both are equal. In 128 random structures (R 1.2 to 7,
+    hardening 0.03 to 0.3) it was off by 0.03 on average, by 0.07 in nine of ten and by 0.20 at most.
+    ``caution`` is that of the larger estimate: where it was 0, in 74 other structures, the true bias
+    exceeded 10 % in 6 and was 18 % at most.
+
     The drift closure adds the variance of the plastic drift to that of the clipped closure. The drift is
     a random walk in steps, one for each excursion into yielding, on which only the hardening acts as a
     restoring force; ``docs/drift.md`` derives it. ``displacement_std`` and ``ductility_std`` are then
@@ -160,7 +168,8 @@ def judged(
     gaussian = solved
     if closure != "gaussian":
         (gaussian,) = solved_together((structure,), ground, "gaussian", tolerance)
-    bias, caution = relative_bias(structure, ground, solved, gaussian)
+    nearest = solved_nearest(structure, ground, gaussian, tolerance)
+    bias, caution = relative_bias(structure, ground, solved, gaussian, nearest)
     return {"bias": bias, "caution": caution}
 
 
