@@ -90,7 +90,7 @@ def parts(count: int) -> dict[str, float]:
     steps = run.plan.every * SAMPLES
     random = generator_state(0, 0, LANES)
     xi, f = zeros_on_a_line(2, steps, LANES)
-    q, state = zeros_on_a_line(len(run.crowd.root), LANES), zeros_on_a_line(3, count, LANES)
+    q, state = zeros_on_a_line(len(run.crowd.root), LANES), zeros_on_a_line(4, count, LANES)
     out, total = zeros_on_a_line(SAMPLES, count, LANES), zeros_on_a_line(count, count, LANES)
     law, plan = oscillators(run), run.plan
 

@@ -166,7 +166,7 @@ def pounding_estimate_error(
 
 def _changes(standing: Standing, ground: SampledMotion, pace: StepCounts) -> dict[str, Array]:
     """Changes of peaks and energy radii by pounding in one motion, and numbers of impacts."""
-    jobs = jobs_of(standing, ground, pace, halved=False)
+    jobs = jobs_of(standing, ground, pace)
     both = successful([response for job in jobs for response in responses(standing, [job], SAMPLES)])
     first = standing.first[:-1]
     peak, peak_alone = (np.maximum.reduceat(each.peaks, first) for each in both)

@@ -93,8 +93,8 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
         "input_energy": (STRUCTURE, kept[:, to.entering : to.viscous]),
         "kinetic_energy": (STRUCTURE, kinetic),
         "elastic_energy": (STRUCTURE, np.add.reduceat(stored[:, :n], first, axis=1)),
-        "viscous_energy": (STRUCTURE, kept[:, to.viscous : to.hysteretic]),
-        "hysteretic_energy": (STRUCTURE, kept[:, to.hysteretic : to.drained]),
+        "viscous_energy": (STRUCTURE, kept[:, to.viscous : to.drained]),
+        "hysteretic_energy": (STRUCTURE, np.add.reduceat(kept[:, at.spent :][:, :n], first, axis=1)),
     }
     linked: Quantities = {}
     if row.parts.spring.size:

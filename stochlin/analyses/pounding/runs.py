@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stochlin.analyses.damage.damage import free_intervals
 from stochlin.analyses.pounding.rows import Standing
 from stochlin.analyses.simulation.connected_structures import modes_of, shortest_mode
 from stochlin.analyses.tables.work import check_work
@@ -107,14 +108,27 @@ class RowRun(NamedTuple):
     ground: SampledMotion
     pace: kernel.StepCounts
     meets: bool = True  # whether contacts act
+    free: int = 0  # intervals of free vibration after the motion
 
 
 def jobs_of(
-    standing: Standing, ground: SampledMotion, pace: kernel.StepCounts, halved: bool
+    standing: Standing,
+    ground: SampledMotion,
+    pace: kernel.StepCounts,
+    halved: bool = False,
+    damage: bool = False,
 ) -> list[RowRun]:
-    """The row and each building alone in a motion, and if ``halved`` the row in steps twice as long."""
+    """The row and each building alone in a motion, and if ``halved`` the row in steps twice as long.
+
+    For ``damage`` free vibration follows.
+    """
     coarser = pace._replace(cuts=pace.cuts // 2)
-    both = [RowRun(standing.row, ground, pace), RowRun(standing.alone, ground, pace, meets=False)]
+    rows = (standing.row, True), (standing.alone, False)
+    both = [RowRun(row, ground, pace, meets) for row, meets in rows]
+    if damage:
+        decays = (job.row.elements.system.slowest_decay for job in both)
+        free = free_intervals(max(decays), ground.dt)
+        both = [job._replace(free=free) for job in both]
     return [*both, RowRun(standing.row, ground, coarser)] if halved else both
 
 
@@ -143,7 +157,7 @@ def _batches(jobs: Sequence[RowRun]) -> Iterator[list[int]]:
     """Numbers of jobs that are stepped together: of one row and time step, the shortest first."""
     alike: dict[tuple[int, float, kernel.StepCounts], list[int]] = {}
     for number in np.argsort([len(job.ground.acceleration) for job in jobs], kind="stable"):
-        row, ground, pace, _ = jobs[number]
+        row, ground, pace, *_ = jobs[number]
         alike.setdefault((id(row), ground.dt, pace), []).append(int(number))
     for numbers in alike.values():
         size = min(LANES, max(FEW, -(-len(numbers) // cores())))
@@ -160,7 +174,7 @@ def _motions(jobs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
         acceleration[: samples.size, lane] = samples
     meets = np.array([float(job.meets) for job in jobs])
     slow = SLOW * np.abs(acceleration).max(axis=0) * shortest / (2 * np.pi)
-    return kernel.GroundMotions(acceleration, jobs[0].ground.dt, sizes - 1, slow, meets)
+    return kernel.GroundMotions(acceleration, jobs[0].ground.dt, sizes - 1, slow, meets, jobs[0].free)
 
 
 def successful(outcomes: Sequence[Outcome]) -> list[RowResponse]:

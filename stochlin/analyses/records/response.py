@@ -7,6 +7,7 @@ from typing import Annotated
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.damage.damage import RESIDUAL, damage_of, free_intervals
 from stochlin.analyses.records.cells import (
     SCALARS,
     OnRecord,
@@ -22,10 +23,11 @@ from stochlin.analyses.records.stepped import stepped_history
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
-from stochlin.kernels.records.runs import history, peaks_on_records
-from stochlin.models.arguments import Whole, checked, is_number
+from stochlin.kernels.records.runs import SampledMotion, history, peaks_on_records
+from stochlin.models.arguments import Truth, Whole, checked, is_number
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Structure
@@ -189,7 +191,11 @@ def response_spectrum(
 
 @checked
 def respond(
-    structure: OnRecord, record: xr.DataArray, *, refine: Annotated[int, Whole(1)] = 1
+    structure: OnRecord,
+    record: xr.DataArray,
+    *,
+    refine: Annotated[int, Whole(1)] = 1,
+    damage: Truth = False,
 ) -> xr.Dataset:
     """Response history of one structure to a record, from rest.
 
@@ -202,6 +208,8 @@ def respond(
     refine : int
         Number of output times in each interval of the record. The response at the times of the record
         does not depend on it.
+    damage : bool
+        Whether the result also says what yielding leaves behind.
 
     Returns
     -------
@@ -219,6 +227,11 @@ def respond(
         mass, and there is no ``radius``. For all structures except `Bilinear`, the time steps are those
         of `simulate`, halved until no peak changes by more than 1e-4; ``step_error`` [-] is the last
         change.
+
+        With ``damage`` also ``residual_drift`` [m], at rest after the record; and over ``time``, up to
+        this time, ``dissipated_energy`` [J], for 1 kg if the structure has no mass, ``peak_ductility``
+        [-], for `Bilinear` at the times of the output, and ``cumulative_ductility`` [-], all as in
+        `simulate`. For a building they are over ``element``.
 
     Raises
     ------
@@ -252,9 +265,9 @@ def respond(
     time = start + ground.dt / refine * np.arange(refine * intervals + 1)
     time[::refine] = record["time"]
     table = (
-        _exact_history(structure, motions, int(refine))
+        _exact_history(structure, motions, int(refine), damage)
         if isinstance(structure, Bilinear)
-        else stepped_history(structure, ground, int(refine))
+        else stepped_history(structure, ground, int(refine), damage)
     )
     table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
     return _with_information(
@@ -262,7 +275,9 @@ def respond(
     )
 
 
-def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -> xr.Dataset:
+def _exact_history(
+    structure: Bilinear, motions: RecordedMotions, refine: int, damage: bool
+) -> xr.Dataset:
     """The response history of a bilinear oscillator for `respond`; without times."""
     parameters = cells_of(structure, dims_of(structure), motions).parameters[0]
     displacement, velocity, strain, *spent = history(motions.grounds[0], parameters, refine)
@@ -279,7 +294,23 @@ def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -
     }
     if structure.yields:
         columns["z"] = strain / uy
-    return xr.Dataset({name: ("time", values) for name, values in columns.items()})
+    table = xr.Dataset({name: ("time", values) for name, values in columns.items()})
+    if damage:
+        mass = structure.mass or 1.0
+        most = np.maximum.accumulate(np.abs(displacement))
+        of_damage = damage_of(most, mass * spent[-1], uy, mass * w**2)
+        table = table.assign({name: ("time", values) for name, values in of_damage.items()})
+        table[RESIDUAL] = _rest(parameters, motions.grounds[0])
+    return table
+
+
+def _rest(parameters: Array, ground: SampledMotion) -> float:
+    """Displacement at rest [m], after the record and free vibration without another yielding."""
+    w, xi, hardening, _ = parameters
+    still = np.zeros(free_intervals(1 / (xi * w), ground.dt))
+    longer = ground._replace(acceleration=np.concatenate([ground.acceleration, still]))
+    displacement, _, strain, *_ = history(longer, parameters, 1)[:, -1]
+    return float((1 - hardening) * (displacement - strain))
 
 
 def _with_information(

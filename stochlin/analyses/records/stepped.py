@@ -9,6 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.damage.damage import (
+    RESIDUAL,
+    damage_of_elements,
+    free_intervals,
+    residual_drifts,
+)
 from stochlin.analyses.records.cells import RECORD, RecordedMotions
 from stochlin.analyses.simulation.connected_structures import SteppedGroup, all_connected
 from stochlin.analyses.simulation.finite_motions import RUNS_AWAY
@@ -76,7 +82,9 @@ def stepped_response(
     return SteppedResponse(values, cuts, change)
 
 
-def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int) -> xr.Dataset:
+def stepped_history(
+    structure: AnyStructure, ground: SampledMotion, refine: int, damage: bool
+) -> xr.Dataset:
     """The response history for `respond`, with ``refine`` points in an interval; without times."""
     system = arrangement_of([structure])
     samples = np.arange(ground.acceleration.size)
@@ -88,13 +96,16 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     row = row_of([structure], system, Contacts.of([], system.storeys.mass.size))
     at, to = row.places
     intervals, none = np.array([between.size - 1]), np.zeros(1)
-    motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
-    kept = run(row, motion, StepCounts(first.cuts, 1), SAMPLES)[0].history
+    free = free_intervals(row.elements.system.slowest_decay, finer.dt) if damage else 0
+    motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none, free)
+    [response] = run(row, motion, StepCounts(first.cuts, 1), SAMPLES)
+    kept = response.history
     q, rate, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
     u, v = (values @ system.storeys.shapes.T for values in (q, rate))
     drift = q @ (system.drifts @ system.displacements).T
     extension = q @ system.extensions.T
-    energies = _energies(system, kept, to, rate, extension, z).assign(step_error=first.error)
+    spent = kept[:, at.spent : at.f]
+    energies = _energies(system, kept, to, spent, rate, extension, z).assign(step_error=first.error)
     lone = system.stacks[0].is_oscillator
 
     def over(dimension: str, values: Array) -> tuple[Any, Array]:
@@ -109,16 +120,22 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
         table = table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
     if structure.yields:
         table["z"] = over(ELEMENT, system.of_elements(z / system.storeys.strength, 0.0, np.nan))
+    if response.rest is not None:
+        stretch = kept[:, to.stretch : to.entering]
+        table[RESIDUAL] = ELEMENT, residual_drifts(system, response.rest)
+        for name, values in damage_of_elements(system, stretch, spent).items():
+            table[name] = ("time", ELEMENT), values
+        table = table.squeeze(ELEMENT) if lone else table
     return table.merge(energies)
 
 
 def _energies(
-    system: Arrangement, kept: Array, to: Account, v: Array, drift: Array, z: Array
+    system: Arrangement, kept: Array, to: Account, spent: Array, v: Array, drift: Array, z: Array
 ) -> xr.Dataset:
     """Energies per unit mass of the whole structure at the samples [m^2/s^2]."""
     mass, storeys = system.storeys.mass, system.storeys
-    rows = {"input": to.entering, "viscous": to.viscous, "hysteretic": to.hysteretic}
-    energies = {name: kept[:, row] for name, row in rows.items()}
+    energies = {"input": kept[:, to.entering], "viscous": kept[:, to.viscous]}
+    energies["hysteretic"] = spent.sum(axis=1)
     energies["kinetic"] = 0.5 * v**2 @ mass
     energies["elastic"] = 0.5 * (drift**2 @ storeys.post + z**2 @ storeys.couple)
     columns = {f"{name}_energy_per_mass": ("time", e / mass.sum()) for name, e in energies.items()}

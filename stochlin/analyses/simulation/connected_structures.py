@@ -128,7 +128,7 @@ def _connected(system: Arrangement, members: Array) -> SteppedGroup:
         SteppedStructures(elements._replace(system=seen), law, (), element.astype(float)),
         watched,
         shortest=min(shortest_mode(each, of_displacements=True) for each in systems),
-        slowest=1 / float(-np.linalg.eigvals(whole.state_matrix).real.max()),
+        slowest=whole.slowest_decay,
         period=float(modes_of(whole)[0].max()),
     )
 

@@ -9,6 +9,14 @@ import numpy as np
 import xarray as xr
 from scipy.special import bdtrik, betaincinv
 
+from stochlin.analyses.damage.damage import (
+    DAMAGE,
+    DECAY_TIMES,
+    ENERGY,
+    OF_STRUCTURE,
+    RESIDUAL,
+    damage_of,
+)
 from stochlin.analyses.simulation.ensembles import SimulationRun, work_of
 from stochlin.analyses.simulation.structures_in_motion import STRUCTURE, StructuresInMotion
 from stochlin.analyses.simulation.variables import OF_LINKS, VARIABLES
@@ -51,9 +59,10 @@ def check_motion(
     duration: float | None,
     envelope: Envelope | None,
     scatter: float,
+    damage: bool,
     structures: Mapping[str, AnyStructure],
 ) -> None:
-    """Raise if duration, envelope and scatter do not go together, or a structure has a longer period."""
+    """Raise if the duration does not go with the other arguments, or a structure has a longer period."""
     if duration is None:
         if envelope is not None:
             raise ValueError("envelope is given without a duration; allowed: both, or neither")
@@ -61,6 +70,11 @@ def check_motion(
             raise ValueError(
                 f"scatter = {scatter:g} is given without a duration; it scales each motion by a random "
                 "factor, and a stationary response is that of one intensity: give a duration"
+            )
+        if damage:
+            raise ValueError(
+                "damage = True is given without a duration; in a stationary response damage grows for "
+                "ever: give a duration"
             )
         return
     check_duration(duration, structures)
@@ -106,10 +120,13 @@ def simulate_finite(
     envelope: Envelope | None,
     quantiles: Sequence[float],
     progress: Progress | None,
+    damage: bool = False,
 ) -> xr.Dataset:
     """Dataset of `simulate` for motions of finite duration, without labels."""
     levels = np.asarray(quantiles, float)
-    check_finite(run, duration, moving.functions)
+    free = DECAY_TIMES * moving.slowest_decay if damage else 0.0
+    run = run.with_plan(free=int(np.ceil(free / (run.plan.dt * BLOCK))))
+    check_finite(run, duration + free, moving.functions)
     system, pairs = moving.system, pairs_of(moving.system)
     n = len(system.floors)
     storeys = drifts_of(system) if moving.has_storeys else []
@@ -147,6 +164,11 @@ def simulate_finite(
         of_links = extremes.force, extremes.stroke, extremes.energy
         samples |= {n: (("path", LINK), each) for n, each in zip(OF_LINKS, of_links, strict=True)}
     means = _means(samples)
+    if damage:
+        own = slice(n, n + len(storeys)) if storeys else slice(n)
+        of_damage = _damage(moving, run, either[:, own], extremes, own)
+        samples |= of_damage
+        means |= _of_damage(of_damage, levels)
     if storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength
     (_, *over), apart_most = samples["separation"]
@@ -154,6 +176,37 @@ def simulate_finite(
     coords["quantile"] = "quantile", levels, {"units": "1", "long_name": "quantile"}
     # Made at once, because each addition to a dataset takes a millisecond.
     return xr.Dataset(samples | means | quantile, coords, finite_attributes(run, duration, envelope))
+
+
+def _damage(
+    moving: StructuresInMotion, run: SimulationRun, drift: Array, extremes: Extremes, own: slice
+) -> Columns:
+    """What each motion does to all elements, of which ``drift`` [m] are the peaks, and to structures."""
+    scale, masses = run.scale, moving.masses
+    energy, strength, stiffness = (array[:, run.order] for array in extremes.damage)
+    energy, stiffness = energy * scale**2 * masses, stiffness * masses
+    known = ~np.isnan(moving.strength)
+    values = damage_of(drift, energy, strength * scale, stiffness)
+    values = {name: np.where(known, array, np.nan) for name, array in values.items()}
+    columns: Columns = {RESIDUAL: (("path", moving.element), extremes.residual[:, own])}
+    columns |= {name: (("path", moving.element), array) for name, array in values.items()}
+    if moving.has_storeys:
+        owner = element_coordinates(moving.system)["element_structure"][1]
+        numbers = range(1, len(moving.system.stacks) + 1)
+        whole = [np.nansum(values[ENERGY][:, owner == number], axis=1) for number in numbers]
+        columns[OF_STRUCTURE] = ("path", STRUCTURE), np.stack(whole, axis=1)
+    return columns
+
+
+def _of_damage(samples: Columns, levels: Array) -> Columns:
+    """Means over the motions with standard errors, and quantiles; residual drifts by absolute values."""
+    columns: Columns = {}
+    for name in (*DAMAGE, OF_STRUCTURE):
+        if name in samples:
+            (_, *over), values = samples[name]
+            columns |= mean_columns(name, over, np.abs(values))
+            columns |= quantile_columns(name, over, np.abs(values), levels)
+    return columns
 
 
 def _means(samples: Columns) -> Columns:

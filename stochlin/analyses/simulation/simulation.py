@@ -38,6 +38,7 @@ from stochlin.models.arguments import (
     Scatter,
     Seed,
     StepsPerPeriod,
+    Truth,
     checked,
 )
 from stochlin.models.envelopes import Envelope
@@ -78,6 +79,7 @@ def simulate(
     scatter: Scatter = 0.0,
     quantiles: Quantiles = (0.5, 0.84, 0.95),
     link: Link | Sequence[Link | None] | None = None,
+    damage: Truth = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response of structures on one ground by nonlinear simulation.
@@ -118,6 +120,9 @@ def simulate(
     link : Link or list of Link and None, optional
         Links from each structure to the next, or between the structures that the ``structures`` of a
         link name, which may be one structure; linked oscillators need a mass.
+    damage : bool
+        Whether the result of finite motions also says what yielding leaves behind. Each motion is then
+        followed by free vibration; peaks and energies are those of the motion itself.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -141,8 +146,17 @@ def simulate(
         with standard errors: ``peak_link_force`` [N], means over steps, ``peak_link_stroke`` [m] and
         ``link_energy`` [J], which the link dissipates in the motion.
 
+        With ``damage`` also, over (``path``, ``structure``): ``residual_drift`` [m], at rest after the
+        motion; ``dissipated_energy`` [J], by slips, for 1 kg if the structure has no mass;
+        ``peak_ductility`` [-], the peak over the yield displacement ``uy``; and ``cumulative_ductility``
+        [-], ``1 + E/(Fy uy)`` with the dissipated energy ``E`` and the yield force ``Fy``, which is 1
+        plus the sum of all slips over ``uy`` if there is no hardening. Also their means with standard
+        errors, and quantiles with 95 % intervals, for residual drifts those of the absolute values.
+
         With a building with storeys, displacements are over ``floor`` in place of ``structure``, and
-        ductilities over ``element``, the storeys; standard deviations and peaks of the drifts are added.
+        ductilities and damage over ``element``, the storeys; standard deviations and peaks of the drifts
+        are added, and with ``damage`` the ``hysteretic_energy`` [J] of each structure, that of all its
+        elements.
 
     Raises
     ------
@@ -159,6 +173,12 @@ def simulate(
     for any step. A law in sympy is compiled in a second or two. Storeys with the Bouc-Wen law take as
     long as bilinear ones, with an exponent other than 1 three times, dashpots with an exponent ten times
     as long. Standard errors come from the scatter between independent paths.
+
+    The residual drift is that at which all forces balance after four of the longest decay times
+    ``1/(xi w)`` of free vibration, with the slips that there are then. For bilinear structures it is
+    exact if they do not yield afterwards. Of laws with another stiffness in unloading the vibration that
+    remains, 2 % of that at the end of the motion, is an error. Sums over storeys of the dissipated
+    energy balance the work of the ground.
 
     The plastic drift of a structure that yields rarely takes very long to settle. A bilinear oscillator
     without links that would need more than ten million steps is simulated as elastic. Its drift is then
@@ -188,7 +208,7 @@ def simulate(
     if drawn.factors:
         structures, ground = _medians(drawn, duration)
     roles = checked_structures(structures, ground)
-    check_motion(duration, envelope, scatter, roles)
+    check_motion(duration, envelope, scatter, damage, roles)
     check_memory(sum(floor_count(structure) for structure in structures), paths)
     moving = structures_in_motion(structures, ground, link, duration is None, drawn.stacks())
     options: dict[str, Any] = {
@@ -213,7 +233,7 @@ def simulate(
         models |= {f"link_{n}": each for n, each in enumerate(moving.links, start=1) if each is not None}
     what = f"Simulation of {len(structures)} structures"
     if duration is not None:
-        table = simulate_finite(moving, run, duration, envelope, quantiles, progress)
+        table = simulate_finite(moving, run, duration, envelope, quantiles, progress, damage)
         table = table.assign(drawn.table())
         title = f"{what} in finite motions, {ground.name} ground"
         call = f"simulate(paths={paths}, seed={seed}, duration={duration})"

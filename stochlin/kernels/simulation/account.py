@@ -54,10 +54,9 @@ class Account(NamedTuple):
     acceleration: int  # (f) largest absolute acceleration [m/s^2], as means of steps
     shear: int  # (f) largest shear of the storey below each floor [N]
     pull: int  # (l) largest force of each link [N], as means of steps
-    stroke: int  # (l) largest absolute extension of each link [m]
+    stretch: int  # (e) largest absolute extension of each element [m]
     entering: int  # (s) energy put in by the ground so far [J]
     viscous: int  # (s) energy dissipated by the dashpots of the structure so far [J]
-    hysteretic: int  # (s) energy dissipated by slips so far [J]
     drained: int  # (l) energy dissipated in each link so far [J]
     lost: int  # (c) energy dissipated in each contact so far [J]
     missing: int  # energy that the steps did not account for [J]
@@ -96,9 +95,9 @@ class Account(NamedTuple):
             "acceleration": f,
             "shear": f,
             "pull": links,
-            "stroke": links,
+            "stretch": elements.kind.size,
         }
-        sizes |= {"entering": s, "viscous": s, "hysteretic": s, "drained": links, "lost": c}
+        sizes |= {"entering": s, "viscous": s, "drained": links, "lost": c}
         sizes |= {"missing": 1, "most": 1, "imbalance": 1, "failed": 1}
         sizes |= {"begin": c, "end": c, "speed": c, "largest": c, "last": c, "rise": c, "span": c}
         sizes |= {"before": c, "handed": c, "deepest": c}
@@ -157,20 +156,14 @@ def _watch_shears(column, weight, column_z, weight_z, at, to, x, lanes):
 
 
 @compiled
-def _watch_springs(column, weight, spring, info, owner, at, to, x, lanes):
-    """Energies dissipated by the slips of springs."""
-    change, slipped = to.scratch_2, to.scratch_3
-    for i in range(info.shape[0]):
-        couple, z, slip = spring[i, COUPLE], at.z + i, at.slip + i
-        if info[i, KIND] == VISCOUS or couple == 0.0 or owner[i] < 0:
-            continue
-        times_row(column, weight, i, x, at.dq, change, lanes)
+def _watch_extensions(column, weight, at, to, x, lanes):
+    """Largest absolute extensions at the ends of steps."""
+    extension = to.scratch_1
+    for i in range(column.shape[0]):
+        most = to.stretch + i
+        times_row(column, weight, i, x, at.q, extension, lanes)
         for lane in range(lanes):
-            middle = x[z, lane] - 0.5 * (x[change, lane] - x[slip, lane])
-            x[slipped, lane] = couple * middle * x[slip, lane]
-        add = to.hysteretic + owner[i]
-        for lane in range(lanes):
-            x[add, lane] += x[to.counts, lane] * x[slipped, lane]
+            x[most, lane] = max(x[most, lane], x[to.counts, lane] * abs(x[extension, lane]))
 
 
 @compiled
@@ -190,7 +183,7 @@ def _watch_masses(damping, mass, structure, dt, at, to, x, lanes):
 
 @compiled
 def _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, to, x, lanes):
-    """Largest forces of links, as means of steps, strokes at their ends, and energies dissipated."""
+    """Largest forces of links, as means of steps, and energies dissipated."""
     change, force, lost = to.scratch_1, to.scratch_2, to.scratch_3
     for tie in range(ties.size):
         i, other, c = ties[tie], dashpot[tie], constant[tie]
@@ -213,10 +206,6 @@ def _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, 
         for lane in range(lanes):
             most = max(x[to.pull + tie, lane], x[to.counts, lane] * abs(x[force, lane]))
             x[to.pull + tie, lane] = most
-        times_row(column, weight, i, x, at.q, change, lanes)
-        for lane in range(lanes):
-            most = max(x[to.stroke + tie, lane], x[to.counts, lane] * abs(x[change, lane]))
-            x[to.stroke + tie, lane] = most
         for lane in range(lanes):
             x[to.drained + tie, lane] += x[to.counts, lane] * x[lost, lane]
 
@@ -229,7 +218,7 @@ def watch(steps, parts, at, to, x, lanes):
     _watch_accelerations(of_floor, share, dt, at, to, x, lanes)
     (of_q, share_q), (of_z, share_z) = parts.shear
     _watch_shears(of_q, share_q, of_z, share_z, at, to, x, lanes)
-    _watch_springs(column, weight, steps.spring, info, parts.owner, at, to, x, lanes)
+    _watch_extensions(column, weight, at, to, x, lanes)
     _watch_masses(parts.damping, parts.mass, parts.structure, dt, at, to, x, lanes)
     if parts.spring.size > 0:
         spring, ties, dashpot, constant = steps.spring, parts.spring, parts.dashpot, parts.constant
@@ -268,6 +257,10 @@ def balance(steps, contacts, parts, at, to, x, lanes):
     for row in range(to.viscous, to.missing):
         for lane in range(lanes):
             x[whole, lane] -= x[row, lane]
+    for i in range(parts.owner.size):
+        if parts.owner[i] >= 0:
+            for lane in range(lanes):
+                x[whole, lane] -= x[at.spent + i, lane]
     for i in range(parts.mass.size):
         for lane in range(lanes):
             x[whole, lane] -= 0.5 * parts.mass[i] * x[at.v + i, lane] * x[at.v + i, lane]

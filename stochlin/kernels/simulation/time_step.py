@@ -79,6 +79,7 @@ class Places(NamedTuple):
     held: int  # (c) 1 if both sides move together, after a stereomechanical impact; else 0
     slow: int  # rate of approach below which a contact is elastic [m/s]
     meets: int  # 1 if contacts act in this motion; 0 if each structure moves alone
+    spent: int  # (e) energies dissipated by slips so far [J]
     f: int  # mean forcing of the step [m/s^2]
     work: int
     known: int  # (n + e) velocities and element forces at the beginning
@@ -104,7 +105,7 @@ class Places(NamedTuple):
         n, e, c = elements.system.mass.size, elements.kind.size, contacts
         most, m = int(elements.states.max(initial=1)), int((elements.states - 1).sum())
         sizes = {"q": n, "v": n, "z": e, "memory": m, "own": elements.own.size, "slip": e}
-        sizes |= {"force": c, "approach": c, "held": c, "slow": 1, "meets": 1}
+        sizes |= {"force": c, "approach": c, "held": c, "slow": 1, "meets": 1, "spent": e}
         sizes |= {"f": 1, "work": 0, "known": n + e, "dq": n, "extension": e, "remembered": m}
         sizes |= {"depth": c, "rate": c, "least": e, "change": 1, "pace": 1, "before": most}
         sizes |= {"after": most, "more": 1, "widest": 1, "moving": 1, "still": 1, "rows": 0}
@@ -478,8 +479,8 @@ def _begin(column, weight, move, push, spring, ease, info, at, x, lanes):
 
 
 @compiled
-def _end(column, weight, info, n, dt, at, x, lanes):
-    """Change the state by the increments and slips."""
+def _end(column, weight, spring, info, n, dt, at, x, lanes):
+    """Change the state by the increments and slips, and add the energies that the slips dissipate."""
     twice = 2.0 / dt
     for i in range(n):
         for lane in range(lanes):
@@ -487,10 +488,17 @@ def _end(column, weight, info, n, dt, at, x, lanes):
         for lane in range(lanes):
             x[at.v + i, lane] = twice * x[at.dq + i, lane] - x[at.v + i, lane]
     for i in range(info.shape[0]):
-        if info[i, KIND] != VISCOUS:  # the spring of a dashpot exists for one step only
-            times_row(column, weight, i, x, at.dq, at.change, lanes)
+        kind, couple, z, slip = info[i, KIND], spring[i, COUPLE], at.z + i, at.slip + i
+        if kind == VISCOUS:  # the spring of a dashpot exists for one step only
+            continue
+        times_row(column, weight, i, x, at.dq, at.change, lanes)
+        if kind not in (LINEAR, SLACK):
+            spent = at.spent + i
             for lane in range(lanes):
-                x[at.z + i, lane] += x[at.change, lane] - x[at.slip + i, lane]
+                middle = x[z, lane] + 0.5 * (x[at.change, lane] - x[slip, lane])
+                x[spent, lane] += of_lane(couple, lane) * middle * x[slip, lane]
+        for lane in range(lanes):
+            x[z, lane] += x[at.change, lane] - x[slip, lane]
     for k in range(at.own - at.memory):
         copy(x, at.remembered + k, at.memory + k, lanes)
 
@@ -521,7 +529,7 @@ def take_step(law, steps, at, x, lanes):
         if not any_of(x, at.still, lanes):
             break
         copy(x, at.still, at.moving, lanes)
-    _end(column, weight, info, ease.shape[0], dt, at, x, lanes)
+    _end(column, weight, spring, info, ease.shape[0], dt, at, x, lanes)
 
 
 @compiled

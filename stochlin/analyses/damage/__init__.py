@@ -1,0 +1,1 @@
+"""What yielding leaves behind: residual drifts, dissipated energies, ductilities, damage indices."""
