@@ -28,12 +28,19 @@ if TYPE_CHECKING:
 
 DAMPING = Range(upper=1.0, reason="a ratio, 0.05 for 5 %")
 HARDENING = Range(
+    lower=-1.0,
+    upper=1.0,
+    include_upper=True,
+    reason="0 is elastic-plastic, less softens as by P-delta; a stationary response needs more than 0",
+)
+STATIONARY_HARDENING = Range(
     upper=1.0, include_upper=True, reason="without hardening there is no stationary displacement"
 )
 
 GAUSSIAN = "gaussian"  # every law has this closure, by quadrature if not in closed form
 NARROW_BAND = "narrow_band"  # amplitude averaging, without a joint density of velocity and z
 DRIFT = "drift"  # the clipped closure, with the plastic drift that the clipped closure omits
+CURE = "follow it in motions of finite length, by simulate with a duration, or separation"
 CHECKED = 8  # largest number of parameter sets for which a law is checked
 
 LAWS: Registry[type[Structure]] = Registry("law", "stochlin.models.laws")
@@ -144,16 +151,40 @@ class Structure(Model):
         """
         return xr.DataArray(False)
 
-    def check_stationary(self, role: str) -> None:
-        """Raise a ValueError if a state of the law grows for ever, so that none is stationary."""
-        if not self.yields or getattr(self.step(), "states", 1) == 1:
-            return
-        if growing := self._compiled.growing(self._examples):
+    def settles(self) -> xr.DataArray:
+        """True for the cells that stay elastic or have stiffness after yielding."""
+        hardening = self.arrays()["hardening"] if self.yields else xr.DataArray(1.0)
+        return hardening.copy(data=STATIONARY_HARDENING.contains(hardening.data))
+
+    def check_settles(self, role: str) -> None:
+        """Raise a ValueError if the hardening is one number, and leaves no stiffness after yielding."""
+        one = self.yields and not isinstance(self.hardening, xr.DataArray)
+        if one and not STATIONARY_HARDENING.contains(self.hardening):
             raise ValueError(
-                f"{role}: {self._name} has no stationary response: it depends on {listed(growing)}, "
-                "which keeps its sign when the motion turns, as an energy does, and grows for ever; "
-                "follow it in motions of finite length, by simulate with a duration, or separation"
+                f"{role}: hardening = {self.hardening:g} leaves no stiffness after yielding, and the "
+                f"displacement no stationary value; allowed: {STATIONARY_HARDENING}; or {CURE}"
             )
+
+    def check_stationary(self, role: str) -> None:
+        """Raise a ValueError if the displacement, or a state of the law, grows for ever."""
+        self.check_settles(role)
+        if self.yields and (growing := self.growing()):
+            raise ValueError(
+                f"{role}: {self._name} has no stationary response: it depends on {growing} grows for "
+                f"ever; {CURE}"
+            )
+
+    def growing(self) -> str:
+        """The states of the law that grow for ever, as a clause; empty if there are none."""
+        if getattr(self.step(), "states", 1) == 1:
+            return ""
+        names = self._compiled.growing(self._examples)
+        sign = ", which keeps its sign when the motion turns, as an energy does, and"
+        return listed(names) + sign if names else ""
+
+    def largest_z(self) -> xr.DataArray:
+        """Largest ``z`` that the law reaches in one direction [-], for each cell."""
+        return xr.DataArray(1.0)
 
     def step(self) -> Any:
         """The law in time steps: a kind of ``kernels.simulation.laws``, or a ``RateLaw`` of it."""

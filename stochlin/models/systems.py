@@ -25,7 +25,7 @@ from stochlin.messages import brief
 from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding, ShearBuilding
 from stochlin.models.links import GROUND, Link
 from stochlin.models.parameters import expect
-from stochlin.models.structures import Structure
+from stochlin.models.structures import CURE, Structure
 
 AnyStructure = Structure | MultistoreyBuilding
 STRUCTURES = Structure, MultistoreyBuilding
@@ -59,6 +59,18 @@ class Stack(NamedTuple):
     def yields(self) -> Array:
         """Whether each element can yield in some cell (n,)."""
         return np.asarray(~np.isposinf(np.atleast_2d(self.system.strength)).all(axis=0))
+
+    @property
+    def limits(self) -> Array:
+        """Extension of each element at which the structure falls (..., n) [m]; infinite if it cannot.
+
+        An element without stiffness after yielding has lost all its force there; a storey has also
+        fallen where its drift is its height.
+        """
+        storey, z = self.system, np.broadcast_to(self.law.largest_z(), self.system.post.shape[-1:])
+        heights = np.inf if self.by_modes else np.diff(self.levels, prepend=0.0)
+        powerless = falls_at(storey.post, storey.couple, storey.strength * z)
+        return np.where(np.isfinite(powerless), np.fmin(powerless, heights), np.inf)
 
     @property
     def law_parameters(self) -> Array:
@@ -165,6 +177,26 @@ class Arrangement(NamedTuple):
         return drifts
 
     @property
+    def owners(self) -> Array:
+        """Number of the structure of each of the `watched`, from 0 (w,)."""
+        numbers = np.arange(len(self.stacks))
+        of_modes = np.repeat(numbers, np.diff(self.first_coordinate))[self.yielding_modes]
+        return np.concatenate([np.repeat(numbers, np.diff(self.first)), of_modes])
+
+    @property
+    def limits(self) -> Array:
+        """Drift of each of the `watched` at which its structure falls (w,) [m]; see `Stack.limits`."""
+        limits = np.concatenate([stack.limits for stack in self.stacks])
+        return self.of_elements(limits, np.inf, np.inf)
+
+    def fallen(self, drifts: Array, limits: Array) -> Array:
+        """Whether each structure has fallen (..., s), by drifts of the `watched` (..., w) [m]."""
+        beyond = np.isfinite(limits) & ~(np.abs(drifts) <= limits)
+        return np.stack(
+            [beyond[..., self.owners == n].any(axis=-1) for n in range(len(self.stacks))], axis=-1
+        )
+
+    @property
     def watched_strength(self) -> Array:
         """Strength (..., w) of the `watched` [m]; NaN for storeys of a building whose modes yield.
 
@@ -219,6 +251,12 @@ class Arrangement(NamedTuple):
         ]
 
 
+def falls_at(post: Array, couple: Array, strength: Array) -> Array:
+    """Extension [m] at which the force of an element that yields is 0 again; infinite if it is not."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where((post < 0) & (couple > 0), couple * strength / -post, np.inf)
+
+
 def stack_of(structure: AnyStructure) -> Stack:
     """A structure as a stack of floors; the parameters of an oscillator are numbers or arrays (c,).
 
@@ -258,9 +296,9 @@ def check_stationary(system: Arrangement) -> None:
     for structure, storey in system.without_stationary_answer:
         left = system.stacks[structure - 1].system.post[storey - 1]
         raise ValueError(
-            f"structures, number {structure}: the weight above takes all post-yield stiffness of storey "
-            f"{storey} ({left:.3g} N/m with it): its drift grows without end, with no stationary value; "
-            "simulate motions of finite length, so give a duration; or more hardening, or p_delta=False"
+            f"structures, number {structure}: storey {storey} has no stiffness after yielding "
+            f"({left:.3g} N/m, with the weight above if p_delta): its drift grows without end, with no "
+            f"stationary value; {CURE}; or give more hardening, or p_delta=False"
         )
 
 

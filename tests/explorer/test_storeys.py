@@ -408,7 +408,7 @@ def test_where_the_weight_leaves_nothing_stationary_only_simulations_answer(tmp_
     case = form.case()
     for formula in (spectra, gap_rules, correlation):
         with pytest.raises(
-            ValueError, match="structures, number 2: the weight above takes all post-yield"
+            ValueError, match="structures, number 2: storey 1 has no stiffness after yielding"
         ):
             formula(case)
     assert float(few_motions(case).confidence_of_no_pounding_simulated[-1]) >= 0

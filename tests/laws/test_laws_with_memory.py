@@ -168,12 +168,13 @@ def test_recorded_motions_and_gaps():
     "linearizing",
     [
         lambda one: sl.linearize(one, GROUND),
+        lambda one: sl.linearize(one, GROUND, closure="drift"),
         lambda one: sl.correlate(one, sl.Bilinear(0.7, 0.05), GROUND),
         lambda one: sl.linearize_system([one], GROUND),
         lambda one: sl.linearize_system([building(one.law)], GROUND),
         lambda one: sl.equivalent_coefficients(1.0, 0.5, 0.3, law=one.law),
     ],
-    ids=["linearize", "correlate", "system", "storeys", "coefficients"],
+    ids=["linearize", "another closure", "correlate", "system", "storeys", "coefficients"],
 )
 def test_what_linearizes_refuses_it_with_the_cure(linearizing):
     with pytest.raises(

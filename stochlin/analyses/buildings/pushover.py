@@ -15,7 +15,7 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import Metres, Number, OneOf, checked
-from stochlin.models.structures import HARDENING
+from stochlin.models.structures import STATIONARY_HARDENING
 
 CURVE, DISPLACEMENT = "base_shear", "displacement"
 FEWEST = 4  # points of a curve
@@ -36,7 +36,7 @@ def bilinear_of(
     method: Annotated[str, OneOf(REFERENCES)] = "asce_41",
     *,
     target_displacement: Metres | None = None,
-    hardening: Annotated[float, Number(HARDENING)] | None = None,
+    hardening: Annotated[float, Number(STATIONARY_HARDENING)] | None = None,
 ) -> xr.Dataset:
     """Bilinear idealization of a pushover curve.
 

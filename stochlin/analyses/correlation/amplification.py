@@ -33,7 +33,7 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure
+from stochlin.models.systems import AnyStructure, falls_at
 
 LINEARIZATION, SIMULATION = "linearization", "simulation"
 STD, PEAK = "std", "peak"
@@ -235,10 +235,13 @@ def _on_one_ground(
     own, index = sides[0]
     inelastic = peaks[:, : own.valid.size]
     other = peaks[:, own.valid.size + row_of(sides[1][1], index)]
+    largest_z = row_of(structure.largest_z(), index)
+    limits = falls_at(own.hardening, 1 - own.hardening, own.yield_displacement * largest_z)
+    inelastic = np.where(np.isfinite(limits) & ~(inelastic <= limits), np.inf, inelastic)
     ratios = _ratios(inelastic, other)
     stayed = (inelastic <= own.yield_displacement).all(axis=0)
     status = np.where(stayed, labels.ELASTIC_LIMIT, labels.CONVERGED)
-    known = np.isfinite(ratios["amplification"])
+    known = ~np.isnan(ratios["amplification"])
     columns = {
         **ratios,
         "ductility": ratios["peak_mean"] / own.yield_displacement,
@@ -270,6 +273,7 @@ def _of_storeys(building: MultistoreyBuilding, ground: Ground, **motion: Any) ->
     return table.assign(ductility=own.ductility, status=status).assign_attrs(attrs)
 
 
+@np.errstate(invalid="ignore")  # infinite if the structure falls in a motion
 def _ratios(inelastic: Array, elastic: Array) -> dict[str, Array]:
     """Means of peaks (motions, n), their ratio, and standard errors; that of the ratio from pairs."""
     scale = np.sqrt(len(inelastic))

@@ -75,8 +75,9 @@ def system_and_forcing(arrays: Sequence[Array]) -> tuple[EquivalentSystem, Forci
 
 
 def check_closure(structure: Structure, closure: str) -> None:
-    """Raise a ValueError if the law of the structure does not have this closure."""
+    """Raise a ValueError if the law does not have this closure, an ArithmeticError if it has none."""
     if not isinstance(closure, str) or closure not in structure.closure_names():
+        structure.closure(GAUSSIAN)  # raises if the law cannot be linearized at all
         raise ValueError(
             f"closure = {brief(closure)} is not available for {type(structure).__name__}; allowed: "
             f"{', '.join(structure.closure_names())}"
@@ -158,6 +159,10 @@ def _problem_of(
     values, soil = structure.cells(), ground.cells()
     law = [values[name] for name in structure.own_parameters() if name in values]
     elastic = closure is None or not structure.yields
+    good = valid_cells(structure)
+    if not elastic:
+        structure.check_settles(type(structure).__name__)
+        good = good & structure.settles() if is_labelled(values["hardening"]) else good
     solver = _Solver(
         len(law),
         structure.reduction_factor is not None,
@@ -169,7 +174,7 @@ def _problem_of(
         closure == DRIFT,
     )
     inputs = [
-        valid_cells(structure),
+        good,
         valid_cells(ground),
         values["period"],
         values["damping"],

@@ -136,6 +136,7 @@ def strength_for_ductility(
         )
     factor = structure.peak_factor if peak_factor is None else peak_factor
     strong = replace(structure, yield_displacement=None, reduction_factor=1.0, peak_factor=factor)
+    strong.check_settles(type(structure).__name__)
     closure = usual_closure(strong, ground) if closure is None else closure
     target = DuctilityTarget(ductility)
     reduction = _search(strong, ground, target, closure)
@@ -147,7 +148,7 @@ def strength_for_ductility(
         )
     yielding = replace(strong, reduction_factor=reduction)
     solved = solve_structure(yielding, ground, closure, TOLERANCE)
-    valid = strong.valid() & ground.valid() & target.valid()
+    valid = strong.valid() & strong.settles() & ground.valid() & target.valid()
     peak = yielding.arrays()["peak_factor"] * solved.ductility_std
     reached = np.abs(peak / target.arrays()["ductility"] - 1) < REACHED
     status = solved.status.where(reached, labels.NOT_CONVERGED).where(valid, labels.INVALID_INPUT)
@@ -245,7 +246,7 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
             "structure, ground and ductility share a dimension whose coordinates or lengths differ: "
             f"{sentence(error)}"
         ) from error
-    usable = structure.valid() & ground.valid() & target.valid()
+    usable = structure.valid() & structure.settles() & ground.valid() & target.valid()
     valid = xr.broadcast(usable, arrays[0])[0].transpose(*arrays[0].dims).values
     flat = {key: array.values[valid] for key, array in zip(named, arrays, strict=True)}
     result = np.full(valid.shape, np.nan)

@@ -150,6 +150,7 @@ def side_of(
     check_duration(duration, {role: structure})
     if isinstance(structure, MultistoreyBuilding):
         return _building(structure, ground, role, first)
+    structure.check_settles(role)
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
     own = (
@@ -161,6 +162,7 @@ def side_of(
     )
     status = elastic.status.where(elastic.status >= labels.NOT_CONVERGED, labels.CONVERGED)
     status = status.where(values["period"] <= duration, labels.INVALID_INPUT)
+    status = status.where(structure.settles(), labels.INVALID_INPUT)
     valid = status < labels.NOT_CONVERGED
     position = numbered(valid, first)
 

@@ -191,9 +191,9 @@ def pound(
         motions; if there is no motion, or a motion is not a record, has NaN or only zeros; or if the
         computation would take too long.
     ArithmeticError
-        If the response is no longer finite, since a law runs away. Also if a building
-        with ``p_delta`` collapses under the weight. With several motions the results of such a motion
-        are NaN; only if all motions fail, the error of the first is raised.
+        If the response is no longer finite, since a law runs away. Also if a structure with a negative
+        stiffness after yielding falls, as in `simulate`. With several motions the results of such a
+        motion are NaN; only if all motions fail, the error of the first is raised.
 
     Notes
     -----

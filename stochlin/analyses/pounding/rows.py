@@ -216,9 +216,9 @@ def build_row(
         contacts = Contacts.of([ForceLaw()] * len(places), mass.size, left, right, space, e)
     structure = structure_of_floors(system)
     own = tuple(t for t in system.ties if t.two < 0 or structure[t.one] == structure[t.two])
-    row = alone = row_of(structures, system, contacts)
+    row = alone = row_of(system, contacts)
     if own != system.ties:
-        alone = row_of(structures, system._replace(ties=own), Contacts.of([], mass.size))
+        alone = row_of(system._replace(ties=own), Contacts.of([], mass.size))
     return Standing(structures, row, alone, system, places, space, reduced)
 
 

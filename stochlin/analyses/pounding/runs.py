@@ -15,7 +15,6 @@ from stochlin.kernels.basics.parallel import Progress, cores, in_order
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
-from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Contact, Element
 
 STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
@@ -193,19 +192,18 @@ def _failure(standing: Standing, response: RowResponse) -> ArithmeticError | Non
     if failed == np.inf:
         return None
     firsts = response.at.q + standing.arrangement.first_coordinate
-    for number, structure in enumerate(standing.structures, start=1):
-        u = response.numbers[firsts[number - 1] : firsts[number]]
-        if not isinstance(structure, ShearBuilding) or not structure.p_delta:
-            continue
-        heights = structure.arrays()["heights"].to_numpy()
-        share = np.nan_to_num(np.abs(np.diff(u, prepend=0.0)) / heights, nan=np.inf)
-        if share.max() > 1:
-            worst = int(np.argmax(share))
+    for number, stack in enumerate(standing.arrangement.stacks, start=1):
+        u, limits = response.numbers[firsts[number - 1] : firsts[number]], stack.limits
+        share = np.nan_to_num(np.abs(stack.system.extensions @ u) / limits, nan=np.inf)
+        worst = int(np.argmax(np.where(np.isfinite(limits), share, 0.0)))
+        if np.isfinite(limits[worst]) and share[worst] > 1:
+            part = "mode" if stack.by_modes else "storey"
+            where = "it" if stack.is_oscillator else f"its {part} {worst + 1}"
             return ArithmeticError(
-                f"pound: structure {number} falls over: by {failed:.4g} s after the beginning its "
-                f"storey {worst + 1} has drifted by more than its height of {heights[worst]:g} m, "
-                "since after yield the weight above takes more stiffness than it has; give it more "
-                "hardening or strength, or a weaker motion"
+                f"pound: structure {number} falls over: by {failed:.4g} s after the beginning {where} "
+                f"has drifted by more than {limits[worst]:.3g} m, where no force is left to hold it, "
+                "since its stiffness after yielding is negative; give it more hardening or strength, or "
+                "a weaker motion"
             )
     return ArithmeticError(
         f"pound: the response is no longer finite {failed:.4g} s after the beginning; the rates of a "

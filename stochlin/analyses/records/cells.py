@@ -22,7 +22,7 @@ from stochlin.models.arguments import OfClass, check_label
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
-from stochlin.models.systems import STRUCTURES, AnyStructure
+from stochlin.models.systems import STRUCTURES, AnyStructure, falls_at
 
 Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
 """One record, as from `read_record`, or several as a list, or as a mapping with their names."""
@@ -57,6 +57,12 @@ class RecordCells(NamedTuple):
 
     parameters: Array  # (n, 4): w, damping, hardening and yield displacement, infinite if elastic
     valid: Array  # (n,)
+
+    @property
+    def limits(self) -> Array:
+        """Displacement at which the structure of each valid cell falls [m]; see `Stack.limits`."""
+        _, _, hardening, uy = self.parameters[self.valid].T
+        return falls_at(hardening, 1 - hardening, uy)
 
 
 def checked_motions(record: Records) -> RecordedMotions:

@@ -71,7 +71,8 @@ def recorded_gap(
         For buildings with storeys, ``separation`` is the largest over all heights; there are also
         ``separation_at_height`` [m] over ``height``, and ``peak_drift`` [m] and ``ductility`` [-] over
         ``element``. For several records there is also ``separation_quantile`` [m] over ``quantile``,
-        with a 95 % interval ``_lower`` and ``_upper``, infinite if the records are too few. For one
+        with a 95 % interval ``_lower`` and ``_upper``, infinite if the records are too few. If a
+        structure falls (see `simulate`), its peak and ``separation`` are infinite. For one
         structure alone, the variables of two structures are left out.
 
     Raises
@@ -150,12 +151,18 @@ def _exactly(
         separation, rho = np.moveaxis(together, -1, 0)
         columns = {"separation": separation, "rho": rho}
     stayed = np.ones(columns["separation"].shape, bool)
-    for number, (peaks, parameters) in enumerate(zip(each, sides, strict=True), start=1):
+    fell = np.zeros_like(stayed)
+    for number, (peaks, side, parameters) in enumerate(zip(each, cells, sides, strict=True), start=1):
         peak = np.maximum(peaks[..., recorded.HIGHEST], peaks[..., recorded.LOWEST])
-        columns[f"peak_{number}"] = peak
-        columns[f"pseudo_energy_radius_{number}"] = peaks[..., recorded.RADIUS]
+        falls = ~(peak <= side.limits[valid[side.valid]])
+        columns[f"peak_{number}"] = np.where(falls, np.inf, peak)
+        columns[f"pseudo_energy_radius_{number}"] = np.where(falls, np.inf, peaks[..., recorded.RADIUS])
         stayed &= peak <= parameters[:, 3]
+        fell |= falls
+    columns["separation"] = np.where(fell, np.inf, columns["separation"])
     if len(sides) == 2:
+        columns["rho"] = np.where(fell, np.nan, columns["rho"])
         columns["srss"] = np.hypot(columns["peak_1"], columns["peak_2"])
-        columns["separation_over_srss"] = columns["separation"] / columns["srss"]
+        with np.errstate(invalid="ignore"):  # infinite where a structure falls
+            columns["separation_over_srss"] = columns["separation"] / columns["srss"]
     return table_over(columns, stayed, like, motions, valid)

@@ -31,7 +31,7 @@ from stochlin.models.arguments import Truth, Whole, checked, is_number
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Structure
-from stochlin.models.systems import AnyStructure
+from stochlin.models.systems import AnyStructure, arrangement_of
 
 ENERGIES = tuple(
     f"{kind}_energy_per_mass" for kind in ("input", "viscous", "hysteretic", "kinetic", "elastic")
@@ -185,6 +185,9 @@ def response_spectrum(
         # At rest alpha u + (1 - alpha) y = 0, while u - y stays as it is.
         slip = peaks[..., recorded.LAST] - peaks[..., recorded.LAST_Y]
         columns["permanent_set"] = (1 - hardening_ratio) * slip
+    falls = ~(displacement <= cells.limits)
+    columns = {name: np.where(falls, np.nan, values) for name, values in columns.items()}
+    columns["displacement_max"] = np.where(falls, np.inf, displacement)
     table = table_over(columns, displacement <= uy, like, motions, cells.valid)
     return _with_information(table, "Response spectrum", "response_spectrum()", structure, motions)
 
@@ -226,7 +229,8 @@ def respond(
         ``storey_drift`` [m] and ``z`` over ``element``; energies are those of all floors over the total
         mass, and there is no ``radius``. For all structures except `Bilinear`, the time steps are those
         of `simulate`, halved until no peak changes by more than 1e-4; ``step_error`` [-] is the last
-        change.
+        change. If the structure falls (see `simulate`), histories are NaN from then on, and the
+        attribute ``collapse_s`` is the time.
 
         With ``damage`` also ``residual_drift`` [m], at rest after the record; and over ``time``, up to
         this time, ``dissipated_energy`` [J], for 1 kg if the structure has no mass, ``peak_ductility``
@@ -270,9 +274,22 @@ def respond(
         else stepped_history(structure, ground, int(refine), damage)
     )
     table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
+    table = _until_fall(table, structure)
     return _with_information(
         table, "Response to a record", f"respond(refine={refine})", structure, motions
     )
+
+
+def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
+    """A history with NaN after the structure falls, and with the time at which it does, if it does."""
+    system = arrangement_of([structure])
+    drifts = table.displacement if isinstance(structure, Structure) else table.storey_drift
+    fallen = system.fallen(drifts.values.reshape(table.time.size, -1), system.limits)[:, 0]
+    if not fallen.any():
+        return table
+    falls = float(table.time[int(np.argmax(fallen))])
+    histories = {n: v.where(table.time <= falls) for n, v in table.data_vars.items() if "time" in v.dims}
+    return table.assign(histories).assign_attrs(collapse_s=falls)
 
 
 def _exact_history(

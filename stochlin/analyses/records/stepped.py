@@ -33,6 +33,7 @@ from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_period, floor_count
 
 STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
+FALLEN = 1e3  # displacement over the largest at which a structure falls, where it is not followed
 CLOSE, HALVINGS = 1e-4, 6  # allowed relative change of peaks when the step is halved; most halvings
 AT_ONCE = 4096  # steps computed at a time
 
@@ -46,13 +47,15 @@ class SteppedResponse(NamedTuple):
 
 
 def stepped_response(
-    connected: Sequence[SteppedGroup], ground: SampledMotion, functions: Sequence[Terms]
+    system: Arrangement, ground: SampledMotion, functions: Sequence[Terms]
 ) -> SteppedResponse:
     """Functions of the floor displacements, from rest, with steps halved until their peaks converge.
 
     The steps are of second order, so that the remaining error is about a third of the last change.
     """
-    weights = np.zeros((len(functions), sum(group.watched.size for group in connected)))
+    connected, limits = all_connected(system), system.limits
+    most = FALLEN * limits[np.isfinite(limits)].max(initial=0.0) or np.inf
+    weights = np.zeros((len(functions), limits.size))
     for row, terms in zip(weights, functions, strict=True):
         row[list(terms)] = list(terms.values())
     shortest = min(group.shortest for group in connected)
@@ -67,10 +70,16 @@ def stepped_response(
             "numbers": 2.0**2 * len(functions) * steps,
         },
     )
-    values, change = _values(connected, weights, ground, cuts), np.inf
+
+    def followed(cuts: int) -> Array:
+        """The functions in such steps; those of a structure that falls end far beyond its limit."""
+        values = _values(connected, weights, ground, cuts)
+        return values if most == np.inf else np.clip(np.nan_to_num(values, nan=most), -most, most)
+
+    values, change = followed(cuts), np.inf
     for _ in range(HALVINGS):
         coarse, cuts = peaks_of(values), 2 * cuts
-        values = _values(connected, weights, ground, cuts)
+        values = followed(cuts)
         fine = peaks_of(values)
         change = float(np.max(np.abs(fine - coarse) / np.where(fine > 0, fine, 1.0)))
         if change <= CLOSE:
@@ -90,16 +99,16 @@ def stepped_history(
     samples = np.arange(ground.acceleration.size)
     between = np.arange(refine * samples[-1] + 1) / refine
     finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
-    connected = all_connected(system)
     floors = range(floor_count(structure))
-    first = stepped_response(connected, finer, [{floor: 1.0} for floor in floors])
-    row = row_of([structure], system, Contacts.of([], system.storeys.mass.size))
+    first = stepped_response(system, finer, [{floor: 1.0} for floor in floors])
+    row = row_of(system, Contacts.of([], system.storeys.mass.size))
     at, to = row.places
     intervals, none = np.array([between.size - 1]), np.zeros(1)
     free = free_intervals(row.elements.system.slowest_decay, finer.dt) if damage else 0
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none, free)
     [response] = run(row, motion, StepCounts(first.cuts, 1), SAMPLES)
-    kept = response.history
+    kept = np.full((between.size, response.history.shape[1]), np.nan)  # NaN after a fall
+    kept[: len(response.history)] = response.history
     q, rate, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
     u, v = (values @ system.storeys.shapes.T for values in (q, rate))
     drift = q @ (system.drifts @ system.displacements).T
@@ -157,11 +166,10 @@ def stepped_gap(
             *drifts_of(system),
             *(apart(system, pair) for pair in pairs),
         ]
-    connected = all_connected(system)
     periods = [float(s.arrays()["period"]) for s in structures if isinstance(s, Structure)]
     tables = []
     for ground in motions.grounds:
-        motion = stepped_response(connected, ground, functions)
+        motion = stepped_response(system, ground, functions)
         table = _in_one(system, motion)
         if len(periods) == len(structures):
             table = table.assign(_radii(motion, periods, ground.dt / motion.cuts))
@@ -183,6 +191,9 @@ def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
     n, values, count = len(system.watched), motion.values, len(system.stacks)
     peaks, drifts = np.split(np.abs(values[:, : count + n]).max(axis=0), [count])
     at_height = np.maximum(values[:, count + n :].max(axis=0), 0.0)
+    fallen = system.fallen(drifts, system.limits)
+    if fallen.any():
+        at_height[:], peaks[fallen], drifts[fallen[system.owners]] = np.inf, np.inf, np.inf
     strength = system.watched_strength
     stayed = not (drifts > strength).any()
     columns = {"separation": at_height.max()}
@@ -192,7 +203,7 @@ def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
         srss = np.hypot(*peaks)
         with np.errstate(invalid="ignore", divide="ignore"):
             power = np.sqrt(np.trapezoid(u_1**2) * np.trapezoid(u_2**2))
-            columns["rho"] = np.trapezoid(u_1 * u_2) / power
+            columns["rho"] = np.trapezoid(u_1 * u_2) / power if not fallen.any() else np.nan
             columns |= {"srss": srss, "separation_over_srss": at_height.max() / srss}
     table = xr.Dataset(columns).assign(
         step_error=motion.error, status=np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)

@@ -428,7 +428,9 @@ class SimulatedRisk(NamedTuple):
         def gap_of(excess: Callable[[float, float], float]) -> float:
             """Gap for which the rate, or an end of its interval, equals the target [m]."""
             least = 1e-3 * float(motions.separation.min() or 1e-6)
-            most = 2 * float(motions.separation.max())
+            most = 2 * float(motions.separation.max(where=motions.separation < np.inf, initial=least))
+            if excess(*rate(most)) > target:  # of motions in which a structure falls
+                return np.inf
             if excess(*rate(least)) <= target:
                 return 0.0
             root = scipy.optimize.brentq(

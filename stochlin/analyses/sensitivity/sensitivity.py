@@ -217,6 +217,13 @@ def _responses(
 
 def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
     base, listed, level = responses.base, inputs.inputs, np.array([confidence])
+    falls = float(np.isposinf([*responses.samples, responses.usual]).mean())
+    if falls or np.isposinf([responses.near, responses.ends]).any():
+        raise ArithmeticError(
+            f"a structure falls in {100 * falls:.3g} % of the motions, or with a changed input, so that "
+            "the variance of the gap is infinite; give it more hardening or strength, or weaker "
+            "motions: separation takes it as it is"
+        )
     gap, lower, upper = (float(end[0]) for end in quantile_intervals(base, level))
     medians = np.array([entry.value for entry in listed])
     width = np.diff(responses.near_factors)[:, 0]

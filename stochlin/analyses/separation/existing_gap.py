@@ -17,6 +17,7 @@ from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
     pair_separation,
     quantile_intervals,
+    quantiles_of,
 )
 from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.tables import labels
@@ -177,7 +178,7 @@ def existing_gap(
     table = xr.Dataset(
         {
             **keeping_apart(samples, float(gap)),
-            "required_gap": float(np.quantile(samples, confidence)),
+            "required_gap": float(quantiles_of(samples.values, np.array([confidence]))[0]),
             **{
                 f"{name}{which}{number}": value
                 for (name, number), interval in limits.items()

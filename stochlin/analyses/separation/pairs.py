@@ -25,7 +25,7 @@ from stochlin.analyses.separation.storeys import (
     stationary_motions,
     weights_at,
 )
-from stochlin.analyses.simulation.finite_motions import mean_with_error, pair_peaks
+from stochlin.analyses.simulation.finite_motions import mean_with_error, pair_peaks, quantiles_of
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.kernels.basics.arrays import Array
@@ -99,8 +99,7 @@ class PairInMotion:
         if self.has_storeys and not self.alone:
             peaks = self.motions.peak_at_height.sel(height=self.heights)
         samples = peaks.to_numpy().reshape(len(peaks), len(self.structures), -1)
-        quantile: Array = np.quantile(samples, self.confidence, axis=0)
-        return quantile
+        return quantiles_of(samples, np.array([self.confidence]))[0]
 
     @cached_property
     def modes(self) -> list[Structure]:
@@ -238,6 +237,9 @@ class PairInMotion:
                 "reduction_factor": solved_reduction_factor(self.modes[n], self.elastic[n]),
             }
             table |= {f"{name}_{n + 1}": float(value) for name, value in own.items()}
+        if "collapse_probability" in self.motions:
+            shares = self.motions.collapse_probability.values
+            table |= {f"collapse_probability_{n}": share for n, share in enumerate(shares, start=1)}
         if self.has_storeys:
             of_storeys = ("peak_drift_mean", "peak_drift_mean_standard_error", "ductility")
             table |= {name: self.motions[name] for name in of_storeys}

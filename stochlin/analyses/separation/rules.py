@@ -92,7 +92,7 @@ def _with_correlations(pair: PairInMotion, effective: Sequence[str]) -> list[Rul
 
 def equation_3_rule(peaks: Array, name: str, rhos: Array, **texts: Any) -> Rule:
     """Eq. (3) with these peaks (2, heights) [m] and correlations (heights,)."""
-    gaps = equation_3(peaks[0], peaks[1], rhos)
+    gaps = np.where(np.isposinf(peaks).any(axis=0), np.inf, equation_3(peaks[0], peaks[1], rhos))
     return Rule(name, "equation_3", gaps, np.broadcast_to(rhos, gaps.shape), **texts)
 
 
@@ -133,12 +133,17 @@ def _unsimulated(seconds: float, scatter: float) -> str:
 
 def _with_effective_rho(pair: PairInMotion, name: str) -> Rule:
     rule = effective_rule(name)
-    rho = rho_effective(**pair.effective_arguments(), rule=rule).rho.values
     doubt = "" if rule.verified else f"; {rule.reason}"
-    return equation_3_rule(
-        pair.peaks,
-        f"eq_3_{rule.name}",
-        np.atleast_1d(rho),
+
+    def solved() -> tuple[Array, Array]:
+        """Simulated peaks, and the correlation of the rule; a ValueError if it has none."""
+        rho = rho_effective(**pair.effective_arguments(), rule=rule).rho.values
+        return pair.peaks, np.atleast_1d(rho)
+
+    return _solved_rule(
+        pair,
+        rule.name,
+        solved,
         reference=rule.reference,
         mark=rule.mark,
         assumptions=f"{EQ_3}; rho by eq. (4) at the simulated mean peak ductility{doubt}",

@@ -19,6 +19,7 @@ import scipy.optimize
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import ImplausibleInput
 
+FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
 CLOSE = 1e-3  # relative tolerance of a found value, and of an estimated gap there
 CLEAR = 2.0  # half 95 % intervals between a gap from a few motions and the limit, so that these decide
 
@@ -111,7 +112,7 @@ def _once(known: dict[float, Ends], function: GapOf, value: float) -> Ends:
 
 
 def _ends(gap: float | Sequence[float]) -> Ends:
-    required, least, most = np.broadcast_to(np.asarray(gap, float), 3)
+    required, least, most = np.broadcast_to(np.minimum(gap, FAR), 3)
     return float(required), float(least), float(most)
 
 

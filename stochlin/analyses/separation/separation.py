@@ -176,7 +176,8 @@ def separation(
         quantiles that the rules use; ``peak_mean_1`` and ``_2`` and ``separation_mean`` [m], with
         standard errors; ``separation_samples`` [m], also over ``path``; ``ductility_1`` and ``_2`` [-],
         of the mean peaks; ``yield_displacement_1`` and ``_2`` [m]; ``reduction_factor_1`` and ``_2``
-        [-]. With records, over ``record``, the variables of `recorded_gap` with the prefix ``record_``.
+        [-]; if a structure can fall, as in `simulate`, ``collapse_probability_1`` and ``_2`` [-]. With
+        records, over ``record``, the variables of `recorded_gap` with the prefix ``record_``.
 
         For buildings with storeys also ``gap_at_height`` [m] over ``rule`` and ``height`` [m], that of
         the simulation with a 95 % interval ``_lower`` and ``_upper``; ``governing_height`` [m] over
@@ -334,7 +335,7 @@ def judged_rules(
         {
             "gap": gap,
             **{f"gap_{end}": xr.full_like(gap, np.nan) for end in labels.ENDS},
-            "error": gap / (required if required > 0 else np.nan) - 1,
+            "error": gap / (required if 0 < required < np.inf else np.nan) - 1,
             **{name: share.where(known & judged) for name, share in apart.items()},
             "rho": ("rule", [rule.rho for rule in rules]),
             "verdict": verdict.astype(np.int8),

@@ -12,6 +12,7 @@ VARIABLES: Variables = {
     "error": ("1", "relative error of the gap of the rule against simulation"),
     "separation_samples": ("m", "peak displacement of structure 1 towards structure 2"),
     "no_pounding_probability": ("1", "share of simulated motions without pounding"),
+    "collapse_probability": ("1", "probability that the structure falls"),
     "ductility": ("1", "mean peak displacement over yield displacement"),
     "required_gap": ("m", "required gap for the confidence"),
     "largest_reduction_factor": ("1", "largest reduction factor for which the gap is sufficient"),

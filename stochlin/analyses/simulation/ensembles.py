@@ -120,7 +120,7 @@ def cells_of(
         np.full(period.size, structure.step(), object),
         1 / (damping * w),
         np.nan_to_num(slow),
-        status < labels.NOT_CONVERGED,
+        (status < labels.NOT_CONVERGED) & (row_of(structure.settles(), like) | (not stationary)),
     )
     return cells, xr.full_like(like, 0, dtype=int).copy(data=np.arange(period.size).reshape(like.shape))
 

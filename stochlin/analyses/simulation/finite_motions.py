@@ -44,6 +44,7 @@ from stochlin.models.links import Link
 from stochlin.models.systems import AnyStructure, Arrangement, Tie
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
+FAR = 1e200  # [m], in place of infinity, between which and a number no quantile can be
 BLOCK = 256  # time steps that are computed at once
 HEIGHT = "height above the ground"
 RUNS_AWAY = (
@@ -139,7 +140,15 @@ def simulate_finite(
     ]
     extremes = _extremes(run, functions, duration, envelope, progress, system.ties)
     highest, lowest = extremes.highest, extremes.lowest
-    check_response(system, np.isfinite(highest[:, :n]))
+    drifts = np.arange(n, n + len(storeys)) if storeys else np.arange(n)
+    fallen = system.fallen(np.maximum(highest, -lowest)[:, drifts], moving.limits)
+    if fallen.any():  # a structure that has fallen has moved beyond any gap
+        owners = [[owner] for owner in system.owners]
+        of = [*owners[:n], *owners[: len(storeys)], *([number] for number, *_ in places)]
+        of += [[pair.first, pair.second] for pair in pairs]
+        lost = np.stack([fallen[:, members].any(axis=1) for members in of], axis=1)
+        highest, lowest = np.where(lost, np.inf, highest), np.where(lost, -np.inf, lowest)
+    check_response(system, ~np.isnan(highest[:, :n]))
     either = np.maximum(highest, -lowest)
     samples: Columns = {
         "peak_positive": (("path", moving.floor), highest[:, :n]),
@@ -162,7 +171,9 @@ def simulate_finite(
     if system.ties:
         coords |= link_coordinates([tie.number for tie in system.ties])
         of_links = extremes.force, extremes.stroke, extremes.energy
-        samples |= {n: (("path", LINK), each) for n, each in zip(OF_LINKS, of_links, strict=True)}
+        gone = fallen.any(axis=1, keepdims=True)
+        for name, each in zip(OF_LINKS, of_links, strict=True):
+            samples[name] = ("path", LINK), np.where(gone, np.inf, each)
     means = _means(samples)
     if damage:
         own = slice(n, n + len(storeys)) if storeys else slice(n)
@@ -173,6 +184,8 @@ def simulate_finite(
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength
     (_, *over), apart_most = samples["separation"]
     quantile = quantile_columns("separation", over, apart_most, levels)
+    if np.isfinite(moving.limits).any():
+        means |= _collapses(fallen)
     coords["quantile"] = "quantile", levels, {"units": "1", "long_name": "quantile"}
     # Made at once, because each addition to a dataset takes a millisecond.
     return xr.Dataset(samples | means | quantile, coords, finite_attributes(run, duration, envelope))
@@ -217,6 +230,14 @@ def _means(samples: Columns) -> Columns:
             (_, *over), values = samples[name]
             means |= mean_columns(name, over, values)
     return means
+
+
+def _collapses(fallen: Array) -> Columns:
+    """Probability that each structure falls, and its 95 % interval; by ``fallen`` (paths, s)."""
+    count = fallen.sum(axis=0)
+    ends = count / len(fallen), *share_interval(count, len(fallen))
+    shares = zip(labels.VALUE_AND_ENDS, ends, strict=True)
+    return {f"collapse_probability{end}": ((STRUCTURE,), share) for end, share in shares}
 
 
 def finite_attributes(
@@ -336,7 +357,7 @@ def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     if not is_number(gap) and not (isinstance(gap, xr.DataArray) and gap.dtype.kind in "iuf"):
         raise TypeError(f"gap = {brief(gap)}; allowed: a number or an xarray.DataArray, in metres")
     paths = samples.sizes["path"]
-    count = (samples > gap).sum("path")
+    count = ((samples > gap) | np.isposinf(samples)).sum("path")  # what falls exceeds any gap
     lower, upper = share_interval(count.to_numpy(), paths)
     table = xr.Dataset(
         {
@@ -412,7 +433,8 @@ def share_interval(count: Array, motions: int) -> tuple[Array, Array]:
 def mean_with_error(samples: Array) -> tuple[Any, Any]:
     """Mean along the first axis, and its standard error, which is NaN for one sample."""
     several = len(samples) > 1
-    spread = samples.std(axis=0, ddof=1) if several else np.full(samples.shape[1:], np.nan)
+    with np.errstate(invalid="ignore"):  # a mean with a structure that falls is infinite
+        spread = samples.std(axis=0, ddof=1) if several else np.full(samples.shape[1:], np.nan)
     return samples.mean(axis=0), spread / np.sqrt(len(samples))
 
 
@@ -422,6 +444,12 @@ def mean_columns(name: str, over: Sequence[Any], samples: Array) -> Columns:
     return {f"{name}_mean": (over, mean), f"{name}_mean_standard_error": (over, error)}
 
 
+def quantiles_of(samples: Array, levels: Array) -> Array:
+    """Quantiles along the first axis of samples that may be infinite."""
+    quantiles = np.quantile(np.minimum(samples, FAR), levels, axis=0)
+    return np.where(quantiles > np.sqrt(FAR), np.inf, quantiles)
+
+
 def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Array]:
     """Quantiles along the first axis, and their 95 % intervals from order statistics."""
     ordered = np.sort(samples, axis=0)
@@ -429,7 +457,7 @@ def quantile_intervals(samples: Array, levels: Array) -> tuple[Array, Array, Arr
     each = (-1,) + (1,) * (samples.ndim - 1)
     low = np.ceil(bdtrik(TAIL, n, levels)).astype(int) - 1
     high = np.ceil(bdtrik(1 - TAIL, n, levels)).astype(int)
-    estimate: Array = np.quantile(samples, levels, axis=0)
+    estimate = quantiles_of(samples, levels)
     lower = np.where((low >= 0).reshape(each), ordered[np.maximum(low, 0)], 0.0)
     upper = np.where((high < n).reshape(each), ordered[np.minimum(high, n - 1)], np.inf)
     return estimate, lower, upper

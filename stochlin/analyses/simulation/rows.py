@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from stochlin.analyses.simulation.connected_structures import elements_of
@@ -12,8 +10,7 @@ from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.pounding.run import BuildingRow
 from stochlin.kernels.simulation.account import Parts
 from stochlin.kernels.simulation.contacts import Contacts
-from stochlin.models.buildings import ShearBuilding
-from stochlin.models.systems import AnyStructure, Arrangement
+from stochlin.models.systems import Arrangement
 
 
 def structure_of_floors(system: Arrangement) -> Array:
@@ -21,9 +18,9 @@ def structure_of_floors(system: Arrangement) -> Array:
     return np.repeat(np.arange(len(system.stacks)), np.diff(system.first))
 
 
-def row_of(structures: Sequence[AnyStructure], system: Arrangement, contacts: Contacts) -> BuildingRow:
-    """Buildings with these links and contacts as kernels take them."""
-    elements, law = elements_of(system, np.arange(len(structures)))
+def row_of(system: Arrangement, contacts: Contacts) -> BuildingRow:
+    """Buildings with their links and these contacts as kernels take them."""
+    elements, law = elements_of(system, np.arange(len(system.stacks)))
     storeys, ties = system.storeys, system.ties
     structure = np.repeat(np.arange(len(system.stacks)), np.diff(system.first_coordinate))
     n, others = structure.size, elements.kind.size - structure.size
@@ -31,12 +28,6 @@ def row_of(structures: Sequence[AnyStructure], system: Arrangement, contacts: Co
     dashpot = np.where(powers, n + len(ties) + np.cumsum(powers) - 1, -1)
     constant = [0.0 if tie.link.is_power_law else tie.link.number("damping_constant") for tie in ties]
     shares = np.nan_to_num(system.shear_shares)  # shears that are not known are left out later
-    heights = [
-        each.arrays()["heights"].to_numpy()
-        if isinstance(each, ShearBuilding) and each.p_delta
-        else np.full(stack.coordinates, np.inf)
-        for each, stack in zip(structures, system.stacks, strict=True)
-    ]
     parts = Parts(
         mass=storeys.mass,
         structure=structure,
@@ -46,9 +37,9 @@ def row_of(structures: Sequence[AnyStructure], system: Arrangement, contacts: Co
             Rows.of(shares @ (storeys.post[:, None] * storeys.extensions)),
             Rows.of(shares * storeys.couple),
         ),
-        limit=np.concatenate([*heights, np.full(others, np.inf)]),
+        limit=np.concatenate([*(s.limits for s in system.stacks), np.full(others, np.inf)]),
         spring=n + np.arange(len(ties)),
         dashpot=dashpot.astype(np.int64),
         constant=np.array(constant, float),
     )
-    return BuildingRow(elements, law, contacts, parts, len(structures))
+    return BuildingRow(elements, law, contacts, parts, len(system.stacks))

@@ -153,6 +153,11 @@ def simulate(
         plus the sum of all slips over ``uy`` if there is no hardening. Also their means with standard
         errors, and quantiles with 95 % intervals, for residual drifts those of the absolute values.
 
+        A structure whose stiffness after yielding is negative, by its ``hardening`` or by P-delta, falls
+        where its force at the largest ``z`` is zero again, or where a storey drifts by its height. Such
+        a motion exceeds any gap: its peaks, separations and links are infinite.
+        ``collapse_probability`` [-] over ``structure``, with its 95 % interval, is their share.
+
         With a building with storeys, displacements are over ``floor`` in place of ``structure``, and
         ductilities and damage over ``element``, the storeys; standard deviations and peaks of the drifts
         are added, and with ``damage`` the ``hysteretic_energy`` [J] of each structure, that of all its

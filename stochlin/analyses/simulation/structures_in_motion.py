@@ -42,6 +42,7 @@ class StructuresInMotion(NamedTuple):
     connected: list[SteppedGroup]
     links: tuple[Link | None, ...]
     strength: Array  # (w,) [m], of all that is watched
+    limits: Array  # (w,) or (motions, w) [m], drifts at which structures fall; see `Stack.limits`
     drift_times: Array  # (w,) relaxation time [s] of its plastic drift; 0 for finite motions
 
     @property
@@ -113,7 +114,9 @@ def structures_in_motion(
     tied = {s for n, tie in enumerate(links, 1) if tie is not None for s in tie.structures or (n, n + 1)}
     sampled = samples is not None
     in_metres: list[AnyStructure] = [
-        strength_in_metres(s, ground) if sampled or (n in tied and isinstance(s, Structure)) else s
+        strength_in_metres(s, ground)
+        if sampled or (isinstance(s, Structure) and (n in tied or not s.settles()))
+        else s
         for n, s in enumerate(structures, start=1)
     ]
     system = arrangement_of(in_metres, links)
@@ -135,7 +138,10 @@ def structures_in_motion(
     if stationary and connected:
         among = np.concatenate([group.watched for group in connected])
         drift_times[among] = _drift_times(structures, ground, links, system)[among]
-    return StructuresInMotion(system, cells, floors, connected, links, strength, drift_times)
+    limits = system.limits
+    if samples is not None:
+        limits = np.array([system._replace(stacks=tuple(stacks)).limits for stacks in samples])
+    return StructuresInMotion(system, cells, floors, connected, links, strength, limits, drift_times)
 
 
 def _drift_times(

@@ -47,5 +47,6 @@ VARIABLES: Variables = {
     "separation_mean": ("m", "mean of the separation"),
     "separation_mean_standard_error": ("m", "standard error of the mean separation"),
     "separation_quantile": ("m", "quantile of the separation"),
+    "collapse_probability": ("1", "probability that the structure falls"),
     "probability": ("1", "probability of exceeding the gap"),
 }

@@ -18,6 +18,7 @@ from stochlin.analyses.tables.cellwise import is_lazy, lone, row_of
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import sentence
 from stochlin.models.parameters import Model
+from stochlin.models.structures import Structure
 
 CELL = "_cell"  # temporary dimension; no dimension of a model has this name
 USABLE = "usable"
@@ -87,6 +88,8 @@ class Flat(NamedTuple):
 def flat(models: Mapping[str, Model]) -> Flat:
     """The valid cells of models whose arrays broadcast by dimension name, in one row.
 
+    Structures that would drift away have no stationary response, and are left out.
+
     Raises a ValueError if dimensions of the same name differ in coordinates or length.
     """
     arrays = [a for model in models.values() for a in model.over_cells().values() if a.ndim]
@@ -101,7 +104,8 @@ def flat(models: Mapping[str, Model]) -> Flat:
             "for cells side by side"
         ) from error
     shape = xr.broadcast(*arrays)[0]
-    where = np.flatnonzero(row_of(_good(models, None), shape))
+    settles = [m.settles() for m in models.values() if isinstance(m, Structure)]
+    where = np.flatnonzero(row_of(_good(models, reduce(and_, settles, xr.DataArray(True))), shape))
 
     def row(model: Model) -> Model:
         several = {name: array for name, array in model.over_cells().items() if array.ndim}

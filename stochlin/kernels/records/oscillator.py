@@ -151,7 +151,7 @@ def _may_change(o, stiffness, v, a, y, v1, a1, y1, rise, side):
     most = 1.08 * (max(abs(a), abs(a1)) + 0.125 * o.damping * (abs(rise) + stiffness * speed))
     if side == 0:
         return max(abs(y), abs(y1)) + 0.125 * most > o.uy
-    jerk = abs(rise) + o.damping * most + stiffness * (speed + 0.125 * most)
+    jerk = abs(rise) + o.damping * most + abs(stiffness) * (speed + 0.125 * most)
     return min(side * v, side * v1) <= 0.125 * jerk
 
 

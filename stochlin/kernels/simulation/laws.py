@@ -24,6 +24,8 @@ KINDS = LINEAR, BILINEAR, SLACK, VISCOUS, BOUC_WEN, OTHER = range(6)
 ROUGH = 0.001  # difference of both rules in a state, over 1 + its size, that asks for substeps
 SIXTH = 1.0 / 6.0
 MOST_SUBSTEPS = 1024  # of a step
+FEW = 8  # substeps of all lanes
+LOST = 1e3  # extension of a lane that has run away in a step, over the yield extension
 _ROWS = nb.types.Array(nb.float64, 2, "C")
 ADVANCE = nb.void(nb.int64, nb.int64, _ROWS, nb.int64, nb.int64, nb.int64, nb.float64, nb.int64)
 
@@ -84,11 +86,12 @@ def advance_of(rates: Any, states: int) -> Any:
     def again(lanes, x, v, w, parameters, dt, new):
         """Integrate the lanes in which both rules differ, in as many substeps as each needs.
 
-        All lanes are integrated, which takes less time than to choose; the others are left as they are.
+        In few substeps all lanes are integrated, which takes less time than to choose; the others are
+        left as they are.
         """
         tried, apart, good = np.empty((states, lanes)), np.empty(lanes), np.empty(lanes)
         for lane in range(lanes):  # a lane that is lost stays as it is
-            good[lane] = 0.0 if np.isfinite(x[v, lane]) else 1.0
+            good[lane] = 0.0 if abs(x[v, lane]) * dt < LOST else 1.0
             for k in range(states):
                 good[lane] = good[lane] if np.isfinite(x[w + k, lane]) else 1.0
         substeps, rough = 1, 1
@@ -100,6 +103,8 @@ def advance_of(rates: Any, states: int) -> Any:
                     tried[k, lane] = x[w + k, lane]
             for _ in range(substeps):
                 for lane in range(lanes):
+                    if substeps > FEW and good[lane] > 0.0:
+                        continue
                     after, differ = step(
                         x[v, lane], read(tried, 0, lane), parameters, lane, dt / substeps
                     )

@@ -40,8 +40,12 @@ class Bilinear(Structure):
     damping : float or array
         Viscous damping ratio ``xi`` [-], in (0, 1).
     hardening : float or array, optional
-        Hardening ratio ``alpha``, post-yield over elastic stiffness [-], in (0, 1]. It is required if a
-        strength is given.
+        Hardening ratio ``alpha``, post-yield over elastic stiffness [-], in (-1, 1]. It is required if a
+        strength is given. At 0 the structure is elastic-plastic. Below 0 it softens and may fall, as
+        under its weight: with ``theta = W/(k h)`` of the weight ``W`` at the height ``h`` above a spring
+        ``k``, hardening is ``(alpha - theta)/(1 - theta)``, the square of the frequency and the damping
+        ratio are ``1 - theta`` and ``1/sqrt(1 - theta)`` times those without weight. Stationary
+        responses need a positive ratio; motions of finite length do not.
     yield_displacement : float or array, optional
         Yield displacement ``uy`` [m], positive, as the strength of the structure. One number above
         3 m gives a warning.

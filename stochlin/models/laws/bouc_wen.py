@@ -131,6 +131,11 @@ class BoucWen(Structure):
     closures: ClassVar[Mapping[str, Closure | None]] = {GAUSSIAN: gaussian}
     symbolic = staticmethod(symbolic)
 
+    def largest_z(self) -> xr.DataArray:
+        """``(beta + gamma)^(-1/n)``, which ``z`` approaches in loading."""
+        values = self.arrays()
+        return (values["beta"] + values["gamma"]) ** (-1 / values["exponent"])
+
     def has_one_solution(self) -> xr.DataArray:
         """Whether linearization has at most one solution: true for ``gamma <= beta``.
 

@@ -50,8 +50,9 @@ class Flag(Structure):
         "1", "height beta of the flag", Range(upper=1.0, include_lower=True, include_upper=True), 1.0
     )
 
-    def check_stationary(self, role: str) -> None:
-        """Nothing to check: the law has a stationary response, since it forgets."""
+    def growing(self) -> str:
+        """Nothing: the law forgets, so that it has a stationary response."""
+        return ""
 
     def step(self) -> Any:
         """The law in time steps."""

@@ -239,14 +239,9 @@ class ModifiedClough(Structure):
             return xr.DataArray(True)
         return (1 - values["hardening"]) * values["softening"] > values["hardening"]
 
-    def check_stationary(self, role: str) -> None:
-        """Raise a ValueError if the structure yields: its largest displacement then grows for ever."""
-        if self.yields:
-            raise ValueError(
-                f"{role}: ModifiedClough has no stationary response: it depends on the largest "
-                "displacement so far, which grows for ever; follow it in motions of finite length, by "
-                "simulate with a duration, or separation"
-            )
+    def growing(self) -> str:
+        """The largest displacement so far, on which the law depends."""
+        return "the largest displacement so far, which"
 
     def step(self) -> Any:
         """The law in time steps."""

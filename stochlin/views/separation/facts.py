@@ -199,10 +199,13 @@ def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tup
         parameters = [fact for fact in parameters if fact[0] != "peak factor"]
     height = "not given" if building.height is None else f"{building.height:g}{SPACE}m"
     strength = building.strength.replace("_", " ")
+    falls = table.get(f"collapse_probability_{number}")
+    fallen = [] if falls is None else [("falls in", f"{valued(100 * float(falls), '%')} of the motions")]
     return [
         ("name", building.name),
         *parameters,
         ("strength given by", strength),
+        *fallen,
         ("mean peak displacement", length(float(table[f"peak_mean_{number}"]))),
         ("height", height),
         ("storeys", "not given" if building.storeys is None else str(building.storeys)),

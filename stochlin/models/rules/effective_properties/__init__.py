@@ -15,7 +15,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import Truth, checked
 from stochlin.models.parameters import POSITIVE, Parameter, parameter
 from stochlin.models.rules.published import Published, look_up
-from stochlin.models.structures import HARDENING, LinearPair
+from stochlin.models.structures import STATIONARY_HARDENING, LinearPair
 from stochlin.registry import Registry
 
 EFFECTIVE_RULES: Registry[type[EffectiveRule]] = Registry(
@@ -110,7 +110,7 @@ def effective_rule(name: str | EffectiveRule) -> EffectiveRule:
 class YieldingPair(LinearPair):
     """Two structures with known peak ductilities, the input of the rules."""
 
-    hardening_1: Parameter = parameter("1", "hardening ratio, structure 1", HARDENING)
-    hardening_2: Parameter = parameter("1", "hardening ratio, structure 2", HARDENING)
+    hardening_1: Parameter = parameter("1", "hardening ratio, structure 1", STATIONARY_HARDENING)
+    hardening_2: Parameter = parameter("1", "hardening ratio, structure 2", STATIONARY_HARDENING)
     ductility_1: Parameter = parameter("1", "peak ductility, structure 1", POSITIVE)
     ductility_2: Parameter = parameter("1", "peak ductility, structure 2", POSITIVE)
