@@ -92,9 +92,9 @@ def test_the_work_of_white_noise_goes_into_all_energies(structure):
     given = np.pi * WHITE.intensity * (QUAKE.at(table.time) ** 2).cumulative_integrate("time")
     kinetic, elastic = 0.5 * velocity, 0.5 * alpha * w**2 * table.displacement_std**2
     viscous = 2 * structure.damping * w * velocity.cumulative_integrate("time")
-    total = kinetic + elastic + viscous + table.hysteretic_energy
+    total = kinetic + elastic + viscous + table.hysteretic_energy_per_mass
     np.testing.assert_allclose(total, given, atol=2e-4 * float(given[-1]))
-    taken = float(table.hysteretic_energy[-1] / given[-1])
+    taken = float(table.hysteretic_energy_per_mass[-1] / given[-1])
     assert taken > 0.4 if structure.yields else taken == 0
 
 
@@ -111,7 +111,7 @@ def test_arrays_and_scales():
     """Structures in one table are those alone, and lengths scale with the root of the intensity."""
     many = response(worn(strength_decay=np.array([0.0, 0.05]), pinching=np.array([0.0, 0.8])))
     alone = response(worn(strength_decay=0.05, pinching=0.8))
-    for name in ("displacement_std", "state_mean", "hysteretic_energy"):
+    for name in ("displacement_std", "state_mean", "hysteretic_energy_per_mass"):
         np.testing.assert_allclose(many[name].isel(case=1), alone[name], rtol=1e-6, atol=1e-12)
     louder = sl.KanaiTajimi(FIRM.period, FIRM.damping, 4 * FIRM.intensity)
     twice = response(worn(strength_decay=0.05, pinching=0.8, yield_displacement=0.04), louder)

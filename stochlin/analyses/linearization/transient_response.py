@@ -89,7 +89,7 @@ def transient_response(
     xarray.Dataset
         Over ``time`` [s] and the dimensions of the parameters: ``displacement_std`` [m],
         ``velocity_std`` [m/s], ``z_std`` [-] (0 if elastic), ``c_eq`` [-] and ``k_eq`` [1/s]; and
-        ``hysteretic_energy`` [m^2/s^2], the mean work done on the hysteretic spring so far, over the
+        ``hysteretic_energy_per_mass`` [m^2/s^2], the mean work done on the hysteretic spring so far, over the
         mass: what it has dissipated, and the little that it stores. A law with memory adds
         ``state_mean``, the means of its further states over ``state``, as the law measures them. Over
         ``time``: ``envelope`` [-], of a modulation its largest value over frequency, and
@@ -174,7 +174,7 @@ def transient_response(
         "z_std": np.sqrt(np.maximum(own.z[shown], 0)) / uy,
         "c_eq": own.slip[shown] - 1,
         "k_eq": own.relaxation[shown],
-        "hysteretic_energy": couple * np.where(np.isinf(uy), 0.0, uy) ** 2 * work,
+        "hysteretic_energy_per_mass": couple * np.where(np.isinf(uy), 0.0, uy) ** 2 * work,
         "yield_displacement": uy,
     }
     table = xr.Dataset({name: spread_over(row, side.position) for name, row in values.items()})

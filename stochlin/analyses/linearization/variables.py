@@ -26,7 +26,7 @@ VARIABLES: Variables = {
     "bandwidth": ("1", "spectral bandwidth"),
     "reduction_factor": ("1", "reduction factor"),
     "ductility_peak": ("1", "mean peak ductility"),
-    "hysteretic_energy": ("m^2/s^2", "mean work done on the hysteretic spring over the mass"),
+    "hysteretic_energy_per_mass": ("m^2/s^2", "mean work done on the hysteretic spring over the mass"),
     "state_mean": ("1", "mean of a further state of the law"),
     "envelope": ("1", "envelope of the motion"),
 }

@@ -289,7 +289,10 @@ def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
         return table
     falls = float(table.time[int(np.argmax(fallen))])
     histories = {n: v.where(table.time <= falls) for n, v in table.data_vars.items() if "time" in v.dims}
-    return table.assign(histories).assign_attrs(collapse_s=falls)
+    table = table.assign(histories).assign_attrs(collapse_s=falls)
+    if RESIDUAL in table:
+        table[RESIDUAL] = xr.full_like(table[RESIDUAL], np.inf)
+    return table
 
 
 def _exact_history(

@@ -144,9 +144,9 @@ def simulate_finite(
     fallen = system.fallen(np.maximum(highest, -lowest)[:, drifts], moving.limits)
     if fallen.any():  # a structure that has fallen has moved beyond any gap
         owners = [[owner] for owner in system.owners]
-        of = [*owners[:n], *owners[: len(storeys)], *([number] for number, *_ in places)]
-        of += [[pair.first, pair.second] for pair in pairs]
-        lost = np.stack([fallen[:, members].any(axis=1) for members in of], axis=1)
+        members = [*owners[:n], *owners[: len(storeys)], *([number] for number, *_ in places)]
+        members += [[pair.first, pair.second] for pair in pairs]
+        lost = np.stack([fallen[:, numbers].any(axis=1) for numbers in members], axis=1)
         highest, lowest = np.where(lost, np.inf, highest), np.where(lost, -np.inf, lowest)
     check_response(system, ~np.isnan(highest[:, :n]))
     either = np.maximum(highest, -lowest)
@@ -170,16 +170,12 @@ def simulate_finite(
         coords["height"] = labels.axis("height", HEIGHT, heights, "m").height
     if system.ties:
         coords |= link_coordinates([tie.number for tie in system.ties])
-        of_links = extremes.force, extremes.stroke, extremes.energy
-        gone = fallen.any(axis=1, keepdims=True)
-        for name, each in zip(OF_LINKS, of_links, strict=True):
-            samples[name] = ("path", LINK), np.where(gone, np.inf, each)
+        samples |= _of_links(extremes, np.asarray(fallen.any(axis=1, keepdims=True)))
     means = _means(samples)
     if damage:
         own = slice(n, n + len(storeys)) if storeys else slice(n)
-        of_damage = _damage(moving, run, either[:, own], extremes, own)
-        samples |= of_damage
-        means |= _of_damage(of_damage, levels)
+        samples |= _damage(moving, run, either[:, own], extremes, own)
+        means |= _of_damage(samples, levels)
     if storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength
     (_, *over), apart_most = samples["separation"]
@@ -191,22 +187,37 @@ def simulate_finite(
     return xr.Dataset(samples | means | quantile, coords, finite_attributes(run, duration, envelope))
 
 
+def _of_links(extremes: Extremes, fallen: Array) -> Columns:
+    """Results of links, which are infinite in motions (motions, 1) in which a structure has fallen."""
+    values = extremes.force, extremes.stroke, extremes.energy
+    return {
+        name: (("path", LINK), np.where(fallen, np.inf, each))
+        for name, each in zip(OF_LINKS, values, strict=True)
+    }
+
+
 def _damage(
     moving: StructuresInMotion, run: SimulationRun, drift: Array, extremes: Extremes, own: slice
 ) -> Columns:
-    """What each motion does to all elements, of which ``drift`` [m] are the peaks, and to structures."""
+    """What each motion does to all elements, of which ``drift`` [m] are the peaks, and to structures.
+
+    Where a structure has fallen ``drift`` is infinite; so is the residual drift, and energies are NaN.
+    """
     scale, masses = run.scale, moving.masses
     energy, strength, stiffness = (array[:, run.order] for array in extremes.damage)
-    energy, stiffness = energy * scale**2 * masses, stiffness * masses
+    fallen = np.isinf(drift)
+    energy = np.where(fallen, np.nan, energy * scale**2 * masses)
+    stiffness = stiffness * masses
     known = ~np.isnan(moving.strength)
     values = damage_of(drift, energy, strength * scale, stiffness)
     values = {name: np.where(known, array, np.nan) for name, array in values.items()}
-    columns: Columns = {RESIDUAL: (("path", moving.element), extremes.residual[:, own])}
+    residual = np.where(fallen, np.inf, extremes.residual[:, own])
+    columns: Columns = {RESIDUAL: (("path", moving.element), residual)}
     columns |= {name: (("path", moving.element), array) for name, array in values.items()}
     if moving.has_storeys:
         owner = element_coordinates(moving.system)["element_structure"][1]
         numbers = range(1, len(moving.system.stacks) + 1)
-        whole = [np.nansum(values[ENERGY][:, owner == number], axis=1) for number in numbers]
+        whole = [np.sum(values[ENERGY][:, (owner == number) & known], axis=1) for number in numbers]
         columns[OF_STRUCTURE] = ("path", STRUCTURE), np.stack(whole, axis=1)
     return columns
 

@@ -156,7 +156,8 @@ def simulate(
         A structure whose stiffness after yielding is negative, by its ``hardening`` or by P-delta, falls
         where its force at the largest ``z`` is zero again, or where a storey drifts by its height. Such
         a motion exceeds any gap: its peaks, separations and links are infinite.
-        ``collapse_probability`` [-] over ``structure``, with its 95 % interval, is their share.
+        ``collapse_probability`` [-] over ``structure``, with its 95 % interval, is their share. Residual
+        drifts and peak ductilities are then infinite, energies and cumulative ductilities NaN.
 
         With a building with storeys, displacements are over ``floor`` in place of ``structure``, and
         ductilities and damage over ``element``, the storeys; standard deviations and peaks of the drifts
