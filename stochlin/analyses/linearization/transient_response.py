@@ -89,11 +89,11 @@ def transient_response(
     xarray.Dataset
         Over ``time`` [s] and the dimensions of the parameters: ``displacement_std`` [m],
         ``velocity_std`` [m/s], ``z_std`` [-] (0 if elastic), ``c_eq`` [-] and ``k_eq`` [1/s]; and
-        ``hysteretic_energy_per_mass`` [m^2/s^2], the mean work done on the hysteretic spring so far, over the
-        mass: what it has dissipated, and the little that it stores. A law with memory adds
-        ``state_mean``, the means of its further states over ``state``, as the law measures them. Over
-        ``time``: ``envelope`` [-], of a modulation its largest value over frequency, and
-        ``permanent_set``, a flag that is 1 after the strong shaking.
+        ``hysteretic_energy_per_mass`` [m^2/s^2], the mean work done on the hysteretic spring so far:
+        what it has dissipated, and the little that it stores. A law with memory adds ``state_mean``, the
+        means of its further states over ``state``, as the law measures them. Over ``time``: ``envelope``
+        [-], of a modulation its largest value over frequency, and ``permanent_set``, a flag that is 1
+        after the strong shaking.
         Over the dimensions of the parameters: ``yield_displacement`` [m] and ``status``.
 
     Raises

@@ -128,8 +128,7 @@ def simulate_finite(
     free = DECAY_TIMES * moving.slowest_decay if damage else 0.0
     run = run.with_plan(free=int(np.ceil(free / (run.plan.dt * BLOCK))))
     check_finite(run, duration + free, moving.functions)
-    system, pairs = moving.system, pairs_of(moving.system)
-    n = len(system.floors)
+    system, pairs, n = moving.system, pairs_of(moving.system), len(moving.system.floors)
     storeys = drifts_of(system) if moving.has_storeys else []
     places = at_heights(system) if moving.has_storeys else []
     functions = [
