@@ -61,11 +61,16 @@ _PROBES = np.concatenate(
 # States to which a law is followed for `SymbolicLaw.doubt`, and the place of half of the last of them.
 _FAR = np.concatenate([np.linspace(0.0, 2.5, 251), np.geomspace(2.5, 1000.0, 251)[1:]])
 _HALF = int(np.searchsorted(_FAR, 0.5 * _FAR[-1]))
+# Extensions (turns, histories) over that of yielding, at which histories from rest turn.
+_TURNS = np.random.default_rng(5).uniform(-1.0, 1.0, (8, 32)) * np.geomspace(0.5, 4.0, 32)
 FAST = 0.5  # rate of a state of 1 at rest [1/s], above which it is doubted
 SLOW = 1e-3  # rate of a state at 1/s of the extension, below which it does not grow
 SUDDEN = (
     1.2  # extension for twice as large a state, over that for the state, which is 2 if it grows evenly
 )
+PIECES = 64  # of the way to each turn
+STIFF = 1.01  # stiffness in loading over the elastic one, above which a law is doubted
+GIVEN = 0.1  # work given back over the most work taken, above which a law is doubted: kinks have errors
 
 
 class SymbolicLaw:
@@ -159,8 +164,9 @@ class SymbolicLaw:
         self._check_each(parameters, self._check_directions)
 
     def doubt(self, parameters: Array) -> None:
-        """Warn once of a law whose states run away; parameters as for `check`."""
+        """Warn once of a law whose states run away, or that makes work; parameters as for `check`."""
         self._check_each(parameters, self._doubt_growth)
+        self._check_each(parameters, self._doubt_histories)
 
     def check_expectations(self, parameters: Array) -> None:
         """Raise an ArithmeticError if `gaussian` is not accurate; parameters as for `check`."""
@@ -230,12 +236,54 @@ class SymbolicLaw:
                 place = f"{_FAR[-1]:g} at {pulled[-1]:.3g} times the yield extension"
                 doubts.append(f"{name} grows ever faster, to {place}")
         if doubts:
-            warnings.warn(
-                f"{self._named(column)}: {'; '.join(doubts)}. A restoring force has a limit or grows "
-                "about as the extension does: check the signs, as in v - abs(v)*z",
-                DoubtfulInput,
-                stacklevel=2,
+            self._warn(
+                column,
+                f"{'; '.join(doubts)}. A restoring force has a limit or grows about as the extension "
+                "does",
             )
+
+    @np.errstate(all="ignore")
+    def _doubt_histories(self, column: Array) -> None:
+        """Warn if, in histories from rest, z does work, is lost, or is stiffer than an elastic spring.
+
+        Unloading may be stiffer, as it is by the Bouc-Wen law with ``beta > gamma``.
+        """
+        states, work = np.zeros((len(self.rates), _TURNS.shape[1])), np.zeros(_TURNS.shape[1])
+        least, most, stiffest = work, work, work
+        for move in np.repeat(np.diff(_TURNS, axis=0, prepend=0.0) / PIECES, PIECES, axis=0):
+            before, loading = states[0], states[0] * move >= 0.0
+            states = self._moved(states, move, column)
+            work = work + 0.5 * (before + states[0]) * move
+            least, most = np.minimum(least, work), np.maximum(most, work)
+            stiffness = np.where(loading, (states[0] - before) / move, 0.0)
+            stiffest = np.maximum(stiffest, stiffness)
+        lost, making = ~np.isfinite(states).all(axis=0), least < -GIVEN * (most + GIVEN)
+        for where, doubt in (
+            (lost, "a state is no longer finite"),
+            (making, "z has given back more work than it took"),
+            (stiffest > STIFF, "z grows faster in loading than the extension does"),
+        ):
+            if where.any():
+                turns = ", ".join(f"{turn:.3g}" for turn in _TURNS[:, int(np.argmax(where))])
+                way = f"from rest to the extensions {turns} times that of yielding"
+                self._warn(column, f"{doubt} on the way {way}")
+                return
+
+    def _moved(self, states: Array, move: Array, column: Array) -> Array:
+        """The states after a ``move`` of the extension in each history, by the Runge-Kutta rule."""
+        v, dt = np.sign(move), np.abs(move)
+        first = self._values(v, states, column)
+        second = self._values(v, states + 0.5 * dt * first, column)
+        third = self._values(v, states + 0.5 * dt * second, column)
+        fourth = self._values(v, states + dt * third, column)
+        return states + dt / 6.0 * (first + 2.0 * (second + third) + fourth)
+
+    def _warn(self, column: Array, doubt: str) -> None:
+        warnings.warn(
+            f"{self._named(column)}: {doubt}: check the signs, as in v - abs(v)*z",
+            DoubtfulInput,
+            stacklevel=2,
+        )
 
     def _growing(self, column: Array) -> list[str]:
         values = {

@@ -46,9 +46,15 @@ class Hysteretic(Structure):
     ValueError, TypeError
         As in `Bilinear`; also if the law is not given, has other symbols or functions, differs in both
         directions, or is not finite with ``z`` between -2.5 and 2.5 and further states from 0 to 2.5.
-        What linearizes raises an ArithmeticError if the law has more than one state (but in time, where
-        the further states keep their sign when the motion turns, it does not), kinks that cannot
-        be located, or powers of ``Abs(z)`` below 1/2.
+        What linearizes raises an ArithmeticError if the law has kinks that cannot be located, or powers
+        of ``Abs(z)`` below 1/2. For a law of several states it also does for a stationary response, and
+        in time for further states that turn with the motion.
+
+    Warns
+    -----
+    UserWarning
+        If the law is implausible: a state grows at rest or ever faster, or in histories from rest ``z``
+        gives back more work than it took, or is stiffer in loading than an elastic spring.
 
     References
     ----------
