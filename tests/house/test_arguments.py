@@ -51,6 +51,7 @@ UNCHECKED = {
     "to_at2": "it takes a record, whose samples it checks",
     "strong_part": "it takes a record, and two shares that are checked together",
     "exceedance": "it takes arrays, whose dimensions it checks",
+    "park_ang": "it takes the dataset of another function, and the parameters of a model",
     "plot_loop": "it hands them to hysteresis_loop, which checks them",
     "stationary_covariance": "it takes the dataset of another function",
     "named_ground": BY_NAME,

@@ -100,6 +100,10 @@ def usual() -> Mapping[str, Any]:
         "space": sl.statespace([sl.Bilinear(1.0, 0.05)], ground, [-1.0], [0.0]),
         "frequency": [1.0, 2.0],
         "records": {"a": RECORD, "b": RECORD},
+        "table": sl.simulate([one], ground, paths=32, duration=3.0, damage=True),
+        "ultimate_ductility": 6.0,
+        "beta": 0.1,
+        "history": [0.01, -0.01],
         "grounds": [ground, sl.KanaiTajimi(0.4, 0.6, 0.01)],
     }
 
@@ -232,6 +236,7 @@ LONG = {
 }
 ALSO = {"name": "name_rule_model", "yield_displacement": "yield_strength_hardening"}  # said in its place
 ALSO |= {"reduction_factor": "reduction_strength_hardening", "structure": "structure_strength"}
+ALSO["history"] = "displacement"
 
 
 def complaint(call: Callable[..., Any], given: Mapping[str, Any]) -> BaseException | None:
