@@ -193,7 +193,7 @@ def test_what_a_form_cannot_hold_is_told(tmp_path):
         ("building_1.period", -1, "= -1 is out of range; allowed: 0.02 <= value <= 20"),
         ("building_2.period", float("nan"), "= nan"),
         ("building_1.damping", 1, "= 1 is"),
-        ("building_1.hardening", 0, "= 0 is"),
+        ("building_1.hardening", -1, "= -1 is"),
         ("separation.existing", 0, "= 0 is"),
         ("separation.confidence", 1, "= 1 is"),
         ("motion.duration", 1e6, "= 1000000"),

@@ -122,13 +122,14 @@ def test_simulated_the_strength_has_the_ductility_that_was_asked_for(ground, uns
 
 
 def test_where_the_drift_closure_does_not_hold_the_gaussian_one_is_usual_and_said():
-    for structure, ground in (
-        (sl.BoucWen(1.0, 0.05, 0.1), GROUND),
-        (sl.Bilinear(1.0, 0.05, 0.1), sl.ParallelGround([sl.KanaiTajimi(T, 0.3) for T in (0.5, 1.0)])),
+    two = sl.ParallelGround([sl.KanaiTajimi(T, 0.3) for T in (0.5, 1.0)])
+    for structure, ground, known in (
+        (sl.BoucWen(1.0, 0.05, 0.1), GROUND, True),  # by the nearest bilinear structure
+        (sl.Bilinear(1.0, 0.05, 0.1), two, False),
     ):
         table = sl.strength_for_ductility(structure, ground, 3.0)
         assert table.attrs["closure"] == "gaussian"
-        assert (int(table.caution), bool(table.bias.isnull())) == (2, True)
+        assert (int(table.caution) < 2, bool(table.bias.notnull())) == (known, known)
         same = sl.strength_for_ductility(structure, ground, 3.0, closure="gaussian")
         assert float(same.reduction_factor) == float(table.reduction_factor)
 

@@ -26,7 +26,7 @@ FAILED = 2  # the first status that is a failure
 
 
 OPTIONAL = {"hardening", "reduction_factor"}  # to be left out together
-ANY_SIGN = {"gamma"}
+ANY_SIGN = {"gamma", "hardening"}
 
 
 def name_of(argument):
@@ -91,7 +91,7 @@ def test_ragged_list_is_refused_by_name():
     [
         ({"damping": 5}, r"damping = 5 .*a ratio, 0\.05 for 5 %"),
         ({"damping": 1}, r"damping = 1 .*value < 1"),
-        ({"hardening": 0}, "hardening = 0 .*no stationary displacement"),
+        ({"hardening": -1}, "hardening = -1 .*a stationary response needs more than 0"),
         ({"hardening": 1.2}, "hardening = 1.2 .*value <= 1"),
         ({"hardening": None}, "hardening is not given"),
         ({"yield_displacement": 0.1}, "yield_displacement and reduction_factor are both given"),

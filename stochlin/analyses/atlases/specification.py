@@ -36,6 +36,7 @@ from stochlin.models.arguments import Whole, check_label, is_number, is_whole
 from stochlin.models.grounds import GROUNDS, Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Model
+from stochlin.models.structures import STATIONARY_HARDENING
 
 KEYS = ("title", "ground", "closure", "block_cells", "parameters")
 SWEEP = ("start", "stop", "count", "spacing")
@@ -200,7 +201,7 @@ def _is_number(value: Any) -> bool:
 def _check_ranges(role: str, model: Model) -> None:
     """Raise a ValueError if an axis has values out of range."""
     for name, values in model.arrays().items():
-        allowed = model.allowed(name)
+        allowed = STATIONARY_HARDENING if name == "hardening" else model.allowed(name)
         if not bool(allowed.contains(values).all()):
             low, high = float(values.min()), float(values.max())
             raise ValueError(f"{role}: {name} from {low:g} to {high:g}; allowed: {allowed}")

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.buildings.mode_files.base import MODE_FILES, AskedModes, ModesOfFile
-from stochlin.analyses.buildings.sheets import sheets_of
+from stochlin.analyses.buildings.sheets import sheets_in, sheets_of
 from stochlin.analyses.buildings.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.inputs import input_path
@@ -93,7 +93,7 @@ def read_modes(
     path = input_path("path", path)
     _check_texts(points, mass_units=mass_units, length_units=length_units)
     name, asked = plain(path.name), AskedModes(direction, tuple(points), mass_units, length_units)
-    sheets = [sheet for sheet in sheets_of(path) if sheet]
+    sheets = [sheet for sheet in (sheets_in if path.is_dir() else sheets_of)(path) if sheet]
     kind = next((kind for kind in MODE_FILES.values() if kind.recognizes(sheets)), None)
     if kind is None:
         begins = " or ".join(kind.header for kind in MODE_FILES.values())

@@ -55,20 +55,23 @@ Sheet = Sequence[SheetRow]
 
 
 def sheets_of(path: Path) -> list[Sheet]:
-    """All sheets of a workbook, the one of a text, or those of all files ``.csv`` in a folder.
+    """All sheets of a workbook, or the one of a text.
 
-    An OSError or ValueError is raised if it is none of these.
+    An OSError or ValueError is raised if it is neither.
     """
-    if path.is_dir():
-        files = sorted(f for f in path.iterdir() if f.suffix.lower() == ".csv" and f.is_file())
-        if not files:
-            raise ValueError(f"the folder {plain(path.name)} holds no file .csv")
-        return [sheet for file in files for sheet in sheets_of(file)]
     name, content = plain(path.name), read_input(path)
     sheets = _workbook(path, name) if content.startswith(_WORKBOOK) else [_text(path, name)]
     if not any(sheets):
         raise ValueError(f"{name} is empty: it holds no table")
     return sheets
+
+
+def sheets_in(folder: Path) -> list[Sheet]:
+    """Those of all files ``.csv`` in a folder; a ValueError if it holds none."""
+    files = sorted(f for f in folder.iterdir() if f.suffix.lower() == ".csv" and f.is_file())
+    if not files:
+        raise ValueError(f"the folder {plain(folder.name)} holds no file .csv")
+    return [sheet for file in files for sheet in sheets_of(file)]
 
 
 def number_in(text: str, decimal_comma: bool = True) -> float | None:

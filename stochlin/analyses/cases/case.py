@@ -25,7 +25,7 @@ from stochlin.analyses.cases.contacts import read_amplification_limit, read_cont
 from stochlin.analyses.cases.files.design import read_codes
 from stochlin.analyses.cases.files.known import Known, name_of
 from stochlin.analyses.cases.files.quantities import Quantity
-from stochlin.analyses.cases.files.schema import WALL
+from stochlin.analyses.cases.files.schema import OF_PARK_ANG, WALL
 from stochlin.analyses.cases.files.sections import Section, read_sections
 from stochlin.analyses.cases.site import FITTED, CaseSite, read_scatter, read_site
 from stochlin.analyses.cases.sites.strength import HAZARD_EXAMPLE
@@ -376,7 +376,7 @@ def case_of(whole: Section, path: Path, known: Known) -> Case:
 
 def _park_ang(building: Section) -> tuple[float, float]:
     """Ultimate ductility and beta of a building, which it has both or neither; else NaN."""
-    one, other = names = ("ultimate_ductility", "park_ang_beta")
+    one, other = names = OF_PARK_ANG
     if given := [name for name in names if name in building]:
         missing = one if given == [other] else other
         if len(given) < len(names):

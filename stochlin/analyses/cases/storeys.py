@@ -19,6 +19,7 @@ from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import (
     BUILDING,
     BY_MODES,
+    OF_PARK_ANG,
     OF_PUSHOVER,
     OSCILLATOR,
     PUSHOVER,
@@ -309,8 +310,9 @@ def _heights(section: Section) -> float | list[float]:
 def _check_keys(section: Section, allowed: Sequence[str]) -> None:
     """Raise a ValueError for an unknown key, or a key that cannot be combined with those of storeys."""
     elsewhere = (*OF_STOREYS, *OF_OSCILLATORS, "period")
-    # Those that only a pushover curve or Rayleigh damping needs would make the list too long.
-    shown = [key for key in allowed if key not in (*OF_PUSHOVER, *OF_RAYLEIGH)]
+    # Those that only a pushover curve, Rayleigh damping or damage needs would make the list too long.
+    rare = (*OF_PUSHOVER, *OF_RAYLEIGH, *OF_PARK_ANG)
+    shown = [key for key in allowed if key not in rare]
     strange = [key for key in section.values if key in elsewhere and key not in allowed]
     if strange:
         marks = [key for key in storey_keys(section) if key not in strange]

@@ -15,6 +15,7 @@ from stochlin.models.rules.effective_properties import (
     EffectiveRule,
     effective_rule,
 )
+from stochlin.models.structures import STATIONARY_HARDENING
 
 NARROW_BAND_DAMPING = 0.05  # that of the paper for Figs. 4 and 5
 BROAD_BAND_DAMPING = 0.6  # firm ground, Der Kiureghian & Neuenhofer 1992
@@ -138,7 +139,7 @@ class ChartSettings:
         range_of = Bilinear.allowed
         checks = [
             ("damping", self.damping, range_of("damping")),
-            ("hardening", self.hardening, range_of("hardening")),
+            ("hardening", self.hardening, STATIONARY_HARDENING),
         ]
         checks += [("plane_reduction_factor", self.plane_reduction_factor, range_of("reduction_factor"))]
         for name in ("ground_period", "structure_period", "second_period"):

@@ -631,7 +631,7 @@ class ShearBuilding(MultistoreyBuilding):
         ...     [2e5] * 3, [4e8] * 3, [3.5] * 3, 0.05, damping_model="rayleigh", damping_modes=(1, 2)
         ... )
         >>> tower.damping_ratios().round(4).values
-        array([0.05  , 0.05  , 0.0638])
+        array([0.05  , 0.05  , 0.0623])
         """
         periods = self.periods()
         ratios = mode_ratios(float(self.cells()["damping"]), self._modes()[0], self.damping_modes)

@@ -47,6 +47,7 @@ HEIGHTS, FACTORS = Range(1.0, 20.0, True, True), FACTOR.allowed
 MOST_WEIGHT = PLAUSIBLE["base_shear_coefficient"].high
 SHEARS = Range(upper=MOST_WEIGHT, include_upper=True, reason="a share of the weight")
 MOST_STOREYS, MOST_PATHS = 60, 20_000
+OF_PARK_ANG = "ultimate_ductility", "park_ang_beta"
 OF_FACTOR = (
     "R is relative to the elastic response, so that a stronger ground motion makes the building "
     "stronger as well; choose the yield displacement above to keep the strength as it is."
