@@ -141,8 +141,9 @@ def park_ang(table: xr.Dataset, ultimate_ductility: Parameter, beta: Parameter) 
     over = [name for name in ("path", "record") if name in index.dims]
     for name, values_of in list(columns.items()) if over else ():
         count = values_of.notnull().sum(over)
-        columns[f"{name}_mean"] = values_of.mean(over)
-        columns[f"{name}_mean_standard_error"] = values_of.std(over, ddof=1) / np.sqrt(count)
+        mean = columns[f"{name}_mean"] = values_of.sum(over) / count.where(count > 0)
+        variance = ((values_of - mean) ** 2).sum(over) / (count - 1).where(count > 1)
+        columns[f"{name}_mean_standard_error"] = (variance / count) ** 0.5
     return labels.with_run_information(
         labels.label(xr.Dataset(columns), VARIABLES),
         "Damage index of Park and Ang",
