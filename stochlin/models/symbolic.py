@@ -105,8 +105,11 @@ class SymbolicLaw:
     def _integrand(self, function: Callable[[Array, Array, Array], Array]) -> SlipRate:
         """A function of ``v``, ``z`` and the parameters that bends where the rate of z does."""
         probes = np.random.default_rng(4).uniform(0.3, 1.7, (len(self.parameters), _PROBES.shape[1]))
-        integrand = SlipRate(function, self._kinks(), False)
-        return integrand._replace(rate_independent=_is_rate_independent(integrand, probes))
+        return SlipRate(
+            function,
+            self._kinks(),
+            _is_rate_independent(lambda v: function(v, _PROBES[1], probes)),
+        )
 
     def gaussian(self, latent: Array, parameters: Array) -> ClosureValue:
         """Gaussian closure by quadrature: equivalent coefficients, with their derivatives."""
@@ -246,13 +249,13 @@ class SymbolicLaw:
         return "; ".join(doubts) + more if doubts else ""
 
     def _history(self, column: Array) -> str:
-        """In which history from rest z does work, is lost, or is stiffer than an elastic spring, if any.
+        """A history from rest in which z makes work, is lost or stiffens in loading; empty if none does.
 
         Unloading may be stiffer, as it is by the Bouc-Wen law with ``beta > gamma``. Histories have a
         unit rate, so that laws that depend on the rate are not tried.
         """
-        v, w = _PROBES[0], _PROBES[1 : 1 + len(self.rates)]
-        if not np.allclose(self._values(2.0 * v, w, column), 2.0 * self._values(v, w, column)):
+        w = _PROBES[1 : 1 + len(self.rates)]
+        if not _is_rate_independent(lambda v: self._values(v, w, column)):
             return ""
         states, work = np.zeros((len(self.rates), _TURNS.shape[1])), np.zeros(_TURNS.shape[1])
         least, most, stiffest = work, work, work
@@ -434,9 +437,10 @@ def _for_lanes(law: sympy.Expr) -> sympy.Expr:
 
 
 @np.errstate(all="ignore")
-def _is_rate_independent(law: SlipRate, parameters: Array) -> bool:
-    v, z = np.abs(_PROBES[0]) + 0.01, _PROBES[1]
-    whole, double = (law.function(n * v, z, parameters) for n in (1, 2))
+def _is_rate_independent(rates: Callable[[Array], Array]) -> bool:
+    """Whether rates are in proportion to ``v``, of which they are a function at `_PROBES`."""
+    v = np.abs(_PROBES[0]) + 0.01
+    whole, double = (rates(n * v) for n in (1, 2))
     return bool(np.abs(double - 2 * whole).max() <= 1e-11 * (1 + np.abs(whole).max()))
 
 

@@ -55,10 +55,7 @@ Sheet = Sequence[SheetRow]
 
 
 def sheets_of(path: Path) -> list[Sheet]:
-    """All sheets of a workbook, or the one of a text.
-
-    An OSError or ValueError is raised if it is neither.
-    """
+    """All sheets of a workbook, or the one of a text; an OSError or ValueError if it is neither."""
     name, content = plain(path.name), read_input(path)
     sheets = _workbook(path, name) if content.startswith(_WORKBOOK) else [_text(path, name)]
     if not any(sheets):
@@ -67,7 +64,7 @@ def sheets_of(path: Path) -> list[Sheet]:
 
 
 def sheets_in(folder: Path) -> list[Sheet]:
-    """Those of all files ``.csv`` in a folder; a ValueError if it holds none."""
+    """The sheets of all files ``.csv`` in a folder; a ValueError if it holds none."""
     files = sorted(f for f in folder.iterdir() if f.suffix.lower() == ".csv" and f.is_file())
     if not files:
         raise ValueError(f"the folder {plain(folder.name)} holds no file .csv")

@@ -17,13 +17,12 @@ from stochlin.analyses.linearization.bias_map import (
     between_points,
     caution_of,
     place_in_map,
-    relative_bias,
     rho_bias_map,
 )
 from stochlin.analyses.linearization.equivalent_systems import (
     STRENGTH_RATIO,
+    bias_of_solved,
     derived_together,
-    solved_nearest,
 )
 from stochlin.analyses.linearization.systems.solution import solve_equations
 from stochlin.analyses.linearization.systems.systems import (
@@ -68,8 +67,7 @@ def chained_pairs(
         if closure != GAUSSIAN:
             gaussian = _solved((structure,), ground, GAUSSIAN, tolerance) | ratio
         sides.append(side)
-        nearest = solved_nearest(structure, ground, gaussian, tolerance)
-        of_side = relative_bias(structure, ground, side, gaussian, nearest)
+        of_side = bias_of_solved(structure, ground, side, gaussian, tolerance)
         biases[f"bias_{len(sides)}"], caution = of_side
         cautions.append(caution)
         places += place_in_map(structure, ground, elastic)

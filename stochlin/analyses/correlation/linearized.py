@@ -12,12 +12,11 @@ import numpy as np
 
 from stochlin.analyses.linearization.bias_map import (
     place_in_map,
-    relative_bias,
     rho_bias_map,
 )
 from stochlin.analyses.linearization.equivalent_systems import (
     INTERNAL,
-    solved_nearest,
+    bias_of_solved,
     solved_together,
     system_and_forcing,
 )
@@ -66,8 +65,7 @@ def pairs_of_solved(
     biases: dict[str, Cells] = {}
     solved = zip(pair, sides, gaussians, strict=True)
     for number, (structure, side, gaussian) in enumerate(solved, start=1):
-        nearest = solved_nearest(structure, ground, gaussian, tolerance)
-        bias, caution = relative_bias(structure, ground, side, gaussian, nearest)
+        bias, caution = bias_of_solved(structure, ground, side, gaussian, tolerance)
         inputs += [side[name] for name in SYSTEM]
         inputs += [gaussian[name] for name in SYSTEM] if other_closure else []
         inputs += place_in_map(structure, ground, gaussian)

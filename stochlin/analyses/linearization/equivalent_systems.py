@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.bias_map import nearest_bilinear
+from stochlin.analyses.linearization.bias_map import nearest_bilinear, relative_bias
 from stochlin.analyses.linearization.drift_map import with_correction
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
@@ -108,14 +108,14 @@ def solved_together(
     return [with_correction(structure, ground, results) for structure, results in pairs]
 
 
-def solved_nearest(
-    structure: Structure, ground: Ground, gaussian: Solved, tolerance: Tolerance
-) -> Solved:
-    """The `nearest_bilinear` structure by the Gaussian closure; ``gaussian`` if it is the structure."""
-    near = nearest_bilinear(structure)
-    if near is structure:
-        return gaussian
-    return solved_together((near,), ground, GAUSSIAN, tolerance)[0]
+def bias_of_solved(
+    structure: Structure, ground: Ground, solved: Solved, gaussian: Solved, tolerance: Tolerance
+) -> tuple[Cells, ...]:
+    """`relative_bias` of a solved structure, for which its nearest bilinear one is solved as well."""
+    near, nearest = nearest_bilinear(structure), gaussian
+    if near is not structure:
+        (nearest,) = solved_together((near,), ground, GAUSSIAN, tolerance)
+    return relative_bias(structure, ground, solved, gaussian, nearest)
 
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:

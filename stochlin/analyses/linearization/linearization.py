@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.bias_map import caution_of_error, relative_bias
-from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_nearest, solved_together
+from stochlin.analyses.linearization.bias_map import caution_of_error
+from stochlin.analyses.linearization.equivalent_systems import PUBLIC, bias_of_solved, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -168,8 +168,7 @@ def judged(
     gaussian = solved
     if closure != "gaussian":
         (gaussian,) = solved_together((structure,), ground, "gaussian", tolerance)
-    nearest = solved_nearest(structure, ground, gaussian, tolerance)
-    bias, caution = relative_bias(structure, ground, solved, gaussian, nearest)
+    bias, caution = bias_of_solved(structure, ground, solved, gaussian, tolerance)
     return {"bias": bias, "caution": caution}
 
 

@@ -25,6 +25,7 @@ from stochlin.analyses.pounding.rows import (
 from stochlin.analyses.pounding.runs import (
     ON_GRID,
     STEPS_PER_CONTACT,
+    RowRun,
     jobs_of,
     paces_of,
     responses,
@@ -37,7 +38,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.floors import element_coordinates
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.pounding.run import SAMPLES, STEPS, StepCounts
+from stochlin.kernels.pounding.run import SAMPLES, STEPS
 from stochlin.kernels.records.oscillator import RADIUS
 from stochlin.kernels.records.runs import SampledMotion, peaks_on_records
 from stochlin.messages import brief
@@ -275,8 +276,8 @@ def pound(
     if over is None:
         assert isinstance(motion, xr.DataArray)
         times = _output_times(output_step, grounds[0])
-        more_of_row = halved, damage
-        table = _of_one(standing, grounds[0], paces[0], motion["time"], times, more_of_row, progress)
+        jobs = jobs_of(standing, grounds[0], paces[0], halved, damage)
+        table = _of_one(standing, jobs, motion["time"], times, progress)
         table = table.merge(lines)
         oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
         if contact is not None and len(oscillators) == len(row_of) and not any(links):
@@ -304,22 +305,20 @@ def pound(
 
 def _of_one(
     standing: Standing,
-    ground: SampledMotion,
-    pace: StepCounts,
+    jobs: Sequence[RowRun],
     time: xr.DataArray,
     times: Array | None,
-    more: tuple[bool, bool],
     progress: Progress | None,
 ) -> xr.Dataset:
-    """Histories and summary of one motion, ``more`` as in `jobs_of`: ``halved`` and ``damage``."""
+    """Histories and summary of one motion, from its jobs by `jobs_of`."""
     kept = SAMPLES if times is None else STEPS
-    outcomes = responses(standing, jobs_of(standing, ground, pace, *more), kept, progress)
+    outcomes = responses(standing, jobs, kept, progress)
     values = summary(standing, outcomes)
     for name in ("energy_balance_error", OF_STRUCTURE):  # they have histories
         values.pop(name, None)
     start = float(time[0])
     at = time.to_numpy().astype(float) if times is None else start + times
-    table = histories(standing, successful(outcomes)[0], ground, start, at, times)
+    table = histories(standing, successful(outcomes)[0], jobs[0].ground, start, at, times)
     return table.assign(labelled(values, standing))
 
 

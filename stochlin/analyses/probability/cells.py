@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 import numpy as np
 import xarray as xr
@@ -235,13 +235,16 @@ def _bounds(table: xr.Dataset) -> xr.Dataset:
     )
 
 
+def _is_in_map(structure: AnyStructure) -> TypeGuard[Structure]:
+    """Whether it is an oscillator with a stationary linearization, as the map of the bias has."""
+    return isinstance(structure, Structure) and (structure.linearizes or not structure.yields)
+
+
 def _drift(pairs: PairTable, moments: TransientMoments, ground: Ground) -> tuple[Array, Array]:
     """Variances [m^2] of the plastic drifts and of their difference; NaN outside the map of the bias."""
     own, both, sides, course = moments
     first, second = (side.structure for side in sides)
-    if not (isinstance(first, Structure) and isinstance(second, Structure)) or not all(
-        structure.linearizes or not structure.yields for structure in (first, second)
-    ):
+    if not (_is_in_map(first) and _is_in_map(second)):
         unknown = np.nan if first.yields or second.yields else 0.0
         return np.full_like(own.displacement, unknown), np.full_like(both.d_d, unknown)
     solved = zip((linearize(first, ground), linearize(second, ground)), sides, strict=True)

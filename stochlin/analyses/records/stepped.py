@@ -47,13 +47,13 @@ class SteppedResponse(NamedTuple):
 
 
 def stepped_response(
-    system: Arrangement, ground: SampledMotion, functions: Sequence[Terms]
+    connected: Sequence[SteppedGroup], limits: Array, ground: SampledMotion, functions: Sequence[Terms]
 ) -> SteppedResponse:
     """Functions of the floor displacements, from rest, with steps halved until their peaks converge.
 
     The steps are of second order, so that the remaining error is about a third of the last change.
+    ``limits`` (w,) [m] are the drifts at which structures fall.
     """
-    connected, limits = all_connected(system), system.limits
     most = FALLEN * limits[np.isfinite(limits)].max(initial=0.0) or np.inf
     weights = np.zeros((len(functions), limits.size))
     for row, terms in zip(weights, functions, strict=True):
@@ -100,7 +100,8 @@ def stepped_history(
     between = np.arange(refine * samples[-1] + 1) / refine
     finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
     floors = range(floor_count(structure))
-    first = stepped_response(system, finer, [{floor: 1.0} for floor in floors])
+    ends = [{floor: 1.0} for floor in floors]
+    first = stepped_response(all_connected(system), system.limits, finer, ends)
     row = row_of(system, Contacts.of([], system.storeys.mass.size))
     at, to = row.places
     intervals, none = np.array([between.size - 1]), np.zeros(1)
@@ -166,10 +167,11 @@ def stepped_gap(
             *drifts_of(system),
             *(apart(system, pair) for pair in pairs),
         ]
+    connected, limits = all_connected(system), system.limits
     periods = [float(s.arrays()["period"]) for s in structures if isinstance(s, Structure)]
     tables = []
     for ground in motions.grounds:
-        motion = stepped_response(system, ground, functions)
+        motion = stepped_response(connected, limits, ground, functions)
         table = _in_one(system, motion)
         if len(periods) == len(structures):
             table = table.assign(_radii(motion, periods, ground.dt / motion.cuts))

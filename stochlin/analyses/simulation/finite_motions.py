@@ -11,11 +11,11 @@ from scipy.special import bdtrik, betaincinv
 
 from stochlin.analyses.damage.damage import (
     DAMAGE,
-    DECAY_TIMES,
     ENERGY,
     OF_STRUCTURE,
     RESIDUAL,
     damage_of,
+    free_intervals,
 )
 from stochlin.analyses.simulation.ensembles import SimulationRun, work_of
 from stochlin.analyses.simulation.structures_in_motion import STRUCTURE, StructuresInMotion
@@ -125,9 +125,9 @@ def simulate_finite(
 ) -> xr.Dataset:
     """Dataset of `simulate` for motions of finite duration, without labels."""
     levels = np.asarray(quantiles, float)
-    free = DECAY_TIMES * moving.slowest_decay if damage else 0.0
-    run = run.with_plan(free=int(np.ceil(free / (run.plan.dt * BLOCK))))
-    check_finite(run, duration + free, moving.functions)
+    block = run.plan.dt * BLOCK
+    run = run.with_plan(free=free_intervals(moving.slowest_decay, block) if damage else 0)
+    check_finite(run, duration + run.plan.free * block, moving.functions)
     system, pairs, n = moving.system, pairs_of(moving.system), len(moving.system.floors)
     storeys = drifts_of(system) if moving.has_storeys else []
     places = at_heights(system) if moving.has_storeys else []

@@ -414,7 +414,7 @@ class Transient:
     def _frames(
         self, length: float, now: Covariances, old: Sequence[PanelMatrices]
     ) -> Sequence[PanelMatrices]:
-        """Frames of all groups for a panel of this length from ``now`` on, and those of the last one."""
+        """Frames of all groups for a panel of this length, from ``now`` and those of the last one."""
         squares = [group.squares_of(x) for group, x in zip(self.groups, now.own, strict=True)]
         before: Sequence[PanelMatrices | None] = old or [None for _ in self.groups]
         parts = zip(self.groups, self.coefficients(squares, now.means)[0], before, strict=True)

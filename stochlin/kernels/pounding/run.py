@@ -32,6 +32,7 @@ from stochlin.kernels.simulation.time_step import (
     Places,
     fill,
     lanes_at_rest,
+    slips_of,
     steps_of,
     take_step,
     times_row,
@@ -293,6 +294,6 @@ def run(
 def _at_rest(row: BuildingRow, x: Array, at: Places) -> Array:
     """The coordinates (lanes, n) at which elements and closed contacts balance, with their slips."""
     system, contacts = row.elements.system, row.contacts
-    slips = system.extensions @ x[at.q : at.v] - x[at.z : at.memory]
+    slips = slips_of(system, at, x)
     pushed = x[at.force : at.approach] * (x[at.held : at.slow] if contacts.jumps else 1.0)
     return system.at_rest(slips.T, -pushed.T @ contacts.weights)

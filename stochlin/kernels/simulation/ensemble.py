@@ -36,6 +36,7 @@ from stochlin.kernels.simulation.time_step import (
     Steps,
     lanes_at_rest,
     sampled_steps,
+    slips_of,
     steps_of,
     system_block,
 )
@@ -174,7 +175,7 @@ class SteppedStructures:
     def at_last(self, x: Any, group: int = 0) -> Array:
         """The displacements (w, lanes) at which the elements balance, with their slips as they are."""
         at, system = self.places, self.elements.system
-        slips = system.extensions @ x[at.q : at.v] - x[at.z : at.memory]
+        slips = slips_of(system, at, x)
         if samples := self._of(group):
             pairs = zip(samples, slips.T, strict=True)
             rest = np.array([each.system.at_rest(slip[None])[0] for each, slip in pairs])
@@ -440,10 +441,11 @@ def finite_extremes(
         highest[lost] = lowest[lost] = np.nan
         return Extremes(highest, lowest, peaks.force, peaks.stroke, peaks.energy, damage, residual)
 
-    columns = list(zip(*crowd.over_groups(of_group, progress), strict=True))
-    damage = Damage(*map(_of_motions, zip(*columns[5], strict=True)))
-    highest, lowest, force, stroke, energy, residual = map(_of_motions, (*columns[:5], columns[6]))
-    return Extremes(highest, lowest, force, stroke, energy, damage, residual)
+    groups = list(crowd.over_groups(of_group, progress))
+    damage = Damage(*map(_of_motions, zip(*(group.damage for group in groups), strict=True)))
+    others = [name for name in Extremes._fields if name != "damage"]
+    values = {name: _of_motions([getattr(group, name) for group in groups]) for name in others}
+    return Extremes(damage=damage, **values)
 
 
 def _of_motions(groups: Sequence[Array]) -> Array:

@@ -569,9 +569,9 @@ class ShearBuilding(MultistoreyBuilding):
         """The first mode as an oscillator, with its effective modal mass [kg].
 
         The oscillator has the damping ratio of this mode, and the hysteresis law of the storeys. Its
-        yield displacement is that at which the
-        first storey yields in this mode. The displacement of a floor is `participation` times that of
-        the oscillator. Higher modes and the concentration of yielding in one storey are neglected.
+        yield displacement is that at which the first storey yields in this mode. The displacement of a
+        floor is `participation` times that of the oscillator. Higher modes and the concentration of
+        yielding in one storey are neglected.
 
         References
         ----------
@@ -633,9 +633,12 @@ class ShearBuilding(MultistoreyBuilding):
         >>> tower.damping_ratios().round(4).values
         array([0.05  , 0.05  , 0.0623])
         """
-        periods = self.periods()
-        ratios = mode_ratios(float(self.cells()["damping"]), self._modes()[0], self.damping_modes)
-        return periods.copy(data=ratios).assign_attrs(units="1", long_name="damping ratio of the mode")
+        ratios = self.periods().copy(data=self._ratios(self._modes()[0]))
+        return ratios.assign_attrs(units="1", long_name="damping ratio of the mode")
+
+    def _ratios(self, frequencies: Array) -> Array:
+        """Damping ratios (n,) of all modes, which have these circular frequencies [rad/s]."""
+        return mode_ratios(float(self.cells()["damping"]), frequencies, self.damping_modes)
 
     @property
     def damped_modes(self) -> str:
@@ -652,7 +655,7 @@ class ShearBuilding(MultistoreyBuilding):
         values = self._over_all
         modal = values["masses"][:, None] * shapes
         drifts = np.eye(w.size) - np.eye(w.size, k=-1)
-        by_modes = (modal * (2 * self.damping_ratios().to_numpy() * w)) @ modal.T
+        by_modes = (modal * (2 * self._ratios(w) * w)) @ modal.T
         return by_modes + (drifts.T * values.get("dampers", np.zeros(w.size))) @ drifts
 
     def describe(self) -> str:
