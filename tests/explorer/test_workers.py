@@ -53,7 +53,9 @@ def asked_and_begun(worker, question, subject):
 
 
 def test_the_formula_of_storeys_tells_how_far_it_is_and_stops_within_its_process(worker, monkeypatch):
-    monkeypatch.setattr(workers, "GRACE", PATIENCE)  # a busy machine may need longer than a user would wait
+    monkeypatch.setattr(
+        workers, "GRACE", PATIENCE
+    )  # a busy machine may need longer than a user would wait
     process = worker.process_id
     job = asked_and_begun(worker, PROBABILITY, tall_case(60.0))
     wait(lambda: job.share > 0)
