@@ -157,7 +157,7 @@ class SymbolicLaw:
         rates = sympy.Tuple(*(_for_lanes(rate).subs(numbers) for _, rate in self.rates))
         functions = [_VECTOR_FUNCTIONS, "math"]
         of_rates = sympy.lambdify((v, w, own, lane), rates, functions, cse=True)
-        return RateLaw(advance_of(of_rates, len(rates)), len(rates))
+        return RateLaw(advance_of(of_rates, len(rates)), len(rates), sympy.srepr(rates))
 
     def check(self, parameters: Array) -> None:
         """Raise a ValueError if the law differs in both directions, or is not real and finite.

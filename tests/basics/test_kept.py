@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 import warnings
 import zipfile
 
@@ -185,3 +186,61 @@ def test_eight_processes_that_begin_at_once_agree(toy):
     for expected in (None, "4\n"):  # what processes have replaced is compiled again, once
         told = process(0, 1, 2, 3).communicate()[0]
         assert expected in (None, told)
+
+
+def law_times(factor):
+    def law(x):
+        return factor * x
+
+    return law
+
+
+def begun_law(factor, name):
+    """A law as a process finds it that has just begun."""
+    for cached in (kept.warn_once, kept.archives, kept._of_process):
+        cached.cache_clear()
+    return kept.kept_law(law_times(factor), numba.float64(numba.float64), name)
+
+
+def test_a_law_is_found_again_by_its_name_and_never_taken_for_another(toy):
+    _, place = toy
+    for hit in (0, 1):
+        for factor, name in ((2.0, "double"), (3.0, "triple")):
+            law = begun_law(factor, name)
+            assert law(1.5) == factor * 1.5
+            assert law.cache_hits == hit
+    same = begun_law(4.0, "double")  # what a law contains counts, too
+    assert same(1.5) == 6.0
+    assert len(list(place.glob("kernels-*/law-*.zip"))) == 2
+
+
+@pytest.mark.parametrize("kind", BROKEN)
+def test_a_broken_archive_of_a_law_is_replaced(toy, kind):
+    _, place = toy
+    begun_law(2.0, "double")
+    (file,) = place.glob("kernels-*/law-*.zip")
+    file.write_bytes(BROKEN[kind](file.read_bytes()))
+    for hit in (0, 1):
+        law = begun_law(2.0, "double")
+        assert law(1.5) == 3.0
+        assert law.cache_hits == hit
+
+
+def test_laws_that_were_not_used_for_a_day_are_removed(toy):
+    _, place = toy
+    begun_law(2.0, "double")
+    (old,) = place.glob("kernels-*/law-*.zip")
+    begun_law(3.0, "triple")
+    two_days_ago = time.time() - 2 * kept.DAY
+    os.utime(old, (two_days_ago, two_days_ago))
+    begun_law(4.0, "fourfold")
+    assert not old.exists()
+    assert len(list(place.glob("kernels-*/law-*.zip"))) == 2
+
+
+def test_a_law_runs_without_a_folder_and_says_so_once(toy):
+    _, place = toy
+    place.write_text("in the way")
+    with pytest.warns(UserWarning, match="folder that can be written"):
+        law = begun_law(2.0, "double")
+    assert law(1.5) == 3.0

@@ -17,7 +17,7 @@ from stochlin.messages import brief
 from stochlin.models.arguments import Whole, as_numbers, checked
 from stochlin.models.structures import Structure
 
-PATHS = {BILINEAR: BILINEAR_PATH, BOUC_WEN: RateLaw(bouc_wen, 1)}
+PATHS = {BILINEAR: BILINEAR_PATH, BOUC_WEN: RateLaw(bouc_wen, 1, "Bouc-Wen")}
 ALLOWED = "two or more finite numbers in metres, along one dimension"
 
 

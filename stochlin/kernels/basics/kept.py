@@ -5,6 +5,7 @@ that start together overwrite one another's files, and runs a file whose bytes h
 therefore has a folder of its own, and each function a folder in it. What numba has written there is
 packed into one archive of the function, which is replaced whole and whose check sums are compared when
 it is unpacked. The archives lie in a folder named after a digest of all kernel sources and versions.
+Those of laws of users, of which there can be any number, are removed when they were not used for a day.
 """
 
 from __future__ import annotations
@@ -18,11 +19,12 @@ import tempfile
 import time
 import warnings
 import zipfile
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
-from threading import Lock
+from threading import Lock, RLock
 from typing import Any
 
 import numba as nb
@@ -31,7 +33,8 @@ from stochlin.messages import WHEN_COMPILING
 
 KERNELS = Path(__file__).parents[1]
 BUILT_WITH = ("numba", "llvmlite", "numpy")
-DAY = 86400.0  # [s]: folders of other versions, and of processes that were killed, are then removed
+DAY = 86400.0  # [s]: folders of other versions, of processes that were killed, and laws are then removed
+LAW = "law-"  # begins the names of archives of laws
 NOT_KEPT = (
     "compiled code cannot be kept: the folder that NUMBA_CACHE_DIR names, or without it both stochlin's "
     "own folder and the user's cache folder, cannot be written, or the disk is full. Every process then "
@@ -89,7 +92,83 @@ def _remove_unused(place: Path, names: str) -> None:
     for folder in place.glob(names):
         with suppress(OSError):  # another process removes it, or it belongs to another user
             if time.time() - folder.stat().st_mtime > DAY:
-                shutil.rmtree(folder, ignore_errors=True)
+                if folder.is_dir():
+                    shutil.rmtree(folder, ignore_errors=True)
+                else:
+                    folder.unlink()
+
+
+_changing = RLock()  # numba's folder is a setting of the whole process
+
+
+class Archive:
+    """What numba has compiled of one function: a file, and what is unpacked of it for this process."""
+
+    def __init__(self, name: str) -> None:
+        within = archives()
+        self.file = within and within / f"{name}.zip"
+        self.folder = within and _of_process() / name
+
+    @contextmanager
+    def taken_by_numba(self) -> Iterator[None]:
+        """Functions that numba is told to keep are kept here."""
+        config: Any = nb.config
+        with _changing:
+            named, config.CACHE_DIR = config.CACHE_DIR, str(self.folder)
+            try:
+                yield
+            finally:
+                config.CACHE_DIR = named
+
+    def fetch(self) -> None:
+        """Unpack the file, if there is one that is whole."""
+        try:
+            with zipfile.ZipFile(self.file or "") as archive:
+                archive.extractall(self.folder)
+            os.utime(self.file or "")
+        except Exception:  # what a damaged archive raises is not documented
+            if self.folder is not None:
+                shutil.rmtree(self.folder, ignore_errors=True)
+            for call in tuple(WHEN_COMPILING):
+                call()
+
+    def store(self) -> None:
+        """Replace the file by what numba has written."""
+        assert self.file is not None
+        assert self.folder is not None
+        whole = self.file.with_suffix(f".{os.getpid()}")
+        try:
+            whole.parent.mkdir(parents=True, exist_ok=True)
+            with zipfile.ZipFile(whole, "w") as archive:
+                for file in self.folder.rglob("*.nb?"):
+                    archive.write(file, file.relative_to(self.folder))
+            whole.replace(self.file)
+        except OSError:
+            warn_once(NOT_KEPT)
+            with suppress(OSError):
+                whole.unlink()
+
+
+def kept_law(function: Any, signature: Any, name: str) -> Any:
+    """A C function with this signature, compiled now or found in the archive of a law of this name.
+
+    The name tells all that the function depends on besides the kernels.
+    """
+    options: dict[str, Any] = {"error_model": "numpy"}
+    archive = Archive(LAW + hashlib.sha256(name.encode()).hexdigest()[:16])
+    if archive.file is not None:
+        archive.fetch()
+        try:
+            with archive.taken_by_numba():
+                law = nb.cfunc(signature, cache=True, **options)(function)
+        except OSError:  # of numba, which could not write the code that it has just compiled
+            warn_once(NOT_KEPT)
+        else:
+            if not law.cache_hits:
+                archive.store()
+                _remove_unused(archive.file.parent, f"{LAW}*")
+            return law
+    return nb.cfunc(signature, **options)(function)
 
 
 class Kept:
@@ -101,18 +180,14 @@ class Kept:
     def __init__(self, function: Any, options: dict[str, Any]) -> None:
         self.py_func, self.__doc__ = function, function.__doc__
         self._lock, self._fetched, self._kept, self._misses = Lock(), False, 0, 0
-        name = f"{function.__module__}.{function.__qualname__}-{function.__code__.co_firstlineno}"
-        within, config = archives(), nb.config
-        self._archive = within and within / f"{name}.zip"
-        if within is None:
+        self._archive = Archive(
+            f"{function.__module__}.{function.__qualname__}-{function.__code__.co_firstlineno}"
+        )
+        if self._archive.file is None:
             self.dispatcher = nb.njit(**options)(function)
             return
-        self._folder = _of_process() / name
-        named, config.CACHE_DIR = config.CACHE_DIR, str(self._folder)  # type: ignore[attr-defined]
-        try:
+        with self._archive.taken_by_numba():
             self.dispatcher = nb.njit(cache=True, **options)(function)
-        finally:
-            config.CACHE_DIR = named  # type: ignore[attr-defined]
 
     @property
     def kinds(self) -> int:
@@ -122,12 +197,14 @@ class Kept:
     @property
     def kept(self) -> bool:
         """Whether the function has an archive, from which it is ready in a tenth of a second."""
-        return self._archive is not None and self._archive.exists()
+        return self._archive.file is not None and self._archive.file.exists()
 
     def __call__(self, *args: Any) -> Any:
         """The function, compiled."""
-        if not self._fetched:
-            self._fetch()
+        with self._lock:
+            if not self._fetched:
+                self._archive.fetch()
+            self._fetched = True
         try:
             result = self.dispatcher(*args)
         except OSError:  # of numba, which could not write the code that it has just compiled
@@ -137,36 +214,11 @@ class Kept:
             self._store()
         return result
 
-    def _fetch(self) -> None:
-        """Unpack the archive, if there is one that is whole."""
-        with self._lock:
-            if self._fetched:
-                return
-            try:
-                with zipfile.ZipFile(self._archive or "") as archive:
-                    archive.extractall(self._folder)
-            except Exception:  # what a damaged archive raises is not documented
-                if self._archive is not None:
-                    shutil.rmtree(self._folder, ignore_errors=True)
-                for call in tuple(WHEN_COMPILING):
-                    call()
-            self._fetched = True
-
     def _store(self) -> None:
         """Replace the archive, if numba has compiled and written something."""
         with self._lock:
             self._kept = self.kinds
             misses = sum(self.dispatcher.stats.cache_misses.values())
-            if self._archive is None or misses == self._misses:
-                return
-            self._misses, whole = misses, self._archive.with_suffix(f".{os.getpid()}")
-            try:
-                whole.parent.mkdir(parents=True, exist_ok=True)
-                with zipfile.ZipFile(whole, "w") as archive:
-                    for file in self._folder.rglob("*.nb?"):
-                        archive.write(file, file.relative_to(self._folder))
-                whole.replace(self._archive)
-            except OSError:
-                warn_once(NOT_KEPT)
-                with suppress(OSError):
-                    whole.unlink()
+            if self._archive.file is not None and misses != self._misses:
+                self._misses = misses
+                self._archive.store()

@@ -17,6 +17,7 @@ import numba as nb
 import numpy as np
 
 from stochlin.kernels.basics.compiled import UNCOMPILED, called_often, compiled
+from stochlin.kernels.basics.kept import kept_law
 from stochlin.kernels.basics.powers import exponential, logarithm
 
 # Kinds of elements. Those from BOUC_WEN on have laws with rates; from OTHER on they are laws of users.
@@ -36,6 +37,7 @@ class RateLaw:
 
     advance: Any  # the result of `advance_of`, or one of `paths`
     states: int  # their number
+    name: str  # of which there is one for each law
 
 
 def advance_of(rates: Any, states: int) -> Any:
@@ -205,7 +207,9 @@ def by_number(laws: tuple[RateLaw, ...]) -> Any:
     def of_kind(kind, lanes, x, v, w, own, dt, new):
         chosen(kind, lanes, x, v, w, own, dt, new)
 
-    return of_kind if UNCOMPILED else nb.cfunc(ADVANCE, error_model="numpy")(of_kind)
+    if UNCOMPILED:
+        return of_kind
+    return kept_law(of_kind, ADVANCE, repr([(law.name, law.states) for law in laws]))
 
 
 @compiled

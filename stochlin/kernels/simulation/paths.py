@@ -86,8 +86,9 @@ def _bilinear(lanes, x, v, w, own, dt, new):
         x[new, lane] = min(max(x[w, lane] + x[v, lane] * dt, -1.0), 1.0)
 
 
-MODIFIED_CLOUGH, FLAG = RateLaw(_modified_clough, 5), RateLaw(_flag, 2)
-BILINEAR_PATH = RateLaw(_bilinear, 1)
+MODIFIED_CLOUGH = RateLaw(_modified_clough, 5, "modified Clough")
+FLAG = RateLaw(_flag, 2, "flag")
+BILINEAR_PATH = RateLaw(_bilinear, 1, "bilinear")
 
 
 @entry
