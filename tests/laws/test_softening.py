@@ -8,10 +8,45 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
+from stochlin.analyses.cases.pounding import pound_motions
+from stochlin.analyses.cases.separation import answer_case
 from stochlin.models.parameters import Model
 
 pytestmark = pytest.mark.oracle
 
+CASE = """
+[site]
+ground = "kanai_tajimi"
+period = "0.4 s"
+damping = 0.6
+intensity = "0.02 m^2/s^3"
+[motion]
+duration = "10 s"
+envelope = "none"
+[building_1]
+period = "0.5 s"
+storeys = 2
+storey_height = "3 m"
+floor_mass = "150 t"
+base_shear_coefficient = 0.2
+damping = 0.05
+hardening = {hardening}
+[building_2]
+period = "0.8 s"
+damping = 0.05
+hardening = {hardening}
+yield_displacement = "4 cm"
+mass = "300 t"
+[separation]
+existing = "4 cm"
+confidence = 0.9
+[simulation]
+paths = 128
+[contact]
+model = "kelvin"
+stiffness = "1000 MN/m"
+restitution = 0.65
+"""
 GROUND = sl.KanaiTajimi(0.4, 0.6, 0.02)
 W = 2 * np.pi / 0.5
 GIVEN = {"period": 0.5, "damping": 0.05, "yield_displacement": 0.02}
@@ -189,13 +224,132 @@ def test_separation_and_what_an_existing_gap_allows_name_the_collapse():
         lambda s: sl.simulate([s], GROUND, paths=32),
         lambda s: sl.peak_response(s, GROUND, 10.0),
         lambda s: sl.strength_for_ductility(s, GROUND, 3.0),
-        lambda s: sl.pounding_probability(s, sl.Bilinear(0.7, 0.05), GROUND, 0.1, duration=10.0),
     ],
 )
 @pytest.mark.parametrize(("kind", "alpha"), [("bilinear", 0.0), ("bouc_wen", -0.2)])
 def test_what_is_stationary_refuses_it_with_the_cure(kind, alpha, stationary):
     with pytest.raises(ValueError, match=r"no stiffness after yielding.*simulate with a duration"):
         stationary(LAWS[kind](hardening=alpha, **GIVEN))
+
+
+QUAKE = {"duration": 10.0, "envelope": sl.AminAng(2.0, 8.0, 0.4)}
+SHOP = sl.Bilinear(0.8, 0.05, mass=1e5)
+
+
+@pytest.mark.parametrize("alpha", [0.0, -0.05])
+def test_the_probability_is_that_of_a_building_of_one_storey(alpha):
+    """Formulas and simulation; the storey has equations and limits of its own."""
+    uy, k = 0.03, 1e5 * (2 * np.pi / 0.5) ** 2
+    one = sl.Bilinear(0.5, 0.05, alpha, uy)
+    storey = sl.ShearBuilding([1e5], [k], [3.0], 0.05, alpha, uy)
+    shop = sl.ShearBuilding([1e5], [1e5 * (2 * np.pi / 0.8) ** 2], [3.0], 0.05)
+    tables = [
+        sl.pounding_probability(*pair, GROUND, 0.05, paths=64, points=5, **QUAKE)
+        for pair in ((one, SHOP), (storey, shop))
+    ]
+    for name in ("confidence_of_no_pounding", "confidence_of_no_pounding_simulated", "required_gap"):
+        np.testing.assert_allclose(*(table[name] for table in tables), rtol=1e-9)
+    assert np.isnan(tables[0].required_gap_corrected)
+    std = sl.transient_response(one, GROUND, points=5, **QUAKE).displacement_std
+    np.testing.assert_allclose(std, tables[0].displacement_std_1, rtol=1e-9)
+
+
+@pytest.mark.parametrize("storeys", [False, True])
+def test_motions_in_which_a_structure_falls_pound(storeys):
+    """Also of cells beside others: the probabilities of those motions of `simulate`."""
+    falling = sl.Bilinear(0.5, 0.05, -0.15, 0.02)
+    if storeys:
+        falling = sl.ShearBuilding(
+            [1e5] * 2, [4e7, 3e7], [3.0] * 2, 0.05, -0.15, [0.004, 0.02], law="bilinear"
+        )
+    gaps = [0.05, 0.3]
+    table = sl.pounding_probability(falling, SHOP, GROUND, gaps, paths=64, points=3, **QUAKE)
+    motions = sl.simulate([falling, SHOP], GROUND, paths=64, **QUAKE)
+    share = float(motions.collapse_probability[0])
+    assert 0.1 < share <= 1
+    apart = motions.separation
+    apart = apart.sel(structure="1", structure_2="2") if storeys else apart[:, 0, 1]
+    apart = apart.max([dim for dim in apart.dims if dim != "path"])
+    last = table.isel(time=-1)
+    np.testing.assert_allclose(
+        last.confidence_of_no_pounding_simulated, [float((apart <= gap).mean()) for gap in gaps]
+    )
+    assert np.isposinf(last.required_gap_simulated).all()
+    assert np.isposinf(last.displacement_std_simulated_1)
+    assert np.isfinite(last.displacement_std_simulated_2)
+
+
+def test_formulas_by_which_a_structure_falls_are_left_out_with_the_reason():
+    weak = sl.Bilinear(0.5, 0.05, -0.3, 0.004)
+    table = sl.pounding_probability(weak, SHOP, GROUND, 0.1, paths=32, points=3, **QUAKE)
+    assert "confidence_of_no_pounding" not in table
+    assert "There are no formulas: the " in table.comment
+    with pytest.raises(ArithmeticError, match="or simulate"):
+        sl.pounding_probability(weak, SHOP, GROUND, 0.1, paths=0, points=3, **QUAKE)
+
+
+TAKEN = 0.04  # of the elastic stiffness of every storey, by the weight above it
+
+
+def leaning(hardening, p_delta):
+    """Three storeys with the effect of their weight, or softer ones with less hardening."""
+    k = 9.80665 * np.array([4.5e5, 3e5, 1.5e5]) / 3.0 / TAKEN
+    if not p_delta:
+        k, hardening = (1 - TAKEN) * k, (hardening - TAKEN) / (1 - TAKEN)
+    return sl.ShearBuilding([1.5e5] * 3, k, [3.0] * 3, 0.05, hardening, 0.03, p_delta=p_delta)
+
+
+MEASURES = {"dampers": sl.Measure(0.1, 0.05), "link": sl.Measure(link=sl.Link(2e6, 2e5))}
+FINITE = {
+    "separation": lambda s: sl.separation(s, SHOP, GROUND, paths=64, **QUAKE).gap.sel(
+        rule=["simulation", "srss"]
+    ),
+    "existing_gap": lambda s: sl.existing_gap(s, SHOP, GROUND, gap=0.1, paths=64, **QUAKE).required_gap,
+    "mitigate": lambda s: (
+        sl.mitigate(
+            s, SHOP, GROUND, gap=0.1, measures=MEASURES, paths=64, **QUAKE
+        ).no_pounding_probability
+    ),
+    "pounding_risk": lambda s: (
+        sl.pounding_risk(
+            s, SHOP, GROUND, 0.1, sl.PowerLawHazard(k0=0.02, k=2.5), paths=64, **QUAKE
+        ).annual_rate
+    ),
+    "pounding_probability": lambda s: (
+        sl.pounding_probability(
+            s, SHOP, GROUND, 0.1, paths=64, points=3, **QUAKE
+        ).confidence_of_no_pounding_simulated
+    ),
+    "pound": lambda s: (
+        sl.pound(
+            [s, SHOP], [0.02], sl.Kelvin(1e8, restitution=0.65), motion(), output_step=0.1
+        ).displacement
+    ),
+}
+
+
+@pytest.mark.parametrize("finite", FINITE)
+@pytest.mark.parametrize("hardening", [TAKEN, 0.03], ids=["none left", "less than none"])
+def test_p_delta_is_softer_storeys_with_less_hardening_in_every_analysis(finite, hardening):
+    """Motions of finite length take both, and agree."""
+    tables = [FINITE[finite](leaning(hardening, p_delta)) for p_delta in (True, False)]
+    assert np.isfinite(tables[0]).any()
+    np.testing.assert_allclose(*tables, rtol=1e-6, atol=1e-12)
+
+
+@pytest.mark.parametrize("hardening", [0.0, -0.02])
+def test_case_files_take_it_and_give_what_python_gives(hardening, tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_text(CASE.format(hardening=hardening), encoding="utf-8")
+    case = sl.read_case(path)
+    first, second = (building.sampled for building in case.pair)
+    assert first.hardening == second.hardening == hardening
+    gaps = [
+        answer_case(case).separation.gap,
+        sl.separation(first, second, case.ground, 10.0, paths=128, seed=case.seed).gap,
+    ]
+    np.testing.assert_allclose(*(gap.sel(rule="simulation") for gap in gaps), rtol=1e-9)
+    assert float(pound_motions(case, 8).impacts.sum()) > 0
 
 
 def test_cells_without_a_stationary_response_spoil_no_others():

@@ -1,4 +1,4 @@
-"""Transient linearization of buildings that degrade beside simulation, on random pairs of the benchmark."""
+"""Transient linearization of buildings that degrade beside simulation, on pairs of the benchmark."""
 
 import evolutionary as benchmark
 import numpy as np

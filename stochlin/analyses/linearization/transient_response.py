@@ -118,6 +118,9 @@ def transient_response(
     and by 19 % or less in nine of ten. The largest errors, of 63 %, belong to structures with a
     hardening of 0.02 to 0.04, and of a third of the period of the ground or less.
 
+    With a hardening of 0 or less the moments grow with time. An ArithmeticError is raised where the
+    standard deviation exceeds the displacement at which a softening structure has no force left.
+
     A modulation is taken as a Fourier series over ``2 arctan(w / c)``. Its terms are outputs of all-pass
     filters behind the ground, with amplitudes over time, so that the same equations hold with more
     states. The series has as many terms as leave out 1e-11 of the modulation, or 48. The attribute

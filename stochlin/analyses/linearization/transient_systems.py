@@ -40,7 +40,7 @@ from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import CASE
-from stochlin.models.systems import AnyStructure, Arrangement, Stack, stack_of
+from stochlin.models.systems import AnyStructure, Arrangement, Stack, falls_at, stack_of
 
 STEPS_PER_PERIOD = 16  # instants in the shortest period, for integrals over time
 STRONG = 0.5  # share of the envelope's maximum below which shaking is no longer strong
@@ -150,7 +150,6 @@ def side_of(
     check_duration(duration, {role: structure})
     if isinstance(structure, MultistoreyBuilding):
         return _building(structure, ground, role, first)
-    structure.check_settles(role)
     elastic = solve_elastic(structure, ground)
     values = structure.arrays()
     own = (
@@ -162,7 +161,6 @@ def side_of(
     )
     status = elastic.status.where(elastic.status >= labels.NOT_CONVERGED, labels.CONVERGED)
     status = status.where(values["period"] <= duration, labels.INVALID_INPUT)
-    status = status.where(structure.settles(), labels.INVALID_INPUT)
     valid = status < labels.NOT_CONVERGED
     position = numbered(valid, first)
 
@@ -359,7 +357,7 @@ def _groups(sides: Sequence[StructureCells], ground: Ground, course: TimeGrid) -
 
 def _structures(side: StructureCells) -> StoreyChains:
     """Equations of the extensions ``d = E u``, from ``M u'' = -C u' - E' (k d - h y) + M 1 f``."""
-    mass, damping, extensions, _, _, couple, strength = side.stack.system
+    mass, damping, extensions, _, post, couple, strength = side.stack.system
     floors, by_forces = np.linalg.inv(extensions), extensions / mass[:, None]
     shears, seen = by_forces @ extensions.T, side.seen @ floors
     return StoreyChains(
@@ -368,6 +366,7 @@ def _structures(side: StructureCells) -> StoreyChains:
         by_forces @ damping @ floors,
         shears * couple[:, None],
         strength,
+        falls_at(post, couple, strength),
         side.elastic_std,
         np.broadcast_to(extensions.sum(axis=1), mass.shape),
         np.broadcast_to(seen, (len(mass), *seen.shape)),

@@ -61,13 +61,14 @@ Spectrum = Callable[[Array, Array], SpectralMoments]
 
 
 def _of_oscillators(moments: TransientMoments, pairs: Array, ground: Ground) -> Spectrum:
-    """Spectral moments of all pairs of oscillators at once, in closed form."""
+    """Spectral moments of all pairs of oscillators at once; NaN without a stationary response."""
     period, damping, hardening, uy = oscillators_of(moments.sides)
     below = ground.filter(grounds_of(moments.sides))
     below_pair = below.at(pairs[0])
     w = 2 * np.pi / period
     still = linear_system(w, damping)
     coupling = np.where(np.isinf(uy), 0.0, (1 - hardening) * w**2)
+    drifts = (hardening <= 0)[pairs].any(axis=0)
 
     def spectrum(slip: Array, relaxation: Array) -> SpectralMoments:
         yielding = EquivalentSystem(w**2, still.damping, coupling, slip, relaxation)
@@ -78,7 +79,8 @@ def _of_oscillators(moments: TransientMoments, pairs: Array, ground: Ground) -> 
             (EquivalentSystem(*(x[side] for x in system)), Forcing(*(x[side] for x in forcing)))
             for side in pairs
         )
-        return difference_moments(first, force_1, second, force_2, below_pair)
+        found = difference_moments(first, force_1, second, force_2, below_pair)
+        return SpectralMoments(*(np.where(drifts, np.nan, moment) for moment in found))
 
     return spectrum
 

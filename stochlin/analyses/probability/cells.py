@@ -237,7 +237,9 @@ def _bounds(table: xr.Dataset) -> xr.Dataset:
 
 def _is_in_map(structure: AnyStructure) -> TypeGuard[Structure]:
     """Whether it is an oscillator with a stationary linearization, as the map of the bias has."""
-    return isinstance(structure, Structure) and (structure.linearizes or not structure.yields)
+    if not isinstance(structure, Structure):
+        return False
+    return not structure.yields or (structure.linearizes and bool(structure.settles().all()))
 
 
 def _drift(pairs: PairTable, moments: TransientMoments, ground: Ground) -> tuple[Array, Array]:

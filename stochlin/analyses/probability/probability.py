@@ -35,7 +35,6 @@ from stochlin.models.arguments import (
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
-from stochlin.models.states import NotLinearizedError
 from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import median_of
@@ -88,8 +87,9 @@ def pounding_probability(
     ----------
     first, second : Bilinear, BoucWen, Hysteretic, ModifiedClough, ShearBuilding or any other structure
         The structures. All parameters of oscillators broadcast by dimension name. With a building with
-        storeys the gap is checked at all heights; see the notes. For a law that cannot be linearized the
-        result has the simulated variables only, and its attribute ``comment`` gives the reason.
+        storeys the gap is checked at all heights; see the notes. For what cannot be linearized the
+        result has the simulated variables only, and its attribute ``comment`` gives the reason. A
+        structure that falls, for want of stiffness after yielding, has moved beyond any gap.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground before modulation. With ``"hybrid"`` it may be None; it is then fitted to the record.
     gap : float or array
@@ -147,8 +147,8 @@ def pounding_probability(
         within the whole duration, the duration is shorter than a period, or arguments do not belong to
         the method.
     ArithmeticError
-        If a single case fails; in a table the cell is NaN and its status gives the reason. Also if a law
-        cannot be linearized and there is no simulation, with ``paths=0``.
+        If a single case fails; in a table the cell is NaN and its status gives the reason. Also if a
+        structure cannot be linearized and there is no simulation, with ``paths=0``.
 
     Notes
     -----
@@ -272,7 +272,7 @@ def with_samples(
     if solve is not None:
         try:
             solved = solve(of_formula, below, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
-        except NotLinearizedError as error:
+        except ArithmeticError as error:
             if not paths:
                 raise
             not_linearized = str(error)

@@ -32,17 +32,23 @@ from stochlin.analyses.simulation.finite_motions import (
     share_interval,
 )
 from stochlin.analyses.simulation.structures_in_motion import structures_in_motion
-from stochlin.analyses.simulation.views import displacements, pairs_of, view_of
+from stochlin.analyses.simulation.views import displacements, drifts_of, pairs_of, view_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores
-from stochlin.kernels.simulation.separation_histories import Histories, Watched, separation_histories
+from stochlin.kernels.simulation.separation_histories import (
+    Falls,
+    Histories,
+    Watched,
+    infinite_if_fallen,
+    separation_histories,
+)
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap
-from stochlin.models.systems import AnyStructure
+from stochlin.models.systems import AnyStructure, falls_at
 
 SAMPLES = "separation_samples"  # variable from which a fragility is fitted
 STEPS_PER_PERIOD = 32
@@ -89,7 +95,13 @@ def by_simulation(
             for n in (0, 1)
         )
         gaps = of_cells(gap, cell).astype(float)
-        watched = Watched(view_1, view_2, np.zeros(1, int), gaps, np.zeros(gaps.size, int))
+        falls = None
+        if np.isfinite(moving.limits).any():
+            drifts = view_of(drifts_of(moving.system), run.order, run.scale)
+            falls = Falls(
+                drifts, np.atleast_2d(moving.limits).T, np.unique(moving.system.owners, True)[1]
+            )
+        watched = Watched(view_1, view_2, np.zeros(1, int), gaps, np.zeros(gaps.size, int), falls)
         heights = xr.DataArray(0)
         if moving.has_storeys:
             heights = height_numbers([place.height for place in meetings])
@@ -137,8 +149,28 @@ def _of_oscillators(
     view_1, view_2 = (
         view_of([{int(n): 1.0} for n in side], run.order, metres) for side in pairs.structures_of_pair
     )
-    watched = Watched(view_1, view_2, np.arange(len(view_1.row)), pairs.gap, pairs.pair_of_cell)
+    watched = Watched(
+        view_1,
+        view_2,
+        np.arange(len(view_1.row)),
+        pairs.gap,
+        pairs.pair_of_cell,
+        _falls_of_oscillators(pairs, run, metres),
+    )
     return _histories(run, pairs.course, watched, progress)
+
+
+def _falls_of_oscillators(pairs: PairTable, run: SimulationRun, metres: Array) -> Falls | None:
+    """Displacements at which the oscillators of all pairs fall, if any can."""
+    limits = []
+    for side in pairs.sides:
+        system, z = side.stack.system, of_cells(side.stack.law.largest_z(), side.position)
+        limits.append(falls_at(system.post, system.couple, system.strength * z[:, None])[:, 0])
+    limit, both = np.concatenate(limits), pairs.structures_of_pair.ravel()
+    if np.isposinf(limit).all():
+        return None
+    drifts = view_of([{int(n): 1.0} for n in both], run.order, metres)
+    return Falls(drifts, limit[both][:, None], np.arange(both.size))
 
 
 def _histories(
@@ -190,8 +222,8 @@ def _table(
     )
     names = ("displacement_std_simulated_1", "displacement_std_simulated_2", "difference_std_simulated")
     for row, name in enumerate(names):
-        table[name] = spread_over(np.sqrt(mean[:, row]), pair)
-    table["difference_std_simulated_standard_error"] = spread_over(error[:, 2], pair)
+        table[name] = spread_over(infinite_if_fallen(np.sqrt(mean[:, row])), pair)
+    table["difference_std_simulated_standard_error"] = spread_over(infinite_if_fallen(error[:, 2]), pair)
     largest, place = histories.largest, pair
     table = table.assign(_simulated_gaps(largest, pair, confidence))
     if HEIGHT in pair.dims:

@@ -69,6 +69,7 @@ class StoreyChains(NamedTuple):
     damping: Array  # (n, m, m) [1/s]
     coupling: Array  # (n, m, m) [1/s^2], 0 where elastic
     yield_displacement: Array  # (n, m) [m], infinite where elastic
+    limit: Array  # (n, m) [m], drift at which no force is left after yielding, infinite if some is
     scale: Array  # (n, m) [m]
     shaken: Array  # (n, m): share of the forcing that acts on each of them
     seen: Array  # (n, h, m): weights of the drifts in the ``h`` displacements of the results
@@ -183,6 +184,7 @@ class ChainEquations:
         self.squares = (d, d), (d, y), (y, y), (v, d), (v, y), (v, v)
         self.yields = np.isfinite(structures.yield_displacement)
         self.unit = (s / structures.yield_displacement)[self.yields]
+        self.most = (structures.limit / s) ** 2
         self.frequency = np.broadcast_to(w[:, None], s.shape)[self.yields]
         self.seen = structures.seen * s[:, None]
         self.push = structures.shaken / (s * w[:, None])
@@ -346,6 +348,7 @@ class Transient:
         seen = [Covariances([], [x[None] for x in own], both[None], means[None])]
         reached, moments = 1, []
         for begin, end, over in self._panels(ends):
+            self._check_standing(over.own, end)
             until = int(np.searchsorted(times, end, side="right"))
             shares = (times[reached:until] - begin) / (end - begin)
             own = [self.nodes.interpolate(x, shares) for x in over.own]
@@ -365,6 +368,17 @@ class Transient:
             Own(*(np.concatenate(column) for column in zip(*structures, strict=True))),
             Difference(*(np.concatenate(column) for column in zip(*pairs, strict=True))),
         )
+
+    def _check_standing(self, own: Sequence[Array], end: float) -> None:
+        """Raise an ArithmeticError if drifts deviate so much that structures fall."""
+        for group, x in zip(self.groups, own, strict=True):
+            drift = _diagonal(x[-1])[:, group.parts[0]]
+            if (drift > group.most).any():
+                raise ArithmeticError(
+                    f"the linearized displacement of a structure exceeds the one at which it falls, at "
+                    f"{end:.3g} s, since its stiffness after yielding is negative; give it more "
+                    "hardening, or simulate"
+                )
 
     def _at_rest(self) -> Covariances:
         """Covariances at rest, all zero."""

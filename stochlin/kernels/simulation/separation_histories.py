@@ -14,6 +14,24 @@ from stochlin.kernels.simulation.ensemble import Crowd, MotionGroup, View
 from stochlin.kernels.simulation.stepping import LANES
 
 AT_ONCE = 1 << 18  # displacements that are compared with gaps at once
+# Displacements of structures that have fallen, left and right: beyond any gap, but with fourth powers.
+OUT_OF_THE_WAY = np.array([1e75, -1e75]).reshape(2, 1, 1, 1)
+FALLEN = 1e60  # deviation of displacements that is larger only if a structure has fallen in some motion
+
+
+class Falls(NamedTuple):
+    """Drifts beyond which structures fall: of the left ones of all pairs, then of the right ones."""
+
+    drifts: View  # (d,) [m]
+    limit: Array  # (d, 1) or (d, motions) [m]
+    start: Array  # (2 p,): number of the first drift of each structure
+
+    def in_block(self, out: Array, group: int) -> Array:
+        """Whether structures fall (samples, 2, p, LANES) at displacements ``out`` of a group."""
+        own = slice(group * LANES, (group + 1) * LANES)
+        limit = self.limit if self.limit.shape[1] == 1 else self.limit[:, own]
+        beyond = ~(np.abs(self.drifts.of(out)) <= limit)
+        return np.logical_or.reduceat(beyond, self.start, axis=1).reshape(len(out), 2, -1, LANES)
 
 
 class Watched(NamedTuple):
@@ -24,6 +42,18 @@ class Watched(NamedTuple):
     start: Array  # (p,): number of the first height of each pair
     gap: Array  # (c,) [m]
     pair: Array  # (c,): number of the pair that each gap is between
+    falls: Falls | None = None  # None if no structure can fall
+
+    def sides(self, out: Array) -> Array:
+        """Displacements (2, samples, r, LANES) [m] of the left and of the right structures."""
+        return np.stack([self.first.of(out), self.second.of(out)])
+
+    def fallen(self, out: Array, before: Array, group: int) -> Array:
+        """Whether structures have fallen by each sample (2, 1 + samples, r, LANES), or ``before``."""
+        assert self.falls is not None
+        heights = np.diff(np.append(self.start, before.shape[2]))
+        now = np.repeat(self.falls.in_block(out, group), heights, axis=2).swapaxes(0, 1)
+        return np.logical_or.accumulate(np.concatenate([before, now], axis=1), axis=1)
 
 
 class Histories(NamedTuple):
@@ -33,7 +63,7 @@ class Histories(NamedTuple):
     beyond: Array  # (t, c): number of motions in which the gap is exceeded at this time
     squares: Array  # (t, 3, r): sums of squares of u_1, u_2 and u_1 - u_2 [m^2]
     fourths: Array  # (t, 3, r): sums of their fourth powers [m^4]
-    largest: Array  # (motions, r): largest u_1 - u_2 of each motion [m]
+    largest: Array  # (motions, r): largest u_1 - u_2 of each motion [m]; infinite if one has fallen
 
 
 def separation_histories(
@@ -61,10 +91,13 @@ def separation_histories(
         survivors, beyond = np.full((instants.size, cells), LANES), np.zeros((instants.size, cells), int)
         squares, fourths = np.zeros((2, instants.size, 3, rows))
         largest, last = np.zeros((rows, LANES)), np.zeros((2, 1, rows, LANES))
+        fallen = np.zeros((2, 1, rows, LANES), bool)
         begin = 0
         for out in motion.under(envelope):
-            sides = np.stack([watched.first.of(out), watched.second.of(out)])
-            sides = np.concatenate([last, sides], axis=1)  # at the start, then after each step
+            sides = np.concatenate([last, watched.sides(out)], axis=1)  # at the start, after each step
+            if watched.falls is not None:
+                fallen = watched.fallen(out, fallen[:, -1:], motion.group)
+                sides = np.where(fallen, OUT_OF_THE_WAY, sides)
             so_far = np.maximum(np.maximum.accumulate(sides[0] - sides[1]), largest)
             last, largest = sides[:, -1:], so_far[-1]
             inside = (instants > begin) & (instants <= begin + len(out))
@@ -84,4 +117,10 @@ def separation_histories(
         largest = np.concatenate([total.largest, part.largest])
         return Histories(*[*map(add, total[:-1], part[:-1]), largest])
 
-    return reduce(join, crowd.over_groups(of_group, progress))
+    total = reduce(join, crowd.over_groups(of_group, progress))
+    return total._replace(largest=infinite_if_fallen(total.largest))
+
+
+def infinite_if_fallen(values: Array) -> Array:
+    """Displacements and their deviations, infinite where a structure has fallen."""
+    return np.where(values > FALLEN, np.inf, values)
