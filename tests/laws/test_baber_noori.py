@@ -72,18 +72,6 @@ def test_states_along_random_histories():
         np.testing.assert_allclose(found[:, :, lane], exact, rtol=0, atol=1e-8)
 
 
-def test_work_from_the_virgin_state_is_never_negative():
-    """In 5000 random histories, each with other parameters."""
-    rng, lanes = np.random.default_rng(1), 5000
-    own = [rng.uniform(0.3, 1.0, lanes), rng.uniform(1.0, 3.0, lanes)]  # beta, n
-    own += [rng.uniform(0.0, most, lanes) for most in (0.1, 0.1, 0.95)]  # decays, zeta_s
-    own += [rng.uniform(0.1, 2.0, lanes), rng.uniform(0.0, 0.3, lanes)]  # p, q
-    own += [rng.uniform(0.05, 0.5, lanes), rng.uniform(0.0, 0.1, lanes), rng.uniform(0.1, 1.0, lanes)]
-    reached, least = by_steps(worn().step(), random_turns(2, lanes, 8), 150, own)
-    assert least.min() > -1e-4
-    assert (np.abs(reached[:, 0]) < 1.0 + 1e-6).all()
-
-
 def test_an_oscillator_on_a_record_follows_an_ode_solver():
     structure, w = worn(), 2 * np.pi / GIVEN["period"]
     uy, xi, alpha = GIVEN["yield_displacement"], GIVEN["damping"], GIVEN["hardening"]

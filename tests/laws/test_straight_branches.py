@@ -131,27 +131,6 @@ def any_backbone(seed, lanes):
     )
 
 
-@pytest.mark.parametrize("kind", ["modified Clough", "flag", "backbone"])
-def test_work_from_the_virgin_state_is_never_negative(kind):
-    """In 5000 random histories, each with another parameter."""
-    lanes, legs, pieces = 5000, 12, 200
-    share = np.random.default_rng(4).uniform(0, 1, lanes)
-    structure = {
-        "modified Clough": sl.ModifiedClough(**GIVEN, unloading_exponent=share),
-        "flag": sl.Flag(**GIVEN, beta=share),
-        "backbone": any_backbone(4, lanes),
-    }[kind]
-    assert structure.valid().all()
-    turns = random_turns(5, lanes, legs)
-    own = [array.to_numpy() for array in structure.law_parameters()]
-    reached, least = by_steps(structure.step(), turns, pieces, own)
-    # A kink within a piece changes the trapezoidal rule by an eighth of its square at most, times the
-    # change of the slope. Up to seven are on a leg, and slopes are between -2 and 4.
-    piece, kinks = np.abs(np.diff(turns, axis=0)) / pieces, 7 * 6 if kind == "backbone" else 5
-    assert (least > -(kinks / 8) * (piece**2).sum(axis=0)).all()
-    assert (np.abs(reached[:, 0]) <= 1.0 + 1e-12).all()
-
-
 def test_any_backbone_from_branch_to_branch():
     structure, turns = any_backbone(6, 60), random_turns(7, 60, 20)
     own = [array.to_numpy() for array in structure.law_parameters()]
