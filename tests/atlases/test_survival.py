@@ -71,6 +71,7 @@ def test_drift_closure_in_blocks_is_that_in_one_piece(tmp_path):
     assert set(np.unique(atlas.caution)) == {0, 1, 2}
 
 
+@pytest.mark.slow
 def test_without_interruption(whole, tmp_path):
     told = []
     atlas = sl.write_atlas(SPEC, tmp_path / "a.zarr", progress=told.append)

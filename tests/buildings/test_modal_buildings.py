@@ -90,6 +90,7 @@ def assert_same(one: xr.Dataset, other: xr.Dataset, rtol: float) -> None:
             )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("analysis", ANALYSES)
 def test_all_modes_of_an_elastic_chain_are_the_chain(analysis: str) -> None:
     of = ANALYSES[analysis]

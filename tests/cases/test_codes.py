@@ -159,6 +159,7 @@ def test_the_verdict_belongs_to_the_code_as_applied(storeyed: CaseAnswer) -> Non
         assert np.isnan(combined.no_pounding_probability)
 
 
+@pytest.mark.slow
 @pytest.mark.cli
 def test_which_is_which_stands_on_the_screen_the_page_and_in_the_file(tmp_path: Path) -> None:
     out, page = tmp_path / "gap.nc", tmp_path / "gap.html"
@@ -189,6 +190,7 @@ def test_which_is_which_stands_on_the_screen_the_page_and_in_the_file(tmp_path: 
         assert rule.startswith("euro") or not re.search(rf"^{rule} ", shown, re.MULTILINE)
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_without_codes_it_is_that_of_the_spectrum_or_none(tmp_path: Path, storeyed: CaseAnswer) -> None:
     text = STOREYS.replace('codes = ["Greece", "asce_7"]\n', "")
@@ -307,6 +309,7 @@ def test_the_design_spectrum_of_eurocode_8_by_hand(
     assert "3.2.2.5" in table.assumptions.sel(rule="eurocode_8_applied").item()
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_countries_have_their_code_with_its_factors(tmp_path: Path) -> None:
     """Floors at 3, 6 and 9 m beside 4 and 8 m; ag S of Italy as stated, or the spectrum at 0 s."""

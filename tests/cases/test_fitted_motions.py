@@ -38,6 +38,7 @@ def fitted(tmp_path_factory: pytest.TempPathFactory) -> Case:
     return read(tmp_path_factory.mktemp("fitted"), FITTED, "filters = 1\n")
 
 
+@pytest.mark.slow
 def test_a_fitted_envelope_brings_ground_and_duration_with_it(fitted: Case) -> None:
     (record,) = fitted.records.values()
     expected = sl.fit_motion(record, filters=1)
@@ -72,6 +73,7 @@ def read_both(folder: Path, second: str, lines: str = "components = 2\n") -> Cas
     return sl.read_case(folder / "case.toml")
 
 
+@pytest.mark.slow
 def test_ground_and_scatter_come_from_both_components(tmp_path: Path) -> None:
     case = read_both(tmp_path, "loud")
     motion = sl.fit_motion(list(case.records.values()), filters=2)
@@ -108,6 +110,7 @@ def test_the_answer_says_what_is_wrong_with_a_record(tmp_path: Path) -> None:
     assert case.scatter == 0.4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("duration", "envelope"),
     [

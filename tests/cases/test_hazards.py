@@ -280,6 +280,7 @@ def test_words_and_picture_of_a_risk(answered):
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # 1 g in 100 years
 def test_a_hazard_that_leaves_much_out_says_so(tmp_path):
     lines = 'intensities = ["1 g", "2 g"]\nfrequencies = [0.01, 0.001]\n'
@@ -293,6 +294,7 @@ def test_a_hazard_that_leaves_much_out_says_so(tmp_path):
     assert table_of(answer).rows[0].cells[2:5] == ("0", "\N{EN DASH}", "0.0\N{NO-BREAK SPACE}%")
 
 
+@pytest.mark.slow
 def test_the_command_writes_risk_on_screen_page_and_file(tmp_path):
     path = tmp_path / "case.toml"
     text = text_of(HAZARD + POINTS).replace("512", "100")

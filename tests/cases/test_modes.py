@@ -233,6 +233,7 @@ def test_a_pushover_curve_beside_modes_is_that_of_the_library(tmp_path: Path) ->
         np.testing.assert_allclose(np.squeeze(opened.arrays()[name]), np.squeeze(values), rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_explorer_computes_what_the_verbs_do(tmp_path: Path) -> None:
     case_of(tmp_path, YIELDING)
     files = {name: (tmp_path / name).read_bytes() for name in ("case.toml", "tower.csv")}

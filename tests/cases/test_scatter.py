@@ -71,6 +71,7 @@ def test_of_a_spectrum_it_is_what_suites_show_and_can_be_left_out(tmp_path):
     assert "records show a scatter of 0.3 (suites of records about a spectrum" in scatter(none)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", GAPS)
 def test_every_command_simulates_and_says_it(tmp_path, command):
     outputs = []

@@ -62,6 +62,7 @@ SITES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strength", SITES)
 def test_what_is_known_is_neither_read_nor_fitted_again(strength: str, tmp_path: Path) -> None:
     (tmp_path / "record.at2").write_text(sl.example_record(), encoding="utf-8")
@@ -120,6 +121,7 @@ def test_a_key_of_the_schema_is_explained_read_shown_edited_and_saved(
         sl.read_case(path)
 
 
+@pytest.mark.slow
 def test_the_page_contains_the_case_from_which_it_is_made(tmp_path: Path) -> None:
     """What is between its tags is typed again, and gives the same numbers."""
     (tmp_path / "case.toml").write_text(sl.example_case(), encoding="utf-8")

@@ -269,6 +269,7 @@ def test_a_factor_that_is_hardly_meant_is_asked_about(suite, factor):
         read(suite, f'{FIRM}intensity = "0.01 m^2/s^3"\n{record}')
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 def test_the_gap_screen_says_of_many_records_quantiles_and_the_share(suite):
     site = SUITE.format("records")
@@ -356,6 +357,7 @@ def test_the_shaking_of_a_record_is_printed_by_pound(suite):
     assert told in words
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("site", "words"),
     [

@@ -160,6 +160,7 @@ def test_fig4_has_a_panel_for_each_reduction_factor_with_all_methods_in_it(fig4c
     assert figure.legends[0].get_window_extent().y0 >= figure.axes[0].get_window_extent().y1
 
 
+@pytest.mark.slow
 def test_fig5a_shows_four_planes_and_a_difference_with_its_signs(fig5a):
     figure = sl.charts.draw(fig5a, comparison=True)
     titles = [axes.get_title("left") for axes in figure.axes if axes.get_title("left")]
@@ -245,6 +246,7 @@ def test_progress_of_a_chart_grows_within_it(name):
     assert shares[-1] >= 0.5
 
 
+@pytest.mark.slow
 def test_the_drift_closure_does_not_stand_beside_itself():
     chart = sl.charts.chart_functions(replace(SETTINGS, closure="drift"))["fig5a"]()
     assert "rho_drift" not in chart
@@ -286,6 +288,7 @@ def test_nonsense_is_refused_by_name(given, kind, says):
         sl.charts.ChartSettings(**given)
 
 
+@pytest.mark.slow
 def test_a_curve_that_is_not_named_is_neither_computed_nor_drawn():
     only = sl.charts.chart_functions(replace(SETTINGS, curves=("drift", "white_noise")))
     for name in ("fig4b", "fig5a", "fig5b"):

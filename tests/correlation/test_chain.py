@@ -115,6 +115,7 @@ def test_a_cell_of_a_table_is_its_single_system(iteration):
     assert float(table.residual.max()) < 1e-14
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_a_cell_that_does_not_converge_touches_no_other():
     """Of a structure a million million times too weak, and of one that is out of range."""

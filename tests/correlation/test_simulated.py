@@ -115,6 +115,7 @@ def test_progress_runs_to_one():
     assert shares == pytest.approx([1 / 3, 2 / 3, 1.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", with_slow(["fig5a", "fig4b", "fig5b"], {"fig4b", "fig5b"}))
 def test_command_draws_both_and_the_difference(name, tmp_path):
     small = ["--points", "3", "--paths", "32", "--reduction-factors", "4", "--out", str(tmp_path)]

@@ -392,6 +392,7 @@ def test_a_name_of_an_upload_that_no_file_can_have_is_told(name):
     assert tempfile.gettempdir() not in str(told.value)
 
 
+@pytest.mark.slow
 def test_a_scatter_is_said_to_be_of_the_file_only_if_it_is(tmp_path):
     text = (
         sl.example_case()

@@ -329,6 +329,7 @@ def test_all_that_is_shown_of_storeys_becomes_one_file(simulated, tmp_path):
     assert all("units" in array.attrs and "long_name" in array.attrs for array in numbers)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "values",
     [

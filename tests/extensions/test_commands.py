@@ -7,6 +7,7 @@ import stochlin as sl
 pytestmark = pytest.mark.invariant
 
 
+@pytest.mark.slow
 def test_the_example_of_the_page_is_listed_and_runs(toy):
     listed = toy("--help")
     assert listed.returncode == 0, listed.stderr

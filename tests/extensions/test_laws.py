@@ -32,6 +32,7 @@ def options(**values):
     return [part for name, value in values.items() for part in (f"--{name.replace('_', '-')}", value)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["linearization", pytest.param("simulation", marks=pytest.mark.slow)])
 def test_rho_of_a_law_from_outside(toy, tmp_path, method):
     done = toy(

@@ -145,6 +145,7 @@ def test_lines_of_case_files_on_a_page_are_toml(page: str) -> None:
     assert all(tomllib.loads(block) for block in blocks(PAGES[page], "toml"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", with_slow(SCRIPTS, LONG_SCRIPTS), ids=lambda path: path.stem)
 def test_script_of_the_gallery_draws_one_picture(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import matplotlib.pyplot as plt

@@ -165,6 +165,7 @@ def test_bilinear_jacobian_is_the_symbolic_derivative():
             np.testing.assert_allclose(found, exact, rtol=1e-12, atol=1e-14 * np.abs(exact).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", cases.with_slow([1, 1.5, 2, 3, 5], {1, 3, 5}))
 def test_bouc_wen_jacobian_is_the_derivative_of_the_published_formula(exponent):
     """Wen's general coefficients at 30 digits, differentiated numerically."""

@@ -70,6 +70,7 @@ def test_rates_are_those_of_a_formula_by_hand():
     np.testing.assert_allclose(found, rates_of(v, z, e, **PINCHING), rtol=1e-12, atol=1e-13)
 
 
+@pytest.mark.slow
 def test_steps_have_the_values_of_another_integrator():
     """Degradation and pinching under mu = 2 t sin(2 pi t): z and E, of eighth order elsewhere."""
     advance = hysteretic().step().advance
@@ -124,6 +125,7 @@ def test_an_oscillator_follows_an_ode_solver():
     assert errors[2] < 0.4 * errors[1] < 0.16 * errors[0]
 
 
+@pytest.mark.slow
 def test_without_wear_and_pinching_it_is_the_bouc_wen_law():
     worn = hysteretic(baber_noori(**PLAIN))
     plain = sl.BoucWen(**GIVEN, beta=0.6, gamma=0.4, exponent=1.5)
@@ -201,6 +203,7 @@ def test_what_wears_has_no_stationary_response(stationary, role):
         stationary(hysteretic())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "further",
     [{"e": Z * V}, {"d": V - abs(V) * D / 3, "z": V - abs(V) * (0.9 * Z + D / 30)}],

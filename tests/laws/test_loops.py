@@ -20,6 +20,7 @@ def test_the_bilinear_loop_is_a_parallelogram():
     np.testing.assert_allclose(work[1:].sum(), 4 * 0.9 * SQUARE * 0.02 * 0.04, rtol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [1.0, 2.0])
 def test_the_bouc_wen_loop_begins_as_its_closed_form(n):
     loop = sl.hysteresis_loop(sl.BoucWen(**GIVEN, exponent=n), [0.05, 0.1])

@@ -46,6 +46,7 @@ def test_a_table_has_the_law_of_each_cell_and_bad_cells_keep_to_themselves():
             assert float(table[name][n]) == pytest.approx(float(alone[name]), rel=1e-11)
 
 
+@pytest.mark.slow
 def test_laws_with_many_and_few_parameters_ride_on_the_same_motions():
     strength = {"damping": 0.05, "hardening": 0.1, "reduction_factor": 4}
     structures = [

@@ -45,6 +45,7 @@ def test_law_in_sympy_gives_the_table_of_the_compiled_law():
     assert abs(sigma[2] / sigma[0] - 1) > 1e-3  # laws are not mixed up
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [{"duration": 5.0}, {"relaxation_times": 2.0}], ids=str)
 def test_fractional_power_moves_as_the_compiled_law(options):
     """The same law twice on the same motions, which differ by the rounding of formulas."""
@@ -88,6 +89,7 @@ def test_law_that_cannot_be_linearized_is_simulated():
         assert np.isfinite(stationary.displacement_std).all()
 
 
+@pytest.mark.slow
 def test_gaps_of_a_law_that_cannot_be_linearized():
     """Only rules that linearize are missing, each with the reason; the others are as they were."""
     known, table = (sl.separation(law, OTHER, GROUND, **MOTIONS) for law in (FOUND, HIDDEN))
@@ -109,6 +111,7 @@ def test_rules_of_storeys_name_the_law_that_cannot_be_linearized():
     assert "cannot be linearized" in str(table.missing.sel(rule="linearization").values)
 
 
+@pytest.mark.slow
 def test_maxwell_element_has_the_variance_of_its_linear_system():
     damper = sl.Hysteretic(1.0, 0.05, 0.3, yield_displacement=0.1, law=V - 3 * Z)
     spring = sl.Bilinear(0.7, 0.05)
@@ -142,6 +145,7 @@ def test_a_step_in_which_a_stage_overflows_is_divided():
     np.testing.assert_allclose(x[2], np.sign(x[0]) * 1e-4 ** (1 / 21), atol=5e-4)
 
 
+@pytest.mark.slow
 def test_peaks_of_a_steep_law_are_those_of_shorter_steps():
     structure = sl.Hysteretic(**GIVEN, law=STEEP)
     ground = sl.KanaiTajimi(0.4, 0.6, 0.02)
@@ -156,6 +160,7 @@ RUNAWAY = V + abs(V) * Z
 FINITE_MOTION = sl.KanaiTajimi(0.4, 0.6, 0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")
 @pytest.mark.parametrize(
     "verb",

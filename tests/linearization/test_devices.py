@@ -200,6 +200,7 @@ def test_a_table_of_exponents_of_two_linked_oscillators():
     assert float(table.equivalent_damping_constant[1]) == 1e6
 
 
+@pytest.mark.slow
 def test_the_loop_ends_for_random_dampers():
     rng, rounds = np.random.default_rng(18), []
     for _ in range(40):

@@ -172,6 +172,7 @@ def test_the_variance_is_the_sum_over_all_waves(structure):
     np.testing.assert_allclose(std[::4], table.displacement_std, rtol=0, atol=6e-4 * std.max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("structure", "until", "bias"), [(ELASTIC, 12, 0.0), (YIELDING, 4, 0.1)], ids=["elastic", "yielding"]
 )
@@ -217,6 +218,7 @@ def test_modulations_of_another_kind_are_refused():
         sl.transient_response(ELASTIC, FIRM, DURATION, envelope=QUAKE, modulation=fading)
 
 
+@pytest.mark.slow
 def test_what_a_rough_modulation_loses_is_said():
     """A jump over frequency; the result is nearer to the sum over waves than the warning says."""
 

@@ -107,6 +107,7 @@ def test_a_users_law_is_linearized_in_the_same_way():
     assert list(found.state.values) == ["e"]
 
 
+@pytest.mark.slow
 def test_arrays_and_scales():
     """Structures in one table are those alone, and lengths scale with the root of the intensity."""
     many = response(worn(strength_decay=np.array([0.0, 0.05]), pinching=np.array([0.0, 0.8])))
@@ -119,6 +120,7 @@ def test_arrays_and_scales():
     np.testing.assert_allclose(twice.state_mean, alone.state_mean, rtol=1e-6, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_storeys_that_degrade_pound_more_than_those_that_do_not():
     def building(decay):
         return sl.ShearBuilding.regular(

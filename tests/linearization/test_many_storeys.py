@@ -67,6 +67,7 @@ def test_covariance_is_that_of_scipy_for_the_whole_matrix(storeys, ground, linke
     np.testing.assert_allclose(found / np.outer(std, std), known, atol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("storeys", [(3, 2), (24, 15)])
 def test_slopes_of_the_moments_are_their_differences(storeys):
     problem = problem_of(storeys, "Kanai-Tajimi")

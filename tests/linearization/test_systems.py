@@ -281,6 +281,7 @@ def test_spectral_moments_of_roofs_are_integrals_of_the_spectrum():
         assert float(getattr(found, name)[0, 0]) == pytest.approx(sum(parts), rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [0.7, 2.0, 8.0])
 @pytest.mark.parametrize("shape", [{"beta": 0.2, "gamma": 0.6, "exponent": 2.0}, None])
 def test_of_several_solutions_it_is_the_one_that_linearize_follows(shape, factor):
@@ -475,6 +476,7 @@ def rounds_of(strong, ground, factor, law, closure):
     return int(table.iterations)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("closure", "buildings"),
     [

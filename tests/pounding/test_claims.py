@@ -127,6 +127,7 @@ def oscillators(kind, mass_1=2e5, mass_2=3e5):
     return [sl.Bilinear(1.0, 0.05, mass=mass_1, **one), sl.Bilinear(0.5, 0.05, mass=mass_2, **two)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", STRENGTH)
 def test_the_critical_gap_is_the_least_without_contact(kind):
     """There the structures meet at no velocity: a little less, and they meet slowly, once."""
@@ -163,6 +164,7 @@ def test_oscillators_are_amplified_less_with_less_restitution(kind, mean, falls)
     assert (larger[-1] < larger[0]).mean() == pytest.approx(falls, abs=0.03)  # one of 36
 
 
+@pytest.mark.slow
 def test_yielding_frames_are_amplified_as_much_with_less_restitution():
     springy, dull = (pounded(sl.Stereomechanical(e)) for e in (0.9, 0.1))
     amplified = np.array([[float(t.amplification.max()) for t in tables] for tables in (springy, dull)])
@@ -221,6 +223,7 @@ def test_stiff_links_change_how_forces_are_distributed_over_the_height():
     assert 0.4 < min(ratio) < max(ratio) < 0.6  # 0.43 to 0.57: the order of the base shear
 
 
+@pytest.mark.slow
 def test_bumpers_as_thick_as_the_gap_allows(hard):
     """8 mm of them in 1 cm: buildings meet nearer, and pulses are cut all the same."""
     stiff, soft = (

@@ -246,6 +246,7 @@ def test_slabs_that_hit_columns_are_said_loudly(tmp_path: Path) -> None:
     assert "columns of" not in weak.output
 
 
+@pytest.mark.slow
 def test_what_floors_and_storeys_bear_is_said_and_drawn(tmp_path: Path) -> None:
     """In a row of a tower between two oscillators, which have no floors, and of these alone."""
     single = 'period = "0.3 s"\ndamping = "5 %"\nelastic = true\nmass = "600 t"\n'
@@ -409,6 +410,7 @@ def random_cases(draw: Any, model: str) -> str:
 SHORT = {"linear_spring", "kelvin", "jankowski", "stereomechanical"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", with_slow(CONTACTS, set(CONTACTS) - SHORT))
 @settings(max_examples=5)
 @given(st.data())
@@ -446,6 +448,7 @@ def of_storeys(low_storey: str = "3 m") -> str:
     return with_row(tall, low.replace("3 m", low_storey))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", with_slow(["oscillators", "storeys", "columns"], {"storeys"}))
 def test_simulated_motions_are_said_saved_and_drawn_together(kind: str, tmp_path: Path) -> None:
     text = {
@@ -492,6 +495,7 @@ def test_simulated_motions_are_said_saved_and_drawn_together(kind: str, tmp_path
     assert impacts == again.impacts_between[:, 0].values.tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["oscillators", "columns"])
 def test_the_share_of_motions_with_contact_is_that_of_the_gap(kind: str, tmp_path: Path) -> None:
     """Contact changes nothing before it, so that the motions that pound are those that need more."""

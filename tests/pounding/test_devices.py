@@ -121,6 +121,7 @@ def test_a_device_that_yields_is_a_stronger_storey() -> None:
 # --- Whatever the device ----------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(
     exponent=st.floats(0.1, 2.0),

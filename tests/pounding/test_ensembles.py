@@ -42,6 +42,7 @@ def motions(paths: int = 24, seed: int = 0, **other: Any) -> xr.DataArray:
     return sl.simulated_motions(GROUND, **QUAKE, paths=paths, seed=seed, **other)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_each_motion_is_what_it_is_alone_to_the_bit(case: str) -> None:
     structures, gaps, contact, options = CASES[case]
@@ -89,6 +90,7 @@ LAWS: dict[str, list[Any]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_neither_threads_nor_batches_change_a_bit(law: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """One thread takes all motions at once; two take halves of them, and other ones together."""

@@ -340,6 +340,7 @@ def leaning(samples=3000):
     return motion(-np.clip(np.arange(samples) / 50, 0, 1), 0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("e", [0.0, 0.3, 0.9, 0.98])
 def test_chattering_ends_in_contact(e):
     one = sl.Bilinear(1.5, 0.1, mass=2e5)
@@ -366,6 +367,7 @@ def test_touching_buildings_lean_on_each_other(name):
     assert float(away.contact_force[-1, 0]) == 0
 
 
+@pytest.mark.slow
 def test_three_in_contact_carry_the_force_along():
     row = [sl.Bilinear(period, 0.1, mass=2e5) for period in (2.0, 1.0, 0.4)]
     table = sl.pound(row, [0.0, 0.0], sl.Stereomechanical(0.4), leaning(1500))
@@ -561,6 +563,7 @@ def test_structures_that_cannot_reach_each_other_are_not_amplified():
 # --- Laws of users ----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_law_with_memory_pounds_and_forgets_nothing():
     """Without wear it is the law of Bouc and Wen; with it, the energy is accounted for, too."""
     v, z, e = sympy.symbols("v z e")

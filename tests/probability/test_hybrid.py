@@ -208,6 +208,7 @@ def test_evolutionary_psd_is_the_product_and_holds_the_variance():
         sl.evolutionary_psd(ground, envelope, frequency, [-1.0])
 
 
+@pytest.mark.slow
 def test_pictures_are_drawn_with_their_parameters_and_of_their_own_tables_only(quake, tmp_path):
     from stochlin.views.probability.pictures import draw_evolutionary_psd, draw_fragility, draw_pounding
     from stochlin.views.shared.style import save

@@ -29,6 +29,7 @@ def uncertain(size):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", uncertain(0.0))
 def test_without_spread_it_is_that_of_the_median(kind):
     one = uncertain(0.0)[kind]
@@ -45,6 +46,7 @@ def test_without_spread_it_is_that_of_the_median(kind):
         np.testing.assert_array_equal(found[name], exact[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", uncertain(0.2))
 def test_every_motion_is_counted_with_the_structure_that_it_meets(kind):
     """Brute force: each motion with its own structure, run alone on the same motions."""
@@ -61,6 +63,7 @@ def test_every_motion_is_counted_with_the_structure_that_it_meets(kind):
     np.testing.assert_array_equal(found[STEM][-1], kept)
 
 
+@pytest.mark.slow
 def test_an_uncertain_ground_widens_what_is_needed():
     strong = sl.KanaiTajimi(0.42, 0.6, intensity=sl.Uncertain(0.01, 1.0))
     first = sl.Bilinear(1.0, 0.05)
@@ -85,6 +88,7 @@ def test_a_fragility_is_of_what_is_known():
         sl.pounding_fragility(one, SECOND, GROUND, 0.05, [0.01, 0.02], duration=10.0)
 
 
+@pytest.mark.slow
 def test_the_motions_are_those_of_a_separation():
     """One seed, one answer: to the last bit, for oscillators and for buildings with storeys."""
     storeyed = sl.ShearBuilding([2e5, 2e5], [4e7, 4e7], [3.0, 3.0], 0.05)

@@ -51,6 +51,7 @@ def test_an_elastic_pair_by_the_mean_over_its_gap_over_the_factor():
     np.testing.assert_allclose(found.rho, single.rho, rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.parametrize("pair", [ELASTIC, BUILDINGS], ids=["oscillators", "buildings"])
 def test_the_formulas_are_as_near_to_simulation_as_without_scatter(pair):

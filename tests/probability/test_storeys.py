@@ -96,6 +96,7 @@ def seen(table, state, floors):
     return row
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ground", [sl.WhiteNoise(0.01), FIRM], ids=["white", "firm"])
 def test_linear_moments_are_those_of_the_lyapunov_differential_equation(ground):
     """P' = A P + P A' + Q of the matrix that `statespace` writes, integrated by itself."""
@@ -149,6 +150,7 @@ def test_linear_moments_are_those_of_the_lyapunov_differential_equation(ground):
     np.testing.assert_allclose(found.difference_std, both, rtol=0, atol=atol)
 
 
+@pytest.mark.slow
 def test_linear_moments_at_all_heights_are_those_of_simulated_motions():
     pair = elastic(TALL), elastic(LOW)
     table = probability(*pair, FIRM, 0.05, paths=2048, points=6).isel(time=slice(1, None))

@@ -76,6 +76,7 @@ def above_the_peaks(motions, period):
     return radius / table.displacement_max, 2 * np.pi / period * radius / table.velocity_max
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ground", "of_displacement", "of_velocity"),
     [
@@ -111,6 +112,7 @@ def test_eq02_holds_in_part_for_records(name, of_displacement, of_velocity, near
     assert shares == pytest.approx(near, abs=0.0051)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("ground", "radius", "energy"), [(FIRM, 1.21, 4.0), (LAKE, 1.18, 3.3)], ids=["firm", "lake bed"]
 )

@@ -156,6 +156,7 @@ GROUNDS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("estimator", ESTIMATORS)
 @pytest.mark.parametrize(("wg", "xig", "duration"), GROUNDS)
 def test_recovers_a_known_ground(wg, xig, duration, estimator):
@@ -188,6 +189,7 @@ def test_whittle_is_the_most_accurate_where_the_model_is_true():
     assert np.all(errors["whittle"] < errors["psd"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("estimator", cases.with_slow(ESTIMATORS, {"psd"}))
 def test_recovers_a_known_clough_penzien_ground(estimator):
     """Four standard deviations of six such fits, which are 2 % for the soil, 9 % for the filter."""

@@ -299,6 +299,7 @@ def test_response_does_not_depend_on_the_subdivision(case):
         assert float(abs(fine.z).max()) <= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", with_slow(range(5), {2, 3, 4}))
 def test_no_brief_change_of_branch_is_lost(seed):
     """White noise that reverses a velocity twice within a step, over the whole domain of structures."""

@@ -63,6 +63,7 @@ def test_a_building_of_one_storey_is_an_oscillator():
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["bouc_wen", "sympy"])
 def test_other_laws_follow_an_ode_solver(law):
     uy, w, alpha = 0.02, 2 * np.pi / 0.7, 0.1

@@ -36,6 +36,7 @@ def test_linear_gaps_go_with_the_root_of_the_intensity():
     assert (table.variance_share == 0).all()
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_elasticities_have_no_unit():
     """All times twice as long, and all lengths three times, change none of them."""
@@ -76,6 +77,7 @@ def test_share_of_an_intensity_in_closed_form():
     assert table.variance_share.sum() == one.variance_share
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_the_gap_is_that_of_separation_with_the_same_motions():
     first = sl.Bilinear(uncertain(0.6), 0.05, 0.05, reduction_factor=uncertain(3.0, 0.3))
@@ -102,6 +104,7 @@ def test_the_set_back_of_one_building():
     assert "set-back" in table.attrs["title"]
 
 
+@pytest.mark.slow
 @pytest.mark.invariant
 def test_ends_of_a_range():
     """16 and 84 % of what is uncertain, 10 % of what is known; no value beyond what a model takes."""

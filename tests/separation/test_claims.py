@@ -139,6 +139,7 @@ def test_eq_3_with_radii_is_right_in_the_median_and_too_small_in_a_fifth(
     np.testing.assert_allclose(shares.min(axis=1), least, atol=0.0051)
 
 
+@pytest.mark.slow
 @needs_records
 @pytest.mark.parametrize(
     ("name", "median", "short", "least"),

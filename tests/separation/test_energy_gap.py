@@ -221,6 +221,7 @@ def test_what_cannot_be_is_said(given, said):
             sl.energy_gap(**usual | given)
 
 
+@pytest.mark.slow
 @pytest.mark.cli
 @pytest.mark.parametrize("gap", [None, 0.05])
 def test_chart_shows_the_gap_over_damping_and_the_least(gap):

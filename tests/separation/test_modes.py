@@ -164,6 +164,7 @@ def test_dampers_add_to_the_damping_of_modes():
     assert missing.startswith("dampers or Rayleigh damping give the mode of")
 
 
+@pytest.mark.slow
 def test_elastic_buildings_are_safe_within_the_error_of_vanmarcke_s_peaks():
     """`peak_response` states -1 to +5 % for mean peaks to one side or both."""
     table = sl.separation(TALL, LOW, GROUND, 15.0, paths=1024, seed=2)

@@ -167,6 +167,7 @@ def test_confidence_is_a_probability(confidence):
         sl.separation(building(0.6), building(1.0), FIRM, 20.0, confidence=confidence)
 
 
+@pytest.mark.slow
 def test_cells_of_a_table_are_those_of_single_calls():
     period = xr.DataArray([0.5, -1.0, 0.8], dims="T", coords={"T": [0.5, -1.0, 0.8]})
     factor = xr.DataArray([3.0, 5.0], dims="R")

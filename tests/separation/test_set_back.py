@@ -60,6 +60,7 @@ def test_its_peak_is_that_beside_a_neighbour_on_the_same_motions() -> None:
         assert float(alone[name]) == float(beside[name]), name
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.parametrize("structure", [OFFICE, TOWER])
 def test_it_is_the_gap_beside_a_neighbour_that_hardly_moves(structure: object) -> None:
@@ -177,6 +178,7 @@ def test_what_an_existing_set_back_allows_and_how_often_it_is_crossed() -> None:
     assert found.attrs["title"].startswith("What an existing set-back allows")
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 def test_the_risk_of_crossing_a_line_is_that_of_the_peaks_of_a_linear_building() -> None:
     """Of motion ``i`` the line is reached at ``S0 (gap/x_i)^2``; what is beyond the hazard is little."""
@@ -296,6 +298,7 @@ def case_file(folder: Path, building: str = OSCILLATOR, more: str = "") -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.cli
 @pytest.mark.parametrize(
     ("building", "more"),

@@ -153,6 +153,7 @@ def test_finite_motions_are_answered_where_there_is_no_stationary_one():
     assert "no stationary value" in answer.missing.sel(rule="eq_3_linearized").item()
 
 
+@pytest.mark.slow
 def test_codes_take_roofs_and_not_levels_for_the_same_height():
     """Mexico City halves at every level for three storeys beside three, at none for three beside two."""
     whole, alike = {"zone": "II"}, {"zone": "II", "floors_align": True, "same_system": True}

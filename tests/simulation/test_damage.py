@@ -102,6 +102,7 @@ def test_storeys_stand_long_after_where_their_residual_drifts_say(building):
     assert table.dissipated_energy.dims == ("time", "element")
 
 
+@pytest.mark.slow
 def test_energies_and_rest_follow_an_ode_solver():
     """Energy by its definition, the work of the hysteretic force without what the spring z stores."""
     record = motion()

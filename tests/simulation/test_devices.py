@@ -77,6 +77,7 @@ PLACES = ["oscillator", "storeys", "between"]
 POWERS = [(0.2, 1e7), (0.3, 1e6), (0.5, 1e6), (1.5, 1e7)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("exponent", "constant", "where"),
     [
@@ -141,6 +142,7 @@ BATCHES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "links"), BATCHES.values(), ids=BATCHES.keys())
 def test_a_motion_has_the_same_bits_alone_and_in_a_batch(law, links):
     tower = replace(TOWER, **YIELDING, **law)

@@ -219,6 +219,7 @@ def of_cores(monkeypatch):
     return each
 
 
+@pytest.mark.slow
 def test_peaks_have_the_same_bits_by_one_thread_and_by_two(of_cores):
     one, two = of_cores(lambda: sl.simulate(OF_ALL_LAWS, FIRM, paths=96, duration=6.0, seed=4))
     for name in ("peak", "separation"):
@@ -235,6 +236,7 @@ def test_a_motion_has_the_same_bits_among_few_and_many_and_beside_other_structur
     np.testing.assert_array_equal(turned.separation[:, 2, 0], few.separation[:, 0, 2])
 
 
+@pytest.mark.slow
 def test_gaps_have_the_same_bits_by_one_thread_and_by_two(of_cores):
     pair = OF_ALL_LAWS[:2]
     one, two = of_cores(lambda: sl.separation(*pair, FIRM, 6.0, paths=96, seed=4))

@@ -58,6 +58,7 @@ def test_bouc_wen_is_of_fourth_order(own):
     assert 3.5 < np.log2(errors[1] / errors[2]) < 4.4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [1.0, 4.0, 20.0])
 def test_long_steps_are_divided(n):
     """A step in which the extension moves many times the yield extension ends at the strength."""
@@ -76,6 +77,7 @@ def test_no_lane_depends_on_another():
         assert alone[0, 0] == whole[0, lane]
 
 
+@pytest.mark.slow
 def test_law_of_an_unknown_kind_gives_no_number():
     law = by_number(())
 

@@ -231,6 +231,7 @@ MIXED = [
 SHORT = {"paths": 96, "relaxation_times": 2.0, "steps_per_period": 12}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", [2, pytest.param(5, marks=pytest.mark.slow)])
 def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch, threads):
     tables = []
@@ -241,6 +242,7 @@ def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch, t
         np.testing.assert_array_equal(tables[0][name], tables[1][name], err_msg=name)
 
 
+@pytest.mark.slow
 def test_another_seed_gives_another_answer():
     one, other = (sl.simulate(MIXED, NOISE, seed=seed, **SHORT) for seed in (1, 2))
     for name in STATISTICS:
@@ -251,6 +253,7 @@ def test_another_seed_gives_another_answer():
         assert differs.sum() == differs.size - elastic, name
 
 
+@pytest.mark.slow
 def test_structures_keep_their_order_whatever_their_laws():
     table = sl.simulate(MIXED, NOISE, seed=5, **SHORT)
     order = [4, 2, 0, 3, 1]

@@ -138,6 +138,7 @@ def test_bilinear_motion_converges_to_the_exact_one_with_the_square_of_the_step(
         assert SECOND_ORDER[0] < order < SECOND_ORDER[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
 @pytest.mark.parametrize(("beta", "gamma"), [(0.5, 0.5), (0.7, -0.3)])
 def test_bouc_wen_motion_converges_to_the_exact_one_with_the_square_of_the_step(exponent, beta, gamma):

@@ -115,6 +115,7 @@ def burst_and_tail(start):
     return xr.DataArray(values, dims="time", coords={"time": time}, attrs={"source": "burst"})
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 def test_a_fit_that_misses_the_duration_says_so():
     motion = burst_and_tail(45)

@@ -88,6 +88,7 @@ def test_a_spectrum_of_another_shape_is_told_whatever_its_scale():
     assert "another shape" in str(table.doubts.values[2])
 
 
+@pytest.mark.slow
 def test_motions_without_doubts_raise_few_false_alarms():
     """None of 100: with a true share of 3 % that happens once in twenty times."""
     shape = sl.AminAng(4.0, 12.0, 0.5)

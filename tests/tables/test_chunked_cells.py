@@ -41,6 +41,7 @@ def assert_same(lazy, eager):
     xr.testing.assert_identical(found, eager)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("verb", VERBS)
 def test_a_lazy_table_is_the_eager_one(verb):
     lazy = VERBS[verb](building(2))

@@ -48,6 +48,7 @@ def assert_same_bits(lazy, eager):
         assert found.attrs.keys() == variable.attrs.keys()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("chunks", [(7, 5), (100, 9)])
 @pytest.mark.parametrize("options", OPTIONS, ids=str)
 def test_lazy_tables_are_the_eager_ones(options, chunks):
