@@ -157,6 +157,51 @@ def test_storeys_of_a_building_have_the_law():
     assert "e: v*z" in worn.describe()
 
 
+OF_THE_HOUSE = {
+    "beta": 0.6,
+    "exponent": 1.5,
+    "strength_decay": 0.02,
+    "stiffness_decay": 0.05,
+    "pinching": 0.9,
+    "pinching_rate": 1.0,
+    "pinching_start": 0.15,
+    "pinching_width": 0.2,
+    "pinching_spread": 0.01,
+    "pinching_coupling": 0.4,
+}
+LINK = sl.Link(2e6, 1e5)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("storeys", [False, True])
+def test_separation_and_pounding_are_those_of_the_same_law_of_the_house(storeys):
+    """The rates differ by rounding; energies and impacts add what they add."""
+    own = {"law": baber_noori(**PINCHING)}
+    if storeys:
+        named = {"law": "bouc_wen_baber_noori", "law_parameters": OF_THE_HOUSE}
+        pairs = [
+            [sl.ShearBuilding([1e5] * n, [4e7] * n, [3.0] * n, 0.05, 0.1, 0.01, **law) for n in (2, 3)]
+            for law in (own, named)
+        ]
+    else:
+        pairs = [
+            [kind(**GIVEN | {"period": T, "mass": 1e5}, **law) for T in (0.5, 0.8)]
+            for kind, law in ((sl.Hysteretic, own), (sl.BoucWenBaberNoori, OF_THE_HOUSE))
+        ]
+    gaps = [sl.separation(*pair, GROUND, 8.0, paths=32).gap.sel(rule="simulation") for pair in pairs]
+    np.testing.assert_allclose(*gaps, rtol=1e-6)
+    record = sl.simulated_motions(GROUND, 6.0, paths=2, seed=3)[0]
+    contact = sl.Kelvin(1e8, restitution=0.65)
+    tables = [
+        sl.pound(pair, [0.01], contact, record, link=LINK, damage=True, output_step=0.1)
+        for pair in pairs
+    ]
+    assert int(tables[0].impacts.sum()) > 0
+    for name in ("displacement", "contact_force", "dissipated_energy", "residual_drift"):
+        found, expected = (table[name].to_numpy() for table in tables)
+        np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-4 * np.nanmax(np.abs(expected)))
+
+
 def test_recorded_motions_and_gaps():
     record = sl.simulated_motions(GROUND, 8.0, paths=2, seed=3)[0]
     history = sl.respond(hysteretic(), record)
