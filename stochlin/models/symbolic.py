@@ -65,6 +65,7 @@ _HALF = int(np.searchsorted(_FAR, 0.5 * _FAR[-1]))
 _TURNS = np.random.default_rng(5).uniform(-1.0, 1.0, (8, 32)) * np.geomspace(0.5, 4.0, 32)
 FAST = 0.5  # rate of a state of 1 at rest [1/s], above which it is doubted
 SLOW = 1e-3  # rate of a state at 1/s of the extension, below which it does not grow
+ELASTIC = 1e-9  # difference to the elastic stiffness below which z does not yield
 SUDDEN = (
     1.2  # extension for twice as large a state, over that for the state, which is 2 if it grows evenly
 )
@@ -157,7 +158,8 @@ class SymbolicLaw:
         rates = sympy.Tuple(*(_for_lanes(rate).subs(numbers) for _, rate in self.rates))
         functions = [_VECTOR_FUNCTIONS, "math"]
         of_rates = sympy.lambdify((v, w, own, lane), rates, functions, cse=True)
-        return RateLaw(advance_of(of_rates, len(rates)), len(rates), sympy.srepr(rates))
+        name = sympy.srepr(rates)
+        return RateLaw(advance_of(of_rates, len(rates), name), len(rates), name)
 
     def check(self, parameters: Array) -> None:
         """Raise a ValueError if the law differs in both directions, or is not real and finite.
@@ -231,7 +233,7 @@ class SymbolicLaw:
             )
 
     def _growth(self, column: Array) -> str:
-        """Which state grows without motion, or ever faster when pulled at a steady rate, if any."""
+        """Which state grows without motion, or pulled at a steady rate ever faster or as if elastic."""
         names, ones = [name for name, _ in self.rates], np.ones(_FAR.size)
         at_rest = self._values(np.zeros(1), np.ones((len(names), 1)), column)[:, 0]
         doubts = [
@@ -245,6 +247,8 @@ class SymbolicLaw:
             if (rate > SLOW).all() and pulled[-1] < SUDDEN * pulled[_HALF]:
                 place = f"{_FAR[-1]:g} at {pulled[-1]:.3g} times the yield extension"
                 doubts.append(f"{name} grows ever faster, to {place}")
+            elif len(names) == 1 and (np.abs(rate - 1.0) < ELASTIC).all():
+                return f"z never yields, up to {_FAR[-1]:g} times the yield extension"
         more = ". A restoring force has a limit or grows about as the extension does"
         return "; ".join(doubts) + more if doubts else ""
 

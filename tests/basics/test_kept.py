@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -11,9 +12,12 @@ import zipfile
 
 import numba
 import pytest
+import sympy
 
+import stochlin as sl
 from stochlin.kernels.basics import kept
 from stochlin.kernels.basics.compiled import UNCOMPILED
+from stochlin.kernels.simulation.laws import by_number
 
 pytestmark = [
     pytest.mark.invariant,
@@ -244,3 +248,20 @@ def test_a_law_runs_without_a_folder_and_says_so_once(toy):
     with pytest.warns(UserWarning, match="folder that can be written"):
         law = begun_law(2.0, "double")
     assert law(1.5) == 3.0
+
+
+def test_functions_of_two_laws_have_different_names_in_compiled_code(toy):
+    """Of equal names, with which processes compile them, one that loads both would take the first."""
+    toy[0]()  # nothing is compiled yet
+    v, z = sympy.symbols("v z")
+
+    def names(law):
+        structure = sl.Hysteretic(0.5, 0.05, 0.1, yield_displacement=0.02, law=law)
+        code = by_number((structure.step(),)).inspect_llvm()
+        found = re.findall(r'^define .*?@"?([^"( ]+)', code, re.M)
+        # numba's own number of a function in its process is left out
+        return {re.sub(r"B\d+v\d+", "", name) for name in found if "NRT" not in name}
+
+    one, other = names(v - 1.25 * abs(v) * z), names(v * (1 - 1.5 * z**2))
+    assert any("advance" in name for name in one)
+    assert not one & other

@@ -188,6 +188,7 @@ E = sympy.Symbol("e")
     ("law", "told"),
     [
         (V + 0.9 * abs(V) * Z, "z grows ever faster, to 1000 at 7.4. times the yield extension"),
+        (V, "z never yields, up to 1000 times the yield extension"),
         (V * (1 + Z**2), "z grows ever faster, to 1000 at 1.5. times"),
         (V - abs(V) * Z + 3 * Z, "z grows at rest; z grows ever faster"),
         ({"z": V - abs(V) * Z * sympy.exp(-E), "e": abs(V) * (1 + E)}, "e grows ever faster"),

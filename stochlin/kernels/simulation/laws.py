@@ -9,8 +9,9 @@ so, the lane is integrated again in substeps. No lane depends on another, and st
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numba as nb
@@ -31,6 +32,17 @@ _ROWS = nb.types.Array(nb.float64, 2, "C")
 ADVANCE = nb.void(nb.int64, nb.int64, _ROWS, nb.int64, nb.int64, nb.int64, nb.float64, nb.int64)
 
 
+def named(name: str, function: Any) -> Any:
+    """A function that was made at run time, with a name of its own in compiled code.
+
+    Where several processes have compiled functions of one name, and another one loads them from the
+    disk, it would take the first of them for all.
+    """
+    digest = hashlib.sha256(name.encode()).hexdigest()[:16]
+    function.__qualname__ = f"{function.__name__.strip('<>')}_{digest}"
+    return function
+
+
 @dataclass(frozen=True)
 class RateLaw:
     """A law with states, in time steps."""
@@ -40,20 +52,23 @@ class RateLaw:
     name: str  # of which there is one for each law
 
 
-def advance_of(rates: Any, states: int) -> Any:
+def advance_of(rates: Any, states: int, name: str) -> Any:
     """The function ``advance(lanes, x, v, w, own, dt, new)`` that integrates a law over ``dt`` [s].
 
-    ``rates(v, w, own, lane)`` gives the rates of the ``states`` of a law, a tuple as ``w`` is, with the
-    parameters ``own`` (k, lanes). For ``advance`` ``v``, ``w``, ``own`` and ``new`` are rows of the
-    array ``x`` (rows, lanes): the rate of the extension over the yield extension [1/s], the first of the
-    states before, the first parameter, and the first of the states after the step, which are written.
+    Each law has a ``name`` of its own. ``rates(v, w, own, lane)`` gives the rates of the ``states`` of a
+    law, a tuple as ``w`` is, with the parameters ``own`` (k, lanes). For ``advance`` ``v``, ``w``,
+    ``own`` and ``new`` are rows of the array ``x`` (rows, lanes): the rate of the extension over the
+    yield extension [1/s], the first of the states before, the first parameter, and the first of the
+    states after the step, which are written.
     Each stage has a loop of its own: where rates have powers, processors wait for each stage of a lane,
     and work on several lanes of a short loop meanwhile.
     """
-    rates_of = called_often(rates)
+    of_law = partial(named, name)
+    rates_of = called_often(of_law(rates))
     read, write, moved, mean, apart = _with_states(states)
 
     @called_often
+    @of_law
     def step(v, w, own, lane, dt):
         """The states after ``dt``, and whether both rules differ too much."""
         first = rates_of(v, w, own, lane)
@@ -64,6 +79,7 @@ def advance_of(rates: Any, states: int) -> Any:
         return after, apart(after, moved(w, dt, second))
 
     @compiled
+    @of_law
     def advance(lanes, x, v, w, own, dt, new):
         parameters, rough, stages = x[own:], 0, np.empty((3 * states, lanes))
         for lane in range(lanes):
@@ -85,6 +101,7 @@ def advance_of(rates: Any, states: int) -> Any:
             again(lanes, x, v, w, parameters, dt, new)
 
     @compiled
+    @of_law
     def again(lanes, x, v, w, parameters, dt, new):
         """Integrate the lanes in which both rules differ, in as many substeps as each needs.
 
@@ -128,8 +145,9 @@ def advance_of(rates: Any, states: int) -> Any:
 def _with_states(states: int) -> tuple[Any, ...]:
     """Functions of the tuples of so many states, or of their rates; the last state comes last."""
     if states == 0:
-        nothing = called_often(lambda *_: ())
-        return nothing, nothing, nothing, nothing, called_often(lambda after, other: 0.0)
+        nothing = called_often(named("no states", lambda *_: ()))
+        alike = called_often(named("alike", lambda after, other: 0.0))
+        return nothing, nothing, nothing, nothing, alike
     k = states - 1
     read, write, moved, mean, apart = _with_states(k)
 
@@ -138,17 +156,19 @@ def _with_states(states: int) -> tuple[Any, ...]:
         x[row + k, lane] = w[k]
 
     return tuple(
-        called_often(function)
-        for function in (
-            lambda x, row, lane: (*read(x, row, lane), x[row + k, lane]),
-            write_all,
-            lambda w, step, rates: (*moved(w, step, rates), w[k] + step * rates[k]),
-            lambda a, b, c, d: (*mean(a, b, c, d), ((a[k] + d[k]) + 2.0 * (b[k] + c[k])) * SIXTH),
-            lambda after, other: (
-                apart(after, other)
-                if abs(after[k] - other[k]) - ROUGH * (1.0 + abs(after[k])) <= 0.0
-                else 1.0
-            ),
+        called_often(named(f"{number} of {states}", function))
+        for number, function in enumerate(
+            (
+                lambda x, row, lane: (*read(x, row, lane), x[row + k, lane]),
+                write_all,
+                lambda w, step, rates: (*moved(w, step, rates), w[k] + step * rates[k]),
+                lambda a, b, c, d: (*mean(a, b, c, d), ((a[k] + d[k]) + 2.0 * (b[k] + c[k])) * SIXTH),
+                lambda after, other: (
+                    apart(after, other)
+                    if abs(after[k] - other[k]) - ROUGH * (1.0 + abs(after[k])) <= 0.0
+                    else 1.0
+                ),
+            )
         )
     )
 
@@ -168,8 +188,8 @@ def _bouc_wen(v, w, own, lane):
     return (v * (1.0 - size * (less * shape)),)
 
 
-_without_powers = advance_of(_bouc_wen_linear, 1)
-_with_powers = advance_of(_bouc_wen, 1)
+_without_powers = advance_of(_bouc_wen_linear, 1, "Bouc-Wen, n = 1")
+_with_powers = advance_of(_bouc_wen, 1, "Bouc-Wen")
 
 
 @compiled
@@ -200,16 +220,14 @@ def by_number(laws: tuple[RateLaw, ...]) -> Any:
     The ``laws`` have the kinds OTHER, OTHER + 1 and so on. The function is a C function, so that a new
     law compiles no time step.
     """
-    chosen = _no_law
+    chosen, names = _no_law, repr([(law.name, law.states) for law in laws])
     for number, law in enumerate(laws):
-        chosen = _either(OTHER + number, law.advance, chosen)
+        chosen = _either(number, law.advance, chosen, f"{number} of {names}")
 
     def of_kind(kind, lanes, x, v, w, own, dt, new):
         chosen(kind, lanes, x, v, w, own, dt, new)
 
-    if UNCOMPILED:
-        return of_kind
-    return kept_law(of_kind, ADVANCE, repr([(law.name, law.states) for law in laws]))
+    return of_kind if UNCOMPILED else kept_law(named(names, of_kind), ADVANCE, names)
 
 
 @compiled
@@ -219,12 +237,14 @@ def _no_law(kind, lanes, x, v, w, own, dt, new):
         x[new, lane] = np.nan
 
 
-def _either(number: int, law: Any, others: Any) -> Any:
-    """The function that takes ``law`` for the kind ``number``, and ``others`` for other kinds."""
+def _either(number: int, law: Any, others: Any, name: str) -> Any:
+    """The function that takes ``law`` for the kind OTHER + ``number``, ``others`` for other kinds."""
+    kind_of_law = OTHER + number
 
     @compiled
+    @partial(named, name)
     def chosen(kind, lanes, x, v, w, own, dt, new):
-        if kind == number:
+        if kind == kind_of_law:
             law(lanes, x, v, w, own, dt, new)
         else:
             others(kind, lanes, x, v, w, own, dt, new)
