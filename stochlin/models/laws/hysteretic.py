@@ -53,8 +53,9 @@ class Hysteretic(Structure):
     Warns
     -----
     UserWarning
-        If the law is implausible: a state grows at rest or ever faster, or in histories from rest ``z``
-        gives back more work than it took, or is stiffer in loading than an elastic spring.
+        If the law is implausible: ``z`` never yields, a state grows at rest or ever faster, or in
+        histories from rest ``z`` gives back more work than it took, or is stiffer in loading than an
+        elastic spring.
 
     References
     ----------
