@@ -236,6 +236,7 @@ def test_what_cannot_be_mended_is_said(path, kept):
         sl.write_atlas(SPEC, path)
 
 
+@pytest.mark.slow
 @given(
     where=st.floats(0, 1, exclude_max=True),
     place=st.floats(0, 1, exclude_max=True),

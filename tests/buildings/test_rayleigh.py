@@ -251,6 +251,7 @@ def _by_scipy(building: sl.ShearBuilding, motion: xr.DataArray) -> tuple[np.ndar
     return states[:, :n], states[:, -1]
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 def test_a_yielding_frame_moves_and_is_damped_as_by_another_integrator() -> None:
     building, motion = frame(**YIELDING, **RAYLEIGH), 3 * shaking(100)

@@ -78,6 +78,7 @@ def test_noise_is_rounded_away_and_six_digits_stay():
     np.testing.assert_array_equal(rounded(np.zeros(2)), [0, 0])
 
 
+@pytest.mark.slow
 def test_pictures_are_drawn_from_the_rounded_data(tmp_path):
     """A picture of the file is the picture beside the file."""
     command = ["charts", "fig3a", "--points", "9", "--out", str(tmp_path)]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 import xarray as xr
-from cases import axis
+from cases import axis, with_slow
 
 import stochlin as sl
 from stochlin.analyses.correlation import linearized
@@ -31,7 +31,7 @@ def random_pairs(count, kind, seed):
 
 @pytest.mark.oracle
 @pytest.mark.parametrize("closure", ["gaussian", "clipped"])
-@pytest.mark.parametrize("kind", GROUNDS)
+@pytest.mark.parametrize("kind", with_slow(GROUNDS, {"white_noise", "clough_penzien"}))
 def test_random_pairs_are_those_of_the_closed_forms(kind, closure):
     """The same table in every variable, its missing values and its flags included."""
     pair, ground = random_pairs(200, kind, 1)
@@ -44,6 +44,7 @@ def test_random_pairs_are_those_of_the_closed_forms(kind, closure):
         np.testing.assert_allclose(chain[name], array, rtol=1e-9, atol=1e-9, err_msg=name)
 
 
+@pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.parametrize("closure", ["gaussian", "clipped"])
 @pytest.mark.parametrize("kind", GROUNDS)

@@ -119,6 +119,7 @@ def test_a_reader_that_has_seen_enough_is_no_error() -> None:
     assert "Error" not in done.stderr
 
 
+@pytest.mark.slow
 def test_the_package_runs_without_its_script() -> None:
     for arguments, says in ((["--version"], "stochlin, version"), (["rho"], "python -m stochlin rho")):
         command = [sys.executable, "-m", "stochlin", *arguments]
@@ -195,7 +196,7 @@ def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:
     [
         pytest.param("fig4b --simulated-points 0", "svg", marks=pytest.mark.slow),
         ("fig3b", "pdf"),
-        ("fig6", "png"),
+        pytest.param("fig6", "png", marks=pytest.mark.slow),
         pytest.param("fig6", "pdf", marks=pytest.mark.slow),
         pytest.param("fig5b --reduction-factors 6", "svg", marks=pytest.mark.slow),
     ],

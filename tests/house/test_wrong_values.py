@@ -230,7 +230,8 @@ STORED = {"write_atlas", "open_atlas", "lookup"}
 NAMES = [name for name in sl.__all__ if callable(getattr(sl, name)) and name not in STORED]
 NAMES += ["ShearBuilding.regular", "ShearBuilding.fitted"]
 LONG = {
-    *("correlate", "existing_gap", "fit_ground", "fit_motion", "mitigate", "pounding_estimate"),
+    *("check_records", "code_gaps", "correlate", "existing_gap", "fit_ground", "fit_motion", "mitigate"),
+    *("pound", "pounding_estimate"),
     *("pounding_fragility", "pounding_probability", "pounding_risk", "required_gap", "sensitivity"),
     "separation",
 }

@@ -129,6 +129,7 @@ def table():
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_devices_of_measures_are_those_of_simulate_and_pound(table):
     row = table.sel(measure="links")
     assert row.device_kind.values.tolist() == ["link", "link", "damper", "link"]

@@ -69,6 +69,7 @@ def test_as_built_and_least_damping_are_those_of_existing_gap(table):
     assert float(least.added_damping_1) == float(least.added_damping_2) > 0
 
 
+@pytest.mark.slow
 def test_a_link_is_simulated_and_linearized_as_linked(table):
     row = table.sel(measure="link")
     motions = sl.simulate(by_strength(), GROUND, duration=DURATION, quantiles=[0.9], link=LINK, **MOTION)

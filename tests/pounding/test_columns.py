@@ -125,6 +125,7 @@ def test_a_mirrored_pair_with_columns_moves_as_the_mirror_image():
         assert_near(table.energy_transferred, handed, 1e-4)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(
     heights=st.tuples(*2 * [st.lists(st.floats(2.5, 6.0), min_size=1, max_size=5)]),

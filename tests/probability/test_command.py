@@ -66,6 +66,7 @@ def test_buildings_with_storeys_have_all_parameters_in_the_picture(tmp_path):
     assert caption.get_window_extent().y0 >= 0
 
 
+@pytest.mark.slow
 def test_records_are_in_the_table_and_the_picture(tmp_path):
     """A harmonic motion at the period of one building: its radius alone closes the gap."""
     time = 0.02 * np.arange(600)

@@ -65,6 +65,7 @@ def test_rate_of_yielding_structures_is_that_of_a_hundred_thousand_motions():
     check_against_counting(YIELDING, 100, 1024)
 
 
+@pytest.mark.slow
 def test_storeys_keep_the_gap_that_is_asked_for():
     hazard = sl.HazardCurve([0.5, 1.0, 2.0, 4.0, 8.0], [0.02, 5e-3, 1e-3, 1.5e-4, 1e-5])
     common = {"envelope": SHAPE, "paths": 128}

@@ -27,6 +27,7 @@ def table():
     return sl.sensitivity(first, KNOWN, GROUND, 12.0, paths=64)
 
 
+@pytest.mark.slow
 def test_rows_begin_with_what_is_uncertain_and_moves_the_gap_most(table):
     shown = rows(table)
     assert [row.uncertain for row in shown[:3]] == [True, True, False]

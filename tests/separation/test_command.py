@@ -99,6 +99,7 @@ def test_the_answer_comes_first_and_is_the_librarys(example: Done) -> None:
     assert "mexico_city of simulated peaks: needs zone" in output
 
 
+@pytest.mark.slow
 def test_the_table_fits_the_screen_and_any_console(example: Done, site: Done) -> None:
     for one in (example, site):
         shown = one.result.output.replace(str(one.folder), "")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from cases import with_slow
 
 import stochlin as sl
 from stochlin.analyses.simulation.finite_motions import required_gaps
@@ -48,7 +49,7 @@ def test_without_spread_all_is_as_if_it_were_known(kind):
     assert (found.input_factor == 1).all()
 
 
-@pytest.mark.parametrize("kind", spread(0.1))
+@pytest.mark.parametrize("kind", with_slow(spread(0.1), {"reduction factor"}))
 def test_every_motion_is_that_of_its_sample_alone(kind):
     uncertain = spread(0.1)[kind]
     found = sl.simulate([uncertain, SECOND, STIFF], GROUND, paths=32, **MOTION)

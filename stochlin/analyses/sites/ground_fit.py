@@ -154,8 +154,8 @@ def fit_ground(
     --------
     >>> import numpy as np, xarray as xr
     >>> import stochlin as sl
-    >>> time, step = 0.02 * np.arange(20000), 2 * np.pi / 400
-    >>> psd = sl.KanaiTajimi(period=1.0, damping=0.3, intensity=0.01).psd(step * np.arange(10001))
+    >>> time, step = 0.02 * np.arange(10000), 2 * np.pi / 200
+    >>> psd = sl.KanaiTajimi(period=1.0, damping=0.3, intensity=0.01).psd(step * np.arange(5001))
     >>> phase = np.random.default_rng(1).uniform(0, 2 * np.pi, psd.size)
     >>> spectrum = np.sqrt(psd.values * step) * np.exp(1j * phase)
     >>> history = np.fft.irfft(spectrum) * time.size

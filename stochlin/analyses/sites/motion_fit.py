@@ -284,13 +284,11 @@ def fit_motion(
     --------
     >>> import stochlin as sl
     >>> shape = sl.AminAng(3.0, 10.0, 0.3)
-    >>> both = list(sl.simulated_motions(sl.named_ground("firm", 0.01), 25.0, shape, paths=2))
-    >>> motion = sl.fit_motion(both[0])
-    >>> table = sl.compare_motions(both[0], motion)
+    >>> record = sl.simulated_motions(sl.named_ground("firm", 0.01), 25.0, shape, paths=2)[0]
+    >>> motion = sl.fit_motion(record)
+    >>> table = sl.compare_motions(record, motion)
     >>> bool(abs(table.energy_ratio - 1) < 4 * table.energy_ratio_standard_error)
     True
-    >>> sl.fit_motion(both).scatter_source
-    'standard deviation of ln Sa between both components, 0.2 to 2 s'
     """
     components = checked_components(record)
     check_band(band)
