@@ -52,7 +52,7 @@ ALPHA = {"hardening": numbers(-0.2, 0.5)}
 DECAY = numbers(0.0, 0.1)
 LAWS = {
     "bilinear": structures(sl.Bilinear, **ALPHA),
-    "Bouc-Wen": st.tuples(numbers(0.5, 1.0), numbers(1.0, 3.0)).map(
+    "Bouc-Wen": st.tuples(numbers(0.02, 2.0), numbers(1.0, 3.0)).map(
         lambda drawn: sl.BoucWen(
             **GIVEN, hardening=0.1, beta=drawn[0], gamma=1 - drawn[0], exponent=drawn[1]
         )
@@ -60,7 +60,7 @@ LAWS = {
     "Baber-Noori": structures(
         sl.BoucWenBaberNoori,
         **ALPHA,
-        beta=numbers(0.3, 1.0),
+        beta=numbers(0.05, 2.0),
         exponent=numbers(1.0, 3.0),
         strength_decay=DECAY,
         stiffness_decay=DECAY,
