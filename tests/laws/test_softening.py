@@ -11,6 +11,7 @@ import stochlin as sl
 from stochlin.analyses.cases.pounding import pound_motions
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.models.parameters import Model
+from stochlin.views.separation.verdict import cautions, details, first_lines
 
 pytestmark = pytest.mark.oracle
 
@@ -344,8 +345,12 @@ def test_case_files_take_it_and_give_what_python_gives(hardening, tmp_path):
     case = sl.read_case(path)
     first, second = (building.sampled for building in case.pair)
     assert first.hardening == second.hardening == hardening
+    answer = answer_case(case)
+    said = " ".join([*answer.doubts(), *first_lines(answer), *cautions(answer), *details(answer)])
+    assert ("Building 1 falls in " in said) == (hardening < 0)
+    assert not any(word in said for word in ("elastic", " inf ", "Building 2 falls", "more than its"))
     gaps = [
-        answer_case(case).separation.gap,
+        answer.separation.gap,
         sl.separation(first, second, case.ground, 10.0, paths=128, seed=case.seed).gap,
     ]
     np.testing.assert_allclose(*(gap.sel(rule="simulation") for gap in gaps), rtol=1e-9)

@@ -115,6 +115,7 @@ def cautions(answer: CaseAnswer) -> list[str]:
         floors(case),
         _without_storeys(answer),
         _alike(table),
+        *_falling(answer),
         _yielding(table) if _yields_much(table) else "",
         scatter(case),
         *walls(case),
@@ -212,15 +213,25 @@ def _alike(table: xr.Dataset) -> str:
     )
 
 
+def _falling(answer: CaseAnswer) -> list[str]:
+    """In how many motions each building falls that does."""
+    shares = of_each(answer.separation, "collapse_probability")
+    named = zip(answer.case.one_or_two, shares, strict=False)
+    fallen = [f"{one.name} falls in {per_cent(share, 1)}" for one, share in named if share > 0]
+    return [
+        f"{falls} of the motions, for which no gap is enough; it has no mean peak." for falls in fallen
+    ]
+
+
 def _yields_much(table: xr.Dataset) -> bool:
-    """Whether a mean peak ductility is more than most buildings can sustain."""
-    return any(ductility > MUCH for ductility in of_each(table, "ductility"))
+    """Whether a mean peak ductility is more than most buildings can sustain, which do not fall."""
+    return any(MUCH < ductility < np.inf for ductility in of_each(table, "ductility"))
 
 
 def _yielding(table: xr.Dataset) -> str:
     values = of_each(table, "ductility")
     alone = len(values) == 1
-    if not np.isfinite(values).any():
+    if np.isnan(values).all():
         return "The building stays elastic." if alone else "Both buildings stay elastic."
     begin = "Its mean peak ductility is" if alone else "Their mean peak ductilities are"
     sentence = f"{begin} {ductilities(table)}"
@@ -238,7 +249,7 @@ def _storeys(answer: CaseAnswer) -> str:
     """The storey of each building with the largest ductility, or the largest drift if none yields."""
     table, parts = answer.separation, []
     for number, building in enumerate(answer.case.one_or_two, start=1):
-        if not isinstance(building, StoreyBuilding):
+        if not isinstance(building, StoreyBuilding) or np.isinf(table[f"peak_mean_{number}"]):
             continue
         of_building = (table.element_structure == number) & (table.storey > 0)
         own = table.isel(element=np.flatnonzero(of_building))

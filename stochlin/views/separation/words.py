@@ -83,7 +83,8 @@ def of_each(table: xr.Dataset, name: str) -> list[float]:
 
 def ductilities(table: xr.Dataset) -> str:
     """Mean peak ductilities of the buildings."""
-    texts = [f"{v:.1f}" if np.isfinite(v) else "none (elastic)" for v in of_each(table, "ductility")]
+    values = of_each(table, "ductility")
+    texts = ["none (elastic)" if np.isnan(v) else f"{v:.1f}".replace("inf", "infinite") for v in values]
     return " and ".join(texts)
 
 

@@ -70,7 +70,7 @@ def doubts(
             f"a {what} of {gap:.3g} m is larger than the height of {name}, {heights[name]:.3g} m"
         )
     for building, peak in zip(buildings, peaks, strict=False):
-        if building.height and peak > building.height:
+        if building.height and building.height < peak < np.inf:  # which it is of one that falls
             texts.append(
                 f"{building.name} would move by {peak:.3g} m, more than its height, "
                 f"{building.height:.3g} m"
