@@ -65,7 +65,7 @@ _HALF = int(np.searchsorted(_FAR, 0.5 * _FAR[-1]))
 _TURNS = np.random.default_rng(5).uniform(-1.0, 1.0, (8, 32)) * np.geomspace(0.5, 4.0, 32)
 FAST = 0.5  # rate of a state of 1 at rest [1/s], above which it is doubted
 SLOW = 1e-3  # rate of a state at 1/s of the extension, below which it does not grow
-ELASTIC = 1e-9  # difference to the elastic stiffness below which z does not yield
+ELASTIC = 1e-9  # change of the rate of z over v below which z does not yield
 SUDDEN = (
     1.2  # extension for twice as large a state, over that for the state, which is 2 if it grows evenly
 )
@@ -235,6 +235,7 @@ class SymbolicLaw:
     def _growth(self, column: Array) -> str:
         """Which state grows without motion, or pulled at a steady rate ever faster or as if elastic."""
         names, ones = [name for name, _ in self.rates], np.ones(_FAR.size)
+        share = self._values(_PROBES[0], _PROBES[1 : 1 + len(names)], column)[0] / _PROBES[0]
         at_rest = self._values(np.zeros(1), np.ones((len(names), 1)), column)[:, 0]
         doubts = [
             f"{name} grows at rest" for name, rate in zip(names, at_rest, strict=True) if rate > FAST
@@ -247,8 +248,9 @@ class SymbolicLaw:
             if (rate > SLOW).all() and pulled[-1] < SUDDEN * pulled[_HALF]:
                 place = f"{_FAR[-1]:g} at {pulled[-1]:.3g} times the yield extension"
                 doubts.append(f"{name} grows ever faster, to {place}")
-            elif len(names) == 1 and (np.abs(rate - 1.0) < ELASTIC).all():
-                return f"z never yields, up to {_FAR[-1]:g} times the yield extension"
+            elif k == 0 and rate[0] > 0 and max(np.ptp(share), np.ptp(rate)) < ELASTIC:
+                far = f"z never yields, up to {_FAR[-1]:g} times the yield extension"
+                return f"{far}; allowed: a rate over v that falls as z grows, or no strength"
         more = ". A restoring force has a limit or grows about as the extension does"
         return "; ".join(doubts) + more if doubts else ""
 
@@ -271,14 +273,16 @@ class SymbolicLaw:
             stiffness = np.where(loading, (states[0] - before) / move, 0.0)
             stiffest = np.maximum(stiffest, stiffness)
         lost, making = ~np.isfinite(states).all(axis=0), least < -GIVEN * (most + GIVEN)
-        for where, doubt in (
-            (lost, "a state is no longer finite"),
-            (making, "z has given back more work than it took"),
-            (stiffest > STIFF, "z grows faster in loading than the extension does"),
+        softer = "at each z a rate in unloading not below that in loading"
+        for where, doubt, allowed in (
+            (lost, "a state is no longer finite", "states with limits"),
+            (making, "z has given back more work than it took", softer),
+            (stiffest > STIFF, "z grows faster in loading than the extension does", "a rate up to v"),
         ):
             if where.any():
                 turns = ", ".join(f"{turn:.3g}" for turn in _TURNS[:, int(np.argmax(where))])
-                return f"{doubt} on the way from rest to {turns} times the yield extension"
+                way = f"on the way from rest to {turns} times the yield extension"
+                return f"{doubt} {way}; allowed: {allowed}"
         return ""
 
     def _moved(self, states: Array, move: Array, column: Array) -> Array:

@@ -70,10 +70,16 @@ def test_good_laws_are_not_doubted(rates):
 @pytest.mark.parametrize(
     ("rates", "doubt"),
     [
-        (-v, "z has given back more work than it took"),
+        (
+            -v,
+            "z has given back more work than it took .*allowed: at each z a rate in unloading not below",
+        ),
         # It unloads along a softer branch than it loads, around its loops the wrong way.
         (v * (1 - 0.5 * sympy.Heaviside(-v * z)), "z has given back more work than it took"),
-        ({"z": (1 + 0.3 * e) * (v - abs(v) * z), "e": z * v}, "z grows faster in loading"),
+        (
+            {"z": (1 + 0.3 * e) * (v - abs(v) * z), "e": z * v},
+            "z grows faster in loading .*allowed: a rate up to v",
+        ),
         ({"z": v - abs(v) * z, "e": abs(v) * e + abs(v) * sympy.exp(40 * e)}, "no longer finite|faster"),
     ],
     ids=str,

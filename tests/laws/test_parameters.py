@@ -101,6 +101,13 @@ def test_bouc_wen_without_a_bound_is_refused(gamma):
         sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=4, beta=0.5, gamma=gamma)
 
 
+@pytest.mark.parametrize("beta", [0.0, -0.1])
+def test_bouc_wen_that_makes_energy_is_refused(beta):
+    """At each z unloading is stiffer than loading, and so gives back less, for ``beta > 0`` alone."""
+    with pytest.raises(ValueError, match=r"allowed: 0 < value, .*nothing at 0, and make energy below"):
+        sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=4, beta=beta, gamma=0.5)
+
+
 def test_bouc_wen_without_a_bound_fails_alone_in_a_table():
     table = sl.linearize(
         sl.BoucWen(1.0, 0.05, 0.1, reduction_factor=4, beta=[0.5, 0.3, 0.5], gamma=[-0.4, -0.4, 1.5]),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
+from stochlin.models.laws.bouc_wen import DISSIPATES
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.structures import LAWS, Structure
 from stochlin.models.uncertain import takes_uncertain
@@ -15,7 +16,8 @@ if TYPE_CHECKING:
     import sympy
     import xarray as xr
 
-BELOW_1 = Range(upper=1.0, include_lower=True)
+BELOW_1 = Range(upper=1.0, include_lower=True, reason="1 would take all stiffness")
+DECAYS = Range(include_lower=True, reason="it does not grow")
 CAP_OVER_YIELD = 1.1  # moment of steel beams at the cap over that at yielding
 EXPONENT = Range(lower=1.0, include_lower=True)
 
@@ -168,10 +170,10 @@ class BoucWenBaberNoori(Structure):
 
     symbolic = staticmethod(symbolic)
 
-    beta: Parameter = parameter("1", "width beta of the loops", POSITIVE, 0.5)
+    beta: Parameter = parameter("1", "width beta of the loops", DISSIPATES, 0.5)
     exponent: Parameter = parameter("1", "Bouc-Wen exponent n", EXPONENT, 1.0)
-    strength_decay: Parameter = parameter("1", "strength decay d_nu", NOT_NEGATIVE, 0.0)
-    stiffness_decay: Parameter = parameter("1", "stiffness decay d_eta", NOT_NEGATIVE, 0.0)
+    strength_decay: Parameter = parameter("1", "strength decay d_nu", DECAYS, 0.0)
+    stiffness_decay: Parameter = parameter("1", "stiffness decay d_eta", DECAYS, 0.0)
     pinching: Parameter = parameter("1", "share zeta_s of pinching", BELOW_1, 0.0)
     pinching_rate: Parameter = parameter("1", "rate p of pinching", POSITIVE, 1.0)
     pinching_start: Parameter = parameter("1", "place q of pinching", NOT_NEGATIVE, 0.15)

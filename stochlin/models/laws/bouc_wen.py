@@ -16,7 +16,7 @@ from scipy.special import betainc, gamma
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure, ClosureValue, gaussian_covariance
-from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
+from stochlin.models.parameters import Parameter, Range, parameter
 from stochlin.models.structures import GAUSSIAN, LAWS, Structure
 
 if TYPE_CHECKING:
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
     import sympy
     import xarray as xr
+
+DISSIPATES = Range(reason="the loops dissipate nothing at 0, and make energy below")
 
 
 def symbolic() -> sympy.Expr:
@@ -104,7 +106,7 @@ class BoucWen(Structure):
     1.0
     """
 
-    beta: Parameter = parameter("1", "Bouc-Wen beta", POSITIVE, 0.5)
+    beta: Parameter = parameter("1", "Bouc-Wen beta", DISSIPATES, 0.5)
     gamma: Parameter = parameter("1", "Bouc-Wen gamma", Range(lower=-float("inf")), 0.5)
     exponent: Parameter = parameter(
         "1", "Bouc-Wen exponent n", Range(lower=1.0, include_lower=True), 1.0

@@ -8,6 +8,8 @@ from typing import Any
 from stochlin.models.parameters import Parameter, Range, parameter
 from stochlin.models.structures import LAWS, Structure
 
+COMES_BACK = Range(0.0, 1.0, True, True, "above 1 it does not come back, below 0 it makes energy")
+
 
 @LAWS.register("flag", place=6)
 @dataclass(frozen=True)
@@ -46,9 +48,7 @@ class Flag(Structure):
     32
     """
 
-    beta: Parameter = parameter(
-        "1", "height beta of the flag", Range(upper=1.0, include_lower=True, include_upper=True), 1.0
-    )
+    beta: Parameter = parameter("1", "height beta of the flag", COMES_BACK, 1.0)
 
     def growing(self) -> str:
         """Nothing: the law forgets, so that it has a stationary response."""

@@ -8,13 +8,15 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
-from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
+from stochlin.models.parameters import Model, Parameter, Range, parameter
 from stochlin.models.structures import LAWS, Structure
 from stochlin.models.uncertain import takes_uncertain
 
 BELOW_1 = Range(upper=1.0, include_lower=True)
 FROM_1 = Range(lower=1.0, include_lower=True)
 NOT_BEFORE_YIELD = Range(lower=1.0, include_lower=True, reason="the cap is not before yielding, at 1")
+FALLS = Range(reason="above hardening/(1 - hardening), so that the force falls")
+UNLOADS = Range(upper=1.0, include_lower=True, reason="1 leaves no displacement, more makes energy")
 BELOW_CAP = Range(upper=1.0, include_lower=True, reason="z is 1 at the cap")
 SHARE = Range(upper=1.0, reason="of the stiffness of frame and infill; a bare frame has no infill")
 HOOPS = Range(upper=0.1, reason="a ratio, 0.01 for 1 %")
@@ -143,13 +145,13 @@ class ModifiedClough(Structure):
     [0.0, 1.0, 0.6, 0.2]
     """
 
-    unloading_exponent: Parameter = parameter("1", "exponent of the unloading stiffness", BELOW_1, 0.4)
+    unloading_exponent: Parameter = parameter("1", "exponent of the unloading stiffness", UNLOADS, 0.4)
     cracking: Parameter | None = parameter("1", "z at cracking", Range(upper=1.0), None)
     uncracked_stiffness: Parameter | None = parameter(
         "1", "stiffness before cracking over that to yielding", FROM_1, None
     )
     cap_ductility: Parameter | None = parameter("1", "ductility of the cap", NOT_BEFORE_YIELD, None)
-    softening: Parameter | None = parameter("1", "fall of z per uy beyond the cap", POSITIVE, None)
+    softening: Parameter | None = parameter("1", "fall of z per uy beyond the cap", FALLS, None)
     residual: Parameter = parameter("1", "z that is left beyond the cap", BELOW_CAP, 0.0)
 
     def __post_init__(self) -> None:
