@@ -13,7 +13,7 @@ from stochlin.analyses.charts.loops import PATHS
 
 pytestmark = pytest.mark.invariant
 
-LANES, PIECES = 170, 150  # histories of an example: in all 1e4 of each law; pieces of a leg
+LANES, PIECES = 170, 200  # histories of an example: in all 1e4 of each law; pieces of a leg
 GIVEN = {"period": 0.5, "damping": 0.05, "yield_displacement": 0.02}
 V, Z, E = sympy.symbols("v z e")
 
@@ -94,6 +94,11 @@ LAWS = {
 }
 
 
+# Changes of the slope on a leg, of laws of straight branches: up to seven kinks with slopes from -2 to 4.
+KINKS = {"bilinear": 5, "flag": 5, **dict.fromkeys(("modified Clough", "masonry infill"), 7 * 6)}
+KINKS |= {"concrete columns": 7 * 6}
+
+
 @pytest.mark.parametrize("name", with_slow(LAWS, ("Baber-Noori", "steel beams")))
 @given(data=st.data(), seed=st.integers(0, 2**32), legs=st.integers(2, 12), size=numbers(0.5, 6.0))
 def test_work_from_the_virgin_state_is_never_negative(name, data, seed, legs, size):
@@ -104,7 +109,7 @@ def test_work_from_the_virgin_state_is_never_negative(name, data, seed, legs, si
     own = [float(value) for value in structure.law_parameters()]
     reached, least = by_steps(PATHS.get(step, step), turns, PIECES, own)
     # A kink within a piece changes the rule by an eighth of its square at most, times the change of the
-    # slope. Up to seven are on a leg, and slopes are between -2 and 4.
-    piece = np.abs(np.diff(turns, axis=0)) / PIECES
-    assert (least >= -1e-4 - 7 * 6 / 8 * (piece**2).sum(axis=0)).all()
-    assert (np.abs(reached[:, 0]) <= 1.0 + 1e-6).all()
+    # slope.
+    piece, kinks = np.abs(np.diff(turns, axis=0)) / PIECES, KINKS.get(name, 0)
+    assert (least > -(kinks / 8) * (piece**2).sum(axis=0) - (0.0 if kinks else 1e-4)).all()
+    assert (np.abs(reached[:, 0]) <= 1.0 + (1e-12 if kinks else 1e-6)).all()
