@@ -59,6 +59,17 @@ intensity = "0.01 m^2/s^3"
 [motion]
 duration = "12 s"
 """  # of a case file
+SMALL_GAP = """\
+[separation]
+existing = "4 cm"
+confidence = 0.9
+[simulation]
+paths = 128
+[contact]
+model = "kelvin"
+stiffness = "1000 MN/m"
+restitution = 0.65
+"""
 
 # Fewer simulated motions for commands that are run as printed and do not say how many.
 EXAMPLE_RECORD = '#   [[site.records]]\n#   path = "record.at2"\n'

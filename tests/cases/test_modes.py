@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases import FIRM_SITE
+from cases import FIRM_SITE, SMALL_GAP
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
@@ -37,15 +37,6 @@ damping = 0.05
 hardening = 0.1
 yield_displacement = "1 cm"
 mass = "900 t"
-[separation]
-existing = "4 cm"
-confidence = 0.9
-[simulation]
-paths = 128
-[contact]
-model = "kelvin"
-stiffness = "1000 MN/m"
-restitution = 0.65
 """
 OF_FILE = """
 [building_1]
@@ -92,7 +83,7 @@ def inline() -> str:
 def case_of(tmp_path: Path, building: str) -> Case:
     (tmp_path / "tower.csv").write_text(tower(), encoding="utf-8")
     path = tmp_path / "case.toml"
-    path.write_text(f"{FIRM_SITE}envelope = 'none'\n{building}{NEIGHBOUR}", encoding="utf-8")
+    path.write_text(f"{FIRM_SITE}envelope = 'none'\n{building}{NEIGHBOUR}{SMALL_GAP}", encoding="utf-8")
     return sl.read_case(path)
 
 

@@ -5,12 +5,15 @@ import itertools
 import numpy as np
 import pytest
 import xarray as xr
+from cases import SMALL_GAP
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
 from stochlin.analyses.cases.pounding import pound_motions
 from stochlin.analyses.cases.separation import answer_case
+from stochlin.analyses.linearization.transient_systems import side_of
 from stochlin.models.parameters import Model
+from stochlin.models.systems import stack_of
 from stochlin.views.separation.verdict import cautions, details, first_lines
 
 pytestmark = pytest.mark.oracle
@@ -38,15 +41,6 @@ damping = 0.05
 hardening = {hardening}
 yield_displacement = "4 cm"
 mass = "300 t"
-[separation]
-existing = "4 cm"
-confidence = 0.9
-[simulation]
-paths = 128
-[contact]
-model = "kelvin"
-stiffness = "1000 MN/m"
-restitution = 0.65
 """
 GROUND = sl.KanaiTajimi(0.4, 0.6, 0.02)
 W = 2 * np.pi / 0.5
@@ -341,7 +335,7 @@ def test_p_delta_is_softer_storeys_with_less_hardening_in_every_analysis(finite,
 @pytest.mark.parametrize("hardening", [0.0, -0.02])
 def test_case_files_take_it_and_give_what_python_gives(hardening, tmp_path):
     path = tmp_path / "case.toml"
-    path.write_text(CASE.format(hardening=hardening), encoding="utf-8")
+    path.write_text(CASE.format(hardening=hardening) + SMALL_GAP, encoding="utf-8")
     case = sl.read_case(path)
     first, second = (building.sampled for building in case.pair)
     assert first.hardening == second.hardening == hardening
@@ -355,6 +349,15 @@ def test_case_files_take_it_and_give_what_python_gives(hardening, tmp_path):
     ]
     np.testing.assert_allclose(*(gap.sel(rule="simulation") for gap in gaps), rtol=1e-9)
     assert float(pound_motions(case, 8).impacts.sum()) > 0
+
+
+def test_cells_of_a_table_fall_where_each_structure_falls():
+    """By formula and simulation; z of these Bouc-Wen structures reaches 2 and 1.25."""
+    gamma, common = [0.2, -1.0, 0.5], {"beta": 0.3, "exponent": 1.0, "hardening": -0.1} | GIVEN
+    cells = sl.BoucWen(gamma=gamma, **common)  # the second one is not valid
+    each = [stack_of(sl.BoucWen(gamma=one, **common)).limits for one in (0.2, 0.5)]
+    np.testing.assert_allclose(side_of(cells, GROUND, 10.0, "first", 0).limits, each)
+    np.testing.assert_allclose(each, np.array([[2.0], [1.25]]) * 0.02 * 1.1 / 0.1)
 
 
 def test_cells_without_a_stationary_response_spoil_no_others():

@@ -75,6 +75,15 @@ class StructureCells(NamedTuple):
         """Number of storeys or modes; 1 for oscillators."""
         return self.stack.coordinates
 
+    @property
+    def limits(self) -> Array:
+        """Extension of each element at which the structure falls (n, m) [m]; infinite if it cannot."""
+        if self.has_storeys:
+            return self.stack.limits
+        largest = of_cells(self.stack.law.largest_z(), self.position)[:, None]
+        system = self.stack.system
+        return falls_at(system.post, system.couple, system.strength * largest)
+
     def stack_at(self, cell: int) -> Stack:
         """The structure of one cell."""
         return self.stack._replace(system=self.stack.system.at(cell))
@@ -357,7 +366,7 @@ def _groups(sides: Sequence[StructureCells], ground: Ground, course: TimeGrid) -
 
 def _structures(side: StructureCells) -> StoreyChains:
     """Equations of the extensions ``d = E u``, from ``M u'' = -C u' - E' (k d - h y) + M 1 f``."""
-    mass, damping, extensions, _, post, couple, strength = side.stack.system
+    mass, damping, extensions, _, _, couple, strength = side.stack.system
     floors, by_forces = np.linalg.inv(extensions), extensions / mass[:, None]
     shears, seen = by_forces @ extensions.T, side.seen @ floors
     return StoreyChains(
@@ -366,7 +375,7 @@ def _structures(side: StructureCells) -> StoreyChains:
         by_forces @ damping @ floors,
         shears * couple[:, None],
         strength,
-        falls_at(post, couple, strength),
+        side.limits,
         side.elastic_std,
         np.broadcast_to(extensions.sum(axis=1), mass.shape),
         np.broadcast_to(seen, (len(mass), *seen.shape)),

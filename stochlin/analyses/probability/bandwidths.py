@@ -68,7 +68,7 @@ def _of_oscillators(moments: TransientMoments, pairs: Array, ground: Ground) -> 
     w = 2 * np.pi / period
     still = linear_system(w, damping)
     coupling = np.where(np.isinf(uy), 0.0, (1 - hardening) * w**2)
-    drifts = (hardening <= 0)[pairs].any(axis=0)
+    drift_away = (hardening <= 0)[pairs].any(axis=0)
 
     def spectrum(slip: Array, relaxation: Array) -> SpectralMoments:
         yielding = EquivalentSystem(w**2, still.damping, coupling, slip, relaxation)
@@ -80,7 +80,7 @@ def _of_oscillators(moments: TransientMoments, pairs: Array, ground: Ground) -> 
             for side in pairs
         )
         found = difference_moments(first, force_1, second, force_2, below_pair)
-        return SpectralMoments(*(np.where(drifts, np.nan, moment) for moment in found))
+        return SpectralMoments(*(np.where(drift_away, np.nan, moment) for moment in found))
 
     return spectrum
 

@@ -48,7 +48,7 @@ from stochlin.kernels.simulation.separation_histories import (
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap
-from stochlin.models.systems import AnyStructure, falls_at
+from stochlin.models.systems import AnyStructure
 
 SAMPLES = "separation_samples"  # variable from which a fragility is fitted
 STEPS_PER_PERIOD = 32
@@ -162,15 +162,11 @@ def _of_oscillators(
 
 def _falls_of_oscillators(pairs: PairTable, run: SimulationRun, metres: Array) -> Falls | None:
     """Displacements at which the oscillators of all pairs fall, if any can."""
-    limits = []
-    for side in pairs.sides:
-        system, z = side.stack.system, of_cells(side.stack.law.largest_z(), side.position)
-        limits.append(falls_at(system.post, system.couple, system.strength * z[:, None])[:, 0])
-    limit, both = np.concatenate(limits), pairs.structures_of_pair.ravel()
+    limit, both = np.concatenate([side.limits for side in pairs.sides]), pairs.structures_of_pair.ravel()
     if np.isposinf(limit).all():
         return None
     drifts = view_of([{int(n): 1.0} for n in both], run.order, metres)
-    return Falls(drifts, limit[both][:, None], np.arange(both.size))
+    return Falls(drifts, limit[both], np.arange(both.size))
 
 
 def _histories(

@@ -69,7 +69,7 @@ class StoreyChains(NamedTuple):
     damping: Array  # (n, m, m) [1/s]
     coupling: Array  # (n, m, m) [1/s^2], 0 where elastic
     yield_displacement: Array  # (n, m) [m], infinite where elastic
-    limit: Array  # (n, m) [m], drift at which no force is left after yielding, infinite if some is
+    limit: Array  # (n, m) [m], drift at which the structure falls, infinite if it cannot
     scale: Array  # (n, m) [m]
     shaken: Array  # (n, m): share of the forcing that acts on each of them
     seen: Array  # (n, h, m): weights of the drifts in the ``h`` displacements of the results
@@ -375,7 +375,7 @@ class Transient:
             drift = _diagonal(x[-1])[:, group.parts[0]]
             if (drift > group.most).any():
                 raise ArithmeticError(
-                    f"the linearized displacement of a structure exceeds the one at which it falls, at "
+                    "the linearized displacement of a structure exceeds the one at which it falls, at "
                     f"{end:.3g} s, since its stiffness after yielding is negative; give it more "
                     "hardening, or simulate"
                 )
