@@ -305,7 +305,7 @@ def test_columns_out_of_range_are_refused(changed, message):
         (
             sl.ModifiedClough,
             {"unloading_exponent": 1.0},
-            "exponent = 1 .*< 1, .*1 leaves no displacement",
+            "exponent = 1 .*< 1, .*at 1 it unloads to the origin",
         ),
         (sl.ModifiedClough, {"unloading_exponent": -0.1}, "allowed: 0 <= value < 1"),
         (sl.ModifiedClough, CAPPED | {"cap_ductility": 0.9}, "allowed: 1 <= value, .*not before yield"),

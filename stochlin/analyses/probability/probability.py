@@ -89,7 +89,7 @@ def pounding_probability(
         The structures. All parameters of oscillators broadcast by dimension name. With a building with
         storeys the gap is checked at all heights; see the notes. For what cannot be linearized the
         result has the simulated variables only, and its attribute ``comment`` gives the reason. A
-        structure that falls, for want of stiffness after yielding, has moved beyond any gap.
+        structure that falls, because it softens after yielding, has moved beyond any gap.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground before modulation. With ``"hybrid"`` it may be None; it is then fitted to the record.
     gap : float or array

@@ -5,7 +5,8 @@ that start together overwrite one another's files, and runs a file whose bytes h
 therefore has a folder of its own, and each function a folder in it. What numba has written there is
 packed into one archive of the function, which is replaced whole and whose check sums are compared when
 it is unpacked. The archives lie in a folder named after a digest of all kernel sources and versions.
-Those of laws of users, of which there can be any number, are removed when they were not used for a day.
+Those of laws that are compiled at run time, of which there can be any number, are removed when they were
+not used for a day.
 """
 
 from __future__ import annotations
@@ -201,10 +202,11 @@ class Kept:
 
     def __call__(self, *args: Any) -> Any:
         """The function, compiled."""
-        with self._lock:
-            if not self._fetched:
-                self._archive.fetch()
-            self._fetched = True
+        if not self._fetched:
+            with self._lock:
+                if not self._fetched:
+                    self._archive.fetch()
+                self._fetched = True
         try:
             result = self.dispatcher(*args)
         except OSError:  # of numba, which could not write the code that it has just compiled

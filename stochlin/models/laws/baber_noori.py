@@ -6,7 +6,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Self
 
 from stochlin.models.laws.bouc_wen import DISSIPATES
-from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
+from stochlin.models.parameters import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    Model,
+    Parameter,
+    Range,
+    numbers_or_arrays,
+    parameter,
+)
 from stochlin.models.structures import LAWS, Structure
 from stochlin.models.uncertain import takes_uncertain
 
@@ -17,7 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 BELOW_1 = Range(upper=1.0, include_lower=True, reason="1 would take all stiffness")
-DECAYS = Range(include_lower=True, reason="it does not grow")
+DECAYS = Range(include_lower=True, reason="damage makes nothing stronger or stiffer")
 CAP_OVER_YIELD = 1.1  # moment of steel beams at the cap over that at yielding
 EXPONENT = Range(lower=1.0, include_lower=True)
 
@@ -147,8 +155,8 @@ class BoucWenBaberNoori(Structure):
     Notes
     -----
     A test to large drifts and back shows which parameters fit a building. Published ones differ from
-    specimen to specimen; those of `of_steel_beams` are the medians of many. Between two opposite states
-    the law can give back a little more work than it has taken, as the Bouc-Wen law can.
+    specimen to specimen; those of `of_steel_beams` were fitted to many. Between two opposite states the
+    law can give back a little more work than it has taken, as the Bouc-Wen law can.
 
     References
     ----------
@@ -267,5 +275,4 @@ class BoucWenBaberNoori(Structure):
             unbraced_slenderness,
             exponent,
         )
-        law = {name: array if array.ndim else float(array) for name, array in beams.law().items()}
-        return cls(exponent=exponent, **law | others)
+        return cls(exponent=exponent, **numbers_or_arrays(beams.law()) | others)

@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
-from stochlin.models.parameters import Model, Parameter, Range, parameter
+from stochlin.models.parameters import Model, Parameter, Range, numbers_or_arrays, parameter
 from stochlin.models.structures import LAWS, Structure
 from stochlin.models.uncertain import takes_uncertain
 
@@ -16,7 +16,9 @@ BELOW_1 = Range(upper=1.0, include_lower=True)
 FROM_1 = Range(lower=1.0, include_lower=True)
 NOT_BEFORE_YIELD = Range(lower=1.0, include_lower=True, reason="the cap is not before yielding, at 1")
 FALLS = Range(reason="above hardening/(1 - hardening), so that the force falls")
-UNLOADS = Range(upper=1.0, include_lower=True, reason="1 leaves no displacement, more makes energy")
+UNLOADS = Range(
+    upper=1.0, include_lower=True, reason="at 1 it unloads to the origin, above 1 it makes energy"
+)
 BELOW_CAP = Range(upper=1.0, include_lower=True, reason="z is 1 at the cap")
 SHARE = Range(upper=1.0, reason="of the stiffness of frame and infill; a bare frame has no infill")
 HOOPS = Range(upper=0.1, reason="a ratio, 0.01 for 1 %")
@@ -239,9 +241,7 @@ class ModifiedClough(Structure):
         (9.76, 0.0148, 0.1011)
         """
         columns = ConcreteColumns(yield_rotation, axial_load_ratio, transverse_ratio, concrete_strength)
-        backbone: dict[str, Any] = {
-            name: array if array.ndim else float(array) for name, array in columns.backbone().items()
-        }
+        backbone = numbers_or_arrays(columns.backbone())
         return cls(**backbone, **{"unloading_exponent": 0.0} | others)
 
     @classmethod
