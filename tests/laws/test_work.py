@@ -94,7 +94,7 @@ LAWS = {
 }
 
 
-# Changes of the slope on a leg, of laws of straight branches: up to seven kinks with slopes from -2 to 4.
+# Changes of the slope on a leg, of laws of straight branches; up to seven kinks, slopes from -2 to 4.
 KINKS = {"bilinear": 5, "flag": 5, **dict.fromkeys(("modified Clough", "masonry infill"), 7 * 6)}
 KINKS |= {"concrete columns": 7 * 6}
 
