@@ -24,6 +24,7 @@ test-all: $(VENV)/.dev
 	$(PYTEST)
 
 check: lint test
+	PYTHONPATH=tests $(BIN)/python -m house.lines
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -8,6 +8,8 @@ import re
 import reprlib
 from collections.abc import Callable, Iterable
 
+from stochlin.removed import instead_of
+
 FULL = (errno.ENOSPC, errno.EDQUOT)
 REASONS = {errno.ENOENT: "there is no such file; check its name and its folder"}
 REASONS |= dict.fromkeys(FULL, "the disk is full; make room on it, or write to another one")
@@ -86,6 +88,12 @@ def nearest(given: str, known: Iterable[str]) -> str:
     alike = difflib.get_close_matches(mine, letters, 1, ALIKE)
     abbreviated = [one for one in letters if len(mine) > 2 and _is_abbreviated(one, mine)]
     return next((letters[one] for one in (mine, *begun, *alike, *abbreviated) if one in letters), "")
+
+
+def hint(given: str, known: Iterable[str]) -> str:
+    """Words before a list of known names: what replaces a removed one, or the likely one."""
+    near = nearest(given, known) if len(given) > 2 else ""  # shorter texts are like all others
+    return instead_of(given) or (f"did you mean {near!r}? " if near else "")
 
 
 def _is_abbreviated(name: str, by: str) -> bool:

@@ -19,7 +19,7 @@ from typing import Annotated, Any, ParamSpec, TypeGuard, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from stochlin.messages import brief, nearest
+from stochlin.messages import brief, hint
 from stochlin.models.parameters import POSITIVE, Model, Range, expect
 from stochlin.models.uncertain import TAKERS, UncertainModel, median_of
 
@@ -128,12 +128,9 @@ class OneOf:
     def __call__(self, name: str, value: object) -> None:
         """Raise a ValueError, which suggests the nearest name, unless the value is one of the names."""
         if not isinstance(value, str) or value not in self.names:
-            near = ""
-            if isinstance(value, str) and len(value) > 2:  # shorter texts are like all others
-                near = nearest(value, self.names)
-            hint = f"did you mean {near!r}? " if near else ""
+            said = hint(value, self.names) if isinstance(value, str) else ""
             raise ValueError(
-                f"{name} = {brief(value)} is not known; {hint}allowed: {', '.join(self.names)}"
+                f"{name} = {brief(value)} is not known; {said}allowed: {', '.join(self.names)}"
             )
 
 
@@ -213,9 +210,17 @@ Scatter = Annotated[float, SCATTER]
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """The function, whose arguments are checked first, by the types in its signature."""
+    signature = inspect.signature(function)
+    takes_any = any(each.kind == each.VAR_KEYWORD for each in signature.parameters.values())
 
     @functools.wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        if not takes_any and (unknown := [*kwargs.keys() - signature.parameters.keys()]):
+            allowed = ", ".join(signature.parameters)
+            raise TypeError(
+                f"{function.__name__}: {unknown[0]} is no argument; "
+                f"{hint(unknown[0], signature.parameters)}allowed: {allowed}"
+            )
         for place, name, check in checks_of(function):
             if name in kwargs:
                 check(name, kwargs[name])

@@ -18,6 +18,7 @@ import xarray as xr
 from stochlin.messages import ImplausibleInput, brief, sentence
 from stochlin.models.plausible import IN_PYTHON, PLAUSIBLE
 from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel
+from stochlin.removed import REMOVED, instead_of
 
 _Number = float | np.floating | np.integer
 Parameter = (
@@ -86,8 +87,21 @@ class _Signature:
         return whole.replace(parameters=list(whole.parameters.values())[1:])
 
 
+class _Kind(type):
+    """The type of models, which says what replaces a removed method or parameter."""
+
+    def __getattr__(cls, name: str) -> Any:
+        said = instead_of(name).removesuffix("; ")
+        raise AttributeError(f"{cls.__name__} has no attribute {name!r}{said and f': {said}'}")
+
+    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+        for name in REMOVED.keys() & kwargs.keys():
+            raise TypeError(f"{cls.__name__}: {name} is no parameter: {instead_of(name)[:-2]}")
+        return super().__call__(*args, **kwargs)
+
+
 @dataclasses.dataclass(frozen=True)
-class Model:
+class Model(metaclass=_Kind):
     """Base of all models that a user describes; it checks and labels the declared parameters.
 
     A scalar out of range raises an error at once. An array may have cells out of range: the analyses

@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 from stochlin._version import __version__
+from stochlin.removed import REMOVED, instead_of
 from stochlin.views.shared.screen import (
     COMMANDS,
     SPELLED,
@@ -52,6 +53,9 @@ class Commands(click.Group):
         except KeyboardInterrupt:
             click.echo("\ninterrupted", err=True)
             ctx.exit(INTERRUPTED)
+        except click.NoSuchOption as error:
+            error.message += f" {instead_of(error.option_name)}".removesuffix("; ").rstrip()
+            raise
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """All by name."""
@@ -61,7 +65,10 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The one of this name."""
         with bad_input():
-            return super().get_command(ctx, cmd_name)
+            command = super().get_command(ctx, cmd_name)
+        if command is None and cmd_name in REMOVED:
+            raise click.UsageError(f"No such command {cmd_name!r}: {instead_of(cmd_name)[:-2]}", ctx)
+        return command
 
 
 @click.group(cls=Commands, commands=COMMANDS, context_settings=CONTEXT)

@@ -129,7 +129,7 @@ def test_the_signature_stays() -> None:
             ValueError,
             "paths = 1 is out of range; allowed: a whole number from 2",
         ),
-        ((FIRM, 2.0), {"path": 2}, TypeError, "unexpected keyword argument 'path'"),
+        ((FIRM, 2.0), {"path": 2}, TypeError, "path is no argument; did you mean 'paths'"),
         ((FIRM,), {}, TypeError, "missing 1 required positional argument: 'duration'"),
         ((FIRM, 2.0, 0.5, 3), {}, TypeError, "takes from 2 to 3 positional arguments but 4 were"),
     ],

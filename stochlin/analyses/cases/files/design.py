@@ -10,7 +10,7 @@ import xarray as xr
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import BUILDING
 from stochlin.analyses.cases.files.sections import Section
-from stochlin.messages import nearest, plain
+from stochlin.messages import hint, plain
 from stochlin.models.rules.codes import (
     BEHAVIOUR,
     CODE_RULES,
@@ -107,11 +107,10 @@ def read_codes(
     for name in wanted.texts("codes"):
         if not (named := rules_of(name)):
             countries = sorted({country for rule in CODE_RULES.values() for country in rule.countries})
-            near = nearest(name, [*CODE_RULES, *countries])
-            hint = f"did you mean {near!r}? " if near else ""
+            said = hint(name, [*CODE_RULES, *countries])
             known = f"{', '.join(CODE_RULES)}, or a country: {', '.join(countries)}"
             raise wanted.error(
-                "codes", f"has {plain(name)!r}, which is not known; {hint}allowed: {known}"
+                "codes", f"has {plain(name)!r}, which is not known; {said}allowed: {known}"
             )
         rules += named
     for rule in rules:

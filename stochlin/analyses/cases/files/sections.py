@@ -30,6 +30,7 @@ from stochlin.messages import (
     DoubtfulInput,
     ImplausibleInput,
     brief,
+    hint,
     listed,
     nearest,
     plain,
@@ -38,6 +39,7 @@ from stochlin.messages import (
 from stochlin.models.arguments import A_LABEL, Whole, is_label
 from stochlin.models.parameters import Model
 from stochlin.models.uncertain import Uncertain
+from stochlin.removed import instead_of
 
 One = TypeVar("One", bound=Model)
 
@@ -134,10 +136,10 @@ class Section:
             elif key not in allowed:
                 near = "" if key in elsewhere else nearest(key, (*allowed, *elsewhere))
                 beside = ", which is given as well" if near in self else ""
-                hint = f"did you mean {near}{beside}? " if near else ""
+                said = instead_of(key) or (f"did you mean {near}{beside}? " if near else "")
                 raise self.error(
                     key,
-                    f"is not a key that is known here; {hint}allowed: {listed(allowed, MOST_LISTED)}",
+                    f"is not a key that is known here; {said}allowed: {listed(allowed, MOST_LISTED)}",
                 )
 
     def need(self, key: str, example: str) -> Any:
@@ -270,9 +272,8 @@ class Section:
             of_path = f"; {BACKSLASH}" if isinstance(value, str) and not value.isprintable() else ""
             raise self.error(key, f"is no line of text; allowed: {A_LABEL}, in quotation marks{of_path}")
         if choices and value not in choices:
-            near = nearest(value, choices)
-            hint = f"did you mean {near!r}? " if near else ""
-            raise self.error(key, f"is not known; {hint}allowed: {', '.join(choices)}")
+            said = hint(value, choices)
+            raise self.error(key, f"is not known; {said}allowed: {', '.join(choices)}")
         return value
 
     def texts(self, key: str) -> list[str]:

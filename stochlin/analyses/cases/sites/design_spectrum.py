@@ -17,7 +17,7 @@ from stochlin.analyses.sites.ground_fit import fit_ground
 from stochlin.analyses.sites.spectrum_files import read_spectrum
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.messages import brief, nearest
+from stochlin.messages import brief, hint
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Range
@@ -89,9 +89,7 @@ def _existing(site: Section, path: Path) -> Path:
     try:
         input_path("path", path).stat()
     except FileNotFoundError as error:
-        near = nearest(path.name, _CODES)
-        hint = f"did you mean {near}? " if near else ""
-        allowed = f"{hint}allowed: {', '.join(_CODES)}, or such a file"
+        allowed = f"{hint(path.name, _CODES)}allowed: {', '.join(_CODES)}, or such a file"
         raise site.error(SPECTRUM, f"is neither a code nor a file beside this one; {allowed}") from error
     return path
 

@@ -1,0 +1,12 @@
+"""What was removed, by its bare name, and what to use instead.
+
+A name is that of a function, class, keyword, value, command, option (``--json``) or key of a case file.
+Whoever still uses it reads the clause in an error.
+"""
+
+REMOVED: dict[str, str] = {}
+
+
+def instead_of(name: str) -> str:
+    """What an error says about a removed name, before what is allowed; empty for all other names."""
+    return f"it was removed: {REMOVED[name]}; " if name in REMOVED else ""

@@ -1,0 +1,86 @@
+"""What was removed is named by no text, and whoever still uses it reads what to use instead."""
+
+import re
+from pathlib import Path
+
+import pytest
+from commands import refused
+
+import stochlin as sl
+from stochlin.models.arguments import OneOf, checked
+from stochlin.removed import REMOVED
+
+pytestmark = pytest.mark.invariant
+
+ROOT = Path(sl.__file__).parents[1]
+# Those that are no words of the language.
+NAMES = sorted(name for name in REMOVED if not re.fullmatch("[a-z]+", name))
+
+
+@pytest.fixture(autouse=True)
+def gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("gone", "--gone"):
+        monkeypatch.setitem(REMOVED, name, "the gap says it")
+
+
+def texts() -> list[Path]:
+    """All that a user may read: docs, notebooks, examples and the code itself."""
+    kept = (
+        "README.md",
+        "CONTRIBUTING.md",
+        "docs/**/*.md",
+        "docs/gallery/*.py",
+        "notebooks/*.ipynb",
+        "stochlin/**/*.py*",
+    )
+    return [
+        path
+        for pattern in kept
+        for path in ROOT.glob(pattern)
+        if path.suffix in (".md", ".py", ".pyi", ".ipynb")
+    ]
+
+
+def test_no_text_names_what_was_removed() -> None:
+    pattern = re.compile("|".join(rf"(?<![\w-]){re.escape(name)}(?![\w-])" for name in NAMES) or "$ ")
+    found = {
+        str(path.relative_to(ROOT)): sorted(set(pattern.findall(path.read_text(encoding="utf-8"))))
+        for path in texts()
+        if path.name != "removed.py"
+    }
+    assert {path: named for path, named in found.items() if named} == {}
+
+
+def test_no_public_name_is_among_them() -> None:
+    assert not REMOVED.keys() & set(sl.__all__)
+
+
+def test_python_says_what_to_use_instead() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'gone': it was removed: the gap says it"):
+        _ = sl.gone  # type: ignore[attr-defined]
+    with pytest.raises(AttributeError, match="KanaiTajimi has no attribute 'gone': it was removed"):
+        _ = sl.KanaiTajimi.gone  # type: ignore[attr-defined]
+    with pytest.raises(TypeError, match="KanaiTajimi: gone is no parameter: it was removed: the gap"):
+        sl.KanaiTajimi(1.0, 0.6, gone=1)
+    with pytest.raises(
+        TypeError, match="named: gone is no argument; it was removed: the gap says it; allowed: depth"
+    ):
+        checked(named)(gone=1)
+    with pytest.raises(TypeError, match="named: dept is no argument; did you mean 'depth'"):
+        checked(named)(dept=1)
+    with pytest.raises(ValueError, match="closure = 'gone' is not known; it was removed: the gap"):
+        OneOf(("gaussian",))("closure", "gone")
+
+
+def named(depth: float) -> float:
+    return depth
+
+
+def test_command_line_and_case_files_say_what_to_use_instead(tmp_path: Path) -> None:
+    assert "No such command 'gone': it was removed: the gap says it" in refused("gone")
+    assert "No such option '--gone'. it was removed: the gap says it" in refused("gap", "--gone")
+    case = tmp_path / "case.toml"
+    case.write_text(sl.example_case().replace("[site]", "[site]\ngone = 1"), encoding="utf-8")
+    assert "site.gone = 1 is not a key that is known here; it was removed: the gap says it" in refused(
+        "gap", case
+    )
