@@ -54,8 +54,11 @@ class Commands(click.Group):
             click.echo("\ninterrupted", err=True)
             ctx.exit(INTERRUPTED)
         except click.NoSuchOption as error:
-            error.message += f" {instead_of(error.option_name)}".removesuffix("; ").rstrip()
-            raise
+            if error.option_name not in REMOVED:
+                raise
+            raise click.UsageError(
+                f"{error.message} {instead_of(error.option_name)[:-2]}", error.ctx
+            ) from error
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """All by name."""

@@ -1,4 +1,4 @@
-"""Lines of code, modules and public names, now and as `budgets.toml` has them; `make check` prints both."""
+"""Lines, modules and public names, now and as `budgets.toml` has them; `make check` prints both."""
 
 import ast
 import io
