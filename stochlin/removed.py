@@ -4,7 +4,11 @@ A name is that of a function, class, keyword, value, command, option (``--json``
 Whoever still uses it reads the clause in an error.
 """
 
-REMOVED: dict[str, str] = {}
+REMOVED: dict[str, str] = {
+    "of_concrete_columns": "give cap_ductility, softening and hardening of ModifiedClough themselves",
+    "of_masonry_infill": "give cracking, cap_ductility and softening of ModifiedClough themselves",
+    "of_steel_beams": "give hardening and decay of BoucWenBaberNoori themselves",
+}
 
 
 def instead_of(name: str) -> str:

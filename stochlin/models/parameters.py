@@ -74,11 +74,6 @@ def parameter(units: str, long_name: str, allowed: Range, default: Any = datacla
     )
 
 
-def numbers_or_arrays(values: Mapping[str, xr.DataArray]) -> dict[str, Any]:
-    """Parameters by name as a model takes them: those without dimensions as numbers."""
-    return {name: array if array.ndim else float(array) for name, array in values.items()}
-
-
 class _Signature:
     """Signature of a model, that of its ``__init__``; older Pythons would show that of ``__new__``."""
 

@@ -249,56 +249,6 @@ def test_the_flag_has_a_stationary_response_and_the_modified_clough_law_has_none
             sl.linearize(structure, GROUND)
 
 
-COLUMNS = {"yield_rotation": 0.008, "axial_load_ratio": 0.2, "transverse_ratio": 0.004}
-COLUMNS |= {"concrete_strength": 25e6, "period": 0.6, "damping": 0.05, "yield_displacement": 0.024}
-
-
-def test_columns_of_concrete_have_the_rotations_and_moments_of_the_equations():
-    """The force of the whole structure, against rotations by hand through logarithms."""
-    structure = sl.ModifiedClough.of_concrete_columns(**COLUMNS)
-    hoops = np.log(0.02 + 40 * 0.004)
-    plastic = np.exp(np.log(0.155) + 0.2 * np.log(0.16) + 0.43 * hoops + 0.25 * np.log(0.54))
-    falling = np.exp(np.log(0.76) + 0.2 * np.log(0.031) + 1.02 * hoops)
-    assert falling < 0.10
-    rotations = np.array([0.004, 0.008, 0.008 + plastic, 0.008 + plastic + 0.4 * falling])
-    loop = sl.hysteresis_loop(structure, rotations * 3.0, refine=1)
-    force = loop.force_per_mass[1:] / (0.024 * (2 * np.pi / 0.6) ** 2)
-    np.testing.assert_allclose(force, [0.5, 1.0, 1.13, 0.6 * 1.13], rtol=1e-9)
-
-
-def test_well_confined_columns_fall_within_a_tenth_at_most():
-    near, far = (
-        sl.ModifiedClough.of_concrete_columns(
-            **COLUMNS | {"transverse_ratio": ratio, "axial_load_ratio": 0.0}
-        )
-        for ratio in (0.005, 0.02)
-    )
-    whole = [(1 - one.hardening) * one.softening - one.hardening for one in (near, far)]
-    np.testing.assert_allclose(whole, 1.13 * 0.008 / 0.10, rtol=1e-12)
-    assert far.cap_ductility > near.cap_ductility
-
-
-def test_columns_may_be_uncertain_or_many():
-    scattered = COLUMNS | {"axial_load_ratio": sl.Uncertain(0.2, 0.1)}
-    median = sl.ModifiedClough.of_concrete_columns(**scattered).median()
-    assert median == sl.ModifiedClough.of_concrete_columns(**COLUMNS)
-    loads = sl.ModifiedClough.of_concrete_columns(**COLUMNS | {"axial_load_ratio": [0.1, 0.2]})
-    assert loads.cap_ductility[1] == median.cap_ductility < loads.cap_ductility[0]
-
-
-@pytest.mark.parametrize(
-    ("changed", "message"),
-    [
-        ({"concrete_strength": 25.0}, r"concrete_strength = 25 is out of range; .*30e6 for 30 MPa"),
-        ({"transverse_ratio": 0.4}, r"transverse_ratio = 0.4 is out of range; .*0.01 for 1 %"),
-        ({"axial_load_ratio": 1.0}, "axial_load_ratio = 1 is out of range; allowed: 0 <= value < 1"),
-    ],
-)
-def test_columns_out_of_range_are_refused(changed, message):
-    with pytest.raises(ValueError, match=message):
-        sl.ModifiedClough.of_concrete_columns(**COLUMNS | changed)
-
-
 @pytest.mark.parametrize(
     ("kind", "changed", "message"),
     [

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.models.parameters import Model, Parameter, Range, numbers_or_arrays, parameter
+from stochlin.models.parameters import Parameter, Range, parameter
 from stochlin.models.structures import LAWS, Structure
-from stochlin.models.uncertain import takes_uncertain
 
-BELOW_1 = Range(upper=1.0, include_lower=True)
 FROM_1 = Range(lower=1.0, include_lower=True)
 NOT_BEFORE_YIELD = Range(lower=1.0, include_lower=True, reason="the cap is not before yielding, at 1")
 FALLS = Range(reason="above hardening/(1 - hardening), so that the force falls")
@@ -20,48 +18,8 @@ UNLOADS = Range(
     upper=1.0, include_lower=True, reason="at 1 it unloads to the origin, above 1 it makes energy"
 )
 BELOW_CAP = Range(upper=1.0, include_lower=True, reason="z is 1 at the cap")
-SHARE = Range(upper=1.0, reason="of the stiffness of frame and infill; a bare frame has no infill")
-HOOPS = Range(upper=0.1, reason="a ratio, 0.01 for 1 %")
-CONCRETE = Range(lower=1e6, upper=2e8, reason="in Pa, 30e6 for 30 MPa")
-CAP_OVER_YIELD = 1.13  # moment of columns at the cap over that at yielding
-# Infills crack at 0.7 of their largest force. Over the stiffness of a strut by Mainstone, theirs is 2.8
-# before cracking, 0.8 from zero to the largest force, and -0.1 beyond.
-INFILL = {"cracking": 0.7, "uncracked_stiffness": 3.5, "cap_ductility": 1.0, "softening": 0.125}
 # Parameters of which one means nothing without the other
 TOGETHER = [("cracking", "uncracked_stiffness"), ("cap_ductility", "softening")]
-
-
-@dataclass(frozen=True)
-class ConcreteColumns(Model):
-    """What the backbone of reinforced concrete columns depends on, checked."""
-
-    of_arguments = True
-
-    yield_rotation: Parameter = parameter("rad", "chord rotation at yielding", Range(upper=0.1))
-    axial_load_ratio: Parameter = parameter("1", "axial load over that of concrete", BELOW_1)
-    transverse_ratio: Parameter = parameter("1", "ratio of transverse reinforcement", HOOPS)
-    concrete_strength: Parameter = parameter("Pa", "compressive strength of concrete", CONCRETE)
-
-    def backbone(self) -> dict[str, xr.DataArray]:
-        """Hardening, cap and softening; see `ModifiedClough.of_concrete_columns`."""
-        values = self.arrays()
-        load, yields = values["axial_load_ratio"], values["yield_rotation"]
-        hoops = 0.02 + 40 * values["transverse_ratio"]
-        strength = 0.54 ** (values["concrete_strength"] / 1e8)
-        capping = 0.10 * 1.55 * 0.16**load * hoops**0.43 * strength / yields
-        falling = (0.76 * 0.031**load * hoops**1.02).clip(max=0.10) / yields
-        hardening = (CAP_OVER_YIELD - 1) / capping
-        softening = (CAP_OVER_YIELD / falling + hardening) / (1 - hardening)
-        return {"hardening": hardening, "cap_ductility": 1 + capping, "softening": softening}
-
-
-@dataclass(frozen=True)
-class InfilledFrame(Model):
-    """The argument of `ModifiedClough.of_masonry_infill`, checked."""
-
-    of_arguments = True
-
-    frame_share: Parameter = parameter("1", "share of the frame in the stiffness", SHARE)
 
 
 @LAWS.register("modified_clough", place=5)
@@ -175,128 +133,6 @@ class ModifiedClough(Structure):
                 f"hardening of {hardening:g}; allowed: hardening/(1 - hardening) = {least:.6g} < value; "
                 "or cap_ductility = 1, for a part that breaks beside one that stays elastic"
             )
-
-    @classmethod
-    @takes_uncertain
-    def of_concrete_columns(
-        cls,
-        *,
-        yield_rotation: Parameter,
-        axial_load_ratio: Parameter,
-        transverse_ratio: Parameter,
-        concrete_strength: Parameter,
-        **others: Any,
-    ) -> Self:
-        """A structure that deforms in columns of reinforced concrete, with a backbone of 255 tests.
-
-        Parameters
-        ----------
-        yield_rotation : float or array
-            Rotation of the chord of the columns at yielding [rad], which for stiff beams is the yield
-            drift over the storey height.
-        axial_load_ratio : float or array
-            Axial load over concrete strength and gross area [-], at least 0 and below 1.
-        transverse_ratio : float or array
-            Area of the transverse reinforcement over width and spacing [-], below 0.1.
-        concrete_strength : float or array
-            Compressive strength of cylinders [Pa].
-        **others
-            ``period``, ``damping``, the yield displacement or reduction factor, and others as in
-            `ModifiedClough`.
-
-        Returns
-        -------
-        ModifiedClough
-            With the axial load ratio ``n``, the transverse ratio ``r`` and the strength ``f`` in MPa,
-            the plastic rotation up to the cap is
-            ``0.155 0.16^n (0.02 + 40 r)^0.43 0.54^(0.01 f)``, for bars that may slip in the joint. From
-            there the force would fall to 0 in ``0.76 0.031^n (0.02 + 40 r)^1.02``, at most 0.10. The
-            force at the cap is 1.13 times that at yielding. It unloads with the elastic stiffness.
-
-        Raises
-        ------
-        ValueError, TypeError
-            As in `ModifiedClough`, or if a property is out of range.
-
-        Notes
-        -----
-        The equations are for columns that fail in bending. The cyclic deterioration that belongs to them
-        is left out, so that many large cycles do less damage than in the tests. The spring of the
-        hardening remains when ``z`` is 0.
-
-        References
-        ----------
-        Haselton, C. B., Liel, A. B., Taylor-Lange, S. C. and Deierlein, G. G. (2016), American Concrete
-        Institute Structural Journal 113, the equations with fewer variables, as several open programs
-        have them; the tests are those of their report of 2007 (PEER).
-
-        Examples
-        --------
-        >>> import stochlin as sl
-        >>> columns = sl.ModifiedClough.of_concrete_columns(
-        ...     yield_rotation=0.0075, axial_load_ratio=0.1, transverse_ratio=0.0075,
-        ...     concrete_strength=30e6, period=0.6, damping=0.05, yield_displacement=0.0225,
-        ... )
-        >>> round(columns.cap_ductility, 2), round(columns.hardening, 4), round(columns.softening, 4)
-        (9.76, 0.0148, 0.1011)
-        """
-        columns = ConcreteColumns(yield_rotation, axial_load_ratio, transverse_ratio, concrete_strength)
-        backbone = numbers_or_arrays(columns.backbone())
-        return cls(**backbone, **{"unloading_exponent": 0.0} | others)
-
-    @classmethod
-    @takes_uncertain
-    def of_masonry_infill(cls, *, frame_share: Parameter, **others: Any) -> Self:
-        """A frame of reinforced concrete with infills of hollow clay bricks, which crack and fail.
-
-        The infill is the hysteretic part, ``z``, and the frame the spring of the hardening, which stays
-        elastic.
-
-        Parameters
-        ----------
-        frame_share : float or array
-            Stiffness of the bare frame over that of frame and infill together, from zero to the largest
-            force of the infill [-], above 0 and below 1.
-        **others
-            ``period``, ``damping``, the yield displacement or reduction factor, and others as in
-            `ModifiedClough`. The period is that of the stiffness from zero to the largest force of the
-            infill; in small motions it is shorter by the factor
-            ``(3.5 - 2.5 frame_share)^(-1/2)``. The yield displacement is that of the largest force.
-
-        Returns
-        -------
-        ModifiedClough
-            The infill cracks at 0.7 of its largest force and is 3.5 times as stiff before. Beyond the
-            largest force it falls by 0.125 of the stiffness up to there, to nothing.
-
-        Raises
-        ------
-        ValueError, TypeError
-            As in `ModifiedClough`, or if the share is out of range.
-
-        Notes
-        -----
-        The loops of tests on infills are more pinched than those of this law. In a motion in which the
-        frame yields as well the displacements are underestimated.
-
-        References
-        ----------
-        De Risi, M. T., Del Gaudio, C., Ricci, P. and Verderame, G. M. (2018), Engineering Structures
-        168, 257-275, as an open program has their ratios; the stiffness of a strut to which they refer,
-        by Mainstone, cancels.
-
-        Examples
-        --------
-        >>> import stochlin as sl
-        >>> infilled = sl.ModifiedClough.of_masonry_infill(
-        ...     frame_share=0.3, period=0.4, damping=0.05, yield_displacement=0.01
-        ... )
-        >>> loop = sl.hysteresis_loop(infilled, [0.002, 0.01, 0.05, 0.09], refine=1)
-        >>> [round(float(z), 6) for z in loop.z]
-        [0.0, 0.7, 1.0, 0.5, 0.0]
-        """
-        share = InfilledFrame(frame_share).cells()["frame_share"]
-        return cls(hardening=share, **INFILL | others)
 
     def valid(self) -> xr.DataArray:
         """True for the cells in which every parameter is in its range."""
