@@ -61,7 +61,6 @@ from .analyses.sites.motion_fit import (
     compare_motions as compare_motions,
     FittedMotion as FittedMotion,
 )
-from .analyses.records.evolutionary_spectra import evolutionary_psd as evolutionary_psd
 from .analyses.records.response import (
     respond as respond,
     response_spectrum as response_spectrum,

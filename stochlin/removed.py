@@ -8,6 +8,8 @@ REMOVED: dict[str, str] = {
     "of_concrete_columns": "give cap_ductility, softening and hardening of ModifiedClough themselves",
     "of_masonry_infill": "give cracking, cap_ductility and softening of ModifiedClough themselves",
     "of_steel_beams": "give hardening and decay of BoucWenBaberNoori themselves",
+    "modulation": "envelope= makes the evolutionary spectrum m(t)^2 S(w)",
+    "evolutionary_psd": "it is envelope.at(time) ** 2 * ground.psd(frequency)",
 }
 
 

@@ -142,9 +142,6 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
     "strength_for_ductility": lambda s: sl.strength_for_ductility(s.weak, s.ground, 3.0),
     "peak_response": lambda s: sl.peak_response(s.first, s.ground, 2.0),
     "transient_response": lambda s: sl.transient_response(s.first, s.ground, 0.2, points=5),
-    "transient_response, modulation": lambda s: sl.transient_response(
-        s.first, s.ground, 0.2, points=5, modulation=lambda time, frequency: time
-    ),
     "separation": lambda s: sl.separation(*s.both, s.ground, **SIZES),
     "separation, second=None": lambda s: sl.separation(s.first, None, s.ground, **SIZES),
     "code_gaps, modes_1": lambda s: sl.code_gaps(

@@ -1,4 +1,4 @@
-"""The hybrid method, fits of envelopes, evolutionary spectra, and their pictures."""
+"""The hybrid method, fits of envelopes, and their pictures."""
 
 import numpy as np
 import pytest
@@ -196,21 +196,9 @@ def test_unknown_envelope_is_refused(quake):
         sl.fit_envelope(quake, "box")
 
 
-def test_evolutionary_psd_is_the_product_and_holds_the_variance():
-    ground, envelope = sl.KanaiTajimi(0.42, 0.6, intensity=0.01), sl.HsuBernard(5.0)
-    time, frequency = np.linspace(0, 30, 31), np.linspace(0, 2000, 40001)
-    psd = sl.evolutionary_psd(ground, envelope, frequency, time)
-    variance = 2 * psd.integrate("frequency")
-    w, xi = 2 * np.pi / 0.42, 0.6
-    full = np.pi * 0.01 * w * (1 + 4 * xi**2) / (2 * xi)
-    np.testing.assert_allclose(variance, full * envelope.at(time) ** 2, rtol=5e-3)
-    with pytest.raises(ValueError, match="time = -1"):
-        sl.evolutionary_psd(ground, envelope, frequency, [-1.0])
-
-
 @pytest.mark.slow
 def test_pictures_are_drawn_with_their_parameters_and_of_their_own_tables_only(quake, tmp_path):
-    from stochlin.views.probability.pictures import draw_evolutionary_psd, draw_fragility, draw_pounding
+    from stochlin.views.probability.pictures import draw_fragility, draw_pounding
     from stochlin.views.shared.style import save
 
     firm = sl.named_ground("firm", 0.01)
@@ -223,9 +211,6 @@ def test_pictures_are_drawn_with_their_parameters_and_of_their_own_tables_only(q
         ),
         "fragility": draw_fragility(
             sl.pounding_fragility(ONE, yielding, firm, [0.1, 0.2], [0.01, 0.02], **motion)
-        ),
-        "psd": draw_evolutionary_psd(
-            sl.evolutionary_psd(firm, sl.HsuBernard(4.0), np.linspace(1, 40, 20), np.linspace(0, 12, 9))
         ),
     }
     caption = pictures["fragility"].texts[-1].get_text()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.modulations import Modulation, SampledModulation
 from stochlin.analyses.linearization.transient_systems import (
     POINTS,
     TIME,
@@ -21,22 +20,12 @@ from stochlin.analyses.linearization.transient_systems import (
 )
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.models.arguments import Duration, Points, checked, fitting
+from stochlin.models.arguments import Duration, Points, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
 
-def _check_fitting(envelope: object, modulation: object) -> None:
-    """Raise a ValueError if both are given."""
-    if envelope is not None and modulation is not None:
-        raise ValueError(
-            "envelope and modulation do not go together; multiply them in the function, as in "
-            "modulation=lambda time, frequency: envelope.at(time) * weight(time, frequency)"
-        )
-
-
-@fitting(_check_fitting)
 @checked
 def transient_response(
     structure: Structure,
@@ -44,7 +33,6 @@ def transient_response(
     duration: Duration,
     *,
     envelope: Envelope | None = None,
-    modulation: Modulation | None = None,
     points: Points = POINTS,
 ) -> xr.Dataset:
     """Standard deviations of the response of a structure over time, by transient linearization.
@@ -58,14 +46,6 @@ def transient_response(
     coefficients are those of the law in which ``e`` has its mean, and the means grow with the response,
     ``E[e]' = E[rate of e]``, from 0 on (Baber and Wen 1981).
 
-    With a ``modulation`` ``a(t, w)`` the ground motion is an evolutionary process (Priestley 1965),
-    whose amplitude depends on time and frequency:
-
-        f(t) = Int a(t, w) exp(i w t) dZ(w),    Var[dZ(w)] = S(w) dw,
-
-    with the spectrum ``S`` of the ground and the evolutionary spectrum ``a^2 S``. Earthquakes lose high
-    frequencies as they go on, for example.
-
     Parameters
     ----------
     structure : Bilinear, BoucWen, Hysteretic or BoucWenBaberNoori
@@ -75,12 +55,8 @@ def transient_response(
     duration : float
         Duration of the motion [s], at least one period.
     envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
-        Envelope of the motion; without it the ground motion is stationary from its start.
-    modulation : callable, optional
-        In place of an envelope: a function of the time [s] and the circular frequency [rad/s], which are
-        arrays ``(n, 1)`` and ``(1, m)``. It returns the factor ``a`` [-] on the amplitude, ``(n, m)`` or
-        what broadcasts to it: finite, from 0 on, smooth in both, with a limit at high frequencies.
-        ``lambda time, frequency: envelope.at(time)`` is the same as the envelope.
+        Envelope ``m`` of the motion, whose evolutionary spectrum is ``m(t)^2 S(w)`` with that of the
+        ground, ``S`` (Priestley 1965); without it the motion is stationary from its start.
     points : int
         Number of instants of the result.
 
@@ -92,17 +68,14 @@ def transient_response(
         ``hysteretic_energy_per_mass`` [m^2/s^2], the mean work done on the hysteretic spring so far:
         what it has dissipated, and the little that it stores. A law with memory adds ``state_mean``, the
         means of its further states over ``state``, as the law measures them. Over ``time``: ``envelope``
-        [-], of a modulation its largest value over frequency, and ``permanent_set``, a flag that is 1
-        after the strong shaking.
+        [-], and ``permanent_set``, a flag that is 1 after the strong shaking.
         Over the dimensions of the parameters: ``yield_displacement`` [m] and ``status``.
 
     Raises
     ------
     ValueError, TypeError
         If a number is out of range, the envelope has negative values or is zero within the whole
-        duration, or the duration is shorter than a period. If both an envelope and a modulation are
-        given, or the modulation is no function, is complex, negative, not finite or zero throughout, has
-        another shape, or is so rough over frequency that 5 % of it are lost.
+        duration, or the duration is shorter than a period.
     ArithmeticError
         If a single case fails, or the law has no rates in symbols, as that of `ModifiedClough` and
         `Flag`; in a table the cell is NaN and its status gives the reason.
@@ -121,12 +94,6 @@ def transient_response(
     With a hardening of 0 or less the moments grow with time. An ArithmeticError is raised where the
     standard deviation exceeds the displacement at which a softening structure has no force left.
 
-    A modulation is taken as a Fourier series over ``2 arctan(w / c)``. Its terms are outputs of all-pass
-    filters behind the ground, with amplitudes over time, so that the same equations hold with more
-    states. The series has as many terms as leave out 1e-11 of the modulation, or 48. The attribute
-    ``modulation_error`` is what is left out, as a share in the root mean square over that angle. The
-    relative error of the result is about as large or less. From 1e-3 on there is a warning.
-
     References
     ----------
     Baber, T. T. and Wen, Y. K. (1981), J. Eng. Mech. Div. ASCE 107, 1069-1087.
@@ -135,24 +102,12 @@ def transient_response(
 
     Examples
     --------
-    >>> import numpy as np, stochlin as sl
+    >>> import stochlin as sl
     >>> building = sl.Bilinear(period=0.8, damping=0.05)
     >>> ground = sl.WhiteNoise(0.01)
     >>> late = sl.transient_response(building, ground, duration=40.0).displacement_std[-1]
     >>> bool(abs(late / sl.linearize(building, ground).displacement_std - 1) < 1e-6)
     True
-
-    Where high frequencies die out first, a stiff building moves most before a soft one does:
-
-    >>> def fading(time, frequency):
-    ...     high = frequency**2 / (10.0**2 + frequency**2)
-    ...     return time * np.exp(-time / 10) * ((1 - high) + high * np.exp(-time / 3))
-    >>> stiff, soft = sl.Bilinear(period=0.2, damping=0.05), sl.Bilinear(period=2.0, damping=0.05)
-    >>> for building in (stiff, soft):
-    ...     table = sl.transient_response(building, ground, 40.0, modulation=fading, points=81)
-    ...     print(float(table.time[int(table.displacement_std.argmax("time"))]))
-    3.5
-    13.5
     """
     seconds = check_course(duration, envelope)
     side = side_of(structure, ground, seconds, "structure", 0)
@@ -160,12 +115,7 @@ def transient_response(
     labels.raise_if_lone_failure(xr.Dataset({"status": side.status}), "transient_response")
     if not side.period.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
-    shortest = shortest_period([side])
-    sampled = None
-    if modulation is not None:
-        rates = 2 * np.pi / side.period
-        sampled = SampledModulation.of(modulation, seconds, float(rates.min()), float(rates.max()))
-    course = course_of(envelope, seconds, shortest, points, sampled)
+    course = course_of(envelope, seconds, shortest_period([side]), points)
     own = solve_course([side], ground, np.zeros((2, 0), int), course).own
     shown = course.shown
     _, _, _, uy = oscillators_of([side])

@@ -12,7 +12,6 @@ import scipy.linalg
 import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
-from stochlin.analyses.linearization.modulations import SampledModulation
 from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
@@ -21,8 +20,8 @@ from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.basics.systems import System
+from stochlin.kernels.linearization.filters import Matrices
 from stochlin.kernels.linearization.gaussian import ClosureInTime
-from stochlin.kernels.linearization.modulated_filters import RowsFilter
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
 from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
 from stochlin.kernels.linearization.transient import (
@@ -97,19 +96,10 @@ class TimeGrid(NamedTuple):
     times: Array  # [s], for integrals over time
     shown: Array  # indices of the instants of the result
     strong_end: float  # end of the strong shaking [s]
-    modulation: SampledModulation | None = None  # in place of an envelope
 
     def values(self, times: Array) -> Array:
-        """Values of the envelope at times [s]; of a modulation the largest over frequency."""
-        return _shaking(self.envelope, self.modulation, times)
-
-    def amplitudes(self, times: Array) -> Array:
-        """Amplitudes (t, r) of the outputs of the `modulated` ground at times [s]."""
-        return self.modulation.amplitudes(times) if self.modulation else self.values(times)[:, None]
-
-    def modulated(self, ground: RowsFilter) -> RowsFilter:
-        """The ground with the outputs that the motion needs."""
-        return self.modulation.modulated(ground) if self.modulation else ground
+        """Values of the envelope at times [s]."""
+        return envelope_at(self.envelope, times)
 
 
 class TransientMoments(NamedTuple):
@@ -267,13 +257,7 @@ def grounds_of(sides: Sequence[StructureCells]) -> dict[str, Array]:
     return {name: np.concatenate([side.ground[name] for side in sides]) for name in sides[0].ground}
 
 
-def course_of(
-    envelope: Envelope | None,
-    duration: float,
-    shortest: float,
-    points: int,
-    modulation: SampledModulation | None = None,
-) -> TimeGrid:
+def course_of(envelope: Envelope | None, duration: float, shortest: float, points: int) -> TimeGrid:
     """Instants of a motion, close enough for integrals over time with the shortest period."""
     stretches = points - 1
     instants = duration * STEPS_PER_PERIOD / shortest
@@ -286,15 +270,10 @@ def course_of(
     times = np.linspace(0, duration, stretches * each + 1)
     shown = np.arange(points) * each
     scan = np.linspace(0, duration, SCANNED)
-    values = _shaking(envelope, modulation, scan)
+    values = envelope_at(envelope, scan)
     strong = np.flatnonzero(values >= STRONG * values.max())
     last = duration if strong[-1] == SCANNED - 1 else float(scan[strong[-1] + 1])
-    return TimeGrid(envelope, float(duration), times, shown, last, modulation)
-
-
-def _shaking(envelope: Envelope | None, modulation: SampledModulation | None, times: Array) -> Array:
-    """Values of an envelope or largest values of a modulation at times [s]."""
-    return modulation.largest(times) if modulation else envelope_at(envelope, times)
+    return TimeGrid(envelope, float(duration), times, shown, last)
 
 
 def solve_course(
@@ -309,7 +288,7 @@ def solve_course(
     ``pairs`` (2, p) has the numbers of their cells. ``progress`` is called with the share of the
     duration that is done.
     """
-    groups = _groups(sides, ground, course)
+    groups = _groups(sides, ground)
     fastest = max(group.fastest() for group in groups)
     n, m = sum(side.period.size for side in sides), max(side.elements for side in sides)
     k, filters = groups[0].filters.matrix.shape[-1], sum(group.filters.matrix.size for group in groups)
@@ -324,7 +303,7 @@ def solve_course(
         },
     )
     laws = _laws_in_time(sides) if any(group.yields.any() for group in groups) else None
-    transient = Transient(groups, pairs, laws, course.amplitudes)
+    transient = Transient(groups, pairs, laws, course.values)
     kinks = () if course.envelope is None else course.envelope.kinks()
     return TransientMoments(*transient.solve(course.times, kinks, progress), tuple(sides), course)
 
@@ -347,12 +326,11 @@ def over_time(table: xr.Dataset, course: TimeGrid) -> xr.Dataset:
             duration_s=course.duration,
             envelope_model="none" if course.envelope is None else course.envelope.describe(),
             strong_shaking_end_s=course.strong_end,
-            **(course.modulation.attributes() if course.modulation else {}),
         )
     )
 
 
-def _groups(sides: Sequence[StructureCells], ground: Ground, course: TimeGrid) -> list[ChainEquations]:
+def _groups(sides: Sequence[StructureCells], ground: Ground) -> list[ChainEquations]:
     """Equations of all cells; sides with the same number of elements are one group."""
     groups = []
     nodes = NODES_OF_STOREYS if any(side.elements > 1 for side in sides) else NODES
@@ -360,7 +338,7 @@ def _groups(sides: Sequence[StructureCells], ground: Ground, course: TimeGrid) -
         alike = list(members)
         parts = zip(*map(_structures, alike), strict=True)
         structures = StoreyChains(*map(np.concatenate, parts))
-        groups.append(ChainEquations(structures, _filters(ground, grounds_of(alike), course), nodes))
+        groups.append(ChainEquations(structures, _filters(ground, grounds_of(alike)), nodes))
     return groups
 
 
@@ -417,18 +395,18 @@ def _laws_in_time(sides: Sequence[StructureCells]) -> LawsInTime:
     return LawsInTime(states, closure)
 
 
-def _filters(ground: Ground, values: Mapping[str, Array], course: TimeGrid) -> Filters:
+def _filters(ground: Ground, values: Mapping[str, Array]) -> Filters:
     """Ground filters of the cells; equal filters are computed once."""
     intensity = 2 * np.pi * values["intensity"]
     shape = {name: row for name, row in values.items() if name != "intensity"}
     table = np.stack([np.zeros_like(intensity), *shape.values()])
     alike, which = np.unique(table, axis=1, return_inverse=True)
 
-    def unit(column: Array) -> RowsFilter:
+    def unit(column: Array) -> Matrices:
         parameters = dict(zip(shape, column.tolist(), strict=True))
-        return RowsFilter.of(ground.filter({"intensity": 1.0, **parameters}).arrays)
+        return ground.filter({"intensity": 1.0, **parameters}).arrays
 
-    filters = [_in_standard_deviations(course.modulated(unit(column))) for column in alike[1:].T]
+    filters = [_in_standard_deviations(unit(column)) for column in alike[1:].T]
     cells = which.ravel()
     if len(filters) == 1 and np.ptp(intensity) == 0:  # one ground for all
         cells, intensity = cells[:1], intensity[:1]
@@ -438,15 +416,15 @@ def _filters(ground: Ground, values: Mapping[str, Array], course: TimeGrid) -> F
     )
 
 
-def _in_standard_deviations(unit: RowsFilter) -> Filters:
+def _in_standard_deviations(unit: Matrices) -> Filters:
     """One filter under unit white noise, with states of unit variance."""
-    matrix, noise, rows, direct = unit
+    matrix, noise, output = unit
     if not noise.size:
-        return Filters(matrix, rows, rows, direct)
+        return Filters(matrix, output, output, np.array(1.0))
     covariance = scipy.linalg.solve_continuous_lyapunov(matrix, -np.outer(noise, noise))
     scale = np.sqrt(np.diag(covariance))
-    push = rows @ covariance + direct[:, None] * noise
-    return Filters(matrix * scale / scale[:, None], rows * scale, push / scale, direct)
+    push = covariance @ output
+    return Filters(matrix * scale / scale[:, None], output * scale, push / scale, np.array(0.0))
 
 
 def spread_over(values: Array, at: xr.DataArray) -> xr.DataArray:

@@ -2,8 +2,7 @@
 
 The forcing is ``f(t) = o(t) q + d(t) e`` with unit white noise ``e`` and the stationary states ``q`` of
 the ground filter ``q' = F q + n e``. ``P`` is the covariance of ``q``. The output ``o(t), d(t)`` is a
-sum of constant rows times amplitudes, which are functions of time: one row times the envelope, or the
-rows of `modulated_filters`. The structures follow ``x' = A x + b f``. With ``C = E[x q']``,
+constant row times the envelope. The structures follow ``x' = A x + b f``. With ``C = E[x q']``,
 ``X = E[x x']`` of one structure, ``X12 = E[x1 x2']`` of a pair, and ``g = P o + d n``,
 
     C'   = A C + C F' + b g'
@@ -78,14 +77,14 @@ class StoreyChains(NamedTuple):
 class Filters(NamedTuple):
     """The ground filter of each structure, with states over their standard deviations.
 
-    It has ``r`` rows, whose sum with the amplitudes at a time is the output ``o, d`` and its ``g``.
+    Times the envelope at a time, the rows are the output ``o, d`` and its ``g``.
     Where all structures have the same filter, it stands there once, ``n`` = 1.
     """
 
     matrix: Array  # (n, k, k): F [1/s]
-    output: Array  # (n, r, k): of o [m/s^2]
-    ground_push: Array  # (n, r, k): of g [m/s^2]
-    direct: Array  # (n, r): of d [m/s^1.5]
+    output: Array  # (n, k): of o [m/s^2]
+    ground_push: Array  # (n, k): of g [m/s^2]
+    direct: Array  # (n,): of d [m/s^1.5]
 
 
 class Own(NamedTuple):
@@ -125,8 +124,8 @@ class PanelMatrices(NamedTuple):
     forward: Array  # (q, n, 3 m, 3 m) exp(A* t)
     slips: Array  # (q, n, 3 m, m) columns of exp(-A* t) that belong to the slips
     push: Array  # (q, n, 3 m) exp(-A* t) b
-    soil: Array  # (q, n, r, k) exp(-F t) g of each row
-    output: Array  # (q, n, r, k) exp(F' t) o of each row
+    soil: Array  # (q, n, k) exp(-F t) g without the envelope
+    output: Array  # (q, n, k) exp(F' t) o without the envelope
     filters: Array  # (n, k, k) exp(F t) at the end of the panel
 
 
@@ -160,7 +159,7 @@ class Path(NamedTuple):
         return covariances
 
 
-Amplitudes = Callable[[Array], Array]  # from times (q,) to the amplitudes of the rows (q, r)
+Shaking = Callable[[Array], Array]  # from times (q,) to values of the envelope (q,)
 
 
 class LawsInTime(NamedTuple):
@@ -219,18 +218,15 @@ class ChainEquations:
             exponentials(a * times),
             np.ascontiguousarray(back[..., y]),
             (back[..., v] @ self.push[..., None])[..., 0],
-            f.ground_push @ exponentials(-f.matrix * times).swapaxes(-1, -2),
-            f.output @ soil,
+            (exponentials(-f.matrix * times) @ f.ground_push[..., None])[..., 0],
+            (f.output[:, None] @ soil)[..., 0, :],
             soil[-1],
         )
 
-    def ground_motion(self, frame: PanelMatrices, amplitudes: Array) -> GroundMotion:
-        """The motion of the ground in a panel with these amplitudes (q, r) at its nodes."""
-        at_nodes = amplitudes[:, None, None]
-        direct = amplitudes @ self.filters.direct.T
-        return GroundMotion(
-            (at_nodes @ frame.soil)[..., 0, :], (at_nodes @ frame.output)[..., 0, :], 0.5 * direct**2
-        )
+    def ground_motion(self, frame: PanelMatrices, envelope: Array) -> GroundMotion:
+        """The motion of the ground in a panel with these values (q,) of the envelope at its nodes."""
+        at_nodes, direct = envelope[:, None, None], envelope[:, None] * self.filters.direct
+        return GroundMotion(at_nodes * frame.soil, at_nodes * frame.output, 0.5 * direct**2)
 
     def first(self, frame: PanelMatrices, ground: GroundMotion, soil: Array, own: Array) -> Path:
         """The path from covariances ``C`` and ``X`` on with the coefficients of the frame."""
@@ -326,9 +322,9 @@ class Transient:
         groups: Sequence[ChainEquations],
         pairs: Array,
         laws: LawsInTime | None,
-        amplitudes: Amplitudes,
+        envelope: Shaking,
     ) -> None:
-        self.groups, self.laws, self.amplitudes = groups, laws, amplitudes
+        self.groups, self.laws, self.envelope = groups, laws, envelope
         self.nodes = groups[0].nodes
         before = sum(group.shapes[0][0] for group in groups[:-1])
         self.pairs = pairs[0], pairs[1] - before
@@ -340,7 +336,7 @@ class Transient:
     ) -> tuple[Own, Difference]:
         """Moments at increasing ``times`` from 0 on, from rest at 0.
 
-        Panels end at ``kinks``, the times at which the amplitudes are not smooth. ``progress`` is called
+        Panels end at ``kinks``, the times at which the envelope is not smooth. ``progress`` is called
         with the share of the time that is done. An ArithmeticError is raised if panels become too short.
         """
         ends = (*sorted({kink for kink in kinks if 0 < kink < times[-1]}), times[-1])
@@ -406,8 +402,8 @@ class Transient:
                     _check_pace(begin - mark, length, begin, end)
                     mark = begin
                 frames = self._frames(length, now, frames)
-                amplitudes = self.amplitudes(begin + length * self.nodes.at)
-                paths, means = self._paths(frames, amplitudes, now)
+                envelope = self.envelope(begin + length * self.nodes.at)
+                paths, means = self._paths(frames, envelope, now)
                 error = np.inf
                 if paths:
                     own = [path.own() for path in paths]
@@ -436,14 +432,14 @@ class Transient:
 
     @np.errstate(over="ignore", invalid="ignore")  # too long a panel may overflow, and is repeated
     def _paths(
-        self, frames: Sequence[PanelMatrices], amplitudes: Array, now: Covariances
+        self, frames: Sequence[PanelMatrices], envelope: Array, now: Covariances
     ) -> tuple[Sequence[Path], Array]:
         """All structures over a panel from ``now`` on, none if the iteration does not converge.
 
         Beside them stand the means of the further states at the nodes.
         """
         grounds = [
-            group.ground_motion(frame, amplitudes)
+            group.ground_motion(frame, envelope)
             for group, frame in zip(self.groups, frames, strict=True)
         ]
         parts = [*zip(self.groups, frames, grounds, now.soil, now.own, strict=True)]

@@ -123,26 +123,6 @@ def _at_every_intensity(attrs: Mapping[Any, Any]) -> dict[Any, Any]:
     return described
 
 
-@styled()
-def draw_evolutionary_psd(density: xr.DataArray) -> Figure:
-    """Draw the result of `evolutionary_psd` over ``time`` and ``frequency`` alone."""
-    if set(density.dims) != {"time", "frequency"}:
-        raise ValueError(f"density has the dimensions {density.dims}; allowed: time and frequency")
-    from matplotlib import colormaps
-
-    roles = {role: density.attrs[role] for role in ("ground", "envelope") if role in density.attrs}
-    figure = _captioned(xr.Dataset(attrs={"title": "Evolutionary power spectral density", **roles}))
-    axes = _panel(figure, 0.1, 0.25, 0.62, 0.66)
-    values = density.transpose("frequency", "time")
-    shades = axes.contourf(density.time, density.frequency, values, levels=12, cmap=colormaps["Greys"])
-    axes.set(xlabel="time [s]", ylabel="circular frequency [rad/s]")
-    bar = figure.colorbar(shades, cax=_panel(figure, 0.75, 0.25, 0.025, 0.66))
-    for each in (axes, bar.ax):
-        each.grid(visible=False)
-    bar.set_label(r"two-sided PSD [m$^2$/s$^3$]")
-    return figure
-
-
 def _dims_of(dataset: xr.Dataset, name: str) -> tuple[Hashable, ...]:
     """Dimensions of a probability by formula, or of the simulated one where there is no formula."""
     present = [each for each in (name, f"{name}_simulated") if each in dataset]

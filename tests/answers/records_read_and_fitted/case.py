@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 import stochlin as sl
@@ -35,7 +34,3 @@ for model in ("amin_ang", "shinozuka_sato", "gamma", "hsu_bernard"):
     print(sl.fit_envelope(record, model))
 envelope = sl.fit_envelope(record)
 sl.energy_build_up(record, envelope).isel(time=slice(None, None, 25)).to_netcdf("energy.nc")
-frequency, time = np.array([1.0, 5.0, 20.0]), np.array([2.0, 5.0, 8.0])
-frequency = xr.DataArray(frequency, dims="frequency", coords={"frequency": frequency})
-time = xr.DataArray(time, dims="time", coords={"time": time})
-sl.evolutionary_psd(sl.named_ground("soft"), envelope, frequency, time).rename("psd").to_netcdf("psd.nc")
