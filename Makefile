@@ -57,11 +57,11 @@ takes: $(VENV)/.dev
 	PYTHONPATH=tests $(BIN)/python -m house.what_takes_what
 
 bench: $(VENV)/.dev
-	$(INSTALL) --group bench -e .
 	$(BIN)/python benchmarks/tables.py build/bench.md
 	$(BIN)/python benchmarks/simulation.py
 	$(BIN)/python benchmarks/pounding.py
 	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/work.py
+	$(BIN)/python benchmarks/rules.py
 
 # The maps that come with the package, of linearization's bias and of what simulation adds to the drift
 # closure: an hour and a half or so, to be resumed.
@@ -70,8 +70,8 @@ bias: $(VENV)/.dev
 	$(BIN)/python benchmarks/drift_map.py stochlin/analyses/linearization/drift_map.nc --work build/drift
 
 # Whether predicted gaps hold in recorded earthquakes: the numbers and pictures of docs/reality.md, from a
-# folder of records that are not part of the repository; three quarters of an hour or so on two cores, to
-# be resumed.
+# folder of records that are not part of the repository; half an hour or so on two cores, to be
+# resumed.
 RECORDS ?= ../shared/records
 reality: $(VENV)/.dev
 	$(BIN)/python benchmarks/reality.py $(RECORDS) --work build/reality --page docs/reality.md --save docs/gallery/reality.nc

@@ -3,8 +3,8 @@
 RECORDS is a folder whose table suites.csv lists two suites, as `read_records` takes it, with the columns
 event and station; records from its folder mexico_city are of a lake bed, the others are the far field.
 Motions are predicted from a spectrum, or fitted to one record or both components of a station; the gaps
-that they ask for, and those of every rule for a spectrum, are tried on records. Takes three quarters of
-an hour or so on two cores; a run that was stopped goes on with what is in FOLDER.
+that they ask for, and those of every rule for a spectrum, are tried on records. Takes half an
+hour or so on two cores; a run that was stopped goes on with what is in FOLDER.
 `--page FILE` writes the tables into a page, `--save FILE` what its pictures show.
 """
 
@@ -40,7 +40,6 @@ from reality_tables import (
     SPECTRUM,
     USUAL,
     figures_of,
-    tables_of_checks,
     write_page,
 )
 
@@ -66,7 +65,6 @@ GAP_SHARES = (0.1, 0.2, 0.35, 0.5, 0.75)  # of the sum of both mean elastic peak
 BAND = (0.5, 2.0)  # of the shorter and of the longer period, between which records meet a spectrum
 LONGEST = 4.0  # s
 PATHS, SPECTRUM_PATHS, SEED = 256, 1024, 17
-MADE = 200  # motions for the false alarms of the checks
 
 
 class Recorded(NamedTuple):
@@ -197,9 +195,7 @@ def _mean(values: Array) -> Array:
     return found
 
 
-def compared(
-    prediction: Prediction, needed: Array, names: list[str], part: str, fitted: str = ""
-) -> xr.Dataset:
+def compared(prediction: Prediction, needed: Array, names: list[str], part: str) -> xr.Dataset:
     """Where the gaps that records need lie among those predicted."""
     gaps, yields, levels = prediction
     record = needed[:, None]  # (case, scatter, strength, pair)
@@ -225,7 +221,6 @@ def compared(
             "gap": list(GAP_SHARES),
             "record": ("case", names),
             "part": ("case", [part] * len(names)),
-            "fitted": ("case", [fitted] * len(names)),
         },
     )
 
@@ -238,20 +233,13 @@ class Kept:
         self.folder = folder
 
     def __call__(self, name: str, function: Callable[..., Any], *arguments: Any) -> Any:
-        file = self._file(name)
+        file = self.folder / f"{name.replace('/', ' ')}.pickle"
         if not file.exists():
             begin, result = time.perf_counter(), function(*arguments)
             with whole_file(file) as temporary:
                 Path(temporary).write_bytes(pickle.dumps(result))
             print(f"{name}: {time.perf_counter() - begin:.1f} s", flush=True)
-        return self.known(name)
-
-    def _file(self, name: str) -> Path:
-        return self.folder / f"{name.replace('/', ' ')}.pickle"
-
-    def known(self, name: str) -> Any:
-        """What was computed before."""
-        return pickle.loads(self._file(name).read_bytes())
+        return pickle.loads(file.read_bytes())
 
     def prediction(self, name: str, motion: Motion, levels: Sequence[float] = LEVELS) -> Prediction:
         """Gaps by scatter, and strengths."""
@@ -285,7 +273,6 @@ LENGTHS = {
     FAR_FIELD: (20.0, (2.0, 12.0, 0.4)),
     LAKE_BED: (80.0, (1.0, 12.0, 0.02)),
 }
-STRETCHES = (1.0, 0.5, 2.0)  # of duration and envelope, the last two of the far field
 
 
 class OfSpectrum(NamedTuple):
@@ -297,20 +284,18 @@ class OfSpectrum(NamedTuple):
     prediction: Prediction
 
 
-def of_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str, stretch: float) -> OfSpectrum:
+def of_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str) -> OfSpectrum:
     own = {name: each.values for name, each in records.items() if each.suite == suite}
     target = sl.eurocode_8(0.25 * scipy.constants.g, "B") if suite == FAR_FIELD else mean_spectrum(own)
-    duration, (rise, strong, decay) = LENGTHS[suite]
-    envelope = sl.AminAng(stretch * rise, stretch * strong, decay / stretch)
-    name, duration = f"{suite} {stretch:g}", stretch * duration
-    groups = GROUPS if stretch == 1 else GROUPS[:1]
+    duration, shape = LENGTHS[suite]
+    envelope = sl.AminAng(*shape)
 
     def fitted() -> Motion:
         ground = sl.fit_ground(target, duration=duration, envelope=envelope)
-        return Motion(ground, envelope, duration, SPECTRUM_PATHS, groups)
+        return Motion(ground, envelope, duration, SPECTRUM_PATHS)
 
-    motion = kept(f"{name}, motion", fitted)
-    return OfSpectrum(own, target, motion, kept.prediction(name, motion))
+    motion = kept(f"{suite}, motion", fitted)
+    return OfSpectrum(own, target, motion, kept.prediction(suite, motion))
 
 
 def tried_by_spectrum(
@@ -326,13 +311,11 @@ def tried_by_spectrum(
     return found
 
 
-def from_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str, stretch: float) -> xr.Dataset:
-    own, target, motion, prediction = of_spectrum(kept, records, suite, stretch)
-    pairs = [n for group in motion.groups for n in group]
-    name = f"{suite} {stretch:g}, records"
-    needed = kept(name, tried_by_spectrum, prediction.yields, own, target, pairs)
-    part = SPECTRUM if stretch == 1 else f"{SPECTRUM}, {stretch:g} times the duration"
-    return compared(prediction, needed, list(own), part)
+def from_spectrum(kept: Kept, records: Mapping[str, Recorded], suite: str) -> xr.Dataset:
+    own, target, _, prediction = of_spectrum(kept, records, suite)
+    pairs = range(len(PAIRS))
+    needed = kept(f"{suite}, records", tried_by_spectrum, prediction.yields, own, target, pairs)
+    return compared(prediction, needed, list(own), SPECTRUM)
 
 
 # --- gaps of every rule -------------------------------------------------------------------------------
@@ -367,8 +350,8 @@ def rules_of(kept: Kept, records: Mapping[str, Recorded]) -> xr.DataArray:
     """Gaps [m] of every rule in (a), over suite, rule, strength and pair."""
     each = []
     for suite in LENGTHS:
-        _, _, motion, (_, yields, _) = of_spectrum(kept, records, suite, STRETCHES[0])
-        each.append(kept(f"{suite} 1, rules", gaps_by_rule, motion, yields))
+        _, _, motion, (_, yields, _) = of_spectrum(kept, records, suite)
+        each.append(kept(f"{suite}, rules", gaps_by_rule, motion, yields))
     return xr.concat(each, xr.DataArray(list(LENGTHS), dims="suite", name="suite"))
 
 
@@ -396,7 +379,7 @@ def from_record(kept: Kept, records: Mapping[str, Recorded], name: str) -> xr.Da
     def add(part: str, others: Mapping[str, xr.DataArray], pairs: Sequence[int] = pairs) -> None:
         if others:
             needed = kept(f"{name}, {part}", tried, prediction.yields, others, pairs)
-            found.append(compared(prediction, needed, list(others), part, name))
+            found.append(compared(prediction, needed, list(others), part))
 
     add(OWN, {name: one.values})
     rest = {other: each for other, each in records.items() if other != name}
@@ -415,7 +398,7 @@ def from_record(kept: Kept, records: Mapping[str, Recorded], name: str) -> xr.Da
     needed = kept(
         f"{name}, {SA_ELSEWHERE}", tried_by_spectrum, prediction.yields, others, target, GROUPS[0]
     )
-    found.append(compared(prediction, needed, list(others), SA_ELSEWHERE, name))
+    found.append(compared(prediction, needed, list(others), SA_ELSEWHERE))
     return xr.concat(found, "case")
 
 
@@ -448,86 +431,30 @@ def from_both(kept: Kept, records: Mapping[str, Recorded], place: str) -> xr.Dat
     pairs = [n for group in groups for n in group]
     own = {name: each.values for name, each in both.items()}
     needed = kept(f"{name}, own", tried, prediction.yields, own, pairs)
-    found = compared(prediction, needed, list(own), BOTH, place)
+    found = compared(prediction, needed, list(own), BOTH)
     rest = {o: e.values for o, e in records.items() if e.suite == suite and o not in both}
     target = spectrum_of(components)
     needed = kept(f"{name}, by Sa", tried_by_spectrum, prediction.yields, rest, target, GROUPS[0])
-    far = compared(prediction, needed, list(rest), SA_ELSEWHERE_BOTH, place)
-    both_cases = xr.concat([found, far], "case")
-    return both_cases.assign(fitted_scatter=("case", np.full(both_cases.sizes["case"], scatter)))
-
-
-# --- what the checks say ------------------------------------------------------------------------------
-
-
-def checked_records(kept: Kept, records: Mapping[str, Recorded], suite: str) -> xr.Dataset:
-    """The checks of the records of a suite with the spectrum of (a), and of the fits to them."""
-    own, target, *_ = of_spectrum(kept, records, suite, STRETCHES[0])
-    found = kept(f"{suite}, checks", lambda: sl.check_records(own, spectrum=target))
-    fits = [kept(f"{name}, compared", compared_fit, kept, name, one) for name, one in own.items()]
-    ratios = [each.significant_duration / each.record_significant_duration for each in fits]
-    found["duration_ratio"] = "record", np.array(ratios, float)
-    found["fit_doubts"] = "record", [each.attrs["doubts"] for each in fits]
-    return found.assign_coords(place=("record", [records[name].place for name in own]))
-
-
-def compared_fit(kept: Kept, name: str, record: xr.DataArray) -> xr.Dataset:
-    motion = kept.known(f"{name}, motion")
-    return sl.compare_motions(record, sl.FittedMotion(motion.ground, motion.envelope, motion.duration))
-
-
-def checked_motions(kept: Kept, records: Mapping[str, Recorded], suite: str) -> xr.Dataset:
-    """The checks of motions made for the spectrum of (a), of which each doubt is a false alarm."""
-    _, target, motion, _ = of_spectrum(kept, records, suite, STRETCHES[0])
-
-    def made() -> xr.Dataset:
-        timing = motion.duration, motion.envelope
-        motions = sl.simulated_motions(motion.ground, *timing, paths=MADE, seed=SEED)
-        return sl.check_records(list(motions), spectrum=target)
-
-    return kept(f"{suite}, checks of motions", made)
+    far = compared(prediction, needed, list(rest), SA_ELSEWHERE_BOTH)
+    return xr.concat([found, far], "case")
 
 
 # --- all of it ----------------------------------------------------------------------------------------
 
 
-def site_period(record: xr.DataArray) -> float:
-    """Period [s] of the largest pseudo-acceleration."""
-    period = np.geomspace(0.1, 5.0, 80)
-    spectrum = sl.response_spectrum(record, period, DAMPING).pseudo_acceleration.values.ravel()
-    return float(period[spectrum.argmax()])
-
-
-def significant_duration(record: xr.DataArray) -> float:
-    part = sl.strong_part(record)
-    return float(part.time[-1] - part.time[0])
-
-
 def all_cases(records: Mapping[str, Recorded], work: Path) -> xr.Dataset:
-    """All that was tried, over case; with where each record is from, and what it is like."""
+    """All that was tried, over case; with where each record is from."""
     kept = Kept(work)
-    tables = [from_spectrum(kept, records, suite, STRETCHES[0]) for suite in LENGTHS]
+    tables = [from_spectrum(kept, records, suite) for suite in LENGTHS]
     tables += [from_record(kept, records, name) for name in records]
-    tables += [from_spectrum(kept, records, FAR_FIELD, stretch) for stretch in STRETCHES[1:]]
     count = Counter(each.place for each in records.values())
     tables += [from_both(kept, records, place) for place, number in count.items() if number == 2]
     cases = xr.concat(tables, "case", join="outer")
     names = cases.record.values
-    sites = {name: site_period(each.values) for name, each in records.items()}
-    lengths = {name: significant_duration(each.values) for name, each in records.items()}
     return cases.assign_coords(
         suite=("case", [records[name].suite for name in names]),
         place=("case", [records[name].place for name in names]),
-        site_period=("case", [sites[name] for name in names]),
-        fitted_site_period=("case", [sites.get(name, np.nan) for name in cases.fitted.values]),
-        significant_duration=("case", [lengths[name] for name in names]),
-        label=("pair", [" and ".join(map(named, pair)) for pair in PAIRS]),
     )
-
-
-def named(side: tuple[float, int]) -> str:
-    period, storeys = side
-    return f"{period:g} s" if storeys == 1 else f"{period:g} s ({storeys} storeys)"
 
 
 def main() -> None:
@@ -552,9 +479,6 @@ def main() -> None:
     save_table(cases, options.work / "cases.nc")
     kept = Kept(options.work)
     figures, text = figures_of(cases, rules_of(kept, records))
-    checks = {suite: checked_records(kept, records, suite) for suite in LENGTHS}
-    made = {suite: checked_motions(kept, records, suite) for suite in LENGTHS}
-    text |= tables_of_checks(checks, made)
     print("\n\n".join(text.values()))
     if options.save:
         save_table(figures, options.save)

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 import scipy.stats
 import xarray as xr
 
-from stochlin.analyses.sites.motion_fit import LIKE_DURATION, OTHER_COMPONENT, USES
-from stochlin.analyses.sites.record_checks import MOST_AT_ENDS, MOST_MISFIT, MOST_OFFSET
+from stochlin.analyses.sites.motion_fit import OTHER_COMPONENT, USES
 from stochlin.kernels.basics.arrays import Array
 
 NOMINAL = (0.5, 0.84, 0.9, 0.95)
 CURVE = np.union1d(NOMINAL, np.arange(0.05, 0.99, 0.05).round(2))
 EDGES = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)  # of predicted probabilities
-ALIKE = 1.25  # largest ratio of the periods of two sites that are alike
 GRID = np.arange(0, 0.805, 0.01)  # of scatter
 DRAWS, TAIL = 2000, 0.025
 SPECTRUM, OWN, OTHER = "spectrum", "own component", "other component"
@@ -30,7 +28,6 @@ FITTED = -1.0  # in place of a scatter: that of the fit to both components
 CONFIDENCE = 0.9  # of the gaps by rule, and of both components
 FAR_FIELD, LAKE_BED = "far field", "lake bed"
 SUITES = (FAR_FIELD, LAKE_BED)
-OSCILLATORS = 6  # the first pairs
 KNOWN_PLACE = tuple((part, suite) for part in (SPECTRUM, OTHER) for suite in SUITES)
 
 
@@ -70,6 +67,11 @@ def held(rank: xr.DataArray, nominal: float) -> Array:
     return np.where(np.isnan(rank), np.nan, rank <= nominal)
 
 
+def _share(group: xr.Dataset, scatter: float, nominal: float) -> tuple[float, float, float]:
+    """What held of the gaps with this scatter, with its interval."""
+    return share_interval(held(group.below.sel(scatter=scatter), nominal), group.place.values)
+
+
 def at_scatter(values: xr.DataArray, scatter: float | xr.DataArray) -> xr.DataArray:
     """Between what was computed without and with scatter: means and variances go with its square."""
     without, usual = values.isel(scatter=0), values.isel(scatter=-1)
@@ -107,15 +109,8 @@ def of(cases: xr.Dataset, part: str, suite: str | None = None) -> xr.Dataset:
     return cases.isel(case=here if suite is None else here & (cases.suite == suite))
 
 
-def alike(cases: xr.Dataset) -> xr.Dataset:
-    """Those that were tried at a site whose period is like that of the site of the fit."""
-    ratio = np.abs(np.log(cases.site_period / cases.fitted_site_period))
-    return cases.isel(case=ratio <= np.log(ALIKE))
-
-
 def shown(cases: xr.Dataset) -> dict[str, xr.Dataset]:
     """The groups of the page, by what they are called there."""
-    elsewhere = [of(cases, part) for part in ("other station", "other event")]
     groups = {
         "(a) spectrum, far field": of(cases, SPECTRUM, FAR_FIELD),
         "(a) spectrum, lake bed": of(cases, SPECTRUM, LAKE_BED),
@@ -123,10 +118,8 @@ def shown(cases: xr.Dataset) -> dict[str, xr.Dataset]:
         "(b) own component, lake bed": of(cases, OWN, LAKE_BED),
         "(b) other component, far field": of(cases, OTHER, FAR_FIELD),
         "(b) other component, lake bed": of(cases, OTHER, LAKE_BED),
-        "(c) same earthquake, other stations": elsewhere[0],
-        "(c) same earthquake, sites of like period": alike(elsewhere[0]),
-        "(c) other earthquake, other stations": elsewhere[1],
-        "(c) other earthquake, sites of like period": alike(elsewhere[1]),
+        "(c) same earthquake, other stations": of(cases, "other station"),
+        "(c) other earthquake, other stations": of(cases, "other event"),
     }
     return {name: group for name, group in groups.items() if group.sizes["case"]}
 
@@ -137,9 +130,8 @@ def figures_of(all_cases: xr.Dataset, gaps: xr.DataArray) -> tuple[xr.Dataset, d
     rules = judged_rules(cases, gaps)
     groups = shown(cases)
     rows = [
-        [[share_interval(held(group.below.sel(scatter=s), q), group.place.values) for q in CURVE]
-         for s in cases.scatter.values] for group in groups.values()
-    ]  # fmt: skip
+        [[_share(group, s, q) for q in CURVE] for s in cases.scatter.values] for group in groups.values()
+    ]
     bins = [[list(_binned(group, s)) for s in cases.scatter.values] for group in groups.values()]
     columns = {
         "held": (("group", "scatter", "nominal"), rows, "share of the gaps that held"),
@@ -158,16 +150,8 @@ def figures_of(all_cases: xr.Dataset, gaps: xr.DataArray) -> tuple[xr.Dataset, d
     }
     figures = figures.merge(rules)
     tables = {
-        "records": _records(cases),
         "held": _held(groups),
-        "strengths": _strengths(groups),
-        "cells": _cells(groups),
-        "outside": _outside(groups),
-        "pairs": _pairs(cases),
         "scatter": _scatter(cases),
-        "crossed": _crossed(cases),
-        "pounding": _pounding(groups),
-        "duration": _duration(cases),
         "rules": _rules(rules),
         "components": _components(all_cases),
     }
@@ -188,9 +172,8 @@ def _binned(group: xr.Dataset, scatter: float) -> Iterator[tuple[float, float, f
         yield *share_interval(hit.values, group.place.values), float(likely.where(inside).mean())
 
 
-def _percent(found: tuple[float, ...], bold: bool = False) -> str:
-    share, lower, upper = (f"{100 * value:.0f}" for value in found[:3])
-    return f"{'**' * bold}{share}{'**' * bold} ({lower} to {upper})"
+def _percent(found: tuple[float, ...]) -> str:
+    return "{:.0f} ({:.0f} to {:.0f})".format(*(100 * value for value in found))
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
@@ -202,112 +185,13 @@ def _strength(value: float) -> str:
     return "elastic" if value == 1 else f"R = {value:g}"
 
 
-def _records(cases: xr.Dataset) -> str:
-    rows = []
-    for suite in SUITES:
-        own = of(cases, OWN, suite)
-        lengths = own.significant_duration.values
-        places = np.unique(own.place)
-        events = {place.split(",")[0] for place in places.tolist()}
-        span = f"{lengths.min():.0f} to {lengths.max():.0f} s, median {np.median(lengths):.0f} s"
-        rows.append((suite, own.sizes["case"], places.size, len(events), span))
-    head = ("Suite", "components", "stations", "earthquakes", "5 to 95 % of the energy within")
-    return _table(head, rows)
-
-
 def _held(groups: dict[str, xr.Dataset]) -> str:
     rows = []
     for name, group in groups.items():
         for scatter in group.scatter.values:
-            cells = [
-                _percent(share_interval(held(group.below.sel(scatter=scatter), q), group.place.values))
-                for q in NOMINAL
-            ]
+            cells = [_percent(_share(group, scatter, q)) for q in NOMINAL]
             rows.append((name if not scatter else "", f"{scatter:g}", *cells))
     return _table(("Gaps from", "scatter", *(f"{100 * q:g} %" for q in NOMINAL)), rows)
-
-
-def _strengths(groups: dict[str, xr.Dataset]) -> str:
-    """At nominally 90 %."""
-    rows, cases = [], next(iter(groups.values()))
-    each = [(s, r) for s in cases.scatter.values for r in cases.strength.values]
-    for name, group in groups.items():
-        below = [group.below.sel(scatter=s, strength=r) for s, r in each]
-        cells = [_percent(share_interval(held(one, 0.9), group.place.values)) for one in below]
-        rows.append((name, *cells))
-    return _table(("Gaps from", *(f"{_strength(r)}, scatter {s:g}" for s, r in each)), rows)
-
-
-def _each_cell(group: xr.Dataset, scatter: float) -> Iterator[tuple[int, float, float, tuple]]:
-    """Pair, strength, nominal share, and what held with its interval."""
-    for n in range(group.sizes["pair"]):
-        for strength in group.strength.values:
-            rank = group.below.isel(pair=n).sel(strength=strength, scatter=scatter)
-            if rank.notnull().any():
-                for q in NOMINAL:
-                    yield n, strength, q, share_interval(held(rank, q), group.place.values)
-
-
-def _is_outside(q: float, found: tuple[float, float, float]) -> bool:
-    return not found[1] <= q <= found[2]
-
-
-def _cells(groups: dict[str, xr.Dataset]) -> str:
-    rows = []
-    for name, group in groups.items():
-        counts = []
-        for scatter in group.scatter.values:
-            cells = list(_each_cell(group, scatter))
-            short = sum(_is_outside(q, found) and found[0] < q for *_, q, found in cells)
-            long = sum(_is_outside(q, found) and found[0] > q for *_, q, found in cells)
-            counts += [f"{short} too small, {long} too large"]
-        rows.append((name, len(cells), *counts))
-    levels = next(iter(groups.values())).scatter.values
-    return _table(("Gaps from", "cells", *(f"outside with scatter {s:g}" for s in levels)), rows)
-
-
-def _outside(groups: dict[str, xr.Dataset]) -> str:
-    """Cells of (a) outside of their intervals with the usual scatter."""
-    rows = []
-    for name, group in groups.items():
-        if name.startswith("(a)"):
-            for n, strength, q, found in _each_cell(group, float(group.scatter[-1])):
-                if _is_outside(q, found):
-                    off = group.off.isel(pair=n, scatter=0).sel(strength=strength)
-                    facts = f"{float(off.mean()):+.2f}", f"{float(off.std()):.2f}"
-                    spread = float(group.spread.isel(pair=n, scatter=0).sel(strength=strength).mean())
-                    rows.append(
-                        (name, str(group.label.values[n]), _strength(strength), f"{100 * q:g} %",
-                         _percent(found), *facts, f"{spread:.2f}")
-                    )  # fmt: skip
-    head = (
-        "Gaps from",
-        "pair",
-        "",
-        "nominal",
-        "held",
-        "mean of ln (record/simulated)",
-        "its standard deviation",
-        "standard deviation of ln (simulated)",
-    )
-    return _table(head, rows)
-
-
-def _pairs(cases: xr.Dataset) -> str:
-    rows = []
-    for suite in SUITES:
-        group = of(cases, SPECTRUM, suite).isel(scatter=-1)
-        for n, label in enumerate(group.label.values.tolist()):
-            row = [
-                _percent(
-                    share_interval(held(group.below.isel(pair=n).sel(strength=s), q), group.place.values)
-                )
-                for s in group.strength.values
-                for q in (0.5, 0.9)
-            ]
-            rows.append((suite if not n else "", label, *row))
-    names = [_strength(s) for s in cases.strength.values]
-    return _table(("", "pair", *(f"{name}, {q} %" for name in names for q in (50, 90))), rows)
 
 
 def _scatter(cases: xr.Dataset) -> str:
@@ -339,66 +223,6 @@ def _scatter(cases: xr.Dataset) -> str:
         *(_strength(s) for s in cases.strength.values),
     )
     return _table(head, rows)
-
-
-def _crossed(cases: xr.Dataset) -> str:
-    """The scatter that one suite shows, tried on the other."""
-    rows = []
-    for suite, unseen in (SUITES, SUITES[::-1]):
-        best, _, _ = scatter_of([of(cases, OTHER, suite)])
-        for part in (SPECTRUM, OTHER):
-            group = of(cases, part, unseen)
-            rank = at_scatter(group.below, best)
-            cells = [_percent(share_interval(held(rank, q), group.place.values)) for q in NOMINAL]
-            rows.append((f"{best:.2f}, of the {suite}", f"{part}, {unseen}", *cells))
-    return _table(("scatter", "tried on", *(f"{100 * q:g} %" for q in NOMINAL)), rows)
-
-
-def _pounding(groups: dict[str, xr.Dataset]) -> str:
-    rows = []
-    for name, group in groups.items():
-        if name.startswith("(a)") or "other component" in name:
-            for scatter in group.scatter.values:
-                cells = [
-                    "" if np.isnan(found[0]) else f"{100 * found[3]:.0f}: {_percent(found[:3])}"
-                    for found in _binned(group, scatter)
-                ]
-                rows.append((name if not scatter else "", f"{scatter:g}", *cells))
-    bins = (f"{100 * a:g} to {100 * b:g} %" for a, b in itertools.pairwise(EDGES))
-    return _table(("Predicted from", "scatter", *bins), rows)
-
-
-def _rank_correlation(first: Array, second: Array, place: Array) -> str:
-    """Spearman's correlation, and its 95 % interval by drawing places."""
-    random, places = np.random.default_rng(0), np.unique(place)
-    of_place = [np.flatnonzero(place == each) for each in places]
-    drawn = random.integers(places.size, size=(DRAWS, places.size))
-    chosen = [np.concatenate([of_place[n] for n in each]) for each in drawn]
-    rhos = [scipy.stats.spearmanr(first[each], second[each])[0] for each in chosen]
-    rho, _ = scipy.stats.spearmanr(first, second)
-    lower, upper = np.nanquantile(rhos, [TAIL, 1 - TAIL])
-    return f"{rho:.2f} ({lower:.2f} to {upper:.2f})"
-
-
-def _duration(cases: xr.Dataset) -> str:
-    rows = []
-    for part in dict.fromkeys(name for name in cases.part.values.tolist() if name.startswith(SPECTRUM)):
-        group = of(cases, part, FAR_FIELD).isel(scatter=-1, pair=slice(None, OSCILLATORS))
-        off = group.off.sel(strength=group.strength[-1]).mean(("pair",))
-        rho = _rank_correlation(group.significant_duration.values, off.values, group.place.values)
-        cells = [
-            _percent(share_interval(held(group.below.sel(strength=s), 0.9), group.place.values))
-            for s in group.strength.values
-        ]
-        length = "as above" if part == SPECTRUM else part.removeprefix(f"{SPECTRUM}, ")
-        rows.append((length, *cells, f"{float(off.mean()):+.2f}", rho))
-    strengths = [_strength(s) for s in cases.strength.values]
-    last = strengths[-1]
-    head = (
-        f"mean of ln (record/simulated), {last}",
-        f"its correlation with the record's duration, {last}",
-    )
-    return _table(("Motions last", *strengths, *head), rows)
 
 
 # --- rules --------------------------------------------------------------------------------------------
@@ -519,16 +343,11 @@ def _components(cases: xr.Dataset) -> str:
     for part, fitted, on, levels in tries:
         for level in levels:
             first = level == levels[0]
-            row = [fitted if first else "", on if first else "", f"{level:g}"]
+            shown = "of the fit" if level == FITTED else f"{level:g}"
+            row = [fitted if first else "", on if first else "", shown]
             groups = [of(cases, part, suite) for suite in SUITES]
-            if level == FITTED:
-                each = [group.fitted_scatter for group in groups]
-                row[2] = " and ".join(
-                    f"{float(one.min()):.2f} to {float(one.max()):.2f}" for one in each
-                )
             for group in groups:
-                rank = group.below.sel(scatter=level)
-                row.append(_percent(share_interval(held(rank, CONFIDENCE), group.place.values)))
+                row.append(_percent(_share(group, level, CONFIDENCE)))
             for group in groups:
                 known = group.sel(scatter=list(LEVELS))
                 likely = scatter_of([known]) if first and FITTED not in levels else ()
@@ -537,51 +356,6 @@ def _components(cases: xr.Dataset) -> str:
     held_on = [f"held on the {suite}, %" for suite in SUITES]
     scatters = [f"most likely scatter, {suite}" for suite in SUITES]
     return _table(("Fitted to", "tried on", "scatter", *held_on, *scatters), rows)
-
-
-# --- checks of records and fits -----------------------------------------------------------------------
-
-
-def _beyond(table: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Where each check raises a doubt."""
-    levels = table[["start_level", "end_level"]].to_array().max("variable")
-    beyond = {
-        "velocity pulse": table.pulse_indicator > 0,
-        "offset": abs(table.offset) > MOST_OFFSET,
-        "cut file": levels > MOST_AT_ENDS,
-        "shape of the spectrum": table.spectral_misfit > MOST_MISFIT,
-    }
-    if "duration_ratio" in table:
-        beyond["duration of the fit"] = abs(np.log(table.duration_ratio)) > np.log(LIKE_DURATION)
-        beyond["spectrum of the fit"] = table.fit_doubts.str.contains("mean spectrum")
-    return beyond
-
-
-def tables_of_checks(checks: Mapping[str, xr.Dataset], made: Mapping[str, xr.Dataset]) -> dict[str, str]:
-    """The records that a check flags, and how often each flags records and motions that were made."""
-    flagged, counts = [], []
-    for suite, table in checks.items():
-        beyond = _beyond(table)
-        for n, name in enumerate(table.record.values.tolist()):
-            here = [check for check, doubt in beyond.items() if doubt.values[n]]
-            if here:
-                period = float(table.pulse_period[n])
-                told = [
-                    f"{check} of {period:.2g} s" if check == "velocity pulse" else check
-                    for check in here
-                ]
-                short = name.rpartition("/")[2].rpartition(".")[0]
-                flagged.append((short, str(table.place.values[n]), "; ".join(told)))
-        false = _beyond(made[suite])
-        for number, (check, doubt) in enumerate(beyond.items()):
-            of_made = f"{int(false[check].sum())} of {false[check].size}" if check in false else ""
-            counts.append(
-                (suite if not number else "", check, f"{int(doubt.sum())} of {doubt.size}", of_made)
-            )
-    return {
-        "flagged": _table(("record", "earthquake and station", "doubts"), flagged),
-        "alarms": _table(("", "check", "records", "motions of filtered noise"), counts),
-    }
 
 
 def write_page(page: Path, tables: dict[str, str]) -> None:

@@ -6,7 +6,7 @@ The standard deviation and the correlation by the Gaussian and the drift closure
 for 500 random pairs of unequal bilinear structures: hardening 0.02 to 0.5, R/p 0.3 to 4, damping 0.01
 to 0.1, white noise or Kanai-Tajimi ground with :math:`\xi_g` = 0.03 to 1, T/Tg = 0.2 to 5. Each dot is
 a structure (left) or a pair (right). Between the dashed lines the error is below 10 % or 0.1. The
-pairs were drawn after the closure had been fixed (``benchmarks/drift.py``).
+pairs were drawn after the closure had been fixed.
 """
 
 import matplotlib.pyplot as plt

@@ -14,7 +14,7 @@ from stochlin.charts import CURVES, STYLE
 
 plt.rcParams.update(STYLE)
 table = xr.load_dataset("reality.nc", engine="scipy")  # beside this file
-groups = [name for name in table.group.values.tolist() if "like period" not in name]
+groups = table.group.values.tolist()
 figure, panels = plt.subplots(2, 4, figsize=(7.2, 4.2), sharex=True, sharey=True, layout="constrained")
 for axes, group in zip(panels.flat, groups, strict=True):
     axes.plot([0, 1], [0, 1], color="0.6", lw=0.8)

@@ -157,7 +157,7 @@ def test_shipped_signatures_are_those_simulated_anew(monkeypatch):
     assert np.abs(kept).mean() > 0.03
 
 
-@pytest.mark.parametrize("name", ["bias_map", "drift_map", "drift"])
+@pytest.mark.parametrize("name", ["bias_map", "drift_map"])
 def test_import_of_a_benchmark_changes_nothing(name):
     before = rare_yielding.MOST_STEPS
     load(name)

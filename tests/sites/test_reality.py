@@ -13,11 +13,8 @@ from reality_tables import (
     judged_rules,
     scatter_of,
     share_interval,
-    tables_of_checks,
     write_page,
 )
-
-import stochlin as sl
 
 PAGE = Path(__file__).parents[2] / "docs" / "reality.md"
 PLACES = 12
@@ -71,19 +68,13 @@ def tried(scatter, suite="far field", part="spectrum", seed=0):
             "probability": ((*sizes, "gap"), likely),
             "hit": (("case", "strength", "pair", "gap"), 1.0 * (off[:, 0, ..., None] > 0.1)),
             "needed": (("case", "strength", "pair"), np.exp(off[:, 0])),
-            "fitted_scatter": ("case", np.full(60, 0.3)),
         },
         {"scatter": levels, "strength": [1.0, 2.0, 4.0]},
     )
-    over = ("case", np.arange(60))
     return cases.assign_coords(
         part=("case", [part] * 60),
         suite=("case", [suite] * 60),
         place=("case", [f"{suite} {n // 2}" for n in range(60)]),
-        site_period=over,
-        fitted_site_period=over,
-        significant_duration=over,
-        label=("pair", ["one", "two"]),
     )
 
 
@@ -134,23 +125,6 @@ def test_rules_are_judged_by_what_records_need_over_them():
     assert float(twice.rule_held_at_equal_gap) == float(one.rule_held)
 
 
-@pytest.mark.oracle
-def test_flagged_records_are_listed_and_counted():
-    shape = sl.AminAng(2.0, 8.0, 0.6)
-    ground = sl.CloughPenzien(0.5, 0.4, 4.0, 0.6, intensity=0.01)
-    made = sl.simulated_motions(ground, 20.0, shape, paths=4, seed=3)
-    suite = {"far_field/whole.txt": made[0], "far_field/cut.txt": made[1][500:]}
-    spectrum = sl.eurocode_8(2.5, "B")
-    table = sl.check_records(suite, spectrum=spectrum).assign_coords(place=("record", ["a", "b"]))
-    table["duration_ratio"], table["fit_doubts"] = ("record", [1.0, 1.6]), ("record", ["", ""])
-    tables = tables_of_checks(
-        {"far field": table}, {"far field": sl.check_records(list(made), spectrum=spectrum)}
-    )
-    assert "| cut | b | cut file; duration of the fit |" in tables["flagged"]
-    assert "whole" not in tables["flagged"]
-    assert "|  | cut file | 1 of 2 | 0 of 4 |" in tables["alarms"]
-
-
 @pytest.mark.slow
 @pytest.mark.cli
 def test_every_table_has_its_place_on_the_page(tmp_path):
@@ -160,7 +134,6 @@ def test_every_table_has_its_place_on_the_page(tmp_path):
     figures, tables = figures_of(cases, gaps_of_rules())
     assert figures.held.sizes["group"] == len(parts) * len(SUITES)
     assert figures.rule_held.dims == ("suite", "rule")
-    tables |= {"flagged": "| of checks |", "alarms": "| of alarms |"}
     page = tmp_path / "reality.md"
     text = PAGE.read_text(encoding="utf-8")
     page.write_text(re.sub(r"^\|.*\n", "", text, flags=re.MULTILINE), encoding="utf-8")

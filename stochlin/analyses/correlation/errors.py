@@ -1,7 +1,7 @@
 """Expected errors of pairs: of ``rho`` by the drift closure, and of the deviation of ``u_1 - u_2``.
 
 The expected errors of ``rho`` are mean absolute errors over 2750 random pairs of unequal bilinear
-structures, drawn as in `benchmarks/drift.py` with another seed and simulated; rounded to 0.01. The
+structures, drawn and simulated; rounded to 0.01. The
 expected error of the standard deviation of ``u_1 - u_2`` follows from the errors of both structures and
 of ``1 - rho``; the latter is larger where the map of simulations corrects ``1 - rho`` more.
 ``docs/drift.md`` has the calibration.
@@ -25,7 +25,7 @@ from stochlin.models.structures import Structure
 # Bounds of the regions: the shorter T/Tg of the pair, and the damping ratio of the ground.
 PERIODS, GROUND_DAMPINGS = (0.1, 0.2, 0.5, 0.9, 10.0), (0.03, 0.1, 0.3, 1.0)
 # Mean errors of rho by PERIODS, and within each by GROUND_DAMPINGS; Clough-Penzien from 9115 pairs, and
-# the shortest periods from 69 pairs of the development of `benchmarks/caution.py`.
+# the shortest periods from 69 pairs.
 ERRORS = {
     KanaiTajimi: np.array([0.05, 0.07, 0.04, 0.04, 0.03, 0.02, 0.03, 0.02, 0.02, 0.02, 0.02, 0.02]),
     CloughPenzien: np.array([0.05, 0.07, 0.04, 0.05, 0.04, 0.03, 0.04, 0.02, 0.02, 0.04, 0.03, 0.03]),

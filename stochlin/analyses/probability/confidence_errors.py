@@ -1,8 +1,7 @@
 """Where the confidence of no pounding by formula is accurate: by a simulation beside it, or by region.
 
 The regions were chosen on half of 840 random pairs, 762 of them yielding, in finite motions with four
-gaps each, by comparison with simulation. `benchmarks/probability.py` tests them on the other half and
-prints the errors. `benchmarks/caution_of_probability.py` tests the flags by simulation.
+gaps each, by comparison with simulation.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ the 3 x 3 matrix of the system of equations, with the coefficients of the stiffe
 
 Terms that belong to one structure are computed once. For each cell some 70 multiplications and
 additions and one division remain, in vector registers. The modal form needs five divisions, and fails
-for a structure with a double eigenvalue; `benchmarks/tables.py` compares both.
+for a structure with a double eigenvalue.
 """
 
 import numpy as np

@@ -1,4 +1,4 @@
-"""Case of two buildings with many storeys, for the explorer's benchmark and the tests of its page."""
+"""Case of two buildings with many storeys, for the tests of the page."""
 
 SITE = """
 title = "Tower and annex"
