@@ -32,7 +32,7 @@ lint: $(VENV)/.dev
 	$(BIN)/codespell
 	$(BIN)/mypy
 
-# Mutated case files, records and specifications for an hour or so; `make test-all` has a minute of it.
+# Mutated case files, records and hazards for an hour or so; `make test-all` has a minute of it.
 fuzz: $(VENV)/.dev
 	FUZZ_TIMES=60 $(BIN)/python -m pytest tests/fuzz
 

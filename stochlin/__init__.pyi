@@ -170,12 +170,5 @@ from .analyses.correlation.linked import correlate_linked as correlate_linked
 from .models.measures import Measure as Measure
 from .analyses.mitigation.mitigation import mitigate as mitigate
 
-# Atlases
-from .analyses.atlases.atlas import (
-    write_atlas as write_atlas,
-    open_atlas as open_atlas,
-)
-from .analyses.atlases.lookup import lookup as lookup
-
 # Charts
 from . import charts as charts

@@ -10,6 +10,10 @@ REMOVED: dict[str, str] = {
     "of_steel_beams": "give hardening and decay of BoucWenBaberNoori themselves",
     "modulation": "envelope= makes the evolutionary spectrum m(t)^2 S(w)",
     "evolutionary_psd": "it is envelope.at(time) ** 2 * ground.psd(frequency)",
+    "write_atlas": "parameters that are dask arrays give lazy tables, which .to_zarr() stores",
+    "open_atlas": "xarray.open_zarr() opens a stored table",
+    "lookup": "xarray.open_zarr() opens a stored table, and .interp() interpolates in it",
+    "atlas": "parameters that are dask arrays give lazy tables, which .to_zarr() stores",
 }
 
 

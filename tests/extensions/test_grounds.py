@@ -1,4 +1,4 @@
-"""A ground from outside, that of the documentation: in commands, case files, atlases, the explorer."""
+"""A ground from outside, that of the documentation: in commands, case files, the explorer."""
 
 import numpy as np
 import pytest
@@ -117,33 +117,6 @@ def test_a_case_file_takes_the_ground_by_its_name(toy, tmp_path):
     wrong = toy("gap", "case.toml")
     assert wrong.returncode == 2
     assert "two_layers" in wrong.stderr
-
-
-@pytest.mark.slow
-def test_an_atlas_takes_the_ground_by_its_name(toy, tmp_path):
-    pytest.importorskip("zarr")
-    spec = """
-        ground = "two_layers"
-        [parameters]
-        period_1 = [1.0, 2.0]
-        period_2 = [2.0, 3.0]
-        ground_damping = [0.4, 0.6]
-        layer_period = 2.75
-        layer_damping = 0.2
-        damping = 0.05
-    """
-    (tmp_path / "spec.toml").write_text(spec, encoding="utf-8")
-    done(toy("atlas", "spec.toml", "--out", "atlas.zarr"))
-    # Periods over the ground's, here 0.4 s
-    given = ("--period-1", "0.4s", "--period-2", "1.2s", "--ground-period", "0.4s")
-    given += ("--ground-damping", 0.6)
-    text = done(toy("lookup", "atlas.zarr", *given, "--layer-period", "1.1s"))
-    assert f"{rho(0.4, 1.2):.5g}"[:6] in text
-    with xr.open_zarr(tmp_path / "atlas.zarr", consolidated=False) as atlas:
-        assert atlas.ground_damping.attrs["long_name"] == "ground damping ratio"
-    other = toy("lookup", "atlas.zarr", *given, "--layer-period", "1.0s")
-    assert other.returncode == 2
-    assert "layer_period is held at 2.75" in other.stderr
 
 
 @pytest.mark.slow

@@ -1,4 +1,4 @@
-"""Case files, records and specifications, mutated: a result, or one line that says what is wrong.
+"""Case files, records and hazards, mutated: a result, or one line that says what is wrong.
 
 A minute or so here; ``make fuzz`` goes on for an hour, with examples of its own each time.
 """
@@ -21,7 +21,6 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.atlases.specification import read_specification
 from stochlin.messages import LONGEST_MESSAGE
 
 pytestmark = [pytest.mark.invariant, pytest.mark.slow]
@@ -68,19 +67,6 @@ OF_HAZARDS = (
     {"investigation_time": 50.0},
 )
 OPTIONS = ({}, {"dt": 0.02, "units": "g"}, {"units": "g", "column": 1, "time_column": 0})
-SPECIFICATION = """\
-title = "Lake beds"
-ground = "kanai_tajimi"
-closure = "gaussian"
-block_cells = 1000
-[parameters]
-period_1 = { start = 0.1, stop = 10, count = 4, spacing = "log" }
-period_2 = [0.5, 1.0, 2.0]
-ground_damping = [0.05, 0.2]
-damping = 0.05
-hardening = [0.02, 0.1]
-reduction_factor = { start = 1, stop = 6, count = 3 }
-"""
 LINK = """
 [measures.Link]
 link_stiffness = "5 MN/m"
@@ -315,12 +301,6 @@ def test_mutated_hazards_are_read_or_refused_in_words(
     folder: Path, text: str, options: dict[str, Any]
 ) -> None:
     check(lambda: sl.read_hazard(written(folder / "site.csv", text), **options))
-
-
-@examples(2000)
-@given(text=mutated([SPECIFICATION]))
-def test_mutated_specifications_are_read_or_refused_in_words(folder: Path, text: str) -> None:
-    check(lambda: read_specification(written(folder / "spec.toml", text)))
 
 
 @examples(400)

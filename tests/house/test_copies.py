@@ -12,7 +12,6 @@ import pytest
 import sympy
 
 import stochlin as sl
-from stochlin.analyses.atlases.specification import specification
 from stochlin.analyses.charts.settings import ChartSettings
 from stochlin.analyses.explorer.opening import first_form
 from stochlin.models.contacts.base import CONTACTS
@@ -50,19 +49,11 @@ GIVEN: dict[str, dict[str, Any]] = {
     },
     "ShearBuilding": {"masses": [1e5], "stiffnesses": [1e8], "heights": [3.0], "damping": 0.05},
 }
-UNHASHABLE = {
-    "ModalBuilding",
-    "ShearBuilding",
-    "AtlasSpecification",
-    "Form",
-}  # they hold arrays and mappings
+UNHASHABLE = {"ModalBuilding", "ShearBuilding", "Form"}  # they hold arrays and mappings
 OTHERS = {
     "Form": first_form(),
     "Case": first_form().case(),
     "ChartSettings": ChartSettings(),
-    "AtlasSpecification": specification(
-        {"parameters": {"period_1": [1, 2], "period_2": 1, "damping": 0.05, "ground_damping": 0.3}}
-    ),
 }
 
 

@@ -35,9 +35,7 @@ WITHOUT_FORMULA = {
     "example_case",
     "example_record",
     "ground_names",
-    "lookup",
     "named_ground",
-    "open_atlas",
     "peak_factor_model",
     "peak_factor_names",
     "read_case",
@@ -51,7 +49,6 @@ WITHOUT_FORMULA = {
     "read_spectrum",
     "simulated_motions",
     "simulated_spectrum",
-    "write_atlas",
 }
 VARIABLES = [
     (name, units)

@@ -35,17 +35,6 @@ YIELDING = ("--period-1", ".7s", "--period-2", "1s", "--hardening", ".05", "--re
 SIMULATED = ("--method", "simulation", "--paths", "32", "--out", "table.nc")
 RHO = ["rho", *YIELDING]
 CASE = [[command, "case.toml"] for command in ("gap", "probability", "pound")]
-ATLAS = [
-    ["atlas", "spec.toml", "--out", "atlas.zarr"],
-    ["lookup", "atlas.zarr", "--period-1", ".6", "--period-2", ".7"],
-]
-SPECIFICATION = """
-ground = "white_noise"
-[parameters]
-period_1 = [0.5, 1.0]
-period_2 = 0.7
-damping = 0.05
-"""
 SHORTER = {
     "paths = 2048": "paths = 100",
     'duration = "20 s"': 'duration = "1.2 s"',
@@ -80,7 +69,6 @@ def ran(folder: Path, setting: dict[str, str], commands: list[Any]) -> subproces
     """A process in which these commands end well, one after another."""
     (folder / "case.toml").write_text(case(sl.example_case()), encoding="utf-8")
     (folder / "wave.txt").write_text("\n".join(f"{0.1 * (n % 7 - 3):g}" for n in range(50)))
-    (folder / "spec.toml").write_text(SPECIFICATION)
     done = process(folder, setting, "-c", COMMANDS, json.dumps(commands))
     assert done.returncode == 0, done.stdout + done.stderr
     return done
@@ -112,7 +100,7 @@ def test_what_would_take_hours_uncompiled_is_refused_at_once(tmp_path: Path) -> 
 @pytest.mark.slow
 def test_simulations_run_uncompiled(tmp_path: Path) -> None:
     short = [*RHO, "--hardening", ".5", *SIMULATED]  # with more hardening a shorter run is enough
-    ran(tmp_path, UNCOMPILED, [short, ["probability", "case.toml"], *ATLAS])
+    ran(tmp_path, UNCOMPILED, [short, ["probability", "case.toml"]])
     with xr.open_dataset(tmp_path / "table.nc") as table:
         plain = table.load()
     answered(*short[:-1], tmp_path / "table.nc")
@@ -122,13 +110,13 @@ def test_simulations_run_uncompiled(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_commands_run_where_nothing_can_be_kept(tmp_path: Path) -> None:
-    done = ran(tmp_path, NO_FOLDER, [RHO, *ATLAS])
+    done = ran(tmp_path, NO_FOLDER, [RHO])
     assert done.stdout.count("NUMBA_CACHE_DIR to a folder that can be written") == 1
 
 
 @pytest.mark.slow
 def test_commands_run_on_one_core(tmp_path: Path) -> None:
-    ran(tmp_path, ONE_CORE, [RHO, [*RHO, *SIMULATED], *CASE, *ATLAS])
+    ran(tmp_path, ONE_CORE, [RHO, [*RHO, *SIMULATED], *CASE])
 
 
 @pytest.mark.slow

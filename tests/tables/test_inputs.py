@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 import stochlin as sl
-from stochlin.analyses.atlases.specification import read_specification
 from stochlin.analyses.explorer.opening import open_case
 from stochlin.analyses.tables.inputs import MOST_BYTES, MOST_LINES, only_within
 
@@ -21,7 +20,6 @@ READERS = {
     "pushover": lambda path: sl.read_pushover(path, length_units="mm", force_units="kN"),
     "suite": lambda path: sl.read_records(path, units="g", dt=0.01),
     "case": sl.read_case,
-    "specification": read_specification,
 }
 of_any_reader = pytest.mark.parametrize("read", READERS.values(), ids=list(READERS))
 SECRET = "root:0"

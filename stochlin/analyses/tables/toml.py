@@ -30,7 +30,7 @@ _CURES = (  # of lines that are no TOML, as they are written, and what to do
     ),
 )
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
-MOST_BYTES = 2**20  # of a case file or a specification, which a person writes
+MOST_BYTES = 2**20  # of a case file, which a person writes
 
 
 def read_toml(path: Path) -> tuple[str, dict[str, Any]]:

@@ -49,7 +49,6 @@ COSTS = {
     "pairs by white_noise": (30, "bytes"),
     "pairs by effective": (40, "bytes"),
     "pairs by simulation": (80, "bytes"),
-    "cells of blocks": (100, "bytes"),
     "numbers": (8, "bytes"),
     "numbers of a sweep": (100, "bytes"),  # while it is made
 }

@@ -175,7 +175,7 @@ def ground_option() -> Iterable[Any]:
     yield click.option("--ground", default="white-noise", show_default=True, help=text)
 
 
-def options_of_grounds(without: str = "") -> Iterable[Any]:
+def options_of_grounds() -> Iterable[Any]:
     """An option for the numbers of every parameter that a ground has."""
     from stochlin.models.grounds import GROUNDS
 
@@ -187,8 +187,7 @@ def options_of_grounds(without: str = "") -> Iterable[Any]:
         text += "" if about["units"] == "1" else f" [{about['units']}]"
         text += f"; {default:g} if not given" if isinstance(default, float) else ""
         text += "." if len(kinds) == len(GROUNDS) else f"; of {', '.join(kinds)}."
-        if name != without:
-            yield numbers_option(_flags([name]), text, units=about["units"])
+        yield numbers_option(_flags([name]), text, units=about["units"])
 
 
 def shared_option(

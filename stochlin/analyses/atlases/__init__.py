@@ -1,1 +1,0 @@
-"""Design atlases: tables of the correlation that may be larger than memory, stored on disk."""

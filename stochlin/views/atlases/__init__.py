@@ -1,1 +1,0 @@
-"""Stochlin atlas, lookup."""
