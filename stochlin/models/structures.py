@@ -170,17 +170,16 @@ class Structure(Model):
         self.check_settles(role)
         if self.yields and (growing := self.growing()):
             raise ValueError(
-                f"{role}: {self._name} has no stationary response: it depends on {growing} grows for "
-                f"ever; {CURE}"
+                f"{role}: {self._name} has no stationary response: it depends on what grows for ever "
+                f"({listed(growing)}); {CURE}"
             )
 
-    def growing(self) -> str:
-        """The states of the law that grow for ever, as a clause; empty if there are none."""
-        if getattr(self.step(), "states", 1) == 1:
-            return ""
-        names = self._compiled.growing(self._examples)
-        sign = ", which keeps its sign when the motion turns, as an energy does, and"
-        return listed(names) + sign if names else ""
+    def growing(self) -> tuple[str, ...]:
+        """What the law depends on that grows for ever: states that keep their sign, as an energy does.
+
+        A law whose `symbolic` has such states besides z names them here.
+        """
+        return ()
 
     def largest_z(self) -> xr.DataArray:
         """Largest ``z`` that the law reaches in one direction [-], for each cell."""
@@ -215,9 +214,8 @@ class Structure(Model):
         """The compiled `symbolic` expression, checked for the `_examples`."""
         from stochlin.models.symbolic import compiled
 
-        law = compiled(self.symbolic(), self.own_parameters())
+        law = compiled(self.symbolic(), self.own_parameters(), self.growing())
         law.check(self._examples)
-        law.doubt(self._examples)
         return law
 
     @cached_property

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
@@ -19,7 +17,7 @@ from stochlin.kernels.linearization.quadrature import (
     even_expectation,
     slip_expectations,
 )
-from stochlin.messages import DoubtfulInput, brief
+from stochlin.messages import brief
 from stochlin.models.states import (
     GIVE,
     MOST_STATES,
@@ -58,21 +56,6 @@ _PROBES = np.concatenate(
     ]
 )
 
-# States to which a law is followed for `SymbolicLaw.doubt`, and the place of half of the last of them.
-_FAR = np.concatenate([np.linspace(0.0, 2.5, 251), np.geomspace(2.5, 1000.0, 251)[1:]])
-_HALF = int(np.searchsorted(_FAR, 0.5 * _FAR[-1]))
-# Extensions (turns, histories) over that of yielding, at which histories from rest turn.
-_TURNS = np.random.default_rng(5).uniform(-1.0, 1.0, (8, 32)) * np.geomspace(0.5, 4.0, 32)
-FAST = 0.5  # rate of a state of 1 at rest [1/s], above which it is doubted
-SLOW = 1e-3  # rate of a state at 1/s of the extension, below which it does not grow
-ELASTIC = 1e-9  # change of the rate of z over v below which z does not yield
-SUDDEN = (
-    1.2  # extension for twice as large a state, over that for the state, which is 2 if it grows evenly
-)
-PIECES = 64  # of the way to each turn
-STIFF = 1.25  # stiffness in loading over the elastic one, above which a law is doubted
-GIVEN = 0.1  # work given back over the most work taken, above which a law is doubted: kinks have errors
-
 
 class SymbolicLaw:
     """Hysteresis law, compiled for time steps, and for Gaussian quadrature if it has one state.
@@ -80,19 +63,23 @@ class SymbolicLaw:
     ``law`` is ``G`` of ``z' = G(v, z)``, or a mapping of the rates of several states by name. Its
     symbols are ``v`` (ductility rate) [1/s], the states, and the names in ``parameters``. Functions take
     the values of the parameters as rows of an array, in this order. The law is the same in both
-    directions.
+    directions: further states named in ``growing`` keep their sign, and all others are reversed.
     """
 
     def __init__(
-        self, law: sympy.Expr | Mapping[str, sympy.Expr] | Rates, parameters: tuple[str, ...] = ()
+        self,
+        law: sympy.Expr | Mapping[str, sympy.Expr] | Rates,
+        parameters: tuple[str, ...] = (),
+        growing: tuple[str, ...] = (),
     ) -> None:
         self.rates, self.parameters = _with_plain_symbols(law, parameters), parameters
+        self.growing = growing
         self._rates = self._function(sympy.Tuple(*dict(self.rates).values()), "numpy")
         self._good: set[tuple[str, bytes]] = set()
 
-    def __reduce__(self) -> tuple[Callable[..., SymbolicLaw], tuple[Rates, tuple[str, ...]]]:
-        """Pickle the expressions and the parameter names: compiled functions cannot be pickled."""
-        return compiled, (self.rates, self.parameters)
+    def __reduce__(self) -> tuple[Callable[..., SymbolicLaw], tuple[Any, ...]]:
+        """Pickle the expressions and the names: compiled functions cannot be pickled."""
+        return compiled, (self.rates, self.parameters, self.growing)
 
     @cached_property
     def slip_rate(self) -> SlipRate:
@@ -168,10 +155,6 @@ class SymbolicLaw:
         """
         self._check_each(parameters, self._check_directions)
 
-    def doubt(self, parameters: Array) -> None:
-        """Warn once of a law whose states run away, or that makes work; parameters as for `check`."""
-        self._check_each(parameters, self._doubt)
-
     def check_expectations(self, parameters: Array) -> None:
         """Raise an ArithmeticError if `gaussian` is not accurate; parameters as for `check`."""
         self._check_each(parameters, self._check_quadrature)
@@ -182,10 +165,6 @@ class SymbolicLaw:
         ``parameters`` are those for `check`.
         """
         self._check_each(parameters, self._check_held)
-
-    def growing(self, parameters: Array) -> list[str]:
-        """States like an energy on which z depends for some of the parameters, given as for `check`."""
-        return list(dict.fromkeys(name for column in parameters.T for name in self._growing(column)))
 
     def _check_each(self, parameters: Array, check: Callable[[Array], None]) -> None:
         for column in np.ascontiguousarray(parameters.T):
@@ -223,91 +202,6 @@ class SymbolicLaw:
 
         return at
 
-    @np.errstate(all="ignore")
-    def _doubt(self, column: Array) -> None:
-        if doubt := self._growth(column) or self._history(column):
-            warnings.warn(
-                f"{self._named(column)}: {doubt}: check the signs, as in v - abs(v)*z",
-                DoubtfulInput,
-                stacklevel=2,
-            )
-
-    def _growth(self, column: Array) -> str:
-        """Which state grows without motion, or pulled at a steady rate ever faster or as if elastic."""
-        names, ones = [name for name, _ in self.rates], np.ones(_FAR.size)
-        share = self._values(_PROBES[0], _PROBES[1 : 1 + len(names)], column)[0] / _PROBES[0]
-        at_rest = self._values(np.zeros(1), np.ones((len(names), 1)), column)[:, 0]
-        doubts = [
-            f"{name} grows at rest" for name, rate in zip(names, at_rest, strict=True) if rate > FAST
-        ]
-        for k, name in enumerate(names):
-            states = np.zeros((len(names), _FAR.size))
-            states[0], states[k] = 1.0, _FAR
-            rate = self._values(ones, states, column)[k]
-            pulled = np.cumsum(np.diff(_FAR) / rate[1:])
-            if (rate > SLOW).all() and pulled[-1] < SUDDEN * pulled[_HALF]:
-                place = f"{_FAR[-1]:g} at {pulled[-1]:.3g} times the yield extension"
-                doubts.append(f"{name} grows ever faster, to {place}")
-            elif k == 0 and rate[0] > 0 and max(np.ptp(share), np.ptp(rate)) < ELASTIC:
-                far = f"z never yields, up to {_FAR[-1]:g} times the yield extension"
-                return f"{far}; allowed: a rate over v that falls as z grows, or no strength"
-        more = ". A restoring force has a limit or grows about as the extension does"
-        return "; ".join(doubts) + more if doubts else ""
-
-    def _history(self, column: Array) -> str:
-        """A history from rest in which z makes work, is lost or stiffens in loading; empty if none does.
-
-        Unloading may be stiffer, as it is by the Bouc-Wen law with ``beta > gamma``. Histories have a
-        unit rate, so that laws that depend on the rate are not tried.
-        """
-        w = _PROBES[1 : 1 + len(self.rates)]
-        if not _is_rate_independent(lambda v: self._values(v, w, column)):
-            return ""
-        states, work = np.zeros((len(self.rates), _TURNS.shape[1])), np.zeros(_TURNS.shape[1])
-        least, most, stiffest = work, work, work
-        for move in np.repeat(np.diff(_TURNS, axis=0, prepend=0.0) / PIECES, PIECES, axis=0):
-            before, loading = states[0], states[0] * move >= 0.0
-            states = self._moved(states, move, column)
-            work = work + 0.5 * (before + states[0]) * move
-            least, most = np.minimum(least, work), np.maximum(most, work)
-            stiffness = np.where(loading, (states[0] - before) / move, 0.0)
-            stiffest = np.maximum(stiffest, stiffness)
-        lost, making = ~np.isfinite(states).all(axis=0), least < -GIVEN * (most + GIVEN)
-        softer = "at each z a rate in unloading not below that in loading"
-        for where, doubt, allowed in (
-            (lost, "a state is no longer finite", "states with limits"),
-            (making, "z has given back more work than it took", softer),
-            (stiffest > STIFF, "z grows faster in loading than the extension does", "a rate up to v"),
-        ):
-            if where.any():
-                turns = ", ".join(f"{turn:.3g}" for turn in _TURNS[:, int(np.argmax(where))])
-                way = f"on the way from rest to {turns} times the yield extension"
-                return f"{doubt} {way}; allowed: {allowed}"
-        return ""
-
-    def _moved(self, states: Array, move: Array, column: Array) -> Array:
-        """The states after a ``move`` of the extension in each history, by the Runge-Kutta rule."""
-        v, dt = np.sign(move), np.abs(move)
-        first = self._values(v, states, column)
-        second = self._values(v, states + 0.5 * dt * first, column)
-        third = self._values(v, states + 0.5 * dt * second, column)
-        fourth = self._values(v, states + dt * third, column)
-        return states + dt / 6.0 * (first + 2.0 * (second + third) + fourth)
-
-    def _growing(self, column: Array) -> list[str]:
-        values = {
-            sympy.Symbol(name, real=True): value
-            for name, value in zip(self.parameters, column.tolist(), strict=True)
-        }
-        rates = {name: rate.subs(values) for name, rate in self.rates}
-        acting, more = set[str](), {"z"}
-        while more:
-            acting |= more
-            more = {symbol.name for name in more for symbol in rates[name].free_symbols}
-            more = (more & {*rates}) - acting
-        signs = zip(rates, self._signs(column) or (), strict=True)
-        return [name for name, sign in signs if sign > 0 and name in acting]
-
     def _named(self, column: Array) -> str:
         """The law as messages name it, with the values of the parameters for which it was checked."""
         text = ", ".join(f"{n} = {x:g}" for n, x in zip(self.parameters, column, strict=True))
@@ -317,6 +211,7 @@ class SymbolicLaw:
     def _check_directions(self, column: Array) -> None:
         v, w = _PROBES[0], _PROBES[1 : 1 + len(self.rates)]
         rates, start = self._values(v, w, column), self._values(v, 0 * w, column)
+        signs = np.array([[1.0 if name in self.growing else -1.0] for name, _ in self.rates])
         more = ", further states from 0 to 2.5" if len(w) > 1 else ""
         if np.iscomplexobj(rates) or not np.isfinite([rates, start]).all():
             raise ValueError(
@@ -324,7 +219,8 @@ class SymbolicLaw:
                 f"{' = '.join(name for name, _ in self.rates)} = 0, where motions start; take powers of "
                 "Abs(z) instead of z, and write a limit as Piecewise"
             )
-        if self._signs(column) is not None:
+        allowed = 1e-9 * (1 + np.abs(rates).max(axis=1, keepdims=True))
+        if (np.abs(self._values(-v, signs * w, column) - signs * rates) <= allowed).all():
             if (np.abs(start[0]) > 1e-9 * np.abs(v)).any():
                 return
             raise ValueError(
@@ -335,25 +231,14 @@ class SymbolicLaw:
         if len(w) > 1:
             odd = (
                 "differs with the direction; allowed: if v and z are reversed, so is the rate of z, and "
-                "every further state keeps its sign and that of its rate, or both are reversed"
+                f"growing_states = {brief(self.growing)} keep their signs and those of their rates, as "
+                "energies do, while other states and their rates are reversed"
             )
         raise ValueError(f"{self._named(column)} {odd}, the same behaviour in both directions")
 
-    @np.errstate(all="ignore")
-    def _signs(self, column: Array) -> tuple[int, ...] | None:
-        """Signs of all states, and of their rates, in the reversed motion; None if there are none."""
-        v, w = _PROBES[0], _PROBES[1 : 1 + len(self.rates)]
-        rates = self._values(v, w, column)
-        allowed = 1e-9 * (1 + np.abs(rates).max(axis=1, keepdims=True))
-        for further in itertools.product((1, -1), repeat=len(w) - 1):
-            signs = np.array([-1, *further])[:, None]
-            if (np.abs(self._values(-v, signs * w, column) - signs * rates) <= allowed).all():
-                return -1, *further
-        return None
-
     def _check_held(self, column: Array) -> None:
-        signs = zip(self.rates, self._signs(column) or (), strict=True)
-        if turning := [name for (name, _), sign in signs if sign < 0 and name != "z"]:
+        turning = [name for name, _ in self.rates[1:] if name not in self.growing]
+        if turning:
             raise turns_with_the_motion(self._named(column), turning)
         for mean in MEANS:
             means = np.full(len(self.rates) - 1, mean)
@@ -380,15 +265,17 @@ class SymbolicLaw:
 
 
 @cache
-def _compiled(rates: Rates, parameters: tuple[str, ...]) -> SymbolicLaw:
-    return SymbolicLaw(rates, parameters)
+def _compiled(rates: Rates, parameters: tuple[str, ...], growing: tuple[str, ...]) -> SymbolicLaw:
+    return SymbolicLaw(rates, parameters, growing)
 
 
 def compiled(
-    law: sympy.Expr | Mapping[str, sympy.Expr] | Rates, parameters: tuple[str, ...]
+    law: sympy.Expr | Mapping[str, sympy.Expr] | Rates,
+    parameters: tuple[str, ...],
+    growing: tuple[str, ...] = (),
 ) -> SymbolicLaw:
     """The compiled law of sympy expressions; equal expressions are compiled only once."""
-    return _compiled(_with_plain_symbols(law, parameters), parameters)
+    return _compiled(_with_plain_symbols(law, parameters), parameters, growing)
 
 
 def _with_plain_symbols(law: Any, parameters: tuple[str, ...]) -> Rates:

@@ -243,20 +243,15 @@ def test_what_linearizes_refuses_it_with_the_cure(linearizing):
     ids=["oscillator", "storeys", "correlate"],
 )
 def test_what_wears_has_no_stationary_response(stationary, role):
-    message = rf"{role}: law = .* no stationary response: it depends on e, .*simulate with a duration"
+    message = rf"{role}: law = .* no stationary response: .* for ever .e.; .*simulate with a duration"
     with pytest.raises(ValueError, match=message):
         stationary(hysteretic())
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "further",
-    [{"e": Z * V}, {"d": V - abs(V) * D / 3, "z": V - abs(V) * (0.9 * Z + D / 30)}],
-    ids=["an energy that z does not feel", "a state that is reversed with the motion"],
-)
-def test_further_states_that_do_not_wear_have_a_stationary_response(further):
-    law = {"z": V - abs(V) * Z} | further
-    table = sl.simulate([hysteretic(law)], GROUND, paths=32, relaxation_times=1.0)
+def test_a_law_whose_further_state_is_reversed_has_a_stationary_response():
+    law = {"z": V - abs(V) * (0.9 * Z + D / 30), "d": V - abs(V) * D / 3}
+    table = sl.simulate([hysteretic(law, growing_states=())], GROUND, paths=32, relaxation_times=1.0)
     assert float(table.displacement_std[0]) > 0
 
 
@@ -292,7 +287,12 @@ SAME = {"e": Z * V}
         ({"z": V, "e": sympy.sqrt(Z)}, None, ValueError, "not real and finite"),
         ({"z": V * (1 - Z)} | SAME, None, ValueError, "differs with the direction"),
         ({"z": V, "e": V + Z * V}, None, ValueError, "differs with the direction"),
-        ({"z": V * (1 - D * E), "e": Z * V, "d": V}, None, ValueError, "every further state keeps"),
+        (
+            {"z": V * (1 - D * E), "e": Z * V, "d": V},
+            None,
+            ValueError,
+            r"growing_states = \('e', 'd'\) keep",
+        ),
     ],
     ids=str,
 )
@@ -302,16 +302,27 @@ def test_bad_laws_are_refused_with_the_cure(law, states, error, message):
 
 
 @pytest.mark.parametrize(
-    "law",
+    ("law", "growing"),
     [
-        {"z": V - abs(V) * Z / (1 + E), "e": Z * V},
-        {"z": V - abs(V) * D, "d": V - D},
-        {"z": V * (1 - D * Z / (1 + E)), "d": V, "e": D * V},
+        ({"z": V - abs(V) * Z / (1 + E), "e": Z * V}, ("e",)),
+        ({"z": V - abs(V) * D, "d": V - D}, ()),
+        ({"z": V * (1 - D * Z / (1 + E)), "d": V, "e": D * V}, ("e",)),
     ],
     ids=["energy", "displacement", "both"],
 )
-def test_further_states_keep_their_signs_or_are_reversed(law):
-    assert hysteretic(law).states == ("z", *(name for name in law if name != "z"))
+def test_a_law_says_which_states_keep_their_signs_and_is_held_to_it(law, growing):
+    one = hysteretic(law, growing_states=growing)
+    assert one.states == ("z", *(name for name in law if name != "z"))
+    assert one.growing() == growing
+    if growing != one.states[1:]:
+        with pytest.raises(ValueError, match=r"differs with the direction; .* growing_states = "):
+            hysteretic(law)
+
+
+def test_growing_states_are_states_besides_z():
+    for growing in (("z",), "e", ("e", "d")):
+        with pytest.raises(ValueError, match=r"growing_states = .*allowed: .* some of \['e'\]"):
+            hysteretic({"z": V, "e": Z * V}, growing_states=growing)
 
 
 def test_order_of_the_mapping_does_not_matter():

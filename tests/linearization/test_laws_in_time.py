@@ -144,7 +144,11 @@ def test_storeys_that_degrade_pound_more_than_those_that_do_not():
         (sl.ModifiedClough(**GIVEN), "ModifiedClough cannot .* not given in symbols; .* by simulate"),
         (sl.Flag(**GIVEN), "Flag cannot be linearized: its rates are not given in symbols"),
         (
-            sl.Hysteretic(**GIVEN, law={"z": V - abs(V) * (0.9 * Z + D / 30), "d": V - abs(V) * D / 3}),
+            sl.Hysteretic(
+                **GIVEN,
+                law={"z": V - abs(V) * (0.9 * Z + D / 30), "d": V - abs(V) * D / 3},
+                growing_states=(),
+            ),
             "cannot be linearized in time: d turns with the motion",
         ),
         (worn(pinching=0.9, pinching_width=0.001), "pinching_width = 0.001.* allowed 1e-03"),

@@ -126,3 +126,7 @@ class BoucWenBaberNoori(Structure):
     pinching_width: Parameter = parameter("1", "width psi of pinching", POSITIVE, 0.2)
     pinching_spread: Parameter = parameter("1", "spread d_psi of pinching", NOT_NEGATIVE, 0.01)
     pinching_coupling: Parameter = parameter("1", "coupling lambda of pinching", POSITIVE, 0.4)
+
+    def growing(self) -> tuple[str, ...]:
+        """The energy, with which the law degrades."""
+        return ("e",)

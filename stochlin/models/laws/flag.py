@@ -50,10 +50,6 @@ class Flag(Structure):
 
     beta: Parameter = parameter("1", "height beta of the flag", COMES_BACK, 1.0)
 
-    def growing(self) -> str:
-        """Nothing: the law forgets, so that it has a stationary response."""
-        return ""
-
     def step(self) -> Any:
         """The law in time steps."""
         from stochlin.kernels.simulation.paths import FLAG

@@ -33,13 +33,16 @@ class Hysteretic(Structure):
 
         A law with memory has further states, such as the energy that it has dissipated. It is a mapping
         of the names of all states, among them ``"z"``, to their rates in ``v`` and the states. All
-        states are 0 before a motion. If ``v`` and ``z`` are reversed, so is the rate of ``z``. Each
-        further state then keeps its sign and that of its rate, as an energy does, or both are reversed,
-        as in a displacement. The law is kept as pairs of names and rates.
+        states are 0 before a motion. If ``v`` and ``z`` are reversed, so is the rate of ``z``. The law
+        is kept as pairs of names and rates.
     mass : float, optional
         As in `Bilinear`.
     states : sequence of str, optional
         Names of the states, at most 8, with ``"z"`` first; by default those of ``law``.
+    growing_states : sequence of str, optional
+        Those of the further states that keep their sign, and that of their rate, when ``v`` and ``z``
+        are reversed, as an energy does; by default all. All others are then reversed with their rate, as
+        a displacement is. A law with growing states has no stationary response.
 
     Raises
     ------
@@ -49,13 +52,6 @@ class Hysteretic(Structure):
         What linearizes raises an ArithmeticError if the law has kinks that cannot be located, or powers
         of ``Abs(z)`` below 1/2. For a law of several states it also does for a stationary response, and
         in time for further states that turn with the motion.
-
-    Warns
-    -----
-    UserWarning
-        If the law is implausible: ``z`` never yields, a state grows at rest or ever faster, or in
-        histories from rest ``z`` gives back more work than it took, or is stiffer in loading than an
-        elastic spring.
 
     References
     ----------
@@ -83,17 +79,32 @@ class Hysteretic(Structure):
     law: sympy.Expr | Mapping[str, sympy.Expr] | Rates | None = None
     _: KW_ONLY
     states: Sequence[str] | None = None
+    growing_states: Sequence[str] | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
         rates = rates_by_state(self.law, self.states)
         object.__setattr__(self, "law", rates if len(rates) > 1 else rates[0][1])
         object.__setattr__(self, "states", tuple(name for name, _ in rates))
+        object.__setattr__(self, "growing_states", self._growing([name for name, _ in rates[1:]]))
         _ = self._compiled
 
     def symbolic(self) -> sympy.Expr | Mapping[str, sympy.Expr]:
         """The sympy expression that was given as ``law``, or the rates of several states by name."""
         return dict(self.law) if isinstance(self.law, tuple) else self.law
+
+    def growing(self) -> tuple[str, ...]:
+        """The ``growing_states``."""
+        return tuple(self.growing_states or ())
+
+    def _growing(self, further: list[str]) -> tuple[str, ...]:
+        """The growing states in the order of the states; all further ones if none are named."""
+        names = further if self.growing_states is None else self.growing_states
+        if not isinstance(names, (list, tuple)) or not {*names} <= {*further}:
+            raise ValueError(
+                f"growing_states = {brief(names)}; allowed: a list or tuple of some of {brief(further)}"
+            )
+        return tuple(name for name in further if name in names)
 
     def describe(self) -> str:
         """The structure in one line, with its parameters and its law."""

@@ -146,9 +146,9 @@ class ModifiedClough(Structure):
         falls = (1 - values["hardening"]) * values["softening"] > values["hardening"]
         return falls | (values["cap_ductility"] == 1)
 
-    def growing(self) -> str:
+    def growing(self) -> tuple[str, ...]:
         """The largest displacement so far, on which the law depends."""
-        return "the largest displacement so far, which"
+        return ("the largest displacement so far",)
 
     def step(self) -> Any:
         """The law in time steps."""
