@@ -146,11 +146,7 @@ from .analyses.risk.risk import (
     required_gap as required_gap,
 )
 from .analyses.pounding.pounding import pound as pound
-from .analyses.pounding.estimates import (
-    pounding_estimate as pounding_estimate,
-    pounding_estimate_row as pounding_estimate_row,
-)
-from .analyses.pounding.estimate_errors import pounding_estimate_error as pounding_estimate_error
+from .analyses.pounding.estimates import pounding_estimate as pounding_estimate
 
 # Contacts
 from .models.contacts import (

@@ -14,6 +14,8 @@ REMOVED: dict[str, str] = {
     "open_atlas": "xarray.open_zarr() opens a stored table",
     "lookup": "xarray.open_zarr() opens a stored table, and .interp() interpolates in it",
     "atlas": "parameters that are dask arrays give lazy tables, which .to_zarr() stores",
+    "pounding_estimate_row": "pounding_estimate for each two neighbours, or pound for the row",
+    "pounding_estimate_error": "pound gives amplification and largest_radius_amplification in a motion",
 }
 
 

@@ -218,8 +218,6 @@ OWN: dict[str, dict[str, Any]] = {
     },
     "pounding_estimate": {"duration": 3.0, "radius_1": 0.1, "radius_2": 0.2},
     "code_gaps": {"peak_1": 0.1, "peak_2": 0.1},
-    "pounding_estimate_row": {"radii": [0.1, 0.2]},
-    "pounding_estimate_error": {"motion": [RECORD, 2 * RECORD], "points": 5},
     "pound": {"gaps": [0.05], "contact": sl.Kelvin(1e8, restitution=0.6), "motion": RECORD},
     **{name: {"restitution": 0.6} for name in DASHPOTS},
 }

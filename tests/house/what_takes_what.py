@@ -177,12 +177,6 @@ ON_RECORD: dict[str, Callable[[Pair], object]] = {
     "hysteresis_loop": lambda s: sl.hysteresis_loop(s.first, [0.01, -0.01]),
     "plot_loop": lambda s: sl.plot_loop(s.first, [0.01, -0.01]),
     "pounding_estimate": lambda s: sl.pounding_estimate(*s.both, 0.05, CONTACT, 0.1, 0.1, points=5),
-    "pounding_estimate_row": lambda s: sl.pounding_estimate_row(
-        s.both, [0.05], CONTACT, [0.1, 0.1], points=5
-    ),
-    "pounding_estimate_error": lambda s: sl.pounding_estimate_error(
-        s.both, [0.05], CONTACT, [RECORD, RECORD], points=5
-    ),
 }
 
 
@@ -190,7 +184,6 @@ ON_NOTHING = {
     "hysteresis_loop",
     "plot_loop",
     "pounding_estimate",
-    "pounding_estimate_row",
 }  # what it is told of the motion are energy radii
 CALLS = ON_GROUND | ON_RECORD
 USUAL = "Kanai-Tajimi"  # the ground of all columns but the last

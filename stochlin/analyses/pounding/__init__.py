@@ -1,1 +1,1 @@
-"""Pounding: response histories of buildings in a row, and estimates of impacts from energies."""
+"""Pounding: response histories of buildings in a row, and the estimate of an impact from energies."""

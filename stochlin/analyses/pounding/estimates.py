@@ -1,4 +1,4 @@
-"""Estimates of the effect of impacts on structures in a row, from their energies."""
+"""Estimate of the effect of an impact on two structures, from their energies."""
 
 from __future__ import annotations
 
@@ -6,17 +6,14 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
-from stochlin.analyses.pounding.ensembles import NEIGHBOURS, neighbours
 from stochlin.analyses.pounding.histories import contacts
-from stochlin.analyses.pounding.rows import SIDES, Meeting, checked_gaps, meetings
+from stochlin.analyses.pounding.rows import SIDES, Meeting, meetings
 from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.contacts import impact_loss, velocities_after_impact
-from stochlin.messages import brief, sentence
 from stochlin.models.arguments import Points, checked
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.contacts import Contact
@@ -103,8 +100,6 @@ def pounding_estimate(
     the possible effect of one impact at full energy; `pound` gives the response history. For buildings
     with storeys the estimate neglects that the impact also excites higher modes, which take part of the
     energy, and that the impact acts on a floor first, so that further impacts follow.
-    `pounding_estimate_row` is for more than two structures; `pounding_estimate_error` measures the error
-    of the estimate.
 
     References
     ----------
@@ -131,156 +126,23 @@ def pounding_estimate(
     )
 
 
-@checked
-def pounding_estimate_row(
-    structures: Sequence[AnyStructure],
-    gaps: npt.ArrayLike,
-    contact: Contact,
-    radii: Sequence[Parameter],
-    *,
-    points: Points = POINTS,
-) -> xr.Dataset:
-    """Estimated change of the energy radii in a row, by one impact and by a chain of impacts.
-
-    One impact is estimated by `pounding_estimate` for each two neighbours. In a chain, the energy radii
-    after the impact at the first gap are those before the impact at the next gap, and so on, once
-    through the row from the left and once from the right. A building in the middle then has impacts from
-    both sides. At every gap, each structure has the impact that is worst for it; this need not be the
-    same impact for both.
-
-    Parameters
-    ----------
-    structures : list of Structure and ShearBuilding
-        At least two structures from left to right, as in `pounding_estimate`.
-    gaps : list of float
-        Gaps between neighbours [m], not negative; for two structures one number is enough.
-    contact : Contact
-        As in `pounding_estimate`.
-    radii : list of float or array
-        Energy radius of each structure [m], as in `pounding_estimate`.
-    points : int
-        As in `pounding_estimate`.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``structure`` and the dimensions of the radii: ``largest_radius_amplification`` [-] by one
-        impact on either side, and ``chain_radius_amplification`` [-] by a chain of impacts. Over
-        ``neighbours`` and ``side``: ``radius_amplification`` [-], the largest by one impact at this gap
-        for the structure on this side. ``status``.
-
-    Raises
-    ------
-    ValueError, TypeError
-        As in `pounding_estimate`, or if the number of gaps or radii is wrong.
-
-    References
-    ----------
-    Valles-Mattox and Reinhorn (1996), eqs. (1) and (13); chains of impacts are derived here.
-
-    Examples
-    --------
-    >>> import stochlin as sl
-    >>> row = [sl.Bilinear(period=T, damping=0.05, mass=2e5) for T in (1.2, 0.6, 0.9)]
-    >>> blow = sl.Stereomechanical(0.65)
-    >>> worst = sl.pounding_estimate_row(row, [0.02, 0.02], blow, [0.1, 0.06, 0.08])
-    >>> worst.largest_radius_amplification.round(2).values
-    array([1.18, 1.19, 1.14])
-    >>> worst.chain_radius_amplification.round(2).values
-    array([1.37, 1.33, 1.31])
-    """
-    if not isinstance(structures, (list, tuple)) or len(structures) < 2:
-        raise ValueError(
-            f"structures = {brief(structures)}; allowed: a list of at least two, left to right"
-        )
-    count = len(structures)
-    modes = [_mode(structure, f"structures, number {n}") for n, structure in enumerate(structures, 1)]
-    spaces = checked_gaps(gaps, count)
-    if not isinstance(radii, (list, tuple)) or len(radii) != count:
-        raise ValueError(
-            f"radii = {brief(radii)}; allowed: a list of {count}, one for each structure, in metres"
-        )
-    alone = [
-        _argument(f"radii, number {number}", radius, RADIUS) for number, radius in enumerate(radii, 1)
-    ]
-    try:
-        xr.align(*alone, join="exact")
-    except ValueError as error:
-        raise ValueError(f"radii: their dimensions do not fit: {sentence(error)}") from error
-
-    grown, single = _by_one_impact(modes, spaces, contact, alone, int(points))
-    chain = list(single)
-    for order in (range(count - 1), range(count - 2, -1, -1)):
-        now = list(alone)
-        for left in order:
-            growth = grown[left]
-            if left != order[0]:
-                two = slice(left, left + 2)
-                growth = _growth(modes[two], spaces[left], contact, now[two], int(points))
-            for n, growth_there in enumerate(growth, start=left):
-                now[n] = now[n] * growth_there
-                chain[n] = xr.ufuncs.maximum(chain[n], now[n] / alone[n])
-    about = {"long_name": "structure"}
-    table = xr.Dataset(
-        {
-            "largest_radius_amplification": _along("structure", single),
-            "chain_radius_amplification": _along("structure", chain),
-            "radius_amplification": _along(NEIGHBOURS, [_along("side", growth) for growth in grown]),
-        },
-        coords={
-            "structure": ("structure", np.arange(1, count + 1), about),
-            "side": ("side", list(SIDES), {"long_name": "side of the gap"}),
-            **neighbours(count),
-        },
-    )
-    table["status"] = labels.status_where(table.chain_radius_amplification.notnull().all("structure"))
-    models = {f"structure_{n}": each for n, each in enumerate(structures, start=1)}
-    return labels.with_run_information(
-        labels.label(table, VARIABLES),
-        "Energy estimate of hits in a row",
-        f"pounding_estimate_row(points={points})",
-        {**models, "contact": contact},
-    ).assign_attrs(gaps=spaces.tolist())
-
-
 def largest_by_one_impact(
     structures: Sequence[Bilinear], gaps: Array, contact: Contact, radii: Array
 ) -> Array:
     """Largest amplification of each structure's energy radius by one impact on either side [-].
 
-    As `pounding_estimate_row` gives it, for one radius (n,) [m] each. It is NaN for a radius out of
+    As `pounding_estimate` gives it, for one radius (n,) [m] each. It is NaN for a radius out of
     range and for its neighbours.
     """
     modes = [_mode(structure, f"structure {n}") for n, structure in enumerate(structures, 1)]
-    _, single = _by_one_impact(modes, gaps, contact, [xr.DataArray(r) for r in radii], POINTS)
-    return np.array([float(growth) for growth in single])
-
-
-def _by_one_impact(
-    modes: Sequence[Mode], gaps: Array, contact: Contact, radii: Sequence[xr.DataArray], points: int
-) -> tuple[list[list[xr.DataArray]], list[xr.DataArray]]:
-    """Largest amplifications by one impact at each gap, of both sides, and of each structure."""
-    pairs = [(slice(left, left + 2), gap) for left, gap in enumerate(gaps)]
-    grown = [_growth(modes[two], gap, contact, radii[two], points) for two, gap in pairs]
-    single = [xr.DataArray(1.0)] * len(modes)
-    for left, growth in enumerate(grown):
-        for side in range(2):
-            single[left + side] = xr.ufuncs.maximum(single[left + side], growth[side])
-    return grown, single
-
-
-def _growth(
-    modes: Sequence[Mode], gap: float, contact: Contact, radii: Sequence[xr.DataArray], points: int
-) -> list[xr.DataArray]:
-    """Largest amplifications of the energy radii of two neighbours by one impact."""
-    estimate = _estimate(modes, xr.DataArray(gap), contact, radii, points)
-    return [estimate[f"largest_radius_amplification_{n}"] for n in (1, 2)]
-
-
-def _along(dim: str, arrays: Sequence[xr.DataArray]) -> xr.DataArray:
-    """Arrays of different dimensions, broadcast and concatenated along the new dimension ``dim``."""
-    like = xr.broadcast(*[array.reset_coords(drop=True) for array in arrays])
-    return xr.concat(like, dim)
+    largest = np.ones(len(modes))
+    for left, gap in enumerate(gaps):
+        two = slice(left, left + 2)
+        both = [xr.DataArray(radius) for radius in radii[two]]
+        estimate = _estimate(modes[two], xr.DataArray(gap), contact, both, POINTS)
+        growth = [float(estimate[f"largest_radius_amplification_{n}"]) for n in (1, 2)]
+        largest[two] = np.maximum(largest[two], growth)
+    return largest
 
 
 def _mode(structure: AnyStructure, role: str) -> Mode:
