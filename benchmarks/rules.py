@@ -45,7 +45,7 @@ def correlations(ground, structures, ductilities):
             given |= {
                 f"{name}_{number}": getattr(s, name) for name in ("period", "damping", "hardening")
             }
-        rho = {name: float(sl.rho_effective(**given, rule=name).rho) for name in RULES}
+        rho = {name: float(sl.rules.rho_effective(**given, rule=name).rho) for name in RULES}
         rho["linearized rho"] = float(sl.correlate(neighbour, last, ground).rho)
         rho["rho with drift"] = float(sl.correlate(neighbour, last, ground, closure="drift").rho)
         yield n, rho | {"SRSS": 0.0, "sum": -1.0}

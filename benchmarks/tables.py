@@ -141,7 +141,7 @@ def peak_memory() -> list[Row]:
     calls = {f"correlate, {name}": f"tables.sl.correlate({pair}, {name!r})" for name in METHODS}
     calls["correlate, drift closure"] = f"tables.sl.correlate({pair}, closure='drift')"
     calls["rho_white_noise"] = f"tables.sl.rho_white_noise({periods}, 0.05, 0.05)"
-    calls["rho_effective"] = f"tables.sl.rho_effective({periods}, *[0.05] * 4, 4.0, 4.0)"
+    calls["rho_effective"] = f"tables.sl.rules.rho_effective({periods}, *[0.05] * 4, 4.0, 4.0)"
     calls["critical_gap"] = f"tables.sl.critical_gap({periods}, 0.5)"
     rows: list[Row] = []
     for what, call in calls.items():

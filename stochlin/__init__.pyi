@@ -13,10 +13,7 @@ from .models.grounds import (
     CloughPenzien as CloughPenzien,
     ParallelGround as ParallelGround,
 )
-from .models.grounds.named import (
-    named_ground as named_ground,
-    ground_names as ground_names,
-)
+from .models.grounds.named import named_ground as named_ground
 
 # Design spectra
 from .analyses.sites.design_spectra import (
@@ -33,12 +30,8 @@ from .models.hazards import (
 )
 
 # Records and envelopes
-from .analyses.records.records import (
-    read_record as read_record,
-    strong_part as strong_part,
-)
+from .analyses.records.records import read_record as read_record
 from .analyses.sites.ground_fit import fit_ground as fit_ground
-from .analyses.records.spectra import fit_spectra as fit_spectra
 from .analyses.records.envelope_fit import (
     fit_envelope as fit_envelope,
     energy_build_up as energy_build_up,
@@ -123,20 +116,8 @@ from .analyses.cases.examples import (
 
 # Formulas and rules by name
 from .analyses.correlation.correlation import rho_white_noise as rho_white_noise
-from .analyses.correlation.effective import rho_effective as rho_effective
-from .models.rules.effective_properties import (
-    effective_rule as effective_rule,
-    effective_rule_names as effective_rule_names,
-)
 from .analyses.separation.code_gaps import code_gaps as code_gaps
-from .models.rules.codes import (
-    code_rule as code_rule,
-    code_rule_names as code_rule_names,
-)
-from .models.rules.peak_factors import (
-    peak_factor_model as peak_factor_model,
-    peak_factor_names as peak_factor_names,
-)
+from . import rules as rules
 
 # Pounding
 from .analyses.probability.probability import pounding_probability as pounding_probability

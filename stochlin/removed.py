@@ -16,6 +16,16 @@ REMOVED: dict[str, str] = {
     "atlas": "parameters that are dask arrays give lazy tables, which .to_zarr() stores",
     "pounding_estimate_row": "pounding_estimate for each two neighbours, or pound for the row",
     "pounding_estimate_error": "pound gives amplification and largest_radius_amplification in a motion",
+    "ground_names": "the documentation of named_ground lists the names",
+    "strong_part": "fit_ground(record, part=(0.05, 0.95)) takes this part of a record",
+    "fit_spectra": "use charts.fit_spectra",
+    "effective_rule": "use rules.effective_rule",
+    "effective_rule_names": "use rules.effective_rule_names",
+    "code_rule": "use rules.code_rule",
+    "code_rule_names": "use rules.code_rule_names",
+    "peak_factor_model": "use rules.peak_factor_model",
+    "peak_factor_names": "use rules.peak_factor_names",
+    "rho_effective": "use rules.rho_effective",
 }
 
 

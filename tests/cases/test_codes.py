@@ -442,7 +442,7 @@ def test_factors_of_every_code_by_hand() -> None:
 
 
 @pytest.mark.invariant
-@pytest.mark.parametrize("code", with_slow([str(name) for name in sl.code_rule_names()], ()))
+@pytest.mark.parametrize("code", with_slow([str(name) for name in sl.rules.code_rule_names()], ()))
 def test_displacements_multiplied_by_hand_are_those_of_the_code(code: str) -> None:
     """With a factor of 1 nothing is multiplied, and twice the factor is twice the displacement."""
     level = {"height_1": 10.0, "height_2": 12.0, "zone": "III"}

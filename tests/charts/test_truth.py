@@ -60,10 +60,10 @@ def test_what_stands_beside_linearization_is_what_the_methods_say(fig4c):
         both[f"ductility_{n}"] = 3 * drift[f"ductility_std_{n}"]
         np.testing.assert_allclose(fig4c[f"ductility_peak_{n}"], both[f"ductility_{n}"], rtol=1e-12)
     for rule in USUAL:
-        expected = sl.rho_effective(ratio * 1.0, 1.0, **both, rule=rule).rho
+        expected = sl.rules.rho_effective(ratio * 1.0, 1.0, **both, rule=rule).rho
         for n in (1, 2):
             expected = expected.where(
-                both[f"ductility_{n}"] <= sl.effective_rule(rule).largest_ductility
+                both[f"ductility_{n}"] <= sl.rules.effective_rule(rule).largest_ductility
             )
         np.testing.assert_allclose(
             fig4c.rho_effective.sel(rule=rule), expected.transpose(*fig4c.rho.dims), rtol=1e-12
@@ -192,7 +192,9 @@ def test_fig3b_is_marked_as_its_constants_are():
     chart = sl.charts.effective_rules_chart(0.05, 0.05, 4.0, 9, rules=[JENG])
     assert chart.mark.item() == "M low"
     assert "constants in doubt, not compared with their source" in chart.attrs["comment"]
-    expected = sl.rho_effective(chart.period_ratio, 1.0, 0.05, 0.05, 0.05, 0.05, 4.0, 4.0, rule=JENG)
+    expected = sl.rules.rho_effective(
+        chart.period_ratio, 1.0, 0.05, 0.05, 0.05, 0.05, 4.0, 4.0, rule=JENG
+    )
     np.testing.assert_array_equal(chart.rho[0], expected.rho)
     usual = sl.charts.effective_rules_chart(0.05, 0.05, 4.0, 9)
     assert "memory" not in usual.attrs["comment"]

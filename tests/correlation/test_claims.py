@@ -19,7 +19,7 @@ LOGS = np.delete(np.linspace(-2, 2, 17), 8)
 RATIOS = 2.0**LOGS  # T1/T2 from 1/4 to 4, without 1
 PERIODS = (0.5, 1.0, 2.0)  # T2 over the ground's
 FACTORS = (2, 4, 6)
-RULES = sl.effective_rule_names(unverified=True)
+RULES = sl.rules.effective_rule_names(unverified=True)
 SIMPLIFIED = tuple(name for name in RULES if name != "elastic")
 JENG = "jeng_kasai_maison_1992_unverified"
 SAME_AS_WRITTEN = 0.0051  # two digits are written
@@ -70,7 +70,7 @@ def by_rule(ductility_1, ductility_2):
     both = {f"{name}_{n}": 0.05 for name in ("damping", "hardening") for n in (1, 2)}
     given = {"ductility_1": ductility_1, "ductility_2": ductility_2, **both}
     ratios = xr.DataArray(RATIOS, dims="ratio")
-    return {name: sl.rho_effective(ratios, 1.0, rule=name, **given).rho.values for name in RULES}
+    return {name: sl.rules.rho_effective(ratios, 1.0, rule=name, **given).rho.values for name in RULES}
 
 
 def apart(one, other):

@@ -97,12 +97,12 @@ def test_what_has_no_correlation_has_a_status(kind, strength):
             check(table, "rho", "relative_displacement_std", "ductility_std_1", "ductility_std_2")
 
 
-@pytest.mark.parametrize("rule", sl.effective_rule_names())
+@pytest.mark.parametrize("rule", sl.rules.effective_rule_names())
 def test_what_has_no_effective_period_has_a_status(rule):
     of = Extremes(17)
     ductilities = of.positive(0), of.positive(0)
     ratios = (of.ratio() for _ in range(4))
-    table = sl.rho_effective(of.positive(), of.positive(), *ratios, *ductilities, rule=rule)
+    table = sl.rules.rho_effective(of.positive(), of.positive(), *ratios, *ductilities, rule=rule)
     check(table, "rho", "period_eq_1", "period_eq_2", "damping_eq_1", "damping_eq_2")
 
 

@@ -17,11 +17,11 @@ def test_elastic_curve_is_that_of_fig_3a() -> None:
 
 
 def test_every_rule_is_one_of_the_verified_with_its_source() -> None:
-    assert tuple(CHART.rule.values) == sl.effective_rule_names()
-    for name in sl.effective_rule_names():
-        assert CHART.reference.sel(rule=name).item() == sl.effective_rule(name).reference
-        assert CHART.mark.sel(rule=name).item() == sl.effective_rule(name).mark
-        assert sl.effective_rule(name).reference in CHART.attrs["references"]
+    assert tuple(CHART.rule.values) == sl.rules.effective_rule_names()
+    for name in sl.rules.effective_rule_names():
+        assert CHART.reference.sel(rule=name).item() == sl.rules.effective_rule(name).reference
+        assert CHART.mark.sel(rule=name).item() == sl.rules.effective_rule(name).mark
+        assert sl.rules.effective_rule(name).reference in CHART.attrs["references"]
 
 
 def test_curves_are_symmetric_in_the_logarithm_of_the_ratio_and_one_at_equal_periods() -> None:
@@ -35,7 +35,7 @@ def test_yielding_widens_the_peak() -> None:
     assert bool((yielding > CHART.rho.sel(rule="elastic")).where(away, True).all())
 
 
-@pytest.mark.parametrize("rule", sl.effective_rule_names())
+@pytest.mark.parametrize("rule", sl.rules.effective_rule_names())
 def test_elastic_structures_need_no_rule(rule: str) -> None:
     chart = effective_rules_chart(0.03, 0.1, 1.0, points=21)
     np.testing.assert_allclose(chart.rho.sel(rule=rule), chart.rho.sel(rule="elastic"), rtol=1e-12)

@@ -46,10 +46,10 @@ def test_both_rules_are_in_the_table_of_gaps(toy, tmp_path):
         assert mu > 1
         rho = eq_4(0.7 * math.sqrt(mu), 1.1, 0.05 + 0.04 * (mu - 1), 0.05)
         assert float(root.rho) == pytest.approx(rho, rel=1e-12)
-    builtin = (*sl.effective_rule_names(), *sl.code_rule_names())
+    builtin = (*sl.rules.effective_rule_names(), *sl.rules.code_rule_names())
     ours = [name for name in rules if name.removeprefix("eq_3_") in {*builtin, "root", "atlantis"}]
-    expected = [f"eq_3_{n}" for n in (*sl.effective_rule_names(), "root")]
-    assert ours == [*expected, *sl.code_rule_names(), "atlantis"]  # ours first, in their order
+    expected = [f"eq_3_{n}" for n in (*sl.rules.effective_rule_names(), "root")]
+    assert ours == [*expected, *sl.rules.code_rule_names(), "atlantis"]  # ours first, in their order
     assert re.search(r"^atlantis +[\d.]+ .* M$", done.stdout, re.MULTILINE)
 
 

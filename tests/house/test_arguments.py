@@ -37,7 +37,6 @@ BY_NAME = "it looks up a name, in many spellings"
 # Public functions whose signatures declare nothing to check, and why.
 UNCHECKED = {
     "rho_white_noise": OF_A_MODEL,
-    "rho_effective": OF_A_MODEL,
     "critical_gap": OF_A_MODEL,
     "response_spectrum": OF_A_MODEL,
     "pseudo_energy_radius": OF_A_MODEL,
@@ -46,17 +45,13 @@ UNCHECKED = {
     "read_case": READS,
     "read_pushover": READS,
     "to_at2": "it takes a record, whose samples it checks",
-    "strong_part": "it takes a record, and two shares that are checked together",
     "exceedance": "it takes arrays, whose dimensions it checks",
     "park_ang": "it takes the dataset of another function, and the parameters of a model",
     "plot_loop": "it hands them to hysteresis_loop, which checks them",
     "stationary_covariance": "it takes the dataset of another function",
     "named_ground": BY_NAME,
-    "effective_rule": BY_NAME,
-    "code_rule": BY_NAME,
-    "peak_factor_model": BY_NAME,
     **dict.fromkeys(
-        ("ground_names", "code_rule_names", "peak_factor_names", "example_case", "example_record"),
+        ("example_case", "example_record"),
         "it has no arguments",
     ),
 }

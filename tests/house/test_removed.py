@@ -1,5 +1,6 @@
 """What was removed is named by no text, and whoever still uses it reads what to use instead."""
 
+import inspect
 import re
 from pathlib import Path
 
@@ -13,8 +14,9 @@ from stochlin.removed import REMOVED
 pytestmark = pytest.mark.invariant
 
 ROOT = Path(sl.__file__).parents[1]
-# Those that are no words of the language.
-NAMES = sorted(name for name in REMOVED if not re.fullmatch("[a-z]+", name))
+# Those that are no words of the language, and no names of a public submodule.
+STILL = {*dir(sl.rules), *dir(sl.charts)}
+NAMES = sorted(name for name in REMOVED.keys() - STILL if not re.fullmatch("[a-z]+", name))
 
 
 @pytest.fixture(autouse=True)
@@ -23,32 +25,18 @@ def gone(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(REMOVED, name, "the gap says it")
 
 
-def texts() -> list[Path]:
-    """All that a user may read: docs, notebooks, examples and the code itself."""
-    kept = (
-        "README.md",
-        "CONTRIBUTING.md",
-        "docs/**/*.md",
-        "docs/gallery/*.py",
-        "notebooks/*.ipynb",
-        "stochlin/**/*.py*",
-    )
-    return [
-        path
-        for pattern in kept
-        for path in ROOT.glob(pattern)
-        if path.suffix in (".md", ".py", ".pyi", ".ipynb")
-    ]
+def texts() -> dict[str, str]:
+    """All that a user may read: pages, notebooks, examples, docstrings of public names."""
+    patterns = ("*.md", "docs/*.md", "docs/gallery/*.py", "notebooks/*.ipynb", "stochlin/**/*.toml")
+    paths = [path for pattern in patterns for path in ROOT.glob(pattern) if path.name != "CHANGELOG.md"]
+    read = {str(path.relative_to(ROOT)): path.read_text(encoding="utf-8") for path in paths}
+    return read | {name: inspect.getdoc(getattr(sl, name)) or "" for name in sl.__all__}
 
 
 def test_no_text_names_what_was_removed() -> None:
-    pattern = re.compile("|".join(rf"(?<![\w-]){re.escape(name)}(?![\w-])" for name in NAMES) or "$ ")
-    found = {
-        str(path.relative_to(ROOT)): sorted(set(pattern.findall(path.read_text(encoding="utf-8"))))
-        for path in texts()
-        if path.name != "removed.py"
-    }
-    assert {path: named for path, named in found.items() if named} == {}
+    pattern = re.compile("|".join(rf"(?<![\w-]){re.escape(name)}(?![\w-])" for name in NAMES))
+    found = {place: sorted(set(pattern.findall(text))) for place, text in texts().items()}
+    assert {place: names for place, names in found.items() if names} == {}
 
 
 def test_no_public_name_is_among_them() -> None:

@@ -28,16 +28,9 @@ MOST_MODULES = 12  # of a folder
 WITHOUT_FORMULA = {
     "FittedMotion",
     "WhiteNoise",
-    "code_rule",
-    "code_rule_names",
-    "effective_rule",
-    "effective_rule_names",
     "example_case",
     "example_record",
-    "ground_names",
     "named_ground",
-    "peak_factor_model",
-    "peak_factor_names",
     "read_case",
     "read_hazard",
     "read_modes",
@@ -56,7 +49,7 @@ VARIABLES = [
     for name, (units, _) in runpy.run_path(str(path))["VARIABLES"].items()
 ]
 UNITS = dict(VARIABLES)
-CALLABLE = sorted({*sl.__all__} - {"charts"})
+CALLABLE = sorted({*sl.__all__} - {"charts", "rules"})
 PURE_NUMBERS = {"rtol", "atol", "relaxation_times"}
 
 

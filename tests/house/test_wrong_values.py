@@ -142,9 +142,6 @@ SINGLE = {
 DASHPOTS = ("HertzDamp", "ImpactKelvin", "Jankowski", "Kelvin", "NoTensionKelvin")
 HAZARD = sl.HazardCurve([0.1, 8.0], [0.01, 1e-3])
 OWN: dict[str, dict[str, Any]] = {
-    "effective_rule": {"name": "iwan_1980"},
-    "code_rule": {"name": "eurocode_8"},
-    "peak_factor_model": {"name": "davenport_1964"},
     "Hysteretic": {"hardening": 0.1, "reduction_factor": 4, "law": V - abs(V) * Z},
     "read_record": {"dt": 0.02, "units": "g"},
     "read_records": {"dt": 0.02, "units": "g"},

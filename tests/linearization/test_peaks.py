@@ -11,7 +11,9 @@ import stochlin as sl
 
 pytestmark = pytest.mark.oracle
 
-DAVENPORT, DER_KIUREGHIAN, VANMARCKE = (sl.peak_factor_model(n) for n in sl.peak_factor_names())
+DAVENPORT, DER_KIUREGHIAN, VANMARCKE = (
+    sl.rules.peak_factor_model(n) for n in sl.rules.peak_factor_names()
+)
 CLUMPING = {2: np.sqrt(np.pi / 2), 1: np.sqrt(2 * np.pi)}
 
 many = st.floats(2, 1e6)
@@ -208,13 +210,13 @@ def test_values_keep_the_shape_of_their_arguments():
 
 @pytest.mark.parametrize("name", ["Vanmarcke1975", "vanmarcke", "v75", " VANMARCKE "])
 def test_models_are_found_by_name(name):
-    assert sl.peak_factor_model(name) is VANMARCKE
+    assert sl.rules.peak_factor_model(name) is VANMARCKE
 
 
 def test_unknown_models_and_sides_are_refused():
-    assert sl.peak_factor_model("der_kiureghian") is DER_KIUREGHIAN
+    assert sl.rules.peak_factor_model("der_kiureghian") is DER_KIUREGHIAN
     with pytest.raises(ValueError, match=r"model = 'gumbel' .*Davenport1964 \(D64\), .*Vanmarcke1975"):
-        sl.peak_factor_model("gumbel")
+        sl.rules.peak_factor_model("gumbel")
     with pytest.raises(ValueError, match="sides = 3; allowed: 2"):
         VANMARCKE.mean(10, 0.1, 3)
 
@@ -251,7 +253,7 @@ def test_response_scales_with_the_motion():
 
 
 @pytest.mark.parametrize("closure", ["gaussian", "clipped", "narrow_band"])
-@pytest.mark.parametrize("model", sl.peak_factor_names())
+@pytest.mark.parametrize("model", sl.rules.peak_factor_names())
 def test_yielding_structures_have_peaks_by_every_model_and_closure(model, closure):
     building = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
     table = sl.peak_response(building, LONG, 30.0, model=model, closure=closure)

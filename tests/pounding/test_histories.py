@@ -13,6 +13,7 @@ from motions import from_sample_to_sample, motion, needs_records, recorded, shak
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
+from stochlin.analyses.records.records import strong_part
 from stochlin.kernels.simulation import contacts as forces
 
 pytestmark = pytest.mark.oracle
@@ -91,7 +92,7 @@ def test_work_of_every_storey_is_what_it_stores_and_dissipates():
 @pytest.mark.parametrize("record", ["SCT", "Taft"])
 @pytest.mark.parametrize("name", CONTACTS)
 def test_energy_balances_on_records(record, name):
-    part = sl.strong_part(recorded(record))
+    part = strong_part(recorded(record))
     weak = soft(yield_displacement=0.01), stiff(yield_displacement=0.003)
     table = sl.pound(weak, 0.004, CONTACTS[name], part)
     assert table.sizes["impact"] > 5

@@ -8,6 +8,7 @@ import xarray as xr
 from motions import FOLDER, motion, needs_records, recorded
 
 import stochlin as sl
+from stochlin.analyses.records.records import strong_part
 
 pytestmark = pytest.mark.oracle
 
@@ -76,7 +77,7 @@ def test_a_step_that_contradicts_a_real_time_column_is_refused():
 @needs_records
 def test_lake_bed_spectrum_peaks_at_its_published_period():
     record = recorded("SCT")
-    spectra = sl.fit_spectra(record, sl.WhiteNoise(), part=(0, 1))
+    spectra = sl.charts.fit_spectra(record, sl.WhiteNoise(), part=(0, 1))
     peak = float(spectra.psd_record.idxmax("frequency"))
     step = 2.05**2 / 163.4  # of neighbouring Fourier periods
     assert 2 * np.pi / peak == pytest.approx(2.05, abs=1.5 * step)
@@ -431,7 +432,7 @@ def history(values, step=0.01, **attrs):
 
 def test_strong_part_of_a_constant_signal():
     record = history(np.full(1001, -2.0), units="m/s^2", source="a")
-    part = sl.strong_part(record)
+    part = strong_part(record)
     assert float(part.time[0]) == pytest.approx(0.5, abs=0.011)
     assert float(part.time[-1]) == pytest.approx(9.5, abs=0.011)
     assert part.attrs == {"units": "m/s^2", "source": "a", "energy_part": "5-95 %"}
@@ -442,7 +443,7 @@ def test_strong_part_of_a_decaying_signal():
     """Energy 1 - exp(-2 t), so the part runs from -log(1-start)/2 to -log(1-end)/2."""
     step = 1e-3
     record = history(np.exp(-step * np.arange(20000)), step)
-    part = sl.strong_part(record, 0.25, 0.75)
+    part = strong_part(record, 0.25, 0.75)
     expected = -np.log1p([-0.25, -0.75]) / 2
     np.testing.assert_allclose(part.time[[0, -1]], expected, atol=1.5 * step)
 
@@ -450,23 +451,23 @@ def test_strong_part_of_a_decaying_signal():
 @pytest.mark.parametrize("fractions", [(0.05, 0.95), (0.0, 0.5), (0.3, 0.31), (0.5, 1.0), (0, 1)])
 def test_strong_part_holds_its_share_of_the_energy(fractions):
     record = history(np.random.default_rng(3).standard_normal(5000))
-    part = sl.strong_part(record, *fractions)
+    part = strong_part(record, *fractions)
     share = float((part**2).sum() / (record**2).sum())
     one_sample = 2 * float((record**2).max() / (record**2).sum())
     assert share == pytest.approx(fractions[1] - fractions[0], abs=one_sample)
-    assert sl.strong_part(3 * record, *fractions).time.equals(part.time)
+    assert strong_part(3 * record, *fractions).time.equals(part.time)
 
 
 def test_whole_record_loses_nothing_but_silence_at_its_end():
     values = np.random.default_rng(3).standard_normal(500)
-    assert sl.strong_part(history(values), 0, 1).sizes["time"] == 500
-    assert sl.strong_part(history(np.append(values, np.zeros(100))), 0, 1).sizes["time"] == 500
+    assert strong_part(history(values), 0, 1).sizes["time"] == 500
+    assert strong_part(history(np.append(values, np.zeros(100))), 0, 1).sizes["time"] == 500
 
 
 @pytest.mark.parametrize("fractions", [(-0.1, 0.9), (0.5, 0.5), (0.9, 0.1), (0, 1.1), (np.nan, 0.9)])
 def test_strong_part_refuses_fractions(fractions):
     with pytest.raises(ValueError, match="allowed: 0 <= start < end <= 1"):
-        sl.strong_part(history(WAVE), *fractions)
+        strong_part(history(WAVE), *fractions)
 
 
 @pytest.mark.parametrize(
@@ -491,4 +492,4 @@ def test_strong_part_refuses_fractions(fractions):
 )
 def test_what_is_not_a_record(record, error, message):
     with pytest.raises(error, match=message):
-        sl.strong_part(record)
+        strong_part(record)

@@ -10,6 +10,8 @@ from motions import motion, needs_records, recorded
 from scipy.integrate import quad
 
 import stochlin as sl
+from stochlin.analyses.records.records import strong_part
+from stochlin.models.grounds.named import ground_names
 
 pytestmark = pytest.mark.oracle
 
@@ -136,8 +138,8 @@ def test_clough_penzien_fit_of_a_firm_site():
     assert isinstance(ground, sl.CloughPenzien)
     assert TAU / ground.period == pytest.approx(17.5, rel=0.02)
     assert ground.high_pass_period > ground.period
-    spectra = sl.fit_spectra(taft(), ground)
-    kanai_tajimi = sl.fit_spectra(taft(), sl.fit_ground(taft()))
+    spectra = sl.charts.fit_spectra(taft(), ground)
+    kanai_tajimi = sl.charts.fit_spectra(taft(), sl.fit_ground(taft()))
     assert misfit(spectra) < misfit(kanai_tajimi)
 
 
@@ -267,7 +269,7 @@ def test_refuses_what_is_not_a_record():
 
 def test_spectra_refuse_what_is_no_ground():
     with pytest.raises(TypeError, match=r"ground = 3 is of the wrong kind; allowed: .*KanaiTajimi"):
-        sl.fit_spectra(motion([0.0, 1.0, 2.0, 1.0] * 10), 3)
+        sl.charts.fit_spectra(motion([0.0, 1.0, 2.0, 1.0] * 10), 3)
 
 
 # --- Spectra ------------------------------------------------------------------------------------------
@@ -277,8 +279,8 @@ def test_spectra_refuse_what_is_no_ground():
 @pytest.mark.parametrize("part", [(0, 1), (0.05, 0.95)])
 def test_the_spectrum_of_a_record_has_its_energy(samples, part):
     record = motion(np.random.default_rng(2).standard_normal(samples) + 0.5)
-    spectra = sl.fit_spectra(record, sl.WhiteNoise(), part=part)
-    strong = sl.strong_part(record, *part)
+    spectra = sl.charts.fit_spectra(record, sl.WhiteNoise(), part=part)
+    strong = strong_part(record, *part)
     step = TAU / (strong.size * 0.02)
     weights = np.full(spectra.sizes["frequency"], 2.0)
     if strong.size % 2 == 0:
@@ -299,7 +301,7 @@ def test_integral_of_the_fitted_spectrum_is_the_variance():
 
 def test_smoothing_keeps_what_is_smooth_and_the_energy():
     record = simulated(np.ones_like, 400.0)
-    spectra = sl.fit_spectra(record, sl.WhiteNoise(), part=(0, 1))
+    spectra = sl.charts.fit_spectra(record, sl.WhiteNoise(), part=(0, 1))
     # A sixth of an octave around 30 rad/s holds 220 ordinates, so its mean scatters by 7 %.
     assert float(spectra.psd_smoothed.sel(frequency=30.0, method="nearest")) == pytest.approx(
         1, abs=0.15
@@ -316,7 +318,7 @@ def test_spectra_are_labelled(tmp_path):
         source="made.txt"
     )
     ground = sl.named_ground("soft", intensity=0.5)
-    spectra = sl.fit_spectra(record, ground)
+    spectra = sl.charts.fit_spectra(record, ground)
     assert set(spectra.data_vars) == {"psd_record", "psd_smoothed", "psd_ground"}
     for name in spectra.data_vars:
         assert spectra[name].attrs["units"] == "m^2/s^3"
@@ -335,13 +337,13 @@ def test_spectra_are_labelled(tmp_path):
 
 
 def test_names_of_grounds_are_listed():
-    assert sl.ground_names() == (
+    assert ground_names() == (
         *("firm", "medium", "soft", "ec8_a", "ec8_b", "ec8_c", "ec8_d", "ec8_e"),
         *("taft_1952_yeh_wen", "mexico_city_1985_yeh_wen", "sct_1985_ns", "sct_1985_ew", "taft_1952"),
     )
 
 
-@pytest.mark.parametrize("name", sl.ground_names())
+@pytest.mark.parametrize("name", ground_names())
 def test_every_named_ground_has_a_source_and_takes_an_intensity(name):
     ground = sl.named_ground(name, intensity=0.3)
     assert ground.intensity == 0.3

@@ -19,7 +19,7 @@ G = 9.80665
 )
 def test_turkey_by_hand(height, level, not_level):
     """TBDY 2018, 4.9.3: R/I u = 6 and 8 cm, root 10 cm; beside 30 m the lower height counts."""
-    rule = sl.code_rule("tbdy_2018")
+    rule = sl.rules.code_rule("tbdy_2018")
     for align, gap in ((True, level), (False, not_level)):
         assert float(rule.gap(0.06, 0.08, height, 30.0, align)) == pytest.approx(gap, rel=1e-12)
         assert float(rule.gap(0.08, 0.06, 30.0, height, align)) == pytest.approx(gap, rel=1e-12)
@@ -48,7 +48,7 @@ def test_turkey_multiplies_by_r_over_i():
 )
 def test_italy_by_hand(name, height, share, gap):
     """NTC 2018, 7.2.1: the sum 3 + 4 cm, and h/100 (2 ag S/g), the factor 1 at most; any floors."""
-    rule = sl.code_rule(name)
+    rule = sl.rules.code_rule(name)
     for align in (True, False):
         found = rule.gap(0.03, 0.04, height, 40.0, align, design_pga=share * G)
         assert float(found) == pytest.approx(gap, rel=1e-5)  # g with its standard digits
@@ -67,7 +67,7 @@ def test_italy_by_hand(name, height, share, gap):
 )
 def test_iran_by_hand(height, storeys, importance, each):
     """Standard 2800: nonlinear displacement 15 cm; the neighbour has 6 m and 2 storeys, so 3 cm."""
-    rule = sl.code_rule("iran_2800")
+    rule = sl.rules.code_rule("iran_2800")
     one = {"storeys_1": storeys, "importance_1": importance}
     assert float(rule.gap(0.15, None, height, **one)) == pytest.approx(each, rel=1e-12)
     for align in (True, False):
@@ -87,7 +87,7 @@ def test_iran_by_hand(height, storeys, importance, each):
 )
 def test_colombia_by_hand(height, storeys, level, not_level, empty_plot):
     """NSR-10, table A.6.5-1, beside a house of one storey; displacements do not count."""
-    rule = sl.code_rule("nsr_10")
+    rule = sl.rules.code_rule("nsr_10")
     for align, gap in ((True, level), (False, not_level)):
         found = rule.gap(0.5, 0.5, height, 3.0, align, storeys_1=storeys, storeys_2=1)
         assert float(found) == pytest.approx(gap, rel=1e-12)
@@ -99,7 +99,7 @@ def test_colombia_by_hand(height, storeys, level, not_level, empty_plot):
 @pytest.mark.parametrize("align", [True, False])
 def test_new_zealand_by_hand(height, align):
     """NZS 1170.5, 7.4.1: each keeps its own displacement from the boundary, whatever its height."""
-    rule = sl.code_rule("nzs_1170_5")
+    rule = sl.rules.code_rule("nzs_1170_5")
     assert float(rule.gap(0.03, None, height)) == 0.03
     for same_property in (True, False):
         gap = rule.gap(0.03, 0.04, height, 15.0, align, same_property=same_property)
@@ -120,13 +120,13 @@ def test_arrays_of_storeys_and_accelerations_are_cells_of_the_table():
 @pytest.mark.invariant
 def test_what_a_rule_lacks_and_what_cannot_be_is_named():
     with pytest.raises(ValueError, match=r"ntc_2018 needs design_pga, .*, design_pga \[m/s"):
-        sl.code_rule("ntc_2018").gap(0.03, 0.04, 12.0, 12.0)
+        sl.rules.code_rule("ntc_2018").gap(0.03, 0.04, 12.0, 12.0)
     with pytest.raises(ValueError, match="iran_2800 needs storeys_1, storeys_2, which is not given"):
-        sl.code_rule("iran_2800").gap(0.03, 0.04, 12.0, 12.0)
+        sl.rules.code_rule("iran_2800").gap(0.03, 0.04, 12.0, 12.0)
     with pytest.raises(ValueError, match="nsr_10 needs storeys_1, which is not given"):
-        sl.code_rule("nsr_10").gap(0.03, None, 12.0)
+        sl.rules.code_rule("nsr_10").gap(0.03, None, 12.0)
     with pytest.raises(ValueError, match="tbdy_2018 needs a second building"):
-        sl.code_rule("tbdy_2018").gap(0.03, None, 12.0)
+        sl.rules.code_rule("tbdy_2018").gap(0.03, None, 12.0)
     for wrong, says in (
         ({"design_pga": 0.0}, "design_pga = 0 "),
         ({"storeys_1": 0.5}, r"storeys_1 = 0\.5 is out of range"),

@@ -7,11 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
+from stochlin import rules
 from stochlin.models.rules.effective_properties.secant import Secant
 
 pytestmark = pytest.mark.oracle
 
-EFFECTIVE = sl.effective_rule_names(unverified=True)
+EFFECTIVE = rules.effective_rule_names(unverified=True)
 GROUND = sl.KanaiTajimi(1.0, 0.3)
 
 ductilities = st.floats(1, 30)
@@ -21,7 +22,7 @@ dampings = st.floats(0.005, 0.2)
 
 @pytest.mark.parametrize("name", EFFECTIVE)
 def test_elastic_structures_keep_their_period_and_damping(name):
-    rule = sl.effective_rule(name)
+    rule = rules.effective_rule(name)
     mu = np.array([1e-3, 0.5, 1.0])
     np.testing.assert_array_equal(rule.period_ratio(mu, 0.05), 1)
     np.testing.assert_array_equal(rule.damping(mu, 0.05, 0.02), 0.02)
@@ -30,7 +31,7 @@ def test_elastic_structures_keep_their_period_and_damping(name):
 @pytest.mark.parametrize("name", EFFECTIVE)
 def test_rules_are_continuous_where_yielding_begins(name):
     """Iwan's damping begins like the power 0.371 of the distance: 1e-12 of it is 3e-5 of 0.0587."""
-    rule = sl.effective_rule(name)
+    rule = rules.effective_rule(name)
     assert float(rule.period_ratio(1 + 1e-12, 0.05)) == pytest.approx(1, abs=1e-10)
     assert float(rule.damping(1 + 1e-12, 0.05, 0.05)) == pytest.approx(0.05, abs=3e-6)
 
@@ -46,7 +47,7 @@ def loop_area(mu, alpha, points=100_000):
 @pytest.mark.parametrize("alpha", [0.0, 0.05, 0.3])
 @pytest.mark.parametrize("mu", [1.5, 4.0, 10.0])
 def test_secant_rule_is_stiffness_and_energy_of_a_loop(mu, alpha):
-    rule = sl.effective_rule("secant")
+    rule = rules.effective_rule("secant")
     secant = (1 + alpha * (mu - 1)) / mu
     assert float(rule.period_ratio(mu, alpha)) == pytest.approx(secant**-0.5, rel=1e-14)
     energy = loop_area(mu, alpha) / (2 * np.pi * secant * mu**2)
@@ -56,7 +57,7 @@ def test_secant_rule_is_stiffness_and_energy_of_a_loop(mu, alpha):
 
 @given(ductilities, hardenings, dampings)
 def test_secant_at_a_share_is_secant_at_less_ductility(mu, alpha, xi):
-    penzien, whole = sl.effective_rule("penzien_1997"), sl.effective_rule("secant")
+    penzien, whole = rules.effective_rule("penzien_1997"), rules.effective_rule("secant")
     assert penzien.period_ratio(mu, alpha) == whole.period_ratio(0.65 * mu, alpha)
     assert penzien.damping(mu, alpha, xi) == whole.damping(0.65 * mu, alpha, xi)
     assert Secant(0.65).damping(mu, alpha, xi) == penzien.damping(mu, alpha, xi)
@@ -76,7 +77,7 @@ def test_secant_at_a_share_is_secant_at_less_ductility(mu, alpha, xi):
 )
 def test_fitted_rules_by_hand(name, mu, period, damping):
     """Worked out apart, in decimal arithmetic; nine digits."""
-    rule = sl.effective_rule(name)
+    rule = rules.effective_rule(name)
     assert float(rule.period_ratio(mu, 0.05)) == pytest.approx(period, rel=5e-9)
     assert float(rule.damping(mu, 0.05, 0.05)) - 0.05 == pytest.approx(damping, rel=5e-9)
 
@@ -85,7 +86,7 @@ def test_fitted_rules_by_hand(name, mu, period, damping):
     ("mu", "period", "damping"), [(4, -0.104, 0.0056), (6.5, 0.00083333, -0.0036721)]
 )
 def test_published_pieces_of_fema_440_jump(mu, period, damping):
-    rule = sl.effective_rule("fema_440")
+    rule = rules.effective_rule("fema_440")
     before, after = mu - 1e-9, mu + 1e-9
     jump = rule.period_ratio(after, 0.05) - rule.period_ratio(before, 0.05)
     assert float(jump) == pytest.approx(period, rel=1e-3)
@@ -96,16 +97,16 @@ def test_published_pieces_of_fema_440_jump(mu, period, damping):
 @pytest.mark.parametrize("name", EFFECTIVE)
 @given(ductilities, st.floats(1.0001, 3), hardenings, dampings)
 def test_more_ductility_is_a_longer_period(name, mu, factor, alpha, xi):
-    rule = sl.effective_rule(name)
+    rule = rules.effective_rule(name)
     low, high = (float(rule.period_ratio(m, alpha)) for m in (mu, mu * factor))
     assert high >= low * (1 - (0.104 / 1.774 if name == "fema_440" else 1e-14))  # its jump
     assert float(rule.damping(mu, alpha, xi)) >= xi
 
 
 def test_unverified_rules_are_listed_on_request_and_say_why():
-    listed = set(sl.effective_rule_names())
+    listed = set(rules.effective_rule_names())
     for name in EFFECTIVE:
-        rule = sl.effective_rule(name)
+        rule = rules.effective_rule(name)
         assert rule.verified == (name in listed)
         assert ("unverified" in name) == (not rule.verified) == bool(rule.reason)
         assert rule.mark in rule.describe()
@@ -114,7 +115,7 @@ def test_unverified_rules_are_listed_on_request_and_say_why():
 
 def test_unknown_rules_are_answered_with_the_known_ones():
     with pytest.raises(ValueError, match=r"rule = 'magic' .*elastic, secant, .*iwan_1980, fema_440"):
-        sl.effective_rule("magic")
+        rules.effective_rule("magic")
     with pytest.raises(ValueError, match=r"rule = 'magic' "):
         sl.correlate(sl.Bilinear(1.0, 0.05), sl.Bilinear(1.0, 0.05), GROUND, "effective", rule="magic")
     with pytest.raises(ValueError, match=r"share = 1.2; allowed: 0 < share <= 1"):
@@ -127,8 +128,8 @@ PAIR = {"damping_1": 0.05, "damping_2": 0.03, "hardening_1": 0.05, "hardening_2"
 @given(st.floats(0.1, 5), st.floats(0.1, 5), st.floats(0.1, 20), st.floats(0.1, 20))
 def test_rho_effective_is_eq_4_at_its_periods_and_dampings(one, two, mu_1, mu_2):
     for name in EFFECTIVE:
-        table = sl.rho_effective(one, two, **PAIR, ductility_1=mu_1, ductility_2=mu_2, rule=name)
-        rule = sl.effective_rule(name)
+        table = rules.rho_effective(one, two, **PAIR, ductility_1=mu_1, ductility_2=mu_2, rule=name)
+        rule = rules.effective_rule(name)
         period = one * rule.period_ratio(mu_1, 0.05)
         assert float(table.period_eq_1) == pytest.approx(float(period), rel=1e-15)
         assert 0 < float(table.rho) <= 1
@@ -139,13 +140,13 @@ def test_rho_effective_is_eq_4_at_its_periods_and_dampings(one, two, mu_1, mu_2)
 
 
 def test_rho_effective_keeps_its_bad_cells_to_itself():
-    table = sl.rho_effective([1.0, -1.0], 1.2, **PAIR, ductility_1=4.0, ductility_2=3.0)
-    alone = sl.rho_effective(1.0, 1.2, **PAIR, ductility_1=4.0, ductility_2=3.0)
+    table = rules.rho_effective([1.0, -1.0], 1.2, **PAIR, ductility_1=4.0, ductility_2=3.0)
+    alone = rules.rho_effective(1.0, 1.2, **PAIR, ductility_1=4.0, ductility_2=3.0)
     assert float(table.rho[0]) == float(alone.rho)
     assert np.isnan(table.rho[1])
     assert table.status.values.tolist() == [0, 3]
     with pytest.raises(ValueError, match="ductility_2 = 0 "):
-        sl.rho_effective(1.0, 1.2, **PAIR, ductility_1=4.0, ductility_2=0)
+        rules.rho_effective(1.0, 1.2, **PAIR, ductility_1=4.0, ductility_2=0)
 
 
 @pytest.mark.parametrize("rule", EFFECTIVE)
@@ -160,7 +161,7 @@ def test_correlate_takes_linearized_peak_ductilities(rule):
     ductility = [
         p * sl.linearize(s, GROUND).ductility_std for p, s in zip((2.5, 3.0), pair, strict=True)
     ]
-    direct = sl.rho_effective(
+    direct = rules.rho_effective(
         periods[:2], 1.0, 0.05, 0.05, 0.05, 0.05, ductility[0][:2], ductility[1], rule
     )
     np.testing.assert_allclose(table.rho[:2], direct.rho, rtol=1e-14)
@@ -219,7 +220,7 @@ lengths = st.floats(1e-3, 2)
 )
 def test_gaps_of_codes_are_those_by_hand(name, two, two_level, one, one_level):
     """Two properties and one, floors that are not level and level; 12 m beside 20 m."""
-    rule = sl.code_rule(name)
+    rule = rules.code_rule(name)
     for same_property, gaps in ((False, (two, two_level)), (True, (one, one_level))):
         for level, gap in zip((False, True), gaps, strict=True):
             told = {"same_property": same_property, "floors_align": level}
@@ -231,7 +232,7 @@ def test_gaps_of_codes_are_those_by_hand(name, two, two_level, one, one_level):
 @pytest.mark.parametrize(("name", "whole"), [("mexico_city", 0.142), ("mexico_city_simplified", 0.216)])
 def test_mexico_city_halves_for_the_same_height_system_and_levels_only(name, whole):
     """NTC-Sismo 1.10: the same height and "estructuracion", and slabs at the same levels, all three."""
-    rule, alike = sl.code_rule(name), {"floors_align": True, "same_system": True}
+    rule, alike = rules.code_rule(name), {"floors_align": True, "same_system": True}
     heights = np.array([12.0, 12.1])
     assert rule.gap(0.03, 0.04, 12.0, heights, zone="II", **alike)[0] == pytest.approx(whole / 2)
     assert rule.gap(0.03, 0.04, 12.0, heights, zone="II", **alike)[1] > whole
@@ -243,7 +244,7 @@ def test_mexico_city_halves_for_the_same_height_system_and_levels_only(name, who
 def test_codes_that_know_property_lines_sum_between_two_properties():
     """IBC 2009 and Eurocode 8: the root of squares only "on the same property"."""
     for name in ("asce_7", "ubc_97", "eurocode_8", "peru_e030"):
-        rule = sl.code_rule(name)
+        rule = rules.code_rule(name)
         each = [rule.gap(peak, None, height) for peak, height in ((0.03, 12.0), (0.04, 20.0))]
         assert float(rule.gap(0.03, 0.04, **SITE)) == pytest.approx(sum(each), rel=1e-14)
     families = {
@@ -256,26 +257,26 @@ def test_codes_that_know_property_lines_sum_between_two_properties():
 def test_every_code_is_in_the_table_by_hand():
     """So that no rule can be added without one."""
     (mark,) = [m for m in test_gaps_of_codes_are_those_by_hand.pytestmark if m.name == "parametrize"]
-    assert tuple(case[0] for case in mark.args[1]) == sl.code_rule_names()
+    assert tuple(case[0] for case in mark.args[1]) == rules.code_rule_names()
 
 
 @pytest.mark.parametrize(("zone", "each"), [("I", 0.05), ("II", 0.056), ("III", 0.092)])
 def test_mexico_city_has_a_least_distance_and_three_zones(zone, each):
-    rule = sl.code_rule("mexico_city")
+    rule = rules.code_rule("mexico_city")
     gap = rule.gap(0.02, 0.02, 12.0, 12.0, zone=zone)
     assert float(gap) == pytest.approx(2 * each, rel=1e-12)
 
 
 @pytest.mark.parametrize(("zone", "each"), [("I", 0.05), ("II", 0.054), ("III", 0.072)])
 def test_mexico_city_by_height_has_a_least_distance_and_three_zones(zone, each):
-    rule = sl.code_rule("mexico_city_simplified")
+    rule = rules.code_rule("mexico_city_simplified")
     assert float(rule.gap(0.9, 0.9, 6.0, 6.0, zone=zone)) == pytest.approx(2 * each, rel=1e-12)
 
 
 @pytest.mark.parametrize(("step", "gap"), [(5.0, 0.124), (4.0, 0.13), (3.0, 0.14), (2.0, 0.16)])
 def test_china_has_a_fixed_distance_that_grows_above_fifteen_metres(step, gap):
     """GB 50011: 6 m above 15 m, by the intensities 6 to 9."""
-    rule = sl.code_rule("china_gb_50011", step)
+    rule = rules.code_rule("china_gb_50011", step)
     assert float(rule.gap(0.9, 0.9, 21.0, 30.0)) == pytest.approx(gap, rel=1e-12)
     assert float(rule.gap(0.9, 0.9)) == float(rule.gap(0.9, 0.9, 15.0, 90.0)) == 0.1
 
@@ -296,7 +297,7 @@ def test_all_four_families_of_the_paper_are_in_the_table():
 def test_a_number_of_ones_own_stands_in_the_table_and_is_told():
     numbers = {"share_of_height": 0.01, "Fixed Distance": 0.08, "asce_41": 0.03, "share_of_sum": 1}
     table = sl.code_gaps(0.03, 0.04, **SITE, numbers=numbers)
-    assert [n for n in table.rule.values if n not in sl.code_rule_names()] == [
+    assert [n for n in table.rule.values if n not in rules.code_rule_names()] == [
         "share_of_height",
         "fixed_distance",
     ]
@@ -311,7 +312,7 @@ def test_a_number_of_ones_own_stands_in_the_table_and_is_told():
         assert one.assumptions.item().startswith(told)
     assert "'asce_41': 0.03" in table.attrs["history"]
     usual = sl.code_gaps(0.03, 0.04, **SITE)
-    others = [n for n in sl.code_rule_names() if n != "asce_41"]
+    others = [n for n in rules.code_rule_names() if n != "asce_41"]
     xr.testing.assert_identical(table.gap.sel(rule=others), usual.gap.sel(rule=others))
 
 
@@ -342,7 +343,7 @@ def test_numbers_that_cannot_be_are_refused(numbers, error, message):
 
 
 def test_peru_has_three_ways_to_be_the_largest():
-    rule = sl.code_rule("peru_e030")
+    rule = rules.code_rule("peru_e030")
     for peaks, height, gap in ((0.001, 2.0, 0.03), (0.001, 10.0, 0.06), (0.3, 10.0, 0.4)):
         within = rule.gap(peaks, peaks, height, 50.0, same_property=True)
         assert float(within) == pytest.approx(gap, rel=1e-12)
@@ -353,7 +354,9 @@ def test_peru_has_three_ways_to_be_the_largest():
     ("name", "value", "gap"), [(*FAMILIES[0], 0.042), (*FAMILIES[1], 0.12), (*FAMILIES[2], 0.1)]
 )
 def test_families_take_their_number(name, value, gap):
-    assert float(sl.code_rule(name, value).gap(0.03, 0.04, 12.0, 20.0)) == pytest.approx(gap, rel=1e-12)
+    assert float(rules.code_rule(name, value).gap(0.03, 0.04, 12.0, 20.0)) == pytest.approx(
+        gap, rel=1e-12
+    )
 
 
 @given(lengths, lengths, st.floats(3, 100), st.floats(3, 100), *3 * (st.booleans(),))
@@ -363,8 +366,8 @@ def test_codes_do_not_ask_which_building_is_first(one, two, h_1, h_2, aligned, l
         {"storeys_1": round(1 + h_2 / 4), "storeys_2": round(1 + h_1 / 4), "importance_2": 1.2},
     ]
     as_is, mirrored = ({"design_pga": 2.0} | more for more in here_and_mirrored)
-    for name in sl.code_rule_names():
-        rule, told = sl.code_rule(name), ("III", lot, system)
+    for name in rules.code_rule_names():
+        rule, told = rules.code_rule(name), ("III", lot, system)
         here = rule.gap(one, two, h_1, h_2, aligned, *told, **as_is)
         other_way = rule.gap(two, one, h_2, h_1, aligned, *told, **mirrored)
         assert here == pytest.approx(other_way, rel=1e-14)
@@ -377,36 +380,36 @@ def test_codes_do_not_ask_which_building_is_first(one, two, h_1, h_2, aligned, l
 @given(lengths, lengths)
 def test_what_is_a_combination_of_peaks_lies_between_srss_and_sum(one, two):
     """For correlations from 0 to -1; the plain families of the paper."""
-    srss, total = (float(sl.code_rule(n).gap(one, two)) for n in ("srss", "share_of_sum"))
+    srss, total = (float(rules.code_rule(n).gap(one, two)) for n in ("srss", "share_of_sum"))
     assert srss == float(sl.critical_gap(one, two, 0.0).gap)
     assert total == float(sl.critical_gap(one, two, -1.0).gap)
 
 
 def test_missing_data_and_unknown_names_are_named():
     with pytest.raises(ValueError, match=r"mexico_city needs height_1, height_2, zone, .*not given"):
-        sl.code_rule("mexico_city").gap(0.03, 0.04)
+        rules.code_rule("mexico_city").gap(0.03, 0.04)
     with pytest.raises(ValueError, match="peru_e030 needs height_2, "):
-        sl.code_rule("peru_e030").gap(0.03, 0.04, 12.0)
+        rules.code_rule("peru_e030").gap(0.03, 0.04, 12.0)
     with pytest.raises(ValueError, match="zone = 'IV' is not known; allowed: I, II, III"):
-        sl.code_rule("mexico_city").gap(0.03, 0.04, 12.0, 12.0, zone="IV")
+        rules.code_rule("mexico_city").gap(0.03, 0.04, 12.0, 12.0, zone="IV")
     with pytest.raises(ValueError, match=r"name = 'mars' .*asce_7, .*fixed_distance"):
-        sl.code_rule("mars")
+        rules.code_rule("mars")
     with pytest.raises(ValueError, match="value is not given; fixed_distance needs it"):
-        sl.code_rule("fixed_distance")
+        rules.code_rule("fixed_distance")
     with pytest.raises(ValueError, match=r"value = 2\.0 is given to asce_7"):
-        sl.code_rule("asce_7", 2.0)
+        rules.code_rule("asce_7", 2.0)
     for value in (0.0, -1.0, np.nan):
         with pytest.raises(ValueError, match=r"factor = .*positive"):
-            sl.code_rule("share_of_sum", value)
+            rules.code_rule("share_of_sum", value)
 
 
 def test_codes_side_by_side():
     peaks = xr.DataArray([0.03, 0.2], dims="peak")
     table = sl.code_gaps(peaks, 0.04, **SITE, floors_align=True)
     assert table.gap.dims == ("rule", "peak")
-    assert tuple(table.rule.values) == sl.code_rule_names()
-    for name in sl.code_rule_names():
-        rule = sl.code_rule(name)
+    assert tuple(table.rule.values) == rules.code_rule_names()
+    for name in rules.code_rule_names():
+        rule = rules.code_rule(name)
         expected = rule.gap(peaks.values, 0.04, **SITE, floors_align=True)
         np.testing.assert_allclose(table.gap.sel(rule=name), expected, rtol=1e-15)
         chosen = table.sel(rule=name)
@@ -422,7 +425,7 @@ def test_rules_without_their_data_are_nan_and_say_what_is_missing():
     lacking |= dict.fromkeys(("peru_e030", "asce_41", "tbdy_2018"), "height_2")
     lacking |= dict.fromkeys(("ntc_2008", "ntc_2018"), "height_2, design_pga")
     lacking |= dict.fromkeys(("iran_2800", "nsr_10"), "height_2, storeys_1, storeys_2")
-    for name in sl.code_rule_names():
+    for name in rules.code_rule_names():
         chosen = table.sel(rule=name)
         assert str(chosen.missing.item()) == lacking.get(name, "")
         expected = [3, 3] if name in lacking else [0, 3]

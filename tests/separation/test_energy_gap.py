@@ -46,7 +46,7 @@ def test_yielding_pair_takes_rho_by_the_rule_or_of_a_ground():
     table = sl.energy_gap(*WEAK, noise(), "effective", rule="secant")
     mu = [float(table[f"peak_{n}"]) / 0.01 for n in (1, 2)]
     assert min(mu) > 1
-    rho = sl.rho_effective(1.0, 0.6, 0.05, 0.05, 0.1, 0.1, *mu, rule="secant").rho
+    rho = sl.rules.rho_effective(1.0, 0.6, 0.05, 0.05, 0.1, 0.1, *mu, rule="secant").rho
     assert float(table.rho_estimate) == pytest.approx(float(rho), rel=1e-12)
     for closure in ("gaussian", "drift"):
         on_ground = sl.energy_gap(*WEAK, noise(), "linearization", ground=GROUND, closure=closure)

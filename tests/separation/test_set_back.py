@@ -143,7 +143,7 @@ def test_codes_of_one_building_by_hand() -> None:
     assert float(low.gap.sel(rule="mexico_city")) == 0.05
     assert one.missing.sel(rule="canada").item().startswith("a second building")
     assert sl.code_gaps(0.02, None).missing.sel(rule="mexico_city").item() == "height_1, zone"
-    assert sl.code_rule("asce_7").gap(0.03, None) == 0.03
+    assert sl.rules.code_rule("asce_7").gap(0.03, None) == 0.03
 
 
 @pytest.mark.oracle
@@ -233,7 +233,7 @@ def test_what_is_of_a_second_building_is_refused() -> None:
         with pytest.raises(ValueError, match=f"{name} is given, of a second building"):
             sl.code_gaps(0.03, None, **{name: value})
     with pytest.raises(ValueError, match="canada needs a second building"):
-        sl.code_rule("canada").gap(0.03, None)
+        sl.rules.code_rule("canada").gap(0.03, None)
 
 
 @pytest.mark.invariant

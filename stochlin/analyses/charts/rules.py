@@ -44,8 +44,8 @@ def effective_rules_chart(
     points : int
         Number of period ratios, from 1/4 to 4.
     rules : list of str or EffectiveRule, optional
-        Names of `stochlin.effective_rule_names` or of unverified rules, or rule objects. The default is
-        all verified rules.
+        Names of `stochlin.rules.effective_rule_names` or of unverified rules, or rule objects. The
+        default is all verified rules.
 
     Returns
     -------

@@ -70,7 +70,7 @@ class ChartSettings:
     curves : tuple of str, optional
         What is drawn: ``"linearization"``, ``"simulation"``, ``"drift"`` (the drift closure),
         ``"elastic"`` (elastic structures on the same ground), ``"white_noise"`` (the same by eq. (4)),
-        and names of `stochlin.effective_rule_names` or of unverified rules. Fig. 3b has the rules
+        and names of `stochlin.rules.effective_rule_names` or of unverified rules. Fig. 3b has the rules
         alone. The default is all of them, with all verified rules in Fig. 3b and those of Penzien and
         of Iwan in Fig. 4.
 

@@ -71,7 +71,7 @@ def rho_effective(
     --------
     >>> import stochlin as sl
     >>> pair = {"damping_1": 0.05, "damping_2": 0.05, "hardening_1": 0.05, "hardening_2": 0.05}
-    >>> table = sl.rho_effective(0.7, 1.0, ductility_1=4.0, ductility_2=4.0, **pair, rule="secant")
+    >>> table = sl.rules.rho_effective(0.7, 1.0, ductility_1=4.0, ductility_2=4.0, **pair, rule="secant")
     >>> elastic = sl.rho_white_noise(0.7, 1.0, 0.05, 0.05)
     >>> bool(table.rho > elastic.rho)
     True

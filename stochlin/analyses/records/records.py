@@ -144,40 +144,10 @@ def strong_samples(motions: Array, start: float = 0.05, end: float = 0.95) -> tu
 
 
 def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) -> xr.DataArray:
-    """Part of a record between two fractions of its cumulative energy (Husid plot).
+    """Part of a record between two fractions of its Arias intensity, 0 <= start < end <= 1.
 
-    Parameters
-    ----------
-    record : xarray.DataArray
-        Ground acceleration [m/s^2] with the dimension ``time`` [s], as from `read_record`.
-    start, end : float
-        Fractions of the Arias intensity (``pi/(2 g)`` times the integral of the squared acceleration) at
-        which the part starts and ends, 0 <= start < end <= 1.
-
-    Returns
-    -------
-    xarray.DataArray
-        The samples of this part [m/s^2] over their ``time`` in the record. The attribute ``energy_part``
-        names the fractions.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If the record is not valid or the fractions are out of range.
-
-    References
-    ----------
-    Trifunac, M. D. and Brady, A. G. (1975), Bull. Seismol. Soc. Am. 65.
-
-    Examples
-    --------
-    >>> import numpy as np, xarray as xr
-    >>> import stochlin as sl
-    >>> time = 0.1 * np.arange(100)
-    >>> record = xr.DataArray(np.where(time < 5, 0.0, 1.0), dims="time", coords={"time": time})
-    >>> part = sl.strong_part(record, 0.1, 0.5)
-    >>> round(float(part.time[0]), 3), round(float(part.time[-1]), 3)
-    (5.4, 7.4)
+    Samples [m/s^2] over their ``time`` in the record; the attribute ``energy_part`` names the fractions
+    (Trifunac and Brady, 1975, Bull. Seismol. Soc. Am. 65). Raises a ValueError if they are out of range.
     """
     values, _ = checked_record(record)
     if not (is_number(start) and is_number(end) and 0 <= start < end <= 1):

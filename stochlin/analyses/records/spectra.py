@@ -100,7 +100,7 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
     >>> import stochlin as sl
     >>> time = 0.01 * np.arange(4000)
     >>> record = xr.DataArray(np.sin(10 * time), dims="time", coords={"time": time})
-    >>> spectra = sl.fit_spectra(record, sl.WhiteNoise(0.05))
+    >>> spectra = sl.charts.fit_spectra(record, sl.WhiteNoise(0.05))
     >>> round(float(spectra.psd_record.idxmax("frequency")), 1)
     10.0
     """

@@ -97,7 +97,7 @@ def fit_ground(
         the model is true. The results differ widely for a record that the model does not describe; draw
         the fit with `fit_spectra`.
     part : tuple of two floats
-        Fractions of the cumulative energy between which a record is used, see `strong_part`; (0, 1) is
+        Fractions of the cumulative energy between which a record is used; (0, 1) is
         the whole record.
     frequency_range : tuple of two floats, optional
         Lowest and highest circular frequency used for a record [rad/s]. By default these are the

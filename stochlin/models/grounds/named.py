@@ -48,19 +48,7 @@ _GROUNDS = {
 
 
 def ground_names() -> tuple[str, ...]:
-    """Names of the parameter sets that `named_ground` takes.
-
-    Returns
-    -------
-    tuple of str
-        Names in lower case.
-
-    Examples
-    --------
-    >>> import stochlin as sl
-    >>> sl.ground_names()[:3]
-    ('firm', 'medium', 'soft')
-    """
+    """Names of the parameter sets that `named_ground` takes, in lower case."""
     return tuple(_GROUNDS)
 
 
@@ -70,7 +58,8 @@ def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughP
     Parameters
     ----------
     name : str
-        One of `ground_names`, in upper or lower case.
+        ``firm``, ``medium``, ``soft``, ``ec8_a`` to ``ec8_e``, ``taft_1952``, ``taft_1952_yeh_wen``,
+        ``sct_1985_ns``, ``sct_1985_ew`` or ``mexico_city_1985_yeh_wen``, in upper or lower case.
     intensity : float or array
         Two-sided PSD ``S0`` of the white noise per rad/s [m^2/s^3], positive. The parameter sets give
         only the shape of the spectrum, not its intensity.

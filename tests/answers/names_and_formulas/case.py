@@ -3,16 +3,17 @@
 from pathlib import Path
 
 import stochlin as sl
+from stochlin.models.grounds.named import ground_names
 
-print(*sl.ground_names())
-for name in sl.ground_names():
+print(*ground_names())
+for name in ground_names():
     print(sl.named_ground(name))
-for name in sl.effective_rule_names(unverified=True):
-    rule = sl.effective_rule(name)
+for name in sl.rules.effective_rule_names(unverified=True):
+    rule = sl.rules.effective_rule(name)
     print(name, f"{float(rule.period_ratio(4.0, 0.05)):.9g} {float(rule.damping(4.0, 0.05, 0.05)):.9g}")
 of_site = {"storeys_1": 8, "storeys_2": 5, "design_pga": 2.5}
-for name in sl.code_rule_names():
-    rule = sl.code_rule(name)
+for name in sl.rules.code_rule_names():
+    rule = sl.rules.code_rule(name)
     # One property and two, on each with floors that are level and not; one and the same system.
     told = [(align, "III", one, True) for one in (True, False) for align in (True, False)]
     gaps = (float(rule.gap(0.12, 0.09, 24.0, 15.0, *facts, **of_site)) for facts in told)
@@ -21,9 +22,9 @@ for name in sl.code_rule_names():
         alone = rule.gap(0.12, None, 24.0, None, False, "III", **of_site)
         print(name, f"{float(alone):.9g}")
 for name, value in (("share_of_sum", 0.8), ("share_of_height", 0.01), ("fixed_distance", 0.05)):
-    print(name, value, sl.code_rule(name, value).gap(0.12, 0.09, 24.0, 15.0))
-for name in sl.peak_factor_names():
-    model = sl.peak_factor_model(name)
+    print(name, value, sl.rules.code_rule(name, value).gap(0.12, 0.09, 24.0, 15.0))
+for name in sl.rules.peak_factor_names():
+    model = sl.rules.peak_factor_model(name)
     print(name, f"{float(model.mean(40, 0.25)):.9g} {float(model.std(40, 0.25)):.9g}")
 print(sl.rho_white_noise(0.5, 0.6, 0.05, 0.02).rho.item())
 Path("case.toml").write_text(sl.example_case(), encoding="utf-8")

@@ -5,6 +5,7 @@ from pathlib import Path
 import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.records.records import strong_part
 
 record = sl.read_record("wave.txt", dt=0.02, units="g")
 values = record.values / 9.80665
@@ -22,12 +23,12 @@ columns = sl.read_record("two.csv", column="acc [gal]", time_column=0)
 peer = sl.read_record("peer.at2")
 Path("two.csv").unlink()
 xr.Dataset({"whole": record, "columns": columns, "peer": peer}).to_netcdf("records.nc")
-sl.strong_part(record).rename("strong").to_netcdf("strong.nc")
+strong_part(record).rename("strong").to_netcdf("strong.nc")
 sl.check_records({"wave": record}).to_netcdf("checks.nc")
 for estimator in ("psd", "log_psd", "whittle"):
     print(estimator, sl.fit_ground(record, estimator=estimator))
 print(sl.fit_ground(record, "clough_penzien", "whittle"))
-sl.fit_spectra(record, sl.fit_ground(record)).isel(frequency=slice(None, None, 10)).to_netcdf(
+sl.charts.fit_spectra(record, sl.fit_ground(record)).isel(frequency=slice(None, None, 10)).to_netcdf(
     "spectra.nc"
 )
 for model in ("amin_ang", "shinozuka_sato", "gamma", "hsu_bernard"):

@@ -2,6 +2,6 @@
 
 import stochlin as sl
 
-sl.rho_effective(
+sl.rules.rho_effective(
     1.0, 0.7, 0.05, 0.05, 0.05, 0.1, ductility_1=4.0, ductility_2=3.0, rule="secant"
 ).to_netcdf("answer.nc")

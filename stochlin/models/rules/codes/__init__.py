@@ -277,7 +277,7 @@ def code_rule_names() -> tuple[str, ...]:
     Examples
     --------
     >>> import stochlin as sl
-    >>> sl.code_rule_names()[:4]
+    >>> sl.rules.code_rule_names()[:4]
     ('srss', 'share_of_sum', 'asce_7', 'canada')
     """
     return tuple(name for name, rule in CODE_RULES.items() if not _lacks_number(rule))
@@ -312,12 +312,12 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
     Examples
     --------
     >>> import stochlin as sl
-    >>> rule = sl.code_rule("eurocode_8")
+    >>> rule = sl.rules.code_rule("eurocode_8")
     >>> round(float(rule.gap(0.03, 0.04)), 6)
     0.07
     >>> round(float(rule.gap(0.03, 0.04, floors_align=True, same_property=True)), 6)
     0.035
-    >>> float(sl.code_rule("share_of_height", 0.01).gap(0.03, 0.04, 12.0, 20.0))
+    >>> float(sl.rules.code_rule("share_of_height", 0.01).gap(0.03, 0.04, 12.0, 20.0))
     0.12
     """
     rule = look_up(CODE_RULES, name, "name")

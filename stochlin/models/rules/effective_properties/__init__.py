@@ -67,7 +67,7 @@ def effective_rule_names(unverified: Truth = False) -> tuple[str, ...]:
     Examples
     --------
     >>> import stochlin as sl
-    >>> sl.effective_rule_names()
+    >>> sl.rules.effective_rule_names()
     ('elastic', 'secant', 'penzien_1997', 'iwan_1980', 'fema_440')
     """
     return tuple(name for name in EFFECTIVE_RULES if unverified or effective_rule(name).verified)
@@ -97,7 +97,7 @@ def effective_rule(name: str | EffectiveRule) -> EffectiveRule:
     Examples
     --------
     >>> import stochlin as sl
-    >>> rule = sl.effective_rule("secant")
+    >>> rule = sl.rules.effective_rule("secant")
     >>> round(float(rule.period_ratio(4.0, 0.0)), 3), round(float(rule.damping(4.0, 0.0, 0.05)), 3)
     (2.0, 0.527)
     """

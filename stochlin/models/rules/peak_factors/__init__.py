@@ -80,7 +80,7 @@ def peak_factor_names() -> tuple[str, ...]:
     Examples
     --------
     >>> import stochlin as sl
-    >>> sl.peak_factor_names()
+    >>> sl.rules.peak_factor_names()
     ('Davenport1964', 'DerKiureghian1980', 'Vanmarcke1975')
     """
     return tuple(model.__name__ for model in PEAK_FACTORS.values())
@@ -109,7 +109,7 @@ def peak_factor_model(name: str) -> PeakFactor:
     Examples
     --------
     >>> import stochlin as sl
-    >>> model = sl.peak_factor_model("vanmarcke")
+    >>> model = sl.rules.peak_factor_model("vanmarcke")
     >>> round(float(model.mean(40, 0.2463)), 2), round(float(model.mean(40, 0.2463, sides=1)), 2)
     (2.63, 2.53)
     """
