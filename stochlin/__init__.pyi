@@ -143,7 +143,6 @@ from .models.contacts import (
 
 # Links and other measures
 from .models.links import Link as Link
-from .analyses.correlation.linked import correlate_linked as correlate_linked
 from .models.measures import Measure as Measure
 from .analyses.mitigation.mitigation import mitigate as mitigate
 

@@ -26,6 +26,7 @@ REMOVED: dict[str, str] = {
     "peak_factor_model": "use rules.peak_factor_model",
     "peak_factor_names": "use rules.peak_factor_names",
     "rho_effective": "use rules.rho_effective",
+    "correlate_linked": "linearize_system([first, second], ground, links=[link]) has rho of all floors",
 }
 
 

@@ -126,8 +126,6 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
     "linearize_system": lambda s: sl.linearize_system(s.both, s.ground),
     "linearize_system, links": lambda s: sl.linearize_system(s.both, s.ground, [LINK]),
     "linearize_system, device": lambda s: sl.linearize_system(s.both, s.ground, [DEVICE]),
-    "correlate_linked": lambda s: sl.correlate_linked(*s.both, s.ground, LINK),
-    "correlate_linked, device": lambda s: sl.correlate_linked(*s.both, s.ground, DEVICE),
     "simulate": lambda s: sl.simulate(s.both, s.ground, paths=16, relaxation_times=1.0),
     "simulate, duration": lambda s: sl.simulate(s.both, s.ground, **SIZES),
     "simulate, link": lambda s: sl.simulate(s.both, s.ground, **SIZES, link=LINK),

@@ -21,16 +21,13 @@ VERBS = {
     "separation": lambda one: sl.separation(one, SECOND, GROUND, 5.0, paths=32),
     "pounding_risk": lambda one: sl.pounding_risk(one, SECOND, GROUND, 0.2, HAZARD, 5.0, paths=32),
     "required_gap": lambda one: sl.required_gap(one, None, GROUND, HAZARD, 5.0, risk=0.001, paths=32),
-    "correlate_linked": lambda one: sl.correlate_linked(
-        one, sl.Bilinear(1.0, 0.05, mass=1e6), GROUND, sl.Link(1e6)
-    ),
 }
 
 
 def building(chunk=None):
     """With a cell out of range, a whole chunk of such, and one that is longer than the motions."""
     periods = axis("period", [-1.0, -2.0, 0.7, -1.0, 9.0], chunk)
-    return sl.Bilinear(periods, axis("damping", [0.03, 0.05], chunk), mass=1e6)
+    return sl.Bilinear(periods, axis("damping", [0.03, 0.05], chunk))
 
 
 def assert_same(lazy, eager):

@@ -1,6 +1,5 @@
 """Variables of the results on pairs of structures, with unit and long name."""
 
-from stochlin.analyses.linearization.systems.variables import VARIABLES as SYSTEMS
 from stochlin.analyses.simulation.variables import VARIABLES as SIMULATION
 from stochlin.analyses.tables.labels import Variables
 
@@ -18,8 +17,6 @@ VARIABLES: Variables = {
     "relative_displacement_bias": ("1", "bias of the relative displacement"),
     "relative_displacement_error": ("1", "expected error of the relative displacement"),
     "relative_displacement_caution": ("1", "caution flag of the relative displacement"),
-    "link_force_std": ("N", "standard deviation of the link force"),
-    "equivalent_damping_constant": SYSTEMS["equivalent_damping_constant"],
     "bias": ("1", "bias of rho: linearized minus simulated"),
     **{f"bias_{n}": (UNITS, f"{OF_ONE}, structure {n}") for n in (1, 2)},
 }
