@@ -27,6 +27,8 @@ REMOVED: dict[str, str] = {
     "peak_factor_names": "use rules.peak_factor_names",
     "rho_effective": "use rules.rho_effective",
     "correlate_linked": "linearize_system([first, second], ground, links=[link]) has rho of all floors",
+    "delivered_restitution": "the relations of the contact elements are exact: e is what was given",
+    "energy_loss": "0.5 * (1 - e**2) * m1 * m2 / (m1 + m2) * (v1 - v2)**2 is lost in an impact",
 }
 
 

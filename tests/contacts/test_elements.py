@@ -140,23 +140,6 @@ def test_hertz_restitution_has_no_scale(kind, k, m1, m2, v0):
     assert delivered(kind(stiffness=k, restitution=0.5), m1, m2, v0)[1] == pytest.approx(0.5, abs=1e-8)
 
 
-@pytest.mark.parametrize(
-    ("kind", "formula"),
-    [
-        (sl.HertzDamp, "lankarani_nikravesh_1990"),
-        (sl.HertzDamp, "ye_2009"),
-        (sl.Jankowski, "jankowski_2005"),
-    ],
-)
-@pytest.mark.parametrize("asked", [0.2, 0.5, 0.8])
-def test_what_formulas_deliver_is_what_the_masses_do(kind, formula, asked):
-    ask = kind.damping_factor if kind is sl.HertzDamp else kind.damping_ratio
-    given_as = "damping_factor" if kind is sl.HertzDamp else "damping_ratio"
-    contact = kind(stiffness=1.0, **{given_as: ask(asked, formula)})
-    e = delivered(contact, 1.0, 5.0, 1.0)[1]
-    assert kind.delivered_restitution(asked, formula) == pytest.approx(e, abs=1e-8)
-
-
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
 def test_hertz_contact_time_is_that_of_another_integrator(exponent):
     contact = sl.Hertz(stiffness=3e6, exponent=exponent)
@@ -433,12 +416,6 @@ def test_elements_out_of_range_are_refused_by_their_names(kind, arguments, error
         (lambda: sl.Kelvin.restitution("x"), TypeError, "Kelvin: damping_ratio = 'x' is not a real"),
         (lambda: sl.Kelvin.contact_time(np.inf), ValueError, "damping_ratio = inf is out of range"),
         (lambda: sl.Kelvin.damping_ratio(1.5), ValueError, "Kelvin: restitution = 1.5 is out of range"),
-        (
-            lambda: sl.Kelvin.damping_ratio(0.5, "ye_2009"),
-            ValueError,
-            "'ye_2009' is not known; .*exact$",
-        ),
-        (lambda: sl.HertzDamp.damping_factor(0.5, "x"), ValueError, "lankarani_nikravesh_1990, ye_2009"),
         (lambda: sl.HertzDamp(1.0), ValueError, "HertzDamp: of damping_factor and restitution neither"),
         (lambda: sl.HertzDamp(1.0, restitution=0.5, exponent=0.9), ValueError, "exponent = 0.9 is out"),
         (lambda: sl.Hertz(0.0), ValueError, "Hertz: stiffness = 0 is out of range"),
@@ -449,7 +426,11 @@ def test_elements_out_of_range_are_refused_by_their_names(kind, arguments, error
             ValueError,
             "is below velocity_2",
         ),
-        (lambda: sl.Stereomechanical(0.5).energy_loss(1, 0, 0, 1), ValueError, "mass_1 = 0 is out of"),
+        (
+            lambda: sl.Stereomechanical(0.5).velocities_after(1, 0, 0, 1),
+            ValueError,
+            "mass_1 = 0 is out of",
+        ),
         (lambda: sl.LinearSpring(1.0).force(0, 0, 1, 0), ValueError, "reduced_mass = 0 is out of range"),
         (lambda: sl.LinearSpring(1.0).force(0, 0, -1, 1), ValueError, "approach_velocity = -1 is out"),
     ],

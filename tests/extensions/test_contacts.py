@@ -1,7 +1,6 @@
 """A contact element from outside: the one of the documentation, through ``stochlin pound``."""
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +9,6 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.kernels.simulation.contacts import ForceLaw
-from stochlin.models.contacts.base import Element
 
 pytestmark = pytest.mark.oracle
 
@@ -76,13 +73,3 @@ def test_an_element_from_outside_pounds_as_its_force_law_says(toy, tmp_path):
     assert refused.returncode != 0
     assert "contact.model = 'rubber' is not known; allowed: linear_spring, kelvin," in refused.stderr
     assert "stereomechanical, tsuji" in " ".join(refused.stderr.split())
-
-
-@dataclass(frozen=True)
-class Loose(Element):
-    law = ForceLaw(exponent=1.5, damping_exponent=0.25, tension=False)
-
-
-def test_a_law_whose_end_of_contact_is_not_known_is_refused():
-    with pytest.raises(ValueError, match=r"Loose: law = .* has no tension; allowed with that"):
-        Loose(1e9)

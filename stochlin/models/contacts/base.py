@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 import xarray as xr
 
-from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.contacts import ForceLaw, forces
-from stochlin.messages import brief
+from stochlin.models.contacts.restitution import Form
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, check, parameter
 from stochlin.registry import Registry
 
@@ -23,7 +21,6 @@ RESTITUTION = Range(
     reason="the share of the approach velocity that remains; for 0 use Stereomechanical",
 )
 
-Form = Callable[[Array], Array]
 
 CONTACTS: Registry[type[Contact]] = Registry("contact", "stochlin.models.contacts")
 
@@ -48,18 +45,6 @@ class Element(Contact):
 
     law: ClassVar[ForceLaw] = ForceLaw()  # the fields that do not depend on the parameters
     stiffness: Parameter = parameter("N/m", "stiffness of the contact", POSITIVE)
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        law = self.law
-        if not (law.tension or law.approach_only) and (
-            law.over_approach or np.any(law.damping_exponent != self.power - 1)
-        ):
-            raise ValueError(
-                f"{type(self).__name__}: law = {law} has no tension; allowed with that: a "
-                "damping_exponent of the exponent less 1, not over_approach, for the end of contact is "
-                "known for these"
-            )
 
     @property
     def power(self) -> Any:
@@ -156,12 +141,9 @@ def elementwise(model: str, name: str, value: Any, allowed: Range, form: Form) -
     kind of the value: a float, an array of the same shape, or a DataArray.
     """
     array = np.asarray(value)
-    if array.dtype.kind not in "iuf":
-        raise TypeError(f"{model}: {name} = {brief(value)} is not a real number; allowed: {allowed}")
-    inside = allowed.contains(array)
-    if array.ndim == 0 and not inside:
-        raise ValueError(f"{model}: {name} = {float(array):g} is out of range; allowed: {allowed}")
-    result = form(np.where(inside, array, np.nan).astype(float))
+    if array.ndim == 0 or array.dtype.kind not in "iuf":
+        checked_value(model, name, value, "1", allowed)
+    result = form(np.where(allowed.contains(array), array, np.nan).astype(float))
     if isinstance(value, xr.DataArray):
         return value.copy(data=result).rename(None).drop_attrs(deep=False).assign_attrs(units="1")
     return float(result) if array.ndim == 0 else result

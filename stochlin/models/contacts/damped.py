@@ -2,33 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-import xarray as xr
 
-from stochlin.messages import brief
-from stochlin.models.contacts.base import DAMPING, RESTITUTION, Element, Form, checked_value, elementwise
+from stochlin.models.contacts.base import DAMPING, RESTITUTION, Element, checked_value, elementwise
+from stochlin.models.contacts.restitution import Relation
 from stochlin.models.parameters import Parameter, parameter
-
-EXACT = "exact"
 
 
 @dataclass(frozen=True)
 class Damped(Element):
     """A contact element with a dashpot.
 
-    Each subclass has its own relation between damping and coefficient of restitution,
-    ``restitution_of`` and ``damping_for``.
+    Each subclass has its own relation between damping and coefficient of restitution.
     """
 
     damping: Parameter = parameter("1", "damping of the contact", DAMPING)
 
     damping_name: ClassVar[str]  # name of the argument that gives the damping
-    restitution_of: ClassVar[Form]  # coefficient of restitution as a function of the damping
-    damping_for: ClassVar[Mapping[str, Form]]  # damping as functions of restitution, by formula name
+    relation: ClassVar[Relation]
 
     @property
     def e(self) -> Any:
@@ -36,27 +30,12 @@ class Damped(Element):
         return self._deliver(self.damping)
 
     @classmethod
-    def delivered_restitution(cls, restitution: Any, formula: str = EXACT) -> Any:
-        """Coefficient of restitution [-] that results from the damping by a published formula.
-
-        ``restitution`` [-] is the coefficient for which the formula is used; an approximate formula
-        results in another one. Arguments, NaN cells and errors are as in `Kelvin.damping_ratio`.
-        """
-        return cls._deliver(cls._invert(restitution, formula))
-
-    @classmethod
     def _deliver(cls, damping: Any) -> Any:
-        return elementwise(cls.__name__, cls.damping_name, damping, DAMPING, cls.restitution_of)
+        return elementwise(cls.__name__, cls.damping_name, damping, DAMPING, cls.relation.restitution)
 
     @classmethod
-    def _invert(cls, restitution: Any, formula: str = EXACT) -> Any:
-        if formula not in cls.damping_for:
-            known = ", ".join(cls.damping_for)
-            raise ValueError(
-                f"{cls.__name__}: formula = {brief(formula)} is not known; allowed: {known}"
-            )
-        form = cls.damping_for[formula]
-        return elementwise(cls.__name__, "restitution", restitution, RESTITUTION, form)
+    def _invert(cls, restitution: Any) -> Any:
+        return elementwise(cls.__name__, "restitution", restitution, RESTITUTION, cls.relation.damping)
 
     @classmethod
     def _settle(cls, damping: Any, restitution: Any) -> Any:
@@ -102,19 +81,17 @@ class WithRatio(Damped):
         return cls._deliver(damping_ratio)
 
     @classmethod
-    def damping_ratio(cls, restitution: Any, formula: str = EXACT) -> Any:
-        """Damping ratio ``xi`` [-] of this element for a coefficient of restitution.
+    def damping_ratio(cls, restitution: Any) -> Any:
+        """Damping ratio ``xi`` [-] of this element for a coefficient of restitution, exactly.
 
-        ``restitution`` is ``e`` [-], in (0, 1], of any shape. ``formula`` is ``"exact"``, the inverse of
-        `restitution`, or the name of a published approximation; any other name raises a ValueError.
-        Shape, NaN cells and other errors are as in `restitution`.
+        ``restitution`` is ``e`` [-], in (0, 1], of any shape. Shape, NaN cells and errors are as in
+        `restitution`.
         """
-        return cls._invert(restitution, formula)
+        return cls._invert(restitution)
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
         """Constant ``c = 2 xi sqrt(k m)`` for a reduced mass [kg]; in N s/m if the element is linear."""
-        product = (self.damping, self.stiffness, reduced_mass)
+        k: Any = self.stiffness
+        xi: Any = self.damping
         with np.errstate(invalid="ignore"):  # NaN in cells out of range
-            return xr.apply_ufunc(
-                lambda xi, k, m: 2 * xi * np.sqrt(k * m), *product, join="exact", keep_attrs=False
-            )
+            return 2 * xi * np.sqrt(k * reduced_mass)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -10,15 +9,14 @@ import numpy as np
 from scipy.special import gamma
 
 from stochlin.kernels.simulation.contacts import ForceLaw
-from stochlin.models.contacts import restitution as closed_forms
-from stochlin.models.contacts.base import CONTACTS, DAMPING, Form, Undamped, elementwise
-from stochlin.models.contacts.damped import EXACT, Damped, WithRatio
-from stochlin.models.contacts.linear import ImpactKelvin
+from stochlin.models.contacts import restitution
+from stochlin.models.contacts.base import CONTACTS, DAMPING, Undamped, elementwise
+from stochlin.models.contacts.damped import Damped, WithRatio
+from stochlin.models.contacts.restitution import Relation
 from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
 
 EXPONENT = Range(lower=1.0, include_lower=True, reason="1.5 for spheres")
 SPHERES = 1.5
-LINEAR = np.sqrt(5) / 2  # xi of `Jankowski` over that of the `ImpactKelvin` with equal restitution
 
 
 @CONTACTS.register("hertz", 5)
@@ -94,25 +92,15 @@ class HertzDamp(Damped):
     ValueError, TypeError
         As in `Kelvin`.
 
-    Notes
-    -----
-    `damping_factor` also has two published approximations. For ``e = 0.5``,
-    ``"lankarani_nikravesh_1990"``, ``a = 3 (1 - e^2)/4``, gives an element with the coefficient of
-    restitution 0.725, and ``"ye_2009"``, ``a = 8 (1 - e)/(5 e)``, an element with 0.470.
-
     References
     ----------
-    Lankarani, H. M. and Nikravesh, P. E. (1990), J. Mech. Design 112; Muthukumar, S. and DesRoches, R.
-    (2006), Earthquake Eng. Struct. Dyn. 35; Ye, K., Li, L. and Zhu, H. (2009), Earthquake Eng.
-    Struct. Dyn. 38.
+    Muthukumar, S. and DesRoches, R. (2006), Earthquake Eng. Struct. Dyn. 35.
 
     Examples
     --------
     >>> import stochlin as sl
     >>> round(sl.HertzDamp(stiffness=2e9, restitution=0.5).damping, 4)
     1.4328
-    >>> round(sl.HertzDamp.delivered_restitution(0.5, "lankarani_nikravesh_1990"), 3)
-    0.725
     """
 
     law: ClassVar[ForceLaw] = ForceLaw(over_approach=True)
@@ -121,12 +109,7 @@ class HertzDamp(Damped):
     exponent: Parameter = parameter("1", "exponent of the contact", EXPONENT, SPHERES)
 
     damping_name: ClassVar[str] = "damping_factor"
-    restitution_of: ClassVar[Form] = staticmethod(closed_forms.hertz_damp_restitution)
-    damping_for: ClassVar[Mapping[str, Form]] = {
-        EXACT: closed_forms.hertz_damp_factor,
-        "lankarani_nikravesh_1990": lambda e: 0.75 * (1 - e) * (1 + e),
-        "ye_2009": lambda e: 1.6 * (1 - e) / e,
-    }
+    relation: ClassVar[Relation] = restitution.HERTZ_DAMP
 
     def __init__(
         self,
@@ -147,9 +130,9 @@ class HertzDamp(Damped):
         return cls._deliver(damping_factor)
 
     @classmethod
-    def damping_factor(cls, restitution: Any, formula: str = EXACT) -> Any:
+    def damping_factor(cls, restitution: Any) -> Any:
         """Damping factor [-] for a coefficient of restitution; otherwise as `Kelvin.damping_ratio`."""
-        return cls._invert(restitution, formula)
+        return cls._invert(restitution)
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
         """The damping factor ``a`` [-], which does not depend on the mass."""
@@ -177,12 +160,6 @@ class Jankowski(WithRatio):
     ValueError, TypeError
         As in `Kelvin`.
 
-    Notes
-    -----
-    `damping_ratio` also has the published approximation ``"jankowski_2005"``,
-    ``xi = (9 sqrt(5)/2) (1 - e^2)/(e (e (9 pi - 16) + 16))``. For ``e = 0.5`` it gives an element with
-    the coefficient of restitution 0.4946.
-
     References
     ----------
     Jankowski, R. (2005), Earthquake Eng. Struct. Dyn. 34.
@@ -192,16 +169,8 @@ class Jankowski(WithRatio):
     >>> import stochlin as sl
     >>> round(sl.Jankowski(stiffness=2e9, restitution=0.5).damping, 4)
     0.6678
-    >>> round(sl.Jankowski.delivered_restitution(0.5, "jankowski_2005"), 4)
-    0.4946
     """
 
     law: ClassVar[ForceLaw] = ForceLaw(exponent=SPHERES, damping_exponent=0.25, approach_only=True)
     stiffness: Parameter = parameter("N/m^1.5", "stiffness of the contact", POSITIVE)
-    restitution_of: ClassVar[Form] = staticmethod(lambda xi: ImpactKelvin.restitution_of(xi / LINEAR))
-    damping_for: ClassVar[Mapping[str, Form]] = {
-        EXACT: lambda e: LINEAR * ImpactKelvin.damping_for[EXACT](e),
-        "jankowski_2005": lambda e: (
-            4.5 * np.sqrt(5) * (1 - e) * (1 + e) / (e * (e * (9 * np.pi - 16) + 16))
-        ),
-    }
+    relation: ClassVar[Relation] = restitution.JANKOWSKI

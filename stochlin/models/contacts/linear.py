@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from stochlin.kernels.simulation.contacts import ForceLaw
-from stochlin.models.contacts import restitution as closed_forms
-from stochlin.models.contacts.base import CONTACTS, DAMPING, Form, Undamped, elementwise
-from stochlin.models.contacts.damped import EXACT, WithRatio
-from stochlin.models.contacts.restitution import angle_ratio, invert_angle_ratio
+from stochlin.models.contacts import restitution
+from stochlin.models.contacts.base import CONTACTS, DAMPING, Undamped, elementwise
+from stochlin.models.contacts.damped import WithRatio
+from stochlin.models.contacts.restitution import Relation
 
 
 @CONTACTS.register("linear_spring", 1)
@@ -51,12 +50,10 @@ class LinearSpring(Undamped):
 class LinearDamped(WithRatio):
     """A damped element with a linear force law, whose contact time has a closed form."""
 
-    time_of: ClassVar[Form]  # contact time over the time scale as a function of the damping ratio
-
     @classmethod
     def contact_time(cls, damping_ratio: Any) -> Any:
         """Contact time of two free masses over `time_scale` [-]; otherwise as `restitution`."""
-        return elementwise(cls.__name__, cls.damping_name, damping_ratio, DAMPING, cls.time_of)
+        return elementwise(cls.__name__, cls.damping_name, damping_ratio, DAMPING, cls.relation.time)
 
 
 @CONTACTS.register("kelvin", 2)
@@ -102,9 +99,7 @@ class Kelvin(LinearDamped):
     (0.163, 0.1359)
     """
 
-    restitution_of: ClassVar[Form] = staticmethod(closed_forms.kelvin_restitution)
-    damping_for: ClassVar[Mapping[str, Form]] = {EXACT: closed_forms.kelvin_damping}
-    time_of: ClassVar[Form] = staticmethod(closed_forms.kelvin_time)
+    relation: ClassVar[Relation] = restitution.KELVIN
 
 
 @CONTACTS.register("no_tension_kelvin", 3)
@@ -145,11 +140,7 @@ class NoTensionKelvin(LinearDamped):
     """
 
     law: ClassVar[ForceLaw] = ForceLaw(tension=False)
-    restitution_of: ClassVar[Form] = staticmethod(lambda xi: np.exp(-2 * xi * angle_ratio(xi)))
-    damping_for: ClassVar[Mapping[str, Form]] = {
-        EXACT: lambda e: invert_angle_ratio(0.5 * np.abs(np.log(e)))
-    }
-    time_of: ClassVar[Form] = staticmethod(lambda xi: 2 * angle_ratio(xi))
+    relation: ClassVar[Relation] = restitution.NO_TENSION_KELVIN
 
 
 @CONTACTS.register("impact_kelvin", 4)
@@ -172,30 +163,16 @@ class ImpactKelvin(LinearDamped):
     ValueError, TypeError
         As in `Kelvin`.
 
-    Notes
-    -----
-    `damping_ratio` also has the published approximation ``"mahmoud_jankowski_2011"``,
-    ``xi = (1 - e^2)/(e (e (pi - 2) + 2))``. For ``e = 0.5`` it gives an element with the coefficient of
-    restitution 0.5061.
-
     References
     ----------
-    Valles-Mattox and Reinhorn (1996), eq. (16) and Fig. 8; Mahmoud, S. and Jankowski, R. (2011),
-    modified linear viscoelastic model of pounding.
+    Valles-Mattox and Reinhorn (1996), eq. (16) and Fig. 8.
 
     Examples
     --------
     >>> import stochlin as sl
     >>> round(sl.ImpactKelvin.restitution(0.5), 4), round(sl.ImpactKelvin.damping_ratio(0.65), 4)
     (0.5463, 0.3293)
-    >>> round(sl.ImpactKelvin.delivered_restitution(0.5, "mahmoud_jankowski_2011"), 4)
-    0.5061
     """
 
     law: ClassVar[ForceLaw] = ForceLaw(approach_only=True)
-    restitution_of: ClassVar[Form] = staticmethod(lambda xi: np.exp(-xi * angle_ratio(xi)))
-    damping_for: ClassVar[Mapping[str, Form]] = {
-        EXACT: lambda e: invert_angle_ratio(np.abs(np.log(e))),
-        "mahmoud_jankowski_2011": lambda e: (1 - e * e) / (e * (e * (np.pi - 2) + 2)),
-    }
-    time_of: ClassVar[Form] = staticmethod(lambda xi: angle_ratio(xi) + np.pi / 2)
+    relation: ClassVar[Relation] = restitution.IMPACT_KELVIN

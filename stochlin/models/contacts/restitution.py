@@ -14,9 +14,23 @@ Newton's method approaches such a root from one side and needs no bracket.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+
+Form = Callable[[Array], Array]
+
+
+class Relation(NamedTuple):
+    """Damping and coefficient of restitution of a contact, either from the other."""
+
+    restitution: Form
+    damping: Form
+    time: Any = None  # contact time over the time scale, from the damping
+
 
 NEWTON_STEPS = 6  # five steps reach machine precision for every restitution in (0, 1]
 AT_ONE = 1e-6  # |xi - 1| below which the slope, there 0/0, is replaced by its limit
@@ -103,3 +117,21 @@ def hertz_damp_factor(e: Array) -> Array:
         far_step = far * (1 - excess - rest * far) / (1 - excess * (excess + 2 * far))
         x = x + np.where(x < 1, near_step, far_step)
     return 2 * x / (1 + e)
+
+
+KELVIN = Relation(kelvin_restitution, kelvin_damping, kelvin_time)
+NO_TENSION_KELVIN = Relation(
+    lambda xi: np.exp(-2 * xi * angle_ratio(xi)),
+    lambda e: invert_angle_ratio(0.5 * np.abs(np.log(e))),
+    lambda xi: 2 * angle_ratio(xi),
+)
+IMPACT_KELVIN = Relation(
+    lambda xi: np.exp(-xi * angle_ratio(xi)),
+    lambda e: invert_angle_ratio(np.abs(np.log(e))),
+    lambda xi: angle_ratio(xi) + np.pi / 2,
+)
+LINEAR = np.sqrt(5) / 2  # xi of `Jankowski` over that of the `ImpactKelvin` with equal restitution
+JANKOWSKI = Relation(
+    lambda xi: IMPACT_KELVIN.restitution(xi / LINEAR), lambda e: LINEAR * IMPACT_KELVIN.damping(e)
+)
+HERTZ_DAMP = Relation(hertz_damp_restitution, hertz_damp_factor)

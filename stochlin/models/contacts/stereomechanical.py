@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray as xr
 
-from stochlin.kernels.simulation import contacts as kernel
+from stochlin.kernels.simulation.contacts import velocities_after_impact
 from stochlin.models.contacts.base import ANY, CONTACTS, Contact, checked_value
 from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
 
@@ -62,36 +62,16 @@ class Stereomechanical(Contact):
         ``velocity_1 >= velocity_2``. Cells that are out of range or do not approach are NaN; a scalar
         out of range, or a single pair that does not approach, raises an error.
         """
-        arguments, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
-        after = xr.apply_ufunc(
-            kernel.velocities_after_impact, *arguments, join="exact", output_core_dims=[(), ()]
-        )
-        attrs = {"units": "m/s", "long_name": "velocity after the impact"}
-        first, second = (value.where(usable).assign_attrs(attrs) for value in after)
-        return first, second
-
-    def energy_loss(self, velocity_1: Any, velocity_2: Any, mass_1: Any, mass_2: Any) -> xr.DataArray:
-        """Energy lost in the impact [J], ``(1 - e^2) m (v1 - v2)^2/2`` with the reduced mass ``m``.
-
-        Arguments, NaN cells and errors are as in `velocities_after`.
-        """
-        arguments, usable = self._approach(velocity_1, velocity_2, mass_1, mass_2)
-        loss = xr.apply_ufunc(
-            lambda v1, v2, *rest: kernel.impact_loss(*rest) * (v1 - v2) ** 2, *arguments, join="exact"
-        )
-        return loss.where(usable).assign_attrs(units="J", long_name="energy lost in the impact")
-
-    def _approach(self, *arguments: Any) -> tuple[list[xr.DataArray], xr.DataArray]:
-        """Velocities, masses and restitution as arrays, and the cells in which there is an impact."""
-        names = ("velocity_1", "velocity_2", "mass_1", "mass_2")
-        ranges = (ANY, ANY, POSITIVE, POSITIVE)
-        units = ("m/s", "m/s", "kg", "kg")
         name = type(self).__name__
-        values = [
+        first, second, *masses = (
             xr.DataArray(checked_value(name, *argument))
-            for argument in zip(names, arguments, units, ranges, strict=True)
-        ]
-        first, second, *masses = values
+            for argument in (
+                ("velocity_1", velocity_1, "m/s", ANY),
+                ("velocity_2", velocity_2, "m/s", ANY),
+                ("mass_1", mass_1, "kg", POSITIVE),
+                ("mass_2", mass_2, "kg", POSITIVE),
+            )
+        )
         usable = (first >= second) & self.valid()
         for mass in masses:
             usable = usable & POSITIVE.contains(mass)
@@ -100,4 +80,12 @@ class Stereomechanical(Contact):
                 f"{name}: velocity_1 = {float(first):g} is below velocity_2 = {float(second):g}; "
                 "allowed: velocity_1 >= velocity_2, since structure 1 is on the left"
             )
-        return [*values, xr.DataArray(self.restitution)], usable
+        after = xr.apply_ufunc(
+            velocities_after_impact,
+            *(first, second, *masses, xr.DataArray(self.restitution)),
+            join="exact",
+            output_core_dims=[(), ()],
+        )
+        attrs = {"units": "m/s", "long_name": "velocity after the impact"}
+        left, right = (value.where(usable).assign_attrs(attrs) for value in after)
+        return left, right
