@@ -5,6 +5,9 @@ Whoever still uses it reads the clause in an error.
 """
 
 REMOVED: dict[str, str] = {
+    "fitted": "ModalBuilding takes the modes as they are",
+    "misfit": "ModalBuilding takes the modes as they are",
+    "from_mode": "ModalBuilding takes the mode as it is",
     "of_concrete_columns": "give cap_ductility, softening and hardening of ModifiedClough themselves",
     "of_masonry_infill": "give cracking, cap_ductility and softening of ModifiedClough themselves",
     "of_steel_beams": "give hardening and decay of BoucWenBaberNoori themselves",

@@ -362,39 +362,3 @@ def test_modes_with_little_mass_are_doubted() -> None:
 def test_a_link_to_a_floor_that_is_not_there_is_refused() -> None:
     with pytest.raises(ValueError, match=r"structure 1 has 4; allowed: 1 to 4"):
         sl.linearize_system([BY_MODES, LOW], GROUND, [sl.Link(stiffness=1e8, floors=(5, 1))])
-
-
-def test_a_chain_from_a_first_mode_has_this_mode() -> None:
-    mode = {"period": 0.9, "shape": [-0.2, -0.5, -0.7, -1.0], "masses": [2e5, 3e5, 2e5, 1e5]}
-    chain = sl.ShearBuilding.from_mode(**mode, heights=[3.0] * 4, damping=0.04)
-    one = modes_of(chain)
-    assert one["periods"][0] == pytest.approx(0.9, rel=1e-12)
-    shape = one["shapes"][0] / one["shapes"][0, -1]
-    np.testing.assert_allclose(shape, [0.2, 0.5, 0.7, 1.0], rtol=1e-12)
-    values = modes_of(TALL)
-    again = sl.ShearBuilding.from_mode(
-        period=values["periods"][0],
-        shape=values["shapes"][0],
-        masses=values["masses"],
-        heights=values["heights"],
-        damping=0.05,
-    )
-    np.testing.assert_allclose(again.arrays()["stiffnesses"], TALL.arrays()["stiffnesses"], rtol=1e-11)
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ({"shape": [0.5, 0.5, 1.0]}, r"shape does not grow in storey 2, from 0\.5 to 0\.5"),
-        ({"shape": [-0.2, 0.5, 1.0]}, r"shape does not grow in storey 1, from 0 to -0\.2"),
-        ({"shape": [0.5, 1.0]}, r"allowed: a finite number for each of the 3 floors"),
-        ({"shape": [0.2, np.nan, 1.0]}, r"allowed: a finite number for each of the 3 floors"),
-        ({"shape": "straight"}, r"shape = 'straight'; allowed: a number for each floor"),
-        ({"period": -1.0}, r"period = -1 is out of range"),
-        ({"masses": [1e5, -1e5, 1e5]}, r"masses = -100000 in storey 2|stiffnesses"),
-    ],
-)
-def test_what_is_no_first_mode_of_a_chain_is_refused(values: dict[str, Any], message: str) -> None:
-    good: dict[str, Any] = {"period": 0.5, "shape": [0.3, 0.7, 1.0], "masses": [1e5] * 3}
-    with pytest.raises((ValueError, TypeError), match=message):
-        sl.ShearBuilding.from_mode(**good | values, heights=[3.0] * 3, damping=0.05)

@@ -124,19 +124,9 @@ def test_modal_damping_is_the_default_and_dampers_come_on_top() -> None:
 @pytest.mark.invariant
 def test_all_ways_to_a_building_and_their_changes_keep_the_damping() -> None:
     """The ratio in the two modes does not depend on the stiffness, so that the matrix follows it."""
-    modes = sl.ModalBuilding(
-        frame().periods().values,
-        ((frame()._modes()[1]).T).tolist(),
-        *(MASSES, HEIGHTS, 0.05),
-    )
-    first = frame()._modes()[1][:, 0]
     buildings = [
         sl.ShearBuilding.regular(
             period=0.6, storeys=4, storey_height=3.0, mass=3e5, damping=0.05, **RAYLEIGH
-        ),
-        sl.ShearBuilding.fitted(modes, **RAYLEIGH),
-        sl.ShearBuilding.from_mode(
-            period=0.5, shape=first, masses=MASSES, heights=HEIGHTS, damping=0.05, **RAYLEIGH
         ),
         frame(**RAYLEIGH).stiffened(2.0),
         tuned(frame(**RAYLEIGH), 0.9),

@@ -193,10 +193,6 @@ OWN: dict[str, dict[str, Any]] = {
         "hardening": 0.1,
         "base_shear_coefficient": 0.1,
     },
-    "ShearBuilding.fitted": {
-        "modes": sl.ModalBuilding([0.5], [[1.0]], masses=[1e5], heights=[3.0], damping=0.05),
-        "damping": 0.05,
-    },
     "read_pushover": {"length_units": "mm", "force_units": "kN"},
     "bilinear_of": {"pushover": PUSHOVER},
     "Measure": {
@@ -221,7 +217,7 @@ OWN: dict[str, dict[str, Any]] = {
 
 
 NAMES = [name for name in sl.__all__ if callable(getattr(sl, name))]
-NAMES += ["ShearBuilding.regular", "ShearBuilding.fitted"]
+NAMES += ["ShearBuilding.regular"]
 LONG = {
     *("check_records", "code_gaps", "correlate", "existing_gap", "fit_ground", "fit_motion", "mitigate"),
     *("pound", "pounding_estimate"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
@@ -13,8 +12,8 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
-from stochlin.messages import DoubtfulInput, brief
-from stochlin.models.arguments import Whole, as_numbers
+from stochlin.messages import brief
+from stochlin.models.arguments import Whole
 from stochlin.models.buildings.base import (
     FLOOR,
     GRAVITY,
@@ -25,9 +24,8 @@ from stochlin.models.buildings.base import (
     along,
     check_ranges,
 )
-from stochlin.models.buildings.chains import chain_modes, fitted_stiffnesses
+from stochlin.models.buildings.chains import chain_modes
 from stochlin.models.buildings.damping import MODAL, checked_modes, mode_ratios
-from stochlin.models.buildings.modal import ModalBuilding
 from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
@@ -39,7 +37,6 @@ if TYPE_CHECKING:
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
 ONE_FOR_ALL = ("yield_drifts", "dampers")  # one number may stand for all storeys
 STOREYS = Whole(1, MOST_STOREYS)
-FIRST_OFF, OTHER_OFF = 0.02, 0.1  # errors of the first and of other periods of a fit that are told
 SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
 
 
@@ -281,208 +278,6 @@ class ShearBuilding(MultistoreyBuilding):
             drifts,
             **others,
         )
-
-    @classmethod
-    @takes_uncertain
-    def from_mode(
-        cls,
-        *,
-        period: float,
-        shape: Any,
-        masses: Any,
-        heights: Any,
-        damping: float,
-        **others: Any,
-    ) -> Self:
-        """The building that has a given first mode, with its period and shape, exactly.
-
-        Its other modes are those of a chain of storeys. They are not the ones of a wall or a frame with
-        the same first mode; `ModalBuilding` takes these.
-
-        Parameters
-        ----------
-        period : float
-            Period of the first mode [s], without the P-delta effect.
-        shape : array
-            Displacement of each floor in this mode, from the ground up, in any unit. It grows from floor
-            to floor.
-        masses, heights, damping
-            As in `ShearBuilding`.
-        **others
-            ``hardening``, ``yield_drifts``, ``dampers``, ``law``, ``law_parameters``, ``p_delta``,
-            ``damping_model`` and ``damping_modes``, as in `ShearBuilding`.
-
-        Returns
-        -------
-        ShearBuilding
-            With the storey stiffnesses ``w^2 sum(m_j s_j, j = i..n)/(s_i - s_(i-1))``, for the shape
-            ``s``, the masses ``m`` and ``w = 2 pi/period``.
-
-        Raises
-        ------
-        ValueError, TypeError
-            As in `ShearBuilding`, or if the shape does not grow from floor to floor (the message names
-            the storey), or has another number of floors than the masses.
-
-        Examples
-        --------
-        >>> import stochlin as sl
-        >>> frame = sl.ShearBuilding.from_mode(
-        ...     period=0.6, shape=[0.4, 0.75, 1.0], masses=[2e5] * 3, heights=[3.5] * 3, damping=0.05
-        ... )
-        >>> round(float(frame.periods()[0]), 12)
-        0.6
-        """
-        name = f"{cls.__name__}.from_mode: "
-        known = RegularBuilding(period, 1.0, 1.0)
-        moves = as_numbers(f"{name}shape", shape, "a number for each floor").astype(float)
-        floors = along(f"{name}masses", masses, FLOOR).to_numpy()
-        if moves.shape != floors.shape or not np.isfinite(moves).all():
-            raise ValueError(
-                f"{name}shape = {brief(shape)}; allowed: a finite number for each of the {floors.size} "
-                "floors"
-            )
-        moves = moves * np.sign(moves[-1])
-        drifts = np.diff(moves, prepend=0.0)
-        if not (drifts > 0).all():
-            worst = int(np.argmin(drifts))
-            below = moves[worst] - drifts[worst]
-            raise ValueError(
-                f"{name}shape does not grow in storey {worst + 1}, from {below:g} to {moves[worst]:g}; "
-                "allowed: a shape that grows from the ground to the roof, as the "
-                "first mode of a chain of storeys does. For other shapes take ModalBuilding"
-            )
-        above = (floors * moves)[::-1].cumsum()[::-1]
-        square = (2 * np.pi / float(known.cells()["period"])) ** 2
-        return cls(masses, square * above / drifts, heights, damping, **others)
-
-    @classmethod
-    @takes_uncertain
-    def fitted(cls, modes: ModalBuilding, *, damping: float | None = None, **others: Any) -> Self:
-        """The chain of storeys whose first modes are nearest to given ones, by least squares.
-
-        The errors of a mode are the logarithm of the ratio of its periods, and the difference of its
-        shapes of unit modal mass. Their squares are weighted by the effective mass of the mode. Of the
-        modes of a chain the fit is exact. `misfit` tells how far others are from a chain; `from_mode`
-        keeps the first mode instead, at the cost of the others.
-
-        Parameters
-        ----------
-        modes : ModalBuilding
-            The first modes along the gap, none left out between them, with the masses and heights. Its
-            strength is not used.
-        damping : float, optional
-            Viscous damping ratio [-], as in `ShearBuilding`; by default that of ``modes``.
-        **others
-            ``hardening``, ``yield_drifts``, ``dampers``, ``law``, ``law_parameters``, ``p_delta``,
-            ``damping_model`` and ``damping_modes``, as in `ShearBuilding`.
-
-        Returns
-        -------
-        ShearBuilding
-            With the masses and heights of ``modes``, and the storey stiffnesses of the fit.
-
-        Raises
-        ------
-        ValueError, TypeError
-            As in `ShearBuilding`, or if ``modes`` is no `ModalBuilding`, the shape of its first mode
-            does not grow from floor to floor (the message names the storey), its shapes are not
-            orthogonal with the masses, or its modes have different damping and none is given.
-
-        Warns
-        -----
-        DoubtfulInput
-            If the first period is off by more than 2 %, or another one by more than 10 %.
-
-        Examples
-        --------
-        >>> import stochlin as sl
-        >>> modes = sl.ModalBuilding(
-        ...     [0.5, 0.18], [[0.62, 1.0], [-1.61, 1.0]], [2e5] * 2, heights=[3.5] * 2, damping=0.05
-        ... )
-        >>> frame = sl.ShearBuilding.fitted(modes)
-        >>> frame.misfit(modes).period_error.round(3).values
-        array([-0.003,  0.053])
-        """
-        name = f"{cls.__name__}.fitted: "
-        if not isinstance(modes, ModalBuilding):
-            raise TypeError(f"{name}modes = {brief(modes)}; allowed: a ModalBuilding")
-        if modes.participation is not None:  # of a corner that turns, unless the shapes are orthogonal
-            modes = replace(modes, participation=None, modal_masses=None)
-        if damping is None and not np.isscalar(modes.damping):
-            raise ValueError(
-                f"{name}damping is not given, and the modes have different ratios; allowed: one number"
-            )
-        values = {key: array.to_numpy() for key, array in modes.arrays().items()}
-        masses, shapes, shares = values["masses"], values["shapes"], modes.effective_masses()
-        start = cls.from_mode(
-            period=values["periods"][0],
-            shape=shapes[0],
-            masses=masses,
-            heights=values["heights"],
-            damping=modes.damping if damping is None else damping,
-            **others,
-        )
-        stiffnesses = fitted_stiffnesses(
-            start._over_all["stiffnesses"],
-            masses,
-            2 * np.pi / values["periods"],
-            shapes / np.sqrt(shapes**2 @ masses)[:, None],
-            shares / shares.sum(),
-        )
-        building = replace(start, stiffnesses=stiffnesses)
-        misfit = replace(building, p_delta=False).misfit(modes)
-        errors = misfit.period_error.to_numpy()
-        if abs(errors[0]) > FIRST_OFF or (np.abs(errors) > OTHER_OFF).any():
-            periods, moves = (
-                ", ".join(f"{error:.1%}" for error in misfit[kind].to_numpy())
-                for kind in ("period_error", "shape_error")
-            )
-            warnings.warn(
-                f"{name}no chain of storeys has these modes: the periods of the nearest one are off by "
-                f"{periods}, and displacements of floors by up to {moves} of the largest one in each "
-                "mode; for walls and buildings that bend as a whole keep the ModalBuilding",
-                DoubtfulInput,
-                stacklevel=3,
-            )
-        return building
-
-    def misfit(self, modes: ModalBuilding) -> xr.Dataset:
-        """Errors of the modes of this building relative to given ones, over ``mode``.
-
-        Parameters
-        ----------
-        modes : ModalBuilding
-            The first modes of a building with as many floors, in their order.
-
-        Returns
-        -------
-        xarray.Dataset
-            Over ``mode``: ``period`` of this building [s], ``period_error``, its relative difference to
-            the given one [-], and ``shape_error`` [-], the largest difference of the displacement of a
-            floor, as it is for equal displacements of both oscillators, over the largest displacement
-            of a floor in the given mode.
-
-        Raises
-        ------
-        ValueError
-            If the modes have another number of floors, or are more than those of this building.
-        """
-        wanted, masses = modes.moves().T, self._over_all["masses"]
-        if wanted.shape[1] != self.storeys or len(wanted) > self.storeys:
-            raise ValueError(
-                f"modes has {len(wanted)} modes of {wanted.shape[1]} floors; allowed: those of a "
-                f"building of {self.storeys} floors, at most {self.storeys}"
-            )
-        _, shapes = self._modes()
-        own = ((masses @ shapes) * shapes).T[: len(wanted)]
-        apart = np.abs(own - wanted).max(axis=1) / np.abs(wanted).max(axis=1)
-        period = self.periods()[: len(wanted)]
-        table = xr.Dataset({"period": period})
-        attrs = {"units": "1", "long_name": "relative difference to the period of the given mode"}
-        table["period_error"] = (period / modes.mode_periods() - 1).assign_attrs(attrs)
-        attrs = {"units": "1", "long_name": "largest difference of a floor, over the largest of a mode"}
-        return table.assign(shape_error=(MODE, apart, attrs))
 
     @property
     def storeys(self) -> int:
