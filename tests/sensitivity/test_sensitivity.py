@@ -1,4 +1,4 @@
-"""What matters for a gap: exact cases, finite differences of independent runs, shares in closed form."""
+"""What matters for a gap: exact cases, and finite differences of independent runs."""
 
 import numpy as np
 import pytest
@@ -32,8 +32,6 @@ def test_linear_gaps_go_with_the_root_of_the_intensity():
     ends = (np.sqrt([0.9, 1.1]) - 1) * float(table.gap)
     np.testing.assert_allclose(one.gap_change, ends, rtol=1e-9)
     assert error < 0.2  # of the quantile itself, which the change is in proportion to
-    assert table.motion_share == 1
-    assert (table.variance_share == 0).all()
 
 
 @pytest.mark.slow
@@ -53,28 +51,6 @@ def test_elasticities_have_no_unit():
     assert float(other.gap) == pytest.approx(3 * float(usual.gap), rel=1e-6)
     np.testing.assert_allclose(other.elasticity, usual.elasticity, rtol=1e-5, atol=1e-6)
     np.testing.assert_allclose(other.gap_change, 3 * usual.gap_change, rtol=1e-5, atol=1e-6)
-    np.testing.assert_allclose(other.variance_share, usual.variance_share, rtol=1e-5, atol=1e-6)
-
-
-@pytest.mark.slow
-@pytest.mark.oracle
-def test_share_of_an_intensity_in_closed_form():
-    """Of linear structures the separation is that of the motion times the root of the intensity."""
-    first, second, spread = sl.Bilinear(0.6, 0.05), sl.Bilinear(1.0, 0.05), 0.5
-    ground = sl.KanaiTajimi(0.4, 0.6, uncertain(0.01, spread))
-    table = sl.sensitivity(first, second, ground, **MOTION, paths=256)
-    known = sl.simulate([first, second], ground.median(), **MOTION, paths=4096).separation[:, 0, 1]
-    of_motion, of_root = float(known.var() / known.mean() ** 2), np.expm1((spread / 2) ** 2)
-    whole = (1 + of_motion) * (1 + of_root) - 1
-    one = table.sel(input="ground.intensity")
-    for name, exact, found in (
-        ("variance_share", of_root / whole, one),
-        ("motion_share", of_motion / whole, table),
-    ):
-        error = float(found[f"{name}_standard_error"])
-        assert abs(float(found[name]) - exact) < 3 * error
-        assert error < 0.1
-    assert table.variance_share.sum() == one.variance_share
 
 
 @pytest.mark.slow
@@ -88,8 +64,6 @@ def test_the_gap_is_that_of_separation_with_the_same_motions():
     known = sl.separation(first.median(), SECOND, GROUND, **MOTION, paths=64, seed=3)
     low, high = (float(known[f"gap_{end}"][0]) for end in ("lower", "upper"))
     assert low < float(table.gap_of_medians) < high  # other steps, other motions
-    shares = float(table.variance_share.sum() + table.motion_share + table.interaction_share)
-    assert shares == pytest.approx(1, abs=1e-9)
     assert list(table.input.values[table.uncertain == 1]) == list(same.input.values)
 
 

@@ -1,1 +1,1 @@
-"""Sensitivity of the gap to each input: shares of the variance, slopes and elasticities."""
+"""Sensitivity of the gap to each input: slopes, elasticities and ranges."""

@@ -75,9 +75,9 @@ class Inputs(NamedTuple):
         """The inputs that have a spread."""
         return [entry for entry in self.inputs if entry.uncertain]
 
-    def sampled(self, paths: int, seed: int, number: int) -> dict[str, Array]:
+    def sampled(self, paths: int, seed: int) -> dict[str, Array]:
         """Samples of the uncertain inputs over their medians, by name, one for each motion."""
-        factors = draw(*self.sources, paths, seed, number).factors
+        factors = draw(*self.sources, paths, seed).factors
         return {entry.name: factors[entry.role][entry.key] for entry in self.uncertain}
 
     def at(self, samples: Mapping[str, Array], changes: Mapping[str, float], motions: int) -> Draw:

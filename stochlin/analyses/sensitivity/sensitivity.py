@@ -1,4 +1,4 @@
-"""Sensitivity of the gap of two buildings: variance shares and slopes of every input."""
+"""Sensitivity of the gap of two buildings: its changes with every input."""
 
 from __future__ import annotations
 
@@ -8,11 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.sensitivity.estimates import (
-    Estimate,
-    changed_quantiles,
-    variance_shares,
-)
+from stochlin.analyses.sensitivity.estimates import Estimate, changed_quantiles
 from stochlin.analyses.sensitivity.inputs import STEP, Inputs
 from stochlin.analyses.sensitivity.variables import VARIABLES
 from stochlin.analyses.simulation.draws import INPUT
@@ -29,12 +25,8 @@ from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import median_of
 
-SAMPLES = 2  # independent samples of the inputs for each motion, for the shares of variance
 END, ENDS = "end", ("low", "high")
-REFERENCES = (
-    "Sobol, I. M. (1993), Math. Model. Comput. Exp. 1; Plischke, E., Borgonovo, E. and Smith, C. L. "
-    "(2013), Eur. J. Oper. Res. 226; Cleveland, W. S. (1979), J. Am. Stat. Assoc. 74."
-)
+REFERENCES = "Cleveland, W. S. (1979), J. Am. Stat. Assoc. 74."
 
 
 @checked
@@ -51,11 +43,10 @@ def sensitivity(
     seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Influence of each input on the gap of two buildings, and its share of the uncertainty.
+    """Influence of each input on the gap of two buildings.
 
     The inputs are all numbers that describe the structures and the ground. For each input the result has
-    the share of the variance of the separation that comes from its uncertainty, and the change of the
-    gap of `separation` with it. All estimates are from the same motions.
+    the change of the gap of `separation` with it. All estimates are from the same motions.
 
     Parameters
     ----------
@@ -65,7 +56,7 @@ def sensitivity(
     duration, envelope, confidence, scatter
         As in `separation`.
     paths : int
-        Number of motions. Each is simulated three times, twice for every input, and twice more for
+        Number of motions. Each is simulated twice, twice for every input, and twice more for
         every uncertain input.
     seed, progress
         As in `separation`.
@@ -75,16 +66,13 @@ def sensitivity(
     xarray.Dataset
         Over ``input``, named ``"structure_1.period"`` and so on, with the coordinates ``input_median``,
         ``input_unit`` and ``uncertain``, which is 1 if the input has a spread. An array, such as the
-        stiffnesses of storeys, is one input, a common factor with median 1. ``variance_share`` [-] is
-        the first-order Sobol index ``Var(E[Y | x])/Var(Y)`` of the input ``x`` and the separation ``Y``
-        of each motion, 0 for known inputs. ``slope`` [m] is the change of the gap per unit of the input;
-        ``elasticity`` [-] is its relative change over that of the input. Also over ``end``:
-        ``input_factor_at`` [-], a low and a high value of the input over its median, which are its 16 %
-        and 84 % quantiles if it is uncertain, else 10 % below and above; ``gap_change`` [m], the change
-        of the gap if the input is known to have this value. Without dimensions: ``gap`` [m] with its
-        95 % interval; ``gap_of_medians`` [m], with all inputs at their medians; ``motion_share`` and
-        ``interaction_share`` [-], the shares of the variance from the motion alone and from several of
-        motion and inputs together. All variables except ``gap`` have standard errors.
+        stiffnesses of storeys, is one input, a common factor with median 1. ``slope`` [m] is the change
+        of the gap per unit of the input; ``elasticity`` [-] is its relative change over that of the
+        input. Also over ``end``: ``input_factor_at`` [-], a low and a high value of the input over its
+        median, which are its 16 % and 84 % quantiles if it is uncertain, else 10 % below and above;
+        ``gap_change`` [m], the change of the gap if the input is known to have this value. Without
+        dimensions: ``gap`` [m] with its 95 % interval; ``gap_of_medians`` [m], with all inputs at their
+        medians. All variables except ``gap`` have standard errors.
 
     Raises
     ------
@@ -93,18 +81,15 @@ def sensitivity(
 
     Notes
     -----
-    Shares are of the variance of the separation [m^2], not of its logarithm. Their estimates are nearly
-    unbiased and may be slightly negative. A strength by reduction factor is converted to metres on the
-    ground at its medians and does not change with the ground. Slopes are taken between 10 % below and
-    above the input; a value that is not allowed, such as a hardening above 1, is left out. The
-    ``peak_factor``, which belongs to the definition of a reduction factor, and the ``mass`` of an
-    oscillator, on which the separation does not depend, are no inputs; nor are numbers within a sympy
-    law or a list.
+    A strength by reduction factor is converted to metres on the ground at its medians and does not
+    change with the ground. Slopes are taken between 10 % below and above the input; a value that is not
+    allowed, such as a hardening above 1, is left out. The ``peak_factor``, which belongs to the
+    definition of a reduction factor, and the ``mass`` of an oscillator, on which the separation does
+    not depend, are no inputs; nor are numbers within a sympy law or a list.
 
     References
     ----------
-    Sobol (1993), Math. Model. Comput. Exp. 1; Plischke, Borgonovo and Smith (2013), Eur. J. Oper. Res.
-    226, for the shares; Cleveland (1979), J. Am. Stat. Assoc. 74, for the changes of the gap.
+    Cleveland (1979), J. Am. Stat. Assoc. 74, for the changes of the gap.
 
     Examples
     --------
@@ -114,8 +99,6 @@ def sensitivity(
     >>> table = sl.sensitivity(old, new, ground, 15.0, paths=64)
     >>> float(table.elasticity.sel(input="ground.intensity").round(2))  # of linear structures 1/2
     0.5
-    >>> bool(table.variance_share.sel(input="structure_1.period") < table.motion_share)
-    True
     """
     usual = median_of(ground)
     structures = standing(first, second)
@@ -123,7 +106,7 @@ def sensitivity(
     check_duration(duration, both)
     check_repeated([*both.values()], usual, duration, paths, 1)
     inputs = Inputs.of([*structures.values()], ground)
-    times = 1 + SAMPLES + 2 * (len(inputs.inputs) + len(inputs.uncertain))
+    times = 2 * (1 + len(inputs.inputs) + len(inputs.uncertain))
     check_repeated([*both.values()], usual, duration, paths, times)
     motion = {"paths": paths, "seed": seed, "duration": duration, "envelope": envelope}
     responses = _responses(inputs, motion | {"scatter": float(scatter)}, times, progress)
@@ -148,18 +131,12 @@ def sensitivity(
 class _Responses(NamedTuple):
     """Separations [m] in the same motions with different values of the inputs."""
 
-    samples: Array  # (SAMPLES, motions), with independent samples of the inputs
+    base: Array  # (motions,), with the samples that `separation` has
     usual: Array  # (motions,), with all inputs at their medians
-    shares: Array  # (SAMPLES, motions, uncertain inputs), cumulative probability of each sample
     near: Array  # (inputs, 2, motions), with an input 10 % smaller and larger
     near_factors: Array  # (inputs, 2), these factors of the input
     ends: Array  # (inputs, 2, motions), with an input at the ends of its range
     end_factors: Array  # (inputs, 2), these values of the input over its median
-
-    @property
-    def base(self) -> Array:
-        """The separations with the samples that `separation` has, (motions,)."""
-        return self.samples[0]
 
 
 def _responses(
@@ -173,8 +150,7 @@ def _responses(
     motions = whole_groups(paths)
     done = 0
     step: float | None = None
-    sets = [inputs.sampled(paths, seed, number) for number in range(SAMPLES)]
-    base = sets[0]
+    base = inputs.sampled(paths, seed)
     of_base = inputs.at(base, {}, motions)
     made = {role: of_base.samples_of(role) for role in of_base.factors}
 
@@ -191,7 +167,7 @@ def _responses(
             progress(done / times)
         return separations
 
-    samples = np.array([run(sample, {}) for sample in sets])
+    of_samples = run(base, {})
     near_factors, end_factors = np.ones((2, count, 2))
     near, ends = np.empty((2, count, 2, motions))
     for n, entry in enumerate(inputs.inputs):
@@ -202,12 +178,9 @@ def _responses(
             near[n, side] = run(base, {entry.name: near_factors[n, side]})
             end_factors[n, side] = end if entry.uncertain else near_factors[n, side]
             ends[n, side] = run(others, {entry.name: end}) if entry.uncertain else near[n, side]
-    columns = [[each[entry.name] for entry in inputs.uncertain] for each in sets]
-    ranks = np.argsort(np.argsort(np.reshape(columns, (SAMPLES, -1, motions)), axis=2), axis=2)
     return _Responses(
-        samples,
+        of_samples,
         usual=run({}, {}),
-        shares=(np.moveaxis(ranks, 1, 2) + 0.5) / motions,
         near=near,
         near_factors=near_factors,
         ends=ends,
@@ -217,11 +190,11 @@ def _responses(
 
 def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
     base, listed, level = responses.base, inputs.inputs, np.array([confidence])
-    falls = float(np.isposinf([*responses.samples, responses.usual]).mean())
+    falls = float(np.isposinf([base, responses.usual]).mean())
     if falls or np.isposinf([responses.near, responses.ends]).any():
         raise ArithmeticError(
             f"a structure falls in {100 * falls:.3g} % of the motions, or with a changed input, so that "
-            "the variance of the gap is infinite; give it more hardening or strength, or weaker "
+            "the changes of the gap are infinite; give it more hardening or strength, or weaker "
             "motions: separation takes it as it is"
         )
     gap, lower, upper = (float(end[0]) for end in quantile_intervals(base, level))
@@ -232,7 +205,6 @@ def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Datas
     of_ends = np.vstack([responses.ends.reshape(-1, base.size), responses.usual])
     at_ends = changed_quantiles(base, of_ends, base[None], confidence)
     shape = responses.end_factors.shape
-    shares = _shares(responses, inputs)
     units = [entry.units for entry in listed]
     coords: dict[str, Any] = {
         INPUT: (INPUT, [entry.name for entry in listed], {"long_name": "number of a model"}),
@@ -251,9 +223,6 @@ def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Datas
         relative = Estimate(*(part / width for part in slopes))
     sizes = {"slope": medians, "elasticity": np.full(medians.size, gap or np.nan)}
     estimates = {
-        "variance_share": (INPUT, shares[0]),
-        "motion_share": ((), shares[1]),
-        "interaction_share": ((), shares[2]),
         **{name: (INPUT, Estimate(*(part / by for part in relative))) for name, by in sizes.items()},
         "gap_change": ((INPUT, END), Estimate(*(part[:-1].reshape(shape) for part in at_ends))),
     }
@@ -261,15 +230,3 @@ def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Datas
         table[name] = dims, estimate.value
         table[f"{name}_standard_error"] = dims, estimate.error
     return table
-
-
-def _shares(responses: _Responses, inputs: Inputs) -> tuple[Estimate, Estimate, Estimate]:
-    """Variance shares of every input, of the motion, and of their interaction."""
-    whole = Estimate(np.zeros(len(inputs.inputs)), np.zeros(len(inputs.inputs)))
-    if not inputs.uncertain:
-        return whole, Estimate(np.ones(()), np.zeros(())), Estimate(np.zeros(()), np.zeros(()))
-    shares = variance_shares(responses.samples, responses.usual, responses.shares)
-    of_inputs = np.flatnonzero([entry.uncertain for entry in inputs.inputs])
-    whole.value[of_inputs], whole.error[of_inputs] = (part[:-2] for part in shares)
-    of_motion, together = (Estimate(*(part[n] for part in shares)) for n in (-2, -1))
-    return whole, of_motion, together

@@ -4,9 +4,6 @@ from stochlin.analyses.separation.variables import VARIABLES as SEPARATION
 from stochlin.analyses.tables.labels import Variables
 
 OWN: Variables = {
-    "variance_share": ("1", "share of the variance of the separation by the input alone"),
-    "motion_share": ("1", "share of the variance of the separation by the motion alone"),
-    "interaction_share": ("1", "share of the variance of the separation by interactions"),
     "slope": ("m", "change of the gap per unit of the input"),
     "elasticity": ("1", "relative change of the gap over that of the input"),
     "gap_change": ("m", "change of the gap with the input at the end of its range"),

@@ -88,16 +88,15 @@ class Draw(NamedTuple):
         return {"input_factor": xr.DataArray(values, dims=(PATH, INPUT), coords={INPUT: inputs})}
 
 
-def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int, number: int = 0) -> Draw:
+def draw(structures: Sequence[Any], ground: Any, paths: int, seed: int) -> Draw:
     """Samples of uncertain parameters by Latin hypercube sampling (McKay, Beckman and Conover 1979).
 
-    The number of motions is ``paths``, rounded up to whole groups. Samples with different ``number`` are
-    independent.
+    The number of motions is ``paths``, rounded up to whole groups.
     """
     motions = whole_groups(paths)
     listed = structures if isinstance(structures, Sequence) else ()  # other types are refused later
     drawn = Draw(listed, ground, motions, {})
-    random = np.random.default_rng([seed, STREAM, *([number] if number else [])])
+    random = np.random.default_rng([seed, STREAM])
     factors = {
         role: {name: own.factor(_stratified(random, motions)) for name, own in model.uncertain.items()}
         for role, model in drawn.models.items()

@@ -19,13 +19,11 @@ NAMES = {"structure_1": "building 1", "structure_2": "building 2", "ground": "th
 CENTIMETRES = 100.0
 LARGE_GAP = 0.05  # [m]: from here on tenths of a centimetre tell enough of a change
 NOTHING = 1e-6  # of the gap: what moves it by less does not matter
-FEWEST, MOST = 2.0, 3  # standard errors of a share that is told; shares that are told
 EXAMPLE = "10 % to either side as an example"
 COLUMNS = (
     "[cm]: its change if the input is at either end of its range. Elasticity: its change in per cent "
     "for one per cent more of the input. After ±: standard errors."
 )
-SHARE = "Share: the share of the variance of the separation that this input causes alone."
 
 
 class InputLine(NamedTuple):
@@ -39,7 +37,6 @@ class InputLine(NamedTuple):
     range: str
     change: str
     elasticity: str
-    share: str
 
 
 def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[InputLine]:
@@ -63,7 +60,7 @@ def note(table: xr.Dataset) -> str:
         return f"Range: {EXAMPLE}. {COLUMNS}"
     return (
         "Range: for uncertain inputs, from the 16 % to the 84 % quantile; for known inputs (in "
-        f"brackets), {EXAMPLE}. {COLUMNS} {SHARE}"
+        f"brackets), {EXAMPLE}. {COLUMNS}"
     )
 
 
@@ -74,7 +71,6 @@ def _row(one: xr.Dataset, place: int, names: Mapping[str, str], some_uncertain: 
     low, high = (_value(one, key, float(factor)) for factor in one.input_factor_at)
     digits = 1 if float(one.gap) >= LARGE_GAP else 2
     changes = [_signed(CENTIMETRES * float(change), digits) for change in one.gap_change]
-    share = _with_error(float(one.variance_share), float(one.variance_share_standard_error))
     slope, error = float(one.elasticity), float(one.elasticity_standard_error)
     number, _, unit = low.partition(SPACE)
     return InputLine(
@@ -86,7 +82,6 @@ def _row(one: xr.Dataset, place: int, names: Mapping[str, str], some_uncertain: 
         range=f"{number} to {high}" if unit else f"{low} to {high}",
         change=" / ".join(changes),
         elasticity=f"{_signed(slope, 2)} ± {error:.2f}" if np.isfinite(slope) else MISSING,
-        share=share if uncertain else "",
     )
 
 
@@ -102,11 +97,6 @@ def _value(one: xr.Dataset, key: str, factor: float) -> str:
 def _signed(value: float, digits: int) -> str:
     rounded = round(value, digits)
     return f"{rounded:+.{digits}f}".replace("-", MINUS) if rounded else f"{0:.{digits}f}"
-
-
-def _with_error(share: float, error: float) -> str:
-    digits = 0 if error >= 0.01 else 1
-    return f"{100 * max(share, 0.0):.{digits}f} ± {100 * error:.{digits}f}{SPACE}%"
 
 
 def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
@@ -127,17 +117,6 @@ def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
     ]
     if not table.uncertain.any():
         return text
-    order = np.argsort(-table.variance_share.values)
-    clear = table.variance_share > FEWEST * table.variance_share_standard_error
-    largest = [n for n in order if bool(clear[n])][:MOST]
-    labels = {row.place: row.label for row in shown}
-    of_inputs = [
-        f"{per_cent(float(table.variance_share[n]))} the {labels[n]}" for n in largest if n in labels
-    ]
-    rest = float(table.motion_share + table.interaction_share)
-    of_motions = f"{per_cent(rest)} the motions, and motions and inputs together"
-    parts = "; ".join([*of_inputs, of_motions])
-    text.append(f"Shares of the variance of the separation over all motions: {parts}.")
     less = float(table.gap_of_medians / table.gap) - 1
     error = float(table.gap_of_medians_standard_error / table.gap)
     word = "smaller" if less < 0 else "larger"
@@ -151,10 +130,6 @@ def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
 def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[Block]:
     """The sentences, a row for each input, and the meaning of the columns."""
     heads = ["input", "range", f"{asked(table)} [cm]", "elasticity"]
-    heads += ["share"] if table.uncertain.any() else []
-    cells = [
-        (row.label, row.range, row.change, row.elasticity, row.share)[: len(heads)]
-        for row in rows(table, names)
-    ]
+    cells = [(row.label, row.range, row.change, row.elasticity) for row in rows(table, names)]
     meaning = [Text(note(table), "note")] if cells else []
     return [*texts(sentences(table, names)), Table.of(heads, cells, ("range",)), *meaning]
