@@ -48,7 +48,6 @@ from .analyses.sites.suites import (
     read_records as read_records,
     scale_records as scale_records,
 )
-from .analyses.sites.record_checks import check_records as check_records
 from .analyses.sites.motion_fit import (
     fit_motion as fit_motion,
     compare_motions as compare_motions,

@@ -11,7 +11,7 @@ import pytest
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.separation import answer_case
-from stochlin.views.separation.verdict import cautions, comparisons
+from stochlin.views.separation.verdict import comparisons
 from stochlin.views.shared.words import scatter
 
 pytestmark = pytest.mark.invariant
@@ -96,18 +96,6 @@ def test_components_that_are_none_are_refused(tmp_path: Path) -> None:
     path.write_text(text, encoding="utf-8")
     with pytest.raises(ValueError, match=r"motion.components = 2 needs two \[\[site.records\]\]"):
         sl.read_case(path)
-
-
-@pytest.mark.slow
-def test_the_answer_says_what_is_wrong_with_a_record(tmp_path: Path) -> None:
-    case = read(tmp_path, FITTED, "filters = 1\n")
-    record = sl.read_record(tmp_path / "wave.at2")
-    sl.to_at2(record[500:], tmp_path / "wave.at2")
-    answer = answer_case(sl.read_case(tmp_path / "case.toml"))
-    assert answer.checks is not None
-    assert list(answer.doubts_of_records()) == ["wave.at2"]
-    assert any("Record wave.at2: It starts with" in sentence for sentence in cautions(answer))
-    assert case.scatter == 0.4
 
 
 @pytest.mark.slow

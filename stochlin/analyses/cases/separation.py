@@ -22,8 +22,7 @@ from stochlin.analyses.risk.variables import VARIABLES
 from stochlin.analyses.sensitivity.sensitivity import sensitivity
 from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import UNSAFE, separation
-from stochlin.analyses.sites.motion_fit import DOUBTS, FittedMotion, compare_motions
-from stochlin.analyses.sites.record_checks import check_records
+from stochlin.analyses.sites.motion_fit import FittedMotion, compare_motions
 from stochlin.analyses.sites.simulated_spectra import simulated_spectrum
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
@@ -61,7 +60,6 @@ class CaseAnswer:
     risk: xr.Dataset | None = None  # if there is a hazard
     matters: xr.Dataset | None = None  # sensitivities of the gap
     every_rule: bool = False  # whether all rules are shown
-    checks: xr.Dataset | None = None  # of the records, if there are any
 
     @property
     def shown(self) -> xr.Dataset:
@@ -87,13 +85,6 @@ class CaseAnswer:
             table = table.merge(self.risk).assign_attrs(self.risk.attrs)
         table = table.assign_attrs(title=f"{self.case.title}: {table.attrs['title']}")
         return table if samples else table.drop_dims(set(table.dims) - {"rule"})
-
-    def doubts_of_records(self) -> dict[str, str]:
-        """Sentences on what makes records doubtful, by record."""
-        if self.checks is None:
-            return {}
-        texts = zip(self.checks.record.values.tolist(), self.checks[DOUBTS].values.tolist(), strict=True)
-        return {name: text for name, text in texts if text}
 
     def doubts(self) -> list[str]:
         """Texts on implausible results."""
@@ -167,7 +158,7 @@ def answer_case(
     rms, shaking = rms_acceleration(case.ground), shaking_of(case)
     risk = None if risky is None else _risk_table(risky, case, float(table.gap[0]))
     results = existing, _spectrum(case), rms, shaking, records, risk, matters
-    return CaseAnswer(case, table, *results, every_rule, _checks(case))
+    return CaseAnswer(case, table, *results, every_rule)
 
 
 def _with_park_ang(case: Case, table: xr.Dataset) -> xr.Dataset:
@@ -183,20 +174,6 @@ def _with_park_ang(case: Case, table: xr.Dataset) -> xr.Dataset:
 def _band(case: Case) -> tuple[float, float]:
     """Periods [s] in which spectra are compared."""
     return BAND[0] * min(case.periods), BAND[1] * max(case.periods)
-
-
-def _checks(case: Case) -> xr.Dataset | None:
-    """The checks of the records, also with the spectrum of the site where its range has the band."""
-    if not case.records:
-        return None
-    records, (shortest, longest) = dict(case.records), _band(case)
-    if case.spectrum is None:
-        return check_records(records)
-    known = case.spectrum.period.values[case.spectrum.period.values > 0]
-    band = max(shortest, float(known[0])), min(longest, float(known[-1]))
-    if band[0] >= band[1]:
-        return check_records(records)
-    return check_records(records, spectrum=case.spectrum, band=band)
 
 
 def _paths(case: Case) -> int:

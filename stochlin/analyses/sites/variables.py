@@ -21,17 +21,8 @@ _MEANS: Variables = {
     "significant_duration": ("s", "mean significant duration of the motions (5 to 95 % of the energy)"),
     "record_significant_duration": ("s", "significant duration of the record (5 to 95 % of the energy)"),
 }
-_CHECKS: Variables = {
-    "pulse_indicator": ("1", "pulse indicator of the velocity (Shahi and Baker 2014)"),
-    "pulse_period": ("s", "period of the velocity pulse"),
-    "offset": ("1", "mean acceleration over the peak"),
-    "start_level": ("1", "root mean square of the first second over that of the strong part"),
-    "end_level": ("1", "root mean square of the last second over that of the strong part"),
-    "spectral_misfit": ("1", "standard deviation of ln (Sa of the record over the spectrum)"),
-}
 VARIABLES: Variables = {
     **_MEANS,
-    **_CHECKS,
     **{
         f"{name}_standard_error": (units, f"standard error of the {about}")
         for name, (units, about) in _MEANS.items()

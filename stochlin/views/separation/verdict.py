@@ -119,7 +119,6 @@ def cautions(answer: CaseAnswer) -> list[str]:
         _yielding(table) if _yields_much(table) else "",
         scatter(case),
         *walls(case),
-        *(f"Record {name}: {text}" for name, text in answer.doubts_of_records().items()),
     ]
     return [sentence for sentence in sentences if sentence]
 

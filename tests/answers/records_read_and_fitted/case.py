@@ -24,7 +24,6 @@ peer = sl.read_record("peer.at2")
 Path("two.csv").unlink()
 xr.Dataset({"whole": record, "columns": columns, "peer": peer}).to_netcdf("records.nc")
 strong_part(record).rename("strong").to_netcdf("strong.nc")
-sl.check_records({"wave": record}).to_netcdf("checks.nc")
 for estimator in ("psd", "log_psd", "whittle"):
     print(estimator, sl.fit_ground(record, estimator=estimator))
 print(sl.fit_ground(record, "clough_penzien", "whittle"))
