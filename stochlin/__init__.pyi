@@ -34,23 +34,19 @@ from .analyses.records.records import read_record as read_record
 from .analyses.sites.ground_fit import fit_ground as fit_ground
 from .analyses.records.envelope_fit import (
     fit_envelope as fit_envelope,
-    energy_build_up as energy_build_up,
 )
 from .models.envelopes import (
     AminAng as AminAng,
     ShinozukaSato as ShinozukaSato,
     GammaEnvelope as GammaEnvelope,
-    HsuBernard as HsuBernard,
 )
 from .analyses.simulation.ground_motions import simulated_motions as simulated_motions
-from .analyses.records.at2 import to_at2 as to_at2
 from .analyses.sites.suites import (
     read_records as read_records,
     scale_records as scale_records,
 )
 from .analyses.sites.motion_fit import (
     fit_motion as fit_motion,
-    compare_motions as compare_motions,
     FittedMotion as FittedMotion,
 )
 from .analyses.records.response import (
@@ -75,7 +71,6 @@ from .analyses.buildings.pushover_files import read_pushover as read_pushover
 from .analyses.buildings.pushover import bilinear_of as bilinear_of
 from .analyses.buildings.modes import read_modes as read_modes
 from .analyses.charts.loops import hysteresis_loop as hysteresis_loop
-from .views.charts.loops import plot_loop as plot_loop
 from .models.uncertain import Uncertain as Uncertain
 from .analyses.linearization.strength import (
     reduction_factor as reduction_factor,

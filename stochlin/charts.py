@@ -28,7 +28,6 @@ from stochlin.views.buildings.pictures import draw_modes as draw_modes
 from stochlin.views.buildings.pushover import draw_pushover as draw_pushover
 from stochlin.views.charts.charts import PICTURES as PICTURES
 from stochlin.views.charts.charts import draw as draw
-from stochlin.views.charts.loops import draw_loop as draw_loop
 from stochlin.views.pounding.ensembles import draw_ensemble as draw_ensemble
 from stochlin.views.pounding.floors import draw_floors as draw_floors
 from stochlin.views.pounding.pictures import draw_pound as draw_pound

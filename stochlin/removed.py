@@ -32,6 +32,14 @@ REMOVED: dict[str, str] = {
     "correlate_linked": "linearize_system([first, second], ground, links=[link]) has rho of all floors",
     "delivered_restitution": "the relations of the contact elements are exact: e is what was given",
     "energy_loss": "0.5 * (1 - e**2) * m1 * m2 / (m1 + m2) * (v1 - v2)**2 is lost in an impact",
+    "check_records": "compare response_spectrum of a record with the spectrum of the site",
+    "compare_motions": "simulated_spectrum of the fitted motion beside response_spectrum of the record",
+    "energy_build_up": "fit_envelope, beside (a**2).cumsum() / (a**2).sum() of a record a",
+    "HsuBernard": "GammaEnvelope(1, 1 / peak_time) is the same envelope",
+    "hsu_bernard": "gamma with a power of 1 is the same envelope",
+    "to_at2": 'record.to_series().to_csv("motion.csv") writes a file that read_record reads',
+    "plot_loop": "hysteresis_loop gives the loop, whose force_per_mass .plot draws",
+    "draw_loop": 'hysteresis_loop(...).set_coords("displacement").force_per_mass.plot(x="displacement")',
 }
 
 

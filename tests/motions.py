@@ -43,6 +43,13 @@ def motion(values: Any, dt: float = 0.02, start: float = 0.0, **attrs: Any) -> x
     return xr.DataArray(values, dims="time", coords={"time": time}, attrs=attrs)
 
 
+def write_at2(record: xr.DataArray, path: Path) -> None:
+    """The record as a file of the format PEER AT2."""
+    dt = float(record.time[1] - record.time[0])
+    head = ["a motion", "made", "IN UNITS OF G", f"NPTS= {record.size}, DT= {dt:.9g} SEC"]
+    path.write_text("\n".join([*head, *(f"{each / 9.80665:.9E}" for each in record.values)]))
+
+
 def smooth_noise(samples: int, seed: int = 0, width: int = 11, dt: float = 0.02) -> xr.DataArray:
     """Means of so many normal numbers, with the weights of a Hann window: noise of long periods."""
     noise = np.random.default_rng(seed).standard_normal(samples + width - 1)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
+from motions import write_at2
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
@@ -65,7 +66,7 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("suite")
     (folder / "records").mkdir()
     for number, motion in enumerate(MOTIONS):
-        sl.to_at2(motion, folder / "records" / f"m{number:02d}.at2")
+        write_at2(motion, folder / "records" / f"m{number:02d}.at2")
     (folder / "bad.txt").write_text("1\ntwo\n", encoding="utf-8")
     listed = ["records/m00.at2", "bad.txt", "records/m01.at2"]
     (folder / "suite.csv").write_text("\n".join(["file,units,dt", *(f"{n},g,0.01" for n in listed)]))

@@ -10,6 +10,7 @@ import pytest
 from browser import wait
 from cases import example_of_short_motion
 from click.testing import CliRunner
+from motions import write_at2
 
 import stochlin as sl
 from stochlin.analyses.explorer.form import numbers
@@ -38,7 +39,7 @@ SITE = 'spectrum = "site.csv"\nunits = "m/s^2"\nfilters = 1\n'
 def file(tmp_path):
     """The example with other numbers and a record; few motions."""
     motion = sl.simulated_motions(sl.named_ground("firm", 0.01), 10.0, paths=2)[0]
-    sl.to_at2(motion, tmp_path / "a.at2")
+    write_at2(motion, tmp_path / "a.at2")
     text = sl.example_case().replace("[motion]", f"{RECORD}[motion]").replace('"4 s"', '"3.5 s"')
     text = text.replace("paths = 2048", "paths = 128").replace('"0.6 s"', '"0.8 s"', 1)
     path = tmp_path / "other.toml"

@@ -8,6 +8,7 @@ import pickle
 import numpy as np
 import pytest
 from cases import example_of_short_motion
+from motions import write_at2
 
 import stochlin as sl
 from stochlin.analyses.cases.files.schema import FILE
@@ -200,7 +201,7 @@ def test_a_strength_by_a_peak_is_shown_as_the_file_gives_it(tmp_path):
 def write_records(folder):
     motions = sl.simulated_motions(sl.named_ground("firm", 0.01), 10.0, paths=3)
     for name, motion in zip("abc", motions, strict=True):
-        sl.to_at2(motion, folder / f"{name}.at2")
+        write_at2(motion, folder / f"{name}.at2")
 
 
 def test_records_suite_hazard_and_risk_of_a_file_stay_in_it(tmp_path):

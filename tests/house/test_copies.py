@@ -37,7 +37,7 @@ GIVEN: dict[str, dict[str, Any]] = {
     "ParallelGround": {"grounds": [sl.KanaiTajimi(0.4, 0.6), sl.KanaiTajimi(1.0, 0.3)]},
     "FittedMotion": {
         "ground": sl.KanaiTajimi(0.4, 0.6),
-        "envelope": sl.HsuBernard(5.0),
+        "envelope": sl.GammaEnvelope(1.0, 0.2),
         "duration": 20.0,
     },
     "ModalBuilding": {

@@ -38,7 +38,6 @@ WITHOUT_FORMULA = {
     "read_record",
     "read_records",
     "scale_records",
-    "to_at2",
     "read_spectrum",
     "simulated_motions",
     "simulated_spectrum",

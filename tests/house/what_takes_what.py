@@ -173,14 +173,12 @@ ON_RECORD: dict[str, Callable[[Pair], object]] = {
     "pound": lambda s: sl.pound(s.both, [0.05], CONTACT, RECORD),
     "pound, link": lambda s: sl.pound(s.both, [0.05], CONTACT, RECORD, link=LINK),
     "hysteresis_loop": lambda s: sl.hysteresis_loop(s.first, [0.01, -0.01]),
-    "plot_loop": lambda s: sl.plot_loop(s.first, [0.01, -0.01]),
     "pounding_estimate": lambda s: sl.pounding_estimate(*s.both, 0.05, CONTACT, 0.1, 0.1, points=5),
 }
 
 
 ON_NOTHING = {
     "hysteresis_loop",
-    "plot_loop",
     "pounding_estimate",
 }  # what it is told of the motion are energy radii
 CALLS = ON_GROUND | ON_RECORD

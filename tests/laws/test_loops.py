@@ -1,4 +1,4 @@
-"""Loops of structures along a prescribed displacement, and their picture."""
+"""Loops of structures along a prescribed displacement."""
 
 import numpy as np
 import pytest
@@ -57,18 +57,3 @@ def test_the_loop_of_a_record_is_that_of_its_displacements():
 def test_what_is_wrong_is_said(structure, displacement, message):
     with pytest.raises(ValueError, match=message):
         sl.hysteresis_loop(structure, displacement)
-
-
-def test_picture():
-    loop = sl.hysteresis_loop(sl.Flag(**GIVEN), [0.05, -0.05, 0.0])
-    figure = sl.charts.draw_loop(loop)
-    [axes] = figure.axes
-    drawn = axes.lines[0]
-    np.testing.assert_array_equal(drawn.get_xdata(), loop.displacement)
-    np.testing.assert_array_equal(drawn.get_ydata(), loop.force_per_mass)
-    assert "Flag(period=0.5" in figure.texts[-1].get_text()
-    [at_once] = sl.plot_loop(sl.Flag(**GIVEN), [0.05, -0.05, 0.0]).axes
-    np.testing.assert_array_equal(at_once.lines[0].get_xydata(), drawn.get_xydata())
-    assert axes.get_xlabel() == "displacement relative to the ground [m]"
-    with pytest.raises(ValueError, match=r"allowed: a result of stochlin\.hysteresis_loop"):
-        sl.charts.draw_loop(loop[["z"]])

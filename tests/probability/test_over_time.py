@@ -323,12 +323,12 @@ def test_lognormal_fragility_of_elastic_structures_is_that_of_their_separations(
 # --- Bad input ------------------------------------------------------------------------------------
 
 
-class Negative(sl.HsuBernard):
+class Negative(sl.GammaEnvelope):
     def at(self, time):
         return super().at(time) - 0.5
 
 
-class Nothing(sl.HsuBernard):
+class Nothing(sl.GammaEnvelope):
     def at(self, time):
         return 0 * super().at(time)
 
@@ -342,8 +342,8 @@ class Nothing(sl.HsuBernard):
         ({"duration": 0.8}, "shorter than the period of second"),
         ({"duration": None}, "duration is missing"),
         ({"duration": True}, "duration = True"),
-        ({"envelope": Negative(5.0)}, "allowed: finite values from 0 on"),
-        ({"envelope": Nothing(5.0)}, "is 0 during the whole"),
+        ({"envelope": Negative(1.0, 0.2)}, "allowed: finite values from 0 on"),
+        ({"envelope": Nothing(1.0, 0.2)}, "is 0 during the whole"),
         ({"envelope": 3}, "envelope = 3"),
         ({"confidence": 1.0}, "confidence = 1"),
         ({"confidence": 0}, "confidence = 0"),

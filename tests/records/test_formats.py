@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import samples
 from cases import recorded_example
+from motions import write_at2
 
 import stochlin as sl
 from stochlin.analyses.records.files import is_record
@@ -328,6 +329,6 @@ def test_a_component_names_a_file_that_holds_one(tmp_path):
     text = "\n".join(f"{value:.4f}" for value in WAVE)
     record = read(tmp_path, text, dt=0.01, units="gal", component="NS")
     assert record.attrs["component"] == "NS"
-    sl.to_at2(record, tmp_path / "a.at2")
+    write_at2(record, tmp_path / "a.at2")
     again = sl.read_record(tmp_path / "a.at2", component="NS")
     np.testing.assert_allclose(again, record, rtol=1e-6, atol=1e-9)

@@ -40,7 +40,7 @@ def test_motions_deliver_the_spectrum(name):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("duration", "envelope"),
-    [(8.0, None), (30.0, sl.HsuBernard(6.0))],
+    [(8.0, None), (30.0, sl.GammaEnvelope(1.0, 1 / 6))],
 )
 def test_other_motions_deliver_it_too(duration, envelope):
     target = CODES["Eurocode 8, type 1, B"]

@@ -37,7 +37,7 @@ def example_record() -> str:
     Notes
     -----
     It is ``simulated_motions(named_ground("firm", 0.01), 20.0, AminAng(4.0, 15.0, 0.35), paths=2)[0]``,
-    written by `to_at2`: a motion of the site of `stochlin.example_case`.
+    written in g: a motion of the site of `stochlin.example_case`.
 
     Examples
     --------

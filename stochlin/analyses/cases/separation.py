@@ -22,8 +22,8 @@ from stochlin.analyses.risk.variables import VARIABLES
 from stochlin.analyses.sensitivity.sensitivity import sensitivity
 from stochlin.analyses.separation.existing_gap import existing_gap
 from stochlin.analyses.separation.separation import UNSAFE, separation
-from stochlin.analyses.sites.motion_fit import FittedMotion, compare_motions
-from stochlin.analyses.sites.simulated_spectra import simulated_spectrum
+from stochlin.analyses.sites.motion_fit import checked_components, periods_of_fit
+from stochlin.analyses.sites.simulated_spectra import Motions, compared_spectrum, simulated_spectrum
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
@@ -171,11 +171,6 @@ def _with_park_ang(case: Case, table: xr.Dataset) -> xr.Dataset:
     return table.assign(park_ang(table, ultimate, beta).data_vars)
 
 
-def _band(case: Case) -> tuple[float, float]:
-    """Periods [s] in which spectra are compared."""
-    return BAND[0] * min(case.periods), BAND[1] * max(case.periods)
-
-
 def _paths(case: Case) -> int:
     """Number of motions for the sensitivities, smaller for uncertain buildings with storeys.
 
@@ -195,12 +190,13 @@ def periods_of(*models: Model) -> list[float]:
 def _spectrum(case: Case) -> xr.Dataset:
     """Response spectrum of the motions, compared with the target or the record; else the ground PSD."""
     options: Any = {"paths": SPECTRUM_PATHS, "seed": case.seed}
+    motion = case.duration, case.envelope
     if case.spectrum is not None:
-        motion = case.duration, case.envelope
         return simulated_spectrum(case.ground, case.spectrum, *motion, **options)
     if case.fitted:
-        fitted = FittedMotion(case.ground, case.envelope, case.duration)
-        return compare_motions(case.of_site.components, fitted, band=_band(case), **options)
+        compared = periods_of_fit(case.duration)
+        of_record = checked_components(case.of_site.components).spectrum(compared)
+        return compared_spectrum(Motions(case.ground, *motion, **options), compared, of_record)
     periods = [*case.periods, *periods_of(case.ground)]
     low, high = min(periods) / AROUND, max(periods) * AROUND
     frequency = np.geomspace(2 * np.pi / high, 2 * np.pi / low, POINTS)

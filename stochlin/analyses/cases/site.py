@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -49,7 +48,6 @@ from stochlin.analyses.sites.motion_fit import (
     fit_motion,
 )
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.messages import DoubtfulInput
 from stochlin.models.arguments import SCATTER
 from stochlin.models.envelopes import ENVELOPES, Envelope
 from stochlin.models.grounds import GROUNDS, Ground, ParallelGround, WhiteNoise
@@ -124,9 +122,7 @@ class CaseSite:
     def fitted_motion(self) -> FittedMotion:
         """Ground and course fitted to the first records, where the file asks for both."""
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", DoubtfulInput)  # the answer states it instead
-                return fit_motion(self.components, filters=_filters(self.site))
+            return fit_motion(self.components, filters=_filters(self.site))
         except (ArithmeticError, ValueError) as error:
             names = " and ".join(self.components)
             raise self.motion.error("envelope", f"cannot be fitted to {names}: {error}") from error

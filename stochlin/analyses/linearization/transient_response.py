@@ -54,7 +54,7 @@ def transient_response(
         The ground; its parameters and those of the structure broadcast by dimension name.
     duration : float
         Duration of the motion [s], at least one period.
-    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Envelope ``m`` of the motion, whose evolutionary spectrum is ``m(t)^2 S(w)`` with that of the
         ground, ``S`` (Priestley 1965); without it the motion is stationary from its start.
     points : int

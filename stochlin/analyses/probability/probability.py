@@ -94,7 +94,7 @@ def pounding_probability(
         The ground before modulation. With ``"hybrid"`` it may be None; it is then fitted to the record.
     gap : float or array
         Gap [m], positive.
-    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Envelope of the motion; without it the ground motion is stationary from its start.
     duration : float
         Duration of the motion [s], at least one period of the structures. Not for ``"hybrid"``.

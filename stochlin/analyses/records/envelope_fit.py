@@ -11,11 +11,9 @@ import xarray as xr
 from scipy import optimize
 
 from stochlin.analyses.records.records import checked_record
-from stochlin.analyses.records.variables import VARIABLES
-from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import OneOf, checked
-from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, HsuBernard, ShinozukaSato
+from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
 
 POINTS = 400  # number of times at which cumulative energies are compared
 FEWEST = 1e-3  # smallest value of an unknown; for a time, relative to the length of the record
@@ -43,7 +41,6 @@ FITTED_ENVELOPES: dict[str, tuple[Callable[..., Envelope], tuple[_Unknown, ...]]
         lambda power, time: GammaEnvelope(power, power / time),
         (_Unknown(False, (1.0, 4.0)), _Unknown(True, (0.1, 0.3))),
     ),
-    "hsu_bernard": (HsuBernard, (_Unknown(True, (0.05, 0.2, 0.5)),)),
 }
 
 
@@ -63,11 +60,11 @@ def fit_envelope(
         Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. The time of the envelope
         is counted from the first sample.
     model : str
-        ``"amin_ang"``, ``"shinozuka_sato"``, ``"gamma"`` or ``"hsu_bernard"``.
+        ``"amin_ang"``, ``"shinozuka_sato"`` or ``"gamma"``.
 
     Returns
     -------
-    AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
+    AminAng, ShinozukaSato or GammaEnvelope
         The fitted envelope.
 
     Raises
@@ -85,10 +82,10 @@ def fit_envelope(
     --------
     >>> import numpy as np, stochlin as sl, xarray as xr
     >>> time = 0.01 * np.arange(4000)
-    >>> shape = sl.HsuBernard(6.0).at(time) * np.sin(30 * time)
+    >>> shape = sl.GammaEnvelope(2.0, 0.4).at(time) * np.sin(30 * time)
     >>> record = xr.DataArray(shape, dims="time", coords={"time": time})
-    >>> round(sl.fit_envelope(record, "hsu_bernard").peak_time, 1)
-    6.0
+    >>> round(sl.fit_envelope(record, "gamma").power, 1)
+    2.0
     """
     values, dt = checked_record(record)
     make, unknowns = FITTED_ENVELOPES[model]
@@ -108,62 +105,6 @@ def fit_envelope(
     if not fits:
         raise ArithmeticError(f"no {model} fits the energy of the record; give another model")
     return make(*np.exp(min(fits, key=lambda fit: float(fit.cost)).x) * unit)
-
-
-@checked
-def energy_build_up(record: xr.DataArray, envelope: Envelope) -> xr.Dataset:
-    """Compare the cumulative energy of a record with that of an envelope, for a chart of the fit.
-
-    Parameters
-    ----------
-    record : xarray.DataArray
-        Ground acceleration [m/s^2] over ``time`` [s].
-    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard
-        The envelope, as from `fit_envelope` or any other.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``time`` [s], counted from the first sample: ``record_energy`` and ``envelope_energy`` [-],
-        cumulative energies over their totals, and ``envelope`` [-].
-
-    Raises
-    ------
-    ValueError, TypeError
-        If the record or the envelope is not valid.
-
-    References
-    ----------
-    Husid, R. (1969), Rev. IDIEM 8.
-
-    Examples
-    --------
-    >>> import numpy as np, stochlin as sl, xarray as xr
-    >>> time = 0.01 * np.arange(2000)
-    >>> record = xr.DataArray(np.sin(time), dims="time", coords={"time": time})
-    >>> table = sl.energy_build_up(record, sl.HsuBernard(5.0))
-    >>> float(table.record_energy[-1]), float(table.envelope_energy[-1])
-    (1.0, 1.0)
-    """
-    values, dt = checked_record(record)
-    time = dt * np.arange(values.size)
-    shape = envelope.at(time)
-    table = xr.Dataset(
-        {
-            "record_energy": ("time", _build_up(values, dt)),
-            "envelope_energy": ("time", _build_up(shape, dt)),
-            "envelope": ("time", shape),
-        },
-        coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
-    )
-    source = str(record.attrs.get("source", "a record"))
-    return labels.with_run_information(
-        labels.label(table, VARIABLES),
-        f"Build-up of energy in {source}",
-        "energy_build_up()",
-        {"envelope_model": envelope},
-        f"{labels.PAPER} Husid, R. (1969), Rev. IDIEM 8.",
-    )
 
 
 def _build_up(values: Array, dt: float) -> Array:

@@ -32,9 +32,6 @@ VARIABLES: Variables = {
     "srss": ("m", "root of the sum of the squares of the peaks"),
     "separation_over_srss": ("1", "separation over SRSS of the peaks"),
     "rho": ("1", "correlation coefficient of the displacements"),
-    "envelope": ("1", "envelope of the motion"),
-    "record_energy": ("1", "share of the energy of the record so far"),
-    "envelope_energy": ("1", "share of the energy of the envelope so far"),
 }
 
 # Variables with another long name for one structure alone, beside its property line.

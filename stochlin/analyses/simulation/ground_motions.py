@@ -49,7 +49,7 @@ def simulated_motions(
         The ground, with scalar parameters.
     duration : float
         Duration of each motion [s], positive.
-    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Envelope of the motions; without it they are stationary.
     paths : int
         Number of motions, at least 2.

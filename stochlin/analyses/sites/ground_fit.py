@@ -106,7 +106,7 @@ def fit_ground(
     duration : float
         Length of the motions for a spectrum [s]. A spectrum does not contain it, but inelastic gaps
         depend on it; compare half and twice the value.
-    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Envelope of the motions for a spectrum; without it they are stationary.
     filters : int, optional
         Number of filters for a spectrum, 1 to 3. By default it is the smallest number with which the

@@ -52,7 +52,7 @@ def scale_ground(
         Ground with scalar parameters; its own intensity does not matter.
     duration : float
         Length of each motion [s], positive.
-    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Envelope of the motions; without it they are stationary.
     pga : float, optional
         Wanted mean peak ground acceleration [m/s^2] in steps of 0.01 s; given, or ``sa`` and ``period``

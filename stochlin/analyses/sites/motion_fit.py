@@ -12,26 +12,16 @@ import xarray as xr
 
 from stochlin.analyses.records.cells import Records, as_list, checked_motions
 from stochlin.analyses.records.envelope_fit import FITTED_ENVELOPES, fit_envelope
-from stochlin.analyses.records.files import METRES
 from stochlin.analyses.records.records import checked_record, strong_samples
 from stochlin.analyses.records.response import response_spectrum
-from stochlin.analyses.sites.simulated_spectra import (
-    PGA_STEP,
-    Motions,
-    assign_mean,
-    spectrum_and_motions,
-)
 from stochlin.analyses.sites.spectra import BAND, BAND_POINTS, SHORTEST, USUAL_DAMPING, check_band
 from stochlin.analyses.sites.spectrum_fit import LONGEST, POINTS, Wanted, deliver
-from stochlin.analyses.sites.variables import VARIABLES
-from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import DoubtfulInput, brief, plain
 from stochlin.models.arguments import (
     Duration,
     OneOf,
-    Paths,
     Scatter,
     Seed,
     TwoNumbers,
@@ -46,7 +36,6 @@ FILTERS, PATHS = 2, 512
 CYCLES = 4.0  # smallest number of cycles of a fitted period in a record
 SHORTEST_RECORD = 2.0  # s
 LIKE_DURATION, LIKE_SPECTRUM = 1.5, 1.3  # largest factors between motions and record without a doubt
-DOUBTS = "doubts"  # attribute
 PLACE = ("event", "station")  # attributes that both components of a station share
 
 
@@ -165,7 +154,7 @@ class FittedMotion:
     ----------
     ground : CloughPenzien or ParallelGround
         Stationary ground, before the envelope is applied.
-    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, or None
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, or None
         Envelope of the motion. None is a stationary motion, which `fit_motion` does not return.
     duration : float
         Length of the motion [s].
@@ -286,9 +275,8 @@ def fit_motion(
     >>> shape = sl.AminAng(3.0, 10.0, 0.3)
     >>> record = sl.simulated_motions(sl.named_ground("firm", 0.01), 25.0, shape, paths=2)[0]
     >>> motion = sl.fit_motion(record)
-    >>> table = sl.compare_motions(record, motion)
-    >>> bool(abs(table.energy_ratio - 1) < 4 * table.energy_ratio_standard_error)
-    True
+    >>> motion.duration, motion.scatter, motion.doubts
+    (25.0, 0.4, ())
     """
     components = checked_components(record)
     check_band(band)
@@ -301,7 +289,7 @@ def fit_motion(
     shape = fit_envelope(common, envelope)
     time = components.dt * np.arange(common.size)
     std = float(np.sqrt(components.energy() / energy_of(shape.at(time), components.dt)))
-    periods = np.geomspace(SHORTEST, min(LONGEST, duration / CYCLES), POINTS)
+    periods = periods_of_fit(duration)
     wanted = Wanted(periods, components.spectrum(periods), USUAL_DAMPING, duration, shape, std)
     fit = deliver(wanted, filters, seed, progress, PATHS)
     ground = fit.ground()
@@ -318,6 +306,11 @@ def fit_motion(
     both = len(components.records) == 2 and use == OTHER_COMPONENT
     usual = between_components(components, band) if both else USES[use]
     return FittedMotion(replace(ground, **changed), shape, duration, *usual, doubts)
+
+
+def periods_of_fit(duration: float) -> Array:
+    """Periods [s] at which the spectra of a record and of motions of this length [s] are compared."""
+    return np.geomspace(SHORTEST, min(LONGEST, duration / CYCLES), POINTS)
 
 
 def between_components(components: Components, band: tuple[float, float] = BAND) -> UsualScatter:
@@ -352,83 +345,6 @@ def _misfits(
             f"from {band[0]:.2g} to {band[1]:.2g} s), most at {periods[inside][worst]:.2g} s, where it "
             f"is {ratio[inside][worst]:.2f} times that of the record; try more filters"
         )
-
-
-@checked
-def compare_motions(
-    record: Records,
-    motion: FittedMotion,
-    *,
-    band: TwoNumbers = BAND,
-    paths: Paths = 256,
-    seed: Seed = 0,
-) -> xr.Dataset:
-    """Compare a record with motions fitted to it: energy, significant duration, response spectrum.
-
-    Parameters
-    ----------
-    record : xarray.DataArray, or list or mapping of two
-        Ground acceleration [m/s^2] over ``time`` [s], or both components of a station, as in
-        `fit_motion`.
-    motion : FittedMotion
-        The fitted motion, as from `fit_motion`.
-    band : tuple of two floats
-        Periods [s] of the buildings, for the ``doubts``.
-    paths : int
-        Number of simulated motions.
-    seed : int
-        Seed of the simulation; the same seed gives the same result.
-
-    Returns
-    -------
-    xarray.Dataset
-        Over ``period`` [s], the variables of `simulated_spectrum` with the spectrum of the record,
-        damping ratio 0.05, as ``target`` [m/s^2]; ``ratio`` is the mean spectrum of the motions over
-        that of the record. Without dimensions: ``energy_ratio`` [-], the mean ``Int a^2 dt`` of the
-        motions over that of the record, and ``significant_duration`` [s], the mean time from 5 to 95 %
-        of this integral, each with its standard error; ``record_arias_intensity`` [m/s] and
-        ``record_significant_duration`` [s]. The attribute ``doubts`` says what the motions miss, as in
-        `fit_motion`; it is empty if that is nothing.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If the record or the motion is not valid, or a number is out of range.
-
-    References
-    ----------
-    Trifunac, M. D. and Brady, A. G. (1975), Bull. Seismol. Soc. Am. 65, for the duration.
-
-    Examples
-    --------
-    >>> import stochlin as sl
-    >>> motion = sl.FittedMotion(sl.named_ground("firm", 0.01), sl.AminAng(2.0, 12.0, 0.4), 20.0)
-    >>> record = sl.simulated_motions(motion.ground, motion.duration, motion.envelope, paths=2)[0]
-    >>> table = sl.compare_motions(record, motion, paths=64)
-    >>> table.ratio.dims, bool(table.significant_duration < 20)
-    (('period',), True)
-    """
-    components = checked_components(record)
-    check_band(band)
-    if not isinstance(motion, FittedMotion):
-        raise TypeError(f"motion is a {type(motion).__name__}; allowed: a motion of fit_motion")
-    longest = min(LONGEST, motion.duration / CYCLES)
-    periods = np.geomspace(SHORTEST, longest, POINTS)
-    motions = Motions(motion.ground, motion.duration, motion.envelope, paths, seed)
-    table, simulated = spectrum_and_motions(motions, periods, components.spectrum(periods))
-    energy, accelerations = components.energy(), simulated.to_numpy()
-    assign_mean(table, "energy_ratio", energy_of(accelerations, PGA_STEP) / energy)
-    first, last = strong_samples(accelerations)
-    assign_mean(table, "significant_duration", PGA_STEP * (last - first))
-    table["record_arias_intensity"] = (), np.pi / (2 * METRES["g"]) * energy
-    lasting = _significant(components.common().to_numpy(), components.dt)
-    table["record_significant_duration"] = (), lasting
-    mean = float(table.significant_duration)
-    doubts = _misfits(mean, lasting, periods, table.ratio.to_numpy(), band)
-    table.attrs[DOUBTS] = " ".join(f"{doubt[0].upper()}{doubt[1:]}." for doubt in doubts)
-    call = f"compare_motions(band={tuple(band)}, paths={paths}, seed={seed})"
-    title = f"{components.source or 'A record'} and the motions fitted to it"
-    return labels.with_run_information(labels.label(table, VARIABLES), title, call, motions.models())
 
 
 def energy_ratio(

@@ -83,7 +83,7 @@ def simulated_spectrum(
         to its longest one; or the periods [s], positive and increasing.
     duration : float
         Length of each motion [s], positive.
-    envelope : AminAng, ShinozukaSato, GammaEnvelope or HsuBernard, optional
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
         Envelope of the motions; without it they are stationary. The oscillators start from rest.
     damping : float, optional
         Damping ratio of the oscillators [-]; by default that of the target, or 0.05.
@@ -121,7 +121,7 @@ def simulated_spectrum(
     check_scalars(ground, "ground", "numbers")
     periods, wanted, own = _asked(target)
     ratio = own if damping is None else damping
-    table, _ = spectrum_and_motions(motions, periods, wanted, ratio)
+    table = compared_spectrum(motions, periods, wanted, ratio)
     call = f"simulated_spectrum(duration={duration}, damping={ratio}, paths={paths}, seed={seed})"
     title = "Response spectrum of simulated motions"
     if wanted is not None and isinstance(target, xr.DataArray):
@@ -129,28 +129,28 @@ def simulated_spectrum(
     return labels.with_run_information(labels.label(table, VARIABLES), title, call, motions.models())
 
 
-def spectrum_and_motions(
+def compared_spectrum(
     motions: Motions, periods: Array, wanted: Array | None, damping: float = USUAL_DAMPING
-) -> tuple[xr.Dataset, xr.DataArray]:
-    """The result of `simulated_spectrum`, compared with any ``wanted`` spectrum, and the motions."""
+) -> xr.Dataset:
+    """The variables of `simulated_spectrum`, compared with any ``wanted`` spectrum."""
     peaks = peak_accelerations(periods, damping, motions)
     duration = float(motions.duration)
     said = {"duration_s": duration, "damping": float(damping), "pga_step_s": PGA_STEP}
     table = xr.Dataset(coords={"period": labels.axis("period", "period", periods, "s")}, attrs=said)
     table = table.assign_coords(quantile=labels.axis("quantile", "quantile", np.array(QUANTILES)))
-    assign_mean(table, "pseudo_acceleration", peaks, "period")
+    _assign_mean(table, "pseudo_acceleration", peaks, "period")
     quantiles = np.quantile(peaks, QUANTILES, axis=0)
     table["pseudo_acceleration_quantile"] = ("quantile", "period"), quantiles
     accelerations = replace(motions, progress=None).accelerations()
-    assign_mean(table, "peak_ground_acceleration", np.abs(accelerations.to_numpy()).max(axis=1))
+    _assign_mean(table, "peak_ground_acceleration", np.abs(accelerations.to_numpy()).max(axis=1))
     if wanted is not None:
         table["target"] = "period", wanted
         table["ratio"] = table.pseudo_acceleration / table.target
         table["ratio_standard_error"] = table.pseudo_acceleration_standard_error / table.target
-    return table, accelerations
+    return table
 
 
-def assign_mean(table: xr.Dataset, name: str, samples: Array, *dims: str) -> None:
+def _assign_mean(table: xr.Dataset, name: str, samples: Array, *dims: str) -> None:
     """Put the mean of samples along their first axis, and its standard error, into a table."""
     table[name], table[f"{name}_standard_error"] = ((dims, x) for x in mean_with_error(samples))
 

@@ -98,9 +98,9 @@ def read_records(
     >>> import stochlin as sl
     >>> folder = pathlib.Path(tempfile.mkdtemp())
     >>> for name, motion in zip("ab", sl.simulated_motions(sl.WhiteNoise(0.01), 5.0, paths=2)):
-    ...     sl.to_at2(motion, folder / f"{name}.at2")
-    >>> list(sl.read_records(folder))
-    ['a.at2', 'b.at2']
+    ...     motion.to_series().to_csv(folder / f"{name}.csv")
+    >>> list(sl.read_records(folder, units="m/s^2", time_column=0, column=1))
+    ['a.csv', 'b.csv']
     """
     path = input_path("path", path)
     usual = {

@@ -16,10 +16,6 @@ _MEANS: Variables = {
     "ground_intensity": ("m^2/s^3", "two-sided PSD S0 of the white noise"),
     "target": ("m/s^2", "target pseudo-acceleration"),
     "ratio": ("1", "mean pseudo-acceleration over the target"),
-    "energy_ratio": ("1", "mean energy of the motions over the energy of the record"),
-    "record_arias_intensity": ("m/s", "Arias intensity of the record"),
-    "significant_duration": ("s", "mean significant duration of the motions (5 to 95 % of the energy)"),
-    "record_significant_duration": ("s", "significant duration of the record (5 to 95 % of the energy)"),
 }
 VARIABLES: Variables = {
     **_MEANS,

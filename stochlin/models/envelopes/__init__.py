@@ -2,7 +2,7 @@
 
 from stochlin.models.envelopes.amin_ang import AminAng
 from stochlin.models.envelopes.base import ENVELOPES, Envelope, envelope_at, strong_seconds
-from stochlin.models.envelopes.gamma import GammaEnvelope, HsuBernard
+from stochlin.models.envelopes.gamma import GammaEnvelope
 from stochlin.models.envelopes.shinozuka_sato import ShinozukaSato
 
 __all__ = [
@@ -10,7 +10,6 @@ __all__ = [
     "AminAng",
     "Envelope",
     "GammaEnvelope",
-    "HsuBernard",
     "ShinozukaSato",
     "envelope_at",
     "strong_seconds",

@@ -1,4 +1,4 @@
-"""Gamma envelopes: that of Saragoni and Hart, and its special case of a linear build-up."""
+"""The gamma envelope of Saragoni and Hart."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from stochlin.models.parameters import POSITIVE, parameter
 class GammaEnvelope(Envelope):
     """Gamma envelope ``t^k exp(-c t)``, divided by its maximum.
 
-    `HsuBernard` is its special case ``k = 1``.
+    With ``k = 1`` it is that of Hsu and Bernard, whose build-up is linear.
 
     Parameters
     ----------
@@ -32,7 +32,8 @@ class GammaEnvelope(Envelope):
 
     References
     ----------
-    Saragoni, G. R. and Hart, G. C. (1974), Earthquake Eng. Struct. Dyn. 2.
+    Saragoni, G. R. and Hart, G. C. (1974), Earthquake Eng. Struct. Dyn. 2; Hsu, T.-I. and Bernard, M. C.
+    (1978), Earthquake Eng. Struct. Dyn. 6.
 
     Examples
     --------
@@ -48,37 +49,3 @@ class GammaEnvelope(Envelope):
         """Values of the envelope [-] at times [s] from 0 on."""
         share = np.asarray(time, float) * self.decay / self.power
         return share**self.power * np.exp(self.power * (1 - share))
-
-
-@ENVELOPES.register("hsu_bernard", 4)
-@dataclass(frozen=True)
-class HsuBernard(Envelope):
-    """Envelope of Hsu and Bernard: ``(t/tp) exp(1 - t/tp)``.
-
-    Parameters
-    ----------
-    peak_time : float
-        Time ``tp`` of the maximum [s], positive.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If the value is not a number or out of range.
-
-    References
-    ----------
-    Hsu, T.-I. and Bernard, M. C. (1978), Earthquake Eng. Struct. Dyn. 6.
-
-    Examples
-    --------
-    >>> import numpy as np, stochlin as sl
-    >>> float(sl.HsuBernard(peak_time=5.0).at(np.array(5.0)))
-    1.0
-    """
-
-    peak_time: float = parameter("s", "time of the maximum", POSITIVE)
-
-    def at(self, time: Array) -> Array:
-        """Values of the envelope [-] at times [s] from 0 on."""
-        share = np.asarray(time, float) / self.peak_time
-        return share * np.exp(1 - share)

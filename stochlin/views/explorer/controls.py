@@ -29,7 +29,6 @@ LABELS = {  # of options that are keys of a case file
     "parallel": "filters of the file, in parallel",
     "amin_ang": "Amin and Ang",
     "shinozuka_sato": "Shinozuka and Sato",
-    "hsu_bernard": "Hsu and Bernard",
 }
 
 

@@ -37,7 +37,7 @@ LEAST, MOST = 0.12, 1.2  # shown of the ratio, to either side of 1
 
 @styled(AS_GIVEN | {"font.size": 10})
 def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[float] = ()) -> Figure:
-    """Draw the result of `stochlin.simulated_spectrum` or `stochlin.compare_motions`.
+    """Draw the result of `stochlin.simulated_spectrum`.
 
     Parameters
     ----------
@@ -52,8 +52,8 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
     Returns
     -------
     matplotlib.figure.Figure
-        Above, the response spectra over the period: the target, or that of the record, and of the
-        simulated motions the mean and the range from 16 to 84 %. Below, if there is a target, the ratio
+        Above, the response spectra over the period: the target, and of the simulated motions the mean
+        and the range from 16 to 84 %. Below, if there is a target, the ratio
         of the mean to it with its 95 % interval, and lines at 6 % to either side.
 
     Raises
@@ -89,8 +89,8 @@ def check_spectrum(dataset: xr.Dataset) -> None:
     known = "pseudo_acceleration_quantile" in dataset and "duration_s" in dataset.attrs
     if not known or dataset.sizes["period"] < 2:
         raise ValueError(
-            f"dataset has the dimensions {dict(dataset.sizes)}; allowed: what simulated_spectrum or "
-            "compare_motions returns, of two periods or more"
+            f"dataset has the dimensions {dict(dataset.sizes)}; allowed: what simulated_spectrum "
+            "returns, of two periods or more"
         )
 
 
@@ -105,8 +105,7 @@ def spectrum_panels(
     mean = dataset.pseudo_acceleration.values
     upper.plot(period, mean, color=color, linestyle=dash, label="motions, mean")
     if "target" in dataset:
-        name = "record" if "energy_ratio" in dataset else "wanted"
-        upper.plot(period, dataset.target, color=black, linestyle=solid, lw=1.1, label=name)
+        upper.plot(period, dataset.target, color=black, linestyle=solid, lw=1.1, label="wanted")
     for number, own_period in enumerate(periods, start=1):
         look: Any = {"color": CURVES[2][0], "lw": 1.0, "linestyle": (0, (1, 1)) if number == 1 else "-."}
         for axes in filter(None, (upper, lower)):

@@ -1,4 +1,4 @@
-"""The fit of motions to a spectrum or a record in words, for screen, page and picture."""
+"""The fit of motions to a spectrum in words, for screen, page and picture."""
 
 from __future__ import annotations
 
@@ -7,14 +7,13 @@ from collections.abc import Sequence
 import xarray as xr
 
 from stochlin.analyses.cases.separation import BAND
-from stochlin.analyses.sites.motion_fit import DOUBTS
 from stochlin.views.shared.words import per_cent
 
 BAND_IN_WORDS = f"{BAND[0]:g} to {BAND[1]:g} times the periods of the buildings"
 
 
 def fit_in_words(dataset: xr.Dataset, periods: Sequence[float] = ()) -> list[str]:
-    """Sentences about what `simulated_spectrum` or `compare_motions` returned; none without a target.
+    """Sentences about what `simulated_spectrum` returned; none without a target.
 
     With the ``periods`` of buildings [s], the fit is that in their band, if the spectrum reaches it.
     """
@@ -28,18 +27,8 @@ def fit_in_words(dataset: xr.Dataset, periods: Sequence[float] = ()) -> list[str
             shown, where = inside, f" from {low:.2g} to {high:.2g} s, {BAND_IN_WORDS}"
     away = shown.ratio - 1
     worst = shown.isel(period=int(abs(away).argmax("period")))
-    wanted = "the record" if "energy_ratio" in dataset else "the target"
-    sentences = [
-        f"Response spectrum, mean of the motions relative to {wanted}{where}: off by "
+    return [
+        f"Response spectrum, mean of the motions relative to the target{where}: off by "
         f"{per_cent(float((away**2).mean() ** 0.5), 1)} (root mean square), at most by "
         f"{per_cent(float(worst.ratio) - 1, 1, '+')}, at {float(worst.period):.2g} s."
     ]
-    if "energy_ratio" in dataset:
-        energy, error = (float(dataset[f"energy_ratio{end}"]) for end in ("", "_standard_error"))
-        sentences.append(
-            f"Energy of the motions relative to the record: {energy:.2f} (standard error {error:.2f}). "
-            f"Significant duration: {float(dataset.significant_duration):.3g} s, record "
-            f"{float(dataset.record_significant_duration):.3g} s."
-        )
-        sentences += filter(None, [dataset.attrs[DOUBTS]])
-    return sentences

@@ -26,7 +26,6 @@ laws = {
 history = [0.05, -0.05, 0.03]
 for name, structure in laws.items():
     sl.hysteresis_loop(structure, history, refine=8).to_netcdf(f"{name}.nc")
-sl.plot_loop(laws["decay"], history).savefig("decay.png")
 
 Path("tower.csv").write_text(TABLE, encoding="utf-8")
 Path("push.csv").write_text("\n".join(PUSH), encoding="utf-8")

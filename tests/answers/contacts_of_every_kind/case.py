@@ -6,7 +6,7 @@ import xarray as xr
 import stochlin as sl
 
 time = 0.02 * np.arange(250)
-shaking = 3.0 * np.sin(6 * time) * sl.HsuBernard(2.0).at(time)
+shaking = 3.0 * np.sin(6 * time) * time / 2 * np.exp(1 - time / 2)
 motion = xr.DataArray(shaking, dims="time", coords={"time": time})
 pair = [
     sl.Bilinear(1.2, 0.05, 0.05, yield_displacement=0.05, mass=2e5),

@@ -8,7 +8,7 @@ buildings = [
     sl.BoucWen(1.0, 0.05, 0.1, yield_displacement=0.03),
     sl.Bilinear(1.5, 0.02),
 ]
-motion = {"duration": 20.0, "envelope": sl.HsuBernard(5.0)}
+motion = {"duration": 20.0, "envelope": sl.GammaEnvelope(1.0, 0.2)}
 table = sl.simulate(buildings, ground, paths=64, seed=7, quantiles=[0.5, 0.9], **motion)
 table.to_netcdf("motions.nc")
 sl.exceedance(table.separation[:, 0, 1], 0.1).to_netcdf("exceedance.nc")

@@ -30,7 +30,5 @@ print(sl.fit_ground(record, "clough_penzien", "whittle"))
 sl.charts.fit_spectra(record, sl.fit_ground(record)).isel(frequency=slice(None, None, 10)).to_netcdf(
     "spectra.nc"
 )
-for model in ("amin_ang", "shinozuka_sato", "gamma", "hsu_bernard"):
+for model in ("amin_ang", "shinozuka_sato", "gamma"):
     print(sl.fit_envelope(record, model))
-envelope = sl.fit_envelope(record)
-sl.energy_build_up(record, envelope).isel(time=slice(None, None, 25)).to_netcdf("energy.nc")
