@@ -5,6 +5,7 @@ are m, kg and N.
 """
 
 import csv
+import math
 
 import openseespy.opensees as ops
 
@@ -38,15 +39,17 @@ def build():
 
 
 def write_modes(path):
-    """The report of the modes, and the floors below it."""
-    ops.eigen("-fullGenLapack", MODES)
-    ops.modalProperties("-file", path)
-    with open(path, "a", encoding="utf-8") as report:
-        print("* FLOORS:", file=report)
-        print("# LEVEL[m] MASS[kg]", *(f"MODE-{n + 1}" for n in range(MODES)), file=report)
+    """The plain form of modes: periods, and the shapes at the floors."""
+    eigenvalues = ops.eigen("-fullGenLapack", MODES)
+    modes = range(1, MODES + 1)
+    with open(path, "w", encoding="utf-8") as file:
+        print("mode", "", *modes, sep=",", file=file)
+        periods = (f"{2 * math.pi / math.sqrt(value):.6g}" for value in eigenvalues)
+        print("period [s]", "", *periods, sep=",", file=file)
+        print("level [m]", "mass [kg]", *["shape"] * MODES, sep=",", file=file)
         for n in range(1, STOREYS + 1):
-            shapes = (ops.nodeEigenvector(100 + n, mode + 1, 1) for mode in range(MODES))
-            print(f"{HEIGHT * n:g} {MASS:g}", *(f"{value:.6g}" for value in shapes), file=report)
+            shapes = (f"{ops.nodeEigenvector(100 + n, mode, 1):.6g}" for mode in modes)
+            print(f"{HEIGHT * n:g}", f"{MASS:g}", *shapes, sep=",", file=file)
 
 
 def write_pushover(path, end=0.30, steps=300):
@@ -76,5 +79,5 @@ def write_pushover(path, end=0.30, steps=300):
 
 
 build()
-write_modes("tower_modes.txt")
+write_modes("tower_modes.csv")
 write_pushover("tower_push.csv")

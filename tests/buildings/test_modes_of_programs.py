@@ -1,4 +1,4 @@
-"""Modes as ETABS, SAP2000 and OpenSees print them, of a building that turns.
+"""Modes as ETABS and SAP2000 print them, of a building that turns.
 
 The building is written out here: rigid floors with their masses at the four corners, and storeys whose
 stiffness along x is off the centre. Its eigenvalues are those of numpy. All modes together move every
@@ -6,7 +6,6 @@ point of every floor as the ground does: the participation factors times the sha
 """
 
 import re
-import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -158,37 +157,6 @@ def by_page(cells: Cells, every: int = 5) -> Cells:
     return [row for page in pages for row in (*cells[:3], *page)]
 
 
-def opensees(y: float, floors: str = "# LEVEL[m] MASS[t]") -> str:
-    """The report, printed as OpenSees does, with the floors below it."""
-
-    def block(name: str, titles: list[str], rows: np.ndarray) -> str:
-        head = "".join(f"{title:>14}" for title in titles)
-        lines = ["".join(f"{value:14.6g}" for value in row) for row in rows]
-        return "\n".join(
-            [f"* {name}:", "# Some words, on it.", f"#{head}", "# ----- -----", *lines, "\n"]
-        )
-
-    axes = ["MX", "MY", "MZ", "RMX", "RMY", "RMZ"]
-    none = np.zeros((PERIODS.size, 4))
-    number = np.arange(1, PERIODS.size + 1)[:, None]
-    w = 2 * np.pi / PERIODS
-    whole = np.array([[MASSES.sum(), MASSES.sum(), 0, 0, 0, 0]])
-    squares = np.column_stack([number, w**2, w, 1 / PERIODS, PERIODS])
-    shapes = "\n".join(
-        " ".join(f"{value:.8g}" for value in (LEVELS[f], MASSES[f], *moves(y)[:, f])) for f in range(3)
-    )
-    return "".join(
-        [
-            "# MODAL ANALYSIS REPORT\n\n* 1. DOMAIN SIZE:\n# This is the size, 2 or 3.\n3\n\n\n",
-            block("2. EIGENVALUE ANALYSIS", ["MODE", "LAMBDA", "OMEGA", "FREQUENCY", "PERIOD"], squares),
-            block("4. TOTAL FREE MASS OF THE STRUCTURE", axes, whole),
-            block("6. MODAL PARTICIPATION FACTORS", ["MODE", *axes], np.hstack([number, LOADS, none])),
-            block("7. MODAL PARTICIPATION MASSES", ["MODE", *axes], np.hstack([number, LOADS**2, none])),
-            f"* FLOORS:\n{floors} {' '.join(f'MODE-{n}' for n in number.ravel())}\n{shapes}\n",
-        ]
-    )
-
-
 def read(tmp_path: Path, text: str, **arguments: object) -> sl.ModalBuilding:
     path = tmp_path / "tower.csv"
     path.write_text(text, encoding="utf-8")
@@ -223,25 +191,10 @@ def test_tables_of_etabs_are_the_building(tmp_path: Path, variant: str) -> None:
     assert table.attrs["direction"] == "UX"
 
 
-def scrolled(text: str) -> str:
-    """The floors of a report from the roof down, with tabs between the columns."""
-    head, floors = text.split("* FLOORS:\n")
-    titles, *rows = floors.splitlines()
-    return f"{head}* FLOORS:\n\n{titles}\n" + "".join(
-        row.replace(" ", "\t") + "\n" for row in rows[::-1]
-    )
-
-
 OTHERS: dict[str, tuple[str, str]] = {
     "SAP2000, in another order": (as_text(sap2000()), as_text(sap2000()[::-1])),
     "SAP2000, with a decimal comma": (as_text(sap2000()), as_text(sap2000(), ";", comma=True)),
     "SAP2000, page by page": (as_text(sap2000()), as_text([by_page(cells) for cells in sap2000()])),
-    "OpenSees, from the roof down": (opensees(0.0), scrolled(opensees(0.0))),
-    "OpenSees, with the ends of lines of Windows": (opensees(0.0), opensees(0.0).replace("\n", "\r\n")),
-    "OpenSees, in another unit of the same size": (
-        opensees(0.0),
-        opensees(0.0).replace("[t]", "[kN-s2/m]"),
-    ),
 }
 
 
@@ -257,12 +210,10 @@ def test_legal_variants_are_the_same_building(tmp_path: Path, variant: str) -> N
 SOURCES: dict[str, tuple[Callable[[], str], dict[str, object]]] = {
     "etabs": (lambda: as_text(etabs()), {"points": ["1"], "direction": "UX"}),
     "sap2000": (lambda: as_text(sap2000()), {"points": ["11", "21", "31"], "direction": "UX"}),
-    "opensees": (lambda: opensees(B), {"direction": "UX"}),
 }
 
 
 @pytest.mark.parametrize("source", SOURCES)
-@pytest.mark.filterwarnings("ignore:.*right for an edge")
 def test_the_edge_of_a_building_that_turns_moves_with_the_ground_by_all_modes(
     tmp_path: Path, source: str
 ) -> None:
@@ -278,7 +229,7 @@ def test_the_edge_of_a_building_that_turns_moves_with_the_ground_by_all_modes(
     np.testing.assert_allclose(tower.levels(), LEVELS)
 
 
-@pytest.mark.parametrize("source", ["etabs", "sap2000"])
+@pytest.mark.parametrize("source", SOURCES)
 def test_the_other_direction_does_not_turn_and_needs_no_factors(tmp_path: Path, source: str) -> None:
     """Along y the centre of stiffness is that of mass."""
     write, arguments = SOURCES[source]
@@ -288,31 +239,6 @@ def test_the_other_direction_does_not_turn_and_needs_no_factors(tmp_path: Path, 
     tower = sl.ModalBuilding.from_table(table, damping=0.05)
     assert tower.modal_masses is None
     np.testing.assert_allclose(tower.effective_masses().sum(), MASSES.sum() * 1000)
-
-
-def test_units_of_a_report_may_be_asked_for(tmp_path: Path) -> None:
-    text = opensees(0.0, "# LEVEL MASS")
-    table = read(tmp_path, text, direction="UX", mass_units="t", length_units="ft")
-    np.testing.assert_allclose(table["mass"], MASSES * 1000)
-    np.testing.assert_allclose(table["level"], LEVELS * 0.3048)
-    np.testing.assert_allclose(
-        table["modal_mass"], 1000 * LOADS[table["mode"].values - 1, 0] ** 2, rtol=1e-5
-    )
-
-
-def test_a_report_of_scaled_shapes_is_doubted(tmp_path: Path) -> None:
-    """Printed with -unorm: factors are those of other shapes than the stored ones."""
-    scaled = re.sub(
-        r"(?<=FACTORS:\n)(.*?)(?=\n\n)",
-        lambda block: re.sub(r"-?\d+\.\d+", lambda n: f"{3 * float(n[0]):.6g}", block[0]),
-        opensees(0.0),
-        flags=re.DOTALL,
-    )
-    with pytest.warns(UserWarning, match="print the report without -unorm"):
-        read(tmp_path, scaled, direction="UX")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        read(tmp_path, opensees(0.0), direction="UX")
 
 
 def test_a_workbook_has_the_same_modes_as_the_text(tmp_path: Path) -> None:
@@ -375,11 +301,11 @@ def test_without_the_library_of_workbooks_the_message_names_it(
         sl.read_modes(tmp_path / "tower.xlsx")
 
 
-ETABS, SAP, REPORT = as_text(etabs()), as_text(sap2000()), opensees(0.0)
+ETABS, SAP = as_text(etabs()), as_text(sap2000())
 POINTS = {"points": ["11", "21", "31"]}
 BROKEN: dict[str, tuple[str, dict[str, object]]] = {
     "direction is missing: table Modal Participating Mass Ratios has modes along UX and UY": (ETABS, {}),
-    "direction = 'UZ' is not in the file": (ETABS, {"direction": "UZ"}),
+    "direction = 'UZ' is not known; allowed: UX, UY": (ETABS, {"direction": "UZ"}),
     "line 5, column 4: 'n/a' is not a UX; allowed: a number": (
         re.sub(r"(?<=Modal,2,)([^,]*),[^,]*", r"\1,n/a", ETABS, count=1),
         {},
@@ -428,19 +354,7 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
     "has no joint 99 above the base, which points names": (SAP, {"points": ["11", "21", "99"]}),
     "line 3, column 3: periods are in 'min'; allowed: sec": (ETABS.replace(",sec,", ",min,"), {}),
     "of the mass is not at the floors, 4, 7.2 m": (SAP, {"points": ["11", "21"]}),
-    "block 'FLOORS' is missing after this one; write '* FLOORS:'": (
-        REPORT[: REPORT.index("* FLOORS")],
-        {},
-    ),
-    "column 2: the file does not say the unit of the mass": (REPORT.replace("[t]", ""), {}),
-    "numbers for 11 titles": (REPORT.replace("\n7.2 300 ", "\n7.2 "), {}),
-    "column 2: the floors have 63.4% of the total free mass": (
-        re.sub(r"\n4 300 .*", "", REPORT),
-        {},
-    ),
-    "points = ('1',) has no meaning for tower.csv": (REPORT, {"points": ["1"]}),
-    "column 2: 'heavy' is not a mass": (REPORT.replace("\n7.2 300 ", "\n7.2 heavy "), {}),
-    "column 1: 'x' is not a level": (REPORT.replace("\n7.2 300 ", "\nx 300 "), {}),
+    "tower.csv is no file of modes that is known; allowed": ("# MODAL ANALYSIS REPORT\n", {}),
     "line 21, column 6: 'top' is not a length; allowed: a number": (
         SAP.replace("11,GLOBAL,Cartesian,9.0,6.0,14.0", "11,GLOBAL,Cartesian,9.0,6.0,top"),
         POINTS,

@@ -20,7 +20,7 @@ from stochlin.models.arguments import OneOf, checked
 from stochlin.models.buildings.base import FLOOR, MODE
 from stochlin.models.buildings.modal import effective_masses_of
 
-DIRECTIONS = ("UX", "UY", "UZ")
+DIRECTIONS = ("UX", "UY")
 
 
 @checked
@@ -40,11 +40,11 @@ def read_modes(
     Parameters
     ----------
     path : str or path
-        Path of the file: a table in the plain form of stochlin; tables that ETABS or SAP2000 export, as
-        a workbook, as text, or as a folder with one ``.csv`` for each; or the report of OpenSees'
-        ``modalProperties`` with a block of floors. The user guide shows what each needs. Text is in
-        UTF-8, with ``,``, ``;`` or tabs between columns.
-    direction : {"UX", "UY", "UZ"}, optional
+        Path of the file: a table in the plain form of stochlin; or tables that ETABS or SAP2000 export,
+        as a workbook, as text, or as a folder with one ``.csv`` for each. The user guide shows what each
+        needs, and a script of OpenSeesPy that writes the plain form. Text is in UTF-8, with ``,``, ``;``
+        or tabs between columns.
+    direction : {"UX", "UY"}, optional
         Direction of the gap, needed where the file has modes along two.
     points : sequence of str, optional
         Names of the points whose displacements are the shapes, such as those of the edge that faces
@@ -97,7 +97,10 @@ def read_modes(
     kind = next((kind for kind in MODE_FILES.values() if kind.recognizes(sheets)), None)
     if kind is None:
         begins = " or ".join(kind.header for kind in MODE_FILES.values())
-        raise ValueError(f"{name} is no file of modes that is known; allowed: a file with {begins}")
+        raise ValueError(
+            f"{name} is no file of modes that is known; allowed: a file with {begins}; for OpenSees "
+            "docs/buildings.md has a script that writes the plain form"
+        )
     for argument, value in asked._asdict().items():
         if value and argument not in kind.takes:
             raise ValueError(

@@ -25,7 +25,7 @@ USUAL_DAMPING = 0.05
 @COMMANDS.register("building")
 @click.command()
 @click.argument("modes", required=False, type=click.Path(path_type=Path))
-@click.option("--direction", help="Direction of the gap, if the file has several: UX, UY or UZ.")
+@click.option("--direction", help="Direction of the gap, if the file has several: UX or UY.")
 @click.option(
     "--points",
     help="Points on the floors whose displacements are the shapes, one on each floor: 11,21,31.",
@@ -77,9 +77,8 @@ def building(
 ) -> None:
     """Show what files say of a building: periods, masses, shapes, strength, and what is assumed.
 
-    MODES is a file with the modes of a building: a table in plain form, tables that ETABS or SAP2000
-    export as .xlsx or .csv, in one file or in a folder, or the report of OpenSees' modalProperties with
-    its floors. A case file takes it as modes = "tower.csv".
+    MODES is a file with the modes of a building: a table in plain form, or tables that ETABS or SAP2000
+    export as .xlsx or .csv, in one file or in a folder. A case file takes it as modes = "tower.csv".
 
     \b
     Examples:
@@ -88,7 +87,6 @@ def building(
       stochlin building tower.csv --picture modes.png
       stochlin building tower.csv --pushover push.csv
       stochlin building etabs.xlsx --direction UX --points 12
-      stochlin building opensees.txt --direction UX --mass-units t --length-units m
     """
     with bad_input():
         from stochlin.analyses.buildings.mode_files.plain import EXAMPLE

@@ -16,7 +16,7 @@ LEAST_SHARE = 0.001  # of the mass; programs print ratios to four digits, and le
 class AskedModes(NamedTuple):
     """What the caller says of a file that has several directions or points, or states no units."""
 
-    direction: str | None = None  # "UX", "UY" or "UZ"
+    direction: str | None = None  # "UX" or "UY"
     points: tuple[str, ...] = ()
     mass_units: str | None = None
     length_units: str | None = None
