@@ -156,7 +156,7 @@ def test_named_ground_and_white_noise_method() -> None:
         (("--period", "1s", "--ground", "moon"), "firm"),
         (("--period", "1s", *KANAI_TAJIMI), "--ground-period, --ground-damping"),
         (("--period", "1s", "--ground-period", "2s"), "does not apply"),
-        (("--period", "1s", "--out", "table.xls"), "allowed: .nc or .json or .csv"),
+        (("--period", "1s", "--out", "table.json"), "allowed: .nc or .csv"),
         (("--period", "1s", "--out", "no/such/folder/t.nc"), "no/such/folder"),
         (("--period", "1s", "--closure", "drifting"), "drifting"),
         (("--period", "1s", "--record", "nowhere.txt"), "nowhere.txt: there is no such file"),

@@ -90,7 +90,7 @@ def test_a_file_that_is_read_only_is_kept(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "says"),
     [
-        ("t.xls", "allowed: .nc or .json or .csv or .xlsx"),
+        ("t.xlsx", "allowed: .nc or .csv"),
         ("no/such/folder/t.csv", "there is no folder"),
         ("folder.csv", "is no ordinary file"),
         ("round.csv", "give another name"),

@@ -559,7 +559,7 @@ def test_motions_that_failed_are_said_loudly(tmp_path: Path) -> None:
     [
         (("--motions", "1"), "1 is not in the range x>=2"),
         (("--motions", "some"), "'some' is not a valid integer"),
-        (("--motions", "8", "--out", "p.txt"), "allowed: .nc or .json or .csv"),
+        (("--motions", "8", "--out", "p.txt"), "allowed: .nc or .csv"),
         (("--motions", "8", "--picture", "p.csv"), "allowed: .png or .svg or .pdf"),
         ((), "--motions 100 for simulated ones"),
     ],

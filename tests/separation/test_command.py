@@ -479,7 +479,7 @@ def test_bad_files_write_nothing(old: str, new: str, at: str, says: list[str], t
         ((), "stochlin gap --example > case.toml"),
         (("nowhere.toml",), "nowhere.toml"),
         (("case.toml", "--report", "case.toml"), "allowed: .html or .htm"),
-        (("case.toml", "--out", "t.xls"), "allowed: .nc or .json or .csv or .xlsx"),
+        (("case.toml", "--out", "t.xls"), "allowed: .nc or .csv"),
         (("case.toml", "--picture", "t.nc"), "allowed: .png or .svg or .pdf"),
         (("case.toml", "--report", "no/such/gap.html"), "there is no folder no/such"),
     ],

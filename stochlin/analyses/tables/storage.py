@@ -2,28 +2,23 @@
 
 from __future__ import annotations
 
-import json
-import math
 import os
 import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
 import xarray as xr
 
-from stochlin.analyses.tables.optional import needed
-from stochlin.messages import REASONS, brief, plain
+from stochlin.messages import REASONS, brief
 
 if TYPE_CHECKING:
     import pandas as pd
 
-BY_ROW = (".csv", WORKBOOK := ".xlsx")  # endings of formats with a row for each cell
-FORMATS = (".nc", ".json", *BY_ROW)
-_LONGEST_CELL = 32_000  # characters
+CSV = ".csv"  # a row for each cell
+FORMATS = (".nc", CSV)
 
 
 def written_file(path: str | os.PathLike[str]) -> Path:
@@ -81,26 +76,8 @@ def as_netcdf(dataset: xr.Dataset) -> bytes:
     return bytes(dataset.to_netcdf(None, engine="scipy", format="NETCDF3_64BIT"))
 
 
-def as_json(dataset: xr.Dataset) -> str:
-    """JSON from which `xarray.Dataset.from_dict` makes the dataset; what is not finite is null."""
-    return json.dumps(_finite(dataset.to_dict()), allow_nan=False, ensure_ascii=False)
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(of) for key, of in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(of) for of in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
 def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Save a dataset as ``.nc`` (netCDF), ``.json``, ``.csv`` or ``.xlsx`` (a row for each cell).
-
-    All but ``.csv`` contain all attributes.
-    """
+    """Save a dataset as ``.nc`` (netCDF), or as ``.csv`` (a row for each cell, no attributes)."""
     suffix = Path(path).suffix.lower()
     if suffix not in FORMATS:
         raise ValueError(
@@ -109,49 +86,9 @@ def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     with whole_file(path) as temporary:
         if suffix == ".nc":
             dataset.to_netcdf(temporary, engine="scipy", format="NETCDF3_64BIT")
-        elif suffix == ".json":
-            temporary.write_text(as_json(dataset), encoding="utf-8")
         else:
             table = dataset if dataset.sizes else dataset.expand_dims("case")
-            frame = in_rows(table)
-            if suffix == WORKBOOK:
-                _save_workbook(frame, dataset, temporary)
-            else:
-                frame.to_csv(temporary, index=False)
-
-
-def workbooks() -> Any:
-    """The module openpyxl, for files ``.xlsx``; an ImportError says how to install it."""
-    return needed("openpyxl", f"a file {WORKBOOK}", "tables")
-
-
-def _save_workbook(frame: pd.DataFrame, dataset: xr.Dataset, path: Path) -> None:
-    """Sheets with the rows, with the variables, their units and long names, and with the attributes."""
-    book = workbooks().Workbook(write_only=True)
-    variables = [
-        [name, *(variable.attrs.get(key, "") for key in ("units", "long_name"))]
-        for name, variable in dataset.variables.items()
-    ]
-    sheets: dict[str, list[Any]] = {
-        "results": [list(frame.columns), *frame.itertuples(index=False)],
-        "variables": [["name", "units", "long name"], *variables],
-        "about": [["name", "text"], *dataset.attrs.items()],
-    }
-    for title, rows in sheets.items():
-        sheet = book.create_sheet(title)
-        for row in rows:
-            sheet.append([_cell(sheet, value) for value in row])
-    book.save(path)
-
-
-def _cell(sheet: Any, value: Any) -> Any:
-    """What a cell shows: a finite number, nothing, or a text, which is never a formula."""
-    value = _finite(value.tolist() if isinstance(value, np.ndarray) else value)
-    if value is None or isinstance(value, (int, float)):
-        return value
-    cell = workbooks().cell.WriteOnlyCell(sheet, plain(value, _LONGEST_CELL))
-    cell.data_type = "s"
-    return cell
+            in_rows(table).to_csv(temporary, index=False)
 
 
 def in_rows(table: xr.Dataset) -> pd.DataFrame:

@@ -56,7 +56,7 @@ from stochlin.views.shared.screen import (
 @simulation_options
 @closure_option
 @solver_option
-@click.option("--out", type=FILE, help="Save the table as .nc, .json, .csv or .xlsx.")
+@click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
 @record_options
 def rho(record: Path | None, out: Path | None, **options: Any) -> None:
     """Compute the correlation coefficient of a pair of structures, or a table over any parameters.

@@ -21,9 +21,7 @@ from stochlin.views.shared.screen import (
 @COMMANDS.register("mitigate")
 @click.command()
 @click.argument("case", type=FILE)
-@click.option(
-    "--out", type=FILE, help="Save the table as .nc or .json, or as .csv or .xlsx without the devices."
-)
+@click.option("--out", type=FILE, help="Save the table as .nc, or as .csv without the devices.")
 @click.option(
     "--picture",
     type=FILE,
@@ -44,7 +42,7 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
     with bad_input():
         from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.mitigation import mitigate_case
-        from stochlin.analyses.tables.storage import BY_ROW, FORMATS
+        from stochlin.analyses.tables.storage import CSV, FORMATS
         from stochlin.views.mitigation.pictures import draw_measures
         from stochlin.views.mitigation.words import answer_sections
 
@@ -54,6 +52,6 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
             table = mitigate_case(described, progress)
         show(lines(answer_sections(table, described)))
         rows = table
-        if data is not None and data.suffix.lower() in BY_ROW:  # a row a measure, and a record
+        if data is not None and data.suffix.lower() == CSV:  # a row a measure, and a record
             rows = table.drop_dims(["quantile", "device"], errors="ignore")
         write(rows, data, picture, lambda _: draw_measures(table))

@@ -51,7 +51,7 @@ def options_of_steps() -> Iterable[Any]:
     "--out",
     type=FILE,
     help="Save histories and impacts as .nc, one file for each record. For many motions, save one "
-    "table as .nc or .json, or as .csv or .xlsx with one row for each motion.",
+    "table as .nc, or as .csv with one row for each motion.",
 )
 @click.option(
     "--picture",
@@ -117,14 +117,14 @@ def _together(
 ) -> None:
     """Show and save the results of many motions."""
     from stochlin.analyses.cases.pounding import by_motion, pound_motions
-    from stochlin.analyses.tables.storage import BY_ROW, FORMATS
+    from stochlin.analyses.tables.storage import CSV, FORMATS
     from stochlin.views.pounding.ensembles import draw_ensemble, ensemble_sections
 
     data = data_target(out, picture, FORMATS, case.inputs)
     with progress_bar("pounding") as progress:
         table = pound_motions(case, motions, progress, steps_per_contact=steps_per_contact)
     show(lines(ensemble_sections(case, table)))
-    sheet = data is not None and data.suffix.lower() in BY_ROW
+    sheet = data is not None and data.suffix.lower() == CSV
     write(by_motion(table) if sheet else table, data, None, draw_ensemble)
     write(table, None, picture, draw_ensemble)
 

@@ -26,7 +26,7 @@ from stochlin.views.shared.screen import (
 @click.option(
     "--gap", type=QuantityType("m"), help="Gap, such as 8cm, instead of the existing gap of the file."
 )
-@click.option("--out", type=FILE, help="Save the table as .nc, .json, .csv or .xlsx.")
+@click.option("--out", type=FILE, help="Save the table as .nc or .csv.")
 @click.option("--picture", type=FILE, help="Draw the probability as .png, .svg or .pdf.")
 def probability(case: Path, gap: float | None, out: Path | None, picture: Path | None) -> None:
     """Compute the probability over time that two buildings pound in an earthquake of finite duration.
@@ -42,7 +42,7 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
     """
     from stochlin.analyses.cases.case import read_case
     from stochlin.analyses.cases.probability import judge_gap
-    from stochlin.analyses.tables.storage import BY_ROW, FORMATS
+    from stochlin.analyses.tables.storage import CSV, FORMATS
     from stochlin.views.probability.pictures import draw_pounding
     from stochlin.views.probability.words import answer_sections
 
@@ -57,6 +57,6 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
         with progress_bar("simulating") as progress:
             answer = judge_gap(described, chosen, progress)
         show(lines(answer_sections(answer)))
-        by_row = out is not None and out.suffix.lower() in BY_ROW
+        by_row = out is not None and out.suffix.lower() == CSV
         write(answer.rows() if by_row else answer.whole(), out, None, draw_pounding)
         write(answer.whole(), None, picture, draw_pounding)

@@ -31,7 +31,7 @@ MORE = "'--details' adds the shaking, heights, drifts and the table of rules."
 @click.option(
     "--out",
     type=FILE,
-    help="Save the table, as .nc or .json (everything), .csv or .xlsx (one row for each rule).",
+    help="Save the table, as .nc (everything) or .csv (one row for each rule).",
 )
 @click.option(
     "--picture",
@@ -96,7 +96,7 @@ def gap(
             )
         from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.separation import answer_case
-        from stochlin.analyses.tables.storage import BY_ROW, FORMATS, whole_file
+        from stochlin.analyses.tables.storage import CSV, FORMATS, whole_file
         from stochlin.views.sensitivity.pictures import draw_sensitivity
         from stochlin.views.separation.pictures import answer_figure
         from stochlin.views.separation.report import answer_sections, report_page
@@ -113,7 +113,7 @@ def gap(
         page = report_page(answer) if report else ""
         details = details or all_rules
         show([*lines(answer_sections(answer), details), *([] if details else ["", MORE])])
-        table = answer.table(samples=data is not None and data.suffix.lower() not in BY_ROW)
+        table = answer.table(samples=data is not None and data.suffix.lower() != CSV)
         write(table, data, picture, lambda _: answer_figure(answer))
         if answer.matters is not None:
             write(answer.matters, beside, sensitivity, partial(draw_sensitivity, names=names_of(answer)))

@@ -159,7 +159,7 @@ def check_target(
     option: str, path: Path | None, allowed: Sequence[str], inputs: Iterable[Path] = ()
 ) -> None:
     """Raise before the work for a file that could not be written after it, or that is an input."""
-    from stochlin.analyses.tables.storage import WORKBOOK, workbooks, written_file
+    from stochlin.analyses.tables.storage import written_file
 
     if path is None:
         return
@@ -167,8 +167,6 @@ def check_target(
         raise ValueError(
             f"{option} {path} ends in {brief(path.suffix)}; allowed: {' or '.join(allowed)}"
         )
-    if path.suffix.lower() == WORKBOOK:
-        workbooks()
     try:
         target = written_file(path)
     except OSError as error:
