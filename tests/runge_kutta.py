@@ -21,7 +21,6 @@ class Frame(NamedTuple):
     beta: np.ndarray | float  # (storeys, 1), or one of all storeys
     gamma: np.ndarray | float
     rayleigh: tuple = ()  # the two modes, from 1
-    tangent: bool = False  # whether its part of the stiffness follows that of yielding storeys
 
     def modes(self):
         """Squares of the circular frequencies, and the shapes of the modes."""
@@ -42,13 +41,12 @@ class Frame(NamedTuple):
         squares, shapes = self.modes()
         if self.rayleigh:
             a0, a1 = self.factors()
-            elastic = 0 if self.tangent else a1 * self.stiffness() / self.m[:, None]
-            return a0 * np.eye(self.m.size) + elastic
+            return a0 * np.eye(self.m.size) + a1 * self.stiffness() / self.m[:, None]
         return shapes @ np.diag(2 * self.xi * np.sqrt(squares)) @ shapes.T * self.m
 
     def peaks(self, motions, step):
         """Of the drifts and of the floors in motions (steps, motions), whose values last for a step."""
-        damping, later = self.damping(), self.factors()[1] if self.tangent else 0.0
+        damping = self.damping()
 
         def rates(state, ground):
             u, v, z = state
@@ -56,8 +54,7 @@ class Frame(NamedTuple):
             bent = (
                 self.beta * abs(rate) * abs(z) ** (self.n - 1) * z + self.gamma * rate * abs(z) ** self.n
             )
-            held = z + later * (rate - bent)
-            shear = self.k[:, None] * (self.alpha * (drift + later * rate) + (1 - self.alpha) * held)
+            shear = self.k[:, None] * (self.alpha * drift + (1 - self.alpha) * z)
             net = shear - np.vstack([shear[1:], np.zeros_like(shear[:1])])
             return np.array([v, -ground - damping @ v - net / self.m[:, None], rate - bent])
 

@@ -148,10 +148,8 @@ BROKEN = {
     "line 13: building_1.p_delta = True does not belong to a building by its modes": wrong(
         "p_delta = true"
     ),
-    "line 13: building_1.damping_model = 'rayleigh' does not belong to a building by its modes, which "
-    "have their own damping; allowed by modes: damping as one number, or one for each mode": wrong(
-        "damping_model = 'rayleigh'"
-    ),
+    "line 13: building_1.damping_modes = [1, 3] does not belong to a building by its modes, which "
+    "have their own stiffness, mass and damping ratio; allowed: ": wrong("damping_modes = [1, 3]"),
     "line 13: building_1.reduction_factor = 4 does not belong to a building by its modes": wrong(
         "reduction_factor = 4"
     ),

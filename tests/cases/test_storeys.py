@@ -104,7 +104,7 @@ def test_a_regular_building_is_that_of_python(tmp_path: Path) -> None:
 def test_laws_dampers_and_the_weight_are_read_by_storey(tmp_path: Path) -> None:
     lines = 'law = "bouc_wen"\nbeta = [0.6, "50 %"]\nexponent = 2\ngamma = 0.3\n'
     lines += 'dampers = ["2 MN s/m", "0 N s/m"]\np_delta = true\nstoreys = 2\n'
-    lines += 'damping_model = "rayleigh"\ndamping_modes = [2, 1]\n'
+    lines += "damping_modes = [2, 1]\n"
     found = read(tmp_path, REGULAR, SINGLE.replace("damping", f"{lines}damping", 1)).second.structure
     expected = sl.ShearBuilding(
         [3e5, 2.5e5],
@@ -117,7 +117,6 @@ def test_laws_dampers_and_the_weight_are_read_by_storey(tmp_path: Path) -> None:
         law="bouc_wen",
         law_parameters={"beta": [0.6, 0.5], "gamma": 0.3, "exponent": 2.0},
         p_delta=True,
-        damping_model="rayleigh",
         damping_modes=(2, 1),
     )
     same(found, expected)
@@ -319,25 +318,10 @@ WRONG = {
     ),
     "dampers that push": (REGULAR + 'dampers = "-1 N s/m"\n', "dampers", ["0 <= value"]),
     "the weight neither on nor off": (REGULAR + "p_delta = 1\n", "p_delta", ["true, false"]),
-    "Rayleigh damping without its modes": (
-        REGULAR + 'damping_model = "rayleigh"\n',
-        "[building_1]",
-        ["damping_modes is not given; allowed: two different modes, each a whole number from 1 to 4"],
-    ),
     "a mode above the roof": (
-        REGULAR + 'damping_model = "rayleigh"\ndamping_modes = [1, 5]\n',
+        REGULAR + "damping_modes = [1, 5]\n",
         "[building_1]",
-        ["damping_modes = [1, 5]; allowed: two different modes", "as [1, 3]"],
-    ),
-    "modes that modal damping has not": (
-        REGULAR + "damping_modes = [1, 3]\n",
-        "[building_1]",
-        ['damping_modes = [1, 3] belongs to damping_model = "rayleigh"', "leave the modes out"],
-    ),
-    "a damping that is not known": (
-        REGULAR + 'damping_model = "raleigh"\n',
-        "damping_model",
-        ["did you mean 'rayleigh'? allowed: modal, rayleigh"],
+        ["damping_modes = [1, 5]; allowed: two different modes, each a whole number from 1 to 4"],
     ),
     "a law that is not known": (REGULAR + 'law = "bilinea"\n', "law", ["did you mean 'bilinear'?"]),
     "a parameter of another law": (

@@ -178,7 +178,6 @@ OWN: dict[str, dict[str, Any]] = {
         "law": "bouc_wen",
         "law_parameters": {"beta": 0.6},
         "p_delta": True,
-        "damping_model": "rayleigh",
         "damping_modes": (1, 2),
     },
     "ShearBuilding.regular": {

@@ -30,8 +30,6 @@ from stochlin.analyses.cases.files.schema import (
 from stochlin.analyses.cases.files.sections import Section
 from stochlin.messages import listed
 from stochlin.models.buildings import (
-    OF_RAYLEIGH,
-    ONE_PER_MODE,
     STOREYS,
     ModalBuilding,
     MultistoreyBuilding,
@@ -161,7 +159,6 @@ def read_storeys(section: Section, number: int, folder: Path, known: Known) -> S
         "law": name,
         "law_parameters": {key: section.number_or_list(key, Quantity.declared(law, key)) for key in own},
         "p_delta": section.read("p_delta"),
-        "damping_model": section.read("damping_model"),
         "damping_modes": section.values.get("damping_modes"),
     }
     if strength == key:
@@ -188,8 +185,7 @@ def _by_modes(section: Section, number: int, folder: Path, known: Known) -> Stor
     allowed = [*keys_of_way(BY_MODES), *law.own_parameters()]
     for key in (*OF_STOREYS, *OF_OSCILLATORS):
         if key in section and key not in allowed:
-            what = f"stiffness and mass; allowed: {', '.join(allowed)}"
-            what = f"damping; {ONE_PER_MODE}" if key in OF_RAYLEIGH else what
+            what = f"stiffness, mass and damping ratio; allowed: {', '.join(allowed)}"
             raise section.error(
                 key, f"does not belong to a building by its modes, which have their own {what}"
             )
@@ -311,7 +307,7 @@ def _check_keys(section: Section, allowed: Sequence[str]) -> None:
     """Raise a ValueError for an unknown key, or a key that cannot be combined with those of storeys."""
     elsewhere = (*OF_STOREYS, *OF_OSCILLATORS, "period")
     # Those that only a pushover curve, Rayleigh damping or damage needs would make the list too long.
-    rare = (*OF_PUSHOVER, *OF_RAYLEIGH, *OF_PARK_ANG)
+    rare = (*OF_PUSHOVER, "damping_modes", *OF_PARK_ANG)
     shown = [key for key in allowed if key not in rare]
     strange = [key for key in section.values if key in elsewhere and key not in allowed]
     if strange:

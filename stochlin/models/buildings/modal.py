@@ -23,7 +23,6 @@ from stochlin.models.buildings.base import (
     along,
     check_ranges,
 )
-from stochlin.models.buildings.damping import OF_RAYLEIGH, ONE_PER_MODE
 from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
@@ -147,9 +146,6 @@ class ModalBuilding(MultistoreyBuilding):
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
         """A new building, or an `UncertainModel`; which shapes cannot make."""
-        for name in OF_RAYLEIGH:
-            if name in kwargs:
-                raise TypeError(f"{cls.__name__}: {name} belongs to a ShearBuilding; {ONE_PER_MODE}")
         given = {**dict(zip(("periods", "shapes"), args, strict=False)), **kwargs}
         for name in ("shapes", "participation"):
             if isinstance(given.get(name), Uncertain):

@@ -25,7 +25,6 @@ from stochlin.models.buildings.base import (
     check_ranges,
 )
 from stochlin.models.buildings.chains import chain_modes
-from stochlin.models.buildings.damping import MODAL, checked_modes, mode_ratios
 from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
@@ -67,8 +66,8 @@ class ShearBuilding(MultistoreyBuilding):
 
     Storeys are counted from the ground up; each storey has the number of the floor above it. Every mode
     of the elastic building has the same damping ratio ``xi``: ``C = sum_m 2 xi w_m M phi_m phi_m' M``,
-    with modes ``phi_m`` of unit modal mass. With ``damping_model="rayleigh"`` two modes ``i`` and ``j``
-    have this ratio: ``C = a0 M + a1 K`` with ``a0 = 2 xi w_i w_j/(w_i + w_j)``, ``a1 = 2 xi/(w_i +
+    with modes ``phi_m`` of unit modal mass. With ``damping_modes`` two modes ``i`` and ``j`` have it, by
+    Rayleigh damping: ``C = a0 M + a1 K`` with ``a0 = 2 xi w_i w_j/(w_i + w_j)``, ``a1 = 2 xi/(w_i +
     w_j)`` and the elastic stiffness ``K``. Neither damping matrix changes when storeys yield.
 
     Parameters
@@ -100,10 +99,8 @@ class ShearBuilding(MultistoreyBuilding):
     p_delta : bool
         Whether the stiffness of each storey is reduced by the weight above it over its height. The
         modes and their damping then include this reduction.
-    damping_model : str
-        ``"modal"``, the same damping ratio in every mode, or ``"rayleigh"``.
     damping_modes : tuple of int, optional
-        The two modes with the damping ratio ``damping``, with Rayleigh damping, for instance ``(1, 3)``.
+        The two modes with the damping ratio ``damping``, by Rayleigh damping, for instance ``(1, 3)``.
         Modes between them have a lower ratio, all others a higher one; see `damping_ratios`.
 
     Raises
@@ -112,8 +109,7 @@ class ShearBuilding(MultistoreyBuilding):
         If a value is not a number or out of range (the message names the storey), arrays differ in
         length or have more than 200 storeys, yield drifts are given without hardening, the law is not
         known or not odd, the weight above a storey takes all its elastic stiffness, or the modes of
-        Rayleigh damping are not two different ones of the building, leave mode 1 no vibration, or are
-        given with modal damping.
+        Rayleigh damping are not two different ones of the building, or leave mode 1 no vibration.
 
     References
     ----------
@@ -143,7 +139,6 @@ class ShearBuilding(MultistoreyBuilding):
     law: str | sympy.Expr | Mapping[str, sympy.Expr] = "bilinear"
     law_parameters: Mapping[str, Any] | None = None
     p_delta: bool = False
-    damping_model: str = MODAL
     damping_modes: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
@@ -175,14 +170,9 @@ class ShearBuilding(MultistoreyBuilding):
             )
         if not isinstance(self.p_delta, bool):
             raise TypeError(f"{name}: p_delta = {brief(self.p_delta)}; allowed: True or False")
-        modes = checked_modes(f"{name}: ", self.damping_model, self.damping_modes, self.storeys)
-        object.__setattr__(self, "damping_modes", modes)
         self._check_weight()
-        if modes and (first := float(self.damping_ratios()[0])) >= 1:
-            raise ValueError(
-                f"{name}: damping_modes = {modes} give mode 1 the damping ratio {first:.3g}; allowed: "
-                "below 1; take mode 1 as one of them"
-            )
+        if self.damping_modes is not None:
+            self._check_damping_modes()
         _ = self.element_law
 
     @classmethod
@@ -222,8 +212,8 @@ class ShearBuilding(MultistoreyBuilding):
             Base shear at yield over the weight [-], positive, at most 100. Without it the building stays
             elastic. A value above 1 gives a warning.
         **others
-            ``dampers``, ``law``, ``law_parameters``, ``p_delta``, ``damping_model`` and
-            ``damping_modes``, as in `ShearBuilding`.
+            ``dampers``, ``law``, ``law_parameters``, ``p_delta`` and ``damping_modes``, as in
+            `ShearBuilding`.
 
         Returns
         -------
@@ -423,7 +413,7 @@ class ShearBuilding(MultistoreyBuilding):
         --------
         >>> import stochlin as sl
         >>> tower = sl.ShearBuilding(
-        ...     [2e5] * 3, [4e8] * 3, [3.5] * 3, 0.05, damping_model="rayleigh", damping_modes=(1, 2)
+        ...     [2e5] * 3, [4e8] * 3, [3.5] * 3, 0.05, damping_modes=(1, 2)
         ... )
         >>> tower.damping_ratios().round(4).values
         array([0.05  , 0.05  , 0.0623])
@@ -433,16 +423,12 @@ class ShearBuilding(MultistoreyBuilding):
 
     def _ratios(self, frequencies: Array) -> Array:
         """Damping ratios (n,) of all modes, which have these circular frequencies [rad/s]."""
-        return mode_ratios(float(self.cells()["damping"]), frequencies, self.damping_modes)
-
-    @property
-    def damped_modes(self) -> str:
-        """The modes with the damping ratio that was given, in words."""
-        return (
-            "modes {} and {} (Rayleigh, initial stiffness)".format(*self.damping_modes)
-            if self.damping_modes
-            else "every mode"
-        )
+        ratio = float(self.cells()["damping"])
+        if self.damping_modes is None:
+            return np.full(frequencies.size, ratio)
+        first, second = (frequencies[number - 1] for number in self.damping_modes)
+        shares: Array = (first * second / frequencies + frequencies) / (first + second)
+        return ratio * shares
 
     def damping_matrix(self) -> Array:
         """Damping matrix of the floors [N s/m], (storeys, storeys)."""
@@ -457,8 +443,7 @@ class ShearBuilding(MultistoreyBuilding):
         """The building with its parameters in one line."""
         parts = self._told_law()
         parts += ["p_delta=True"] if self.p_delta else []
-        if self.damping_modes:
-            parts += [f"damping_model={self.damping_model}", f"damping_modes={self.damping_modes}"]
+        parts += [f"damping_modes={self.damping_modes}"] if self.damping_modes else []
         return ", ".join([super().describe()[:-1], *parts]) + ")"
 
     def _of_elements(self, name: str, value: Any) -> Any:
@@ -489,6 +474,21 @@ class ShearBuilding(MultistoreyBuilding):
                 f"{type(self).__name__}: the weight above takes {taken[worst]:g} N/m from storey "
                 f"{worst + 1}, which has {stiffness[worst]:g} N/m: it would fall over; give stiffer "
                 "storeys, or p_delta=False"
+            )
+
+    def _check_damping_modes(self) -> None:
+        modes, known = self.damping_modes, Whole(1, self.storeys)
+        each = tuple(modes) if isinstance(modes, (tuple, list)) else ()
+        if len(each) != 2 or not all(map(known.contains, each)) or each[0] == each[1]:
+            raise ValueError(
+                f"{type(self).__name__}: damping_modes = {brief(modes)}; allowed: two different modes, "
+                f"each {known}"
+            )
+        object.__setattr__(self, "damping_modes", each)
+        if (first := float(self.damping_ratios()[0])) >= 1:
+            raise ValueError(
+                f"{type(self).__name__}: damping_modes = {each} give mode 1 the damping ratio "
+                f"{first:.3g}; allowed: below 1; take mode 1 as one of them"
             )
 
     def _modes(self) -> tuple[Array, Array]:

@@ -189,8 +189,9 @@ def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[tup
         ]
         if isinstance(structure, ShearBuilding) and structure.p_delta:
             parameters += [("weight softens storeys (P-delta)", "yes")]
-        if isinstance(structure, ShearBuilding):
-            parameters += [("this damping ratio in", structure.damped_modes)]
+        if isinstance(structure, ShearBuilding) and structure.damping_modes:
+            modes = "modes {} and {} (Rayleigh, initial stiffness)".format(*structure.damping_modes)
+            parameters += [("this damping ratio in", modes)]
     if structure.yields:
         shown = {f"reduction factor{of}": f"{float(table[f'reduction_factor_{number}']):.3g}"}
         shown[f"yield displacement{of}"] = length(float(table[f"yield_displacement_{number}"]))

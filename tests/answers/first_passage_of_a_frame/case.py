@@ -10,7 +10,7 @@ yield_drifts = [0.012, 0.012, 0.011, 0.01, 0.009, 0.008]
 frame = sl.ShearBuilding(
     *(masses, stiffnesses, [4.0, *[3.2] * 5], 0.03),
     **{"hardening": 0.1, "yield_drifts": yield_drifts, "law": "bouc_wen"},
-    **{"damping_model": "rayleigh", "damping_modes": (1, 3)},
+    damping_modes=(1, 3),
 )
 table = sl.simulate([frame], sl.WhiteNoise(0.02), paths=32768, duration=15.0)
 

@@ -12,7 +12,7 @@ law = {"beta": 15 / 165, "gamma": 150 / 165, "exponent": 1.0}
 frame = sl.ShearBuilding(
     *([2.6e5] * 10, stiffnesses, heights, 0.05),
     **{"hardening": 0.04, "yield_drifts": 1 / 165, "law": "bouc_wen", "law_parameters": law},
-    **{"damping_model": "rayleigh", "damping_modes": (1, 2)},
+    damping_modes=(1, 2),
 )
 ground = sl.WhiteNoise(0.0072 / (2 * np.pi))
 table = sl.simulate([frame], ground, paths=1024, duration=10.0, steps_per_period=256)

@@ -15,7 +15,6 @@ from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.damage.damage import ParkAng
 from stochlin.models.arguments import Whole
 from stochlin.models.buildings import (
-    DAMPING_MODELS,
     STOREYS,
     ModalBuilding,
     RegularBuilding,
@@ -205,7 +204,6 @@ BUILDING = table(
     declared(ModalBuilding, "yield_displacements", "Yield displacements of modes", ways=OF_MODES),
     Key("elastic", bool, "It does not yield", False),
     Key("p_delta", bool, "Weight softens storeys (P-delta)", False, ways=OF_STOREYS),
-    Key("damping_model", DAMPING_MODELS, "Model of the viscous damping", "modal", ways=OF_STOREYS),
     Key("damping_modes", STOREYS, "Two modes with the damping ratio, a list", None, ways=OF_STOREYS),
     Key("law", str, "Hysteresis law", "bilinear"),
     Key("system", (FRAME, WALL), "Structural system", FRAME, noted=True),
