@@ -100,7 +100,8 @@ class Hysteretic(Structure):
     def _growing(self, further: list[str]) -> tuple[str, ...]:
         """The growing states in the order of the states; all further ones if none are named."""
         names = further if self.growing_states is None else self.growing_states
-        if not isinstance(names, (list, tuple)) or not {*names} <= {*further}:
+        known = isinstance(names, (list, tuple)) and all(isinstance(name, str) for name in names)
+        if not known or not {*names} <= {*further}:
             raise ValueError(
                 f"growing_states = {brief(names)}; allowed: a list or tuple of some of {brief(further)}"
             )
