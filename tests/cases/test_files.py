@@ -19,9 +19,10 @@ from stochlin.analyses.cases.files.quantities import UNITS, Quantity
 from stochlin.analyses.cases.files.sections import Section, key_lines
 from stochlin.analyses.cases.pounding import pound_case
 from stochlin.analyses.cases.probability import judge_gap
-from stochlin.analyses.cases.separation import answer_case, rms_acceleration
+from stochlin.analyses.cases.separation import answer_case
 from stochlin.analyses.explorer.opening import opened
 from stochlin.messages import DoubtfulInput
+from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Range
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.views.separation.verdict import reason

@@ -230,22 +230,10 @@ class Page(HTMLParser):
             self.words.append(data)
 
 
-def test_the_page_ends_with_a_statement_to_sign(example: Done) -> None:
-    page = Page(example.page).text
-    _, _, statement = page.partition("Statement of the analysis")
-    screen = " ".join(example.result.output.split())
-    for said in (
-        "Office block and Annex should stand",
-        "The existing gap of 5.0 cm keeps them apart in",
-        "Verdict:",
-        "The shaking, mean of the motions:",
-    ):
-        (told,) = re.findall(rf"{said}[^:.]*[\d.]*[^:.]*", screen)
-        assert told.strip() in statement
-    program = f"stochlin {sl.__version__}, seed 0."
-    for part in ("90 % of the motions", "2048 random ground motions", "case.toml", program):
-        assert part in statement
-    assert statement.index("Date") < statement.index("Prepared by") < statement.index("Checked by")
+def test_the_page_ends_with_a_place_to_sign_and_says_what_the_file_leaves_open(example: Done) -> None:
+    _, _, case = Page(example.page).text.partition("Assumptions of each rule")
+    assert "case.toml. Date, prepared by, checked by:" in case
+    assert f"stochlin {sl.__version__}: separation(duration=20, confidence=0.9, paths=2048" in case
 
 
 @pytest.mark.parametrize("name", ["example", "site"])
@@ -287,7 +275,8 @@ def test_the_page_says_what_the_screen_says(example: Done) -> None:
     screen = " ".join(example.result.output.split())
     (headline,) = re.findall(r"Office block and Annex should stand [\d.]+ cm apart\.", screen)
     assert headline in words
-    for part in ("Clough-Penzien", "0.01 m²/s³", "2048, seed 0", "needs zone", "EN 1998-1", "unsafe"):
+    parts = "Clough-Penzien", "0.01 m²/s³", "yield displacement", "needs zone", "EN 1998-1", "unsafe"
+    for part in parts:
         assert part in words
 
 
@@ -332,7 +321,6 @@ def test_elastic_buildings_without_a_gap(tmp_path: Path) -> None:
     one = done(tmp_path, few(text))
     assert one.result.exit_code == 0, one.result.output
     assert "Both buildings stay elastic." in one.result.output
-    assert "unbounded (white noise)" in one.page
     assert "existing gap</h2>" not in one.page
 
 

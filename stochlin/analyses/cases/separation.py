@@ -28,7 +28,6 @@ from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import DoubtfulInput
-from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Model
 from stochlin.models.rules.codes import IN_COMMON
 
@@ -54,7 +53,6 @@ class CaseAnswer:
     separation: xr.Dataset
     existing: xr.Dataset | None
     spectrum: xr.Dataset
-    rms_acceleration: float  # m/s^2; infinite for white noise
     shaking: xr.Dataset  # mean intensity of the motions
     over_records: xr.Dataset | None  # statistics over many records
     risk: xr.Dataset | None = None  # if there is a hazard
@@ -155,9 +153,8 @@ def answer_case(
     records = None
     if len(case.records) > MOST_RECORDS:
         records = over_records(table.record_separation, float(table.gap[0]), case.confidence)
-    rms, shaking = rms_acceleration(case.ground), shaking_of(case)
     risk = None if risky is None else _risk_table(risky, case, float(table.gap[0]))
-    results = existing, _spectrum(case), rms, shaking, records, risk, matters
+    results = existing, _spectrum(case), shaking_of(case), records, risk, matters
     return CaseAnswer(case, table, *results, every_rule)
 
 

@@ -29,21 +29,22 @@ from stochlin.views.shared.blocks import (
 from stochlin.views.shared.page import page
 from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import SPACE, centimetres, doubt
-from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
     from stochlin.analyses.cases.separation import CaseAnswer
+
+DENSITY = "Power spectral density of the ground acceleration over period."
+SPECTRUM = (
+    "Response spectra of the motions and of the target. Below, the ratio with its 95 % interval; "
+    "dotted, 6 % to either side."
+)
+SIGNED = "Date, prepared by, checked by:"  # by hand: the same case makes the same page
 
 
 def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
     """The answer first, then the existing gap, the risk and the rules, and the small print."""
     case, about = answer.case, subject_of(answer.case)
     missing = [f"{row.name}: {row.missing}" for row in words.rows(answer) if row.missing]
-    signed = [Text(name, "signed") for name in small_print.SIGNED]
-    summed_up = (
-        f"{case.title}. This statement sums up the page for a reviewer: rational analysis of the "
-        f"{about.gap} by nonlinear simulation."
-    )
     first, *others = texts(verdict.first_lines(answer))
     return [
         ViewSection("", [doubt(answer.doubts())]),
@@ -65,14 +66,11 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection("Pictures", _pictures(answer), on_screen=False, columns=True),
         ViewSection("The records", _records(answer), on_screen=False),
         ViewSection("Influence of the inputs", _influence(answer)),
-        ViewSection("The case", small_print.facts(answer), on_screen=False, columns=True),
-        ViewSection("The case file", small_print.case_file(case), on_screen=False),
-        ViewSection("Assumptions of each rule", [_assumptions(answer)], on_screen=False, columns=True),
         ViewSection(
-            "Statement of the analysis",
-            [Text(summed_up), Terms(small_print.statement(answer)), *signed],
-            on_screen=False,
+            "The case", [small_print.facts(answer), *small_print.case_file(case)], on_screen=False
         ),
+        ViewSection("Assumptions of each rule", [_assumptions(answer)], on_screen=False, columns=True),
+        ViewSection("", [Text(f"{case.file}. {SIGNED}", "signed")], on_screen=False),
     ]
 
 
@@ -86,13 +84,13 @@ def report_page(answer: CaseAnswer) -> str:
 
 
 def _pictures(answer: CaseAnswer) -> list[Picture]:
-    gap, about = centimetres(float(answer.separation.gap[0])), subject_of(answer.case)
+    about = subject_of(answer.case)
     lines = "lines are the elastic periods" if not answer.case.alone else "line is the elastic period"
     drawn = [
         Picture(
             f"{about.gap.capitalize()}s by rule",
-            f"Each rule's {about.gap} against the answer, {gap} cm (dashed, its 95 % interval grey). "
-            "Numbers as in the table.",
+            f"Each rule's {about.gap} against the answer (dashed, its 95 % interval grey). Numbers as "
+            "in the table.",
             partial(pictures.rules_figure, answer),
         ),
         Picture(
@@ -104,8 +102,8 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
         ),
         Picture(
             f"The ground and {about.the_buildings}",
-            f"{_of_site(answer)} The {lines} of {about.the_buildings}; yielding lengthens "
-            f"{'it' if answer.case.alone else 'them'}.",
+            f"{SPECTRUM if 'target' in answer.spectrum else DENSITY} The {lines} of "
+            f"{about.the_buildings}; yielding lengthens {'it' if answer.case.alone else 'them'}.",
             partial(pictures.spectrum_figure, answer),
         ),
     ]
@@ -129,13 +127,6 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
         )
         drawn.append(Picture("Recorded motions", text.strip(), partial(pictures.records_figure, answer)))
     return drawn
-
-
-def _of_site(answer: CaseAnswer) -> str:
-    sentences = fit_in_words(answer.spectrum, answer.case.periods)
-    if not sentences:
-        return "Power spectral density of the ground acceleration over period."
-    return " ".join([*sentences, "Below, the ratio with its 95 % interval; dotted, 6 % to either side."])
 
 
 def _records(answer: CaseAnswer) -> list[Block]:

@@ -18,8 +18,6 @@ class Subject(NamedTuple):
     page: str  # title
     gap: str  # what is asked
     stand: str  # what one does or both do, by the answer
-    approach: str  # in a motion
-    kept: str  # what a gap that is wide enough does
     keeping: str
     they: str
     the_buildings: str
@@ -39,8 +37,6 @@ PAIR = Subject(
     page="the gap between two buildings",
     gap="gap",
     stand="should stand {gap} apart",
-    approach="they approach each other",
-    kept="they do not touch",
     keeping="keeps them apart",
     they="they",
     the_buildings="the buildings",
@@ -59,8 +55,6 @@ ALONE = Subject(
     page="the set-back from the property line",
     gap="set-back",
     stand="should stand {gap} away from its property line",
-    approach="it moves towards the line",
-    kept="it stays on its side of the line",
     keeping="keeps it on its side of the line",
     they="it",
     the_buildings="the building",

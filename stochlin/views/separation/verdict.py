@@ -45,19 +45,14 @@ def first_lines(answer: CaseAnswer) -> list[str]:
 
 def required(answer: CaseAnswer) -> str:
     """The answer in one sentence, and its interval."""
-    return f"{headline(answer)} 95{SPACE}% interval: {needed(answer)}."
+    names = " and ".join(building.name for building in answer.case.one_or_two)
+    stand = subject_of(answer.case).stand.format(gap=length(float(answer.separation.gap[0])))
+    return f"{names} {stand}. 95{SPACE}% interval: {needed(answer)}."
 
 
 def needed(answer: CaseAnswer) -> str:
     """The interval of the answer, of 95 %."""
     return interval(answer.separation.isel(rule=0), "gap")
-
-
-def headline(answer: CaseAnswer) -> str:
-    """The answer in one sentence."""
-    names = " and ".join(building.name for building in answer.case.one_or_two)
-    gap = length(float(answer.separation.gap[0]))
-    return f"{names} {subject_of(answer.case).stand.format(gap=gap)}."
 
 
 def existing(answer: CaseAnswer) -> str:
@@ -90,22 +85,15 @@ def verdict(answer: CaseAnswer) -> str:
     """Whether the existing gap is enough, in a sentence; empty without one."""
     if answer.existing is None:
         return ""
-    bad = per_cent(1 - float(answer.existing[SHARE]), 1)
-    return (
-        f"Verdict: {judged(answer)}; {subject_of(answer.case).meet} in {bad} of the motions, and "
-        f"{100 * (1 - answer.case.confidence):.4g}{SPACE}% are allowed."
-    )
+    return f"Verdict: {judged(answer)}; {confidence(answer.case)} are required."
 
 
 def reason(answer: CaseAnswer) -> str:
-    """The reason of the answer: how near they come in the simulated motions, and how far each moves."""
+    """The reason of the answer: the share of the motions, and how far each building moves."""
     case, table = answer.case, answer.separation
     peaks = of_each(table, "peak_mean")
     means = f"mean peak{'s' * (len(peaks) > 1)} {' and '.join(map(centimetres, peaks))}{SPACE}cm"
-    return (
-        f"Why: in {confidence(case)} of {case.paths} motions {subject_of(case).approach} by at most "
-        f"{length(float(table.gap[0]))}; {means}."
-    )
+    return f"Why: {confidence(case)} of {case.paths} motions need no more; {means}."
 
 
 def cautions(answer: CaseAnswer) -> list[str]:
