@@ -9,6 +9,7 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.linearization.bias_map import bias_map
+from stochlin.kernels.basics import parallel
 from stochlin.kernels.basics.interpolation import Grid, interpolate
 from stochlin.kernels.correlation import tables as pair_tables
 from stochlin.kernels.correlation.differences import differences
@@ -43,8 +44,8 @@ def side(systems, soil, strides):
     return stacked, forcing, PairSide(parameters, parameters, place, flags, np.array(strides, int))
 
 
-def table(first, second, shape, **options):
-    return pair_table(first, second, shape, None, Codes(2, 4), **({"threads": False} | options))
+def table(first, second, shape):
+    return pair_table(first, second, shape, None, Codes(2, 4))
 
 
 def exact(one, other, soil):
@@ -60,10 +61,7 @@ def test_differences_of_displacements_are_those_of_numpy():
     one, other, rho, off_1, off_2, off = (rng.uniform(0.1, 0.9, shape) for shape in shapes)
     rho[::7, ::5], one[3], other[4], rho[3, 4], off_1[3], off_2[:] = np.nan, 0.5, 0.5, 1.0, 0.2, 0.2
     off[4], rho[5] = 0.0, -0.95  # with its bias below -1
-    found = [differences(one, other, rho, off_1, off_2, off, threads=cores) for cores in (True, False)]
-    for array, same in zip(*found, strict=True):
-        np.testing.assert_array_equal(array, same)
-    std, bias, flag = found[0]
+    found = std, bias, flag = differences(one, other, rho, off_1, off_2, off)
 
     def apart(one, other, rho):
         return np.sqrt((one - other) ** 2 + 2 * one * other * (1 - rho))
@@ -78,8 +76,8 @@ def test_differences_of_displacements_are_those_of_numpy():
     assert std[3, 4, 0] == bias[3, 4, 0] == flag[3, 4, 0] == 0
     given = np.broadcast_arrays(one, other, rho, off_1, off_2, off)
     for at in ((0, 0, 0), (3, 4, 0), (8, 9, 2)):  # not solved, equal, neither
-        lone = differences(*(array[at] for array in given), threads=False)
-        for array, whole in zip(lone, found[0], strict=True):
+        lone = differences(*(array[at] for array in given))
+        for array, whole in zip(lone, found, strict=True):
             np.testing.assert_array_equal(array, whole[at])
 
 
@@ -156,8 +154,9 @@ def test_neither_threads_nor_parts_change_a_bit(monkeypatch):
     whole = table(first, second, shape)
     for part in (1000, 129, 128, 77):
         monkeypatch.setattr(pair_tables, "PART", part)
-        for threads in (True, False):
-            for one, other in zip(whole, table(first, second, shape, threads=threads), strict=True):
+        for cores in (1, 3):
+            monkeypatch.setattr(parallel, "cores", lambda count=cores: count)
+            for one, other in zip(whole, table(first, second, shape), strict=True):
                 np.testing.assert_array_equal(one, other)
 
 

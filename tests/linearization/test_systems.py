@@ -432,7 +432,7 @@ def test_link_that_softens_leaves_some_stiffness_or_is_refused_with_the_limit():
         ({"structures": []}, "at least one structure"),
         (
             {"structures": [sl.Bilinear([1.0, 2.0], 0.05), sl.Bilinear([1.0, 2.0, 3.0], 0.05)]},
-            "structure_1, structure_2, ground: they share a dimension .*different dimension names",
+            "structure_1, structure_2 and ground share a dimension .*different dimension names",
         ),
         ({"structures": [sl.Bilinear([-1.0, np.nan], 0.05)]}, "no cell has valid parameters"),
         ({"iteration": "picard"}, "iteration = 'picard' is not known; allowed: newton, substitution"),

@@ -25,6 +25,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_duration
 from stochlin.analyses.tables.floors import ELEMENT, FLOOR
+from stochlin.analyses.tables.lazy import computed
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.arguments import Duration, OneOf, Paths, Seed, checked, fitting
@@ -203,7 +204,7 @@ def _of_peaks(
     else:
         grounds = int(np.prod([array.size for array in ground.arrays().values()]))
         run = partial(_on_one_ground, duration=seconds, grounds=grounds, **drawn)
-        table = over_grounds(run, [structure], ground)
+        table = over_grounds(run, [computed(structure)], computed(ground))
     table = labels.label(table, {**VARIABLES, **OF_PEAKS})
     labels.raise_if_lone_failure(table, "amplification", structure, ground)
     return labels.with_run_information(

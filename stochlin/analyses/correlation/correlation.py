@@ -14,7 +14,7 @@ from stochlin.analyses.correlation.drift.pairs import drifting_pairs
 from stochlin.analyses.correlation.effective import EQ_4, effective_pair
 from stochlin.analyses.correlation.errors import difference
 from stochlin.analyses.correlation.linearized import SHOWN, linearized_pairs
-from stochlin.analyses.correlation.simulated import SimulationSettings, simulate_pairs
+from stochlin.analyses.correlation.simulated import SimulationSettings, planned_runs, simulate_pairs
 from stochlin.analyses.correlation.storeys import floor_pairs
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import (
@@ -28,9 +28,10 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import (
     Cells,
     Solved,
-    cellwise_pair,
+    cellwise,
     valid_cells,
 )
+from stochlin.analyses.tables.lazy import in_blocks, is_lazy
 from stochlin.analyses.tables.work import check_table
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -40,7 +41,7 @@ from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.messages import brief
 from stochlin.models.arguments import OneOf, Paths, RelaxationTimes, Seed, StepsPerPeriod, checked
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import Parameter
+from stochlin.models.parameters import Model, Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.structures import DRIFT, LinearPair, Structure
 from stochlin.models.systems import AnyStructure
@@ -181,15 +182,18 @@ def correlate(
     """
     _check_solver(solver, method, closure)
     tolerance = Tolerance(rtol, atol, max_iterations)
+    models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
+    lazy = is_lazy(models)
+    progress = None if lazy else progress
     settings = partial(SimulationSettings, paths, seed, steps_per_period, relaxation_times, progress)
     if isinstance(first, Structure) and isinstance(second, Structure):
         check_closure(first, closure)
         check_closure(second, closure)
-        kind = "pairs with drift" if closure == DRIFT else f"pairs by {method}"
-        check_table(kind, first, second, ground)
-        query = Question((first, second), ground, closure, solver, tolerance, rule, settings, progress)
-        variables, details, attrs = METHODS[method](query)
-        table = xr.Dataset(variables | difference(variables), attrs=attrs)
+        simulated = method == SIMULATION
+        runs = planned_runs(first, second, ground, settings(), lazy) if simulated else None
+        options = closure, solver, tolerance, rule, settings, progress
+        table = in_blocks(partial(_of_pairs, method, options), models, runs)
+        details = table.attrs.pop("details")
     else:
         both = first, second
         table, details = floor_pairs(both, ground, method, closure, tolerance, settings)
@@ -200,8 +204,25 @@ def correlate(
         table,
         f"Correlation of two structures by {method.replace('_', ' ')}, {ground.name} ground",
         f"correlate(method={method!r}, {details})",
-        {"first": first, "second": second, "ground": ground},
+        models,
     )
+
+
+def _of_pairs(
+    method: str,
+    options: tuple[Any, ...],
+    first: Structure,
+    second: Structure,
+    ground: Ground,
+    more: xr.Dataset | None = None,
+) -> xr.Dataset:
+    """Variables of `correlate`, with the arguments for its history as an attribute."""
+    query = Question((first, second), ground, more, *options)
+    check_table(
+        "pairs with drift" if query.closure == DRIFT else f"pairs by {method}", *query.pair, ground
+    )
+    variables, details, attrs = METHODS[method](query)
+    return xr.Dataset(variables | difference(variables), attrs=attrs | {"details": details})
 
 
 def _check_solver(solver: str, method: str, closure: str) -> None:
@@ -219,6 +240,7 @@ class Question(NamedTuple):
 
     pair: tuple[Structure, Structure]
     ground: Ground
+    runs: xr.Dataset | None  # plans of the simulations
     closure: str
     solver: str
     tolerance: Tolerance
@@ -268,24 +290,25 @@ def _by_effective_properties(query: Question) -> Answer:
 
 def _by_simulation(query: Question) -> Answer:
     settings = query.settings()
-    table = simulate_pairs(*query.pair, query.ground, settings)
+    table = simulate_pairs(*query.pair, query.ground, settings, query.runs)
     variables: dict[str, Cells] = {str(name): array for name, array in table.data_vars.items()}
     return variables, settings.history, table.attrs
 
 
 SOLVERS = ("closed_form", LYAPUNOV := "lyapunov")
+SIMULATION = "simulation"
 METHODS: Mapping[str, Callable[[Question], Answer]] = {
     "linearization": _by_linearization,
     "white_noise": _by_white_noise,
     "effective": _by_effective_properties,
-    "simulation": _by_simulation,
+    SIMULATION: _by_simulation,
 }
 
 
 def _shown(inputs: list[Cells], sides: list[Solved]) -> dict[str, Cells]:
     """Correlation by eq. (4) of ``inputs``, and the responses of both structures; NaN for failures."""
     of_sides = (side["status"] for side in sides)
-    rho, status = cellwise_pair(_judged_eq_4, *of_sides, *inputs, kinds=(float, np.int8))
+    rho, status = cellwise(_judged_eq_4, *of_sides, *inputs, kinds=(float, np.int8))
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {"rho": rho, **shown, "status": status}
 
@@ -335,16 +358,19 @@ def rho_white_noise(
     0.473028
     """
     pair = LinearPair(period_1, period_2, damping_1, damping_2)
-    check_table("pairs by white_noise", pair)
-    valid = valid_cells(pair)
-    (rho,) = cellwise_pair(_eq_4_where_valid, valid, *pair.cells().values())
-    table = xr.Dataset({"rho": rho, "status": labels.status_where(valid)})
     return labels.with_run_information(
-        labels.label(table, VARIABLES),
+        labels.label(in_blocks(_by_eq_4, {"pair": pair}), VARIABLES),
         "Correlation of two linear structures under white noise, eq. (4)",
         "rho_white_noise()",
         {"pair": pair},
     )
+
+
+def _by_eq_4(pair: LinearPair) -> xr.Dataset:
+    check_table("pairs by white_noise", pair)
+    valid = valid_cells(pair)
+    (rho,) = cellwise(_eq_4_where_valid, valid, *pair.cells().values())
+    return xr.Dataset({"rho": rho, "status": labels.status_where(valid)})
 
 
 @by_slabs(float)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -10,6 +11,7 @@ import xarray as xr
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, valid_cells
+from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
@@ -80,11 +82,7 @@ def rho_effective(
     pair = YieldingPair(
         period_1, period_2, damping_1, damping_2, hardening_1, hardening_2, ductility_1, ductility_2
     )
-    valid = valid_cells(pair)
-    effective = effective_properties(pair.cells(), chosen, valid)
-    rho, status = cellwise(_eq_4, valid, *effective.values(), kinds=(float, np.int8))
-    table = xr.Dataset({"rho": rho, **effective, "status": status})
-    table = labels.label(table, VARIABLES)
+    table = labels.label(in_blocks(partial(_of_rule, chosen), {"pair": pair}), VARIABLES)
     return labels.with_run_information(
         table.assign_attrs(rule=chosen.describe()),
         f"Correlation of two yielding structures by eq. (4) and the rule {chosen.name}",
@@ -92,6 +90,13 @@ def rho_effective(
         {"pair": pair},
         f"{labels.PAPER} {chosen.reference}.",
     )
+
+
+def _of_rule(rule: EffectiveRule, pair: YieldingPair) -> xr.Dataset:
+    valid = valid_cells(pair)
+    effective = effective_properties(pair.cells(), rule, valid)
+    rho, status = cellwise(_eq_4, valid, *effective.values(), kinds=(float, np.int8))
+    return xr.Dataset({"rho": rho, **effective, "status": status})
 
 
 @by_slabs(float, np.int8)

@@ -15,7 +15,7 @@ import numpy as np
 
 from stochlin.analyses.linearization.bias_map import caution_of_error, point_of
 from stochlin.analyses.linearization.drift_map import CORRECTED_GROUNDS, checked
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, is_lazy
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.differences import NONE_LEFT, differences
@@ -170,8 +170,8 @@ def difference(table: Solved) -> dict[str, Cells]:
         std, flag = *cellwise(_difference, *values), caution_of_error(error)
     else:
         biases = [table.get(name, np.nan) for name in ("bias_1", "bias_2", "bias")]
-        kinds, threads = (float, float, np.int8), not is_lazy(*values, *biases)
-        std, bias, flag = cellwise(_differences, *values, *biases, kinds=kinds, threads=threads)
+        kinds = (float, float, np.int8)
+        std, bias, flag = cellwise(_differences, *values, *biases, kinds=kinds)
         std = table.get(f"{DIFFERENCE}_std", std)  # a building with storeys has it already
     return {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
 
@@ -187,5 +187,5 @@ def _left(rho: Array) -> Array:
 
 
 @np.errstate(all="ignore")  # failed cells are NaN
-def _differences(*inputs: Array, threads: bool) -> tuple[Array, ...]:
-    return differences(*inputs, threads=threads)
+def _differences(*inputs: Array) -> tuple[Array, ...]:
+    return differences(*inputs)

@@ -1,7 +1,7 @@
 """Table of pairs by statistical linearization, with the errors of its correlations.
 
 Each structure is solved over its own dimensions. The covariance of a pair then follows from one linear
-equation, and its bias by interpolation in a map; both are compiled. Dask arrays stay lazy.
+equation, and its bias by interpolation in a map; both are compiled.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from stochlin.analyses.linearization.equivalent_systems import (
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise_pair, is_lazy
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.correlation.differences import steps_of
@@ -71,25 +71,24 @@ def pairs_of_solved(
         inputs += place_in_map(structure, ground, gaussian)
         inputs += [side["status"], caution, np.isinf(gaussian["yield_displacement"])]
         biases[f"bias_{number}"] = bias
-    rho, status, bias, caution = cellwise_pair(
+    rho, status, bias, caution = cellwise(
         _cells,
         *inputs,
         kinds=KINDS,
         grid=rho_bias_map(*pair, ground),
         other_closure=other_closure,
-        threads=not is_lazy(*inputs),  # dask has threads of its own
     )
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {"rho": rho, **shown, "status": status, "bias": bias, **biases, "caution": caution}
 
 
 @np.errstate(all="ignore")  # cells with extreme parameters get a status
-def _cells(*inputs: Array, grid: Grid | None, other_closure: bool, threads: bool) -> tuple[Array, ...]:
+def _cells(*inputs: Array, grid: Grid | None, other_closure: bool) -> tuple[Array, ...]:
     """Arrays of all pairs; ``inputs`` are those of the first structure, then of the second."""
     shape = np.broadcast_shapes(*(array.shape for array in inputs))
     half = len(inputs) // 2
     first, second = (_side(part, len(shape), other_closure) for part in (inputs[:half], inputs[half:]))
-    table = pair_table(first, second, shape, grid, CODES, threads=threads)
+    table = pair_table(first, second, shape, grid, CODES)
     return tuple(array.reshape(shape) for array in table)
 
 

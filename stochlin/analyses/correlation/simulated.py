@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -25,22 +25,13 @@ from stochlin.analyses.simulation.simulation import (
     simulate_moments,
 )
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cells import Kinds, computed, in_chunks
-from stochlin.analyses.tables.cellwise import is_lazy
+from stochlin.analyses.tables.lazy import computed
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
 
-BOTH = 0
-OF_A_SIDE = "displacement_std", "displacement_std_standard_error", "ductility_std"
-VARIABLES = {"rho": BOTH, "rho_standard_error": BOTH} | {
-    f"{name}_{number}": number
-    for number in (1, 2)
-    for name in (*OF_A_SIDE, "yield_displacement", "drift")
-}  # variables of the table, and the structure whose dimensions they have
 # Entries of the plan of a run that depend on all structures of the table.
 PLANNED = "dt", "burn_in", "recorded"
 
@@ -61,34 +52,32 @@ class SimulationSettings:
         return f"paths={self.paths}, seed={self.seed}"
 
 
-def simulate_pairs(
-    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
+def planned_runs(
+    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings, lazy: bool
 ) -> xr.Dataset:
-    """Table of ``rho``, standard deviations and their standard errors; one ensemble for each ground.
+    """Time step and numbers of steps of the run of all structures on each ground.
 
-    With dask arrays the table is lazy, and each chunk simulates its own structures. The time step and
-    the duration are found beforehand for the whole table, so that all chunks have the same motions.
+    The blocks of a ``lazy`` table have the same motions by them; only the measurement of drifts is then
+    limited in time.
     """
-    models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
     first.check_stationary("first")
     second.check_stationary("second")
-    if not is_lazy(*(array for model in models.values() for array in model.arrays().values())):
-        if any(array.size > 1 for array in ground.arrays().values()):
-            _check_grounds(first, second, ground, settings)
-        return over_grounds(partial(_on_one_ground, settings=settings), (first, second), ground)
-    computed_1, computed_2 = (side.with_arrays(computed(side)) for side in (first, second))
-    soil = ground.with_arrays(computed(ground))
-    settings = replace(settings, progress=None)
-    lengths = over_grounds(partial(_lengths, settings=settings), (computed_1, computed_2), soil)
-    dims = {
-        number: xr.broadcast(*side.arrays().values(), *soil.arrays().values())[0].dims
-        for number, side in ((1, computed_1), (2, computed_2))
-    }
-    dims[BOTH] = tuple(dict.fromkeys((*dims[1], *dims[2])))
-    kinds: Kinds = {name: (dims[number], float) for name, number in VARIABLES.items()}
-    kinds["status"] = dims[BOTH], np.int8
-    table = in_chunks(partial(_of_chunk, settings=settings), models, lengths, kinds)
-    return table.assign_attrs(lengths.attrs)
+    sides, ground = (computed(first), computed(second)), computed(ground)
+    if not lazy and any(array.size > 1 for array in ground.arrays().values()):
+        _check_grounds(*sides, ground, settings)
+    return over_grounds(partial(_planned, settings=settings, lazy=lazy), sides, ground)
+
+
+def simulate_pairs(
+    first: Structure,
+    second: Structure,
+    ground: Ground,
+    settings: SimulationSettings,
+    runs: xr.Dataset | None,
+) -> xr.Dataset:
+    """Table of ``rho``, standard deviations and their standard errors; one ensemble for each ground."""
+    assert runs is not None
+    return over_grounds(partial(_on_one_ground, settings=settings), (first, second, runs), ground)
 
 
 def over_grounds(
@@ -139,13 +128,33 @@ class _Pairs(NamedTuple):
         )
 
 
+def _planned(
+    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings, lazy: bool
+) -> xr.Dataset:
+    run = _Pairs.of(first, second, ground).run(ground, settings, moments=not lazy)
+    run = with_length(run, settings.relaxation_times, measured_alone=lazy)
+    plan: dict[str, float] = {name: getattr(run.plan, name) for name in PLANNED}
+    return xr.Dataset(plan, attrs=run_attributes(run))
+
+
 def _on_one_ground(
-    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
+    first: Structure,
+    second: Structure,
+    runs: xr.Dataset,
+    ground: Ground,
+    settings: SimulationSettings,
 ) -> xr.Dataset:
     pairs = _Pairs.of(first, second, ground)
-    run = with_length(pairs.run(ground, settings), settings.relaxation_times)
-    moments = simulate_moments(run, settings.progress)
-    return _table(pairs, moments).assign_attrs(run_attributes(run))
+    valid = pairs.cells.valid
+    if valid.any():
+        plan = {name: runs[name].item() for name in PLANNED}
+        run = pairs.run(ground, settings, step=plan["dt"]).with_plan(**plan)
+        moments = simulate_moments(run, settings.progress)
+    else:
+        none, status = np.full(valid.size, np.nan), np.full(valid.size, labels.INVALID_INPUT, np.int8)
+        square = np.full((valid.size, valid.size), np.nan)
+        moments = MomentEstimates(none, none, square, square, none, status)
+    return _table(pairs, moments).assign_attrs(runs.attrs)
 
 
 def _check_grounds(
@@ -168,42 +177,6 @@ def _work(
 ) -> xr.Dataset:
     run = _Pairs.of(first, second, ground).run(ground, settings, moments=False)
     return xr.Dataset(expected_work(run, settings.relaxation_times))
-
-
-def _lengths(
-    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
-) -> xr.Dataset:
-    """Time step and numbers of steps of a run with all structures of the table."""
-    run = _Pairs.of(first, second, ground).run(ground, settings, moments=False)
-    run = with_length(run, settings.relaxation_times, measured_alone=True)
-    lengths: dict[str, float] = {name: getattr(run.plan, name) for name in PLANNED}
-    return xr.Dataset(lengths, attrs=run_attributes(run))
-
-
-def _of_chunk(
-    models: Mapping[str, Any], lengths: xr.Dataset, settings: SimulationSettings
-) -> xr.Dataset:
-    sides = models["first"], models["second"], lengths
-    return over_grounds(partial(_by_lengths, settings=settings), sides, models["ground"])
-
-
-def _by_lengths(
-    first: Structure,
-    second: Structure,
-    lengths: xr.Dataset,
-    ground: Ground,
-    settings: SimulationSettings,
-) -> xr.Dataset:
-    """Table of the structures of one chunk, with the time step and duration of the whole table."""
-    pairs = _Pairs.of(first, second, ground)
-    valid = pairs.cells.valid
-    if not valid.any():
-        none, status = np.full(valid.size, np.nan), np.full(valid.size, labels.INVALID_INPUT, np.int8)
-        square = np.full((valid.size, valid.size), np.nan)
-        return _table(pairs, MomentEstimates(none, none, square, square, none, status))
-    run = pairs.run(ground, settings, step=lengths["dt"].item())
-    run = run.with_plan(**{name: lengths[name].item() for name in PLANNED})
-    return _table(pairs, simulate_moments(run, None))
 
 
 def _table(pairs: _Pairs, moments: MomentEstimates) -> xr.Dataset:

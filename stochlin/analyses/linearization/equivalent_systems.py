@@ -16,6 +16,7 @@ from stochlin.analyses.linearization.drift_map import with_correction
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, is_labelled, lone, valid_cells
+from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.analyses.tables.work import check_table
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.slabs import in_slabs
@@ -120,6 +121,10 @@ def bias_of_solved(
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
     """Dataset of the structure as elastic; ``yield_displacement`` is that of its strength."""
+    return in_blocks(_elastic, {"structure": structure, "ground": ground})
+
+
+def _elastic(structure: Structure, ground: Ground) -> xr.Dataset:
     return xr.Dataset(derived_together((structure,), ground)[0])
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 
@@ -11,9 +13,11 @@ from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, where_valid
+from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import Ground
+from stochlin.models.parameters import Model
 from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
 
 
@@ -126,6 +130,21 @@ def linearize(
     1.35
     """
     tolerance = Tolerance(rtol, atol, max_iterations)
+    models: dict[str, Model] = {"structure": structure, "ground": ground}
+    table = labels.label(in_blocks(partial(_solved, closure, tolerance), models), VARIABLES)
+    labels.raise_if_lone_failure(table, "linearize", structure, ground)
+    if structure.yields:
+        table = table.assign_attrs(comment=caution_in_words(closure))
+    return labels.with_run_information(
+        table,
+        f"Statistical linearization, {closure} closure, {ground.name} ground",
+        f"linearize(closure={closure!r})",
+        models,
+    )
+
+
+def _solved(closure: str, tolerance: Tolerance, structure: Structure, ground: Ground) -> xr.Dataset:
+    """The variables that `linearize` returns."""
     (solved,) = solved_together((structure,), ground, closure, tolerance)
     variables = {name: solved[name] for name in PUBLIC}
     variables |= judged(structure, ground, closure, solved, tolerance)
@@ -136,16 +155,7 @@ def linearize(
     if closure == DRIFT:
         variables |= {"displacement_error": known_error(solved), "drift_std": solved["drift_std"]}
         (variables["drift_time"],) = cellwise(_drift_time, solved["drift_std"], solved["drift_rate"])
-    table = labels.label(xr.Dataset(variables), VARIABLES)
-    labels.raise_if_lone_failure(table, "linearize", structure, ground)
-    if structure.yields:
-        table = table.assign_attrs(comment=caution_in_words(closure))
-    return labels.with_run_information(
-        table,
-        f"Statistical linearization, {closure} closure, {ground.name} ground",
-        f"linearize(closure={closure!r})",
-        {"structure": structure, "ground": ground},
-    )
+    return xr.Dataset(variables)
 
 
 @np.errstate(divide="ignore")  # an elastic structure does not drift

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,8 +22,9 @@ from stochlin.analyses.linearization.linearization import caution_in_words, judg
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief, sentence
+from stochlin.messages import brief
 from stochlin.models.arguments import checked
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
@@ -139,24 +141,8 @@ def strength_for_ductility(
     strong.check_settles(type(structure).__name__)
     closure = usual_closure(strong, ground) if closure is None else closure
     target = DuctilityTarget(ductility)
-    reduction = _search(strong, ground, target, closure)
-    if not reduction.ndim and np.isnan(reduction):
-        raise ArithmeticError(
-            f"no strength of {structure.describe()} on {ground.describe()} was found that has "
-            f"the ductility {float(target.arrays()['ductility']):g}; give another ductility, or less "
-            "extreme parameters"
-        )
-    yielding = replace(strong, reduction_factor=reduction)
-    solved = solve_structure(yielding, ground, closure, TOLERANCE)
-    valid = strong.valid() & strong.settles() & ground.valid() & target.valid()
-    peak = yielding.arrays()["peak_factor"] * solved.ductility_std
-    reached = np.abs(peak / target.arrays()["ductility"] - 1) < REACHED
-    status = solved.status.where(reached, labels.NOT_CONVERGED).where(valid, labels.INVALID_INPUT)
-    table = solved[list(SHOWN)].assign(reduction_factor=reduction, ductility_peak=peak).where(reached)
-    table["status"] = status.astype(np.int8)
-    table = table.assign(judged(yielding, ground, closure, solved, TOLERANCE))
-    table["bias"] = table.bias.where(reached)
-    table = labels.label(table, VARIABLES)
+    models: dict[str, Model] = {"structure": strong, "ground": ground, "target": target}
+    table = labels.label(in_blocks(partial(_with_strength, closure), models), VARIABLES)
     arguments = f"{structure.describe()}, {ground.describe()}, ductility={brief(ductility)}"
     case = f"strength_for_ductility({arguments})"
     labels.raise_if_lone_failure(table, case)
@@ -164,8 +150,32 @@ def strength_for_ductility(
         table.assign_attrs(closure=closure, comment=caution_in_words(closure)),
         f"Strength for a peak ductility, {closure} closure, {ground.name} ground",
         f"strength_for_ductility(closure={closure!r})",
-        {"structure": strong, "ground": ground, "target": target},
+        models,
     )
+
+
+def _with_strength(
+    closure: str, structure: Structure, ground: Ground, target: DuctilityTarget
+) -> xr.Dataset:
+    """The variables that `strength_for_ductility` returns."""
+    reduction = _search(structure, ground, target, closure)
+    if not reduction.ndim and np.isnan(reduction):
+        elastic = replace(structure, reduction_factor=None)
+        raise ArithmeticError(
+            f"no strength of {elastic.describe()} on {ground.describe()} was found that has "
+            f"the ductility {float(target.arrays()['ductility']):g}; give another ductility, or less "
+            "extreme parameters"
+        )
+    yielding = replace(structure, reduction_factor=reduction)
+    solved = solve_structure(yielding, ground, closure, TOLERANCE)
+    valid = structure.valid() & structure.settles() & ground.valid() & target.valid()
+    peak = yielding.arrays()["peak_factor"] * solved.ductility_std
+    reached = np.abs(peak / target.arrays()["ductility"] - 1) < REACHED
+    status = solved.status.where(reached, labels.NOT_CONVERGED).where(valid, labels.INVALID_INPUT)
+    table = solved[list(SHOWN)].assign(reduction_factor=reduction, ductility_peak=peak).where(reached)
+    table["status"] = status.astype(np.int8)
+    table = table.assign(judged(yielding, ground, closure, solved, TOLERANCE))
+    return table.assign(bias=table.bias.where(reached))
 
 
 @checked
@@ -239,13 +249,7 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
         for name, array in model.arrays().items()
         if name != "mass"  # the strength does not depend on it
     }
-    try:
-        arrays = xr.broadcast(*xr.align(*named.values(), join="exact", copy=False))
-    except (xr.AlignmentError, ValueError) as error:
-        raise ValueError(
-            "structure, ground and ductility share a dimension whose coordinates or lengths differ: "
-            f"{sentence(error)}"
-        ) from error
+    arrays = xr.broadcast(*named.values())
     usable = structure.valid() & structure.settles() & ground.valid() & target.valid()
     valid = xr.broadcast(usable, arrays[0])[0].transpose(*arrays[0].dims).values
     flat = {key: array.values[valid] for key, array in zip(named, arrays, strict=True)}

@@ -10,6 +10,7 @@ import xarray as xr
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise, valid_cells
+from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.combination import double_difference
@@ -68,15 +69,19 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     [0.1, 0.5, 0.7]
     """
     pair = CorrelatedPeaks(peak_1, peak_2, rho)
-    valid = valid_cells(pair)
-    (gap,) = cellwise(_valid_gap, valid, *pair.cells().values())
-    table = xr.Dataset({"gap": gap, "status": labels.status_where(valid)})
+    table = in_blocks(_by_equation_3, {"pair": pair})
     return labels.with_run_information(
         labels.label(table, VARIABLES),
         "Critical gap by the double difference combination, eq. (3)",
         "critical_gap()",
         {"pair": pair},
     )
+
+
+def _by_equation_3(pair: CorrelatedPeaks) -> xr.Dataset:
+    valid = valid_cells(pair)
+    (gap,) = cellwise(_valid_gap, valid, *pair.cells().values())
+    return xr.Dataset({"gap": gap, "status": labels.status_where(valid)})
 
 
 def equation_3(peak_1: Array, peak_2: Array, rho: Array) -> Array:

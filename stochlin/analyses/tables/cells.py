@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial, reduce
 from operator import and_
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import pandas as pd
 import xarray as xr
 
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import is_lazy, lone, row_of
+from stochlin.analyses.tables.cellwise import lone, row_of
+from stochlin.analyses.tables.lazy import arrays_of, computed, in_blocks, is_lazy
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import sentence
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
 
@@ -24,8 +22,6 @@ CELL = "_cell"  # temporary dimension; no dimension of a model has this name
 USABLE = "usable"
 NONE_VALID = "no cell has valid parameters; correct those that are out of range"
 OfCell = Callable[..., xr.Dataset]
-Kinds = dict[Any, tuple[Sequence[Hashable], npt.DTypeLike]]  # dimensions and type of each variable
-OfChunk = Callable[[Mapping[str, Any], xr.Dataset], xr.Dataset]  # of models and a dataset beside them
 
 
 def over_cells(
@@ -41,15 +37,12 @@ def over_cells(
     Cells with parameters out of range, or that are not ``usable``, are NaN with the status of invalid
     input. With dask arrays the table is lazy and has the same numbers.
     """
-    arrays = [array for model in models.values() for array in model.over_cells().values()]
-    whole = {**models, **(beside or {})}
-    if not any(array.ndim for array in arrays):
-        return function(**whole)
-    shape = xr.broadcast(*arrays)[0]
-    if is_lazy(*arrays):
-        table = _in_chunks(function, models, usable, beside, shape)
-    else:
-        table = _one_by_one(function, models, usable, beside, shape)
+    beside = beside or {}
+    if not arrays_of(models):
+        return function(**models, **beside)
+    known = _first_valid(function, models, usable, beside) if is_lazy(models) else None
+    more = None if usable is None else xr.Dataset({USABLE: usable})
+    table = in_blocks(partial(_one_by_one, function, beside, known), models, more)
     return table.assign_attrs({role: model.describe() for role, model in models.items()})
 
 
@@ -92,18 +85,10 @@ def flat(models: Mapping[str, Model]) -> Flat:
 
     Raises a ValueError if dimensions of the same name differ in coordinates or length.
     """
-    arrays = [a for model in models.values() for a in model.over_cells().values() if a.ndim]
+    arrays = arrays_of(models)
     if not arrays:
         return Flat(xr.DataArray(0.0), np.zeros(1, int), dict(models))
-    try:
-        xr.align(*arrays, join="exact", copy=False)
-    except (xr.AlignmentError, ValueError) as error:
-        raise ValueError(
-            f"{', '.join(models)}: they share a dimension whose coordinates or lengths differ: "
-            f"{sentence(error)}; give them different dimension names for a table, or equal coordinates "
-            "for cells side by side"
-        ) from error
-    shape = xr.broadcast(*arrays)[0]
+    shape = xr.broadcast(*arrays.values())[0]
     settles = [m.settles() for m in models.values() if isinstance(m, Structure)]
     where = np.flatnonzero(row_of(_good(models, reduce(and_, settles, xr.DataArray(True))), shape))
 
@@ -119,15 +104,16 @@ def flat(models: Mapping[str, Model]) -> Flat:
 
 def _one_by_one(
     function: OfCell,
-    models: Mapping[str, Model],
-    usable: xr.DataArray | None,
-    beside: Mapping[str, Model] | None,
-    shape: xr.DataArray,
-    known: xr.Dataset | None = None,
+    beside: Mapping[str, Model],
+    known: xr.Dataset | None,
+    /,
+    more: xr.Dataset | None = None,
+    **models: Any,
 ) -> xr.Dataset:
-    """Table of all cells of ``shape``; ``known`` is a result, the pattern for invalid cells."""
-    whole = {**models, **(beside or {})}
-    good = _good(models, usable)
+    """Table of all cells; ``known`` is a result, the pattern for invalid cells."""
+    shape = xr.broadcast(*arrays_of(models).values())[0]
+    good = _good(models, None if more is None else more[USABLE])
+    whole = {**models, **beside}
     places = list(np.ndindex(shape.shape))
     done: list[xr.Dataset | None] = []
     for place in places:
@@ -160,117 +146,22 @@ def _good(models: Mapping[str, Model], usable: xr.DataArray | None) -> xr.DataAr
     return reduce(and_, good if usable is None else [*good, usable])
 
 
-def _in_chunks(
+def _first_valid(
     function: OfCell,
     models: Mapping[str, Model],
     usable: xr.DataArray | None,
-    beside: Mapping[str, Model] | None,
-    shape: xr.DataArray,
+    beside: Mapping[str, Model],
 ) -> xr.Dataset:
-    """Lazy table in the chunks of the models; one cell is computed at once, as a pattern."""
-    good = _good(models, usable).broadcast_like(shape).transpose(*shape.dims)
+    """The result for the first valid cell."""
+    good = _good(models, usable)
     place: dict[str, int] = {}
-    for dim in map(str, shape.dims):
+    for dim in map(str, good.dims):
         left = good.isel(place)
         along = left.any([other for other in left.dims if other != dim])
         place[dim] = int(np.argmax(along.to_numpy()))
     if not bool(good.isel(place)):
         raise ValueError(NONE_VALID)
-    at_hand = {role: model.isel(place) for role, model in models.items()}
-    bare = {role: model.with_arrays(computed(model)) for role, model in at_hand.items()}
-    known = function(**bare, **(beside or {}))
-    kinds: Kinds = {
-        name: ((*variable.dims, *shape.dims), variable.dtype)
-        for name, variable in known.data_vars.items()
-    }
-    more = xr.Dataset(None if usable is None else {USABLE: usable})
-    table = in_chunks(partial(_chunk, options=(function, beside, known)), models, more, kinds, known)
-    return table.assign_coords({name: shape.coords[name] for name in shape.coords})
-
-
-def in_chunks(
-    function: OfChunk,
-    models: Mapping[str, Model],
-    more: xr.Dataset,
-    kinds: Kinds,
-    like: xr.Dataset | None = None,
-) -> xr.Dataset:
-    """Lazy table, of which each chunk is ``function`` of the models and of ``more`` in this chunk.
-
-    Parameters
-    ----------
-    function : callable
-        Function of the models by their names and of a dataset, which returns the table of a chunk.
-    models : mapping
-        Models with arrays, whose dimensions are chunked.
-    more : xarray.Dataset
-        Arrays that the function needs beside the models.
-    kinds : dict
-        Dimensions and type of each variable of the table.
-    like : xarray.Dataset, optional
-        Pattern with the attributes of the table, and with the sizes and coordinates of the dimensions
-        that the models do not have.
-
-    Returns
-    -------
-    xarray.Dataset
-        The lazy table.
-    """
-    arrays = xr.Dataset(
-        {
-            f"{role}.{name}": array
-            for role, model in models.items()
-            for name, array in model.over_cells().items()
-            if array.ndim
-        }
-    )
-    with warnings.catch_warnings():
-        # A table has more chunks than its axes, which is intended here.
-        warnings.filterwarnings("ignore", message="Increasing number of chunks")
-        arrays = arrays.assign(more.data_vars).chunk().unify_chunks()
-    like = xr.Dataset() if like is None else like
-    from dask.array import empty  # dask is installed, since there are dask arrays
-
-    def blank(name: Any, dims: Sequence[Hashable], kind: npt.DTypeLike) -> xr.Variable:
-        sizes = [arrays.chunksizes.get(dim) or (like.sizes[dim],) for dim in dims]
-        array = empty([sum(size) for size in sizes], dtype=kind, chunks=sizes)
-        return xr.Variable(dims, array, like[name].attrs if name in like else None)
-
-    template = xr.Dataset(
-        {name: blank(name, *kind) for name, kind in kinds.items()},
-        {**like.coords, **arrays.coords},
-        like.attrs,
-    )
-    bare = {role: model.isel(dict.fromkeys(arrays.dims, 0)) for role, model in models.items()}
-    bare = {role: model.with_arrays(computed(model)) for role, model in bare.items()}
-    options = function, bare, {name: list(dims) for name, (dims, _) in kinds.items()}
-    return xr.map_blocks(_of_chunk, arrays, kwargs={"options": options}, template=template)
-
-
-def computed(model: Model) -> dict[str, xr.DataArray]:
-    """The dask arrays of a model, computed."""
-    return {name: array.compute() for name, array in model.arrays().items() if is_lazy(array)}
-
-
-def _of_chunk(arrays: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
-    """One chunk of a lazy table; ``arrays`` has the parameters of its cells as ``model.parameter``."""
-    function, bare, dims = options
-    models = {
-        role: model.with_arrays(
-            {name: arrays[key] for name in model.arrays() if (key := f"{role}.{name}") in arrays}
-        )
-        for role, model in bare.items()
-    }
-    table = function(models, arrays[[name for name in arrays if "." not in str(name)]])
-    return table.assign({name: table[name].transpose(*own) for name, own in dims.items()})
-
-
-def _chunk(models: Mapping[str, Model], more: xr.Dataset, options: tuple[Any, ...]) -> xr.Dataset:
-    """One chunk of `over_cells`."""
-    function, beside, known = options
-    arrays = [array for model in models.values() for array in model.over_cells().values()]
-    shape = xr.broadcast(*arrays)[0]
-    return _one_by_one(function, models, more.get(USABLE), beside, shape, known)
+    return function(**{role: computed(model.isel(place)) for role, model in models.items()}, **beside)
 
 
 def _blank(table: xr.Dataset) -> xr.Dataset:

@@ -1,13 +1,11 @@
 """Functions of arrays applied to labelled arrays, which broadcast by dimension name.
 
-All analyses with independent cells use this module. Dask arrays stay lazy, and their chunks are computed
-by the same function, with results that are equal to the last bit. Arguments without dimensions are
-passed on as plain numbers, without the cost of labels.
+All analyses with independent cells use this module. Arguments without dimensions are passed on as plain
+numbers, without the cost of labels.
 """
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, overload
 
@@ -16,7 +14,6 @@ import numpy.typing as npt
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import sentence
 from stochlin.models.parameters import Model
 
 Cells = xr.DataArray | Array | float
@@ -35,11 +32,6 @@ def row_of(array: xr.DataArray, like: xr.DataArray) -> Array:
 def is_labelled(*arrays: Cells) -> bool:
     """Whether one of the arrays has labels."""
     return any(isinstance(array, xr.DataArray) for array in arrays)
-
-
-def is_lazy(*arrays: Cells) -> bool:
-    """Whether one of the arrays is a dask array."""
-    return any(isinstance(array, xr.DataArray) and array.chunks is not None for array in arrays)
 
 
 def lone(array: Cells) -> Cells:
@@ -109,35 +101,12 @@ def cellwise(
         several = results if len(kinds) > 1 else (results,)
         return tuple(map(np.asarray, several, kinds))
     labelled = [entry if isinstance(entry, xr.DataArray) else xr.DataArray(entry) for entry in arrays]
-    with warnings.catch_warnings():
-        # A table has more chunks than its axes, which is intended here.
-        warnings.filterwarnings("ignore", message="Increasing number of chunks")
-        results = xr.apply_ufunc(
-            function,
-            *labelled,
-            kwargs=options,
-            input_core_dims=core or [[]] * len(labelled),
-            output_core_dims=[list(result)] * len(kinds),
-            join="exact",
-            dask="parallelized",
-            output_dtypes=[np.dtype(kind) for kind in kinds],
-        )
+    results = xr.apply_ufunc(
+        function,
+        *labelled,
+        kwargs=options,
+        input_core_dims=core or [[]] * len(labelled),
+        output_core_dims=[list(result)] * len(kinds),
+        join="exact",
+    )
     return results if len(kinds) > 1 else (results,)
-
-
-@overload
-def cellwise_pair(
-    function: Callable[..., Any], *arrays: xr.DataArray, **options: Any
-) -> tuple[xr.DataArray, ...]: ...
-@overload
-def cellwise_pair(function: Callable[..., Any], *arrays: Cells, **options: Any) -> tuple[Cells, ...]: ...
-def cellwise_pair(function: Callable[..., Any], *arrays: Cells, **options: Any) -> tuple[Cells, ...]:
-    """`cellwise` for two structures and a ground, with a ValueError for dimensions that do not fit."""
-    try:
-        return cellwise(function, *arrays, **options)
-    except xr.AlignmentError as error:
-        raise ValueError(
-            f"first, second and ground share a dimension whose coordinates differ: "
-            f"{sentence(error)}; give "
-            "the structures different dimension names for a table, or equal coordinates for pairs"
-        ) from error

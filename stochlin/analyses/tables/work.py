@@ -83,13 +83,11 @@ def cost_of(work: Mapping[str, float], cores: int = 1) -> dict[str, float]:
 
 
 def count_cells(*models: Model) -> int:
-    """Number of cells over all dimensions of the models; 0 with dask arrays, which need no check."""
+    """Number of cells over all dimensions of the models."""
     sizes: dict[Hashable, int] = {}
     for model in models:
         for value in model.cells().values():
             if isinstance(value, xr.DataArray):
-                if value.chunks is not None:
-                    return 0
                 sizes.update(value.sizes)
     return math.prod(sizes.values())
 

@@ -48,17 +48,14 @@ def in_order(
         pool.shutdown(wait=False, cancel_futures=True)  # after an interrupt, do not wait for the rest
 
 
-def in_ranges(
-    task: Callable[[slice], Result], cells: int, size: int, *, threads: bool = True
-) -> list[Result]:
+def in_ranges(task: Callable[[slice], Result], cells: int, size: int) -> list[Result]:
     """Results of a task for each range of ``size`` of the cells, in order.
 
-    The ranges are computed on all cores, or in this thread if ``threads`` is false. If there are no
-    cells, the task runs once with an empty range.
+    The ranges are computed on all cores. If there are no cells, the task runs once with an empty range.
     """
     ranges = [slice(begin, min(begin + size, cells)) for begin in range(0, max(cells, 1), size)]
 
     def part(number: int) -> Result:
         return task(ranges[number])
 
-    return list(in_order(part, len(ranges)) if threads else map(part, range(len(ranges))))
+    return list(in_order(part, len(ranges)))

@@ -29,8 +29,6 @@ def differences(
     bias_1: Array,
     bias_2: Array,
     bias: Array,
-    *,
-    threads: bool,
 ) -> tuple[Array, Array, Array]:
     """Standard deviation of ``u1 - u2``, its relative bias, and the caution; the inputs broadcast.
 
@@ -54,7 +52,7 @@ def differences(
         results[0][0], results[1][0] = _difference(a, b, c, d, rho[0], parts[4][0])
         results[2][0] = _flag(results[1][0])
     else:
-        in_ranges(part, count, PART, threads=threads)
+        in_ranges(part, count, PART)
     std, off, flag = (array.reshape(shape) for array in results)
     return std, off, flag
 

@@ -98,10 +98,8 @@ def pair_table(
     shape: tuple[int, ...],
     grid: Grid | None,
     codes: Codes,
-    *,
-    threads: bool,
 ) -> RhoTable:
-    """Results of all cells of a table of this ``shape``, on all cores if ``threads`` is true.
+    """Results of all cells of a table of this ``shape``, on all cores.
 
     ``grid`` is the map of the bias of ``rho``, None for none. Its axes are logarithms: the first
     `SHARED` are of properties that both structures share, the next of the longer period over the
@@ -117,7 +115,7 @@ def pair_table(
     def part(cells: slice) -> None:
         _fill(*first, *second, *fixed, cells.start, cells.stop, *result)
 
-    in_ranges(part, count, PART, threads=threads)
+    in_ranges(part, count, PART)
     return result
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,10 +13,10 @@ from stochlin.analyses.linearization.equivalent_systems import check_closure
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
+from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.kernels.linearization.systems.springs import before_clipping
-from stochlin.messages import sentence
 from stochlin.models.laws.hysteretic import law_of
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.structures import DRIFT, GAUSSIAN, NARROW_BAND, Structure
@@ -106,37 +107,20 @@ def equivalent_coefficients(
     moments = Moments(velocity_std, z_std, velocity_z_corr)
     structure = law_of(law, {"period": 1.0, "damping": 0.05}, law_parameters)
     check_element_closure(structure, closure)
-    of_law = structure.closure(closure)
-    valid = moments.valid() & structure.valid()
-    try:
-        c_eq, k_eq = cellwise(
-            _coefficients,
-            valid,
-            *moments.arrays().values(),
-            *structure.law_parameters(),
-            kinds=(float, float),
-            closure=of_law,
-            clips=closure != GAUSSIAN,
-        )
-    except xr.AlignmentError as error:
-        raise ValueError(
-            f"moments and law parameters share a dimension whose coordinates or lengths differ: "
-            f"{sentence(error)}"
-        ) from error
-    if not c_eq.ndim and np.isnan(c_eq):
+    models: dict[str, Model] = {"moments": moments, "law": structure}
+    table = in_blocks(partial(_of_moments, closure), models)
+    if not table.c_eq.ndim and np.isnan(table.c_eq):
         raise ValueError(
             f"z_std = {float(moments.arrays()['z_std']):g}, velocity_z_corr = "
             f"{float(moments.arrays()['velocity_z_corr']):g}: no clipped Gaussian has these moments; "
             "allowed: z_std < 1, and less correlation"
         )
-    status = labels.status_where(c_eq.notnull() & k_eq.notnull())
-    table = labels.label(xr.Dataset({"c_eq": c_eq, "k_eq": k_eq, "status": status}), VARIABLES)
     law_name = law if isinstance(law, str) else f"{law}"
     return labels.with_run_information(
-        table,
+        labels.label(table, VARIABLES),
         f"Equivalent coefficients, eqs. (9) and (10), {closure} closure",
         f"equivalent_coefficients(law={law_name!r}, closure={closure!r})",
-        {"moments": moments, "law": structure},
+        models,
     )
 
 
@@ -148,6 +132,20 @@ def check_element_closure(law: Structure, closure: str) -> None:
             f"closure = {closure!r} {LACKING[closure]}; allowed for linked structures, storeys and "
             "coefficients: gaussian, clipped"
         )
+
+
+def _of_moments(closure: str, moments: Moments, law: Structure) -> xr.Dataset:
+    c_eq, k_eq = cellwise(
+        _coefficients,
+        moments.valid() & law.valid(),
+        *moments.arrays().values(),
+        *law.law_parameters(),
+        kinds=(float, float),
+        closure=law.closure(closure),
+        clips=closure != GAUSSIAN,
+    )
+    status = labels.status_where(c_eq.notnull() & k_eq.notnull())
+    return xr.Dataset({"c_eq": c_eq, "k_eq": k_eq, "status": status})
 
 
 @np.errstate(all="ignore")  # cells out of range are NaN

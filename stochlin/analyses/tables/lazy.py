@@ -1,0 +1,123 @@
+"""Lazy tables of parameters that are dask arrays; no other module has to know of them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.messages import sentence
+from stochlin.models.parameters import Model
+
+
+def in_blocks(
+    function: Callable[..., xr.Dataset], models: Mapping[str, Model], more: xr.Dataset | None = None
+) -> xr.Dataset:
+    """Table of a ``function`` of models; with dask arrays as parameters it is lazy.
+
+    Each block of a lazy table is the ``function`` of the parameters in this block. The function is
+    called once beforehand, with a single cell without valid parameters, which shows what a table
+    contains.
+
+    Parameters
+    ----------
+    function : callable
+        Function of the models by their names, and of the dataset ``more`` if there is one.
+    models : mapping
+        Models by name.
+    more : xarray.Dataset, optional
+        Variables over dimensions of the models, of which each block has its part.
+
+    Raises
+    ------
+    ValueError
+        If dimensions of the same name differ in coordinates or length.
+    """
+    arrays = arrays_of(models)
+    rest = {} if more is None else {"more": more}
+    if not is_lazy(models):
+        return function(**models, **rest)
+    whole = xr.Dataset(arrays | dict(more or {})).chunk()
+    with warnings.catch_warnings():
+        # A table has more chunks than its axes, which is intended here.
+        warnings.filterwarnings("ignore", message="Increasing number of chunks")
+        whole = whole.unify_chunks()
+    cell = dict.fromkeys(whole.dims, slice(0, 1))
+    bare = {role: _unknown(model.isel(cell)) for role, model in models.items()}
+    rest = {name: table.isel(cell, missing_dims="ignore").compute() for name, table in rest.items()}
+    like = function(**bare, **rest)
+    template = xr.Dataset(
+        {name: _empty(variable, whole.chunksizes) for name, variable in like.data_vars.items()},
+        {**like.coords, **whole.coords},
+        like.attrs,
+    )
+    options = {"function": function, "bare": bare, "more": list(more or ())}
+    return xr.map_blocks(_of_block, whole, kwargs=options, template=template)
+
+
+def arrays_of(models: Mapping[str, Model]) -> dict[str, xr.DataArray]:
+    """The parameters with dimensions of a table, by the names ``model.parameter``.
+
+    Raises a ValueError if dimensions of the same name differ in coordinates or length.
+    """
+    arrays = {
+        f"{role}.{name}": array
+        for role, model in models.items()
+        for name, array in model.over_cells().items()
+        if array.ndim
+    }
+    try:
+        xr.align(*arrays.values(), join="exact", copy=False)
+    except (xr.AlignmentError, ValueError) as error:
+        *others, last = models
+        raise ValueError(
+            f"{', '.join(others)} and {last} share a dimension whose coordinates or lengths differ: "
+            f"{sentence(error)}; give them different dimension names for a table, or equal coordinates "
+            "for cells side by side"
+        ) from error
+    return arrays
+
+
+def is_lazy(models: Mapping[str, Model]) -> bool:
+    """Whether a parameter is a dask array."""
+    arrays = [array for model in models.values() for array in model.over_cells().values()]
+    return any(array.chunks is not None for array in arrays)
+
+
+def computed(model: Model) -> Any:
+    """The model, with its dask arrays computed."""
+    arrays = {name: array for name, array in model.over_cells().items() if array.chunks is not None}
+    return model.with_arrays({name: array.compute() for name, array in arrays.items()})
+
+
+def _unknown(model: Model) -> Model:
+    """The model with NaN in place of its arrays."""
+    arrays = {name: array for name, array in model.over_cells().items() if array.ndim}
+    return model.with_arrays(
+        {name: array.copy(data=np.full(array.shape, np.nan)) for name, array in arrays.items()}
+    )
+
+
+def _empty(variable: xr.DataArray, chunks: Mapping[Any, tuple[int, ...]]) -> xr.Variable:
+    """A lazy variable like this one, in chunks along the dimensions that have some."""
+    from dask.array import empty  # dask is installed, since there are dask arrays
+
+    parts = [chunks.get(dim, (size,)) for dim, size in variable.sizes.items()]
+    array = empty([sum(part) for part in parts], dtype=variable.dtype, chunks=parts)
+    return xr.Variable(variable.dims, array, variable.attrs)
+
+
+def _of_block(
+    whole: xr.Dataset, function: Callable[..., xr.Dataset], bare: Mapping[str, Model], more: list[Any]
+) -> xr.Dataset:
+    """The table of one block; ``whole`` has its parameters, ``bare`` the models without them."""
+    models = {
+        role: model.with_arrays(
+            {name: whole[key] for name in model.over_cells() if (key := f"{role}.{name}") in whole}
+        )
+        for role, model in bare.items()
+    }
+    return function(**models, **({"more": whole[more]} if more else {}))
