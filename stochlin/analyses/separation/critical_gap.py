@@ -12,7 +12,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise, valid_cells
 from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.combination import double_difference
 from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, Range, parameter
 
@@ -69,9 +69,8 @@ def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dat
     [0.1, 0.5, 0.7]
     """
     pair = CorrelatedPeaks(peak_1, peak_2, rho)
-    table = in_blocks(_by_equation_3, {"pair": pair})
     return labels.with_run_information(
-        labels.label(table, VARIABLES),
+        labels.label(in_blocks(_by_equation_3, {"pair": pair}), VARIABLES),
         "Critical gap by the double difference combination, eq. (3)",
         "critical_gap()",
         {"pair": pair},
@@ -90,8 +89,6 @@ def equation_3(peak_1: Array, peak_2: Array, rho: Array) -> Array:
     return np.where(gaps < ALIKE * np.maximum(peak_1, peak_2), 0.0, gaps)
 
 
-def _valid_gap(*inputs: Array) -> Array:
-    def piece(valid: Array, *pair: Array) -> Array:
-        return double_difference(*(np.where(valid, value, np.nan) for value in pair))
-
-    return in_slabs(piece, *inputs)[0]
+@by_slabs(float)
+def _valid_gap(valid: Array, *pair: Array) -> Array:
+    return double_difference(*(np.where(valid, value, np.nan) for value in pair))
