@@ -21,10 +21,8 @@ from stochlin.analyses.charts.records import portrait_chart as portrait_chart
 from stochlin.analyses.charts.records import recorded_gap_chart as recorded_gap_chart
 from stochlin.analyses.charts.rules import effective_rules_chart as effective_rules_chart
 from stochlin.analyses.charts.settings import ChartSettings as ChartSettings
-from stochlin.analyses.charts.verification import verify_chart as verify_chart
 from stochlin.analyses.linearization.bias_map import bias_map as bias_map
 from stochlin.analyses.records.spectra import fit_spectra as fit_spectra
-from stochlin.views.buildings.pictures import draw_modes as draw_modes
 from stochlin.views.buildings.pushover import draw_pushover as draw_pushover
 from stochlin.views.charts.charts import PICTURES as PICTURES
 from stochlin.views.charts.charts import draw as draw

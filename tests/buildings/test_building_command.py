@@ -1,4 +1,4 @@
-"""The command ``stochlin building``: what it prints and draws of a file of modes."""
+"""The command ``stochlin building``: what it prints of a file of modes."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 from commands import answered, refused
 
-from stochlin.charts import draw_modes
+import stochlin as sl
 
 pytestmark = pytest.mark.cli
 
@@ -58,22 +58,6 @@ def test_its_example_is_a_building(wall: Path) -> None:
     assert "MODES is missing; 'stochlin building --example" in refused("building")
 
 
-def test_it_draws_the_modes_and_saves_their_data(wall: Path) -> None:
-    picture = wall.with_name("modes.svg")
-    answered("building", wall, "--picture", picture)
-    with xr.open_dataset(picture.with_suffix(".nc")) as table:
-        figure = draw_modes(table)
-        shapes, masses = figure.axes
-        for line, mode in zip(shapes.lines[1:], table["mode"].values, strict=True):
-            moved = table["floor_move"].sel(mode=mode).values
-            np.testing.assert_allclose(line.get_xdata(), [0, *moved])
-            np.testing.assert_allclose(line.get_ydata(), [0, *table["level"].values])
-        heights = [bar.get_height() for bar in masses.patches]
-        np.testing.assert_allclose(heights, 100 * table["mass_share"])
-    with pytest.raises(ValueError, match="one that 'stochlin building' saves"):
-        draw_modes(xr.Dataset())
-
-
 def test_what_the_file_gives_and_leaves_out_is_told(tmp_path: Path) -> None:
     text = WALL.replace("level", "participation;;1,4;0,6;0,1\nmodal mass [t];;700;200;80\nlevel", 1)
     (tmp_path / "edge.csv").write_text(text, encoding="utf-8")
@@ -98,12 +82,11 @@ PUSH = "roof displacement [cm],base shear [kN]\n0,0\n2,826\n4,1520\n6,1890\n10,2
 
 def test_a_pushover_curve_gives_the_strength_of_mode_1(wall: Path) -> None:
     """The roof at yield is the factor of mode 1 times its oscillator; the period is 2 pi (M D/V)^.5."""
-    push, picture = wall.with_name("push.csv"), wall.with_name("fit.png")
+    push, out = wall.with_name("push.csv"), wall.with_name("modes.nc")
     push.write_text(PUSH, encoding="utf-8")
-    said = answered("building", wall, "--pushover", push, "--picture", picture).output
+    said = answered("building", wall, "--pushover", push, "--out", out).output
     said = " ".join(said.replace("\xa0", " ").split())
-    assert picture.with_name("fit-pushover.png").exists()
-    ideal, modes = (xr.load_dataset(wall.with_name(name)) for name in ("fit-pushover.nc", "fit.nc"))
+    ideal, modes = sl.bilinear_of(sl.read_pushover(push)), xr.load_dataset(out)
     force, roof = float(ideal["yield_force"]), float(ideal["yield_displacement"])
     factor, mass = float(modes["floor_move"].sel(mode=1)[-1]), float(modes["modal_mass"][0])
     weight = 9.80665 * 1.12e6

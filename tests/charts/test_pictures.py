@@ -1,4 +1,4 @@
-"""Which picture a chart dataset becomes: the one its attribute names, and of older files the same."""
+"""Which picture a chart dataset becomes: the one its attribute names."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +12,6 @@ from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 
 import stochlin as sl
-from stochlin.views.charts import charts
 from stochlin.views.charts.planes import contour_levels, plane
 
 pytestmark = pytest.mark.invariant
@@ -29,8 +28,6 @@ def computed():
     for given in ((), (RECORD, site)):
         functions = sl.charts.chart_functions(SETTINGS, *given)
         yield from ((name, functions[name]) for name in functions if not name.endswith(SAME))
-    for name in ("fig4b", "fig5a", "fig5b"):
-        yield f"{name}_verified", lambda name=name: sl.charts.verify_chart(name, SETTINGS)
     yield "fig5a_alone", sl.charts.chart_functions(replace(SETTINGS, simulated_points=0))["fig5a"]
 
 
@@ -40,25 +37,16 @@ def charts_by_name():
 
 
 @pytest.mark.slow
-def test_every_chart_says_its_kind_and_files_that_do_not_are_drawn_alike(charts_by_name):
+def test_every_chart_says_its_kind(charts_by_name):
     kinds = {name: chart.attrs["chart"] for name, chart in charts_by_name.items()}
     second = {chart.attrs.get("comparison", "curves") for chart in charts_by_name.values()}
     assert set(kinds.values()) | second == set(sl.charts.PICTURES)
-    before_the_attribute = {kind for kind, _ in charts.UNTOLD}
-    for name, chart in charts_by_name.items():
-        if kinds[name] in before_the_attribute:
-            del chart.attrs["chart"]
-            assert charts._kind(chart) == kinds[name], name
 
 
 @pytest.mark.parametrize("path", FIGURES, ids=lambda path: path.stem)
-def test_saved_figures_are_of_the_kind_they_are_drawn_as(path):
+def test_saved_figures_say_their_kind(path):
     with xr.open_dataset(path) as chart:
-        told = chart.attrs["chart"]
-        assert told in sl.charts.PICTURES
-        if told in {kind for kind, _ in charts.UNTOLD}:
-            del chart.attrs["chart"]
-            assert charts._kind(chart) == told
+        assert chart.attrs["chart"] in sl.charts.PICTURES
 
 
 def test_what_is_no_chart_is_refused_with_the_kinds_there_are():
@@ -68,15 +56,6 @@ def test_what_is_no_chart_is_refused_with_the_kinds_there_are():
         ValueError, match=r"attribute chart = 'pie' is not a known chart; allowed: .*curves"
     ):
         sl.charts.draw(xr.Dataset(attrs={"chart": "pie"}))
-
-
-@pytest.mark.parametrize("name", ["fig6", "fig3a", "fig9"])
-def test_a_chart_without_simulation_is_not_verified(name):
-    with pytest.raises(
-        ValueError, match=rf"'{name}' cannot be verified; allowed: fig4a, .*fig5b"
-    ) as found:
-        sl.charts.verify_chart(name, SETTINGS)
-    assert "fig8" not in str(found.value)
 
 
 @pytest.mark.parametrize(

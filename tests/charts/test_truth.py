@@ -231,12 +231,6 @@ def test_what_would_take_too_long_is_left_out_and_said():
     assert "Not all is simulated: the run would take about" in plane.attrs["comment"]
 
 
-def test_a_plane_is_verified_at_as_many_periods_as_are_asked_for():
-    plane = sl.charts.verify_chart("fig5a", replace(SETTINGS, paths=4)).rho_simulated
-    for axis in plane.dims[1:]:
-        assert int(plane.isel(ground=0).notnull().any(axis).sum()) == SETTINGS.points
-
-
 @pytest.mark.parametrize("name", ["fig4b", "fig5a", "fig5b"])
 def test_progress_of_a_chart_grows_within_it(name):
     few = replace(SETTINGS, points=3, simulated_points=2, reduction_factors=(6.0,))

@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-import xarray as xr
-from cases import axis, check_labels, with_slow
-from commands import answered, refused
+from cases import axis, check_labels
 
 import stochlin as sl
 
@@ -113,21 +111,3 @@ def test_progress_runs_to_one():
     shares = []
     sl.simulate([building(1.0)], LAKEBED, paths=96, relaxation_times=1.0, progress=shares.append)
     assert shares == pytest.approx([1 / 3, 2 / 3, 1.0])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", with_slow(["fig5a", "fig4b", "fig5b"], {"fig4b", "fig5b"}))
-def test_command_draws_both_and_the_difference(name, tmp_path):
-    small = ["--points", "3", "--paths", "32", "--reduction-factors", "4", "--out", str(tmp_path)]
-    result = answered("verify", name, *small)
-    assert "standard error" in result.output
-    assert (tmp_path / f"{name}_verified.png").exists()
-    if name != "fig5b":
-        with xr.open_dataset(tmp_path / f"{name}_verified.nc") as chart:
-            difference = chart.rho - chart.rho_simulated
-            np.testing.assert_allclose(chart.rho_difference, difference, atol=2e-6)  # six digits
-
-
-def test_a_chart_that_is_not_simulated_is_refused_with_those_that_are(tmp_path):
-    small = ["--points", "3", "--paths", "32", "--reduction-factors", "4", "--out", str(tmp_path)]
-    assert "fig4a" in refused("verify", "fig3a", *small)

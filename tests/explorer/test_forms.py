@@ -461,7 +461,7 @@ def test_words_caution_where_linearization_is_unsafe():
     known, why = words.caution(correlation(case_with(site=LAKEBED, **periods)))
     assert "linearization alone is unsafe" in known
     assert "too small for building 1" in known
-    assert "stochlin verify" in why
+    assert "stochlin charts" in why
     assert "is not known here" in words.caution(correlation(case_with(site={"ground": "firm"})))[0]
 
 

@@ -40,7 +40,6 @@ LONG = {
     "stochlin gap case.toml --report gap.html --out gap.nc",
     "stochlin mitigate case.toml --picture measures.png",
     "stochlin pound case.toml --motions 100",  # there is one with a picture
-    "stochlin verify fig4b --points 9 --paths 64",  # tests/correlation/test_simulated.py
 }
 
 

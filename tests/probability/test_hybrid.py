@@ -196,29 +196,19 @@ def test_unknown_envelope_is_refused(quake):
 
 @pytest.mark.slow
 def test_pictures_are_drawn_with_their_parameters_and_of_their_own_tables_only(quake, tmp_path):
-    from stochlin.views.probability.pictures import draw_fragility, draw_pounding
+    from stochlin.views.probability.pictures import draw_pounding
     from stochlin.views.shared.style import save
 
     firm = sl.named_ground("firm", 0.01)
     motion = {"envelope": sl.GammaEnvelope(1.0, 0.25), "duration": 12.0, "paths": 64}
-    yielding = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
     pictures = {
         "time": draw_pounding(sl.pounding_probability(ONE, TWO, firm, 0.1, **motion)),
         "hybrid": draw_pounding(
             sl.pounding_probability(ONE, TWO, firm, 0.1, method="hybrid", record=quake)
         ),
-        "fragility": draw_fragility(
-            sl.pounding_fragility(ONE, yielding, firm, [0.1, 0.2], [0.01, 0.02], **motion)
-        ),
     }
-    caption = pictures["fragility"].texts[-1].get_text()
-    assert caption.count("intensity") == 1
-    white = sl.pounding_fragility(ONE, TWO, sl.WhiteNoise(0.01), [0.1], [0.01, 0.02], **motion)
-    assert "ground: white noise\n" in draw_fragility(white).texts[-1].get_text()
-    assert "reduction factors refer to the intensity 0.01 m²/s³" in " ".join(caption.split())
     for name, figure in pictures.items():
         save(figure, tmp_path / f"{name}.png")
         assert (tmp_path / f"{name}.png").stat().st_size > 10_000
-    for draw in (draw_pounding, draw_fragility):
-        with pytest.raises(ValueError, match="dataset has the dimensions"):
-            draw(xr.Dataset())
+    with pytest.raises(ValueError, match="dataset has the dimensions"):
+        draw_pounding(xr.Dataset())

@@ -97,7 +97,7 @@ def period_ratio_chart(
     -------
     xarray.Dataset
         ``rho`` and ``status`` over (``reduction_factor``, ``period_ratio``); ``rho_elastic``, on the
-        same ground, and ``rho_white_noise``, eq. (4), over ``period_ratio``. A linearized chart also has
+        same ground, and ``rho_white_noise``, eq. (4), over ``period_ratio``. It also has
         ``rho_drift`` by the drift closure; ``rho_effective`` over ``rule``, eq. (4) with effective
         properties for the peak ductilities ``ductility_peak_1`` and ``_2`` of the same reduction factor;
         and ``rho_simulated`` with ``rho_standard_error`` and ``rho_difference`` (linearized minus
@@ -122,9 +122,9 @@ def period_ratio_chart(
         Bilinear(period, settings.damping, settings.hardening, reduction_factor=factors)
         for period in periods
     )
-    table = correlate(first, second, ground, **settings.options_of_pairs)
+    table = correlate(first, second, ground, closure=settings.closure, solver=settings.solver)
     part_of(progress, 0.0, TABLE_SHARE)(1.0)
-    chart = table[_shown(table)].transpose("reduction_factor", "period_ratio")
+    chart = table[["rho", "status"]].transpose("reduction_factor", "period_ratio")
     elastic_1, elastic_2 = (Bilinear(period, settings.damping) for period in periods)
     if settings.draws(ELASTIC):
         chart["rho_elastic"] = correlate(elastic_1, elastic_2, ground, solver=settings.solver).rho
@@ -134,8 +134,6 @@ def period_ratio_chart(
     title = f"Correlation of bilinear structures, ω2 = {times}ωg"
     where = f"{ground_caption(ground)}; T2 = {second_period:.3g} s"
     chart = _captioned(chart, "curves", title, where, settings, labels.CAUTION_RHO)
-    if settings.method == "simulation":
-        return chart
     chart = with_rules(chart, (first, second), ground, settings)
     left = part_of(progress, 2 * TABLE_SHARE, 1.0)
     left(0.0)
@@ -160,7 +158,7 @@ def period_plane_chart(
     Returns
     -------
     xarray.Dataset
-        ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``). A linearized chart also has
+        ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``). It also has
         ``rho_drift``, ``rho_simulated``, ``rho_standard_error`` and ``rho_difference``, as in Fig. 4.
 
     Examples
@@ -182,12 +180,10 @@ def period_plane_chart(
         )
         for n in (1, 2)
     )
-    table = correlate(first, second, ground, **settings.options_of_pairs)
+    table = correlate(first, second, ground, closure=settings.closure, solver=settings.solver)
     title = f"Correlation of bilinear structures, R = {settings.plane_reduction_factor:g}"
-    chart = table[_shown(table)]
+    chart = table[["rho", "status"]]
     chart = _captioned(chart, "plane", title, ground_caption(ground), settings, labels.CAUTION_RHO)
-    if settings.method == "simulation":
-        return chart
     left = part_of(progress, TABLE_SHARE, 1.0)
     left(0.0)
     return left_out(with_truth(chart, (first, second), ground, settings, 41, left), settings)
@@ -212,7 +208,7 @@ def amplification_chart(
     -------
     xarray.Dataset
         ``amplification``, the ratio of the standard deviations, and ``status`` over
-        (``reduction_factor``, ``period_ratio``). A linearized chart also has ``amplification_drift`` by
+        (``reduction_factor``, ``period_ratio``). It also has ``amplification_drift`` by
         the drift closure, and by simulation, NaN between the simulated points,
         ``amplification_simulated`` of the standard deviations and ``amplification_of_peaks`` of the
         peaks in a finite motion, which the text of the paper means, both with ``_standard_error``.
@@ -233,12 +229,10 @@ def amplification_chart(
         settings.hardening,
         reduction_factor=_reduction_factors(settings),
     )
-    table = amplification(structure, ground, **settings.options)
-    chart = table[_shown(table)].transpose("reduction_factor", "period_ratio")
+    table = amplification(structure, ground, closure=settings.closure)
+    chart = table[["amplification", "status"]].transpose("reduction_factor", "period_ratio")
     title = "Amplification of the displacement by yielding"
     chart = _captioned(chart, "curves", title, ground_caption(ground), settings, labels.CAUTION_SIGMA)
-    if settings.method != "linearization":
-        return chart
     left = part_of(progress, TABLE_SHARE, 1.0)
     left(0.0)
     return left_out(_with_others(chart, structure, ground, settings, left), settings)
@@ -325,11 +319,6 @@ for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
     CHARTS.register(f"fig4{_letter}", place=40)(partial(period_ratio_chart, frequency_ratio=_ratio))
 
 
-def _shown(table: xr.Dataset) -> list[str]:
-    names = ("rho", "amplification", "rho_standard_error", "amplification_standard_error", "status")
-    return [name for name in names if name in table]
-
-
 def ground_period(ground: Ground) -> float:
     """Period ``Tg`` of the ground [s]."""
     return float(ground.arrays()["period"])
@@ -349,12 +338,11 @@ def ground_caption(ground: Ground) -> str:
 def _captioned(
     chart: xr.Dataset, picture: str, title: str, where: str, settings: ChartSettings, caution: str
 ) -> xr.Dataset:
-    """Chart with title and caption; a linearized chart also has the caution as its comment."""
-    linearized = settings.method == "linearization"
+    """Chart with title and caption, and the caution as its comment."""
     closure = settings.closure.replace("gaussian", "Gaussian").replace("_", " ")
-    how = f"linearized, {closure} closure" if linearized else "simulated"
     structures = (
-        f"Bilinear structures: ξ = {settings.damping:g}, α = {settings.hardening:g}, R = 3 σel/uy; {how}"
+        f"Bilinear structures: ξ = {settings.damping:g}, α = {settings.hardening:g}, R = 3 σel/uy; "
+        f"linearized, {closure} closure"
     )
-    chart = chart.assign_attrs(chart=picture, title=title, caption=f"{where}\n{structures}")
-    return chart.assign_attrs(comment=caution) if linearized else chart
+    caption = f"{where}\n{structures}"
+    return chart.assign_attrs(chart=picture, title=title, caption=caption, comment=caution)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated
 
 from stochlin.messages import brief
 from stochlin.models.arguments import Metres, Paths, Points, Seed, Whole, check_fields, is_number
@@ -60,8 +60,6 @@ class ChartSettings:
         Solver of the linearized pairs of Figs. 4 and 5a, as in `stochlin.correlate`.
     points : int
         Number of periods along an axis.
-    method : {"linearization", "simulation"}
-        Method for the response of yielding structures.
     paths, seed : int
         Number and seed of simulated motions, as in `stochlin.simulate`.
     simulated_points : int, optional
@@ -99,23 +97,10 @@ class ChartSettings:
     closure: str = "gaussian"
     solver: str = "closed_form"
     points: Points = 161
-    method: str = "linearization"
     paths: Paths = 256
     seed: Seed = 0
     simulated_points: Annotated[int, Whole(0)] | None = None
     curves: tuple[str, ...] | None = None
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """Keyword arguments for `stochlin.amplification`."""
-        names = ("method", "closure", "paths", "seed")
-        return {name: getattr(self, name) for name in names}
-
-    @property
-    def options_of_pairs(self) -> dict[str, Any]:
-        """Keyword arguments for `stochlin.correlate`."""
-        solver = {"solver": self.solver} if self.method == LINEARIZATION else {}
-        return self.options | solver
 
     @property
     def fine_points(self) -> int:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import product
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.charts.charts import chart_functions, for_file
 from stochlin.analyses.charts.rules import along_rules
 from stochlin.analyses.charts.settings import (
     DRIFT_CLOSURE,
@@ -23,14 +21,12 @@ from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.messages import brief
 from stochlin.models.grounds import Ground
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.models.structures import DRIFT, Structure
 
 USUAL_RULES = ("penzien_1997", "iwan_1980")  # derived, and fitted to records
 DRIFT_SHARE = 0.02  # share of the drift closure in the time for it and for the simulations
-INTERVALS = 120  # least number of intervals of curves beside simulated points
 BESIDE = ("_drift", "_simulated", "_of_peaks")  # endings of what can be drawn without linearization
 Pair = tuple[Structure, Structure]
 Place = dict[str, slice]  # cells of a chart
@@ -89,7 +85,7 @@ def with_truth(
         runs = part_of(progress, DRIFT_SHARE, 1.0)
         simulated, refused = _simulated(chart.rho, pair, ground, settings, count, runs)
         if bool(simulated.rho.notnull().any()):
-            chart = beside(chart, simulated, "rho", settings.paths)
+            chart = _beside(chart, simulated, settings.paths)
             comment = chart.attrs["comment"]
             chart.attrs["plain_comment"] = " ".join([comment, _errors(chart, plain=True), *refused])
             refused = [_errors(chart), *refused]
@@ -110,76 +106,15 @@ def left_out(chart: xr.Dataset, settings: ChartSettings) -> xr.Dataset:
     return chart.drop_vars(names)
 
 
-def beside(chart: xr.Dataset, simulated: xr.Dataset, shown: str, paths: int) -> xr.Dataset:
-    """A chart with the simulated variable ``shown``, its standard error, and the difference from it."""
-    error = f"{shown}_standard_error"
-    chart[f"{shown}_simulated"] = simulated[shown].assign_attrs(chart[shown].attrs)
-    chart[error] = simulated[error]
-    chart[f"{shown}_difference"] = chart[shown] - simulated[shown]
-    largest = float(simulated[error].max())
+def _beside(chart: xr.Dataset, simulated: xr.Dataset, paths: int) -> xr.Dataset:
+    """A chart with the simulated ``rho``, its standard error, and the difference from it."""
+    chart["rho_simulated"] = simulated.rho.assign_attrs(chart.rho.attrs)
+    chart["rho_standard_error"] = simulated.rho_standard_error
+    chart["rho_difference"] = chart.rho - simulated.rho
+    largest = float(simulated.rho_standard_error.max())
     comment = f"Simulated on {paths} paths; standard error at most {largest:.2g}."
     kind = f"compared_{chart.attrs['chart']}"
     return labels.label(chart, VARIABLES).assign_attrs(comparison=kind, comment=comment)
-
-
-def verify_chart(name: str, settings: ChartSettings, progress: Progress | None = None) -> xr.Dataset:
-    """A chart by linearization and by nonlinear simulation, with the difference of both.
-
-    Parameters
-    ----------
-    name : str
-        Name of a chart with yielding structures, from `chart_functions`.
-    settings : ChartSettings
-        Parameters of the chart; ``points`` is the number of simulated points along an axis.
-    progress : callable, optional
-        Called with the share of the work that is done, by charts that report it.
-
-    Returns
-    -------
-    xarray.Dataset
-        The linearized chart with more points than are simulated, and ``rho_simulated``,
-        ``rho_standard_error`` and ``rho_difference`` (linearized minus simulated), which are NaN between
-        the simulated points; likewise for ``amplification``.
-
-    Raises
-    ------
-    ValueError
-        If there is no such chart with a simulation.
-
-    Examples
-    --------
-    >>> from stochlin.charts import ChartSettings, verify_chart
-    >>> chart = verify_chart("fig5a", ChartSettings(points=2, paths=32))
-    >>> chart.rho_simulated.notnull().sum(["period_ratio_1", "period_ratio_2"]).values.tolist()
-    [4, 4]
-    """
-    intervals = settings.points - 1
-    fine = intervals * -(-INTERVALS // intervals) + 1
-    compared = replace(settings, method="linearization", points=fine, simulated_points=settings.points)
-    functions = chart_functions(compared)
-    allowed = [key for key, function in functions.items() if function.grounds]
-    if name not in allowed:
-        raise ValueError(f"NAME = {brief(name)} cannot be verified; allowed: {', '.join(allowed)}")
-    chart = functions[name](progress)
-    if not any(str(key).endswith("_simulated") for key in chart):
-        chart = _verified(name, settings)
-    return chart.assign_attrs(title=f"{chart.attrs['title']}: linearized against simulated")
-
-
-def _verified(name: str, settings: ChartSettings) -> xr.Dataset:
-    """A linearized chart together with the same chart by simulation."""
-    chart, simulated = (
-        chart_functions(replace(settings, method=method))[name]()
-        for method in ("linearization", "simulation")
-    )
-    shown = next((str(key) for key in simulated if f"{key}_standard_error" in simulated), None)
-    kind = simulated.attrs["chart"]
-    if shown is None or kind not in ("curves", "plane"):
-        raise ValueError(
-            f"NAME = {brief(name)} cannot be verified; allowed: charts of curves or a plane with a "
-            "simulation"
-        )
-    return for_file(beside(chart, simulated, shown, simulated.attrs["paths"]))
 
 
 def _simulated(

@@ -21,7 +21,7 @@ PAPER = (
 CAUTION_RHO = (
     "Caution: compared with nonlinear simulation, linearized ρ is off by 0.05 to 0.2 for moderate "
     "yielding, and by up to 1.3 for structures much stiffer than a narrow-band ground; see 'stochlin "
-    "verify'."
+    "charts'."
 )
 CAUTION_DRIFT = (
     "Compared with nonlinear simulation of 500 random pairs, displacements by the drift closure, which "
@@ -31,14 +31,14 @@ CAUTION_DRIFT = (
 CAUTION_SIGMA = (
     "Caution: compared with nonlinear simulation, linearized displacements are 15 to 51 % too small "
     "at α ≤ 0.05 on white noise, and up to 30 times too small for structures much stiffer than a "
-    "narrow-band ground; see 'stochlin verify'."
+    "narrow-band ground; see 'stochlin charts'."
 )
 
 CAUTION_PAIR = (
     "Caution: compared with nonlinear simulation, linearized ρ is off by 0.05 to 0.2 for moderate "
     "yielding, and linearized displacements are 15 to 51 % too small at α ≤ 0.05 on white noise. For "
     "structures much stiffer than a narrow-band ground ρ is off by up to 1.3, and displacements are up "
-    "to 30 times too small; see 'stochlin verify'."
+    "to 30 times too small; see 'stochlin charts'."
 )
 
 CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL, TOO_STRONG = range(6)

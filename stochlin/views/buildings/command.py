@@ -1,4 +1,4 @@
-"""The command ``stochlin building``: what a file says of a building, printed and drawn."""
+"""The command ``stochlin building``: what a file says of a building, printed."""
 
 from __future__ import annotations
 
@@ -13,10 +13,9 @@ from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
     bad_input,
-    data_target,
+    check_target,
     lines,
     show,
-    write,
 )
 
 USUAL_DAMPING = 0.05
@@ -55,12 +54,6 @@ USUAL_DAMPING = 0.05
 )
 @click.option("--example", is_flag=True, help="Print a table of modes to start from, and stop.")
 @click.option("--out", type=FILE, help="Save the modes as .nc, or as .csv.")
-@click.option(
-    "--picture",
-    type=FILE,
-    help="Draw the modes as .png, .svg or .pdf, and save the data beside the picture. With a pushover "
-    "curve, also draw NAME-pushover with the curve and its idealization.",
-)
 def building(
     modes: Path | None,
     direction: str | None,
@@ -73,7 +66,6 @@ def building(
     pushover_units: str | None,
     example: bool,
     out: Path | None,
-    picture: Path | None,
 ) -> None:
     """Show what files say of a building: periods, masses, shapes, strength, and what is assumed.
 
@@ -84,7 +76,6 @@ def building(
     Examples:
       stochlin building --example > tower.csv
       stochlin building tower.csv
-      stochlin building tower.csv --picture modes.png
       stochlin building tower.csv --pushover push.csv
       stochlin building etabs.xlsx --direction UX --points 12
     """
@@ -94,10 +85,8 @@ def building(
         from stochlin.analyses.buildings.pushover import bilinear_of
         from stochlin.analyses.buildings.pushover_files import read_pushover
         from stochlin.analyses.buildings.summaries import with_masses
-        from stochlin.analyses.tables.storage import FORMATS
+        from stochlin.analyses.tables.storage import FORMATS, save_table
         from stochlin.models.buildings import ModalBuilding
-        from stochlin.views.buildings.pictures import draw_modes
-        from stochlin.views.buildings.pushover import draw_pushover
         from stochlin.views.buildings.words import building_sections
 
         if example:
@@ -107,10 +96,7 @@ def building(
             raise ValueError(
                 "MODES is missing; 'stochlin building --example > tower.csv' writes one to start from"
             )
-        inputs = [modes, *([pushover] if pushover else [])]
-        data = data_target(out, picture, FORMATS, inputs)
-        curve = picture.with_stem(f"{picture.stem}-pushover") if picture and pushover else None
-        beside = data_target(None, curve, FORMATS, inputs)
+        check_target("--out", out, FORMATS, [modes, *([pushover] if pushover else [])])
         named = [name.strip() for name in points.split(",")] if points else ()
         units = {"mass_units": mass_units, "length_units": length_units}
         table = read_modes(modes, direction=direction, points=named, **units)
@@ -125,9 +111,9 @@ def building(
         asked["pushover"] = pushover.name if pushover else None
         keys = {key: value for key, value in asked.items() if value}
         show(lines(building_sections(table, tower, damping is not None, keys, ideal)))
-        write(table, data, picture, draw_modes)
-        if ideal is not None:
-            write(ideal, beside, curve, draw_pushover)
+        if out is not None:
+            save_table(table, out)
+            click.echo(f"saved {out}")
 
 
 def _pair(units: str | None) -> list[str | None]:

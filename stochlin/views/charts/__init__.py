@@ -1,1 +1,1 @@
-"""Pictures of the charts, and the commands ``stochlin charts`` and ``stochlin verify``."""
+"""Pictures of the charts, and the command ``stochlin charts``."""

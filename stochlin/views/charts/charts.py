@@ -38,19 +38,6 @@ POINTS: Any = {"ls": "none", "ms": 3.2, "mfc": "w", "mew": 0.8, "lw": 0.8, "zord
 SIMULATED = ("_of_peaks", "_simulated")  # endings; a picture has the first one, its comparison all
 ENDINGS = ("_drift", "_effective", *SIMULATED, "_elastic", "_white_noise")  # of other methods
 DECADES = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)  # ticks
-# Kinds of charts in older files without this attribute: the first one whose names the dataset has.
-UNTOLD = (
-    ("spectra", {"psd_record"}),
-    ("portrait", {"circle_displacement"}),
-    ("energies", {"input_energy_radius"}),
-    ("critical_gap", {"critical_gap"}),
-    ("contact_loops", {"scaled_force", "LinearSpring"}),
-    ("contact_histories", {"scaled_force"}),
-    ("restitution", {"restitution_hertz_damp"}),
-    ("per_spectrum", {"pseudo_energy_radius", "period"}),
-    ("plane", {"rho", "period_ratio_2"}),
-    ("curves", {"period_ratio"}),
-)
 
 
 @styled(SCREEN_STYLE)
@@ -110,11 +97,6 @@ def _kind(dataset: xr.Dataset) -> str:
     """Kind of chart of a dataset, a name in `PICTURES`."""
     if "chart" in dataset.attrs:
         return str(dataset.attrs["chart"])
-    names = {*map(str, dataset.variables), *map(str, dataset.dims)}
-    names |= {*dataset["element"].values} if "element" in dataset else set()
-    for kind, marks in UNTOLD:
-        if marks <= names:
-            return kind
     dimensions, allowed = tuple(dataset.dims), ", ".join(PICTURES)
     raise ValueError(f"dataset over {dimensions} has no attribute chart; allowed: {allowed}")
 

@@ -1,4 +1,4 @@
-"""The commands ``stochlin charts`` and ``stochlin verify``, which write datasets and pictures."""
+"""The command ``stochlin charts``, which writes datasets and pictures."""
 
 from __future__ import annotations
 
@@ -16,7 +16,6 @@ from stochlin.views.shared.options import (
     closure_option,
     numbers_option,
     record_options,
-    simulation_options,
     solver_option,
     together,
 )
@@ -28,7 +27,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.charts.settings import ChartSettings
 
 
-def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
+def chart_options() -> Callable[[Any], Any]:
     """Options for the folder of the charts and for their parameters."""
     folder = click.Path(file_okay=False, path_type=Path)
     numbers = (
@@ -52,7 +51,7 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
             click.option(name, type=QuantityType(units), default=default, show_default=True, help=text)
             for name, default, units, text in numbers
         ),
-        numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", reduction_factors),
+        numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", "1,2,4,6"),
         numbers_option(
             "--ground-damping", "Damping of the model grounds: a panel for each.", "0.05,0.6"
         ),
@@ -67,7 +66,7 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
         click.option(
             "--points",
             type=click.IntRange(min=2),
-            default=points,
+            default=161,
             show_default=True,
             help="Number of periods along an axis.",
         ),
@@ -77,7 +76,7 @@ def chart_options(points: int, reduction_factors: str) -> Callable[[Any], Any]:
 @COMMANDS.register("charts")
 @click.command()
 @click.argument("name", required=False)
-@chart_options(points=161, reduction_factors="1,2,4,6")
+@chart_options()
 @numbers_option("--ductility", "Peak ductilities in Fig. 3b: a panel for each.", "4")
 @click.option(
     "--curves",
@@ -162,34 +161,6 @@ def charts(
     click.echo(f"{len(chosen)} charts and their datasets in {out}")
 
 
-@COMMANDS.register("verify")
-@click.command()
-@click.argument("name", default="fig5a")
-@chart_options(points=31, reduction_factors="2,4,6")
-@simulation_options
-def verify(name: str, out: Path, picture_format: str, print_width: float | None, **options: Any) -> None:
-    """Draw the chart NAME linearized, simulated, and their difference (default: fig5a).
-
-    \b
-    Examples:
-      stochlin verify
-      stochlin verify fig4b --reduction-factors 2,4 --paths 512
-    """
-    from stochlin.analyses.charts.verification import verify_chart
-    from stochlin.views.charts.panels import width_in_print
-
-    with bad_input():
-        width_in_print(print_width)
-        files = _chart_files(out / f"{name}_verified", picture_format)
-        with progress_bar(name) as progress:
-            progress(0.0)
-            dataset = verify_chart(name, chart_settings(options), progress)
-            progress(1.0)
-        _write_chart(dataset, *files, print_width, verified=True)
-    click.echo(dataset.attrs["comment"])
-    click.echo(f"{name}_verified and its dataset in {out}")
-
-
 def chart_settings(options: dict[str, Any]) -> ChartSettings:
     """Settings of the charts from the options of a command."""
     from stochlin.analyses.charts.settings import ChartSettings
@@ -212,22 +183,14 @@ def _chart_files(stem: Path, picture_format: str, record: Path | None = None) ->
     return data, picture
 
 
-def _write_chart(
-    dataset: xr.Dataset,
-    data: Path,
-    picture: Path,
-    print_width: float | None,
-    verified: bool = False,
-) -> None:
-    """Write the dataset and its pictures; of one that is verified the comparison alone."""
+def _write_chart(dataset: xr.Dataset, data: Path, picture: Path, print_width: float | None) -> None:
+    """Write the dataset and its pictures."""
     from stochlin.analyses.tables.storage import save_table
     from stochlin.views.charts.charts import draw
     from stochlin.views.shared.style import PRINT, SCREEN, save
 
     beside = picture.with_stem(f"{picture.stem}_comparison")
-    kinds = {picture: verified, beside: True} if "comparison" in dataset.attrs else {picture: False}
-    if verified:
-        kinds.pop(beside)
+    kinds = {picture: False} | ({beside: True} if "comparison" in dataset.attrs else {})
     drawn = {
         path: draw(dataset, comparison=compared, print_width=print_width)
         for path, compared in kinds.items()

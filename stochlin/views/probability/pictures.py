@@ -1,18 +1,18 @@
-"""Pictures of the probability of pounding: over time, over intensity and gap; of the ground."""
+"""The picture of the probability of pounding over time."""
 
 from __future__ import annotations
 
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.descriptions import in_words, roles_in_words
-from stochlin.views.shared.style import CURVES, decade_ticks, filled, legend_beside, styled
+from stochlin.views.shared.descriptions import roles_in_words
+from stochlin.views.shared.style import CURVES, filled, legend_beside, styled
 
 if TYPE_CHECKING:
-    from collections.abc import Hashable, Mapping
+    from collections.abc import Hashable
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -22,8 +22,6 @@ LINES, LINE = 6, 0.14  # these; more of them, each so many inches, make it talle
 RECORDS = 2.0  # inches, of the panel of the records
 WIDTH = 112  # characters of the caption
 NAME = 22  # characters of a line in a legend
-CURVES_AT_MOST = 6
-MARKERS = "os^Dv*"
 ESTIMATES = (
     ("", "crossings in clumps"),
     ("_poisson", "Poisson crossings"),
@@ -76,51 +74,6 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
         below = _panel(figure, 0.1, 0.25 - RECORDS / SIZE[1], 0.6, 0.23)
         _records(below, dataset, f"record_{stem}")
     return figure
-
-
-@styled()
-def draw_fragility(dataset: xr.Dataset) -> Figure:
-    """Draw the result of `pounding_fragility`: probability over intensity, one curve for each gap."""
-    name = "pounding_probability"
-    simulated, corrected = f"{name}_simulated", f"{name}_corrected"
-    if {*_dims_of(dataset, name)} != {"intensity", "gap"}:
-        raise ValueError(
-            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: a fragility, over intensity "
-            "and gap"
-        )
-    figure = _captioned(xr.Dataset(attrs=_at_every_intensity(dataset.attrs)))
-    axes = _panel(figure, 0.1, 0.25, 0.6, 0.66)
-    gaps = dataset.sizes["gap"]
-    chosen = np.unique(np.linspace(0, gaps - 1, min(gaps, CURVES_AT_MOST)).astype(int))
-    for (color, dash), marker, index in zip(cycle(CURVES), cycle(MARKERS), chosen, strict=False):
-        curve = dataset.isel(gap=int(index))
-        label = f"gap {float(curve.gap):.3g} m"
-        if name in curve:
-            axes.plot(curve.intensity, curve[name], color=color, linestyle=dash, label=label)
-        if known(curve, corrected):
-            axes.plot(curve.intensity, curve[corrected], color=color, linestyle=dash, lw=0.6)
-        if simulated in curve:
-            line = {"linestyle": "none"} if name in curve else {"linestyle": dash, "label": label}
-            axes.plot(curve.intensity, curve[simulated], color=color, marker=marker, ms=4, **line)
-    if known(dataset, corrected):
-        axes.plot([], [], color="0.3", lw=0.6, label="thin: bias corrected")
-    if simulated in dataset:
-        axes.plot([], [], color="0.3", linestyle="none", marker="o", ms=4, label="markers: simulated")
-    axes.set(xscale="log", ylim=(-0.02, 1.02), xlabel=r"intensity $S_0$ [m$^2$/s$^3$]")
-    axes.set_ylabel("probability of pounding")
-    decade_ticks(axes.xaxis)
-    legend_beside(axes)
-    return figure
-
-
-def _at_every_intensity(attrs: Mapping[Any, Any]) -> dict[Any, Any]:
-    """The attributes without the gap, which the curves name, and the intensity, which the axis has."""
-    described = {key: text for key, text in attrs.items() if key != "gap"}
-    ground, _, intensity = described["ground"].rpartition("intensity=")
-    described["ground"] = in_words(f"{ground.rstrip(', ')})", "ground")
-    if any("reduction_factor=" in described[role] for role in ("first", "second")):
-        described["ground"] += f"; reduction factors refer to the intensity {intensity[:-1]} m²/s³"
-    return described
 
 
 def _dims_of(dataset: xr.Dataset, name: str) -> tuple[Hashable, ...]:
