@@ -18,7 +18,7 @@ from stochlin.charts import STYLE
 plt.rcParams.update(STYLE)
 table = xr.load_dataset("drift_pairs.nc", engine="scipy")  # beside this file
 exact, white = table.sel(closure="simulation"), table.white.values.astype(bool)
-closures = ("gaussian", "clipped", "narrow_band", "drift")
+closures = ("gaussian", "clipped", "drift")
 strength, hardening = (0.3, 0.6, 1.2, 2.0, 4.0), (0.02, 0.06, 0.2, 0.5)
 period, bandwidth = (0.2, 0.5, 0.9, 5.0), (0.03, 0.1, 0.3, 1.0)
 
@@ -48,7 +48,7 @@ def middle(first, second):
 
 
 twice = [np.tile(values, 2) for values in (white, table.ground_damping.values)]
-figure, panels = plt.subplots(4, 4, figsize=(7.2, 7.2), layout="constrained")
+figure, panels = plt.subplots(4, 3, figsize=(5.6, 7.2), layout="constrained")
 for column, closure in zip(panels.T, closures, strict=True):
     found = table.sel(closure=closure)
     sigma = np.concatenate(
@@ -87,7 +87,7 @@ for column, closure in zip(panels.T, closures, strict=True):
             axis.set_ticks(np.arange(len(ends)) - 0.5, [f"{end:g}" for end in ends], fontsize=7)
         axes.set_xlabel("R" if kind == "R" else "$T/T_g$", labelpad=1)
         axes.grid(visible=False)
-    name = "Gaussian" if closure == "gaussian" else closure.replace("_", " ")
+    name = "Gaussian" if closure == "gaussian" else closure
     column[0].set_title(f"{name} closure", size=9)
 for axes, quantity, across in zip(
     panels[:, 0],

@@ -38,7 +38,6 @@ STATIONARY_HARDENING = Range(
 )
 
 GAUSSIAN = "gaussian"  # every law has this closure, by quadrature if not in closed form
-NARROW_BAND = "narrow_band"  # amplitude averaging, without a joint density of velocity and z
 DRIFT = "drift"  # the clipped closure, with the plastic drift that the clipped closure omits
 CURE = "follow it in motions of finite length, by simulate with a duration, or separation"
 CHECKED = 8  # largest number of parameter sets for which a law is checked
@@ -59,8 +58,7 @@ class Structure(Model):
     unless the subclass has its own.
     """
 
-    # Closures in closed form, by name; None for `NARROW_BAND`, which works without such a function.
-    closures: ClassVar[Mapping[str, Closure | None]] = {}
+    closures: ClassVar[Mapping[str, Closure]] = {}  # in closed form, by name
 
     period: Parameter = parameter("s", "period of small oscillations", POSITIVE)
     damping: Parameter = parameter("1", "damping ratio", DAMPING)

@@ -114,7 +114,6 @@ def kinds() -> dict[str, Pair]:
 ON_GROUND: dict[str, Callable[[Pair], object]] = {
     "linearize": lambda s: sl.linearize(s.first, s.ground),
     'linearize, closure="clipped"': lambda s: sl.linearize(s.first, s.ground, "clipped"),
-    'linearize, closure="narrow_band"': lambda s: sl.linearize(s.first, s.ground, "narrow_band"),
     'linearize, closure="drift"': lambda s: sl.linearize(s.first, s.ground, "drift"),
     "correlate": lambda s: sl.correlate(*s.both, s.ground),
     'correlate, closure="drift"': lambda s: sl.correlate(*s.both, s.ground, closure="drift"),

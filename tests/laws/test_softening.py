@@ -210,9 +210,6 @@ def test_separation_and_what_an_existing_gap_allows_name_the_collapse():
     "stationary",
     [
         lambda s: sl.linearize(s, GROUND),
-        lambda s: sl.linearize(
-            s, GROUND, closure="narrow_band" if type(s) is sl.Bilinear else "gaussian"
-        ),
         lambda s: sl.correlate(s, sl.Bilinear(0.7, 0.05), GROUND),
         lambda s: sl.correlate(s, sl.Bilinear(0.7, 0.05), GROUND, method="simulation"),
         lambda s: sl.linearize_system([s], GROUND),

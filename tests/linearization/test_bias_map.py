@@ -115,15 +115,14 @@ def test_order_of_the_pair_does_not_matter():
     assert np.isfinite(float(one.bias))
 
 
-@pytest.mark.parametrize("closure", ["clipped", "narrow_band"])
-def test_another_closure_is_judged_by_the_same_truth(closure):
+def test_another_closure_is_judged_by_the_same_truth():
     first, second = building(1.2), building(2.0)
     one = sl.correlate(first, second, LAKEBED)
-    other = sl.correlate(first, second, LAKEBED, closure=closure)
+    other = sl.correlate(first, second, LAKEBED, closure="clipped")
     assert float(one.rho - one.bias) == pytest.approx(float(other.rho - other.bias), rel=1e-9)
     truth = [float(t.displacement_std_1 / (1 + t.bias_1)) for t in (one, other)]
     assert truth[0] == pytest.approx(truth[1], rel=1e-9)
-    alone = sl.linearize(first, LAKEBED, closure)
+    alone = sl.linearize(first, LAKEBED, "clipped")
     assert float(alone.bias) == pytest.approx(float(other.bias_1), rel=1e-9)
 
 

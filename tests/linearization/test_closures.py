@@ -1,17 +1,15 @@
-"""The clipped closure and Caughey's amplitude averaging against numerical integration."""
+"""The clipped closure against numerical integration."""
 
 from itertools import pairwise
 
 import cases
-import mpmath
 import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
-from scipy.special import erfc, ndtr
+from scipy.special import ndtr
 
 import stochlin as sl
-from stochlin.kernels.linearization.amplitude_averaging import equivalent_system
 from stochlin.models.laws import bilinear
 
 pytestmark = pytest.mark.oracle
@@ -128,105 +126,7 @@ def test_far_beyond_yield_the_gaussian_z_is_impossible_and_the_clipped_one_is_no
     assert 0.7 < float(sl.linearize(structure, NARROW, "clipped").z_std) < 1
 
 
-def caughey(sigma, alpha):
-    """``(weq/w)^2`` and ``2 xieq weq/w`` without the viscous part, by QUADPACK."""
-    lam = 2 * sigma**2
-
-    def integrand(z):
-        return (z**-3 + 1 / (lam * z)) * np.sqrt(z - 1) * np.exp(-z * z / lam)
-
-    end = max(2.0, np.sqrt(700 * lam))
-    borders = np.unique([1.0, 1.2, 2.0, *np.geomspace(2, end, 6)])
-    integral = sum(quad(integrand, a, b, epsabs=1e-16, epsrel=1e-11)[0] for a, b in pairwise(borders))
-    ratio = 1 - 8 * (1 - alpha) / np.pi * integral
-    friction = 2 * (1 - alpha) / np.sqrt(np.pi * lam) * erfc(1 / np.sqrt(lam)) / np.sqrt(ratio)
-    return ratio, friction
-
-
-def averaged(sigma, alpha, w=1.0, xi=0.05):
-    return equivalent_system(*(np.array([float(x)]) for x in (sigma, w, xi, alpha)))
-
-
-@pytest.mark.parametrize(("sigma", "ratio"), [(1.0, 0.618711), (2.0, 0.306761)])
-def test_caugheys_equivalent_stiffness(sigma, ratio):
-    assert averaged(sigma, 0.05).stiffness[0] == pytest.approx(ratio, abs=5.1e-7)  # six digits are known
-
-
-def test_caugheys_averages_agree_with_integration():
-    rng = np.random.default_rng(53)
-    for sigma, alpha in zip(
-        cases.log_uniform(rng, (0.1, 100), 60), rng.uniform(0.001, 1, 60), strict=True
-    ):
-        ratio, friction = caughey(sigma, alpha)
-        system = averaged(sigma, alpha, w=1.7, xi=0.03)
-        assert system.stiffness[0] == pytest.approx(1.7**2 * ratio, rel=1e-9)
-        assert system.damping[0] == pytest.approx(1.7 * (2 * 0.03 + friction), rel=1e-9)
-
-
-def test_amplitude_average_goes_from_the_elastic_to_the_hardening_stiffness():
-    assert averaged(0.05, 0.1).stiffness[0] == pytest.approx(1, rel=1e-12)
-    assert averaged(0.05, 0.1).damping[0] == pytest.approx(0.1, rel=1e-12)
-    stiffness = [averaged(s, 0.1).stiffness[0] for s in (0.3, 0.6, 1, 2, 5, 20, 1e3)]
-    assert stiffness == sorted(stiffness, reverse=True)
-    assert stiffness[-1] == pytest.approx(0.1, rel=2e-2)
-
-
-def test_narrow_band_solution_is_a_fixed_point():
-    """An elastic oscillator of equivalent period and damping responds with the sigma that made it."""
-    rng = np.random.default_rng(54)
-    structure = sl.Bilinear(**cases.draw_structure(rng, cases.PRACTICE, 30))
-    ground = sl.KanaiTajimi(**cases.draw_ground(rng, cases.PRACTICE, 30))
-    table = sl.linearize(structure, ground, "narrow_band")
-    equivalent = sl.Bilinear(period=table.period_eq, damping=table.damping_eq)
-    response = sl.linearize(equivalent, ground)
-    np.testing.assert_allclose(response.displacement_std, table.displacement_std, rtol=1e-9)
-    assert table.z_std.isnull().all()
-    for case in range(30):
-        sigma, alpha = float(table.ductility_std[case]), float(structure.hardening[case])
-        ratio, friction = caughey(sigma, alpha)
-        elastic = float(structure.period[case])
-        assert float(table.period_eq[case]) == pytest.approx(elastic / np.sqrt(ratio), rel=1e-8)
-        damping = (2 * float(structure.damping[case]) + friction) / (2 * np.sqrt(ratio))
-        assert float(table.damping_eq[case]) == pytest.approx(damping, rel=1e-8)
-
-
-@pytest.mark.parametrize("sigma", [3.0, 30.0, 1e3, 1e4, 1e6])
-def test_stiffness_after_yielding_keeps_its_digits(sigma):
-    """Of what is left of the stiffness nearly all is a difference of nearly equal numbers."""
-    with mpmath.workdps(30):
-        lam = 2 * mpmath.mpf(sigma) ** 2
-        end = mpmath.sqrt(mpmath.sqrt(1 + 150 * lam))
-
-        def density(s):
-            z = 1 + s * s
-            return 2 * s * s * mpmath.exp(-z * z / lam) * (z**-3 + 1 / (lam * z))
-
-        knots = [0, *(2.0**k for k in range(-3, 40) if 2.0**k < end), end]
-        left = 1 - 8 * (1 - mpmath.mpf(0.01)) / mpmath.pi * mpmath.quad(density, knots)
-    assert averaged(sigma, 0.01).stiffness[0] == pytest.approx(float(left), rel=1e-12)
-
-
-def test_of_several_solutions_the_least_is_taken():
-    """It grows out of the elastic response; a stiff structure on a lake bed may have three."""
-    structure = {"period": 0.1514, "damping": 0.0168, "hardening": 0.0244}
-    ground = sl.KanaiTajimi(2.2316, 0.0655)
-    table = sl.linearize(sl.Bilinear(**structure, reduction_factor=1.5823), ground, "narrow_band")
-    solution, uy = float(table.ductility_std), float(table.yield_displacement)
-
-    def excess(sigma):
-        """What the system equivalent to this response responds with, over it."""
-        w = np.full(sigma.size, TAU / structure["period"])
-        system = equivalent_system(sigma, w, structure["damping"], structure["hardening"])
-        root = np.sqrt(system.stiffness)
-        elastic = sl.Bilinear(period=TAU / root, damping=system.damping / (2 * root))
-        return sl.linearize(elastic, ground).displacement_std.values / uy / sigma
-
-    assert (excess(np.geomspace(0.02, 0.999 * solution, 400)) > 1).all()
-    assert excess(np.array([solution]))[0] == pytest.approx(1, abs=1e-9)
-    assert (excess(np.geomspace(1.001 * solution, 100, 400)) > 1).any()
-
-
-@pytest.mark.parametrize("closure", ["gaussian", "clipped", "narrow_band"])
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
 def test_strong_structure_is_the_elastic_one_under_every_closure(closure):
     strong = sl.Bilinear(0.7, 0.05, 0.05, reduction_factor=0.1)
     elastic = sl.linearize(sl.Bilinear(0.7, 0.05), NARROW)

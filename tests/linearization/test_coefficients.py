@@ -51,13 +51,11 @@ def test_a_law_in_symbols_has_the_coefficients_of_its_closed_form():
         np.testing.assert_allclose(ours.k_eq, known.k_eq, rtol=1e-8)
 
 
-@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
-def test_the_loop_of_linearize_ends_where_they_agree(closure):
-    """The moments of ``z`` that are seen lead back to the Gaussian that is clipped."""
+def test_the_loop_of_linearize_ends_where_they_agree():
     structure = sl.Bilinear(1.0, 0.05, [0.02, 0.1, 0.5, 0.1], reduction_factor=[1.0, 4.0, 30.0, 300.0])
-    solved = sl.linearize(structure, sl.KanaiTajimi(0.7, 0.3), closure)
+    solved = sl.linearize(structure, sl.KanaiTajimi(0.7, 0.3))
     rate = solved.velocity_std / solved.yield_displacement
-    found = sl.equivalent_coefficients(rate, solved.z_std, solved.velocity_z_corr, closure=closure)
+    found = sl.equivalent_coefficients(rate, solved.z_std, solved.velocity_z_corr)
     np.testing.assert_allclose(found.c_eq, solved.c_eq, rtol=1e-9)
     np.testing.assert_allclose(found.k_eq, solved.k_eq, rtol=1e-8)
 
@@ -65,11 +63,11 @@ def test_the_loop_of_linearize_ends_where_they_agree(closure):
 def test_tables_by_dimension_name_and_cells_that_cannot_be():
     z_std = xr.DataArray([0.3, 0.9, 1.2, -1.0], dims="z")
     corr = xr.DataArray([0.1, 0.999], dims="corr")
-    table = sl.equivalent_coefficients(2.0, z_std, corr, closure="clipped")
+    table = sl.equivalent_coefficients(2.0, z_std, corr)
     assert table.c_eq.sizes == {"z": 4, "corr": 2}
-    assert table.status.values.tolist() == [[0, 0], [0, 3], [3, 3], [3, 3]]
-    assert np.isnan(table.k_eq.values[2:]).all()
-    alone = sl.equivalent_coefficients(2.0, 0.9, 0.1, closure="clipped")
+    assert table.status.values.tolist() == [[0, 0], [0, 0], [0, 0], [3, 3]]
+    assert np.isnan(table.k_eq.values[3:]).all()
+    alone = sl.equivalent_coefficients(2.0, 0.9, 0.1)
     assert float(table.c_eq[1, 0]) == float(alone.c_eq)
     assert table.k_eq.attrs["units"] == "1/s"
 
@@ -77,7 +75,6 @@ def test_tables_by_dimension_name_and_cells_that_cannot_be():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"z_std": 1.2, "closure": "clipped"}, "z_std = 1.2, .* no clipped Gaussian"),
         ({"velocity_z_corr": 1.0}, "velocity_z_corr = 1 is out of range; allowed: -1 < value < 1"),
         ({"velocity_std": 0.0}, "velocity_std = 0"),
         ({"law": "other"}, "law = 'other' is not a known law; allowed: bilinear"),
@@ -90,9 +87,6 @@ def test_tables_by_dimension_name_and_cells_that_cannot_be():
         ({"law": V * sympy.oo}, "has the number 'oo'; allowed: numbers below"),
         ({"exponent": 2.0}, "the law has no exponent; allowed: none"),
         ({"law": "bouc_wen", "exponent": 0.5}, "exponent = 0.5 is out of range"),
-        ({"law": "bouc_wen", "closure": "clipped"}, "closure = 'clipped' is not available for BoucWen"),
-        ({"closure": "drift"}, "only available for single"),
-        ({"closure": "narrow_band"}, "has no z"),
     ],
 )
 def test_what_cannot_be_is_said(change, message):

@@ -76,16 +76,15 @@ def test_every_pair_of_bilinear_structures_is_solved(domain, capsys):
 
 @pytest.mark.slow
 @every_domain
-@pytest.mark.parametrize("closure", ["clipped", "narrow_band"])
-def test_every_bilinear_structure_is_solved_under_the_other_closures(closure, domain, capsys):
+def test_every_bilinear_structure_is_solved_under_the_clipped_closure(domain, capsys):
     rng = np.random.default_rng(91)
     structure = sl.Bilinear(**cases.draw_structure(rng, domain, 20_000))
     ground = sl.KanaiTajimi(**cases.draw_ground(rng, domain, 20_000))
     begin = time.perf_counter()
-    table = sl.linearize(structure, ground, closure)
+    table = sl.linearize(structure, ground, "clipped")
     # Hardening of .001 on a narrow band: displacements of a hundred times yield and more.
-    rare = 2e-3 if closure == "clipped" and domain is cases.BEYOND else 0.0
-    check(table, f"{closure} closure", capsys, time.perf_counter() - begin, rare)
+    rare = 2e-3 if domain is cases.BEYOND else 0.0
+    check(table, "clipped closure", capsys, time.perf_counter() - begin, rare)
 
 
 @pytest.mark.slow
@@ -129,7 +128,6 @@ def test_a_law_that_slips_as_it_unloads_keeps_to_the_branch_of_the_elastic_respo
     [
         (sl.Bilinear, "gaussian"),
         (sl.Bilinear, "clipped"),
-        (sl.Bilinear, "narrow_band"),
         (sl.BoucWen, "gaussian"),
     ],
 )
@@ -147,7 +145,7 @@ def test_the_strongest_shaking_leaves_the_stiffness_after_yielding(law, closure,
     assert off[-1] < 0.02
 
 
-@pytest.mark.parametrize("closure", ["gaussian", "clipped", "drift", "narrow_band"])
+@pytest.mark.parametrize("closure", ["gaussian", "clipped", "drift"])
 @pytest.mark.parametrize("ground", [sl.WhiteNoise(0.01), sl.KanaiTajimi(0.5, 0.1, 0.01)])
 def test_a_cell_does_not_know_its_neighbours(closure, ground):
     """To the last bit, in tiles and beside them, though others take longer or are lost."""

@@ -33,7 +33,7 @@ def building(storeys):
 
 def problem_of(storeys, ground, links=()):
     equations = equations_of([building(n) for n in storeys], GROUNDS[ground], links)
-    return springs_of(equations, "gaussian", 1e-10)
+    return springs_of(equations, 1e-10)
 
 
 def coefficients(problem, seed):

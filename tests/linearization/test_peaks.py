@@ -252,7 +252,7 @@ def test_response_scales_with_the_motion():
     )
 
 
-@pytest.mark.parametrize("closure", ["gaussian", "clipped", "narrow_band"])
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
 @pytest.mark.parametrize("model", sl.rules.peak_factor_names())
 def test_yielding_structures_have_peaks_by_every_model_and_closure(model, closure):
     building = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)

@@ -61,7 +61,7 @@ def test_same_root_as_a_scalar_search(closure):
         assert float(table.reduction_factor[cell]) == pytest.approx(np.exp(root), rel=1e-8)
 
 
-@pytest.mark.parametrize("closure", ["gaussian", "clipped", "narrow_band"])
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
 def test_ductility_grows_with_the_reduction_factor(closure):
     """What makes the root unique; over the wide domain."""
     structure, ground = draw(3, cases.BEYOND)
@@ -132,23 +132,6 @@ def test_where_the_drift_closure_does_not_hold_the_gaussian_one_is_usual_and_sai
         assert (int(table.caution) < 2, bool(table.bias.notnull())) == (known, known)
         same = sl.strength_for_ductility(structure, ground, 3.0, closure="gaussian")
         assert float(same.reduction_factor) == float(table.reduction_factor)
-
-
-@pytest.mark.slow
-def test_jump_of_the_ductility_is_a_target_without_a_strength():
-    """Amplitude averaging of a stiff structure on a lake bed: no strength has a ductility of 8."""
-    case = sl.Bilinear([0.0621228, 1.0], 0.1613, 0.0308)
-    lakebed = sl.KanaiTajimi(1.0, 0.01055)
-    table = sl.strength_for_ductility(case, lakebed, 8.0, closure="narrow_band")
-    assert table.status.values.tolist() == [2, 0]
-    assert np.isnan(table.reduction_factor).values.tolist() == [True, False]
-    sides = sl.Bilinear(0.0621228, 0.1613, 0.0308, reduction_factor=[1.7, 1.9])
-    ductility = 3 * sl.linearize(sides, lakebed, "narrow_band").ductility_std
-    assert float(ductility[0]) < 8 < float(ductility[1])
-    with pytest.raises(ArithmeticError, match="not converged"):
-        sl.strength_for_ductility(
-            sl.Bilinear(0.0621228, 0.1613, 0.0308), lakebed, 8.0, closure="narrow_band"
-        )
 
 
 def test_bad_cells_fail_alone_and_dimensions_broadcast_by_name():

@@ -120,7 +120,7 @@ def test_white_noise_formula_checks_its_arguments():
 
 def test_unknown_names_are_answered_with_the_known_ones():
     structure = sl.Bilinear(**STRUCTURE)
-    with pytest.raises(ValueError, match=r"closure = 'linear' .*gaussian, clipped, drift, narrow_band"):
+    with pytest.raises(ValueError, match=r"closure = 'linear' .*gaussian, clipped, drift"):
         sl.linearize(structure, SOIL, "linear")
     with pytest.raises(ValueError, match=r"closure = 'clipped' .*BoucWen; allowed: gaussian"):
         sl.linearize(sl.BoucWen(**STRUCTURE), SOIL, "clipped")
@@ -157,10 +157,9 @@ def test_structure_and_ground_in_each_others_place():
         ("max_iterations", 2.5),
     ],
 )
-@pytest.mark.parametrize("closure", ["gaussian", "narrow_band"])
-def test_stop_rule_is_checked(closure, setting, value):
+def test_stop_rule_is_checked(setting, value):
     with pytest.raises((TypeError, ValueError), match=rf"{setting} = .*allowed"):
-        sl.linearize(sl.Bilinear(**STRUCTURE), SOIL, closure, **{setting: value})
+        sl.linearize(sl.Bilinear(**STRUCTURE), SOIL, **{setting: value})
 
 
 def labelled(values, labels):
@@ -198,7 +197,7 @@ BAD_CELLS = [
 ]
 
 
-@pytest.mark.parametrize("closure", ["gaussian", "clipped", "narrow_band"])
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
 @pytest.mark.parametrize(("name", "value"), BAD_CELLS)
 def test_bad_cell_fails_alone(closure, name, value):
     """The neighbours are the same to the last bit as in a table that never had it."""
@@ -253,7 +252,7 @@ def test_table_without_a_valid_cell_still_answers():
     assert (table.status >= FAILED).all()
 
 
-@pytest.mark.parametrize("closure", ["gaussian", "clipped", "narrow_band"])
+@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
 def test_lone_case_that_does_not_converge_raises_with_the_cure(closure):
     structure = sl.Bilinear(**STRUCTURE)
     with pytest.raises(

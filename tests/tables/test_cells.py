@@ -14,7 +14,7 @@ pytestmark = pytest.mark.invariant
 
 NUMBERS = ["rho", "displacement_std_1", "displacement_std_2", "ductility_std_1", "ductility_std_2"]
 GROUND = sl.KanaiTajimi(period=1.0, damping=0.2)
-CLOSURES = ["gaussian", "clipped", "drift", "narrow_band"]
+CLOSURES = ["gaussian", "clipped", "drift"]
 
 
 def pair_of_axes():
@@ -25,7 +25,7 @@ def pair_of_axes():
     return first, second
 
 
-@pytest.mark.parametrize("closure", cases.with_slow(CLOSURES, {"drift", "narrow_band"}))
+@pytest.mark.parametrize("closure", cases.with_slow(CLOSURES, {"drift"}))
 def test_table_is_the_loop_over_its_cells(closure):
     first, second = pair_of_axes()
     ground = sl.KanaiTajimi(period=axis("ground_period", [0.5, 2.0]), damping=0.2)
@@ -117,7 +117,6 @@ WEAK = sl.Bilinear(axis("period_1", [0.5, -1.0, 1.0]), **YIELDING)  # its second
 OTHER = sl.Bilinear(0.8, **YIELDING)
 OF_MODELS = {
     "linearize": lambda: sl.linearize(pair_of_axes()[0], GROUND),
-    "narrow band": lambda: sl.linearize(pair_of_axes()[0], GROUND, "narrow_band"),
     "correlate": lambda: sl.correlate(*pair_of_axes(), GROUND),
     "white noise": lambda: sl.correlate(*pair_of_axes(), GROUND, method="white_noise"),
     "eq. (4)": lambda: sl.rho_white_noise(pair_of_axes()[0].period, 1.0, 0.05, 0.05),

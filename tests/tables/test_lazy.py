@@ -14,7 +14,6 @@ PERIODS = np.geomspace(0.05, 9, 15)
 OPTIONS = [
     {},
     {"closure": "clipped"},
-    {"closure": "narrow_band"},
     {"method": "white_noise"},
     {"method": "effective"},
 ]

@@ -40,7 +40,7 @@ from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.correlation.tiles import EQUAL, SHARED
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
-from stochlin.models.structures import GAUSSIAN, Structure
+from stochlin.models.structures import Structure
 
 Pair = tuple[Structure, Structure]
 OF_PAIR = ("rho", *SHOWN, "all_elastic")
@@ -50,29 +50,21 @@ PAIRS_SHARE = 0.9  # share of the work for the pairs
 
 
 def chained_pairs(
-    pair: Pair, ground: Ground, closure: str, tolerance: Tolerance, progress: Progress | None = None
+    pair: Pair, ground: Ground, tolerance: Tolerance, progress: Progress | None = None
 ) -> dict[str, Cells]:
     """Variables of `correlate` by linearization with ``solver="lyapunov"``."""
-    middle = PAIRS_SHARE if closure == GAUSSIAN else PAIRS_SHARE / 2
-    both = _solved(pair, ground, closure, tolerance, part_of(progress, 0.0, middle))
-    base, rest = both, part_of(progress, middle, PAIRS_SHARE)
-    if closure != GAUSSIAN:
-        base = _solved(pair, ground, GAUSSIAN, tolerance, rest)
+    both = _solved(pair, ground, tolerance, part_of(progress, 0.0, PAIRS_SHARE))
     sides, biases = list[dict[str, Cells]](), dict[str, Cells]()
     places, cautions = list[Cells](), list[Cells]()
     for structure, elastic in zip(pair, derived_together(pair, ground), strict=True):
-        ratio = {STRENGTH_RATIO: elastic[STRENGTH_RATIO]}
-        side = _solved((structure,), ground, closure, tolerance) | ratio
-        gaussian = side
-        if closure != GAUSSIAN:
-            gaussian = _solved((structure,), ground, GAUSSIAN, tolerance) | ratio
-        sides.append(side)
-        of_side = bias_of_solved(structure, ground, side, gaussian, tolerance)
+        side = _solved((structure,), ground, tolerance)
+        sides.append(side | {STRENGTH_RATIO: elastic[STRENGTH_RATIO]})
+        of_side = bias_of_solved(structure, ground, sides[-1], sides[-1], tolerance)
         biases[f"bias_{len(sides)}"], caution = of_side
         cautions.append(caution)
         places += place_in_map(structure, ground, elastic)
     of_map = cellwise(_rho_bias, *places, grid=rho_bias_map(*pair, ground))[0]
-    bias = cellwise(_of_pair, both["rho"], base["rho"], both["all_elastic"], of_map)[0]
+    bias = cellwise(_of_pair, both["rho"], both["all_elastic"], of_map)[0]
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {
         "rho": both["rho"],
@@ -87,7 +79,6 @@ def chained_pairs(
 def _solved(
     structures: Sequence[Structure],
     ground: Ground,
-    closure: str,
     tolerance: Tolerance,
     progress: Progress | None = None,
 ) -> dict[str, Cells]:
@@ -107,7 +98,7 @@ def _solved(
     for begin in range(0, cells.where.size, AT_ONCE):
         part = cells.part(slice(begin, begin + AT_ONCE))
         equations = equations_of_cells(part, ())
-        solution = solution_table(part, equations, solve_equations(equations, closure, tolerance))
+        solution = solution_table(part, equations, solve_equations(equations, tolerance))
         tables.append(solution[NEEDED])
         if progress is not None:
             progress(min(1.0, (begin + AT_ONCE) / cells.where.size))
@@ -127,9 +118,9 @@ def _solved(
     return {**values, "status": cells.array(status, labels.INVALID_INPUT)}
 
 
-def _of_pair(rho: Array, base: Array, elastic: Array, of_map: Array) -> Array:
-    """Bias of rho; ``base`` is rho by the Gaussian closure, to which the map belongs."""
-    return rho - base + np.where(elastic == 1, 0.0, of_map)
+def _of_pair(rho: Array, elastic: Array, of_map: Array) -> Array:
+    """Bias of rho; NaN where there is no rho."""
+    return np.where(np.isnan(rho), np.nan, np.where(elastic == 1, 0.0, of_map))
 
 
 @np.errstate(all="ignore")  # invalid cells are NaN and stay so

@@ -22,7 +22,6 @@ from stochlin.analyses.linearization.equivalent_systems import (
     derived_together,
     solved_together,
 )
-from stochlin.analyses.linearization.systems.coefficients import LACKING
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import (
@@ -43,7 +42,7 @@ from stochlin.models.arguments import OneOf, Paths, RelaxationTimes, Seed, Steps
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model, Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
-from stochlin.models.structures import DRIFT, LinearPair, Structure
+from stochlin.models.structures import DRIFT, GAUSSIAN, LinearPair, Structure
 from stochlin.models.systems import AnyStructure
 
 
@@ -97,7 +96,7 @@ def correlate(
         structure and of a pair are formulas; a million pairs take seconds. ``"lyapunov"``: for each
         pair the state matrix of both structures and the ground is formed, its Lyapunov equation solved
         and the coefficients renewed, as `linearize_system` does; a pair takes about a millisecond. The
-        numbers are the same. For the closures ``"gaussian"`` and ``"clipped"``.
+        numbers are the same. For the Gaussian closure.
     rule : str or EffectiveRule
         Rule for effective properties, one of `effective_rule_names` or a rule object.
     rtol, atol, max_iterations : float, float, int
@@ -227,11 +226,10 @@ def _of_pairs(
 
 def _check_solver(solver: str, method: str, closure: str) -> None:
     """Raise a ValueError unless the solver has this method and closure."""
-    lacks = isinstance(closure, str) and closure in LACKING
-    if solver == LYAPUNOV and (method != "linearization" or lacks):
+    if solver == LYAPUNOV and (method != "linearization" or closure != GAUSSIAN):
         raise ValueError(
             f"solver = {LYAPUNOV!r} with method = {method!r}, closure = {brief(closure)}; allowed: "
-            "method linearization with the closures gaussian and clipped"
+            "method linearization with the closure gaussian"
         )
 
 
@@ -261,8 +259,7 @@ Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 def _by_linearization(query: Question) -> Answer:
     drifts, chained = query.closure == DRIFT, query.solver == LYAPUNOV
     if chained:
-        arguments = query.pair, query.ground, query.closure, query.tolerance
-        table = chained_pairs(*arguments, query.progress)
+        table = chained_pairs(query.pair, query.ground, query.tolerance, query.progress)
     elif drifts:
         table = drifting_pairs(*query.pair, query.ground, query.tolerance)
     else:

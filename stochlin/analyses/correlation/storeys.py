@@ -12,7 +12,9 @@ from stochlin.analyses.linearization.systems.systems import linearize_system
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables.floors import FLOOR
+from stochlin.messages import brief
 from stochlin.models.grounds import Ground
+from stochlin.models.structures import GAUSSIAN
 from stochlin.models.systems import AnyStructure
 
 LINEARIZATION, SIMULATION = "linearization", "simulation"
@@ -29,8 +31,14 @@ def floor_pairs(
 ) -> tuple[xr.Dataset, str]:
     """Dataset of `correlate` over all pairs of floors, and the options that its history states."""
     if method == LINEARIZATION:
-        limits = {"rtol": tolerance.rtol, "max_iterations": tolerance.max_iterations}
-        table = linearize_system(pair, ground, closure=closure, **limits)  # type: ignore[arg-type]
+        if closure != GAUSSIAN:
+            raise ValueError(
+                f"closure = {brief(closure)} is only available for oscillators; allowed for buildings "
+                f"with storeys: {GAUSSIAN}"
+            )
+        table = linearize_system(
+            pair, ground, rtol=tolerance.rtol, max_iterations=tolerance.max_iterations
+        )
         return _between(table), f"closure={closure!r}"
     if method != SIMULATION:
         raise ValueError(

@@ -20,7 +20,6 @@ from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.analyses.tables.work import check_table
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.slabs import in_slabs
-from stochlin.kernels.linearization.amplitude_averaging import solve_amplitude_average
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
@@ -37,7 +36,8 @@ from stochlin.kernels.linearization.single_structures import (
 )
 from stochlin.messages import brief, sentence
 from stochlin.models.grounds import Ground
-from stochlin.models.structures import DRIFT, GAUSSIAN, NARROW_BAND, Structure
+from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
+from stochlin.removed import instead_of
 
 AT_ONCE = 1 << 15  # cells that are solved together, which limits the memory for intermediate results
 ROUNDING = 1e-9  # by which a correlation may exceed 1
@@ -80,8 +80,8 @@ def check_closure(structure: Structure, closure: str) -> None:
     if not isinstance(closure, str) or closure not in structure.closure_names():
         structure.closure(GAUSSIAN)  # raises if the law cannot be linearized at all
         raise ValueError(
-            f"closure = {brief(closure)} is not available for {type(structure).__name__}; allowed: "
-            f"{', '.join(structure.closure_names())}"
+            f"closure = {brief(closure)} is not available for {type(structure).__name__}; "
+            f"{instead_of(str(closure))}allowed: {', '.join(structure.closure_names())}"
         )
 
 
@@ -173,8 +173,7 @@ def _problem_of(
         structure.reduction_factor is not None,
         ground.filter_of,
         list(soil).index("intensity"),
-        None if elastic else closure,
-        None if elastic or closure == NARROW_BAND else structure.closure(str(closure)),
+        None if elastic else structure.closure(str(closure)),
         tolerance,
         closure == DRIFT,
     )
@@ -213,8 +212,7 @@ class _Solver(NamedTuple):
     by_factor: bool  # whether the strength is given as a reduction factor
     filter_of: Callable[[Iterable[Array]], Filter]
     intensity: int  # row of the intensity among the parameters of the ground
-    closure: str | None  # None: elastic
-    law: Closure | None
+    law: Closure | None  # None: elastic
     tolerance: Tolerance | None
     drifts: bool  # whether there are variables of the drift; those of elastic structures are 0
 
@@ -253,19 +251,16 @@ class _Solver(NamedTuple):
         uy = peak_factor * np.sqrt(own.mu_mu) / strength if self.by_factor else strength
         # A given reduction factor is used as it is, so that equal structures have exactly equal ratios.
         ratio = strength / peak_factor if self.by_factor else np.sqrt(own.mu_mu) / uy
-        if self.closure is None or self.tolerance is None:
+        if self.law is None or self.tolerance is None:
             return self._report(_Solution.elastic(elastic), soil, uy, ratio)
         scaled = ground.copy()
         scaled[self.intensity] /= uy**2  # the equation of motion is that of the ductility u/uy
         start = np.sqrt(np.array([own.mu_mu, own.v_v])) / uy
-        solve = self._amplitude_average if self.closure == NARROW_BAND else self._fixed_point
-        batch = _Batch(
-            elastic, w, damping, hardening, law, one_solution > 0, self.filter_of(scaled), start
-        )
-        return self._report(solve(batch, self.tolerance), soil, uy, ratio)
+        batch = _Batch(elastic, w, hardening, law, one_solution > 0, self.filter_of(scaled), start)
+        return self._report(self._fixed_point(batch, self.tolerance), soil, uy, ratio)
 
     def _fixed_point(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
-        elastic, w, _, hardening, law, one_solution, soil, start = batch
+        elastic, w, hardening, law, one_solution, soil, start = batch
         oscillator = np.array([w**2, elastic.damping, (1 - hardening) * w**2])
         latent = np.array([start[1], start[0], np.full_like(w, 0.1)])
         assert self.law is not None
@@ -278,12 +273,6 @@ class _Solver(NamedTuple):
         system = EquivalentSystem(*(np.where(still, e, s) for e, s in pairs))
         counts = solved.iterations, solved.residual, solved.converged
         return _Solution(system, *counts, still, moments_of(solved.unknowns))
-
-    def _amplitude_average(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
-        _, w, damping, hardening, _, _, soil, start = batch
-        limits = tolerance.rtol, tolerance.max_iterations
-        average = solve_amplitude_average(w, damping, hardening, start[0], soil, *limits)
-        return _Solution(*average, np.zeros(w.size, bool), None)
 
     def _drift(self, solution: _Solution, soil: Filter, uy: Array) -> dict[str, Array]:
         """Variables `OF_DRIFT`, in m and 1/s; an elastic structure has no drift."""
@@ -310,13 +299,10 @@ class _Solver(NamedTuple):
         physical = (own.mu_mu > 0) & (own.v_v > 0)
         for extent in (total, velocity, total / uy):
             physical &= np.isfinite(extent)
-        if self.closure == NARROW_BAND and not elastic.all():
-            z = corr = c_eq = k_eq = np.full_like(z, np.nan)
-        else:
-            z, corr = np.where(elastic, displacement, z), np.where(elastic, 0, corr)
-            c_eq, k_eq = np.where(elastic, -1, system.slip - 1), np.where(elastic, 0, system.relaxation)
-            correlated = np.maximum(np.abs(corr), np.abs(share))
-            physical &= elastic | ((z > 0) & (correlated <= 1 + ROUNDING))
+        z, corr = np.where(elastic, displacement, z), np.where(elastic, 0, corr)
+        c_eq, k_eq = np.where(elastic, -1, system.slip - 1), np.where(elastic, 0, system.relaxation)
+        correlated = np.maximum(np.abs(corr), np.abs(share))
+        physical &= elastic | ((z > 0) & (correlated <= 1 + ROUNDING))
         status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
         status = np.where(physical, status, labels.NOT_PHYSICAL)
         lost = np.where(ratio > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
@@ -349,7 +335,6 @@ class _Batch(NamedTuple):
 
     elastic: EquivalentSystem
     w: Array  # (n,) [rad/s]
-    damping: Array
     hardening: Array
     law: Array  # (m, n)
     one_solution: Array

@@ -18,7 +18,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
-from stochlin.models.structures import DRIFT, NARROW_BAND, Structure
+from stochlin.models.structures import DRIFT, Structure
 
 
 @checked
@@ -46,12 +46,11 @@ def linearize(
         The structure.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground; its parameters and those of the structure broadcast by dimension name.
-    closure : {"gaussian", "clipped", "drift", "narrow_band"}
+    closure : {"gaussian", "clipped", "drift"}
         Assumed distribution of the response. ``"gaussian"``: ``(v, z)`` jointly Gaussian, eqs. (9) and
         (10); the others are only for bilinear structures. ``"clipped"``: ``z`` is a Gaussian variable
         clipped at -1 and 1. ``"drift"``: the clipped closure plus the slow drift of the plastic
-        displacement, see the notes. ``"narrow_band"``: Caughey's amplitude averaging. It has no ``z``,
-        whose variables are NaN; ``period_eq`` [s] and ``damping_eq`` [-] are added.
+        displacement, see the notes.
     rtol, atol : float
         The iteration of a cell stops when ``|dy| <= atol + rtol |y|`` for each ``y``: the standard
         deviations of ``v`` and ``z`` (for these ``rtol`` alone) and their correlation.
@@ -148,10 +147,6 @@ def _solved(closure: str, tolerance: Tolerance, structure: Structure, ground: Gr
     (solved,) = solved_together((structure,), ground, closure, tolerance)
     variables = {name: solved[name] for name in PUBLIC}
     variables |= judged(structure, ground, closure, solved, tolerance)
-    if closure == NARROW_BAND:
-        equivalent = np.sqrt(solved["system_stiffness"])
-        variables["period_eq"] = 2 * np.pi / equivalent
-        variables["damping_eq"] = solved["system_damping"] / (2 * equivalent)
     if closure == DRIFT:
         variables |= {"displacement_error": known_error(solved), "drift_std": solved["drift_std"]}
         (variables["drift_time"],) = cellwise(_drift_time, solved["drift_std"], solved["drift_rate"])

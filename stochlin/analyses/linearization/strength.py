@@ -105,10 +105,8 @@ def strength_for_ductility(
     by up to 10 % for 2 of 60 structures near the resonance of a narrow-band ground; there, several
     strengths have the same ductility, and one of them is found.
 
-    With ``"narrow_band"``, the ductility of stiff structures on a lake bed can jump from 3 to 20 and
-    more within a millionth of ``R``, and no strength has a ductility in between. Such a search fails. It
-    also fails if the linearization does not converge for the required ``R`` (some above 10 000; with
-    ``"clipped"`` also some near jumps).
+    The search fails if the linearization does not converge for the required ``R`` (some above 10 000;
+    with ``"clipped"`` also some where the ductility nearly jumps).
 
     The strength has the error of the linearized ductility: 1.4 % on average with the drift closure, as
     in `linearize`. The Gaussian closure underestimates the ductility, so that its strength is too small.

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import xarray as xr
 
 from stochlin.kernels.linearization.gaussian import Closure, clipped, gaussian
-from stochlin.models.structures import DRIFT, GAUSSIAN, LAWS, NARROW_BAND, Structure
+from stochlin.models.structures import DRIFT, GAUSSIAN, LAWS, Structure
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -77,11 +77,10 @@ class Bilinear(Structure):
     'Bilinear(period=1, damping=0.05, hardening=0.05, reduction_factor=4, peak_factor=3)'
     """
 
-    closures: ClassVar[Mapping[str, Closure | None]] = {
+    closures: ClassVar[Mapping[str, Closure]] = {
         GAUSSIAN: gaussian,
         "clipped": clipped,
         DRIFT: clipped,
-        NARROW_BAND: None,
     }
     symbolic = staticmethod(symbolic)
 

@@ -130,7 +130,7 @@ class BoucWen(Structure):
         values = self.arrays()
         return values["gamma"] > -values["beta"]
 
-    closures: ClassVar[Mapping[str, Closure | None]] = {GAUSSIAN: gaussian}
+    closures: ClassVar[Mapping[str, Closure]] = {GAUSSIAN: gaussian}
     symbolic = staticmethod(symbolic)
 
     def largest_z(self) -> xr.DataArray:

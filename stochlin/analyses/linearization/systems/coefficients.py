@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.equivalent_systems import check_closure
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
 from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure
-from stochlin.kernels.linearization.systems.springs import before_clipping
 from stochlin.models.laws.hysteretic import law_of
 from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
-from stochlin.models.structures import DRIFT, GAUSSIAN, NARROW_BAND, Structure
+from stochlin.models.structures import GAUSSIAN, Structure
 
 if TYPE_CHECKING:
     import sympy
-
-# Closures that elements of a system do not have, with the reason.
-LACKING = {NARROW_BAND: "has no z", DRIFT: "is only available for single structures"}
 
 
 @dataclass(frozen=True)
@@ -46,14 +40,12 @@ def equivalent_coefficients(
     z_std: Parameter,
     velocity_z_corr: Parameter,
     law: str | sympy.Expr = "bilinear",
-    *,
-    closure: str = GAUSSIAN,
     **law_parameters: Any,
 ) -> xr.Dataset:
     """Equivalent coefficients of ``z' = -c_eq v - k_eq z``, eqs. (9) and (10), for given moments.
 
     They are the coefficients of the linear regression of ``G(v, z)`` on ``v`` and ``z``, for the
-    hysteresis law ``z' = G(v, z)`` and the joint density that the closure assumes.
+    hysteresis law ``z' = G(v, z)`` and a Gaussian joint density.
 
     Parameters
     ----------
@@ -61,14 +53,12 @@ def equivalent_coefficients(
         Standard deviation of the ductility rate ``v`` [1/s], positive. It is the velocity over the yield
         displacement, or for a storey the drift rate over the yield drift.
     z_std : float or array
-        Standard deviation of ``z`` [-], positive; below 1 with ``"clipped"``, since then ``|z| <= 1``.
+        Standard deviation of ``z`` [-], positive.
     velocity_z_corr : float or array
         Correlation [-] of ``v`` and ``z``, between -1 and 1. All parameters broadcast by dimension name.
     law : str or sympy.Expr
         Hysteresis law: ``"bilinear"``, ``"bouc_wen"``, another registered one, or an expression as for
         `Hysteretic`.
-    closure : {"gaussian", "clipped"}
-        Closure, as in `linearize`.
     **law_parameters : float or array
         Parameters of the law [-], such as ``beta=0.6, gamma=0.4``.
 
@@ -80,8 +70,9 @@ def equivalent_coefficients(
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range or not a number, the law or the closure is unknown, or dimensions do
-        not fit.
+        If a scalar is out of range or not a number, the law is unknown, or dimensions do not fit.
+    ArithmeticError
+        If a single case is beyond the range of numbers; in a table the cell is NaN.
 
     References
     ----------
@@ -106,43 +97,26 @@ def equivalent_coefficients(
     """
     moments = Moments(velocity_std, z_std, velocity_z_corr)
     structure = law_of(law, {"period": 1.0, "damping": 0.05}, law_parameters)
-    check_element_closure(structure, closure)
     models: dict[str, Model] = {"moments": moments, "law": structure}
-    table = in_blocks(partial(_of_moments, closure), models)
-    if not table.c_eq.ndim and np.isnan(table.c_eq):
-        raise ValueError(
-            f"z_std = {float(moments.arrays()['z_std']):g}, velocity_z_corr = "
-            f"{float(moments.arrays()['velocity_z_corr']):g}: no clipped Gaussian has these moments; "
-            "allowed: z_std < 1, and less correlation"
-        )
+    table = in_blocks(_of_moments, models)
+    labels.raise_if_lone_failure(table, "equivalent_coefficients", *models.values())
     law_name = law if isinstance(law, str) else f"{law}"
     return labels.with_run_information(
         labels.label(table, VARIABLES),
-        f"Equivalent coefficients, eqs. (9) and (10), {closure} closure",
-        f"equivalent_coefficients(law={law_name!r}, closure={closure!r})",
+        "Equivalent coefficients, eqs. (9) and (10)",
+        f"equivalent_coefficients(law={law_name!r})",
         models,
     )
 
 
-def check_element_closure(law: Structure, closure: str) -> None:
-    """Raise a ValueError if the law, or elements of a system in general, do not have this closure."""
-    check_closure(law, closure)
-    if closure in LACKING:
-        raise ValueError(
-            f"closure = {closure!r} {LACKING[closure]}; allowed for linked structures, storeys and "
-            "coefficients: gaussian, clipped"
-        )
-
-
-def _of_moments(closure: str, moments: Moments, law: Structure) -> xr.Dataset:
+def _of_moments(moments: Moments, law: Structure) -> xr.Dataset:
     c_eq, k_eq = cellwise(
         _coefficients,
         moments.valid() & law.valid(),
         *moments.arrays().values(),
         *law.law_parameters(),
         kinds=(float, float),
-        closure=law.closure(closure),
-        clips=closure != GAUSSIAN,
+        closure=law.closure(GAUSSIAN),
     )
     status = labels.status_where(c_eq.notnull() & k_eq.notnull())
     return xr.Dataset({"c_eq": c_eq, "k_eq": k_eq, "status": status})
@@ -150,15 +124,14 @@ def _of_moments(closure: str, moments: Moments, law: Structure) -> xr.Dataset:
 
 @np.errstate(all="ignore")  # cells out of range are NaN
 def _coefficients(
-    valid: Array, sv: Array, sz: Array, r: Array, *own: Array, closure: Closure, clips: bool
+    valid: Array, sv: Array, sz: Array, r: Array, *own: Array, closure: Closure
 ) -> tuple[Array, Array]:
     arrays = np.broadcast_arrays(valid, sv, sz, r, *own)
     where = np.flatnonzero(arrays[0])
     moments, parameters = np.split(np.stack([a.reshape(-1)[where] for a in arrays[1:]]), [3])
-    latent = before_clipping(moments, parameters, closure) if clips else moments
     coefficients = np.full((2, arrays[0].size), np.nan)
     if where.size:
-        slip, relaxation = closure(latent, parameters).coefficients
+        slip, relaxation = closure(moments, parameters).coefficients
         coefficients[:, where] = slip - 1, relaxation
     c_eq, k_eq = coefficients.reshape(2, *arrays[0].shape)
     return c_eq, k_eq

@@ -14,8 +14,8 @@ from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.gaussian import gaussian
 from stochlin.kernels.linearization.systems.springs import Law, Springs, solve_springs
-from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import GAUSSIAN
 
 
@@ -44,11 +44,11 @@ class SystemSolution(NamedTuple):
 
 
 def solve_equations(
-    equations: Equations, closure: str, tolerance: Tolerance, relaxation: float | None = None
+    equations: Equations, tolerance: Tolerance, relaxation: float | None = None
 ) -> SystemSolution:
     """The equivalent coefficients of all elements, by Newton's method, or by substitution if relaxed."""
     own, stacks = equations.yields, equations.arrangement.stacks
-    problem = springs_of(equations, closure, tolerance.rtol)
+    problem = springs_of(equations, tolerance.rtol)
     power = problem.power
     weak = (s.law for s in stacks if not np.isposinf(s.system.strength).all())
     unique = (law.has_one_solution().to_numpy() for law in weak)
@@ -68,26 +68,24 @@ def solve_equations(
     return SystemSolution(c_eq, k_eq, linear, changes, watch.iterations, status)
 
 
-def springs_of(equations: Equations, closure: str, rtol: float) -> Springs:
+def springs_of(equations: Equations, rtol: float) -> Springs:
     """What the iteration takes: springs that yield with their laws, and dashpots that it linearizes."""
-    laws = list(_laws(equations, closure))
+    laws = list(_laws(equations))
     links = equations.dashpots, equations.exponents
     return Springs.of(equations.mechanics(equations.yields), laws, *links, rtol)
 
 
-def _laws(equations: Equations, closure: str) -> Iterator[Law]:
+def _laws(equations: Equations) -> Iterator[Law]:
     """Closures of the laws, each with the numbers of its yielding elements and their parameters."""
-    begin, cells, clips = 0, equations.cells, closure != GAUSSIAN
+    begin, cells = 0, equations.cells
     for stack in equations.arrangement.stacks:
         yields = ~np.isposinf(np.atleast_2d(stack.system.strength)).all(axis=0)
         mine = begin + np.arange(yields.sum())
         if mine.size:
             values = stack.law_parameters[..., yields, :]
             wide = np.broadcast_to(values, (cells, mine.size, values.shape[-1]))
-            yield Law(mine, stack.law.closure(closure), np.moveaxis(wide, -1, 0), clips)
+            yield Law(mine, stack.law.closure(GAUSSIAN), np.moveaxis(wide, -1, 0))
         begin += mine.size
     links = np.arange(begin, equations.yields.sum())
     if links.size:
-        bilinear = Bilinear.closures[closure]
-        assert bilinear is not None
-        yield Law(links, bilinear, np.empty((0, cells, links.size)), clips)
+        yield Law(links, gaussian, np.empty((0, cells, links.size)))

@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
-from stochlin.analyses.linearization.systems.coefficients import check_element_closure
 from stochlin.analyses.linearization.systems.solution import SystemSolution, solve_equations
 from stochlin.analyses.linearization.systems.state_space import (
     Equations,
@@ -31,7 +30,6 @@ from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, Range
-from stochlin.models.structures import GAUSSIAN
 from stochlin.models.systems import AnyStructure, arrangement_of, check_stationary, stack_of
 
 ITERATIONS = ("newton", "substitution")
@@ -56,7 +54,6 @@ def linearize_system(
     ground: Ground,
     links: Sequence[Link | None] = (),
     *,
-    closure: str = "gaussian",
     iteration: Annotated[str, OneOf(ITERATIONS)] = "newton",
     relaxation: Annotated[float, Number(Range(0, 1, include_upper=True))] = 1.0,
     rtol: float = USUAL.rtol,
@@ -66,7 +63,8 @@ def linearize_system(
 
     The coefficients of eqs. (9) and (10) of all elements define the linear system of `statespace`. From
     its covariance, that of `stationary_covariance`, new coefficients follow, and this is iterated until
-    both converge. With arrays as parameters all cells of the table are iterated together.
+    both converge. ``(v, z)`` of each element are taken as jointly Gaussian. With arrays as parameters
+    all cells of the table are iterated together.
 
     Parameters
     ----------
@@ -80,8 +78,6 @@ def linearize_system(
         link name; oscillators then need a mass. A link that yields is an element like a storey. A
         dashpot with an exponent ``a`` is linearized for a Gaussian rate ``v``, with the damping constant
         ``c E|v|^(a+1) / E v^2``, in the same iteration.
-    closure : {"gaussian", "clipped"}
-        Closure of the linearization, as in `linearize`.
     iteration : {"newton", "substitution"}
         ``"newton"``: each iteration is a step of a damped Newton's method for the moments of the
         elements. ``"substitution"``: the coefficients for the moments of the response are substituted
@@ -117,7 +113,7 @@ def linearize_system(
     ------
     ValueError, TypeError
         If an argument is of the wrong kind or not allowed, arrays do not broadcast or have too many
-        cells, a law does not have the closure, a link has slack or cannot be placed between the
+        cells, a link has slack or cannot be placed between the
         structures, or P-delta effects leave a storey no stiffness after yield.
     ArithmeticError
         If the iteration of a single case does not converge; in a table the cell is NaN and its status
@@ -127,8 +123,7 @@ def linearize_system(
     -----
     Builder of the state matrix, solver, renewal of the coefficients and stop rule are one function each
     in ``stochlin.kernels.linearization.systems``, beside their equations in ``docs/theory.md``. Newton's
-    method takes about six iterations, substitution 20 to 50; with the clipped closure substitution fails
-    in a quarter to a half of the cells of a design chart, and is ``not_converged`` there.
+    method takes about six iterations, substitution 20 to 50.
 
     The force of a storey depends on its own drift only, so that the closures of single oscillators apply
     to each storey. They also have the same errors: compared with nonlinear simulation, drifts of
@@ -154,7 +149,6 @@ def linearize_system(
     (0, True)
     """
     links = checked_system(structures, ground, links)
-    check_laws(structures, closure)
     tolerance = Tolerance(rtol, 0.0, max_iterations)
     factor = relaxation_of(iteration, relaxation)
     models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
@@ -170,17 +164,17 @@ def linearize_system(
     if not cells.where.size:
         raise ValueError(NONE_VALID)
     equations = equations_of_cells(cells, links)
-    solution = solve_equations(equations, closure, tolerance, factor)
+    solution = solve_equations(equations, tolerance, factor)
     table = labels.label(solution_table(cells, equations, solution), VARIABLES)
     described = ", ".join(structure.describe() for structure in structures)
     labels.raise_if_lone_failure(table, f"linearize_system([{described}], {ground.describe()})")
     if any(structure.yields for structure in structures):
         table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
-    how = "" if factor is None else f", iteration='substitution', relaxation={factor:g}"
+    how = "" if factor is None else f"iteration='substitution', relaxation={factor:g}"
     return labels.with_run_information(
         table,
-        f"Linearization of {len(structures)} structures, {closure} closure, {ground.name} ground",
-        f"linearize_system(closure={closure!r}{how})",
+        f"Linearization of {len(structures)} structures, {ground.name} ground",
+        f"linearize_system({how})",
         models,
     )
 
@@ -219,7 +213,7 @@ def check_chain(models: Mapping[str, Model]) -> None:
 def linearized_motion(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
 ) -> StationaryResponse:
-    """Response of the equivalent linear system by the Gaussian closure, with its covariance."""
+    """Response of the equivalent linear system, with its covariance."""
     links = checked_system(structures, ground, links)
     check_one_system(structures, ground, links)
     equations = equations_of(structures, ground, links)
@@ -233,21 +227,14 @@ def equivalent_systems(equations: Equations, solution: SystemSolution) -> StateS
 
 
 def solved(equations: Equations) -> SystemSolution:
-    """Solution of one system by the Gaussian closure; an ArithmeticError if it fails."""
-    solution = solve_equations(equations, GAUSSIAN, USUAL)
+    """Solution of one system; an ArithmeticError if it fails."""
+    solution = solve_equations(equations, USUAL)
     if solution.status[0] >= labels.NOT_CONVERGED:
         raise ArithmeticError(
             f"linearization of {len(equations.arrangement.stacks)} structures: "
             f"{labels.STATUS_MEANINGS[solution.status[0]].replace('_', ' ')}"
         )
     return solution
-
-
-def check_laws(structures: Sequence[AnyStructure], closure: str) -> None:
-    """Raise a ValueError if a law does not have this closure, or systems do not."""
-    for structure in structures:
-        law = structure.element_law if isinstance(structure, MultistoreyBuilding) else structure
-        check_element_closure(law, closure)
 
 
 def equations_of(

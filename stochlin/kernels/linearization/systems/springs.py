@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import elementwise
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.cells.steps import (
@@ -46,26 +45,14 @@ class Law(NamedTuple):
     springs: Array  # (i,) their numbers among the springs that yield
     closure: Closure
     parameters: Array  # (p, c, i)
-    clips: bool  # whether the moments that the closure assumes are those before clipping
 
     def values(self, latent: Array) -> ClosureValue:
         """What the closure finds for assumed moments (3, c, m) of all springs; arrays (..., c, i)."""
         moments = latent[..., self.springs]
         shape = moments.shape[1:]
-        flat = self.closure(moments.reshape(3, -1), self._parameters)
+        parameters = self.parameters.reshape(len(self.parameters), moments[0].size)
+        flat = self.closure(moments.reshape(3, -1), parameters)
         return ClosureValue(*(field.reshape(*field.shape[:-1], *shape) for field in flat))
-
-    def assumed(self, moments: Array) -> Array:
-        """The moments (3, c, i) that the closure assumes, for those of the response (3, c, m)."""
-        own = moments[..., self.springs]
-        if not self.clips:
-            return own
-        return before_clipping(own.reshape(3, -1), self._parameters, self.closure).reshape(own.shape)
-
-    @property
-    def _parameters(self) -> Array:
-        kinds, cells, springs = self.parameters.shape
-        return self.parameters.reshape(kinds, cells * springs)
 
 
 class Linear(NamedTuple):
@@ -351,7 +338,7 @@ def respond(problem: Springs, linear: Linear, *, slopes: bool = False) -> Respon
 
 
 def coefficients_of(problem: Springs, latent: Array) -> ClosureValue:
-    """Coefficients and covariance by the closure, eqs. (9) and (10), for assumed moments (3, c, m)."""
+    """Coefficients by the closure, eqs. (9) and (10), for assumed moments (3, c, m)."""
     shape = latent.shape[1:]
     whole = ClosureValue(*(np.empty((*rows, *shape)) for rows in ((2,), (2, 3), (3,), (3, 3))))
     for law in problem.laws:
@@ -369,22 +356,13 @@ def _newton_round(problem: Springs, unknowns: Array) -> tuple[Linear, ResponseMo
     """Linear systems for the unknowns (u, c), their moments, and the mismatch (c, u) with its slopes."""
     linear, values = _linear(problem, unknowns)
     moments = respond(problem, linear, slopes=True)
-    (u, cells), m, level = unknowns.shape, problem.springs, problem.level[:, None]
-    n = 3 * m
+    (u, cells), n, level = unknowns.shape, 3 * problem.springs, problem.level[:, None]
     reached, by_moments = to_unknowns(moments.springs)
     reached[:2] += level
-    assumed, by_assumed = to_unknowns(values.covariance)
     mismatch = np.empty((cells, u))
-    mismatch[:, :n] = (reached - assumed).transpose(1, 0, 2).reshape(cells, n)
+    mismatch[:, :n] = (reached - _of_springs(problem, unknowns)).transpose(1, 0, 2).reshape(cells, n)
     mismatch[:, n:] = 0.5 * np.log(moments.rates) + level - unknowns[n:].T
-    slopes = _slopes_of_reached(problem, unknowns, linear, values, moments, by_moments)
-    latent = _by_latent(problem, unknowns)
-    own = np.einsum("iacm,alcm,lcm->cmil", by_assumed, values.covariance_jacobian, latent)
-    for spring, block in enumerate(own.swapaxes(0, 1)):
-        place = np.arange(spring, n, m)
-        slopes[:, place[:, None], place] -= block
-    rates = np.arange(n, u)
-    slopes[:, rates, rates] -= 1.0
+    slopes = _slopes_of_reached(problem, unknowns, linear, values, moments, by_moments) - np.eye(u)
     still = np.concatenate([np.zeros((cells, n), bool), problem.idle], axis=1)
     mismatch[still] = 0.0
     slopes = np.where(still[..., None], -np.eye(u), slopes)
@@ -441,10 +419,7 @@ def _linear(problem: Springs, unknowns: Array) -> tuple[Linear, ClosureValue]:
 def _renewed(problem: Springs, moments: ResponseMoments) -> Linear:
     """Equivalent linear systems for the moments of the response."""
     vv, zz, vz = moments.springs
-    statistics = np.stack([np.sqrt(vv), np.sqrt(zz), vz / np.sqrt(vv * zz)])
-    latent = np.empty_like(statistics)
-    for law in problem.laws:
-        latent[..., law.springs] = law.assumed(statistics)
+    latent = np.stack([np.sqrt(vv), np.sqrt(zz), vz / np.sqrt(vv * zz)])
     rates = np.where(problem.idle, 0.0, 0.5 * np.log(moments.rates))
     slip, relaxation = coefficients_of(problem, latent).coefficients
     return Linear(slip, relaxation, _dashpots(problem, rates))
@@ -493,26 +468,3 @@ def to_unknowns(covariance: Array) -> tuple[Array, Array]:
     columns = [slope_of_unknowns(vv, zz, root, r, unit) for unit in np.eye(3)]
     unknowns = np.array([0.5 * np.log(vv), 0.5 * np.log(zz), np.arctanh(r)])
     return unknowns, np.stack([np.stack(column) for column in columns], axis=1)
-
-
-def before_clipping(moments: Array, parameters: Array, closure: Closure) -> Array:
-    """Moments (3, n) of ``(v, z~)`` before clipping, for those after it; NaN where there are none.
-
-    The standard deviation of ``z~`` is found by a search. The covariance of ``v`` and ``z`` is
-    proportional to the correlation before clipping.
-    """
-    sv, sz, r = moments
-
-    def variance(log_sz: Array, index: Array) -> Array:
-        here = index.astype(int)
-        guess = np.stack([sv[here], np.exp(log_sz), np.zeros_like(log_sz)])
-        return np.log(closure(guess, parameters[:, here]).covariance[1] / sz[here] ** 2)
-
-    index = np.arange(sz.size, dtype=float)
-    lowest = np.full_like(sz, np.log(np.min(sz, initial=1.0)) - 1)
-    root = elementwise.find_root(variance, (lowest, np.full_like(sz, 25.0)), args=(index,))
-    latent = np.stack([sv, np.where(root.success, np.exp(root.x), np.nan), np.full_like(sz, 0.5)])
-    half = closure(latent, parameters).covariance[2]
-    latent[2] = 0.5 * r * sv * sz / half
-    latent[:, np.abs(latent[2]) >= 1] = np.nan
-    return latent
