@@ -82,7 +82,7 @@ def test_records_are_in_the_table_and_the_picture(tmp_path):
     for target in (out, sheet):
         done = answered("probability", path, "--out", target, "--picture", tmp_path / "p.png")
     said = " ".join(done.output.split())
-    assert "Record A short one, hybrid method: confidence 0.0000 with one phase" in said
+    assert "Record A short one, hybrid method: confidence 0.0000 (rho" in said
     assert said.count("so that no phase avoids pounding") == 1
     with xr.open_dataset(out, engine="scipy") as table:
         figure = draw_pounding(table)

@@ -97,7 +97,6 @@ def check_record(record, first=ONE, second=TWO):
     assert (safe.diff("gap") >= -1e-12).all()
     assert float(safe[-1, 0]) < 1e-3
     assert float(safe[-1, -1]) == 1
-    assert (table.confidence_of_no_pounding_fresh_phase <= safe + 1e-9).all()
     assert (table.instantaneous_probability.diff("gap") <= 1e-9).all()
     # what really happened is within what the radii allow
     assert float(table.separation) <= float((table.radius_1 + table.radius_2).max())

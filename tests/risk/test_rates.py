@@ -4,31 +4,20 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-import stochlin as sl
 from stochlin.analyses.risk.rates import (
     ALL_POUND,
     TOO_FEW_INTENSITIES,
     TOO_FEW_POUND,
-    Fragility,
     SeparationsByIntensity,
     lognormal_fragility,
-    lognormal_rate,
     rates,
 )
 
 K0, K = 0.02, 2.7
-HAZARD = sl.PowerLawHazard(K0, K)
 
 
 def power_law(intensity):
     return K0 * np.asarray(intensity) ** -K
-
-
-@pytest.mark.parametrize("dispersion", [0.1, 0.4, 0.9, 1.5])
-def test_lognormal_fragility_under_a_power_law_has_its_closed_form(dispersion):
-    """Cornell: ``k0 theta^-k exp(k^2 b^2/2)``."""
-    rate = lognormal_rate(Fragility(3.0, dispersion, 0, 0), power_law)
-    assert rate == pytest.approx(K0 * 3.0**-K * np.exp(0.5 * (K * dispersion) ** 2), rel=1e-10)
 
 
 def lognormal_motions(count=4000, dispersion=0.4, highest=1e4):

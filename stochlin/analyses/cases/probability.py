@@ -82,10 +82,8 @@ def _side_by_side(records: Mapping[str, xr.Dataset]) -> xr.Dataset:
     """Results of the hybrid method on one time axis; after its end a record keeps its last values."""
     timed = [result.assign_coords(time=result.time - result.time[0]) for result in records.values()]
     instants = np.linspace(0.0, max(float(result.time[-1]) for result in timed), INSTANTS)
-    confidence = "confidence_of_no_pounding"
-    kept = ("required_gap", "separation", "rho", confidence, f"{confidence}_fresh_phase")
     rows = [
-        result[[*kept]]
+        result[["required_gap", "separation", "rho", "confidence_of_no_pounding"]]
         .reindex(time=instants, method="ffill")
         .assign(radius_difference=abs(result.radius_1 - result.radius_2).max())
         for result in timed

@@ -14,11 +14,7 @@ RECORDED: Variables = {
     "record_no_pounding_probability": ("1", "share of the records without pounding"),
     "record_confidence_of_no_pounding": (
         "1",
-        "probability of no pounding so far in the record, hybrid method, one phase",
-    ),
-    "record_confidence_of_no_pounding_fresh_phase": (
-        "1",
-        "probability of no pounding so far in the record, hybrid method, a new phase in every cycle",
+        "probability of no pounding so far in the record, hybrid method",
     ),
     "record_required_gap": ("m", "required gap for the confidence in the record, hybrid method"),
     "record_separation": ("m", "peak relative displacement u_1 - u_2 in the record"),

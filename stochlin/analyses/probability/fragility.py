@@ -18,7 +18,6 @@ from stochlin.analyses.risk.rates import (
     SeparationsByIntensity,
     lognormal_fragility,
 )
-from stochlin.analyses.risk.variables import labelled_fragility
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -34,6 +33,12 @@ OPPOSITE = {
     "_simulated_lower": "_simulated_upper",
     "_simulated_upper": "_simulated_lower",
     "_at_most": "_at_least",
+}
+STATUS = {
+    "long_name": "status of the lognormal fragility",
+    "flag_values": np.arange(5, dtype=np.int8),
+    "flag_meanings": "fitted fewer_than_two_motions_pound all_pound_at_the_lowest_intensity "
+    "fewer_than_two_intensities not_simulated",
 }
 ENDINGS = ("", "_poisson", "_corrected", "_simulated", *OPPOSITE, "_at_height")
 
@@ -79,7 +84,8 @@ def pounding_fragility(
         motion by formula with crossings in clumps, and with the endings ``_poisson`` for independent
         crossings, ``_corrected`` for the known bias, ``_simulated`` with a 95 % interval ``_lower`` and
         ``_upper``, and for buildings with storeys ``_at_height`` and ``_at_most``, Boole's upper bound
-        for all heights together; ``caution`` and ``caution_corrected``, as in `pounding_probability`.
+        for all heights together; with a simulation ``caution`` and ``caution_corrected``, as in
+        `pounding_probability`.
 
         Over ``intensity``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``, and ``status``.
 
@@ -149,7 +155,6 @@ def pounding_fragility(
         if name in results:
             table[name] = results[name]
     table = labels.label(table, VARIABLES).assign_attrs(results.attrs)
-    table = labelled_fragility(table, "m^2/s^3")
     return labels.with_run_information(
         table,
         f"Fragility of two structures against pounding, {ground.name} ground",
@@ -183,7 +188,9 @@ def _lognormal(samples: xr.DataArray, gap: Any, intensity: Any) -> dict[str, xr.
         output_core_dims=[[]] * len(Fragility._fields),
         vectorize=True,
     )
-    return Fragility(*fits).named()
+    fragility = Fragility(*fits).named()
+    status = fragility["fragility_status"].astype(np.int8).drop_attrs()
+    return fragility | {"fragility_status": status.assign_attrs(STATUS)}
 
 
 def _named(value: Any, name: str, units: str, long_name: str) -> Any:

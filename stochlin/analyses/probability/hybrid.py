@@ -71,14 +71,8 @@ def hybrid_pounding(
     gap = distance.arrays()["gap"]
     valid = distance.valid()
     cells = gap.where(valid, 1.0).to_numpy().ravel()
-    seconds = np.gradient(motions[0].time.to_numpy())
-    cycles = seconds * 0.5 * sum(1 / float(s.arrays()["period"]) for s in (left, right))
-    columns = [_of_gap(radius_1, radius_2, g, k, cycles) for g in cells]
-    names = (
-        "instantaneous_probability",
-        "confidence_of_no_pounding",
-        "confidence_of_no_pounding_fresh_phase",
-    )
+    columns = [_of_gap(radius_1, radius_2, g, k) for g in cells]
+    names = "instantaneous_probability", "confidence_of_no_pounding"
     table = xr.Dataset(coords=motions[0].coords)
     for name, rows in zip(names, zip(*columns, strict=True), strict=True):
         values = np.stack(rows, axis=-1).reshape((-1, *gap.shape))
@@ -113,21 +107,11 @@ def _in_metres(structure: AnyStructure, ground: Ground, role: str) -> Structure:
     return structure
 
 
-def _of_gap(
-    radius_1: Array, radius_2: Array, gap: float, k: float, cycles: Array
-) -> tuple[Array, Array, Array]:
-    """Probability of exceeding a gap at each instant, and of no pounding until then.
-
-    The latter is for one phase during the whole record, and for a new phase in each cycle.
-    """
+def _of_gap(radius_1: Array, radius_2: Array, gap: float, k: float) -> tuple[Array, Array]:
+    """Probability of exceeding a gap at each instant, and of no pounding until then."""
     level = np.full_like(radius_1, gap)
-    phase = least_phase(radius_1, radius_2, level)
-    reached = beyond_phase(phase, k)
-    with np.errstate(divide="ignore"):
-        fresh = np.exp(np.cumsum(cycles * np.log1p(-reached)))
-    safe = 1 - beyond_phase(np.minimum.accumulate(phase), k)
-    # Radii that are large for less than one cycle still have one phase, so that ``safe`` is a bound.
-    return exceeding(radius_1, radius_2, level, k), safe, np.minimum(fresh, safe)
+    least = np.minimum.accumulate(least_phase(radius_1, radius_2, level))
+    return exceeding(radius_1, radius_2, level, k), 1 - beyond_phase(least, k)
 
 
 def _required(radius_1: Array, radius_2: Array, k: float, confidence: float) -> float:

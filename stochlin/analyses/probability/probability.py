@@ -14,7 +14,7 @@ from stochlin.analyses.linearization.transient_systems import (
     over_time,
 )
 from stochlin.analyses.probability.cells import PairTable, Solved, by_formula
-from stochlin.analyses.probability.confidence_errors import cautions, measured_cautions
+from stochlin.analyses.probability.confidence_errors import measured_cautions
 from stochlin.analyses.probability.hybrid import hybrid_pounding
 from stochlin.analyses.probability.simulated import SAMPLES, Draws, by_simulation
 from stochlin.analyses.probability.strengths import at_strengths, strengths
@@ -115,8 +115,8 @@ def pounding_probability(
         Number of instants of the result.
     paths, seed : int
         Number and seed of the motions of the simulation, as in `simulate`. With ``paths=0`` there is no
-        simulation, and ``caution`` follows from regions that were checked. With a simulation only the
-        intensity of the ground may be an array.
+        simulation, and no ``caution``. With a simulation only the intensity of the ground may be an
+        array.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -133,12 +133,11 @@ def pounding_probability(
         ``_corrected`` and ``_simulated`` versions. Also ``rho`` [-], NaN at rest; ``envelope`` [-]; and
         ``permanent_set``, a flag that is 1 after the strong shaking.
 
-        Without ``time``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``; ``status``; and
-        ``caution``, a flag of the confidence by formula at the end of the motion: 0 if it is too large
-        by 0.1 at most, 1 if it may be too large by more, 2 outside the checked ranges. Likewise
+        Without ``time``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``; ``status``; and,
+        with a simulation, ``caution``, a flag of the confidence by formula at the end of the motion: 0
+        if it is too large by 0.1 at most, 1 if it may be too large by more, 2 if it is NaN. Likewise
         ``caution_corrected``. The flags compare with the lower end of the simulated interval; their
-        attribute ``comment`` names the seed. Only without a simulation they follow from regions (see the
-        notes). The variables of ``"hybrid"`` are in the notes.
+        attribute ``comment`` names the seed. The variables of ``"hybrid"`` are in the notes.
 
     Raises
     ------
@@ -171,30 +170,19 @@ def pounding_probability(
     strong shaking. It was compared with simulation for 762 random yielding pairs (R 1 to 9, hardening
     0.02 to 0.3, white noise, Kanai-Tajimi and named grounds, 8 to 40 s). The confidence by formula was
     too large by more than 0.1 in 24 % of the cases, and by up to 0.97. The corrected confidence, if it
-    is known, was too large by more than 0.1 in 13 % of the cases, and by up to 0.78. The conditions for
-    the flags without a simulation were chosen on half of the pairs, and the following results come from
-    the other half:
-
-    - With ``caution`` 0 the confidence by formula was too large by more than 0.1 in 2.2 % of the cases,
-      by 0.12 at most; elsewhere in 29 %. ``caution`` is 0 for one pair of six: where the pair stays
-      elastic (too large by 0.09 at most), where both structures have R up to 1.5 and T from Tg/2 on,
-      and where a reliable correction reduces the confidence by 0.05 at most.
-    - With ``caution_corrected`` 0 the corrected confidence was too large by more than 0.1 in 0.7 % of
-      the cases, by 0.20 at most; elsewhere in 32 %. It is 0 for half of the pairs: where T is at least
-      Tg/2 and either the confidence is 0.85 or more, or R is up to 4 and one period is at least 1.5
-      times the other.
+    is known, was too large by more than 0.1 in 13 % of the cases, and by up to 0.78.
 
     The simulated confidence always has an interval, and takes a second or two with the default
     ``paths``.
 
     The hybrid method returns, over the time of the record: ``radius_1`` and ``radius_2`` [m], the
     energy radii of both structures; ``recorded_difference`` [m], ``u_1 - u_2`` in the record;
-    ``instantaneous_probability``; ``confidence_of_no_pounding``, with one phase for all of the record;
-    and ``confidence_of_no_pounding_fresh_phase``, with a new phase in every cycle. Without time it
-    returns ``rho``, ``separation`` [m], the largest ``u_1 - u_2`` in the record, and ``required_gap``
-    [m]. The confidence is 0 from the instant at which the radii differ by more than the gap, since one
-    structure then closes the gap for any phase. The structures are oscillators, and ``rho`` is that of
-    linearization, or that of the record itself if a law cannot be linearized.
+    ``instantaneous_probability``; and ``confidence_of_no_pounding``, with one phase for all of the
+    record. Without time it returns ``rho``, ``separation`` [m], the largest ``u_1 - u_2`` in the
+    record, and ``required_gap`` [m]. The confidence is 0 from the instant at which the radii differ by
+    more than the gap, since one structure then closes the gap for any phase. The structures are
+    oscillators, and ``rho`` is that of linearization, or that of the record itself if a law cannot be
+    linearized.
 
     References
     ----------
@@ -278,13 +266,12 @@ def with_samples(
             not_linearized = str(error)
         else:
             table = by_formula(of_formula, solved, below, confidence)
-            flags = cautions(first, second, ground, table, scatter)
     if paths:
         rest = part_of(progress, 0.0 if solve is None else OF_FORMULA, 1.0)
         options = confidence, Draws(paths, seed, float(scatter)), rest
         simulated = by_simulation(pairs, described, distance, *options)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
-        flags = flags and measured_cautions(table)
+        flags = measured_cautions(table)
     table = over_time(table, pairs.course).assign(status=of_formula.status)
     table = table.assign(flags)
     table = table.assign_attrs(confidence=confidence, **labels.of_scatter(scatter))

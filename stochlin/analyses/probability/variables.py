@@ -1,7 +1,6 @@
 """Variables of the results on probability, with unit and long name."""
 
 from stochlin.analyses.linearization.variables import VARIABLES as LINEARIZATION
-from stochlin.analyses.risk.variables import FRAGILITY
 from stochlin.analyses.tables.labels import Variables
 
 _QUANTITIES: Variables = {
@@ -24,7 +23,10 @@ _VERSIONS = {  # endings of names, and of long names
 _OF_SPREAD = "standard error of the simulated standard deviation of the relative displacement"
 VARIABLES: Variables = {
     **LINEARIZATION,
-    **FRAGILITY,
+    "fragility_median": ("m^2/s^3", "median intensity of pounding"),
+    "fragility_median_standard_error": ("m^2/s^3", "standard error of median intensity of pounding"),
+    "fragility_dispersion": ("1", "logarithmic standard deviation of the intensity of pounding"),
+    "fragility_dispersion_standard_error": ("1", "standard error of the logarithmic standard deviation"),
     **{
         f"{name}{ending}": (units, f"{about}{version}")
         for name, (units, about) in _QUANTITIES.items()
@@ -41,10 +43,6 @@ VARIABLES: Variables = {
     "confidence_of_no_pounding_simulated": (
         "1",
         "share of simulated motions without pounding so far",
-    ),
-    "confidence_of_no_pounding_fresh_phase": (
-        "1",
-        "probability of no pounding so far, a new phase in every cycle",
     ),
     "confidence_of_no_pounding_at_least": (
         "1",

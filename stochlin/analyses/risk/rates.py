@@ -1,4 +1,4 @@
-"""Annual frequencies of pounding from separations in the same motions at several intensities.
+"""Annual frequencies of pounding and fragilities from separations in the same motions, over intensity.
 
 Between two intensities, the logarithm of the separation in a motion is interpolated linearly in the
 logarithm of the intensity, which is exact for linear structures. Below the lowest intensity it is
@@ -19,7 +19,6 @@ from stochlin.kernels.basics.arrays import Array
 
 TINY = 1e-12  # smallest separation [m], in place of zero in logarithms
 FITTED, TOO_FEW_POUND, ALL_POUND, TOO_FEW_INTENSITIES, NOT_SIMULATED = range(5)
-REACH, POINTS = 24.0, 6001  # range [standard deviations] and points of the integral over a fragility
 
 
 class SeparationsByIntensity(NamedTuple):
@@ -130,17 +129,6 @@ def _inverse_curvature(function: Callable[[Array], float], at: Array, step: floa
             second[i, j] = (both[0] - both[1] - both[2] + both[3]) / (4 * step**2)
     inverse: Array = np.linalg.inv(second)
     return inverse
-
-
-def lognormal_rate(fragility: Fragility, frequency: Callable[[Array], Array]) -> float:
-    """Mean annual frequency [1/yr], the mean of ``frequency`` over the lognormal fragility.
-
-    The integral is by the trapezoidal rule, which converges for such integrands faster than any power of
-    its step.
-    """
-    z = np.linspace(-REACH, REACH, POINTS)
-    weight = np.exp(-0.5 * z**2) / np.sqrt(2 * np.pi) * (z[1] - z[0])
-    return float(weight @ frequency(fragility.median * np.exp(fragility.dispersion * z)))
 
 
 def shares_of_rate(risk: xr.Dataset) -> tuple[Array, Array]:

@@ -18,13 +18,8 @@ import scipy.optimize
 import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
-from stochlin.analyses.risk.rates import (
-    SeparationsByIntensity,
-    lognormal_fragility,
-    lognormal_rate,
-    rates,
-)
-from stochlin.analyses.risk.variables import VARIABLES, labelled_fragility
+from stochlin.analyses.risk.rates import SeparationsByIntensity, rates
+from stochlin.analyses.risk.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
     mean_with_error,
@@ -66,7 +61,7 @@ UNITS = {"pga": "m/s^2", "sa": "m/s^2", "intensity": "m^2/s^3"}
 _RISK = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*%\s*in\s*(\d+\.?\d*)\s*(?:yr|years|a)\s*")
 REFERENCES = (
     "Cornell, C. A. (1968), Bull. Seismol. Soc. Am. 58; McGuire, R. K. (2004), Seismic Hazard and Risk "
-    "Analysis; Baker, J. W. (2015), Earthquake Spectra 31, for fragilities by maximum likelihood."
+    "Analysis."
 )
 
 
@@ -121,12 +116,9 @@ def pounding_risk(
         Over the dimensions of the parameters: ``annual_rate`` [1/yr] with its standard error;
         ``annual_rate_unseen`` [1/yr], the largest possible contribution of intensities beyond the table
         of the hazard, or beyond a return period of 200 000 years; ``probability_in_years`` [-] with its
-        95 % interval; ``annual_rate_lognormal`` [1/yr] by a lognormal fragility with
-        ``fragility_median`` and ``fragility_dispersion`` [-], which have standard errors;
-        ``fragility_status``, the reason if there is no fragility. Also over ``intensity``:
-        ``pounding_probability`` [-] with its 95 % interval, and ``exceedance_frequency`` [1/yr]. Also
-        over ``from_intensity``: ``annual_rate_by_intensity`` [1/yr], the part of the rate from the
-        interval of intensities that begins there.
+        95 % interval. Also over ``intensity``: ``pounding_probability`` [-] with its 95 % interval, and
+        ``exceedance_frequency`` [1/yr]. Also over ``from_intensity``: ``annual_rate_by_intensity``
+        [1/yr], the part of the rate from the interval of intensities that begins there.
 
     Raises
     ------
@@ -370,8 +362,7 @@ class RiskInputs(NamedTuple):
 
     def labelled(self, table: xr.Dataset, call: str) -> xr.Dataset:
         """The table with units and run information."""
-        units = UNITS[self.hazard.measure]
-        table = labelled_fragility(labels.label(table, VARIABLES), units)
+        table = labels.label(table, VARIABLES)
         models: dict[str, Any] = {**self.structures, "ground": self.ground, "hazard": self.hazard}
         what = "one structure crossing its property line" if self.alone else "pounding of two structures"
         return labels.with_run_information(
@@ -402,16 +393,13 @@ class SimulatedRisk(NamedTuple):
         inputs, motions = self
         by_path = rates(motions, gap, inputs.frequency)
         rate, error = mean_with_error(by_path.sum(axis=1))
-        fragility = lognormal_fragility(motions, gap)
         self._warn_of_weak(gap)
         table = xr.Dataset(
             {
                 "annual_rate": rate,
                 "annual_rate_standard_error": error,
-                "annual_rate_lognormal": lognormal_rate(fragility, inputs.frequency),
                 "annual_rate_unseen": _unseen(motions, gap, inputs.frequency),
                 **_in_years(rate, error, years),
-                **fragility.named(),
             }
         )
         table = table.assign(_by_intensity(motions, by_path, gap, inputs))

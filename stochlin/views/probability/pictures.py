@@ -26,7 +26,6 @@ ESTIMATES = (
     ("", "crossings in clumps"),
     ("_poisson", "Poisson crossings"),
     ("_corrected", "bias corrected"),
-    ("_fresh_phase", "new phase every cycle"),
 )
 SIZES = (
     ("difference_std", "$u_1 - u_2$ by formula"),
@@ -121,13 +120,11 @@ def _estimates(axes: Axes, dataset: xr.Dataset, stem: str, x: np.ndarray) -> Non
 
 
 def _records(axes: Axes, dataset: xr.Dataset, name: str) -> None:
-    """The confidence in each record by the hybrid method, with one phase and with many."""
+    """The confidence in each record by the hybrid method."""
     for (color, dash), record in zip(cycle(CURVES), dataset.record.values, strict=False):
         course = dataset.sel(record=record)
         label = filled([str(record).replace("$", r"\$")], NAME)
         axes.plot(course.record_time, course[name], color=color, linestyle=dash, label=label)
-        axes.plot(course.record_time, course[f"{name}_fresh_phase"], color=color, linestyle=dash, lw=0.6)
-    axes.plot([], [], color="0.3", lw=0.6, label="thin: a new phase\nin every cycle")
     axes.set(ylim=(-0.02, 1.02), xlim=(0, float(dataset.record_time[-1])))
     axes.set(xlabel="time from the beginning of the record [s]", ylabel="confidence")
     axes.set_title("in each record, by the hybrid method", loc="left", size=9)

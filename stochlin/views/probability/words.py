@@ -151,9 +151,8 @@ def _in_record(end: xr.Dataset, gap: float, wanted: float) -> str:
     """The hybrid method at the end of a record, and why no phase may be safe."""
     apart = float(end.record_radius_difference)
     sentence = (
-        f"Record {end.record.item()}, hybrid method: confidence {float(end[f'record_{STEM}']):.4f} with "
-        f"one phase between the buildings, {float(end[f'record_{STEM}_fresh_phase']):.4f} with a new "
-        f"phase every cycle (rho {float(end.record_rho):.3f}); gap for a confidence of "
+        f"Record {end.record.item()}, hybrid method: confidence {float(end[f'record_{STEM}']):.4f} "
+        f"(rho {float(end.record_rho):.3f}); gap for a confidence of "
         f"{100 * wanted:.4g}{SPACE}%: {length(float(end.record_required_gap))}. The record itself "
         f"needs {length(float(end.record_separation))}."
     )
