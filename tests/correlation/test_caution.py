@@ -85,7 +85,7 @@ def errors_of_hard_pairs(found):
 
 @pytest.mark.slow
 def test_caution_zero_protects_most_of_the_hard_pairs():
-    """Drawn after the rule of the caution was fixed; 150 of each family, of which the last is easy."""
+    """150 of each family, of which the last is easy."""
     parts = [
         errors_of_hard_pairs(hard_pairs().sel(family=family)) for family in hard_pairs().family.values
     ]

@@ -44,7 +44,7 @@ def test_the_weight_of_the_form_falls_from_one_to_nothing():
     rho = np.full(ends.size, 0.4)
     other = one._replace(place=place, trust=2 * one.trust)
     with np.errstate(divide="ignore"):  # ln q of equal structures
-        mixed, share, _ = with_nearness(rho, one, other, 0.0)
+        mixed, share = with_nearness(rho, one, other, 0.0)
     np.testing.assert_allclose(share, [0.0, 0.45, 0.25, 0.05, 0.0], rtol=0, atol=1e-14)
     np.testing.assert_allclose(mixed[[0, -1]], 0.4, rtol=0, atol=1e-14)
 

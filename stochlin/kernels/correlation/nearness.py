@@ -60,12 +60,11 @@ def _parted(matrix: Array) -> tuple[Array, Array]:
 
 def with_nearness(
     rho: Array, first: Nearness, second: Nearness, unseen: Array | float
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Array]:
     """Correlation of pairs by eq. (13), which changes ``rho`` of nearly equal structures only.
 
-    Also returned are the weight ``w`` of eq. (12) in it, and this weight times the difference of
-    ``ln(1 - rho)`` by eq. (12) from that of the given ``rho``. ``unseen`` is the share of the variances
-    of both structures that is independent of the references, ``f`` in eq. (13).
+    Also returned is the weight ``w`` of eq. (12) in it. ``unseen`` is the share of the variances of both
+    structures that is independent of the references, ``f`` in eq. (13).
     """
     form: Array = (_form(first, second, first) + _form(first, second, second)) / 2
     share = first.trust * second.trust / (1 + (form / MIDDLE) ** 2)
@@ -74,7 +73,7 @@ def with_nearness(
     known = np.isfinite(apart) & (share > 0)
     share, apart = np.where(known, share, 0.0), np.where(known, apart, 0.0)
     mixed = 1 - left * np.exp(share * (WEIGHT * apart + SAFE * (1 + unseen)))
-    return np.where(known, mixed, rho), share, share * apart
+    return np.where(known, mixed, rho), share
 
 
 def eased(share: Array) -> Array:

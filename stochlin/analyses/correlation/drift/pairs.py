@@ -10,7 +10,6 @@ from stochlin.analyses.correlation.drift.derived import OF_A_SIDE, rho_of_drifts
 from stochlin.analyses.correlation.drift.signatures import insight_of, insights
 from stochlin.analyses.correlation.errors import (
     DIFFERENCE,
-    corrected,
     doubt_of,
     expected_rho_error,
     relative_error,
@@ -127,11 +126,11 @@ def _cells(*inputs: Array) -> tuple[Array, ...]:
     of_first, of_second = inputs[:half], inputs[half:]
     derived = rho_of_drifts(*of_first[:own], *of_second[:own])
     if half == own:
-        return derived, doubt_of(derived), 0 * derived
+        none = np.zeros_like(derived)
+        return derived, doubt_of(derived, none, none, none), 0 * derived
     (seen_1, like_1), (seen_2, like_2) = insight_of(of_first[own:]), insight_of(of_second[own:])
     informed, unseen = derived, np.ones_like(derived)
     if seen_1 is not None and seen_2 is not None:
         informed, unseen = informed_correlation(derived, seen_1, seen_2), seen_1.left * seen_2.left
-    rho, share, apart = with_nearness(informed, like_1, like_2, unseen)
-    mean = (like_1.place + like_2.place)[1:] / 2
-    return rho, doubt_of(rho, corrected(derived, informed), share, apart, *mean), share
+    rho, share = with_nearness(informed, like_1, like_2, unseen)
+    return rho, doubt_of(rho, share, *(np.exp(like.place[1]) for like in (like_1, like_2))), share
