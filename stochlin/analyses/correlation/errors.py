@@ -1,9 +1,9 @@
 """Expected errors of pairs: of ``rho`` by the drift closure, and of the deviation of ``u_1 - u_2``.
 
 Those of ``rho`` were measured on simulated pairs of unequal bilinear structures, by kind of ground and
-by strength. The expected error of the standard deviation of ``u_1 - u_2`` follows from the errors of both
-structures and of ``1 - rho``; the latter are so large that cautions protect the simulated pairs of
-``docs/drift.md``.
+by strength. The expected error of the standard deviation of ``u_1 - u_2`` follows from the errors of
+both structures and of ``1 - rho``; the latter are so large that cautions protect the simulated pairs
+of ``docs/drift.md``.
 """
 
 from __future__ import annotations
