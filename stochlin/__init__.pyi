@@ -81,7 +81,6 @@ from .analyses.linearization.strength import (
 from .analyses.linearization.linearization import linearize as linearize
 from .analyses.correlation.correlation import correlate as correlate
 from .analyses.simulation.simulation import simulate as simulate
-from .analyses.damage.damage import park_ang as park_ang
 from .analyses.correlation.amplification import amplification as amplification
 from .analyses.linearization.transient_response import transient_response as transient_response
 from .analyses.linearization.peaks import peak_response as peak_response

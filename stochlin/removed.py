@@ -45,6 +45,10 @@ REMOVED: dict[str, str] = {
     "plot_loop": "hysteresis_loop gives the loop, whose force_per_mass .plot draws",
     "draw_loop": 'hysteresis_loop(...).set_coords("displacement").force_per_mass.plot(x="displacement")',
     "narrow_band": "closure='gaussian', or 'drift', which keeps the plastic drift",
+    "damage": "peaks over yield displacements are ductilities; collapse_probability says who falls",
+    "park_ang": "peaks over yield displacements are ductilities; collapse_probability says who falls",
+    "ultimate_ductility": "hardening and a law with a cap say when a storey falls",
+    "park_ang_beta": "hardening and a law with a cap say when a storey falls",
 }
 
 

@@ -45,7 +45,6 @@ UNCHECKED = {
     "read_case": READS,
     "read_pushover": READS,
     "exceedance": "it takes arrays, whose dimensions it checks",
-    "park_ang": "it takes the dataset of another function, and the parameters of a model",
     "stationary_covariance": "it takes the dataset of another function",
     "named_ground": BY_NAME,
     **dict.fromkeys(

@@ -99,9 +99,6 @@ def usual() -> Mapping[str, Any]:
         "space": sl.statespace([sl.Bilinear(1.0, 0.05)], ground, [-1.0], [0.0]),
         "frequency": [1.0, 2.0],
         "records": {"a": RECORD, "b": RECORD},
-        "table": sl.simulate([one], ground, paths=32, duration=3.0, damage=True),
-        "ultimate_ductility": 6.0,
-        "beta": 0.1,
         "grounds": [ground, sl.KanaiTajimi(0.4, 0.6, 0.01)],
     }
 

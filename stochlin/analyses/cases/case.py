@@ -10,7 +10,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.buildings import (
@@ -25,7 +24,7 @@ from stochlin.analyses.cases.contacts import read_amplification_limit, read_cont
 from stochlin.analyses.cases.files.design import read_codes
 from stochlin.analyses.cases.files.known import Known, name_of
 from stochlin.analyses.cases.files.quantities import Quantity
-from stochlin.analyses.cases.files.schema import OF_PARK_ANG, WALL
+from stochlin.analyses.cases.files.schema import WALL
 from stochlin.analyses.cases.files.sections import Section, read_sections
 from stochlin.analyses.cases.site import FITTED, CaseSite, read_scatter, read_site
 from stochlin.analyses.cases.sites.strength import HAZARD_EXAMPLE
@@ -79,8 +78,6 @@ class Case:
     unverified: bool
     paths: int
     seed: int
-    damage: bool  # whether what yielding leaves behind is wanted
-    park_ang: tuple[tuple[float, float], ...]  # ultimate ductility and beta of each building, or NaN
     contact: Contact | None
     measures: Mapping[str, Measure]
     amplification_limit: float | None
@@ -343,7 +340,6 @@ def case_of(whole: Section, path: Path, known: Known) -> Case:
         wanted.doubt("floors_align", f"is not so: {slabs[0]}; codes are asked as if it were false")
     simulated = whole.section("simulation", needed=False)
     simulated.only(*simulated.keys)
-    limits = tuple(_park_ang(whole.section(key)) for key in keys)
     *others, last = (building.name for building in buildings)
     before = ", ".join(others)
     return Case(
@@ -365,24 +361,11 @@ def case_of(whole: Section, path: Path, known: Known) -> Case:
         unverified=wanted.read("unverified"),
         paths=whole_groups(simulated.read("paths")),
         seed=simulated.read("seed"),
-        damage=simulated.read("damage") or bool(np.isfinite(limits).any()),
-        park_ang=limits,
         contact=read_contact(whole.section("contact")) if "contact" in whole else None,
         measures=read_measures(whole, buildings),
         amplification_limit=read_amplification_limit(whole),
         risk=_risk(wanted, of_site.hazard),
     )
-
-
-def _park_ang(building: Section) -> tuple[float, float]:
-    """Ultimate ductility and beta of a building, which it has both or neither; else NaN."""
-    one, other = names = OF_PARK_ANG
-    if given := [name for name in names if name in building]:
-        missing = one if given == [other] else other
-        if len(given) < len(names):
-            raise building.error(missing, f"is missing; {given[0]} needs it, or leave both out")
-        return building.read(one), building.read(other)
-    return np.nan, np.nan
 
 
 def _risk(wanted: Section, hazard: Hazard | None) -> str | float | None:

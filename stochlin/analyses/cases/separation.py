@@ -16,7 +16,6 @@ from stochlin.analyses.cases.codes import APPLIED, with_applied_codes
 from stochlin.analyses.cases.files.schema import FEWEST_PATHS
 from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
 from stochlin.analyses.cases.storeys import StoreyBuilding
-from stochlin.analyses.damage.damage import park_ang
 from stochlin.analyses.risk.risk import CERTAIN, RiskInputs, SimulatedRisk, Target
 from stochlin.analyses.risk.variables import VARIABLES
 from stochlin.analyses.sensitivity.sensitivity import sensitivity
@@ -138,10 +137,9 @@ def answer_case(
         numbers=case.numbers,
         unverified=case.unverified,
         records=dict(case.records) or None,
-        damage=case.damage,
         progress=part_of(progress, middle, end),
     )
-    table = _with_park_ang(case, with_applied_codes(case, simulated))
+    table = with_applied_codes(case, simulated)
     matters = None
     if sensitivities:
         motion = {
@@ -156,16 +154,6 @@ def answer_case(
     risk = None if risky is None else _risk_table(risky, case, float(table.gap[0]))
     results = existing, _spectrum(case), shaking_of(case), records, risk, matters
     return CaseAnswer(case, table, *results, every_rule)
-
-
-def _with_park_ang(case: Case, table: xr.Dataset) -> xr.Dataset:
-    """The table with the damage index of each storey, where its building has the numbers for it."""
-    limits = np.array(case.park_ang)
-    if np.isnan(limits).all():
-        return table
-    owner = table.element_structure - 1
-    ultimate, beta = (xr.DataArray(column, dims="b").isel(b=owner) for column in limits.T)
-    return table.assign(park_ang(table, ultimate, beta).data_vars)
 
 
 def _paths(case: Case) -> int:

@@ -19,7 +19,6 @@ from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.analyses.cases.files.schema import (
     BUILDING,
     BY_MODES,
-    OF_PARK_ANG,
     OF_PUSHOVER,
     OSCILLATOR,
     PUSHOVER,
@@ -306,8 +305,8 @@ def _heights(section: Section) -> float | list[float]:
 def _check_keys(section: Section, allowed: Sequence[str]) -> None:
     """Raise a ValueError for an unknown key, or a key that cannot be combined with those of storeys."""
     elsewhere = (*OF_STOREYS, *OF_OSCILLATORS, "period")
-    # Those that only a pushover curve, Rayleigh damping or damage needs would make the list too long.
-    rare = (*OF_PUSHOVER, "damping_modes", *OF_PARK_ANG)
+    # Those that only a pushover curve or Rayleigh damping needs would make the list too long.
+    rare = (*OF_PUSHOVER, "damping_modes")
     shown = [key for key in allowed if key not in rare]
     strange = [key for key in section.values if key in elsewhere and key not in allowed]
     if strange:

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.damage.damage import RESIDUAL
 from stochlin.analyses.pounding.histories import Quantities, floor_coords, labelled
 from stochlin.analyses.pounding.rows import Standing
 from stochlin.analyses.pounding.runs import jobs_of, responses
@@ -80,15 +79,14 @@ def over_motions(
     ensemble: Ensemble,
     paces: Sequence[StepCounts],
     halved: bool,
-    damage: bool,
     progress: Progress | None,
 ) -> xr.Dataset:
     """Summary of each motion; the results of one that fails are NaN, with the reason in ``missing``.
 
-    With the errors of the time steps if ``halved``, and with what yielding leaves behind for ``damage``.
+    With the errors of the time steps if ``halved``.
     """
     grounds, over = ensemble.motions.grounds, str(ensemble.over)
-    of_motions = [jobs_of(standing, *each, halved, damage) for each in zip(grounds, paces, strict=True)]
+    of_motions = [jobs_of(standing, *each, halved) for each in zip(grounds, paces, strict=True)]
     outcomes = iter(responses(standing, list(chain.from_iterable(of_motions)), progress=progress))
     summaries: list[Quantities] = []
     reasons: list[str] = []
@@ -132,8 +130,6 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
         if name in OF_IMPACTS:
             impacts = good[OF_IMPACTS[name]].transpose(*samples.dims)
             values = np.where(impacts.values > 0, values, 0.0)
-        if name.startswith(RESIDUAL):
-            values = np.abs(values)
         columns |= _statistics(name, samples.dims[1:], values, levels)
     # Added at once, because each addition to a dataset takes a millisecond.
     table = table.assign(columns).assign_coords(quantile=labels.axis("quantile", "quantile", levels))

@@ -9,7 +9,6 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from stochlin.analyses.damage.damage import OF_STRUCTURE
 from stochlin.analyses.pounding.ensembles import checked_ensemble, over_motions, with_statistics
 from stochlin.analyses.pounding.estimates import largest_by_one_impact
 from stochlin.analyses.pounding.histories import contacts, histories, labelled
@@ -35,7 +34,6 @@ from stochlin.analyses.pounding.summaries import summary
 from stochlin.analyses.pounding.variables import VARIABLES
 from stochlin.analyses.records.cells import SHORTEST, Records
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.floors import element_coordinates
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import SAMPLES, STEPS
@@ -71,7 +69,6 @@ def pound(
     quantiles: Quantiles = (0.5, 0.84, 0.95),
     steps_per_contact: Annotated[int, Whole(FEWEST_STEPS, MOST_STEPS)] = STEPS_PER_CONTACT,
     estimate_error: Truth | None = None,
-    damage: Truth = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response of a row of buildings from rest, with all impacts, in one motion or in many.
@@ -114,9 +111,6 @@ def pound(
     estimate_error : bool, optional
         Whether the row is also computed with steps twice as long, which tells the error. By default it
         is for one motion, and not for several.
-    damage : bool
-        Whether the result also says what yielding leaves behind. The motions are then followed by free
-        vibration, in which only the position at rest is found.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -144,10 +138,6 @@ def pound(
         with the ending ``_alone``. With links also, over ``link``, ``peak_link_force``
         [N], ``peak_link_stroke`` [m], the largest absolute extension, and ``link_energy`` [J], which the
         link dissipates.
-
-        With ``damage`` also, over ``element``, the storeys and modes that yield: ``residual_drift`` [m],
-        ``dissipated_energy`` [J], ``peak_ductility`` and ``cumulative_ductility`` [-], as in `simulate`,
-        and each with the ending ``_alone``. A residual drift is NaN if a building falls afterwards.
 
         ``step_error`` [-]: the largest relative change of a peak displacement or of the largest force of
         a contact, from steps twice as long. About a third of it remains.
@@ -276,7 +266,7 @@ def pound(
     if over is None:
         assert isinstance(motion, xr.DataArray)
         times = _output_times(output_step, grounds[0])
-        jobs = jobs_of(standing, grounds[0], paces[0], halved, damage)
+        jobs = jobs_of(standing, grounds[0], paces[0], halved)
         table = _of_one(standing, jobs, motion["time"], times, progress)
         table = table.merge(lines)
         oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
@@ -285,11 +275,9 @@ def pound(
             more["largest_radius_amplification"] = ("structure", worst)
         call = f"pound(output_step={output_step}, steps_per_contact={steps_per_contact})"
     else:
-        table = over_motions(standing, ensemble, paces, halved, damage, progress).merge(lines)
+        table = over_motions(standing, ensemble, paces, halved, progress).merge(lines)
         table = with_statistics(table, over, levels)
         call = f"pound(quantiles={levels.tolist()}, steps_per_contact={steps_per_contact})"
-    if damage:
-        table = table.assign_coords(element_coordinates(standing.arrangement))
     table = labels.label(table.assign(more), VARIABLES).assign_attrs(motion=ensemble.describe())
     models: dict[str, Model] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
     models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
@@ -314,8 +302,7 @@ def _of_one(
     kept = SAMPLES if times is None else STEPS
     outcomes = responses(standing, jobs, kept, progress)
     values = summary(standing, outcomes)
-    for name in ("energy_balance_error", OF_STRUCTURE):  # they have histories
-        values.pop(name, None)
+    del values["energy_balance_error"]  # it has a history
     start = float(time[0])
     at = time.to_numpy().astype(float) if times is None else start + times
     table = histories(standing, successful(outcomes)[0], jobs[0].ground, start, at, times)

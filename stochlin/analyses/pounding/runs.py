@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.damage.damage import free_intervals
 from stochlin.analyses.pounding.rows import Standing
 from stochlin.analyses.simulation.connected_structures import modes_of, shortest_mode
 from stochlin.analyses.tables.work import check_work
@@ -107,7 +106,6 @@ class RowRun(NamedTuple):
     ground: SampledMotion
     pace: kernel.StepCounts
     meets: bool = True  # whether contacts act
-    free: int = 0  # intervals of free vibration after the motion
 
 
 def jobs_of(
@@ -115,19 +113,11 @@ def jobs_of(
     ground: SampledMotion,
     pace: kernel.StepCounts,
     halved: bool = False,
-    damage: bool = False,
 ) -> list[RowRun]:
-    """The row and each building alone in a motion, and if ``halved`` the row in steps twice as long.
-
-    For ``damage`` free vibration follows.
-    """
+    """The row and each building alone in a motion, and if ``halved`` the row in steps twice as long."""
     coarser = pace._replace(cuts=pace.cuts // 2)
     rows = (standing.row, True), (standing.alone, False)
     both = [RowRun(row, ground, pace, meets) for row, meets in rows]
-    if damage:
-        decays = (job.row.elements.system.slowest_decay for job in both)
-        free = free_intervals(max(decays), ground.dt)
-        both = [job._replace(free=free) for job in both]
     return [*both, RowRun(standing.row, ground, coarser)] if halved else both
 
 
@@ -173,7 +163,7 @@ def _motions(jobs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
         acceleration[: samples.size, lane] = samples
     meets = np.array([float(job.meets) for job in jobs])
     slow = SLOW * np.abs(acceleration).max(axis=0) * shortest / (2 * np.pi)
-    return kernel.GroundMotions(acceleration, jobs[0].ground.dt, sizes - 1, slow, meets, jobs[0].free)
+    return kernel.GroundMotions(acceleration, jobs[0].ground.dt, sizes - 1, slow, meets)
 
 
 def successful(outcomes: Sequence[Outcome]) -> list[RowResponse]:

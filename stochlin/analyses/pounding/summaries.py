@@ -6,12 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stochlin.analyses.damage.damage import (
-    OF_STRUCTURE,
-    RESIDUAL,
-    damage_of_elements,
-    residual_drifts,
-)
 from stochlin.analyses.pounding.histories import (
     CONTACT,
     OF_ROW,
@@ -21,8 +15,7 @@ from stochlin.analyses.pounding.histories import (
 )
 from stochlin.analyses.pounding.rows import Standing
 from stochlin.analyses.pounding.runs import Outcome, successful
-from stochlin.analyses.tables.floors import ELEMENT, FLOOR, LINK
-from stochlin.kernels.basics.arrays import Array
+from stochlin.analyses.tables.floors import FLOOR, LINK
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
 
@@ -69,9 +62,6 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
             f"peak_storey_shear{ending}": (FLOOR, shear),
             f"peak_base_shear{ending}": (STRUCTURE, shear[first[:-1]]),
         }
-        if own.rest is not None:
-            damage = _damage(standing, own, own.rest)
-            values |= {f"{name}{ending}": each for name, each in damage.items()}
     apart, unknown = alone.peaks, np.full(first[-1], np.nan)
     growth = np.divide(response.peaks, apart, out=unknown, where=apart > 0)
     values["amplification"] = FLOOR, growth
@@ -82,15 +72,6 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
         values["peak_link_stroke"] = LINK, response.numbers[to.stretch + springs]
         values["link_energy"] = LINK, response.of(to.drained, to.lost)
     return values | {"energy_balance_error": (OF_ROW, response.numbers[response.to.imbalance])}
-
-
-def _damage(standing: Standing, response: RowResponse, rest: Array) -> Quantities:
-    """What yielding leaves behind, of elements and of structures."""
-    system, n = standing.arrangement, rest.size
-    stretch, spent = (response.numbers[row:][:n] for row in (response.to.stretch, response.at.spent))
-    values = {RESIDUAL: residual_drifts(system, rest)} | damage_of_elements(system, stretch, spent)
-    whole = np.add.reduceat(spent, system.first_coordinate[:-1])
-    return {name: (ELEMENT, each) for name, each in values.items()} | {OF_STRUCTURE: (STRUCTURE, whole)}
 
 
 def _tallies(standing: Standing, response: RowResponse) -> Quantities:

@@ -1,20 +1,11 @@
 """Variables of the results on pounding, with unit and long name."""
 
-from stochlin.analyses.damage.variables import OF_DAMAGE
 from stochlin.analyses.records.variables import VARIABLES as RECORDS
 from stochlin.analyses.simulation.variables import OF_LINKS
 from stochlin.analyses.tables.labels import Variables
 
-_DAMAGE: Variables = {
-    **OF_DAMAGE,
-    **{
-        f"{name}_alone": (units, f"{text}, without pounding")
-        for name, (units, text) in OF_DAMAGE.items()
-    },
-}
 _SINGLE: Variables = {
     **RECORDS,
-    **_DAMAGE,
     "peak_alone": ("m", "peak absolute displacement without pounding"),
     "acceleration": ("m/s^2", "absolute acceleration"),
     "peak_acceleration": ("m/s^2", "peak absolute acceleration"),
@@ -77,7 +68,7 @@ STATISTICS = (
     *("impacts", "hardest_force", "fastest_approach", "contact_energy", "column_force"),
     *("column_force_share", "peak", "peak_alone", "amplification", "peak_acceleration"),
     *("peak_acceleration_alone", "peak_storey_shear", "peak_storey_shear_alone", "peak_base_shear"),
-    *("peak_base_shear_alone", *OF_LINKS, *_DAMAGE),
+    *("peak_base_shear_alone", *OF_LINKS),
 )
 _OVER_MOTIONS = {
     f"{name}_{what}": (_SINGLE[name][0], template.format(_SINGLE[name][1]))

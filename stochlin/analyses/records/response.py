@@ -7,7 +7,6 @@ from typing import Annotated
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.damage.damage import RESIDUAL, damage_of, free_intervals
 from stochlin.analyses.records.cells import (
     SCALARS,
     OnRecord,
@@ -23,11 +22,10 @@ from stochlin.analyses.records.stepped import stepped_history
 from stochlin.analyses.records.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars
-from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
-from stochlin.kernels.records.runs import SampledMotion, history, peaks_on_records
-from stochlin.models.arguments import Truth, Whole, checked, is_number
+from stochlin.kernels.records.runs import history, peaks_on_records
+from stochlin.models.arguments import Whole, checked, is_number
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Structure
@@ -198,7 +196,6 @@ def respond(
     record: xr.DataArray,
     *,
     refine: Annotated[int, Whole(1)] = 1,
-    damage: Truth = False,
 ) -> xr.Dataset:
     """Response history of one structure to a record, from rest.
 
@@ -211,8 +208,6 @@ def respond(
     refine : int
         Number of output times in each interval of the record. The response at the times of the record
         does not depend on it.
-    damage : bool
-        Whether the result also says what yielding leaves behind.
 
     Returns
     -------
@@ -231,11 +226,6 @@ def respond(
         of `simulate`, halved until no peak changes by more than 1e-4; ``step_error`` [-] is the last
         change. If the structure falls (see `simulate`), histories are NaN from then on, and the
         attribute ``collapse_s`` is the time.
-
-        With ``damage`` also ``residual_drift`` [m], at rest after the record; and over ``time``, up to
-        this time, ``dissipated_energy`` [J], for 1 kg if the structure has no mass, ``peak_ductility``
-        [-], for `Bilinear` at the times of the output, and ``cumulative_ductility`` [-], all as in
-        `simulate`. For a building they are over ``element``.
 
     Raises
     ------
@@ -269,9 +259,9 @@ def respond(
     time = start + ground.dt / refine * np.arange(refine * intervals + 1)
     time[::refine] = record["time"]
     table = (
-        _exact_history(structure, motions, int(refine), damage)
+        _exact_history(structure, motions, int(refine))
         if isinstance(structure, Bilinear)
-        else stepped_history(structure, ground, int(refine), damage)
+        else stepped_history(structure, ground, int(refine))
     )
     table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
     table = _until_fall(table, structure)
@@ -289,15 +279,10 @@ def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
         return table
     falls = float(table.time[int(np.argmax(fallen))])
     histories = {n: v.where(table.time <= falls) for n, v in table.data_vars.items() if "time" in v.dims}
-    table = table.assign(histories).assign_attrs(collapse_s=falls)
-    if RESIDUAL in table:
-        table[RESIDUAL] = xr.full_like(table[RESIDUAL], np.inf)
-    return table
+    return table.assign(histories).assign_attrs(collapse_s=falls)
 
 
-def _exact_history(
-    structure: Bilinear, motions: RecordedMotions, refine: int, damage: bool
-) -> xr.Dataset:
+def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -> xr.Dataset:
     """The response history of a bilinear oscillator for `respond`; without times."""
     parameters = cells_of(structure, dims_of(structure), motions).parameters[0]
     displacement, velocity, strain, *spent = history(motions.grounds[0], parameters, refine)
@@ -314,23 +299,7 @@ def _exact_history(
     }
     if structure.yields:
         columns["z"] = strain / uy
-    table = xr.Dataset({name: ("time", values) for name, values in columns.items()})
-    if damage:
-        mass = structure.mass or 1.0
-        most = np.maximum.accumulate(np.abs(displacement))
-        of_damage = damage_of(most, mass * spent[-1], uy, mass * w**2)
-        table = table.assign({name: ("time", values) for name, values in of_damage.items()})
-        table[RESIDUAL] = _rest(parameters, motions.grounds[0])
-    return table
-
-
-def _rest(parameters: Array, ground: SampledMotion) -> float:
-    """Displacement at rest [m], after the record and free vibration without another yielding."""
-    w, xi, hardening, _ = parameters
-    still = np.zeros(free_intervals(1 / (xi * w), ground.dt))
-    longer = ground._replace(acceleration=np.concatenate([ground.acceleration, still]))
-    displacement, _, strain, *_ = history(longer, parameters, 1)[:, -1]
-    return float((1 - hardening) * (displacement - strain))
+    return xr.Dataset({name: ("time", values) for name, values in columns.items()})
 
 
 def _with_information(

@@ -9,12 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.damage.damage import (
-    RESIDUAL,
-    damage_of_elements,
-    free_intervals,
-    residual_drifts,
-)
 from stochlin.analyses.records.cells import RECORD, RecordedMotions
 from stochlin.analyses.simulation.connected_structures import SteppedGroup, all_connected
 from stochlin.analyses.simulation.finite_motions import RUNS_AWAY
@@ -91,9 +85,7 @@ def stepped_response(
     return SteppedResponse(values, cuts, change)
 
 
-def stepped_history(
-    structure: AnyStructure, ground: SampledMotion, refine: int, damage: bool
-) -> xr.Dataset:
+def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int) -> xr.Dataset:
     """The response history for `respond`, with ``refine`` points in an interval; without times."""
     system = arrangement_of([structure])
     samples = np.arange(ground.acceleration.size)
@@ -105,8 +97,7 @@ def stepped_history(
     row = row_of(system, Contacts.of([], system.storeys.mass.size))
     at, to = row.places
     intervals, none = np.array([between.size - 1]), np.zeros(1)
-    free = free_intervals(row.elements.system.slowest_decay, finer.dt) if damage else 0
-    motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none, free)
+    motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
     [response] = run(row, motion, StepCounts(first.cuts, 1), SAMPLES)
     kept = np.full((between.size, response.history.shape[1]), np.nan)  # NaN after a fall
     kept[: len(response.history)] = response.history
@@ -130,12 +121,6 @@ def stepped_history(
         table = table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
     if structure.yields:
         table["z"] = over(ELEMENT, system.of_elements(z / system.storeys.strength, 0.0, np.nan))
-    if response.rest is not None:
-        stretch = kept[:, to.stretch : to.entering]
-        table[RESIDUAL] = ELEMENT, residual_drifts(system, response.rest)
-        for name, values in damage_of_elements(system, stretch, spent).items():
-            table[name] = ("time", ELEMENT), values
-        table = table.squeeze(ELEMENT) if lone else table
     return table.merge(energies)
 
 

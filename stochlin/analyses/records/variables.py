@@ -1,6 +1,5 @@
 """Variables of the results on records, with unit and long name."""
 
-from stochlin.analyses.damage.variables import OF_DAMAGE
 from stochlin.analyses.tables.labels import Variables
 
 VARIABLES: Variables = {
@@ -25,7 +24,6 @@ VARIABLES: Variables = {
     "storey_drift": ("m", "storey drift"),
     "peak_drift": ("m", "peak absolute storey drift"),
     "ductility": ("1", "peak storey drift over yield drift"),
-    **OF_DAMAGE,
     "step_error": ("1", "largest relative change of a peak by the last halving of the time step"),
     "separation": ("m", "peak relative displacement towards structure_2"),
     "separation_quantile": ("m", "quantile of the gap over the records"),

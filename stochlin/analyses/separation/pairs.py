@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
-from stochlin.analyses.damage.damage import DAMAGE, OF_STRUCTURE, RESIDUAL
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic, solve_structure
 from stochlin.analyses.linearization.peaks import peak_table, relative_moments, response_moments
 from stochlin.analyses.linearization.strength import solved_reduction_factor
@@ -27,7 +26,6 @@ from stochlin.analyses.separation.storeys import (
 )
 from stochlin.analyses.simulation.finite_motions import mean_with_error, pair_peaks, quantiles_of
 from stochlin.analyses.simulation.simulation import simulate
-from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.buildings import MultistoreyBuilding
@@ -243,19 +241,7 @@ class PairInMotion:
         if self.has_storeys:
             of_storeys = ("peak_drift_mean", "peak_drift_mean_standard_error", "ductility")
             table |= {name: self.motions[name] for name in of_storeys}
-        if RESIDUAL in self.motions:
-            table |= self._damage()
         return table
-
-    def _damage(self) -> dict[str, Any]:
-        """What yielding leaves behind, over ``element``: in all motions, and statistics of them."""
-        motions = self.motions.isel(quantile=0, drop=True)
-        names = [name for name in motions if str(name).startswith((*DAMAGE, OF_STRUCTURE))]
-        of_damage = motions[names]
-        if not self.has_storeys:
-            elements = element_coordinates(self.system)
-            of_damage = of_damage.rename(structure=ELEMENT).assign_coords(elements)
-        return {str(name): values for name, values in of_damage.items()}
 
 
 def peak_quantile(

@@ -104,7 +104,6 @@ def separation(
     numbers: Mapping[str, float] | None = None,
     unverified: Truth = False,
     records: Any = None,
-    damage: Truth = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Gap that two buildings require, by simulation and by every rule.
@@ -155,8 +154,6 @@ def separation(
         Whether to include rules whose formulas could not be verified.
     records : DataArray, or list or mapping of them, optional
         Recorded motions [m/s^2] over ``time`` [s], as from `read_record`.
-    damage : bool
-        Whether the result also says what yielding leaves behind in the simulated motions.
     progress : callable, optional
         Called with the share of a simulation that is done.
 
@@ -183,9 +180,6 @@ def separation(
         the simulation with a 95 % interval ``_lower`` and ``_upper``; ``governing_height`` [m] over
         ``rule``; and over ``element``, for every storey, ``peak_drift_mean`` [m] with its standard error
         and ``ductility`` [-].
-
-        With ``damage`` also, over ``element``, the oscillators or storeys, the variables on damage of
-        `simulate`, over ``path``, as means with standard errors, and as quantiles at the ``confidence``.
 
         For one building alone, the variables ending in ``_2`` are left out, the heights are those of its
         floors, and rules that do not cover one building are NaN, with the reason in ``missing``.
@@ -264,7 +258,6 @@ def separation(
                 envelope=envelope,
                 scatter=scatter,
                 quantiles=[confidence],
-                damage=damage,
                 progress=part_of(progress, 0.0, 1.0 if records is None else BEFORE_RECORDS),
             )
             # The rules take the structures at their medians, and the peaks of all samples.

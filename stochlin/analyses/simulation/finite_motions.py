@@ -9,14 +9,6 @@ import numpy as np
 import xarray as xr
 from scipy.special import bdtrik, betaincinv
 
-from stochlin.analyses.damage.damage import (
-    DAMAGE,
-    ENERGY,
-    OF_STRUCTURE,
-    RESIDUAL,
-    damage_of,
-    free_intervals,
-)
 from stochlin.analyses.simulation.ensembles import SimulationRun, work_of
 from stochlin.analyses.simulation.structures_in_motion import STRUCTURE, StructuresInMotion
 from stochlin.analyses.simulation.variables import OF_LINKS, VARIABLES
@@ -60,7 +52,6 @@ def check_motion(
     duration: float | None,
     envelope: Envelope | None,
     scatter: float,
-    damage: bool,
     structures: Mapping[str, AnyStructure],
 ) -> None:
     """Raise if the duration does not go with the other arguments, or a structure has a longer period."""
@@ -71,11 +62,6 @@ def check_motion(
             raise ValueError(
                 f"scatter = {scatter:g} is given without a duration; it scales each motion by a random "
                 "factor, and a stationary response is that of one intensity: give a duration"
-            )
-        if damage:
-            raise ValueError(
-                "damage = True is given without a duration; in a stationary response damage grows for "
-                "ever: give a duration"
             )
         return
     check_duration(duration, structures)
@@ -121,13 +107,10 @@ def simulate_finite(
     envelope: Envelope | None,
     quantiles: Sequence[float],
     progress: Progress | None,
-    damage: bool = False,
 ) -> xr.Dataset:
     """Dataset of `simulate` for motions of finite duration, without labels."""
     levels = np.asarray(quantiles, float)
-    block = run.plan.dt * BLOCK
-    run = run.with_plan(free=free_intervals(moving.slowest_decay, block) if damage else 0)
-    check_finite(run, duration + run.plan.free * block, moving.functions)
+    check_finite(run, duration, moving.functions)
     system, pairs, n = moving.system, pairs_of(moving.system), len(moving.system.floors)
     storeys = drifts_of(system) if moving.has_storeys else []
     places = at_heights(system) if moving.has_storeys else []
@@ -171,10 +154,6 @@ def simulate_finite(
         coords |= link_coordinates([tie.number for tie in system.ties])
         samples |= _of_links(extremes, np.asarray(fallen.any(axis=1, keepdims=True)))
     means = _means(samples)
-    if damage:
-        own = slice(n, n + len(storeys)) if storeys else slice(n)
-        samples |= _damage(moving, run, either[:, own], extremes, own)
-        means |= _of_damage(samples, levels)
     if storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength
     (_, *over), apart_most = samples["separation"]
@@ -193,43 +172,6 @@ def _of_links(extremes: Extremes, fallen: Array) -> Columns:
         name: (("path", LINK), np.where(fallen, np.inf, each))
         for name, each in zip(OF_LINKS, values, strict=True)
     }
-
-
-def _damage(
-    moving: StructuresInMotion, run: SimulationRun, drift: Array, extremes: Extremes, own: slice
-) -> Columns:
-    """What each motion does to all elements, of which ``drift`` [m] are the peaks, and to structures.
-
-    Where a structure has fallen ``drift`` is infinite; so is the residual drift, and energies are NaN.
-    """
-    scale, masses = run.scale, moving.masses
-    energy, strength, stiffness = (array[:, run.order] for array in extremes.damage)
-    fallen = np.isinf(drift)
-    energy = np.where(fallen, np.nan, energy * scale**2 * masses)
-    stiffness = stiffness * masses
-    known = ~np.isnan(moving.strength)
-    values = damage_of(drift, energy, strength * scale, stiffness)
-    values = {name: np.where(known, array, np.nan) for name, array in values.items()}
-    residual = np.where(fallen, np.inf, extremes.residual[:, own])
-    columns: Columns = {RESIDUAL: (("path", moving.element), residual)}
-    columns |= {name: (("path", moving.element), array) for name, array in values.items()}
-    if moving.has_storeys:
-        owner = element_coordinates(moving.system)["element_structure"][1]
-        numbers = range(1, len(moving.system.stacks) + 1)
-        whole = [np.sum(values[ENERGY][:, (owner == number) & known], axis=1) for number in numbers]
-        columns[OF_STRUCTURE] = ("path", STRUCTURE), np.stack(whole, axis=1)
-    return columns
-
-
-def _of_damage(samples: Columns, levels: Array) -> Columns:
-    """Means over the motions with standard errors, and quantiles; residual drifts by absolute values."""
-    columns: Columns = {}
-    for name in (*DAMAGE, OF_STRUCTURE):
-        if name in samples:
-            (_, *over), values = samples[name]
-            columns |= mean_columns(name, over, np.abs(values))
-            columns |= quantile_columns(name, over, np.abs(values), levels)
-    return columns
 
 
 def _means(samples: Columns) -> Columns:

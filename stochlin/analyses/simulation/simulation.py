@@ -38,7 +38,6 @@ from stochlin.models.arguments import (
     Scatter,
     Seed,
     StepsPerPeriod,
-    Truth,
     checked,
 )
 from stochlin.models.envelopes import Envelope
@@ -79,7 +78,6 @@ def simulate(
     scatter: Scatter = 0.0,
     quantiles: Quantiles = (0.5, 0.84, 0.95),
     link: Link | Sequence[Link | None] | None = None,
-    damage: Truth = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response of structures on one ground by nonlinear simulation.
@@ -120,9 +118,6 @@ def simulate(
     link : Link or list of Link and None, optional
         Links from each structure to the next, or between the structures that the ``structures`` of a
         link name, which may be one structure; linked oscillators need a mass.
-    damage : bool
-        Whether the result of finite motions also says what yielding leaves behind. Each motion is then
-        followed by free vibration; peaks and energies are those of the motion itself.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -146,23 +141,13 @@ def simulate(
         with standard errors: ``peak_link_force`` [N], means over steps, ``peak_link_stroke`` [m] and
         ``link_energy`` [J], which the link dissipates in the motion.
 
-        With ``damage`` also, over (``path``, ``structure``): ``residual_drift`` [m], at rest after the
-        motion; ``dissipated_energy`` [J], by slips, for 1 kg if the structure has no mass;
-        ``peak_ductility`` [-], the peak over the yield displacement ``uy``; and ``cumulative_ductility``
-        [-], ``1 + E/(Fy uy)`` with the dissipated energy ``E`` and the yield force ``Fy``, which is 1
-        plus the sum of all slips over ``uy`` if there is no hardening. Also their means with standard
-        errors, and quantiles with 95 % intervals, for residual drifts those of the absolute values.
-
         A structure whose stiffness after yielding is negative, by its ``hardening`` or by P-delta, falls
         where its force at the largest ``z`` is zero again, or where a storey drifts by its height. Such
         a motion exceeds any gap: its peaks, separations and links are infinite.
-        ``collapse_probability`` [-] over ``structure``, with its 95 % interval, is their share. Residual
-        drifts and peak ductilities are then infinite, energies and cumulative ductilities NaN.
+        ``collapse_probability`` [-] over ``structure``, with its 95 % interval, is their share.
 
         With a building with storeys, displacements are over ``floor`` in place of ``structure``, and
-        ductilities and damage over ``element``, the storeys; standard deviations and peaks of the drifts
-        are added, and with ``damage`` the ``hysteretic_energy`` [J] of each structure, that of all its
-        elements.
+        ductilities over ``element``, the storeys; standard deviations and peaks of the drifts are added.
 
     Raises
     ------
@@ -214,7 +199,7 @@ def simulate(
     if drawn.factors:
         structures, ground = _medians(drawn, duration)
     roles = checked_structures(structures, ground)
-    check_motion(duration, envelope, scatter, damage, roles)
+    check_motion(duration, envelope, scatter, roles)
     check_memory(sum(floor_count(structure) for structure in structures), paths)
     moving = structures_in_motion(structures, ground, link, duration is None, drawn.stacks())
     options: dict[str, Any] = {
@@ -239,7 +224,7 @@ def simulate(
         models |= {f"link_{n}": each for n, each in enumerate(moving.links, start=1) if each is not None}
     what = f"Simulation of {len(structures)} structures"
     if duration is not None:
-        table = simulate_finite(moving, run, duration, envelope, quantiles, progress, damage)
+        table = simulate_finite(moving, run, duration, envelope, quantiles, progress)
         table = table.assign(drawn.table())
         title = f"{what} in finite motions, {ground.name} ground"
         call = f"simulate(paths={paths}, seed={seed}, duration={duration})"

@@ -66,24 +66,6 @@ class StructuresInMotion(NamedTuple):
         storeys = self.strength.size if self.has_storeys else 0
         return len(self.system.floors) + storeys + len(pairs_of(self.system))
 
-    @property
-    def slowest_decay(self) -> float:
-        """The longest time in which an elastic vibration of any structure decays to 1/e [s]."""
-        alone = [] if self.cells is None else self.cells.damping_time.tolist()
-        return max(*alone, *(group.slowest for group in self.connected), 0.0)
-
-    @property
-    def masses(self) -> Array:
-        """Factors (w,) on energies and stiffnesses of all that is watched [kg].
-
-        They are the masses of oscillators without links, which move as if they had 1 kg, else 1.
-        """
-        factors = np.ones(self.strength.size)
-        mass = self.system.storeys.mass
-        for number in self.alone:
-            factors[number] = mass[self.system.of_watched[number]]
-        return factors
-
     def floor_coords(self) -> dict[str, Any]:
         """Coordinates of both dimensions of a table over pairs of floors."""
         if not self.has_storeys:

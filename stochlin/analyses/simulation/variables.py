@@ -1,6 +1,5 @@
 """Variables of the results on simulation, with unit and long name."""
 
-from stochlin.analyses.damage.variables import VARIABLES as DAMAGE
 from stochlin.analyses.linearization.variables import VARIABLES as LINEARIZATION
 from stochlin.analyses.tables.labels import Variables
 
@@ -38,7 +37,6 @@ VARIABLES: Variables = {
         "standard error of the mean peak_positive",
     ),
     **OF_LINKS,
-    **DAMAGE,
     **{
         f"{name}_mean{end}": (units, f"{what} of the {text}")
         for name, (units, text) in OF_LINKS.items()

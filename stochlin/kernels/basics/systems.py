@@ -92,15 +92,6 @@ class System(NamedTuple):
         """The longest time in which an elastic vibration of one system decays to 1/e [s]."""
         return 1 / float(-np.linalg.eigvals(self.state_matrix).real.max())
 
-    def at_rest(self, slips: Array, load: Any = 0.0) -> Array:
-        """The coordinates (motions, n) at which the elements balance a load (motions, n) [N].
-
-        The slips (motions, e) of the elements stay as they are.
-        """
-        load = (self.couple * slips) @ self.extensions + load
-        rest: Array = np.linalg.solve(self.stiffness, load.T).T
-        return rest
-
     def modes(self) -> Modes:
         """Modes of one system, each with the displacement of its floors by its participation factor."""
         root = np.sqrt(self.mass)

@@ -32,7 +32,6 @@ from stochlin.kernels.simulation.time_step import (
     Places,
     fill,
     lanes_at_rest,
-    slips_of,
     steps_of,
     take_step,
     times_row,
@@ -76,7 +75,6 @@ class GroundMotions(NamedTuple):
     intervals: Array  # (lanes,): number of intervals of each motion
     slow: Array  # (lanes,) [m/s]: rate of approach below which a contact is elastic
     meets: Array  # (lanes,): whether contacts act
-    free: int = 0  # intervals of free vibration after all motions, to find where buildings come to rest
 
 
 class RowResponse(NamedTuple):
@@ -87,7 +85,6 @@ class RowResponse(NamedTuple):
     history: Array  # (times, rows + 1): those of the first motion of a run, and last the time [s]
     at: Places
     to: Account
-    rest: Array | None  # (n,) coordinates at rest after free vibration [m], if there is any
 
     def of(self, first: int, last: int) -> Array:
         """The numbers at the end, from the row ``first`` to ``last``."""
@@ -280,20 +277,4 @@ def run(
     )
     table = table[np.lexsort((table[:, CONTACT], table[:, BEGIN]))]
     lines = (table[table[:, LANE] == lane] for lane in range(lanes))
-    rest: Any = [None] * lanes
-    if motions.free:
-        still = motions._replace(
-            acceleration=np.zeros((motions.free + 1, lanes)), intervals=np.full(lanes, motions.free)
-        )
-        end = x.copy()
-        _run(row.law, steps, short, row.parts, at, to, end, still, *pace, NOTHING, np.empty((1, 1)))
-        rest = np.where(end[to.failed][:, None] == np.inf, _at_rest(row, end, at), np.nan)
-    return [RowResponse(x[:, n], own, history, at, to, rest[n]) for n, own in enumerate(lines)]
-
-
-def _at_rest(row: BuildingRow, x: Array, at: Places) -> Array:
-    """The coordinates (lanes, n) at which elements and closed contacts balance, with their slips."""
-    system, contacts = row.elements.system, row.contacts
-    slips = slips_of(system, at, x)
-    pushed = x[at.force : at.approach] * (x[at.held : at.slow] if contacts.jumps else 1.0)
-    return system.at_rest(slips.T, -pushed.T @ contacts.weights)
+    return [RowResponse(x[:, n], own, history, at, to) for n, own in enumerate(lines)]

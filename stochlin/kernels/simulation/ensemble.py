@@ -36,7 +36,6 @@ from stochlin.kernels.simulation.time_step import (
     Steps,
     lanes_at_rest,
     sampled_steps,
-    slips_of,
     steps_of,
     system_block,
 )
@@ -45,18 +44,6 @@ STRENGTHS = 1  # number of the stream, within that of a group, of the factors on
 SAMPLES = 32  # default number of samples of a block, which then fits the second-level cache
 
 Block = Callable[..., None]
-
-
-class Damage(NamedTuple):
-    """What a motion has done to the elements of structures, and their properties (w, lanes).
-
-    Each element stands at the displacement that shows its extension. Where a displacement belongs to no
-    element, the energy is 0, the strength infinite and the stiffness 1.
-    """
-
-    energy: Array  # dissipated by slips [J]
-    strength: Array  # extension at yield [m]
-    stiffness: Array  # before yield [N/m]
 
 
 class Oscillators(NamedTuple):
@@ -69,10 +56,9 @@ class Oscillators(NamedTuple):
         """Number of displacements."""
         return len(self.parameters)
 
-    def at_rest(self, lanes: int = LANES, group: int = 0, spent: bool = True) -> Any:
-        """The state before a motion: ``u``, ``v``, ``z`` and, if asked for, ``spent`` (n, lanes)."""
-        state = zeros_on_a_line(4, self.size, lanes)
-        return *state[:3], state[3] if spent else state[3, :0]
+    def at_rest(self, lanes: int = LANES, group: int = 0) -> Any:
+        """The state before a motion: ``u``, ``v`` and ``z`` (n, lanes)."""
+        return tuple(zeros_on_a_line(3, self.size, lanes))
 
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps of length ``dt`` [s].
@@ -88,21 +74,9 @@ class Oscillators(NamedTuple):
 
     def plastic(self, state: Any) -> Array:
         """The plastic parts of the displacements (n, lanes)."""
-        u, _, z, _ = state
+        u, _, z = state
         plastic: Array = u - z
         return plastic
-
-    def damage(self, state: Any, group: int = 0) -> Damage:
-        """What the motion has done to the oscillators so far."""
-        _, post, couple, _ = self.parameters.T[:, :, None]
-        strength = np.where(couple > 0, 1.0, np.inf)
-        return Damage(state[3], *np.broadcast_arrays(strength, post + couple, state[3])[:2])
-
-    def at_last(self, state: Any, group: int = 0) -> Array:
-        """The displacements (n, lanes) at which they come to rest if they do not yield any more."""
-        _, post, couple, _ = self.parameters.T[:, :, None]
-        displacements: Array = couple / (post + couple) * self.plastic(state)
-        return displacements
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,8 +100,8 @@ class SteppedStructures:
         """Where the numbers of a motion stand in its state."""
         return Places.of(self.elements)
 
-    def at_rest(self, lanes: int = LANES, group: int = 0, spent: bool = True) -> Any:
-        """The state before a motion of this group (rows, lanes); it always has the energies spent."""
+    def at_rest(self, lanes: int = LANES, group: int = 0) -> Any:
+        """The state before a motion of this group (rows, lanes)."""
         return lanes_at_rest(self.places, self._of(group) or [self.elements], lanes)
 
     def _of(self, group: int) -> Sequence[Elements]:
@@ -155,34 +129,6 @@ class SteppedStructures:
         extensions = self.elements.system.extensions[:n]
         plastic: Array = extensions @ x[at.q : at.v] - x[at.z : at.z + n]
         return plastic if self.element is None else self.element @ plastic
-
-    def damage(self, x: Any, group: int = 0) -> Damage:
-        """What the motion has done to the elements that the displacements show."""
-        systems = [each.system for each in self._of(group)] or [self.elements.system]
-        shown = np.eye(self.size) if self.element is None else self.element
-        known, number = shown.any(axis=1), shown.argmax(axis=1)
-
-        def of_displacements(values: Sequence[Array], missing: float) -> Array:
-            of_lanes = [np.where(known, each[number], missing) for each in values]
-            return np.broadcast_to(np.transpose(of_lanes), (self.size, x.shape[1]))
-
-        return Damage(
-            of_displacements(x[self.places.spent : self.places.f].T, 0.0),
-            of_displacements([system.strength for system in systems], np.inf),
-            of_displacements([system.elastic for system in systems], 1.0),
-        )
-
-    def at_last(self, x: Any, group: int = 0) -> Array:
-        """The displacements (w, lanes) at which the elements balance, with their slips as they are."""
-        at, system = self.places, self.elements.system
-        slips = slips_of(system, at, x)
-        if samples := self._of(group):
-            pairs = zip(samples, slips.T, strict=True)
-            rest = np.array([each.system.at_rest(slip[None])[0] for each, slip in pairs])
-        else:
-            rest = system.at_rest(slips.T)
-        displacements: Array = system.shapes @ rest.T
-        return displacements
 
 
 class UncertainGround(NamedTuple):
@@ -227,7 +173,6 @@ class Plan(NamedTuple):
     samples: int = SAMPLES  # number of samples in a block
     first_group: int = 0  # number of the stream of the first group
     scatter: float = 0.0  # standard deviation of the logarithm of a factor of median 1 on each motion
-    free: int = 0  # blocks of free vibration after a finite motion; 0 if damage is not asked for
 
     @property
     def block(self) -> float:
@@ -275,8 +220,6 @@ class Extremes(NamedTuple):
     force: Array  # (motions, l)
     stroke: Array  # (motions, l)
     energy: Array  # (motions, l)
-    damage: Damage  # (motions, w) each, at the end of the motion; w is 0 if they are not asked for
-    residual: Array  # (motions, m): each sum at rest, after free vibration; m is 0 likewise
 
 
 class Sums(NamedTuple):
@@ -308,7 +251,7 @@ class MotionGroup:
         fill_normal(self.random, start)
         self.q = zeros_on_a_line(len(root), LANES)
         self.q[:] = root @ start if root.ndim == 2 else (root * start).sum(axis=1)
-        self.states = [part.at_rest(LANES, group, plan.free > 0) for part in crowd.parts]
+        self.states = [part.at_rest(LANES, group) for part in crowd.parts]
         self.xi, self.f = zeros_on_a_line(2, plan.every * plan.samples, LANES)
         self.out = zeros_on_a_line(plan.samples, crowd.size, LANES)
         self.blocks = [part.block(plan.dt, group) for part in crowd.parts]
@@ -346,19 +289,6 @@ class MotionGroup:
         """The plastic displacements and drifts of all structures (n, LANES)."""
         pairs = zip(self.crowd.parts, self.states, strict=True)
         return np.concatenate([part.plastic(state) for part, state in pairs])
-
-    def damage(self) -> Damage:
-        """What the motion has done to all structures so far (n, LANES)."""
-        pairs = zip(self.crowd.parts, self.states, strict=True)
-        each = [part.damage(state, self.group) for part, state in pairs]
-        return Damage(*(np.concatenate(field) for field in zip(*each, strict=True)))
-
-    def at_last(self) -> Array:
-        """The displacements (n, LANES) at which all come to rest, after some free vibration."""
-        for _ in range(self.plan.free):
-            self.block(np.zeros(self.plan.samples))
-        pairs = zip(self.crowd.parts, self.states, strict=True)
-        return np.concatenate([part.at_last(state, self.group) for part, state in pairs])
 
 
 def strengths(plan: Plan, group: int) -> Array:
@@ -422,7 +352,7 @@ def finite_extremes(
 ) -> Extremes:
     """Extremes of a ``view`` and of links in motions from rest under an ``envelope`` (steps,).
 
-    The plan has to sample every step; of its numbers of blocks that of free vibration is used.
+    The plan has to sample every step; its numbers of blocks are not used.
     """
 
     def of_group(motion: MotionGroup) -> Extremes:
@@ -434,18 +364,11 @@ def finite_extremes(
             if links is not None:
                 watch_links(links.extensions.of(out), links.parameters, crowd.plan.dt, peaks)
         lost = ~np.isfinite(view.of(out[-1:])[0])
-        damage, residual = Damage(*np.empty((3, 0, LANES))), np.empty((0, LANES))
-        if crowd.plan.free:
-            damage, residual = motion.damage(), view.of(motion.at_last()[None])[0]
-            lost |= ~np.isfinite(residual)
         highest[lost] = lowest[lost] = np.nan
-        return Extremes(highest, lowest, peaks.force, peaks.stroke, peaks.energy, damage, residual)
+        return Extremes(highest, lowest, peaks.force, peaks.stroke, peaks.energy)
 
     groups = list(crowd.over_groups(of_group, progress))
-    damage = Damage(*map(_of_motions, zip(*(group.damage for group in groups), strict=True)))
-    others = [name for name in Extremes._fields if name != "damage"]
-    values = {name: _of_motions([getattr(group, name) for group in groups]) for name in others}
-    return Extremes(damage=damage, **values)
+    return Extremes(*map(_of_motions, zip(*groups, strict=True)))
 
 
 def _of_motions(groups: Sequence[Array]) -> Array:

@@ -157,13 +157,11 @@ def _two_oscillators(xi, q, transition, gain, row, direct, f):
 
 
 @entry
-def bilinear_block(f, dt, parameters, u, v, z, spent, every, out, first):
+def bilinear_block(f, dt, parameters, u, v, z, every, out, first):
     """Steps of bilinear structures under the forcing ``f`` (steps, LANES).
 
     The state ``u``, ``v``, ``z`` (n, LANES) is displacement and velocity over the yield displacement and
-    the hysteretic displacement; it is updated, and so are the energies ``spent`` (n, LANES) that slips
-    have dissipated, per mass and over the square of the yield displacement, which is left out if it has
-    no rows. The displacements after every ``every``-th step are
+    the hysteretic displacement; it is updated. The displacements after every ``every``-th step are
     written to the rows of ``out`` (samples, n or more, LANES) from ``first`` on. ``parameters`` (n, 4)
     are damping ``2 xi w``, post-yield stiffness ``alpha w^2``, coupling ``(1 - alpha) w^2``, and the
     factor on ``f`` in the equation for ``u``.
@@ -172,7 +170,7 @@ def bilinear_block(f, dt, parameters, u, v, z, spent, every, out, first):
     yield, velocity and displacement are corrected in proportion to the excess, since the equations of
     the elastic and of the plastic step are linear and differ in ``z`` alone.
     """
-    half, rate, watched = 0.5 * dt, 2.0 / dt, spent.shape[0] > 0
+    half, rate = 0.5 * dt, 2.0 / dt
     for n in range(u.shape[0]):
         d, k, h, scale = parameters[n]
         elastic = half / (1.0 + half * d + half * half * (k + h))
@@ -180,8 +178,7 @@ def bilinear_block(f, dt, parameters, u, v, z, spent, every, out, first):
         ease = half * h / (1.0 + half * d + half * half * k)
         shift = half * ease
         most = np.inf if h == 0.0 else 1.0  # of a linear structure z is kept at u
-        un, vn, zn, en = u[n], v[n], z[n], spent[n] if watched else z[n]
-        worth = 0.0 if h == 0.0 else 0.5 * h * (1.0 + shift)
+        un, vn, zn = u[n], v[n], z[n]
         sample = 0
         for s in range(f.shape[0]):
             for lane in range(f.shape[1]):
@@ -191,8 +188,6 @@ def bilinear_block(f, dt, parameters, u, v, z, spent, every, out, first):
                 z_new = min(max(z_trial, -most), most)
                 excess = z_trial - z_new
                 zn[lane] = z_new
-                if watched:
-                    en[lane] += worth * excess * (hyst + z_new)
                 un[lane] = (disp + moved) + shift * excess
                 vn[lane] = (rate * moved - vel) + ease * excess
             if (s + 1) % every == 0:

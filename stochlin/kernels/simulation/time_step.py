@@ -450,12 +450,6 @@ def _begin_contacts(gap, column, weight, apart, at, x, lanes):
                     x[at.dq + k, lane] += apart[k, j] * force
 
 
-def slips_of(system: System, at: Places, x: Array) -> Array:
-    """Slips (e, lanes) of all elements [m], by which their extensions exceed ``z``."""
-    slips: Array = system.extensions @ x[at.q : at.v] - x[at.z : at.memory]
-    return slips
-
-
 @compiled
 def _begin(column, weight, move, push, spring, ease, info, at, x, lanes):
     """Find the increments without slips and contact forces, but for slips that start from the last step.

@@ -10,7 +10,6 @@ from stochlin.views.sensitivity import words as what_matters
 from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import facts as small_print
 from stochlin.views.separation import pictures, verdict, words
-from stochlin.views.separation.damage import damage_blocks
 from stochlin.views.separation.elevation import elevation_picture
 from stochlin.views.separation.risk import risk_blocks, risk_caption, risk_figure
 from stochlin.views.separation.storeys import draw_heights
@@ -54,7 +53,6 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection(f"The existing {about.gap}", words.allowances(answer)),
         ViewSection("", texts(verdict.comparisons(answer))),
         ViewSection("", texts(verdict.details(answer)), detail=True),
-        ViewSection("What yielding leaves behind", damage_blocks(answer), detail=True),
         ViewSection("Uncertain parameters", unknowns(case, f"the {about.gap} is that")),
         ViewSection(f"How often {about.meet}", risk_blocks(answer)),
         ViewSection("The rules and the answer", [words.rules_table(answer)], detail=True),

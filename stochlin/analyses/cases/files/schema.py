@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from stochlin.analyses.buildings.modes import DIRECTIONS
 from stochlin.analyses.cases.files.keys import NEEDED, Column, Key, Place, Slider, declared, table
 from stochlin.analyses.cases.files.quantities import Quantity
-from stochlin.analyses.damage.damage import ParkAng
 from stochlin.models.arguments import Whole
 from stochlin.models.buildings import (
     STOREYS,
@@ -46,7 +45,6 @@ HEIGHTS, FACTORS = Range(1.0, 20.0, True, True), FACTOR.allowed
 MOST_WEIGHT = PLAUSIBLE["base_shear_coefficient"].high
 SHEARS = Range(upper=MOST_WEIGHT, include_upper=True, reason="a share of the weight")
 MOST_STOREYS, MOST_PATHS = 60, 20_000
-OF_PARK_ANG = "ultimate_ductility", "park_ang_beta"
 OF_FACTOR = (
     "R is relative to the elastic response, so that a stronger ground motion makes the building "
     "stronger as well; choose the yield displacement above to keep the strength as it is."
@@ -209,18 +207,6 @@ BUILDING = table(
     Key("system", (FRAME, WALL), "Structural system", FRAME, noted=True),
     Key("name", str, "Name in results", None),
     Key(
-        "ultimate_ductility",
-        Quantity.declared(ParkAng, "ultimate_ductility"),
-        "Ductility at which a storey fails in monotonic loading, for the index of Park and Ang",
-        None,
-    ),
-    Key(
-        "park_ang_beta",
-        Quantity.declared(ParkAng, "beta"),
-        "Factor on the dissipated energy in this index",
-        None,
-    ),
-    Key(
         "displacements",
         DISPLACEMENT,
         "Displacements of all floors under design forces, from the ground up",
@@ -261,7 +247,6 @@ MOTIONS = Slider(256, 8192, 256, 2048, "", Whole(FEWEST_PATHS, MOST_PATHS))
 SIMULATION = table(
     Key("paths", Whole(FEWEST_PATHS), "Simulated motions", 2048, MOTIONS),
     Key("seed", Whole(0), "Seed of the motions", 0),
-    Key("damage", bool, "What yielding leaves behind is told, storey by storey", False),
 )
 MITIGATION = table(
     Key(

@@ -1,1 +1,0 @@
-"""What yielding leaves behind: residual drifts, dissipated energies, ductilities, damage indices."""
