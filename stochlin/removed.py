@@ -49,6 +49,8 @@ REMOVED: dict[str, str] = {
     "park_ang": "peaks over yield displacements are ductilities; collapse_probability says who falls",
     "ultimate_ductility": "hardening and a law with a cap say when a storey falls",
     "park_ang_beta": "hardening and a law with a cap say when a storey falls",
+    "slack": "a contact of pound acts where a gap has closed, and a link without slack always",
+    "link_slack": "a contact acts where a gap has closed, and a link without slack always",
 }
 
 

@@ -21,8 +21,7 @@ class Link(Model):
     """Spring and dashpot between two floors: ``F = k (u1 - u2) + c (u1' - u2')``.
 
     The force ``F`` [N] acts on structure 2 in the direction of positive displacement and on structure 1
-    against it, in tension and in compression. The spring may yield, by the bilinear law. It may instead
-    have slack; it then acts in tension only, with the force ``k max(u2 - u1 - slack, 0)``. The dashpot
+    against it, in tension and in compression. The spring may yield, by the bilinear law. The dashpot
     may be that of a fluid damper, ``c |v|^a sign(v)`` with ``v = u1' - u2'``.
 
     A link between two floors of one structure, or between a floor and the ground, is a damping device of
@@ -43,8 +42,6 @@ class Link(Model):
         together with ``yield_displacement``.
     yield_displacement : float or array, optional
         Relative displacement ``u1 - u2`` at which the spring yields [m], positive.
-    slack : float or array, optional
-        Distance by which the floors move apart before the spring acts [m], not negative.
     floors : (int, int), optional
         Numbers of the floors that the link ties, counted from 1 above the first storey. By default they
         are the highest floors of both structures at the same level. An oscillator has one floor. Within
@@ -56,10 +53,9 @@ class Link(Model):
     Raises
     ------
     ValueError, TypeError
-        If a scalar is out of range or a value is not a number; if the spring has both a yield
-        displacement and slack, or only one of hardening and yield displacement; if ``floors`` or
-        ``structures`` are not two whole numbers from 1; or if a link within one structure has slack or
-        lacks its two floors.
+        If a scalar is out of range or a value is not a number; if the spring has only one of hardening
+        and yield displacement; if ``floors`` or ``structures`` are not two whole numbers from 1; or if a
+        link within one structure lacks its two floors.
 
     References
     ----------
@@ -86,7 +82,6 @@ class Link(Model):
     damping_exponent: Parameter | None = parameter("1", "exponent of the dashpot", EXPONENT, None)
     hardening: Parameter | None = parameter("1", "hardening ratio of the link", HARDENING, None)
     yield_displacement: Parameter | None = parameter("m", "extension at yield", POSITIVE, None)
-    slack: Parameter | None = parameter("m", "slack of the link", NOT_NEGATIVE, None)
     floors: tuple[int, int] | None = None
     structures: tuple[int, int] | None = None
 
@@ -101,8 +96,6 @@ class Link(Model):
                 f"Link: hardening = {brief(self.hardening)} is of a link that yields; allowed: beside a "
                 "yield_displacement, so give that, too, or leave it out"
             )
-        if self.yield_displacement is not None and self.slack is not None:
-            raise ValueError("Link: yield_displacement and slack are both given; allowed: one of them")
         for name in ("structures", "floors"):
             numbers = getattr(self, name)
             if numbers is not None:
@@ -122,11 +115,6 @@ class Link(Model):
             raise ValueError(
                 f"{structure}, and floors = {self.floors}; allowed: the upper before the lower, "
                 "which is 0 for the ground"
-            )
-        if self.slack is not None:
-            raise ValueError(
-                f"{structure}, and slack is given; allowed within one structure: a spring without "
-                "slack, which may yield, and a dashpot"
             )
 
     @property
@@ -158,13 +146,11 @@ class Link(Model):
     def springs(self) -> tuple[Any, Any, Any]:
         """``post``, ``couple`` [N/m] and strength [m] of the spring; its force is ``post x + couple z``.
 
-        ``x`` is ``u1 - u2`` and ``z`` its elastic part. For a spring with slack ``x`` is ``u2 - u1`` and
-        the strength is the slack. They are numbers, or arrays where the parameters are.
+        ``x`` is ``u1 - u2`` and ``z`` its elastic part. They are numbers, or arrays where the parameters
+        are.
         """
         values = self.cells()
         k = values["stiffness"]
-        if self.slack is not None:
-            return 0.0, k, values["slack"]
         if not self.yields:
             return k, 0.0, np.inf
         hardening = values["hardening"]
@@ -173,7 +159,7 @@ class Link(Model):
     @property
     def spring(self) -> tuple[float, float, float]:
         """The same as numbers; an error if a parameter of the spring is an array."""
-        for name in ("stiffness", "slack", "hardening", "yield_displacement"):
+        for name in ("stiffness", "hardening", "yield_displacement"):
             self.number(name)
         post, couple, strength = map(float, self.springs)
         return post, couple, strength

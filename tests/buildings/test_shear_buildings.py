@@ -391,7 +391,6 @@ def test_what_a_link_says_of_itself() -> None:
     assert yielding.yields
     assert yielding.floors == (5, 4)
     assert yielding.describe().endswith("floors=(5, 4), structures=(1, 3))")
-    assert not Link(5e7, slack=0.02).yields
     assert yielding == Link(
         5e7, 1e5, hardening=0.02, yield_displacement=0.01, floors=(5, 4), structures=(1, 3)
     )
@@ -563,12 +562,6 @@ def test_what_is_no_regular_building_is_refused(arguments, error, message):
             ValueError,
             r"hardening = 0\.1 is of a link that yields; allowed: beside a yield_displacement",
         ),
-        (
-            {"yield_displacement": 0.01, "hardening": 0.1, "slack": 0.1},
-            ValueError,
-            "yield_displacement and slack are both given; allowed: one of them",
-        ),
-        ({"slack": -0.1}, ValueError, "slack = -0.1 is out of range; allowed: 0 <= value"),
         ({"floors": 3}, ValueError, "floors = 3; allowed: two whole numbers from 1"),
         ({"floors": (0, 1)}, ValueError, r"floors = \(0, 1\); allowed: two whole numbers from 1"),
         ({"floors": (1, True)}, ValueError, "allowed: two whole numbers from 1"),
@@ -598,11 +591,6 @@ def test_what_is_no_regular_building_is_refused(arguments, error, message):
             {"structures": (2, 2), "floors": (1, -1)},
             ValueError,
             r"floors = \(1, -1\); allowed: two whole numbers from 0",
-        ),
-        (
-            {"structures": (1, 1), "floors": (1, 0), "slack": 0.1},
-            ValueError,
-            "slack is given; allowed within one structure: a spring without slack",
         ),
         (
             {"damping_exponent": 0},

@@ -410,11 +410,6 @@ WRONG = {
         "dampers_1",
         ["unknown unit 'MN s/m'", "MN (s/m)^0.5"],
     ),
-    "a damper with slack": (
-        EXAMPLE.replace(BRACES, '{ stiffness = "1 MN/m", slack = "1 cm" }'),
-        "dampers_1",
-        ["dampers_1.slack", "is not a key that is known here"],
-    ),
     "dampers that are no table": (
         EXAMPLE.replace(BRACES, '"2 MN s/m"'),
         "dampers_1",

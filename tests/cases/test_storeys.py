@@ -387,15 +387,12 @@ def test_what_is_doubtful_is_told_with_its_line(old: str, new: str, says: str, t
 MEASURE = "[measures.Link]\n{}\n"
 
 
-def test_links_have_floors_laws_and_slack(tmp_path: Path) -> None:
+def test_links_have_floors_and_laws(tmp_path: Path) -> None:
     lines = 'link_stiffness = "50 MN/m"\nlink_hardening = "2 %"\nlink_yield_displacement = "1 cm"\n'
-    more = MEASURE.format(lines + "link_floors = [4, 2]") + MEASURE.replace("Link", "Tie").format(
-        'link_stiffness = "50 MN/m"\nlink_slack = "2 cm"'
-    )
+    more = MEASURE.format(lines + "link_floors = [4, 2]")
     case = read(tmp_path, REGULAR, SINGLE, more=more)
     yielding = sl.Link(5e7, hardening=0.02, yield_displacement=0.01, floors=(4, 2))
     assert case.measures["Link"] == sl.Measure(link=yielding)
-    assert case.measures["Tie"] == sl.Measure(link=sl.Link(5e7, slack=0.02))
 
 
 @pytest.mark.parametrize(
@@ -412,8 +409,6 @@ def test_links_have_floors_laws_and_slack(tmp_path: Path) -> None:
         ("link_floors = 4", "link_floors", "is not a floor of each building"),
         ('link_floors = [4, "roof"]', "link_floors", "two whole numbers"),
         ("link_floors = [4, true]", "link_floors", "two whole numbers"),
-        ('link_slack = "-1 cm"', "link_slack", "0 <= value"),
-        ('link_slack = "1 kg"', "link_slack", "unknown unit 'kg'"),
         ("link_hardening = 0.1", "link_hardening", "beside link_yield_displacement"),
         ('link_yield_displacement = "1 cm"', "[measures", "hardening is not given"),
         ("link_floor = [4, 1]", "link_floor", "did you mean link_floors?"),

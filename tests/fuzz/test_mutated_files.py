@@ -182,7 +182,6 @@ LINES = [
     *(
         "beta = [0.5, 0.5]",
         "gamma = [0.5, -0.6, 0.1]",
-        'link_slack = "1 cm"',
         "link_floors = [9, 1]",
         "[measures.x]",
         '[measures."\\u0007"]',

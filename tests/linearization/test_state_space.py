@@ -180,5 +180,3 @@ def test_coefficients_are_one_an_element():
     stiff = sl.ShearBuilding([2e5], [8e7], [3.0], 0.05)
     with pytest.raises(ValueError, match="ShearBuilding, number 1: hardening is not given"):
         sl.statespace([stiff], ground, [-0.9], [0.1])
-    with pytest.raises(ValueError, match="slack"):
-        sl.statespace([TOWER, TOWER], ground, [-1] * 4, [0] * 4, links=[sl.Link(1e6, slack=0.0)])

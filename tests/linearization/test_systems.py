@@ -417,7 +417,6 @@ def test_link_that_softens_leaves_some_stiffness_or_is_refused_with_the_limit():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"links": [sl.Link(1e6, slack=0.01)]}, "links, number 1: slack = 0.01.*use simulate"),
         ({"links": [sl.Link(1e6, floors=(5, 1))]}, "floors = .*structure 1 has 4"),
         ({"links": [None, None]}, "links: 2 given"),
         ({"rtol": 0}, "rtol = 0"),

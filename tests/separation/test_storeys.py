@@ -133,14 +133,6 @@ def test_measures_help_and_least_ones_are_found():
     assert float(least.required_gap) == pytest.approx(0.02, rel=0.02) or np.isnan(least.required_gap)
 
 
-def test_a_link_with_slack_has_no_linearization():
-    """It pulls one way; it used to count as a spring that pushes, too."""
-    measures = {"slack": sl.Measure(link=sl.Link(1e7, slack=0.01))}
-    table = sl.mitigate(building(3), building(2), FIRM, gap=0.5, measures=measures, **FEW)
-    assert table.rho.notnull().values.tolist()[:2] == [True, False]
-    assert np.isfinite(table.required_gap).all()
-
-
 def test_finite_motions_are_answered_where_there_is_no_stationary_one():
     """The weight takes the hardening of a storey: linearized numbers are missing, the rest is there."""
     soft = sl.ShearBuilding([4e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=0.02, p_delta=True)

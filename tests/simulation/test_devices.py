@@ -138,7 +138,6 @@ BATCHES = {
     "Bouc-Wen with powers": ({"law": "bouc_wen", "law_parameters": {"exponent": 1.7}}, []),
     "two states with powers and exponentials": ({"law": WEARING}, []),
     "dashpots with an exponent": ({}, in_every_storey(1e6, 0.5)),
-    "slack": ({}, [sl.Link(3e8, 1e5, slack=0.01, floors=(2, 2))]),
 }
 
 

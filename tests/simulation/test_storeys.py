@@ -98,12 +98,11 @@ LINKS = {
     "none": [],
     "spring": [sl.Link(5e7, 2e6, floors=(2, 2))],
     "yielding": [sl.Link(8e7, 1e5, hardening=0.05, yield_displacement=0.004, floors=(3, 2))],
-    "slack": [sl.Link(6e7, slack=0.01, floors=(2, 2)), sl.Link(2e7, structures=(2, 1), floors=(1, 4))],
 }
 
 
 def springs_of(system):
-    """Each storey and link: its extension by the floors, stiffnesses, limit of ``z``, slack, dashpot."""
+    """Each storey and link: its extension by the floors, stiffnesses, limit of ``z``, dashpot."""
     below, ties = system.below, system.ties
     links = [tie.link for tie in ties]
     along = np.eye(below.size + len(ties), below.size)
@@ -115,17 +114,16 @@ def springs_of(system):
     post = np.append(system.storeys.post, stiffness * share)
     couple = np.append(system.storeys.couple, stiffness * (1 - share))
     limit = np.append(system.storeys.strength, [x.yield_displacement or np.inf for x in links])
-    slack = np.append(0 * below - np.inf, [-np.inf if x.slack is None else x.slack for x in links])
-    return along, post, couple, limit, slack, np.append(0.0 * below, [x.damping_constant for x in links])
+    return along, post, couple, limit, np.append(0.0 * below, [x.damping_constant for x in links])
 
 
 def solved(system, force, seconds, steps):
     """Displacements of the floors after each step (steps, n), by the equations of motion in floors.
 
-    Within a step no spring begins or ceases to slide or to bear: the motion is that of a linear system,
-    and exact but for the force, which is that of the middle. ``z`` follows its drift, or stays.
+    Within a step no spring begins or ceases to slide: the motion is that of a linear system, and exact
+    but for the force, which is that of the middle. ``z`` follows its drift, or stays.
     """
-    along, post, couple, limit, slack, dashpot = springs_of(system)
+    along, post, couple, limit, dashpot = springs_of(system)
     pull, dt = along.T / system.storeys.mass[:, None], seconds / steps
     s, n = along.shape
     u, v, z = slice(n), slice(n, 2 * n), slice(2 * n, 2 * n + s)
@@ -133,27 +131,23 @@ def solved(system, force, seconds, steps):
 
     @functools.cache
     def transition(modes):
-        slides, loose = np.frombuffer(modes, dtype=bool).reshape(2, s)
-        bears, rates = np.where(loose, 0.0, post), np.zeros((2 * n + s + 2,) * 2)
-        rates[u, v], rates[v, v], rates[v, u] = np.eye(n), -damping, -pull @ (bears[:, None] * along)
+        slides, rates = np.frombuffer(modes, dtype=bool), np.zeros((2 * n + s + 1,) * 2)
+        rates[u, v], rates[v, v], rates[v, u] = np.eye(n), -damping, -pull @ (post[:, None] * along)
         rates[z, v], rates[v, z] = np.where(slides[:, None], 0.0, along), -pull * couple
-        rates[v, -2], rates[v, -1] = -pull @ np.where(np.isinf(slack), 0.0, bears * slack), 1
+        rates[v, -1] = 1
         return scipy.linalg.expm(rates * dt)
 
-    x, found = np.zeros(2 * n + s + 2), np.empty((steps, n))
-    x[-2] = 1
+    x, found = np.zeros(2 * n + s + 1), np.empty((steps, n))
     for step, f in enumerate(force(dt * (np.arange(steps) + 0.5))):
         x[-1] = f
         slides = (np.abs(x[z]) >= limit) & (along @ x[v] * x[z] > 0)
-        x = transition(slides.tobytes() + (along @ x[u] > -slack).tobytes()) @ x
+        x = transition(slides.tobytes()) @ x
         x[z] = np.clip(x[z], -limit, limit)
         found[step] = x[u]
     return found
 
 
-@pytest.mark.parametrize(
-    ("links", "p_delta"), [("none", True), ("spring", False), ("yielding", True), ("slack", False)]
-)
+@pytest.mark.parametrize(("links", "p_delta"), [("none", True), ("spring", False), ("yielding", True)])
 def test_motion_is_that_of_linear_stretches(links, p_delta):
     system = arrangement_of([four(p_delta=p_delta), two()], LINKS[links])
     n, seconds = 6, 1.6
@@ -217,23 +211,6 @@ def test_a_stiff_link_holds_two_floors_together():
     table = sl.simulate([four(), two()], FIRM, paths=32, duration=8.0, link=sl.Link(1e12, floors=(2, 2)))
     held = table.separation_at_height[:, 0, 1].sel(height=6.0)
     assert float(held.max()) < 1e-3 * float(table.separation[:, 0, 1].max())
-
-
-def test_links_with_and_without_slack():
-    """One whose slack is never used up does nothing; two without slack, one each way, are a spring."""
-    pair, usual = [four(), two()], {"paths": 32, "duration": 8.0, "seed": 6}
-    free, loose = (
-        sl.simulate(pair, FIRM, link=[link], **usual) for link in (None, sl.Link(1.0, slack=10.0))
-    )
-    np.testing.assert_allclose(free.peak, loose.peak, rtol=1e-8)
-    one_way = [sl.Link(4e7, slack=0.0, floors=(2, 2), structures=order) for order in ((1, 2), (2, 1))]
-    # steps are then of one length
-    unused = sl.Link(4e7, slack=10.0, floors=(2, 2), structures=(1, 2))
-    spring, both = (
-        sl.simulate(pair, FIRM, link=link, **usual)
-        for link in ([sl.Link(4e7, floors=(2, 2), structures=(1, 2)), unused], one_way)
-    )
-    np.testing.assert_allclose(spring.peak, both.peak, rtol=1e-6)
 
 
 def test_weight_above_takes_stiffness():

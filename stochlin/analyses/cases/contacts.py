@@ -19,7 +19,7 @@ from stochlin.models.measures import Measure
 NUMBERS = Measure.parameter_names()
 OF_STRENGTH = ("stiffening", "strengthening")
 DEVICE = ("stiffness", "damping_constant", "damping_exponent", "hardening", "yield_displacement")
-LINK = tuple(f"link_{name}" for name in (*DEVICE, "slack"))
+LINK = tuple(f"link_{name}" for name in DEVICE)
 FLOORS = "link_floors"
 DAMPERS = ("dampers_1", "dampers_2")
 ALL = "all"

@@ -162,7 +162,7 @@ class MitigatedPair:
     def linearized(self, measure: Measure) -> dict[str, float]:
         """Correlation and standard deviation of ``u_1 - u_2`` by linearization; NaN if not solved."""
         rho = apart = np.nan
-        # There is no solution, or no stationary response: links with slack, storeys without stiffness.
+        # There is no solution, or no stationary response: storeys without stiffness.
         with suppress(ArithmeticError, ValueError):
             rho, apart = linearized_at_roof(self.known(measure), median_of(self.ground), measure.links)
         return {"rho": rho, "relative_displacement_std": apart}

@@ -16,7 +16,6 @@ from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.contacts import ForceLaw, forces
-from stochlin.kernels.simulation.laws import SLACK
 from stochlin.models.links import Link
 
 STRUCTURE, CONTACT = "structure", "contact"
@@ -149,10 +148,9 @@ def _contact_forces(
 
 def _link_forces(standing: Standing, force: Array, rate: Array, drag: Array) -> Array:
     """Forces of the links against their first floor [N] (times, l)."""
-    parts, kind = standing.row.parts, standing.row.elements.kind
-    sign = np.where(kind[parts.spring] == SLACK, -1.0, 1.0)
+    parts = standing.row.parts
     power = np.where(parts.dashpot >= 0, drag[:, parts.dashpot], 0.0)
-    link_forces: Array = sign * (force[:, parts.spring] + parts.constant * rate[:, parts.spring] + power)
+    link_forces: Array = force[:, parts.spring] + parts.constant * rate[:, parts.spring] + power
     return link_forces
 
 

@@ -95,9 +95,9 @@ def pound(
         motions are an array also over ``path``, as from `simulated_motions`, or records as from
         `read_records`, which may differ in length and time step.
     link : Link or list of Link and None, optional
-        Links between buildings and devices inside them, with springs that are linear, yield or have
-        slack, and dashpots that are linear or have an exponent. Without ``floors`` a link ties the
-        highest floors at the same level. Without ``structures`` a list has one link for each two
+        Links between buildings and devices inside them, with springs that are linear or yield, and
+        dashpots that are linear or have an exponent. Without ``floors`` a link ties the highest floors
+        at the same level. Without ``structures`` a list has one link for each two
         neighbours, or None. A link that names one structure twice is a device inside it and also acts
         in the response of this building alone.
     output_step : float, optional

@@ -17,7 +17,6 @@ from stochlin.kernels.simulation.laws import (
     BILINEAR,
     LINEAR,
     OTHER,
-    SLACK,
     VISCOUS,
     RateLaw,
     by_number,
@@ -168,7 +167,6 @@ def elements_of(system: Arrangement, members: Array) -> tuple[Elements, Any]:
             damping += tie.link.number("damping_constant") * np.outer(along, along)
         kinds.append(_kind(tie.link))
         own.append(np.empty(0))
-    drifts[np.array(kinds) == SLACK] *= -1  # a link with slack pulls when the floors move apart
     for along, tie in zip(drifts[n:], ties, strict=True):
         if tie.link.is_power_law:
             drifts = np.vstack([drifts, along])
@@ -212,7 +210,7 @@ def shortest_mode(system: System, of_displacements: bool = False) -> float:
 
 
 def _kind(link: Link) -> int:
-    return BILINEAR if link.yields else LINEAR if link.slack is None else SLACK
+    return BILINEAR if link.yields else LINEAR
 
 
 def laws_of(steps: Sequence[int | RateLaw]) -> tuple[Array, Array, Any]:

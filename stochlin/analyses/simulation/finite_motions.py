@@ -236,8 +236,7 @@ def _extremes(
 
 def _parameters(link: Link) -> list[float]:
     """The parameters of a link as `watch_links` takes them."""
-    slack = float(link.slack is not None)
-    return [*link.spring, slack, link.number("damping_constant"), link.exponent]
+    return [*link.spring, link.number("damping_constant"), link.exponent]
 
 
 def _at_heights(

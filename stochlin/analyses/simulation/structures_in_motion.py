@@ -132,14 +132,10 @@ def _drift_times(
     links: Sequence[Link | None],
     system: Arrangement,
 ) -> Array:
-    """Relaxation times [s] of all that is `watched` by linearization; 0 if elastic.
-
-    Links with slack are left out.
-    """
-    kept = [None if link is None or link.slack is not None else link for link in links]
+    """Relaxation times [s] of all that is `watched` by linearization; 0 if elastic."""
     storeys, count = system.storeys, len(system.watched)
     try:
-        k_eq = linearize_system(structures, ground, kept).k_eq.values[:count]
+        k_eq = linearize_system(structures, ground, links).k_eq.values[:count]
     except ArithmeticError:  # a run that is too short shows it by its change of variance
         return np.zeros(count)
     hardening = system.of_elements(storeys.post / storeys.elastic, 1.0, 1.0)

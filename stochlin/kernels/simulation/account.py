@@ -15,7 +15,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import compiled
 from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.simulation.contacts import stored_in
-from stochlin.kernels.simulation.laws import SLACK, VISCOUS
+from stochlin.kernels.simulation.laws import VISCOUS
 from stochlin.kernels.simulation.time_step import (
     COUPLE,
     KIND,
@@ -182,26 +182,25 @@ def _watch_masses(damping, mass, structure, dt, at, to, x, lanes):
 
 
 @compiled
-def _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, to, x, lanes):
+def _watch_links(column, weight, spring, ties, dashpot, constant, dt, at, to, x, lanes):
     """Largest forces of links, as means of steps, and energies dissipated."""
     change, force, lost = to.scratch_1, to.scratch_2, to.scratch_3
     for tie in range(ties.size):
         i, other, c = ties[tie], dashpot[tie], constant[tie]
         post, couple, z, slip = spring[i, POST], spring[i, COUPLE], at.z + i, at.slip + i
-        sign = -1.0 if info[i, KIND] == SLACK else 1.0
         times_row(column, weight, i, x, at.dq, change, lanes)
         for lane in range(lanes):
             held = couple * (x[z, lane] - 0.5 * (x[change, lane] - x[slip, lane]))
             mean = post * (x[at.extension + i, lane] + 0.5 * x[change, lane]) + held
             drag = c * x[change, lane] / dt
-            x[force, lane] = sign * mean + sign * drag
-            x[lost, lane] = drag * x[change, lane] + (held * x[slip, lane] if sign > 0.0 else 0.0)
+            x[force, lane] = mean + drag
+            x[lost, lane] = drag * x[change, lane] + held * x[slip, lane]
         if other >= 0:
             own, slip = spring[other, COUPLE], at.slip + other
             times_row(column, weight, other, x, at.dq, change, lanes)
             for lane in range(lanes):
                 drag = 0.5 * own * (x[change, lane] - x[slip, lane])
-                x[force, lane] += sign * drag
+                x[force, lane] += drag
                 x[lost, lane] += drag * x[change, lane]
         for lane in range(lanes):
             most = max(x[to.pull + tie, lane], x[to.counts, lane] * abs(x[force, lane]))
@@ -213,7 +212,7 @@ def _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, 
 @compiled
 def watch(steps, parts, at, to, x, lanes):
     """Update forces, accelerations and energies by a time step that has been taken, where it counts."""
-    dt, (column, weight), info = steps.dt, steps.extensions, steps.info
+    dt, (column, weight) = steps.dt, steps.extensions
     of_floor, share = steps.shapes
     _watch_accelerations(of_floor, share, dt, at, to, x, lanes)
     (of_q, share_q), (of_z, share_z) = parts.shear
@@ -222,7 +221,7 @@ def watch(steps, parts, at, to, x, lanes):
     _watch_masses(parts.damping, parts.mass, parts.structure, dt, at, to, x, lanes)
     if parts.spring.size > 0:
         spring, ties, dashpot, constant = steps.spring, parts.spring, parts.dashpot, parts.constant
-        _watch_links(column, weight, spring, info, ties, dashpot, constant, dt, at, to, x, lanes)
+        _watch_links(column, weight, spring, ties, dashpot, constant, dt, at, to, x, lanes)
 
 
 @compiled

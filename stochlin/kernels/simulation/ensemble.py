@@ -205,7 +205,7 @@ class Links(NamedTuple):
     """Links between floors of a `Crowd`, which are watched."""
 
     extensions: View  # (l,) [m]
-    parameters: Array  # (l, 6): see `watch_links`
+    parameters: Array  # (l, 5): see `watch_links`
 
 
 class Extremes(NamedTuple):

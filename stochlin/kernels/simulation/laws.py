@@ -22,7 +22,7 @@ from stochlin.kernels.basics.kept import kept_law
 from stochlin.kernels.basics.powers import exponential, logarithm
 
 # Kinds of elements. Those from BOUC_WEN on have laws with rates; from OTHER on they are laws of users.
-KINDS = LINEAR, BILINEAR, SLACK, VISCOUS, BOUC_WEN, OTHER = range(6)
+KINDS = LINEAR, BILINEAR, VISCOUS, BOUC_WEN, OTHER = range(5)
 ROUGH = 0.001  # difference of both rules in a state, over 1 + its size, that asks for substeps
 SIXTH = 1.0 / 6.0
 MOST_SUBSTEPS = 1024  # of a step

@@ -15,7 +15,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import entry
 from stochlin.kernels.simulation.stepping import LANES
 
-POST, COUPLE, STRENGTH, SLACK, CONSTANT, EXPONENT = range(6)  # columns of the parameters of a link
+POST, COUPLE, STRENGTH, CONSTANT, EXPONENT = range(5)  # columns of the parameters of a link
 
 
 class LinkPeaks(NamedTuple):
@@ -37,22 +37,18 @@ class LinkPeaks(NamedTuple):
 def watch_links(extensions, parameters, dt, peaks):
     """Update the peaks of links by their extensions after each step (steps, l, LANES).
 
-    The columns of ``parameters`` (l, 6) are those of this module. Of a spring with slack, ``SLACK`` is 1
-    and ``STRENGTH`` is the slack.
+    The columns of ``parameters`` (l, 5) are those of this module.
     """
     extension, elastic, force, stroke, energy = peaks
     for s in range(extensions.shape[0]):
         for i in range(len(parameters)):
             post, couple, strength = parameters[i, POST], parameters[i, COUPLE], parameters[i, STRENGTH]
             c, a = parameters[i, CONSTANT], parameters[i, EXPONENT]
-            only_pulls = parameters[i, SLACK] > 0.0
             for lane in range(LANES):
                 begin, end, z = extension[i, lane], extensions[s, i, lane], elastic[i, lane]
                 change = end - begin
                 new = min(max(z + change, -strength), strength)
                 slip = change - (new - z)
-                if only_pulls:
-                    new, slip = min(end + strength, 0.0), 0.0
                 held = 0.5 * couple * (z + new)
                 rate = abs(change) / dt
                 drag = c * (rate if a == 1.0 else rate**a)

@@ -33,7 +33,7 @@ from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_l
 from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.contacts import Contacts, solve_force
-from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, SLACK, VISCOUS, advance
+from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, VISCOUS, advance
 
 MOST_PASSES = 60  # largest number of passes of a step
 MOST_VISCOUS = 600  # the same with dashpots with an exponent, whose forces can tie many floors together
@@ -43,7 +43,6 @@ SOFT = 0.1  # stiffness of a dashpot's spring over that with which the floors re
 HARDLY = 1e-6  # increment of a dashpot's extension, over the largest of the step, that may be rounding
 CLOSE = 1e-8  # change of a slip, over the strength of the element, at which the passes end
 CLOSE_BY_LAW = 1e-5  # the same for laws with rates; extensions change by less than 1e-7 of theirs
-LEAST_SLACK = 0.01  # [m]: smallest strength of an element with slack for this criterion
 POST, COUPLE, STRENGTH, RELIEF = range(4)  # columns of `Steps.spring`
 KIND, STATES, MEMORY, OWN = range(4)  # columns of `Steps.info`
 
@@ -55,7 +54,7 @@ class Elements(NamedTuple):
     its constant ``c`` [N (s/m)^a] and its exponent ``a``.
     """
 
-    system: System  # its strength is infinite for a linear element, and the slack of a SLACK one
+    system: System  # its strength is infinite for a linear element
     kind: Array  # (e,): one of `laws.KINDS`, or a larger number
     states: Array  # (e,): number of states of the law, of which the first is z
     own: Array  # (e, k): parameters of the law
@@ -266,18 +265,6 @@ def _bilinear(strength, relief, i, at, x, lanes):
         x[more, lane] = (y - min(max(y, -uy), uy)) * (1.0 / (1.0 - g)) - x[slip, lane]
 
 
-@called_often
-def _slack(strength, relief, i, at, x, lanes):
-    """Write `_more_slip` of a spring with slack, which only pulls."""
-    extension, z, slip, change, more = at.extension + i, at.z + i, at.slip + i, at.change, at.more
-    for lane in range(lanes):
-        g, uy = of_lane(relief, lane), of_lane(strength, lane)
-        beyond = x[extension, lane] - uy
-        slack = beyond - x[z, lane]
-        at_end = beyond + (x[change, lane] - g * x[slip, lane]) - g * slack
-        x[more, lane] = min(at_end, 0.0) * (1.0 / (1.0 - g)) - slack - x[slip, lane]
-
-
 @compiled
 def _by_law(law, info, strength, relief, dt, i, at, x, lanes):
     """Write `_more_slip` of an element whose law has rates.
@@ -361,8 +348,6 @@ def _more_slip(law, spring, info, dt, i, at, x, lanes):
     kind, strength, relief = info[i, KIND], spring[i, STRENGTH], spring[i, RELIEF]
     if kind == BILINEAR:
         _bilinear(strength, relief, i, at, x, lanes)
-    elif kind == SLACK:
-        _slack(strength, relief, i, at, x, lanes)
     elif kind == VISCOUS:
         _dashpot(spring[i, COUPLE], relief, dt, i, at.own + info[i, OWN], at, x, lanes)
     else:
@@ -492,7 +477,7 @@ def _end(column, weight, spring, info, n, dt, at, x, lanes):
         if kind == VISCOUS:  # the spring of a dashpot exists for one step only
             continue
         times_row(column, weight, i, x, at.dq, at.change, lanes)
-        if kind not in (LINEAR, SLACK):
+        if kind != LINEAR:
             spent = at.spent + i
             for lane in range(lanes):
                 middle = x[z, lane] + 0.5 * (x[at.change, lane] - x[slip, lane])
@@ -538,9 +523,8 @@ def tolerances(spring, info, at, x, lanes):
     for i in range(info.shape[0]):
         kind, strength = info[i, KIND], spring[i, STRENGTH]
         close = CLOSE if kind <= VISCOUS else CLOSE_BY_LAW
-        slack = LEAST_SLACK if kind == SLACK else 0.0
         for lane in range(lanes):
-            x[at.least + i, lane] = close * max(of_lane(strength, lane), slack)
+            x[at.least + i, lane] = close * of_lane(strength, lane)
 
 
 @entry

@@ -203,21 +203,14 @@ def _of_link(link: Link) -> list[Array]:
 def checked_system(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
 ) -> tuple[Link | None, ...]:
-    """The links; raises if an argument is of the wrong kind, or a link has slack."""
+    """The links; raises if an argument is of the wrong kind."""
     if not isinstance(structures, (list, tuple)):
         raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
     if not structures:
         raise ValueError("structures = []; allowed: at least one structure")
     for number, structure in enumerate(structures, start=1):
         expect(structure, STRUCTURES, f"structures, number {number}")
-    links = check_links("links", links, len(structures))
-    for number, link in enumerate(links, start=1):
-        if link is not None and link.slack is not None:
-            raise ValueError(
-                f"links, number {number}: slack = {brief(link.slack)}; allowed: none, since a link with "
-                "slack only pulls, and linearization requires forces with zero mean; use simulate"
-            )
-    return links
+    return check_links("links", links, len(structures))
 
 
 def check_one_system(
@@ -279,7 +272,7 @@ def statespace(
     ------
     ValueError
         If there is no structure, a parameter is an array, the number of coefficients is not that of the
-        elements, or a link has slack or an exponent.
+        elements, or a link has an exponent.
     TypeError
         If an argument is of the wrong kind.
 

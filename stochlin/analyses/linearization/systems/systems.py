@@ -113,8 +113,8 @@ def linearize_system(
     ------
     ValueError, TypeError
         If an argument is of the wrong kind or not allowed, arrays do not broadcast or have too many
-        cells, a link has slack or cannot be placed between the
-        structures, or P-delta effects leave a storey no stiffness after yield.
+        cells, a link cannot be placed between the structures, or P-delta effects leave a storey no
+        stiffness after yield.
     ArithmeticError
         If the iteration of a single case does not converge; in a table the cell is NaN and its status
         gives the reason.
