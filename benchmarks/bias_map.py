@@ -13,7 +13,7 @@ import xarray as xr
 from arguments import file_and_work
 
 import stochlin as sl
-from stochlin.analyses.simulation import rare_yielding
+from stochlin.analyses.simulation import simulation
 from stochlin.analyses.tables.storage import whole_file
 from stochlin.kernels.simulation.stepping import LANES
 
@@ -162,7 +162,7 @@ def save(dataset, path):
 
 
 def main():
-    rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
+    simulation.MOST_STEPS = np.inf  # all is simulated that closures are held against
     options = file_and_work(__doc__)
     parts = {}
     for ductility, hardening, damping in itertools.product(ELASTIC_DUCTILITY, HARDENING, DAMPING):

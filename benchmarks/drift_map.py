@@ -20,7 +20,7 @@ from stochlin.analyses.linearization.bias_map import bias_map
 from stochlin.analyses.linearization.drift_map import smoothly_between
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import USUAL
-from stochlin.analyses.simulation import rare_yielding
+from stochlin.analyses.simulation import simulation
 from stochlin.analyses.tables.storage import whole_file
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.correlation.nearness import ENTRIES, form_of
@@ -365,7 +365,7 @@ def labelled(signatures, displacement, white, added, near):
 
 
 def main():
-    rare_yielding.MOST_STEPS = np.inf  # all is simulated that closures are held against
+    simulation.MOST_STEPS = np.inf  # all is simulated that closures are held against
     options = file_and_work(__doc__)
     wanted = itertools.product(ELASTIC_DUCTILITY, HARDENING[::-1], GROUND_DAMPING)
     parts = {point: kept(options.work, *point) for point in wanted if point[:2] != LEFT_OUT}

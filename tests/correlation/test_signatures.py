@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import stochlin as sl
 from stochlin.analyses.linearization.bias_map import bias_map
 from stochlin.analyses.linearization.drift_map import drift_map
-from stochlin.analyses.simulation import rare_yielding
+from stochlin.analyses.simulation import simulation
 from stochlin.kernels.correlation.signatures import (
     LEFT,
     OWN,
@@ -139,7 +139,7 @@ def test_map_says_what_it_is():
 def test_shipped_signatures_are_those_simulated_anew(monkeypatch):
     """One part of the map, with other motions: within its standard errors."""
     module = load("drift_map")
-    monkeypatch.setattr(rare_yielding, "MOST_STEPS", np.inf)  # as its main function does
+    monkeypatch.setattr(simulation, "MOST_STEPS", np.inf)  # as its main function does
     point = {"elastic_ductility_std": 2.0, "hardening": 0.2, "ground_damping": 0.17}
     result = module.part(*point.values(), seed=2)
     corrections = drift_map().signature_correction.rename(signature_strength="elastic_ductility_std")
@@ -159,9 +159,9 @@ def test_shipped_signatures_are_those_simulated_anew(monkeypatch):
 
 @pytest.mark.parametrize("name", ["bias_map", "drift_map"])
 def test_import_of_a_benchmark_changes_nothing(name):
-    before = rare_yielding.MOST_STEPS
+    before = simulation.MOST_STEPS
     load(name)
-    assert before == rare_yielding.MOST_STEPS
+    assert before == simulation.MOST_STEPS
 
 
 def test_shipped_displacements_are_those_of_the_map_of_the_bias():

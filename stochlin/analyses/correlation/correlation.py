@@ -132,7 +132,8 @@ def correlate(
 
         Simulation adds ``rho_standard_error`` [-], ``displacement_std_standard_error_1`` and ``_2`` [m],
         and ``drift_1`` and ``_2`` [-], the change of the variance during the run in standard errors. If
-        it exceeds 5, the run was too short to be stationary, and the cell is ``not_converged``.
+        it exceeds 5, the run was too short to be stationary, and the cell is ``not_converged``. Floors
+        have the statuses of `simulate`, the worst of them for all.
 
         If one structure is a building with storeys (linearization and simulation only), ``rho`` and
         ``relative_displacement_std`` are over ``floor``, the floors of the first structure, and
@@ -157,10 +158,9 @@ def correlate(
     half and twice that period. Nonlinear simulation, which takes seconds, does not have these errors.
 
     By simulation, a run lasts until the plastic drifts of all structures of the table are stationary,
-    also those of structures that yield rarely; `simulate` takes the drifts of the latter from the drift
-    closure, which a simulation here is to be compared with. A table whose simulations, on all grounds
-    together, would take more than a quarter of an hour is refused with a ValueError, which names the
-    structure with the slowest drift if there is one ground. With dask arrays, only the measurement of
+    also those of structures that yield rarely. A table whose simulations, on all grounds together, would
+    take more than a quarter of an hour is refused with a ValueError, which names the structure with the
+    slowest drift if there is one ground. With dask arrays, only the measurement of
     the drifts is limited so, not the chunks.
 
     The correlation can be negative if the period of the ground is between those of the structures.
@@ -198,7 +198,8 @@ def correlate(
         table, details = floor_pairs(both, ground, method, closure, tolerance, settings)
         table = table.assign(difference(table))
     labels.raise_if_lone_failure(table, "correlate", first, second, ground)
-    table = labels.label(table, VARIABLES)
+    last = labels.NOT_RESOLVED if method == "simulation" else labels.TOO_STRONG
+    table = labels.label(table, VARIABLES, last)
     return labels.with_run_information(
         table,
         f"Correlation of two structures by {method.replace('_', ' ')}, {ground.name} ground",

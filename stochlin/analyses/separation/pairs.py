@@ -21,6 +21,7 @@ from stochlin.analyses.separation.storeys import (
     correlation_in,
     correlation_of,
     facing_heights,
+    resolved,
     stationary_motions,
     weights_at,
 )
@@ -148,9 +149,9 @@ class PairInMotion:
         return [weights @ self.system.storeys.shapes for weights in self.weights]
 
     def simulated_rho(self) -> Array:
-        """Correlation by stationary simulation [-], (heights,)."""
+        """Correlation by stationary simulation [-], (heights,); a ValueError if it is not resolved."""
         if not self.has_storeys:
-            return simulate(self.structures, self.ground).rho.values[0, 1:]
+            return resolved(simulate(self.structures, self.ground)).rho.values[0, 1:]
         duration = float(self.motions.attrs["duration_s"])
         motions = stationary_motions(self.structures, self.ground, duration)
         return correlation_in(motions, *self.weights)

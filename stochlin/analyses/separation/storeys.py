@@ -12,6 +12,7 @@ from stochlin.analyses.linearization.systems.systems import linearized_motion
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.simulation.structures_in_motion import structures_in_motion
 from stochlin.analyses.simulation.views import at_height, meeting_heights
+from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.linearization.systems.response import StationaryResponse
@@ -78,7 +79,8 @@ def stationary_motions(
 ) -> xr.Dataset:
     """A stationary simulation that is long enough for a correlation.
 
-    Raises a ValueError if the drift of a storey relaxes far more slowly than the duration [s].
+    Raises a ValueError if the drift of a storey relaxes far more slowly than the duration [s], or is not
+    resolved.
     """
     slowest = float(structures_in_motion(structures, ground, None, stationary=True).drift_times.max())
     if slowest > SLOWEST * duration:
@@ -86,14 +88,18 @@ def stationary_motions(
             f"a storey yields so rarely that its drift relaxes in {slowest:.3g} s: a stationary "
             f"simulation does not apply to {duration:g} s"
         )
-    return simulate(
-        structures,
-        ground,
-        paths=PATHS,
-        seed=seed,
-        relaxation_times=RELAXATION_TIMES,
-        progress=progress,
+    times = RELAXATION_TIMES
+    motions = simulate(
+        structures, ground, paths=PATHS, seed=seed, relaxation_times=times, progress=progress
     )
+    return resolved(motions)
+
+
+def resolved(table: xr.Dataset) -> xr.Dataset:
+    """A stationary simulation; raises a ValueError if it is too short for a structure."""
+    if (table.status == labels.NOT_RESOLVED).any():
+        raise ValueError("a structure yields so rarely that a stationary simulation does not resolve it")
+    return table
 
 
 def correlation_in(table: xr.Dataset, weights_1: Array, weights_2: Array) -> Array:

@@ -17,8 +17,7 @@ from stochlin.analyses.simulation.finite_motions import (
     pair_separation,
     simulate_finite,
 )
-from stochlin.analyses.simulation.rare_yielding import elastic, rarely_yielding, with_drift
-from stochlin.analyses.simulation.run_lengths import with_length
+from stochlin.analyses.simulation.run_lengths import BURN_IN, with_length
 from stochlin.analyses.simulation.structures_in_motion import StructuresInMotion, structures_in_motion
 from stochlin.analyses.simulation.variables import VARIABLES
 from stochlin.analyses.simulation.views import drifts_of, view_of
@@ -51,6 +50,9 @@ SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes
 STEPS_PER_PERIOD = 32
 ROUNDING = 1e-13  # relative size of a sum, over its terms, below which it is a rounding error
 NOT_STATIONARY = 5.0  # change of a variance, in standard errors, above which a run is not stationary
+# A drift is waited for if each motion then has at most this number of time steps. With 256 motions of
+# one structure this takes some ten seconds.
+MOST_STEPS = 1e7
 
 
 class MomentEstimates(NamedTuple):
@@ -127,9 +129,9 @@ def simulate(
         Without a duration, over ``structure``: ``displacement_std`` [m] with
         ``displacement_std_standard_error``; ``ductility_std`` [-]; ``drift`` [-], the change of the
         variance from the first half of the run to the second in standard errors; and ``status``, which
-        is ``not_converged`` if the drift exceeds 5. Over (``structure``, ``structure_2``): ``rho`` [-]
-        with ``rho_standard_error``. If a structure yields too rarely to be simulated until it is
-        stationary, the flag ``estimate`` over ``structure`` marks it (see the notes).
+        is ``not_converged`` if the drift exceeds 5, and ``not_resolved`` if the structure yields too
+        rarely for the run (see the notes). Over (``structure``, ``structure_2``): ``rho`` [-] with
+        ``rho_standard_error``.
 
         With a duration, over (``path``, ``structure``): ``peak_positive``, ``peak_negative`` and
         ``peak``, the larger of both [m]. Over (``path``, ``structure``, ``structure_2``): ``separation``
@@ -165,21 +167,13 @@ def simulate(
     long as bilinear ones, with an exponent other than 1 three times, dashpots with an exponent ten times
     as long. Standard errors come from the scatter between independent paths.
 
-    The residual drift is that at which all forces balance after four of the longest decay times
-    ``1/(xi w)`` of free vibration, with the slips that there are then. For bilinear structures it is
-    exact if they do not yield afterwards. Of laws with another stiffness in unloading the vibration that
-    remains, 2 % of that at the end of the motion, is an error. Sums over storeys of the dissipated
-    energy balance the work of the ground.
-
-    The plastic drift of a structure that yields rarely takes very long to settle. A bilinear oscillator
-    without links that would need more than ten million steps is simulated as elastic. Its drift is then
-    taken from the drift closure, as it has grown after a million periods; ``estimate`` flags such a
-    structure, and its standard errors include those of the closure. Compared with simulations of up to
-    fifty million steps (R 0.72 to 0.77, white noise, firm ground and a lake bed), standard deviations
-    were off by 2 % at most and ``rho`` by 0.03; for two structures that are nearly alike on the lake
-    bed ``rho`` was off by 0.12. With fewer ``relaxation_times``, more structures are simulated
-    completely. For other structures and for linked ones the whole time is simulated; a simulation that
-    would take a quarter of an hour or more is refused.
+    The plastic drift of a structure that yields rarely takes very long to settle. The run is only as
+    long as all drifts require that settle within ten million steps of each motion. A structure whose
+    drift takes longer has the status ``not_resolved``, and so have structures that are linked to it. Its
+    numbers are those of the simulated motions, with the standard errors of these. They lack most of the
+    drift, so that the stationary standard deviation is larger, and ``rho`` is another one. With fewer
+    ``relaxation_times`` more structures are resolved. A simulation that would take a quarter of an hour
+    or more is refused.
 
     References
     ----------
@@ -229,10 +223,13 @@ def simulate(
         title = f"{what} in finite motions, {ground.name} ground"
         call = f"simulate(paths={paths}, seed={seed}, duration={duration})"
     else:
-        table = _settled(structures, ground, moving, run, options, relaxation_times, progress)
+        table = _stationary(moving, run, relaxation_times, progress)
         title, call = f"{what}, {ground.name} ground", f"simulate(paths={paths}, seed={seed})"
     return labels.with_run_information(
-        labels.label(table, VARIABLES), title, call, models | {"ground": drawn.ground}
+        labels.label(table, VARIABLES, labels.NOT_RESOLVED),
+        title,
+        call,
+        models | {"ground": drawn.ground},
     )
 
 
@@ -265,27 +262,6 @@ def drawn_separations(
     return pair_separation(table).to_numpy(), run.plan.dt
 
 
-def _settled(
-    structures: Sequence[AnyStructure],
-    ground: Ground,
-    moving: StructuresInMotion,
-    run: SimulationRun,
-    options: dict[str, Any],
-    relaxation_times: float,
-    progress: Progress | None,
-) -> xr.Dataset:
-    """Stationary second moments; oscillators that yield very rarely have the drift by linearization."""
-    rare = np.zeros(len(structures), bool)
-    if not moving.connected:
-        rare = rarely_yielding(structures, ground, run, relaxation_times)
-    if rare.any():
-        moving = structures_in_motion(elastic(structures, rare), ground, None, stationary=True)
-        run = moving.run(ground, **options)
-    run = with_length(run, relaxation_times)
-    table = _stationary(moving, run, progress).assign_attrs(run_attributes(run))
-    return with_drift(table, structures, ground, rare) if rare.any() else table
-
-
 def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure], Ground]:
     """Medians of uncertain structures and ground; raises a ValueError without a duration."""
     if duration is None:
@@ -297,8 +273,12 @@ def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure
     return drawn.medians
 
 
-def _stationary(moving: StructuresInMotion, run: SimulationRun, progress: Progress | None) -> xr.Dataset:
+def _stationary(
+    moving: StructuresInMotion, run: SimulationRun, relaxation_times: float, progress: Progress | None
+) -> xr.Dataset:
     """Stationary second moments of all floors, and of the drifts of storeys."""
+    rare = run.drift_time > MOST_STEPS * run.plan.dt / (BURN_IN + relaxation_times)
+    run = with_length(run._replace(drift_time=np.where(rare, 0.0, run.drift_time)), relaxation_times)
     storeys = drifts_of(moving.system) if moving.has_storeys else []
     view = None
     if storeys:
@@ -307,16 +287,21 @@ def _stationary(moving: StructuresInMotion, run: SimulationRun, progress: Progre
     moments = simulate_moments(run, progress, view)
     n, over = len(moving.system.floors), moving.floor
     check_response(moving.system, np.isfinite(moments.displacement_std[None, :n]) | ~run.valid[:n])
+    unresolved = np.zeros(run.valid.size, bool)
+    unresolved[run.valid] = rare
+    for group in moving.connected:  # all floors of a structure move with the storey that yields rarely
+        unresolved[group.watched] = unresolved[group.watched].any()
     table = xr.Dataset(
         {
             "displacement_std": (over, moments.displacement_std[:n]),
             "displacement_std_standard_error": (over, moments.displacement_error[:n]),
             "drift": (over, moments.drift[:n]),
-            "status": (over, moments.status[:n]),
+            "status": (over, np.where(unresolved[:n], labels.NOT_RESOLVED, moments.status[:n])),
             "rho": ((over, f"{over}_2"), moments.rho[:n, :n]),
             "rho_standard_error": ((over, f"{over}_2"), moments.rho_error[:n, :n]),
         },
         coords=moving.floor_coords(),
+        attrs=run_attributes(run),
     )
     ductility = moments.displacement_std[:n]
     if storeys:

@@ -41,7 +41,7 @@ CAUTION_PAIR = (
     "to 30 times too small; see 'stochlin charts'."
 )
 
-CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL, TOO_STRONG = range(6)
+CONVERGED, ELASTIC_LIMIT, NOT_CONVERGED, INVALID_INPUT, NOT_PHYSICAL, TOO_STRONG, NOT_RESOLVED = range(7)
 STATUS_MEANINGS = (
     "converged",
     "elastic_limit",
@@ -49,6 +49,7 @@ STATUS_MEANINGS = (
     "invalid_input",
     "not_a_covariance",
     "shaking_too_strong",
+    "not_resolved",
 )
 CAUTION = "caution"  # end of the names of the caution flags
 CAUTION_MEANINGS = ("within_10_percent", "off_by_more_than_10_percent", "outside_of_the_map")
@@ -74,16 +75,17 @@ def axis(name: str, long_name: str, values: Any, units: str = "1") -> xr.DataArr
     return xr.DataArray(values, dims=name, coords={name: (name, values, attrs)}, attrs=attrs)
 
 
-def label(dataset: xr.Dataset, variables: Variables) -> xr.Dataset:
+def label(dataset: xr.Dataset, variables: Variables, last: int = TOO_STRONG) -> xr.Dataset:
     """Add units and long names to the variables, and flags to ``status`` and the cautions.
 
     The long name of a variable that ends in a number has the number of the structure, and that of one
     that ends in ``_lower`` or ``_upper`` is the end of its interval; both endings may follow each other.
+    ``last`` is the last status that there may be.
     """
     every = dataset.variables
     for name in map(str, dataset.data_vars):
         if name == "status":
-            every[name].attrs = _flags("status of the cell", STATUS_MEANINGS)
+            every[name].attrs = _flags("status of the cell", STATUS_MEANINGS[: last + 1])
             continue
         if name.rpartition("_")[2] == CAUTION and "flag_values" not in every[name].attrs:
             every[name].attrs = _flags("caution flag of the linearization", CAUTION_MEANINGS)
@@ -149,7 +151,7 @@ def raise_if_lone_failure(dataset: xr.Dataset, what: str, *models: Model) -> Non
     The message begins with ``what`` was called, and with the ``models`` that it was called with.
     """
     status = dataset.variables["status"]
-    if status.ndim == 0 and (code := int(status)) >= NOT_CONVERGED:
+    if status.ndim == 0 and (code := int(status)) in CURES:
         described = ", ".join(model.describe() for model in models)
         what = f"{what}({described})" if models else what
         raise ArithmeticError(f"{what}: {STATUS_MEANINGS[code].replace('_', ' ')}; {CURES[code]}")
