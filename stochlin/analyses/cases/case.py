@@ -225,12 +225,6 @@ class Case:
         return slabs_of_row(self.buildings)
 
     @property
-    def floors_level(self) -> bool | None:
-        """Whether all floors meet floors within 0.05 m; None if floors are not known."""
-        known = all(isinstance(building, StoreyBuilding) for building in self.buildings)
-        return not self.slabs_on_columns if known or self.slabs_on_columns else None
-
-    @property
     def walls(self) -> tuple[AnyBuilding, ...]:
         """Buildings whose structural system is a wall."""
         return tuple(

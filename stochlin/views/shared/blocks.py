@@ -61,10 +61,9 @@ class Term:
 
 @dataclass(frozen=True)
 class Terms:
-    """Names with what they mean, in paragraphs, or on lines below a title."""
+    """Names with what they mean, in paragraphs."""
 
     terms: Sequence[Term]
-    title: str = ""
 
 
 @dataclass(frozen=True)
