@@ -28,8 +28,9 @@ REFERENCE = (DOCS / "reference" / "index.md").read_text(encoding="utf-8")
 PUBLIC = Path(sl.__file__).with_suffix(".pyi").read_text(encoding="utf-8")
 
 
-# Their commands and their code need one another: tests/house/test_worked_case.py
-CASES = "worked_case", "from_tables"
+# Their commands and their code need one another: tests/house/test_worked_case.py and, of a program that
+# is killed, tests/tables/test_large_tables.py
+CASES = "worked_case", "from_tables", "large_tables"
 RUN_HERE = {name: text for name, text in PAGES.items() if name not in CASES}
 
 
@@ -110,10 +111,9 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         plt.close("all")
 
 
-SLOW_PAGES = {"buildings", "large_tables", "pounding", "probability", "risk", "sites"}
-
-
-@pytest.mark.parametrize("page", with_slow(PROGRAMS, SLOW_PAGES))
+@pytest.mark.parametrize(
+    "page", with_slow(PROGRAMS, {"buildings", "pounding", "probability", "risk", "sites"})
+)
 def test_code_of_a_page_runs_from_top_to_bottom(page: str) -> None:
     namespace: dict[str, object] = {}
     for number, block in enumerate(blocks(PAGES[page], "python")):
