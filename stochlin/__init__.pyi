@@ -21,7 +21,6 @@ from .analyses.sites.design_spectra import (
     asce_7 as asce_7,
 )
 from .analyses.sites.spectrum_files import read_spectrum as read_spectrum
-from .analyses.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
 from .analyses.sites.intensity import scale_ground as scale_ground
 from .analyses.sites.hazard_files import read_hazard as read_hazard
 from .models.hazards import (
@@ -45,10 +44,7 @@ from .analyses.sites.suites import (
     read_records as read_records,
     scale_records as scale_records,
 )
-from .analyses.sites.motion_fit import (
-    fit_motion as fit_motion,
-    FittedMotion as FittedMotion,
-)
+from .analyses.sites.motion_fit import fit_motion as fit_motion
 from .analyses.records.response import (
     respond as respond,
     response_spectrum as response_spectrum,

@@ -58,7 +58,9 @@ def intensity(case):
 
 
 def delivered(case, periods=(1.0,)):
-    return sl.simulated_spectrum(case.ground, list(periods), case.duration, case.envelope, paths=1024)
+    return sl.charts.simulated_spectrum(
+        case.ground, list(periods), case.duration, case.envelope, paths=1024
+    )
 
 
 def assert_saved(case, folder):
@@ -130,7 +132,7 @@ def test_another_soil_is_fitted_anew(tmp_path):
     assert waits(form, soil="B", ag=3.0)
     other = changed(form, soil="B", ag=3.0).case()
     target = sl.eurocode_8(3.0, "B")
-    table = sl.simulated_spectrum(other.ground, target, other.duration, other.envelope)
+    table = sl.charts.simulated_spectrum(other.ground, target, other.duration, other.envelope)
     assert float(abs(table.ratio.sel(period=slice(0.1, 4.0)) - 1).max()) < 0.06
     assert len(other.ground.grounds) == 2
     assert_saved(other, tmp_path)

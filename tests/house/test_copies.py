@@ -35,11 +35,6 @@ GIVEN: dict[str, dict[str, Any]] = {
     "Hysteretic": {"law": V - abs(V) * Z, "hardening": 0.1, "reduction_factor": 4},
     "Measure": {"added_damping_1": 0.1, "link": [sl.Link(damping_constant=1e5), sl.Link(1e6)]},
     "ParallelGround": {"grounds": [sl.KanaiTajimi(0.4, 0.6), sl.KanaiTajimi(1.0, 0.3)]},
-    "FittedMotion": {
-        "ground": sl.KanaiTajimi(0.4, 0.6),
-        "envelope": sl.GammaEnvelope(1.0, 0.2),
-        "duration": 20.0,
-    },
     "ModalBuilding": {
         "periods": [0.5],
         "shapes": [[1.0]],

@@ -26,7 +26,6 @@ FLOORS = tuple(ROOMS)
 MOST_MODULES = 12  # of a folder
 # Lists, readers, and look-ups of what carries its own ``reference`` or ``source``.
 WITHOUT_FORMULA = {
-    "FittedMotion",
     "WhiteNoise",
     "example_case",
     "example_record",
@@ -40,7 +39,6 @@ WITHOUT_FORMULA = {
     "scale_records",
     "read_spectrum",
     "simulated_motions",
-    "simulated_spectrum",
 }
 VARIABLES = [
     (name, units)

@@ -145,7 +145,6 @@ OWN: dict[str, dict[str, Any]] = {
     "asce_7": {"sds": 9.8, "sd1": 5.0, "tl": 8.0},
     "fit_motion": {"filters": 1},
     "fit_ground": {"target": sl.eurocode_8(2.0, "B"), "duration": 4.0, "filters": 1},
-    "simulated_spectrum": {"target": [0.4, 0.8]},
     "scale_records": {"pga": 1.0},
     "scale_ground": {"pga": 1.0},
     "HazardCurve": {"intensities": [1.0, 2.0], "frequencies": [0.01, 0.002]},

@@ -16,7 +16,7 @@ CODE = sl.eurocode_8(2.0, "B")
 
 @pytest.fixture(scope="module")
 def of_code() -> xr.Dataset:
-    return sl.simulated_spectrum(GROUND, CODE, *MOTION, paths=64)
+    return sl.charts.simulated_spectrum(GROUND, CODE, *MOTION, paths=64)
 
 
 def lines(axes) -> dict[str, np.ndarray]:
@@ -55,7 +55,7 @@ def test_periods_of_buildings_are_marked_in_both_panels(of_code):
 
 
 def test_without_a_spectrum_that_is_wanted_there_is_no_ratio(tmp_path):
-    table = sl.simulated_spectrum(GROUND, [0.2, 0.5, 1.0], 10.0, paths=16)
+    table = sl.charts.simulated_spectrum(GROUND, [0.2, 0.5, 1.0], 10.0, paths=16)
     figure = sl.charts.draw_spectrum(table)
     (axes,) = figure.axes
     assert "motions of 10 s, stationary" in figure.texts[-1].get_text()
@@ -87,6 +87,6 @@ def test_the_fit_of_a_case_is_told_in_the_band_of_its_buildings():
 
 def of_two(period: np.ndarray, ratio: np.ndarray) -> xr.Dataset:
     """A spectrum with these ratios to its target."""
-    table = sl.simulated_spectrum(GROUND, sl.eurocode_8(2.0, "B"), *MOTION, paths=2)
+    table = sl.charts.simulated_spectrum(GROUND, sl.eurocode_8(2.0, "B"), *MOTION, paths=2)
     table = table.isel(period=slice(period.size)).assign_coords(period=period)
     return table.assign(ratio=("period", ratio))

@@ -97,7 +97,7 @@ def scale_ground(
     >>> import stochlin as sl
     >>> shape = sl.AminAng(2.0, 12.0, 0.4)
     >>> ground = sl.scale_ground(sl.named_ground("firm", 1.0), 20.0, shape, pga=0.3 * 9.80665)
-    >>> table = sl.simulated_spectrum(ground, [0.5], 20.0, shape)
+    >>> table = sl.charts.simulated_spectrum(ground, [0.5], 20.0, shape)
     >>> round(float(table.peak_ground_acceleration) / 9.80665, 9)
     0.3
     """

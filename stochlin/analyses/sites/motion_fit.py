@@ -170,13 +170,6 @@ class FittedMotion:
     ------
     TypeError, ValueError
         If an argument is of another kind or out of range.
-
-    Examples
-    --------
-    >>> import stochlin as sl
-    >>> motion = sl.FittedMotion(sl.named_ground("firm", 0.01), sl.AminAng(2.0, 12.0, 0.4), 20.0)
-    >>> motion.duration, motion.scatter
-    (20.0, 0.4)
     """
 
     ground: Ground
@@ -238,7 +231,7 @@ def fit_motion(
 
     Returns
     -------
-    FittedMotion
+    fitted motion
         The ``ground``, the ``envelope``, the ``duration`` [s] of the record and the ``scatter`` [-] of
         its use with its source, for `simulate`, `separation`, `simulated_motions` and other functions
         with these arguments. ``doubts`` says what the motions miss: a significant duration off by a

@@ -113,7 +113,7 @@ def simulated_spectrum(
     --------
     >>> import stochlin as sl
     >>> ground = sl.named_ground("firm", intensity=0.01)
-    >>> table = sl.simulated_spectrum(ground, [0.2, 0.5, 1.0], 20.0, paths=256)
+    >>> table = sl.charts.simulated_spectrum(ground, [0.2, 0.5, 1.0], 20.0, paths=256)
     >>> table.pseudo_acceleration.dims, bool((table.pseudo_acceleration > 0).all())
     (('period',), True)
     """

@@ -37,7 +37,7 @@ LEAST, MOST = 0.12, 1.2  # shown of the ratio, to either side of 1
 
 @styled(AS_GIVEN | {"font.size": 10})
 def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[float] = ()) -> Figure:
-    """Draw the result of `stochlin.simulated_spectrum`.
+    """Draw the result of `stochlin.charts.simulated_spectrum`.
 
     Parameters
     ----------
