@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import sys
 from typing import Any
 
@@ -22,6 +23,7 @@ from stochlin.views.shared.screen import (
     warnings_as_sentences,
 )
 
+QUOTED = re.compile(r"'([^' ]+)'")
 INTERRUPTED = 130  # as shells have it: 128 and the number of the signal
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
@@ -53,12 +55,12 @@ class Commands(click.Group):
         except KeyboardInterrupt:
             click.echo("\ninterrupted", err=True)
             ctx.exit(INTERRUPTED)
-        except click.NoSuchOption as error:
-            if error.option_name not in REMOVED:
+        except click.UsageError as error:
+            names = [name for name in QUOTED.findall(error.message) if name in REMOVED]
+            if not names or instead_of(names[0]) in f"{error.message}; ":
                 raise
-            raise click.UsageError(
-                f"{error.message} {instead_of(error.option_name)[:-2]}", error.ctx
-            ) from error
+            said = f"{error.message.removesuffix('.')}; {instead_of(names[0])[:-2]}"
+            raise click.UsageError(said, error.ctx) from error
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """All by name."""
@@ -68,10 +70,7 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """The one of this name."""
         with bad_input():
-            command = super().get_command(ctx, cmd_name)
-        if command is None and cmd_name in REMOVED:
-            raise click.UsageError(f"No such command {cmd_name!r}: {instead_of(cmd_name)[:-2]}", ctx)
-        return command
+            return super().get_command(ctx, cmd_name)
 
 
 @click.group(cls=Commands, commands=COMMANDS, context_settings=CONTEXT)
