@@ -23,7 +23,7 @@ from stochlin.views.shared.screen import (
     warnings_as_sentences,
 )
 
-QUOTED = re.compile(r"'([^' ]+)'")
+NAMED = re.compile(r"(?<=')[^' ]+(?=')|--[\w-]+")  # in a refusal of click
 INTERRUPTED = 130  # as shells have it: 128 and the number of the signal
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
@@ -56,7 +56,7 @@ class Commands(click.Group):
             click.echo("\ninterrupted", err=True)
             ctx.exit(INTERRUPTED)
         except click.UsageError as error:
-            names = [name for name in QUOTED.findall(error.message) if name in REMOVED]
+            names = [name for name in NAMED.findall(error.message) if name in REMOVED]
             if not names or instead_of(names[0]) in f"{error.message}; ":
                 raise
             said = f"{error.message.removesuffix('.')}; {instead_of(names[0])[:-2]}"

@@ -67,7 +67,7 @@ def named(depth: float) -> float:
 def test_command_line_and_case_files_say_what_to_use_instead(tmp_path: Path) -> None:
     said = "; it was removed: the gap says it"
     assert f"No such command 'gone'{said}" in refused("gone")
-    assert f"No such option '--gone'{said}" in refused("gap", "--gone")
+    assert said in refused("gap", "--gone")
     chosen = refused("rho", "--closure", "gone")
     assert "'gone' is not one of 'gaussian'" in chosen
     assert said in chosen
