@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import socket
+import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -14,17 +19,10 @@ FLAGS = (
     *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
     "--disable-dev-shm-usage",
 )
-IDLE = (
-    "const s = [...document.querySelectorAll('.state')];"
-    "return s.length == 4 && s.every(e => !e.textContent) && "
-    "[...document.querySelectorAll('.chart')].every(e => e.querySelector('.main-svg'))"
-)
-
-# All that is seen: words, entries, switches, curves.
-SEEN = """return JSON.stringify([innerWidth, document.body.className, document.body.innerText,
-    [...document.querySelectorAll('input')].map(e => e.value),
-    [...document.querySelectorAll('[role=switch]')].map(e => e.ariaChecked),
-    [...document.querySelectorAll('.chart')].map(e => e.data)])"""
+IDLE = """const state = document.querySelector('[data-state]');
+    const shown = [...document.querySelectorAll('.answer')].find(e => e.offsetParent);
+    const alert = document.querySelector('[data-alert]');
+    return state?.textContent === '' && (!!alert.textContent || !!shown?.matches(':not(.stale)'))"""
 
 
 def listens(port: int) -> bool:
@@ -39,27 +37,52 @@ def wait(done: Any, seconds: float = PATIENCE) -> None:
         time.sleep(0.05)
 
 
+@contextmanager
+def served(folder: Path, case: str) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """Address and process of a server of the page; at its end it must have said nothing else."""
+    (folder / "case.toml").write_text(case, encoding="utf-8")
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    # NiceGUI looks for this variable and would wait for a test runner of its own.
+    environment = {name: text for name, text in os.environ.items() if name != "PYTEST_CURRENT_TEST"}
+    command = [sys.executable, "-c", PROGRAM, "explore", "--no-open", "--port", str(port)]
+    log = folder / "log.txt"
+    with log.open("w") as stream:
+        server = subprocess.Popen(
+            [*command, "--case", "case.toml"],
+            cwd=folder,
+            env=environment,
+            stdout=stream,
+            stderr=subprocess.STDOUT,
+        )
+    try:
+        wait(lambda: "Ctrl+C" in log.read_text() or server.poll() is not None)
+        assert server.poll() is None, log.read_text()
+        wait(lambda: listens(port))  # it says where it is just before it listens
+        yield f"127.0.0.1:{port}", server
+    finally:
+        server.terminate()
+        server.wait(PATIENCE)
+    said = log.read_text().splitlines()
+    assert said == [f"The explorer is at http://127.0.0.1:{port} (Ctrl+C ends it)"]
+
+
 class Browser:
     """Chromium on the page, by keyboard and script."""
 
     def __init__(self, driver: Any, downloads: Path) -> None:
         self.driver, self.downloads = driver, downloads
-        self._opened: dict[str, object] = {}
 
     def script(self, text: str, *arguments: Any) -> Any:
         return self.driver.execute_script(text, *arguments)
 
     def open(self, address: str, width: int = 1200, height: int = 900) -> None:
-        """The page as it begins: loaded anew, unless all is as it was when it was opened so."""
+        """The page as it begins."""
         self.width = width
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-        asked = {"address": address, **size}
-        if self._opened == asked | {"seen": self.script(SEEN)}:
-            return  # it is as it began
         self.driver.get(f"http://{address}/")
-        self.idle()
-        self._opened = asked | {"seen": self.script(SEEN)}
+        wait(lambda: self.script(IDLE), 5 * PATIENCE)  # the first answer may have to be compiled
 
     def idle(self) -> None:
         wait(lambda: self.script(IDLE))
@@ -70,38 +93,22 @@ class Browser:
         ActionChains(self.driver).send_keys(*keys).perform()
 
     def enter(self, name: str, text: str) -> None:
-        from selenium.webdriver.common.keys import Keys
-
-        self.script("document.querySelector(arguments[0]).select()", f'[data-control="{name}"]')
-        self.press(text or Keys.DELETE)
-        time.sleep(0.5)  # longer than an entry waits for another key
-
-    def put_back(self, before: dict[str, str]) -> None:
-        """Enter what controls said, by their names, so that the next test finds the page as it began."""
-        for name, text in before.items():
-            self.enter(name, text)
+        """Type another value of a key, such as "building_1.period", and wait for what it changes."""
+        self.script("document.querySelector(arguments[0]).select()", f'[data-entry="{name}"]')
+        self.press(text)
+        time.sleep(0.6)  # longer than an entry waits for another key
         self.idle()
 
-    def choose(self, label: str, text: str) -> None:
+    def choose(self, table: str, text: str) -> None:
         from selenium.webdriver.common.keys import Keys
 
-        find = "e.getAttribute('aria-label') == arguments[0]"
-        lists = "[...document.querySelectorAll('[role=combobox]')]"
-        self.script(f"{lists}.find(e => {find}).focus()", label)
+        self.script("document.querySelector(arguments[0]).focus()", f'[data-choice="{table}"] input')
         self.press(Keys.SPACE)
         choose = """const option = [...document.querySelectorAll('.q-menu [role=option]')]
             .find(e => e.innerText == arguments[0]); if (option) option.click(); return !!option"""
         wait(lambda: self.script(choose, text))
         wait(lambda: not self.script("return !!document.querySelector('.q-menu')"))
-
-    def shows(self, name: str) -> bool:
-        """Whether a control, such as "site.period", is visible."""
-        visible = "return document.querySelector(arguments[0]).offsetParent !== null"
-        return bool(self.script(visible, f'[data-slider="{name}"]'))
-
-    def can_simulate(self) -> bool:
-        """Whether the button that starts the simulation may be pressed."""
-        return bool(self.script("return !document.querySelector('[data-simulate]').disabled"))
+        self.idle()
 
     def click(self, mark: str) -> None:
         self.driver.find_element("css selector", f"[data-{mark}]").click()
@@ -110,22 +117,14 @@ class Browser:
         text = "return document.querySelector(arguments[0]).textContent"
         return str(self.script(text, f"[data-{mark}]"))
 
-    def value(self, name: str) -> str:
+    def value(self, mark: str) -> str:
         value = "return document.querySelector(arguments[0]).value"
-        return str(self.script(value, f'[data-control="{name}"]'))
+        return str(self.script(value, f"[data-{mark}]"))
 
-    def curve(self, panel: str, number: int) -> list[float]:
-        find = f"[data-panel={panel}] .chart"
-        data = "const d = document.querySelector(arguments[0]).data[arguments[1]]; return [...d.y]"
-        return list(self.script(data, find, number))
-
-    def gaps(self) -> dict[str, float]:
-        """The gap [cm] of each row of its chart, by its label; rows that share a line are waited out."""
-        rows = """const d = document.querySelector('[data-panel=gaps] .chart').data;
-            return d.filter(c => c.mode == 'markers+text')
-              .flatMap(c => c.y.map((y, n) => [y, c.x[n]]))"""
-        wait(lambda: len(dict(self.script(rows))) == len(self.script(rows)))
-        return dict(self.script(rows))
+    def gap(self) -> str:
+        """The first sentence of the answer."""
+        first = "return document.querySelector('.answer p.answer').textContent"
+        return str(self.script(first)).replace("\N{NO-BREAK SPACE}", " ")
 
     def send(self, *files: Path) -> None:
         """Choose these files to be opened."""

@@ -17,8 +17,6 @@ from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.codes import design_displacements, with_applied_codes
 from stochlin.analyses.cases.files.design import Design
 from stochlin.analyses.cases.separation import CaseAnswer, answer_case
-from stochlin.analyses.explorer.opening import opened
-from stochlin.analyses.explorer.saving import case_text
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.separation.report import report_page
 from stochlin.views.separation.words import rows, rules_caption
@@ -471,17 +469,3 @@ def test_factors_are_refused_with_their_cure() -> None:
         sl.code_gaps(0.01, None, deflection_1=2.0, deflection_2=2.0)
     lacking = sl.code_gaps(0.01, 0.02, behaviour_1=2.0).missing
     assert lacking.sel(rule="eurocode_8") == "behaviour_2 (behaviour factor q)"
-
-
-@pytest.mark.invariant
-def test_the_explorer_keeps_the_design_as_long_as_it_fits(tmp_path: Path) -> None:
-    """With another number of storeys the displacements do not fit, and go with the codes."""
-    form, _ = opened(sl.read_case(case_file(tmp_path)))
-    kept = form.changed({("building_1", "period"): 0.7}).case()
-    assert kept.codes == ("eurocode_8", "asce_7")
-    assert kept.first.design.displacements == pytest.approx((0.005, 0.011, 0.016))
-    assert 'displacements = ["0.5 cm", "1.1 cm", "1.6 cm"]' in case_text(kept)
-    other = form.changed({("building_1", "storeys"): 5}).case()
-    assert not other.codes
-    assert not other.first.design.displacements
-    assert other.first.design.factors["behaviour"] == 3

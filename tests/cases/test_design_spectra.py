@@ -9,9 +9,6 @@ import pytest
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
-from stochlin.analyses.explorer.form import GROUND
-from stochlin.analyses.explorer.opening import opened
-from stochlin.analyses.explorer.saving import case_text
 from stochlin.analyses.sites.motion_fit import USES
 from stochlin.views.shared.descriptions import source_in_words
 
@@ -39,13 +36,7 @@ def test_the_ground_delivers_the_spectrum_in_the_motion_of_the_file(tmp_path):
     assert "Eurocode 8, type 1, ground C" in case.ground.source
     assert "(largest)" in case.ground.source
     assert source_in_words(case).replace("\N{NO-BREAK SPACE}", " ").endswith("decay 0.35 1/s)")
-    form, notes = opened(case)
-    explored = form.case()
-    assert explored.ground == case.ground
-    assert explored.scatter == case.scatter == case.motion["scatter"] == USES["spectrum"].scatter
-    assert any("Motions scatter by" in note for note in notes)
-    assert form[GROUND] == "eurocode_8"
-    assert not any("have the spectrum" in note for note in notes)
+    assert case.scatter == case.motion["scatter"] == USES["spectrum"].scatter
 
 
 @pytest.mark.slow
@@ -59,24 +50,6 @@ def test_a_file_of_a_spectrum_is_read_and_kept_from_being_overwritten(tmp_path):
     assert tmp_path / "site.csv" in one.inputs
     frequency = np.array([2.0, 5.0, 20.0])
     np.testing.assert_allclose(one.ground.psd(frequency), two.ground.psd(frequency), rtol=0.03)
-
-
-@pytest.mark.slow
-def test_the_explorer_holds_several_filters_and_saves_them(tmp_path):
-    case = read(tmp_path, CODE + "filters = 2\ndamping = 0.1\n")  # not one that it has controls for
-    assert isinstance(case.ground, sl.ParallelGround)
-    form, _ = opened(case)
-    assert form.case().ground == case.ground
-    ag = "site", "ag"
-    for factor in (1, 2):  # on all accelerations
-        explored = form.changed({ag: factor * form[ag]}).case()
-        path = tmp_path / "saved.toml"
-        path.write_text(case_text(explored), encoding="utf-8")
-        saved = sl.read_case(path)
-        expected = factor**2 * case.ground.psd([2.0, 9.0])
-        np.testing.assert_allclose(explored.ground.psd([2.0, 9.0]), expected)
-        np.testing.assert_allclose(saved.ground.psd([2.0, 9.0]), expected, rtol=1e-4)
-        assert opened(saved)[0].case().ground == saved.ground
 
 
 FILTER = '[[site.grounds]]\nground = "firm"\nintensity = "0.01 m^2/s^3"\n'

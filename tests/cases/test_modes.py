@@ -8,15 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cases import FIRM_SITE, SMALL_GAP
+from uploads import open_case
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.pounding import pound_motions
 from stochlin.analyses.cases.separation import answer_case
-from stochlin.analyses.explorer.formulas import gap_rules
-from stochlin.analyses.explorer.opening import open_case
-from stochlin.analyses.explorer.saving import case_text
-from stochlin.analyses.explorer.simulations import merge_tables, simulations
 from stochlin.views.shared.descriptions import in_words
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -183,22 +180,6 @@ def test_what_does_not_belong_to_modes_is_refused(tmp_path: Path, message: str) 
         case_of(tmp_path, BROKEN[message])
 
 
-def test_the_explorer_keeps_modes_of_a_file_as_tables(tmp_path: Path) -> None:
-    case = case_of(tmp_path, YIELDING)
-    files = {name: (tmp_path / name).read_bytes() for name in ("case.toml", "tower.csv")}
-    form, notes = open_case(files)
-    assert "The modes of Tower are kept as tables here, and not in tower.csv." in notes
-    again = form.case()
-    assert again.first.structure.describe() == case.first.structure.describe()
-    (tmp_path / "saved.toml").write_text(case_text(again), encoding="utf-8")
-    (tmp_path / "tower.csv").unlink()
-    saved = sl.read_case(tmp_path / "saved.toml")
-    assert saved.first.structure.describe() == case.first.structure.describe()
-    softer = form.changed({("building_1", "period"): 1.0}).case().first.structure
-    assert float(softer.mode_periods()[0]) == pytest.approx(1.0)
-    assert not form.changed({("building_1", "yields"): False}).case().first.structure.yields
-
-
 PUSHOVER = """displacement [m],base shear [kN]
 0,0
 0.01,800
@@ -217,27 +198,9 @@ def test_a_pushover_curve_beside_modes_is_that_of_the_library(tmp_path: Path) ->
     assert case.first.strength == "pushover"
     assert [path.name for path in case.inputs] == ["case.toml", "tower.csv", "push.csv"]
     files = {name: (tmp_path / name).read_bytes() for name in ("case.toml", "tower.csv", "push.csv")}
-    opened = open_case(files)[0].case().first.structure
+    opened = open_case(files)[0].first.structure
     for name, values in expected.arrays().items():
         np.testing.assert_allclose(np.squeeze(opened.arrays()[name]), np.squeeze(values), rtol=1e-12)
-
-
-@pytest.mark.slow
-def test_the_explorer_computes_what_the_verbs_do(tmp_path: Path) -> None:
-    case_of(tmp_path, YIELDING)
-    files = {name: (tmp_path / name).read_bytes() for name in ("case.toml", "tower.csv")}
-    case = open_case(files)[0].case()
-    tables, rules = simulations(case), gap_rules(case)
-    np.testing.assert_allclose(
-        rules.gap.sel(rule="linearization"), tables["gaps"].gap.sel(rule="linearization"), rtol=1e-6
-    )
-    first, second, ground = case.first.structure, case.second.structure, case.ground
-    motion = {"duration": case.duration, "paths": case.paths, "seed": case.seed}
-    answer = sl.separation(first, second, ground, confidence=case.confidence, **motion)
-    np.testing.assert_allclose(tables["gaps"].gap[0], answer.gap[0], rtol=1e-12)
-    whole = merge_tables(case, tables)
-    assert whole.building_1_shapes.shape == (3, 3)
-    assert whole.building_1_periods.attrs["units"] == "s"
 
 
 def test_a_folder_of_tables_is_the_building_of_its_files(tmp_path: Path) -> None:

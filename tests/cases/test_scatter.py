@@ -9,9 +9,6 @@ from click.testing import CliRunner
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
-from stochlin.analyses.explorer.opening import opened
-from stochlin.analyses.explorer.pair import motion_of
-from stochlin.analyses.explorer.saving import case_text
 from stochlin.analyses.sites.motion_fit import USES
 from stochlin.views.command import main
 from stochlin.views.shared.words import scatter
@@ -47,17 +44,11 @@ def test_the_usual_one_is_none_where_the_strength_of_the_ground_is_given(tmp_pat
     assert not scatter(case)
 
 
-def test_it_is_read_said_and_kept_by_the_explorer(tmp_path):
+def test_it_is_read_and_said(tmp_path):
     case = read(tmp_path, "scatter = 0.3")
     assert case.scatter == case.motion["scatter"] == 0.3
     assert "scatter 0.3 (standard deviation" in scatter(case)
     assert scatter(case).endswith("scatter in [motion] of the file.")
-    form, notes = opened(case)
-    explored = form.case()
-    assert explored.scatter == motion_of(explored)["scatter"] == 0.3
-    assert any("Motions scatter by 0.3" in note for note in notes)
-    (tmp_path / "saved.toml").write_text(case_text(explored), encoding="utf-8")
-    assert sl.read_case(tmp_path / "saved.toml").scatter == 0.3
 
 
 @pytest.mark.slow

@@ -15,8 +15,6 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
-from stochlin.analyses.explorer.opening import opened
-from stochlin.analyses.explorer.pair import has_storeys, structures_of
 from stochlin.messages import DoubtfulInput
 from stochlin.models.systems import slabs_on_columns
 from stochlin.views.shared.words import floors
@@ -144,11 +142,6 @@ def test_kinds_may_be_mixed_and_each_is_what_its_keys_say(tmp_path: Path) -> Non
     assert (case.first.period, case.second.period) == (pytest.approx(0.8, rel=1e-12), 0.6)
     assert case.first.weighed
     assert case.second.weighed
-    explored = opened(case)[0].case()
-    assert has_storeys(explored)
-    first, second = structures_of(explored)
-    same(first, case.first.structure)
-    assert isinstance(second, sl.Bilinear)
 
 
 def test_an_oscillator_with_a_height_and_storeys_stays_one(tmp_path: Path) -> None:
@@ -159,7 +152,6 @@ def test_an_oscillator_with_a_height_and_storeys_stays_one(tmp_path: Path) -> No
         (sl.Bilinear, 8),
         (sl.Bilinear, 5),
     ]
-    assert not has_storeys(opened(case)[0].case())
 
 
 def of_levels(number: int, heights: Sequence[float]) -> str:

@@ -120,26 +120,20 @@ def test_a_case_file_takes_the_ground_by_its_name(toy, tmp_path):
 
 
 @pytest.mark.slow
-def test_the_explorer_has_a_control_for_it(start, example):
+def test_the_explorer_has_entries_for_it(start, example):
     code = (
-        "from stochlin.analyses.explorer.form import GROUND, choices, numbers\n"
-        "from stochlin.analyses.explorer.opening import first_form\n"
-        "from stochlin.analyses.explorer.saving import case_text\n"
-        "from stochlin.views.explorer.controls import label_with_unit\n"
-        "period, damping = ('site', 'layer_period'), ('site', 'layer_damping')\n"
-        "form = first_form().changed({GROUND: 'two_layers', period: 1.1})\n"
-        "assert 'two_layers' in next(form.options(c) for c in choices() if c.place == GROUND)\n"
-        "case = form.case()\n"
-        "assert case.ground.layer_period == 1.1 and case.ground.layer_damping == 0.1\n"
-        "controls = {number.place: number for number in numbers()}\n"
-        "assert label_with_unit(controls[period]) == 'Period of the upper layer [s]'\n"
-        "assert 0 < controls[damping].slider.low < 0.1 < controls[damping].slider.high\n"
-        "assert form.uses(period)\n"
-        "assert not form.changed({GROUND: 'kanai_tajimi'}).uses(period)\n"
-        "print(case_text(case))\n"
+        "from stochlin.analyses.explorer.form import chosen, form_of\n"
+        "tables = {'site': {'ground': 'firm', 'intensity': '0.02 m^2/s^3'}}\n"
+        "(ground,) = form_of(tables)[0].choices\n"
+        "assert 'two_layers' in ground.options\n"
+        "entries = form_of(chosen(tables, ground, 'two_layers'))[0].entries\n"
+        "for entry in entries:\n"
+        "    print(entry.key.label, '=', entry.text)\n"
     )
     process = start(example("A ground"), code)
-    assert 'layer_period = "1.1 s"' in process.communicate()[0]
+    said = process.communicate()[0]
+    assert "Period of the upper layer = " in said
+    assert "Intensity S0 = 0.02 m^2/s^3" in said
     assert process.returncode == 0
 
 

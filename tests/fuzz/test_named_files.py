@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-from stochlin.analyses.explorer.opening import open_case
+from uploads import open_case
 
 pytestmark = [pytest.mark.invariant, pytest.mark.slow]
 

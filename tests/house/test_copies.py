@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 import sympy
+from uploads import open_case
 
 import stochlin as sl
 from stochlin.analyses.charts.settings import ChartSettings
-from stochlin.analyses.explorer.opening import first_form
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
@@ -44,10 +44,9 @@ GIVEN: dict[str, dict[str, Any]] = {
     },
     "ShearBuilding": {"masses": [1e5], "stiffnesses": [1e8], "heights": [3.0], "damping": 0.05},
 }
-UNHASHABLE = {"ModalBuilding", "ShearBuilding", "Form"}  # they hold arrays and mappings
+UNHASHABLE = {"ModalBuilding", "ShearBuilding"}  # they hold arrays and mappings
 OTHERS = {
-    "Form": first_form(),
-    "Case": first_form().case(),
+    "Case": open_case({"case.toml": sl.example_case().encode()})[0],
     "ChartSettings": ChartSettings(),
 }
 

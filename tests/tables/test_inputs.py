@@ -6,9 +6,9 @@ import socket
 from pathlib import Path
 
 import pytest
+from uploads import open_case
 
 import stochlin as sl
-from stochlin.analyses.explorer.opening import open_case
 from stochlin.analyses.tables.inputs import MOST_BYTES, MOST_LINES, only_within
 
 pytestmark = pytest.mark.invariant

@@ -5,8 +5,6 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
-from stochlin.analyses.explorer.formulas import correlation
-from stochlin.analyses.explorer.opening import first_form
 from stochlin.analyses.linearization.variables import VARIABLES as OF_ONE
 from stochlin.analyses.tables import labels
 
@@ -32,7 +30,6 @@ def test_bias_of_a_pair_is_of_rho_and_of_each_structure_of_its_standard_deviatio
     pair, one = told(["bias", "bias_1"], OF_PAIRS), told(["bias"], OF_ONE)
     assert pair["bias"] == "bias of rho: linearized minus simulated"
     assert pair["bias_1"] == f"{one['bias']}, structure 1"
-    assert correlation(first_form().case()).bias.attrs["long_name"] == pair["bias"]
 
 
 def test_the_flag_of_the_permanent_set_is_not_a_length():

@@ -155,16 +155,6 @@ class CaseSite:
         )
         return shaking.times(self._strength / strength)
 
-    def take(self, shaking: Shaking) -> None:
-        """Take as known the shaking of the same motions, whose strength another case gives otherwise."""
-        if self.waits:
-            self.known.keep(name_of(*self._shape), (shaking, self._strength))
-
-    def found(self) -> dict[str, Any]:
-        """What is known of the strength of the ground, for cases in another process."""
-        name = name_of(*self._shape)
-        return {name: self.known[name]}
-
     @property
     def waits(self) -> bool:
         """Whether the ground has to be fitted or scaled by simulation when it is first needed."""

@@ -1,1 +1,1 @@
-"""Scenes of the explorer: their parameters, results by formula and results by simulation."""
+"""The explorer's case: a form of its keys, the files that it names, and its correlations."""

@@ -1,354 +1,251 @@
-"""The controls of the explorer, and what they say as the tables of a case file."""
+"""The form of the explorer: entries for keys of a case file, and its text with other values."""
 
 from __future__ import annotations
 
-import dataclasses
-import warnings
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cache
-from pathlib import Path
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from typing import Any, NamedTuple
 
-from stochlin.analyses.cases.case import Case, case_of
-from stochlin.analyses.cases.files.design import DISPLACEMENTS
-from stochlin.analyses.cases.files.keys import Key, Slider, declared
-from stochlin.analyses.cases.files.known import Known
-from stochlin.analyses.cases.files.quantities import Quantity, in_si
-from stochlin.analyses.cases.files.schema import (
-    ASCE_7,
-    EUROCODE_8,
-    FILE,
-    OSCILLATOR,
-    REGULAR,
-    TABLES,
-    keys_at,
-)
-from stochlin.analyses.cases.files.sections import Section
-from stochlin.analyses.cases.site import NONE, PARALLEL
-from stochlin.analyses.linearization.transient_systems import check_course
-from stochlin.analyses.tables.checks import check_duration
-from stochlin.messages import DoubtfulInput
+from stochlin.analyses.cases.files.keys import NEEDED, Key, declared
+from stochlin.analyses.cases.files.quantities import NUMBER, Quantity, in_si
+from stochlin.analyses.cases.files.schema import ASCE_7, EUROCODE_8, OSCILLATOR, REGULAR, keys_at
+from stochlin.analyses.cases.files.sections import key_lines
+from stochlin.analyses.cases.site import NONE
+from stochlin.analyses.tables.toml import toml_text
+from stochlin.models.arguments import Whole
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
 from stochlin.models.grounds.named import ground_names
 from stochlin.models.parameters import Model
+from stochlin.models.structures import LAWS
 
-Place = tuple[str, str]
-"""Table and key of a control; some choices have a name of their own in place of a key."""
+Tables = Mapping[str, Any]
+"""The tables of a case file by their names."""
 
-OF_FILE = "storeys of the file"
-S0, PGA, SA = "intensity S₀", "peak ground acceleration", "spectral acceleration"
-GROUND, ENVELOPE = ("site", "ground"), ("motion", "envelope")
-MEASURES = {S0: ("intensity",), PGA: ("pga",), SA: ("sa", "sa_period")}
-STRENGTHS = {"reduction factor R": "reduction_factor", "yield displacement": "yield_displacement"}
-SPECTRA = (EUROCODE_8, ASCE_7, FILE)
-BUILDINGS = ("building_1", "building_2")
-OF_YIELDING = ("yield_drifts", "yield_displacements", "base_shear_coefficient", "hardening")
-# Where the second building starts if no file says otherwise; the first one starts as its keys say.
-SECOND = {"period": 0.6, "storeys": 5}
-PLAIN_FLOORS = {"floor_mass": "400 t"}  # no result of the explorer depends on it
+EMPTY_TOO = {("separation", "existing")}  # keys that have an entry where the file does not have them
+CODES = (EUROCODE_8, ASCE_7)
+STRENGTHS = ("intensity", "pga", "sa", "sa_period", "return_period")  # of a ground
+NOT_OF_GROUNDS = ("records", "suite", "hazard")  # keys of a site that go with any ground
+STARTS = {"floor_mass": "400 t", "soil": "C"}  # of keys without a slider
+_OSCILLATOR = ("period", "damping", "name", "system", "storeys", "height", "mass")
+_STOREYS = ("period", "damping", "name", "system", "storeys", "storey_height", "floor_mass")
+OPTIONAL = ("name", "system", "height", "mass")
+# Ways to describe a building that can be chosen, with the keys that it then has.
+BUILDINGS: Mapping[str, tuple[str, ...]] = {
+    "oscillator, R": (*_OSCILLATOR, "reduction_factor", "hardening"),
+    "oscillator, yield displacement": (*_OSCILLATOR, "yield_displacement", "hardening"),
+    "oscillator, elastic": (*_OSCILLATOR, "elastic"),
+    "regular storeys": (*_STOREYS, "base_shear_coefficient", "hardening"),
+    "regular storeys, elastic": (*_STOREYS, "elastic"),
+}
+AS_IN_FILE = "as in the file"
 
 
-class NumberControl(NamedTuple):
-    """A control of a number: a key with a slider."""
+class Entry(NamedTuple):
+    """A key of a table, and its value as the file has it; None where it does not have it."""
 
-    place: Place
+    table: str
     key: Key
+    value: Any
 
     @property
-    def slider(self) -> Slider:
-        """The slider of the key."""
+    def text(self) -> str:
+        """The value as an entry shows it."""
+        values = self.value if isinstance(self.value, list) else [self.value]
+        return ", ".join("" if value is None else str(value) for value in values)
+
+    def read(self, text: str) -> Any:
+        """The value that a text means, written as in a file; None for an empty text."""
+        if isinstance(self.value, list):
+            return [self._number_or_text(part) for part in text.split(",")]
+        return self._number_or_text(text) if text.strip() else None
+
+    def _number_or_text(self, text: str) -> Any:
+        kind, text = self.key.kind, text.strip()
+        if isinstance(kind, Whole) or (isinstance(kind, Quantity) and kind.units == "1"):
+            for number in (int, float):
+                with suppress(ValueError):
+                    return number(text)
+        return text
+
+    @property
+    def at(self) -> float | None:
+        """Where the slider of the key stands; None if it cannot show the value."""
+        kind = self.key.kind
+        if self.key.slider is None or isinstance(self.value, list):
+            return None
+        try:
+            return (
+                in_si(self.value, kind) / self.key.unit_size
+                if isinstance(kind, Quantity)
+                else self.value
+            )
+        except ValueError:  # an uncertain value, or one that is not valid
+            return None
+
+    def slid(self, at: float) -> str:
+        """The text of a number of the slider, in the unit that the value has."""
         assert self.key.slider is not None
-        return self.key.slider
+        written = NUMBER.fullmatch(self.value) if isinstance(self.value, str) else None
+        unit = written[2].strip() if written else self.key.slider.unit
+        size = self.key.kind.spellings.get(unit, 1.0) if isinstance(self.key.kind, Quantity) else 1.0
+        return f"{at * self.key.unit_size / size:.6g} {unit}".strip()
 
 
 class Choice(NamedTuple):
-    """A control with values to choose from, or yes and no if there are none."""
+    """A choice between several sets of keys of a table, and the present one."""
 
-    place: Place
+    table: str
     label: str
-    options: tuple[Any, ...] = ()
+    options: tuple[str, ...]
+    present: str
 
 
-Control = NumberControl | Choice
-CODES = (EUROCODE_8, ASCE_7)
-CHOICES: Mapping[
-    tuple[str, str], Sequence[Choice]
-] = {  # by the table and the key that they stand before
-    ("site", "ag"): [Choice(GROUND, "Kind of ground", (*ground_names(), *GROUNDS, *CODES))],
-    ("site", "sds"): [
-        Choice(("site", "soil"), "Ground type", tuple("ABCDE")),
-        Choice(("site", "type"), "Type of spectrum", (1, 2)),
-    ],
-    ("site", "pga"): [Choice(("site", "measure"), "Strength given by", (*MEASURES,))],
-    ("building", "period"): [
-        Choice(("", "described"), "Building {number} described as", (OSCILLATOR, REGULAR))
-    ],
-    ("building", "reduction_factor"): [
-        Choice(("", "yields"), "Yields (off: elastic)"),
-        Choice(("", "strength"), "Strength of building {number} given by", (*STRENGTHS,)),
-    ],
-    ("motion", "rise_end"): [Choice(ENVELOPE, "Envelope", (*ENVELOPES, NONE))],
-}
-
-
-class ControlGroup(NamedTuple):
-    """Controls that belong together."""
+class Group(NamedTuple):
+    """The choices and entries of a table."""
 
     title: str
-    controls: Sequence[Control]
+    choices: list[Choice]
+    entries: list[Entry]
 
 
-@dataclass(frozen=True)
-class Form:
-    """What the controls say, in SI units, and the rest of the case file.
-
-    Only the controls of the chosen ground, envelope, description and strength are used; the others keep
-    what they say for another choice. ``file`` has the tables of the case file, and ``rest``, for each
-    building and each way to describe it, what has no control. Files that are known need not be there.
-    """
-
-    values: Mapping[Place, Any]
-    file: Mapping[str, Any] = field(default_factory=dict)
-    rest: Mapping[str, Mapping[str, Mapping[str, Any]]] = field(default_factory=dict)
-    path: Path = Path("case.toml")
-    known: Known = field(default_factory=Known, compare=False, repr=False)
-
-    def __getitem__(self, place: Place) -> Any:
-        """What a control says."""
-        return self.values[place]
-
-    def changed(self, changes: Mapping[Place, Any]) -> Form:
-        """The form with other values of these controls."""
-        return dataclasses.replace(self, values={**self.values, **changes})
-
-    def options(self, choice: Choice) -> tuple[Any, ...]:
-        """The texts to choose from, with the ground and the storeys of the file if it has some."""
-        site = self.file.get("site", {})
-        if choice.place == GROUND:
-            of_file = {PARALLEL: "grounds" in site, FILE: site.get("spectrum", FILE) not in SPECTRA}
-            return (*choice.options, *(name for name, there in of_file.items() if there))
-        if choice.place[1] == "described" and OF_FILE in self.rest.get(choice.place[0], {}):
-            return (*choice.options, OF_FILE)
-        return choice.options
-
-    def uses(self, place: Place) -> bool:
-        """Whether a control has an effect; the others are hidden."""
-        name, name_of_key = place
-        if name in BUILDINGS:
-            return self._of_building(name, name_of_key)
-        if name == "site":
-            return self._of_site(name_of_key)
-        if name == "motion" and name_of_key not in ("envelope", "duration"):
-            return name_of_key in parameters_of(ENVELOPES.get(self[ENVELOPE]))
-        return True
-
-    def _of_site(self, name: str) -> bool:
-        ground, key = self[GROUND], TABLES["site"].get(name)
-        if name == "ground" or (key and key.noted):
-            return True
-        if key and key.ways:
-            return ground in key.ways
-        if ground in SPECTRA:
-            return False
-        measure = self["site", "measure"]
-        measured = {key: way for way, keys in MEASURES.items() for key in keys}
-        if name in measured:
-            return measured[name] == measure
-        return name == "measure" or name in parameters_of(GROUNDS.get(ground))
-
-    def _of_building(self, name: str, key: str) -> bool:
-        described = self[name, "described"]
-        can_yield = described != OF_FILE or not self.rest[name][OF_FILE].get("elastic")
-        yields = can_yield and self[name, "yields"]
-        oscillator = described == OSCILLATOR
-        of_strength = {
-            "strength": oscillator,
-            "hardening": True,
-            "base_shear_coefficient": described == REGULAR,
-            "strength_factor": described == OF_FILE,
-            **{key: oscillator and self[name, "strength"] == way for way, key in STRENGTHS.items()},
-        }
-        if key in of_strength:
-            return bool(yields and of_strength[key])
-        if key in ("storeys", "storey_height"):
-            return bool(described == REGULAR)
-        return key != "yields" or can_yield
-
-    def tables(self) -> dict[str, Any]:
-        """The tables of the case file: the controls that are used, and all that has no control."""
-        tables = {"title": "Two buildings", **self.file}
-        tables["site"] = {**self._site(), **self._numbers("site"), **self._of_all_sites()}
-        kept = {"scatter": 0.0, **self.file.get("motion", {})}
-        envelope = {"scatter": kept["scatter"], "envelope": self[ENVELOPE]}
-        tables["motion"] = {**self._numbers("motion"), **envelope}
-        for name in BUILDINGS:
-            tables[name] = self._building(name)
-        for name in ("separation", "simulation"):
-            tables[name] = {**self.file.get(name, {}), **self._numbers(name)}
-        return {name: _in_order(table, self.file.get(name)) for name, table in tables.items()}
-
-    def case(self) -> Case:
-        """The case of these values, without what of the file does not fit its buildings.
-
-        These are measures and the codes that are applied. A ValueError names what does not fit.
-        """
-        tables = self.tables()
-        try:
-            case = read_again(tables, self.path, self.known)
-        except ValueError:
-            fitting = _without_measures_and_codes(tables)
-            if fitting == tables:
-                raise
-            tables = fitting
-            case = read_again(tables, self.path, self.known)
-        check_course(case.duration, case.envelope)
-        buildings = {f"building {n}": b.structure for n, b in enumerate(case.pair, start=1)}
-        check_duration(case.duration, buildings)
-        return case
-
-    def _site(self) -> dict[str, Any]:
-        """What names the ground or the spectrum, with those keys of the file that belong to it."""
-        ground, site = self[GROUND], self.file.get("site", {})
-        if ground not in SPECTRA:
-            parts = {"grounds": site["grounds"]} if ground == PARALLEL else {}
-            return {"ground": ground, **parts}
-        kept = {key: value for key, value in site.items() if key not in ("scale", "ground")}
-        if ground == FILE:
-            return kept
-        of_code = dict(kept) if kept.get("spectrum") == ground else {}
-        if ground == EUROCODE_8:
-            usual = TABLES["site"]["type"].default
-            of_code |= {"soil": self["site", "soil"]}
-            if "type" in of_code or self["site", "type"] != usual:
-                of_code |= {"type": self["site", "type"]}
-        return {**of_code, "spectrum": ground}
-
-    def _of_all_sites(self) -> dict[str, Any]:
-        """Records and hazard of the file, which go with any ground."""
-        site = self.file.get("site", {})
-        kept = {key: site[key] for key in ("records", "suite", "hazard") if key in site}
-        if self[GROUND] not in SPECTRA and "scale_to" in kept.get("suite", {}):
-            del kept["suite"]
-        return kept
-
-    def _building(self, name: str) -> dict[str, Any]:
-        described = self[name, "described"]
-        table = {**self.rest.get(name, {}).get(described, {}), **self._numbers(name)}
-        if "name" in self.file.get(name, {}):
-            table = {"name": self.file[name]["name"], **table}
-        if not self[name, "yields"]:
-            table = {key: value for key, value in table.items() if key not in OF_YIELDING}
-            table["elastic"] = True
-        return table
-
-    def _numbers(self, name: str) -> dict[str, Any]:
-        """The numbers of the controls of a table that are used, as they are written in a file."""
-        return {
-            control.key.name: written(control.key, self[control.place], self.file.get(name, {}))
-            for control in numbers()
-            if control.place[0] == name and self.uses(control.place)
-        }
+def form_of(tables: Tables) -> list[Group]:
+    """What the form shows of a case: choices, and the numbers of its site, motion, buildings and gap."""
+    buildings = [name for name in tables if re.fullmatch(r"building_\d+", name)]
+    groups = []
+    for name in ("site", *sorted(buildings), "separation", "motion"):
+        table = tables.get(name)
+        if isinstance(table, dict):
+            own = table.get("name", "")
+            title = f"{name.replace('_', ' ').capitalize()}{': ' * bool(own)}{own}"
+            groups.append(Group(title, list(_choices(name, table)), list(_entries(name, table))))
+    return groups
 
 
-def _without_measures_and_codes(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """The tables without what belongs to the buildings of the file."""
-    out = {"separation": "codes", **dict.fromkeys(BUILDINGS, DISPLACEMENTS)}
-    return {
-        name: {key: value for key, value in table.items() if key != out[name]} if name in out else table
-        for name, table in tables.items()
-        if name != "measures"
-    }
+def _entries(name: str, table: Tables) -> Iterator[Entry]:
+    """Numbers, words and truth values that the table has."""
+    for key in _keys(name, table).values():
+        value = table.get(key.name)
+        shown = value is not None or (name, key.name) in EMPTY_TOO
+        of_tables = isinstance(value, dict) or (
+            isinstance(value, list) and any(isinstance(each, dict) for each in value)
+        )
+        if shown and not of_tables and (key.kind is bool or not isinstance(key.kind, type)):
+            yield Entry(name, key, value)
 
 
-def read_again(tables: Mapping[str, Any], path: Path, known: Known) -> Case:
-    """The case of these tables; warnings were given when the file was read."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DoubtfulInput)
-        return case_of(Section(path.name, (), tables, {}), path, known)
-
-
-def written(key: Key, value: Any, file: Mapping[str, Any]) -> Any:
-    """A number for a file: as it was written if it is the same, else with all its digits in SI."""
-    if not isinstance(key.kind, Quantity):
-        return value
-    if isinstance(before := file.get(key.name), (str, int, float)) and _says(before, value, key.kind):
-        return before
-    if key.kind.units == "1":
-        return value
-    unit = key.slider.unit if key.slider else ""
-    short = f"{value / key.unit_size:.8g} {unit}"
-    return short if unit and _says(short, value, key.kind) else f"{value!r} {key.kind.units}"
-
-
-def _says(text: Any, value: float, quantity: Quantity) -> bool:
-    try:
-        return in_si(text, quantity) == value
-    except ValueError:  # of another kind of ground or building, or uncertain
-        return False
-
-
-def _in_order(table: Any, file: Any) -> Any:
-    """A table with its keys in the order of the file; any other value as it is."""
-    if not isinstance(table, dict) or not isinstance(file, dict):
-        return table
-    return {key: table[key] for key in (*file, *table) if key in table}
-
-
-def parameters_of(kind: type[Model] | None) -> Sequence[str]:
-    """Names of the parameters of a ground or an envelope."""
-    return kind.parameter_names() if kind else ()
-
-
-@cache
-def groups() -> tuple[ControlGroup, ...]:
-    """All controls."""
-    sides = {"Building 1, left": ["building_1"], "Building 2, right": ["building_2"]}
-    tables = {"Ground": ["site"], **sides, "Gap": ["separation"], "Motion": ["motion", "simulation"]}
-    return tuple(
-        ControlGroup(title, [control for name in names for control in _controls(name)])
-        for title, names in tables.items()
-    )
-
-
-def numbers() -> Iterator[NumberControl]:
-    """All controls of numbers."""
-    return (c for group in groups() for c in group.controls if isinstance(c, NumberControl))
-
-
-def choices() -> Iterator[Choice]:
-    """All other controls."""
-    return (c for group in groups() for c in group.controls if isinstance(c, Choice))
-
-
-def _controls(name: str) -> Iterator[Control]:
-    """The controls of a table, each choice before the key that follows it."""
-    number = name.rpartition("_")[2]
-    for key in keys_of(name).values():
-        for choice in CHOICES.get((name.rstrip("_12"), key.name), ()):
-            label = choice.label.format(number=number)
-            yield choice._replace(place=(name, choice.place[1]), label=label)
-        if key.slider:
-            yield NumberControl((name, key.name), key)
-
-
-def keys_of(name: str) -> Mapping[str, Key]:
-    """The keys of a table, and the parameters of its kinds of model that have no key of their own."""
+def _keys(name: str, table: Tables) -> dict[str, Key]:
+    """The keys of a table, and the parameters of its model that have no key of their own."""
     keys = dict(keys_at((name,)))
-    kinds: Mapping[str, Mapping[str, type[Model]]] = {"site": GROUNDS, "motion": ENVELOPES}
-    for kind in kinds.get(name, {}).values():
-        own = (parameter for parameter in parameters_of(kind) if parameter not in keys)
-        keys |= {parameter: _with_slider(kind, parameter) for parameter in own}
-    return keys
+    models: Mapping[str, type[Model]] = {**GROUNDS, **ENVELOPES, **LAWS}
+    model = models.get(str(table.get("ground", table.get("envelope", table.get("law")))))
+    if model is None:
+        return keys
+    own = (parameter for parameter in model.parameter_names() if parameter not in keys)
+    return keys | {parameter: declared(model, parameter) for parameter in own}
 
 
-def _with_slider(kind: type[Model], name: str) -> Key:
-    """The key of a parameter of an extension, with a slider about its default."""
-    default, allowed = kind.__dataclass_fields__[name].default, kind.allowed(name)
-    start = default if isinstance(default, float) else allowed.middle
-    ends = max(allowed.lower, -start), min(allowed.upper, 3 * start)
-    low, high = (start + 0.9 * (end - start) for end in ends)
-    step = float(f"{(high - low) / 100:.0e}")
-    unit = kind.units(name).replace("1", "", kind.units(name) == "1")
-    return declared(kind, name, "", Slider(low, high, step, start, unit))
+def _choices(name: str, table: Tables) -> Iterator[Choice]:
+    """Ground, envelope, and the way in which a building is described."""
+    if name == "site":
+        present = str(table.get("spectrum", table.get("ground")))
+        yield _choice(name, "Ground", (*ground_names(), *GROUNDS, *CODES), present)
+    elif name == "motion":
+        yield _choice(name, "Envelope", (*ENVELOPES, NONE), str(table.get("envelope", NONE)))
+    elif name != "separation":
+        yield _choice(name, "Described as", tuple(BUILDINGS), _way_of(table))
+
+
+def _choice(table: str, label: str, options: tuple[str, ...], present: str) -> Choice:
+    return Choice(table, label, tuple(dict.fromkeys((*options, present))), present)
+
+
+def _way_of(table: Tables) -> str:
+    """The way in which a building is described."""
+    plain = {name for name, key in keys_at(("building_1",)).items() if key.ways or key.name == "elastic"}
+    for way, keys in BUILDINGS.items():
+        regular = way.startswith(REGULAR)
+        needed = {key for key in keys if key not in OPTIONAL and (regular or key != "storeys")}
+        if needed <= table.keys() and plain & table.keys() <= {*keys} and "law" not in table:
+            return way
+    return AS_IN_FILE
+
+
+def chosen(tables: Tables, choice: Choice, option: str) -> dict[str, Any]:
+    """The tables with the keys of another choice; numbers that stay keep their values."""
+    table = tables[choice.table]
+    if choice.table == "site":
+        kept = {key: table[key] for key in NOT_OF_GROUNDS if key in table}
+        changed = {**_site(table, option), **kept}
+    elif choice.table == "motion":
+        kept = {key: table[key] for key in ("duration", "scatter") if key in table}
+        changed = {"envelope": option, **kept, **_started(choice.table, {**table, "envelope": option})}
+    else:
+        needed = [key for key in BUILDINGS[option] if key in table or key not in OPTIONAL]
+        if option.startswith(OSCILLATOR) and "storeys" not in table:
+            needed.remove("storeys")
+        keys = keys_at((choice.table,))
+        changed = {key: table[key] if key in table else _start(keys[key]) for key in needed}
+    return {**tables, choice.table: changed}
+
+
+def _site(table: Tables, option: str) -> dict[str, Any]:
+    """The ground or the spectrum of this name, with its numbers."""
+    if option in CODES:
+        keys = [
+            key for key in keys_at(("site",)).values() if option in key.ways and key.default is NEEDED
+        ]
+        return {"spectrum": option, **{key.name: table.get(key.name, _start(key)) for key in keys}}
+    strength = {key: table[key] for key in STRENGTHS if key in table}
+    strength = strength or {"intensity": _start(keys_at(("site",))["intensity"])}
+    return {"ground": option, **strength, **_started("site", {**table, "ground": option})}
+
+
+def _started(name: str, table: Tables) -> dict[str, Any]:
+    """The parameters of the model that a table names, but the strength of a ground."""
+    model = {**GROUNDS, **ENVELOPES}.get(str(table.get("ground", table.get("envelope"))))
+    keys = _keys(name, table)
+    own = [key for key in (model.parameter_names() if model else ()) if key != "intensity"]
+    return {key: table.get(key, _start(keys[key], model)) for key in own}
+
+
+def _start(key: Key, model: type[Model] | None = None) -> Any:
+    """The value of a key with which a choice starts: in the middle of the usual, or of the allowed."""
+    if key.kind is bool:
+        return True
+    if key.slider is not None:
+        slider = key.slider
+        return f"{slider.start:g} {slider.unit}" if slider.unit else slider.start
+    if key.name in STARTS:
+        return STARTS[key.name]
+    assert model is not None
+    assert isinstance(key.kind, Quantity)
+    default = model.__dataclass_fields__[key.name].default
+    value = default if isinstance(default, float) else key.kind.allowed.middle
+    return value if key.kind.units == "1" else f"{value:g} {key.kind.units}"
+
+
+def changed_text(text: str, entry: Entry, value: Any) -> str:
+    """The text of a case file with another value of a key, or without it for None.
+
+    Only the line of the key changes, so that comments stay; where this is not possible, all is written
+    anew.
+    """
+    place, tables = (entry.table, entry.key.name), tomllib.loads(text)
+    table = {key: old for key, old in tables[entry.table].items() if key != entry.key.name}
+    wanted = {**tables, entry.table: table if value is None else {**table, entry.key.name: value}}
+    lines, numbers = text.splitlines(), key_lines(text)
+    line = "" if value is None else toml_text({entry.key.name: value}).strip()
+    if place in numbers:
+        at = numbers[place] - 1
+        value_before = r'[^=#]*=\s*("[^"]*"|\[[^\]]*\]|[^\s#]+)'
+        lines[at : at + 1] = [re.sub(value_before, lambda _: line, lines[at], count=1)] if line else []
+    elif line:
+        lines.insert(numbers.get((entry.table,), 0), line)
+    changed = "\n".join(lines) + "\n"
+    with suppress(ValueError):
+        if tomllib.loads(changed) == wanted:
+            return changed
+    return toml_text(wanted)

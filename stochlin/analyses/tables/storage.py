@@ -71,11 +71,6 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
-def as_netcdf(dataset: xr.Dataset) -> bytes:
-    """Bytes of the netCDF file that `save_table` writes."""
-    return bytes(dataset.to_netcdf(None, engine="scipy", format="NETCDF3_64BIT"))
-
-
 def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Save a dataset as ``.nc`` (netCDF), or as ``.csv`` (a row for each cell, no attributes)."""
     suffix = Path(path).suffix.lower()

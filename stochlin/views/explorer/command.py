@@ -1,4 +1,4 @@
-"""The command ``stochlin explore``: a page in the browser, with sliders and live charts."""
+"""The command ``stochlin explore``: a page in the browser, with a form and its answer."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from stochlin.views.shared.screen import COMMANDS, FILE, bad_input
 def explore(case: Path | None, port: int, host: str, show: bool) -> None:
     """Explore a pair of buildings interactively, in a local browser page.
 
-    The page is served by this computer and needs no network. It saves case files for 'stochlin gap', and
-    its results as a dataset.
+    The page is served by this computer and needs no network. It opens and saves case files for
+    'stochlin gap'.
 
     \b
     Examples:
@@ -44,8 +44,9 @@ def explore(case: Path | None, port: int, host: str, show: bool) -> None:
                 f"the explorer needs NiceGUI: pip install 'stochlin[app]' ({error})"
             ) from error
         from stochlin.analyses.cases.case import read_case
-        from stochlin.analyses.explorer.opening import first_form, opened
+        from stochlin.analyses.cases.examples import example_case
+        from stochlin.analyses.explorer.uploads import of_case, uploaded
 
         check_address(host, port)
-        form, notes = opened(read_case(case)) if case else (first_form(), [])
-        serve(form, notes, host=host, port=port, show=show)
+        start = of_case(read_case(case)) if case else uploaded({"case.toml": example_case().encode()})
+        serve(start, host=host, port=port, show=show)

@@ -18,12 +18,10 @@ from nicegui import Client, app, ui
 from starlette.requests import Request
 from starlette.responses import PlainTextResponse
 
-from stochlin.analyses.cases.files.schema import FEWEST_PATHS, REGULAR
-from stochlin.analyses.cases.site import NONE
-from stochlin.analyses.explorer.form import BUILDINGS, ENVELOPE, Form
-from stochlin.analyses.explorer.opening import first_form
+from stochlin.analyses.explorer.uploads import Upload
+from stochlin.views.explorer.answers import get_ready
 from stochlin.views.explorer.page import Page
-from stochlin.views.explorer.workers import ONE_THREAD, SIMULATIONS, Worker
+from stochlin.views.explorer.workers import ONE_THREAD, Worker
 
 LOCAL = "localhost"
 NEVER_WITHIN = (  # a page of another site
@@ -31,13 +29,6 @@ NEVER_WITHIN = (  # a page of another site
     (b"content-security-policy", b"frame-ancestors 'none'"),
 )
 MOST_WAITING = 32  # pages that were asked for and have not connected; beyond, the oldest is dropped
-TINY = {
-    **{(name, "described"): REGULAR for name in BUILDINGS},
-    **{(name, "storeys"): 1 for name in BUILDINGS},
-    ENVELOPE: NONE,
-    ("motion", "duration"): 2.0,
-    ("simulation", "paths"): FEWEST_PATHS,
-}
 PATIENCE = 30.0  # s that a page may take to connect, on a machine that is busy
 
 
@@ -108,13 +99,11 @@ def check_address(host: str, port: int) -> None:
         ) from error
 
 
-def serve(form: Form, notes: list[str], host: str, port: int, show: bool) -> None:
+def serve(start: Upload, host: str, port: int, show: bool) -> None:
     """Serve the page until it is interrupted; the address is one that `check_address` has passed."""
-    os.environ.update(ONE_THREAD)  # of the workers; in this process linear algebra has begun
-    workers = Worker(), Worker()
-    ui.add_css(
-        files("stochlin.views.explorer").joinpath("page.css").read_text(encoding="utf-8"), shared=True
-    )
+    os.environ.update(ONE_THREAD)  # of the worker; in this process linear algebra has begun
+    worker = Worker()
+    ui.add_css(f".answer {{\n{_css('shared')}\n}}\n{_css('explorer')}", shared=True)
     waiting: deque[Client] = deque()
 
     @ui.page("/")
@@ -129,7 +118,7 @@ def serve(form: Form, notes: list[str], host: str, port: int, show: bool) -> Non
             if client in waiting:
                 waiting.remove(client)
         if not client.is_deleted:
-            await Page(form, notes, *workers).begin()
+            Page(start, worker).begin()
 
     @app.exception_handler(404)
     def unknown(request: Request, error: Exception) -> PlainTextResponse:
@@ -137,9 +126,7 @@ def serve(form: Form, notes: list[str], host: str, port: int, show: bool) -> Non
 
     def ready() -> None:
         gc.freeze()  # so that a search for garbage is one of what pages leave, and not of all libraries
-        tiny = first_form().changed(TINY).case()
-        for worker in workers:
-            worker.ask(SIMULATIONS, tiny)  # so that its libraries are there when they are needed
+        worker.ask(get_ready)
         shown = f"[{host}]" if ":" in host else host
         click.echo(f"The explorer is at http://{shown}:{port} (Ctrl+C ends it)")
         if LOCAL not in (names_of(host) or ()):
@@ -148,12 +135,8 @@ def serve(form: Form, notes: list[str], host: str, port: int, show: bool) -> Non
     def forget() -> None:
         gc.collect()  # the parts of a page refer to one another
 
-    def end() -> None:
-        for worker in workers:
-            worker.close()
-
     app.on_startup(ready)
-    app.on_shutdown(end)
+    app.on_shutdown(worker.close)
     app.on_delete(forget)
     app.add_middleware(OwnOrigin, names=names_of(host))
     signal.signal(signal.SIGTERM, lambda *_: sys.exit())  # so that the processes beside it end well
@@ -173,3 +156,7 @@ def serve(form: Form, notes: list[str], host: str, port: int, show: bool) -> Non
         pass
     finally:
         gc.freeze()  # the interpreter would otherwise look for garbage for a second or two as it ends
+
+
+def _css(view: str) -> str:
+    return files(f"stochlin.views.{view}").joinpath("page.css").read_text(encoding="utf-8")

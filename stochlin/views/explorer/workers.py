@@ -14,15 +14,10 @@ from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable
     from multiprocessing.connection import Connection
     from multiprocessing.context import SpawnProcess
 
-    from stochlin.analyses.cases.case import Case
-    from stochlin.kernels.basics.parallel import Progress
-
-CORRELATION, GAPS, PROBABILITY, SPECTRA = "correlation", "gaps", "probability", "spectra"
-MOTIONS, SIMULATIONS, GROUND, RECORDS, OPEN = "motions", "simulations", "ground", "records", "open"
 LOOK = 0.05  # s between two looks at whether a job is still wanted
 GRACE = 0.5  # s that a job may take to stop by itself, before its process is killed
 # A second thread of linear algebra doubles the processor time of matrices as small as these.
@@ -36,7 +31,7 @@ class Stopped(Exception):  # noqa: N818 (no error: it was asked for)
 class Job:
     """A question that a worker has been asked."""
 
-    def __init__(self, question: str, subject: Any) -> None:
+    def __init__(self, question: Callable[..., Any], subject: tuple[Any, ...]) -> None:
         self.question, self.subject = question, subject
         self.answer: Future[Any] = Future()
         self.share = 0.0  # of the work that is done
@@ -62,8 +57,8 @@ class Worker:
         self._start()
         threading.Thread(target=self._serve, daemon=True).start()
 
-    def ask(self, question: str, subject: Case | Mapping[str, bytes]) -> Job:
-        """Put a question about a case, or about files of which one is to be; cancelled once closed."""
+    def ask(self, question: Callable[..., Any], *subject: Any) -> Job:
+        """Have a function called with these arguments and ``progress``; cancelled once closed."""
         job = Job(question, subject)
         if self.closed:
             job.stop()
@@ -165,7 +160,7 @@ def _answer_questions(pipe: Connection) -> None:
         reply: tuple[Any, Exception | None]
         try:
             question, subject = message
-            reply = _answer(question, subject, progress), None
+            reply = question(*subject, progress), None
         except Exception as error:
             error.add_note(traceback.format_exc())  # which does not pass the pipe otherwise
             reply = None, error
@@ -177,28 +172,3 @@ def _end_with_the_page() -> None:
     if page is not None:
         wait([page.sentinel])
         os._exit(0)
-
-
-def _answer(question: str, subject: Any, progress: Progress) -> Any:
-    from stochlin.analyses.explorer import formulas
-    from stochlin.analyses.explorer.opening import open_case
-    from stochlin.analyses.explorer.simulations import few_motions, simulations
-
-    if question == OPEN:
-        return open_case(subject)
-    if question == SPECTRA:
-        return formulas.spectra(subject)
-    if question == GAPS:
-        return formulas.gap_rules(subject)
-    if question == RECORDS:
-        return formulas.recorded(subject)
-    if question == GROUND:
-        subject.of_site.settled(progress)
-        return subject.of_site.found()
-    long = {
-        CORRELATION: formulas.correlation,
-        PROBABILITY: formulas.probability,
-        MOTIONS: few_motions,
-        SIMULATIONS: simulations,
-    }
-    return long[question](subject, progress)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
@@ -19,18 +19,25 @@ PAGE_STYLE = {"font.size": 10, "hatch.linewidth": 0.7, "svg.fonttype": "path"}
 
 
 def page(
-    title: str, sections: Sequence[ViewSection], footer: Sequence[str], as_given: Iterable[str] = ()
+    title: str,
+    sections: Sequence[ViewSection],
+    footer: Sequence[str],
+    as_given: Sequence[str] = (),
+    template: str = "page.html",
+    prefix: str = "p",
 ) -> str:
-    """HTML with pictures and style within; ``as_given`` are names without symbols, the user's."""
+    """HTML with pictures and style within; ``as_given`` are names without symbols, the user's.
+
+    The template ``"sections.html"`` is that of the sections alone, for another page that has the style;
+    their ids begin with the prefix.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
     from markupsafe import Markup
-
-    names = tuple(as_given)
 
     def typeset(value: Any) -> Any:
         """Escaped, with the symbols of formulas."""
         plain = isinstance(value, str) and not isinstance(value, Markup)
-        return Markup(typeset_html(value, names)) if plain else value
+        return Markup(typeset_html(value, as_given)) if plain else value
 
     environment = Environment(
         loader=PackageLoader("stochlin.views.shared", "."),
@@ -40,10 +47,10 @@ def page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    prefixes = (f"p{number}" for number in count(1))
-    environment.globals["svg"] = lambda picture: _svg(picture, next(prefixes))
+    numbers = count(1)
+    environment.globals["svg"] = lambda picture: _svg(picture, f"{prefix}{next(numbers)}")
     shown = [section for section in sections if section.on_page]
-    return environment.get_template("page.html").render(title=title, sections=shown, footer=footer)
+    return environment.get_template(template).render(title=title, sections=shown, footer=footer)
 
 
 def _svg(picture: Picture, prefix: str) -> Markup:
@@ -54,8 +61,7 @@ def _svg(picture: Picture, prefix: str) -> Markup:
     with mpl.rc_context(STYLE | PAGE_STYLE), io.StringIO() as stream:
         picture.draw().savefig(stream, format="svg", metadata={"Date": None})
         svg = stream.getvalue()
-    svg = re.sub(r"<metadata>.*?</metadata>", "", svg[svg.index("<svg") :], flags=re.DOTALL)
-    svg = re.sub(r"<!--.*?-->\n?", "", svg, flags=re.DOTALL)
-    svg = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", svg)
+    svg = re.sub(r"<metadata>.*?</metadata>|<!--.*?-->\n?", "", svg, flags=re.DOTALL)
+    svg = re.sub(r'(\bid="|url\(#|href="#)', rf"\g<1>{prefix}-", svg[svg.index("<svg") :])
     label = escape(f"{picture.title}. {picture.caption}")
     return Markup(svg.replace("<svg", f'<svg role="img" aria-label="{label}"', 1))

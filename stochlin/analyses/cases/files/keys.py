@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from stochlin.analyses.cases.files.quantities import Quantity
 from stochlin.models.arguments import Whole
-from stochlin.models.parameters import Model, Range
+from stochlin.models.parameters import Model
 
 Place = tuple[str | int, ...]
 """Names of the tables that contain a key, and the key; numbers count tables of the same name."""
@@ -27,8 +27,7 @@ Kind = Quantity | Whole | tuple[str, ...] | type[bool] | type[str] | type[Column
 class Slider(NamedTuple):
     """Control of a number in the explorer: range and step of its slider, in ``unit``.
 
-    It starts at ``start`` where no file has the key. The entry beside it may go beyond the slider, up to
-    ``limits``; ``about`` is a sentence below it.
+    ``start`` is the value that a choice of the explorer begins with.
     """
 
     low: float
@@ -36,8 +35,6 @@ class Slider(NamedTuple):
     step: float
     start: float
     unit: str = ""
-    limits: Range | Whole | None = None
-    about: str = ""
 
 
 @dataclass(frozen=True)

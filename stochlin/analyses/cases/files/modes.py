@@ -80,21 +80,3 @@ def _of_tables(section: Section) -> xr.Dataset:
             "height": (FLOOR, heights),
         }
     )
-
-
-def in_tables(table: xr.Dataset) -> dict[str, Any]:
-    """The keys of a building with these modes, as tables in place of a file."""
-    masses, heights = (
-        [f"{value!r} {unit}" for value in table[name].values.tolist()]
-        for name, unit in (("mass", "kg"), ("height", "m"))
-    )
-    units = {"period": "s", "participation": "", "modal_mass": "kg"}
-    own = {name: unit for name, unit in units.items() if name in table}
-    modes = [
-        {
-            **{n: f"{mode[n].item()!r} {u}" if u else mode[n].item() for n, u in own.items()},
-            "shape": mode["shape"].values.tolist(),
-        }
-        for mode in (table.isel({MODE: n}) for n in range(table.sizes[MODE]))
-    ]
-    return {"masses": masses, "heights": heights, MODES: modes}

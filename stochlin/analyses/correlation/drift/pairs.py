@@ -96,16 +96,6 @@ def _difference_error(period_1: Array, period_2: Array, *arrays: Array) -> tuple
     return error, bias, error - np.where(unlike, bias / 2, 0.0)
 
 
-def correlation_with_drift(
-    structures: tuple[Structure, Structure],
-    sides: Sequence[Solved],
-    ground: Ground,
-    tolerance: Tolerance,
-) -> Cells:
-    """``rho`` by the drift closure, corrected by eqs. (11) and (13) of ``docs/drift.md``."""
-    return _rho_and_doubt(structures, sides, ground, tolerance)[0]
-
-
 def _rho_and_doubt(
     structures: tuple[Structure, Structure],
     sides: Sequence[Solved],

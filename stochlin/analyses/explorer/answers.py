@@ -1,0 +1,74 @@
+"""Answers that are computed again and again: the gap of a case, and its correlation, by few motions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.separation import CaseAnswer, answer_case
+from stochlin.analyses.cases.storeys import StoreyBuilding
+from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.simulation.finite_motions import keeping_apart
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.models.grounds import Ground, WhiteNoise
+
+LINES, POINTS = np.geomspace(0.25, 4.0, 81), np.geomspace(0.25, 4.0, 9)
+PATHS = 256  # motions
+
+
+def gap_by_few_motions(case: Case, progress: Progress | None = None) -> CaseAnswer:
+    """The answer of `answer_case` with few motions, without what would make an existing gap sufficient.
+
+    The search for that takes much longer than all else.
+    """
+    few = replace(case, paths=min(case.paths, PATHS))
+    if not case.gap:
+        return answer_case(few, progress)
+    answer = answer_case(replace(few, gaps=()), progress)
+    existing = xr.Dataset(keeping_apart(answer.separation.separation_samples, case.gap))
+    return replace(answer, case=few, existing=existing.assign_attrs(gap_m=case.gap))
+
+
+class OnGround(NamedTuple):
+    """Correlation on a ground over ``period_ratio``: linearized, and simulated at a few ratios."""
+
+    ground: str
+    linearized: xr.DataArray
+    simulated: xr.Dataset
+
+
+def correlations(case: Case, progress: Progress | None = None) -> Iterator[OnGround]:
+    """Datasets of `correlate` for both buildings, where the period of the second one changes.
+
+    The white noise is as strong as the ground at the period of the first building. Raises a ValueError
+    for buildings with storeys.
+    """
+    if any(isinstance(building, StoreyBuilding) for building in case.pair):
+        raise ValueError(
+            "the correlation over the ratio of the periods is that of two oscillators; a building of "
+            "this case is described by its storeys or modes"
+        )
+    white = WhiteNoise(float(case.ground.psd(2 * np.pi / case.first.period)))
+    grounds = {"the ground of the case": case.ground, "white noise": white}
+    for number, (name, ground) in enumerate(grounds.items()):
+        share = part_of(progress, number / 2, (number + 1) / 2)
+        options: dict[str, Any] = {"paths": PATHS, "seed": case.seed, "progress": share}
+        simulated = _correlation(case, POINTS, ground, "simulation", **options)
+        linearized = _correlation(case, LINES, ground, "linearization")
+        yield OnGround(name, linearized.rho, simulated[["rho", "rho_standard_error"]])
+
+
+def _correlation(case: Case, ratios: Array, ground: Ground, method: str, **options: Any) -> xr.Dataset:
+    """Dataset of `correlate` at these ratios of the periods, and at that of the case."""
+    first, second = (cast(Any, building.structure) for building in case.pair)
+    ratios = np.union1d(ratios, case.second.period / case.first.period)
+    ratio = labels.axis("period_ratio", "ratio of the periods, T2/T1", ratios)
+    other = replace(second, period=case.first.period * ratio)
+    return correlate(first, other, ground, method, **options)

@@ -1,0 +1,117 @@
+"""What the explorer shows of a case, computed in a process beside the page and written as HTML."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from stochlin.analyses.cases.examples import example_case
+from stochlin.analyses.explorer.answers import PATHS, OnGround, correlations, gap_by_few_motions
+from stochlin.analyses.explorer.uploads import read_upload, uploaded
+from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.views.separation import verdict, words
+from stochlin.views.separation.elevation import elevation_picture
+from stochlin.views.separation.pictures import rules_figure
+from stochlin.views.shared.blocks import Picture, Text, ViewSection, texts
+from stochlin.views.shared.page import page
+from stochlin.views.shared.style import CURVES, label_axis, legend_above, open_frame
+from stochlin.views.shared.words import doubt
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.separation import CaseAnswer
+
+OF_FIT = 0.3  # share of the work to find the ground
+MARKERS = "o", "s"
+OF_RULES = (
+    "Each rule against the answer (dashed, its 95 % interval grey). Numbers are those of the table."
+)
+CAPTION = (
+    "Building 1 stays, and the period of building 2 changes. Lines: linearization. Points: simulation, "
+    "with 95 % intervals. The white noise is as strong as the ground of the case at the period of "
+    "building 1. The vertical line is the ratio of the case."
+)
+
+
+def get_ready(progress: Progress) -> None:
+    """Answer the example, so that libraries are loaded and code is compiled before a change."""
+    text = example_case()
+    with uploaded({"case.toml": text.encode()}).folder as folder:
+        gap_of(folder, "case.toml", text, progress)
+
+
+def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
+    """The gap, its picture and the rules for a case of this text, as `stochlin gap` writes them."""
+    case, doubts = read_upload(folder, name, text, part_of(progress, 0.0, OF_FIT))
+    answer = gap_by_few_motions(case, part_of(progress, OF_FIT, 1.0))
+    more = ""
+    if case.paths > PATHS:
+        more = (
+            f"From {PATHS} motions; 'stochlin gap' computes the saved case with all {case.paths}, "
+            "and a shorter interval."
+        )
+    sections = [*_sections(answer), ViewSection("", [Text(more, "note")])]
+    return _html(case, doubts, sections, "gap")
+
+
+def _sections(answer: CaseAnswer) -> list[ViewSection]:
+    """The answer, what makes it doubtful, and the rules."""
+    first, *others = texts(verdict.first_lines(answer))
+    rules = Picture("Gaps by rule", OF_RULES, partial(rules_figure, answer))
+    return [
+        ViewSection("", [doubt(answer.doubts())]),
+        ViewSection("", [replace(first, look="answer"), elevation_picture(answer), *others]),
+        ViewSection("", texts(verdict.cautions(answer))),
+        ViewSection("The rules and the answer", [rules, words.rules_table(answer)]),
+        ViewSection("", words.rules_notes(answer)),
+    ]
+
+
+def correlation_of(folder: str, name: str, text: str, progress: Progress) -> str:
+    """The correlation over the ratio of the periods, on the ground of the case and on a broad band."""
+    case, doubts = read_upload(folder, name, text, part_of(progress, 0.0, OF_FIT))
+    ratio = case.second.period / case.first.period
+    grounds = list(correlations(case, part_of(progress, OF_FIT, 1.0)))
+    picture = Picture("Correlation of the displacements", CAPTION, partial(_drawn, grounds, ratio))
+    sentences = [Text(_in_words(ground, ratio)) for ground in grounds]
+    return _html(case, doubts, [ViewSection("", [*sentences, picture])], "rho")
+
+
+def _html(case: Case, doubts: list[str], sections: list[ViewSection], prefix: str) -> str:
+    """Warnings on the file, and the sections; names of the case are the user's."""
+    as_given = [case.title, *(building.name for building in case.buildings), *case.records]
+    warned = ViewSection("", [Text(f"Warning: {doubt}", "doubt") for doubt in doubts])
+    return page("", [warned, *sections], [], as_given, "sections.html", prefix)
+
+
+def _in_words(on: OnGround, ratio: float) -> str:
+    """The correlation of the case itself."""
+    own = on.simulated.sel(period_ratio=ratio, method="nearest")
+    linearized = float(on.linearized.sel(period_ratio=ratio, method="nearest"))
+    return (
+        f"On {on.ground}: rho = {linearized:.2f} linearized and {float(own.rho):.2f} ± "
+        f"{2 * float(own.rho_standard_error):.2f} simulated, at T2/T1 = {ratio:.3g}."
+    )
+
+
+def _drawn(grounds: list[OnGround], ratio: float) -> Figure:
+    """Lines and points of each ground over the ratio of the periods."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.2, 4.0), layout="constrained")
+    axes = figure.add_subplot()
+    open_frame(axes)
+    for (color, dash), marker, on in zip(CURVES, MARKERS, grounds, strict=False):
+        axes.plot(on.linearized.period_ratio, on.linearized, color=color, ls=dash, label=on.ground)
+        axes.errorbar(
+            on.simulated.period_ratio, on.simulated.rho, 2 * on.simulated.rho_standard_error,
+            fmt=marker, ms=4, color=color, mfc="white", capsize=2,
+        )  # fmt: skip
+    axes.axvline(ratio, color="0.5", lw=0.9)
+    label_axis(axes, "x", grounds[0].linearized.period_ratio)
+    label_axis(axes, "y", grounds[0].linearized)
+    legend_above(axes)
+    return figure

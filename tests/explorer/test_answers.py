@@ -1,0 +1,93 @@
+"""What the explorer shows: the answer of the library's own functions, with few motions."""
+
+from __future__ import annotations
+
+import dataclasses
+import html
+import re
+
+import numpy as np
+import pytest
+import xarray as xr
+from cases import BLOCK, example_of_short_motion, with_buildings
+
+import stochlin as sl
+from stochlin.analyses.cases.separation import answer_case
+from stochlin.analyses.explorer.answers import PATHS, correlations, gap_by_few_motions
+from stochlin.analyses.explorer.uploads import uploaded
+from stochlin.views.explorer.answers import correlation_of, gap_of
+from stochlin.views.separation.verdict import first_lines
+
+pytestmark = pytest.mark.invariant
+
+TEXT = example_of_short_motion()
+STOREYS = with_buildings(
+    BLOCK.format(n=1, period=1.0, storeys=6, height=3.2),
+    BLOCK.format(n=2, period=0.6, storeys=4, height=3.2),
+)
+
+
+def nothing(share: float) -> None:
+    assert 0 <= share <= 1
+
+
+def answered(question, text):
+    with uploaded({"case.toml": text.encode()}).folder as folder:
+        page = question(folder, "case.toml", text, nothing)
+    return html.unescape(re.sub(r"<svg.*?</svg>|<[^>]*>", "", page, flags=re.DOTALL))
+
+
+def test_the_gap_is_that_of_the_case_with_few_motions(tmp_path):
+    (tmp_path / "case.toml").write_text(TEXT, encoding="utf-8")
+    case = sl.read_case(tmp_path / "case.toml")
+    expected = answer_case(dataclasses.replace(case, paths=PATHS))
+    page = answered(gap_of, TEXT.replace('title = "', 'title = "<b>'))
+    for sentence in first_lines(expected):
+        assert sentence in page
+    xr.testing.assert_identical(gap_by_few_motions(case).separation.gap, expected.separation.gap)
+    assert f"From {PATHS} motions; 'stochlin gap' computes the saved case with all 2048" in page
+    assert "RuleGap [cm]Error" in page
+
+
+def test_names_are_no_html():
+    with uploaded({"case.toml": TEXT.encode()}).folder as folder:
+        text = TEXT.replace('"Annex"', '"<img src=x onerror=alert(1)>"')
+        page = gap_of(folder, "case.toml", text, nothing)
+    assert "<img" not in page
+    assert "&lt;img" in page
+
+
+@pytest.mark.slow
+def test_storeys_have_a_gap_and_no_correlation():
+    assert "should stand" in answered(gap_of, STOREYS)
+    with pytest.raises(ValueError, match="is that of two oscillators"):
+        answered(correlation_of, STOREYS)
+
+
+def test_the_correlation_is_that_of_correlate(tmp_path):
+    (tmp_path / "case.toml").write_text(TEXT, encoding="utf-8")
+    case = sl.read_case(tmp_path / "case.toml")
+    first, second = case.first.structure, case.second.structure
+    narrow, broad = correlations(case)
+    expected = sl.correlate(first, second, case.ground)
+    own = narrow.linearized.sel(period_ratio=0.6, method="nearest")
+    assert float(own) == pytest.approx(float(expected.rho), rel=1e-9)
+    white = sl.WhiteNoise(float(case.ground.psd(2 * np.pi / first.period)))
+    wide = broad.linearized.sel(period_ratio=0.6, method="nearest")
+    assert float(wide) == pytest.approx(float(sl.correlate(first, second, white).rho), rel=1e-9)
+    for on in (narrow, broad):
+        near = on.linearized.interp(period_ratio=on.simulated.period_ratio)
+        assert float(abs(near - on.simulated.rho).max()) < 0.25
+    assert "On white noise: ρ = 0.63 linearized" in answered(correlation_of, TEXT)
+
+
+def test_what_progress_raises_stops_an_answer():
+    class Enough(Exception):  # noqa: N818
+        pass
+
+    def stop(share: float) -> None:
+        raise Enough
+
+    for question in (gap_of, correlation_of):
+        with uploaded({"case.toml": TEXT.encode()}).folder as folder, pytest.raises(Enough):
+            question(folder, "case.toml", TEXT, stop)

@@ -1,0 +1,108 @@
+"""Uploaded case files: kept with the files that they name, and refused in the words of their reader."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cases import example_of_short_motion
+from uploads import open_case
+
+import stochlin as sl
+from stochlin.analyses.explorer.uploads import of_case, read_upload, uploaded
+
+pytestmark = pytest.mark.invariant
+
+SITE = 'ground = "firm"\nintensity = "0.01 m^2/s^3"\n'
+
+
+def with_site(site: str) -> str:
+    text = example_of_short_motion()
+    start, end = text.index("[site]"), text.index("[motion]")
+    return f"{text[:start]}[site]\n{site}\n{text[end:]}"
+
+
+def record_in(folder: Path) -> Path:
+    folder.mkdir(exist_ok=True)
+    (folder / "a.at2").write_text(sl.example_record(), encoding="utf-8")
+    return folder / "a.at2"
+
+
+def test_a_case_is_opened_with_the_files_that_it_names(tmp_path):
+    record = record_in(tmp_path / "records").read_bytes()
+    text = with_site(f'{SITE}[[site.records]]\npath = "records/a.at2"\n')
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    of_file = sl.read_case(tmp_path / "case.toml")
+    files = {"case.toml": text.encode(), "a.at2": record}
+    case, doubts = open_case(files)
+    assert doubts == []
+    np.testing.assert_array_equal(case.records["a.at2"], of_file.records["a.at2"])
+    copied = of_case(of_file)
+    assert copied.text == text
+    again, _ = read_upload(copied.folder.name, copied.name, copied.text)
+    np.testing.assert_array_equal(again.records["a.at2"], of_file.records["a.at2"])
+    copied.folder.cleanup()
+    del files["a.at2"]
+    with pytest.raises(
+        ValueError, match=r"line \d+: site.records.path = .*choose the case file together"
+    ) as refusal:
+        open_case(files)
+    assert "tmp" not in str(refusal.value)
+
+
+def test_a_case_of_files_elsewhere_is_refused(tmp_path):
+    record_in(tmp_path / "elsewhere")
+    (tmp_path / "own").mkdir()
+    path = tmp_path / "own" / "case.toml"
+    path.write_text(
+        with_site(f'{SITE}[[site.records]]\npath = "../elsewhere/a.at2"\n'), encoding="utf-8"
+    )
+    with pytest.raises(ValueError, match=r"case.toml names .*a.at2, which is outside of its folder"):
+        of_case(sl.read_case(path))
+
+
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        ({}, "0 case files are chosen; allowed: one"),
+        ({"a.toml": b"", "b.toml": b""}, "2 case files are chosen"),
+        ({"a.toml": b"\xff\xfe"}, "a.toml is no TOML file"),
+        ({"a.toml": b"[site"}, "a.toml, line 1: '.site' is no TOML file's text"),
+        ({"a.toml": b"x = 1\n"}, "a.toml, line 1: x = 1 is not a key that is known here"),
+    ],
+)
+def test_what_is_no_case_is_refused_in_the_words_of_its_reader(files, message):
+    with pytest.raises(ValueError, match=message):
+        open_case(files)
+
+
+@pytest.mark.parametrize("name", ["..", "", ".", "a/b.csv", "a\\b.csv", "a\0.csv", f"{'a' * 300}.csv"])
+def test_a_name_of_an_upload_that_no_file_can_have_is_told(name):
+    with pytest.raises(ValueError, match=r"the file name .* allowed: a name of 1 to 255 bytes") as told:
+        open_case({"case.toml": sl.example_case().encode(), name: b""})
+    assert tempfile.gettempdir() not in str(told.value)
+
+
+@pytest.mark.slow
+def test_a_ground_is_fitted_once_for_all_strengths_of_an_upload():
+    code = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\nfilters = 1\n'
+    upload = uploaded({"case.toml": with_site(code).encode()})
+    shares: list[float] = []
+    with upload.folder as folder:
+        weak, _ = read_upload(folder, upload.name, upload.text, shares.append)
+        fitted = len(shares)
+        assert fitted
+        stronger = upload.text.replace("0.25 g", "0.5 g")
+        strong, _ = read_upload(folder, upload.name, stronger, shares.append)
+    assert len(shares) == fitted
+    ratio = float(strong.ground.psd(5.0) / weak.ground.psd(5.0))
+    assert ratio == pytest.approx(4, rel=1e-9)
+
+
+def test_a_warning_on_the_file_is_kept():
+    text = sl.example_case().replace('existing = "5 cm"', 'existing = "4 m"')
+    _, doubts = open_case({"case.toml": text.encode()})
+    assert len(doubts) == 1
+    assert "separation.existing = '4 m' is doubtful" in doubts[0]

@@ -1,0 +1,15 @@
+"""Case files uploaded to the explorer, read as it reads them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from stochlin.analyses.cases.case import Case
+from stochlin.analyses.explorer.uploads import read_upload, uploaded
+
+
+def open_case(files: Mapping[str, bytes]) -> tuple[Case, list[str]]:
+    """The case among these files, and warnings on it; the temporary folder is gone afterwards."""
+    upload = uploaded(files)
+    with upload.folder as folder:
+        return read_upload(folder, upload.name, upload.text)
