@@ -52,9 +52,9 @@ def uploaded(files: Mapping[str, bytes]) -> Upload:
             (Path(folder.name) / name).write_bytes(data)
         text, tables = read_toml(path)
         _to_subfolders(tables, files, path.parent)
-    except BaseException:
+    except (OSError, ValueError) as error:
         folder.cleanup()
-        raise
+        raise ValueError(_without(folder.name, error)) from error
     return Upload(folder, path.name, text)
 
 
@@ -86,10 +86,10 @@ def read_upload(
     Raises the errors of `read_case`.
     """
     path = Path(folder) / name
-    path.write_text(text, encoding="utf-8")
     with only_within(path.parent), warnings.catch_warnings(record=True) as doubts:
         warnings.simplefilter("always", DoubtfulInput)
         try:
+            path.write_text(text, encoding="utf-8")
             case = case_of(read_sections(path), path, _known(folder))
             if case.of_site.waits:
                 case.of_site.settled(progress)

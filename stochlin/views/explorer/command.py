@@ -49,4 +49,5 @@ def explore(case: Path | None, port: int, host: str, show: bool) -> None:
 
         check_address(host, port)
         start = of_case(read_case(case)) if case else uploaded({"case.toml": example_case().encode()})
-        serve(start, host=host, port=port, show=show)
+        with start.folder:
+            serve(start, host=host, port=port, show=show)
