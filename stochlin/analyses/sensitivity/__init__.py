@@ -1,1 +1,1 @@
-"""Sensitivity of the gap to each input: slopes, elasticities and ranges."""
+"""Sensitivity of the gap to each input."""

@@ -17,7 +17,7 @@ from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import Uncertain, UncertainModel, median_of
 
 WITHOUT = ("peak_factor", "mass")  # of an oscillator: part of a definition, and without influence
-STEP = 0.1  # relative change of an input, to either side, for its slope; also the range of a known input
+STEP = 0.1  # relative change of a known input, to either side
 RANGE = 0.16, 0.84  # probabilities at the ends of the range of an uncertain input
 
 
@@ -95,12 +95,10 @@ class Inputs(NamedTuple):
         *structures, ground = models.values()
         return Draw(structures, ground, motions, factors)
 
-    def possible(self, entry: Input, samples: Mapping[str, Array], factor: float) -> bool:
-        """Whether all samples of an input times ``factor`` are allowed values."""
-        drawn = samples.get(entry.name, np.ones(1))
+    def possible(self, entry: Input, factor: float) -> bool:
+        """Whether an input times ``factor`` is an allowed value."""
         try:
-            for end in (drawn.min(), drawn.max()):
-                self.models[entry.role].at({entry.key: factor * float(end)})
+            self.models[entry.role].at({entry.key: factor})
         except ValueError:
             return False
         return True

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.sensitivity.estimates import Estimate, changed_quantiles
-from stochlin.analyses.sensitivity.inputs import STEP, Inputs
+from stochlin.analyses.sensitivity.estimates import changed_quantiles
+from stochlin.analyses.sensitivity.inputs import Inputs
 from stochlin.analyses.sensitivity.variables import VARIABLES
 from stochlin.analyses.simulation.draws import INPUT
 from stochlin.analyses.simulation.finite_motions import quantile_intervals
@@ -56,8 +56,7 @@ def sensitivity(
     duration, envelope, confidence, scatter
         As in `separation`.
     paths : int
-        Number of motions. Each is simulated twice, twice for every input, and twice more for
-        every uncertain input.
+        Number of motions. Each is simulated twice, and twice for every input.
     seed, progress
         As in `separation`.
 
@@ -66,13 +65,12 @@ def sensitivity(
     xarray.Dataset
         Over ``input``, named ``"structure_1.period"`` and so on, with the coordinates ``input_median``,
         ``input_unit`` and ``uncertain``, which is 1 if the input has a spread. An array, such as the
-        stiffnesses of storeys, is one input, a common factor with median 1. ``slope`` [m] is the change
-        of the gap per unit of the input; ``elasticity`` [-] is its relative change over that of the
-        input. Also over ``end``: ``input_factor_at`` [-], a low and a high value of the input over its
-        median, which are its 16 % and 84 % quantiles if it is uncertain, else 10 % below and above;
-        ``gap_change`` [m], the change of the gap if the input is known to have this value. Without
-        dimensions: ``gap`` [m] with its 95 % interval; ``gap_of_medians`` [m], with all inputs at their
-        medians. All variables except ``gap`` have standard errors.
+        stiffnesses of storeys, is one input, a common factor with median 1. Also over ``end``:
+        ``input_factor_at`` [-], a low and a high value of the input over its median, which are its 16 %
+        and 84 % quantiles if it is uncertain, else 10 % below and above; ``gap_change`` [m], the change
+        of the gap if the input is known to have this value. Without dimensions: ``gap`` [m] with its
+        95 % interval; ``gap_of_medians`` [m], with all inputs at their medians. Changes have standard
+        errors.
 
     Raises
     ------
@@ -82,8 +80,8 @@ def sensitivity(
     Notes
     -----
     A strength by reduction factor is converted to metres on the ground at its medians and does not
-    change with the ground. Slopes are taken between 10 % below and above the input; a value that is not
-    allowed, such as a hardening above 1, is left out. The ``peak_factor``, which belongs to the
+    change with the ground. A value 10 % above or below that is not allowed, such as a hardening above 1,
+    is left out: its factor is 1. The ``peak_factor``, which belongs to the
     definition of a reduction factor, and the ``mass`` of an oscillator, on which the separation does
     not depend, are no inputs; nor are numbers within a sympy law or a list.
 
@@ -97,8 +95,9 @@ def sensitivity(
     >>> old = sl.Bilinear(sl.Uncertain(0.6, 0.25), 0.05)
     >>> new, ground = sl.Bilinear(1.0, 0.05), sl.named_ground("firm", intensity=0.01)
     >>> table = sl.sensitivity(old, new, ground, 15.0, paths=64)
-    >>> float(table.elasticity.sel(input="ground.intensity").round(2))  # of linear structures 1/2
-    0.5
+    >>> change = table.gap_change.sel(input="ground.intensity") / table.gap  # of a linear structure
+    >>> change.values.round(3)  # the square root of 0.9 and of 1.1, less 1
+    array([-0.051,  0.049])
     """
     usual = median_of(ground)
     structures = standing(first, second)
@@ -106,7 +105,7 @@ def sensitivity(
     check_duration(duration, both)
     check_repeated([*both.values()], usual, duration, paths, 1)
     inputs = Inputs.of([*structures.values()], ground)
-    times = 2 * (1 + len(inputs.inputs) + len(inputs.uncertain))
+    times = 2 * (1 + len(inputs.inputs))
     check_repeated([*both.values()], usual, duration, paths, times)
     motion = {"paths": paths, "seed": seed, "duration": duration, "envelope": envelope}
     responses = _responses(inputs, motion | {"scatter": float(scatter)}, times, progress)
@@ -133,10 +132,8 @@ class _Responses(NamedTuple):
 
     base: Array  # (motions,), with the samples that `separation` has
     usual: Array  # (motions,), with all inputs at their medians
-    near: Array  # (inputs, 2, motions), with an input 10 % smaller and larger
-    near_factors: Array  # (inputs, 2), these factors of the input
     ends: Array  # (inputs, 2, motions), with an input at the ends of its range
-    end_factors: Array  # (inputs, 2), these values of the input over its median
+    factors: Array  # (inputs, 2), these values of the input over its median
 
 
 def _responses(
@@ -168,30 +165,20 @@ def _responses(
         return separations
 
     of_samples = run(base, {})
-    near_factors, end_factors = np.ones((2, count, 2))
-    near, ends = np.empty((2, count, 2, motions))
+    factors, ends = np.ones((count, 2)), np.empty((count, 2, motions))
     for n, entry in enumerate(inputs.inputs):
         others = {name: column for name, column in base.items() if name != entry.name}
-        for side, (small, end) in enumerate(zip((1 - STEP, 1 + STEP), entry.ends(), strict=True)):
-            if inputs.possible(entry, base, small):
-                near_factors[n, side] = small
-            near[n, side] = run(base, {entry.name: near_factors[n, side]})
-            end_factors[n, side] = end if entry.uncertain else near_factors[n, side]
-            ends[n, side] = run(others, {entry.name: end}) if entry.uncertain else near[n, side]
-    return _Responses(
-        of_samples,
-        usual=run({}, {}),
-        near=near,
-        near_factors=near_factors,
-        ends=ends,
-        end_factors=end_factors,
-    )
+        for side, factor in enumerate(entry.ends()):
+            if inputs.possible(entry, factor):
+                factors[n, side] = factor
+            ends[n, side] = run(others, {entry.name: factors[n, side]})
+    return _Responses(of_samples, run({}, {}), ends, factors)
 
 
 def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
     base, listed, level = responses.base, inputs.inputs, np.array([confidence])
     falls = float(np.isposinf([base, responses.usual]).mean())
-    if falls or np.isposinf([responses.near, responses.ends]).any():
+    if falls or np.isposinf(responses.ends).any():
         raise ArithmeticError(
             f"a structure falls in {100 * falls:.3g} % of the motions, or with a changed input, so that "
             "the changes of the gap are infinite; give it more hardening or strength, or weaker "
@@ -199,12 +186,9 @@ def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Datas
         )
     gap, lower, upper = (float(end[0]) for end in quantile_intervals(base, level))
     medians = np.array([entry.value for entry in listed])
-    width = np.diff(responses.near_factors)[:, 0]
-    below, above = np.moveaxis(responses.near, 1, 0)
-    slopes = changed_quantiles(base, above, below, confidence)
     of_ends = np.vstack([responses.ends.reshape(-1, base.size), responses.usual])
     at_ends = changed_quantiles(base, of_ends, base[None], confidence)
-    shape = responses.end_factors.shape
+    shape = responses.factors.shape
     units = [entry.units for entry in listed]
     coords: dict[str, Any] = {
         INPUT: (INPUT, [entry.name for entry in listed], {"long_name": "number of a model"}),
@@ -218,15 +202,7 @@ def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Datas
     table = table.assign(gap=gap, gap_lower=lower, gap_upper=upper)
     table["gap_of_medians"] = gap + at_ends.value[-1]
     table["gap_of_medians_standard_error"] = at_ends.error[-1]
-    table["input_factor_at"] = (INPUT, END), responses.end_factors
-    with np.errstate(divide="ignore", invalid="ignore"):
-        relative = Estimate(*(part / width for part in slopes))
-    sizes = {"slope": medians, "elasticity": np.full(medians.size, gap or np.nan)}
-    estimates = {
-        **{name: (INPUT, Estimate(*(part / by for part in relative))) for name, by in sizes.items()},
-        "gap_change": ((INPUT, END), Estimate(*(part[:-1].reshape(shape) for part in at_ends))),
-    }
-    for name, (dims, estimate) in estimates.items():
-        table[name] = dims, estimate.value
-        table[f"{name}_standard_error"] = dims, estimate.error
+    table["input_factor_at"] = (INPUT, END), responses.factors
+    table["gap_change"] = (INPUT, END), at_ends.value[:-1].reshape(shape)
+    table["gap_change_standard_error"] = (INPUT, END), at_ends.error[:-1].reshape(shape)
     return table

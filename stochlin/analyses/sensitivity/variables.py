@@ -3,18 +3,13 @@
 from stochlin.analyses.separation.variables import VARIABLES as SEPARATION
 from stochlin.analyses.tables.labels import Variables
 
-OWN: Variables = {
-    "slope": ("m", "change of the gap per unit of the input"),
-    "elasticity": ("1", "relative change of the gap over that of the input"),
-    "gap_change": ("m", "change of the gap with the input at the end of its range"),
-}
 VARIABLES: Variables = {
     **SEPARATION,
-    **OWN,
-    **{
-        f"{name}_standard_error": (units, f"standard error of the {about}")
-        for name, (units, about) in OWN.items()
-    },
+    "gap_change": ("m", "change of the gap with the input at the end of its range"),
+    "gap_change_standard_error": (
+        "m",
+        "standard error of the change of the gap with the input at the end of its range",
+    ),
     "gap_of_medians": ("m", "gap with all inputs at their medians"),
     "gap_of_medians_standard_error": (
         "m",

@@ -8,7 +8,7 @@ import numpy as np
 
 from stochlin.models.buildings import OF_STOREYS
 from stochlin.views.shared.blocks import Block, Table, Text, texts
-from stochlin.views.shared.words import MINUS, MISSING, SPACE, per_cent, short, shown_unit
+from stochlin.views.shared.words import MINUS, SPACE, per_cent, short, shown_unit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,10 +20,7 @@ CENTIMETRES = 100.0
 LARGE_GAP = 0.05  # [m]: from here on tenths of a centimetre tell enough of a change
 NOTHING = 1e-6  # of the gap: what moves it by less does not matter
 EXAMPLE = "10 % to either side as an example"
-COLUMNS = (
-    "[cm]: its change if the input is at either end of its range. Elasticity: its change in per cent "
-    "for one per cent more of the input. After ±: standard errors."
-)
+COLUMNS = "[cm]: its change if the input is at either end of its range."
 
 
 class InputLine(NamedTuple):
@@ -36,7 +33,6 @@ class InputLine(NamedTuple):
     high: str
     range: str
     change: str
-    elasticity: str
 
 
 def rows(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[InputLine]:
@@ -71,7 +67,6 @@ def _row(one: xr.Dataset, place: int, names: Mapping[str, str], some_uncertain: 
     low, high = (_value(one, key, float(factor)) for factor in one.input_factor_at)
     digits = 1 if float(one.gap) >= LARGE_GAP else 2
     changes = [_signed(CENTIMETRES * float(change), digits) for change in one.gap_change]
-    slope, error = float(one.elasticity), float(one.elasticity_standard_error)
     number, _, unit = low.partition(SPACE)
     return InputLine(
         place=place,
@@ -81,7 +76,6 @@ def _row(one: xr.Dataset, place: int, names: Mapping[str, str], some_uncertain: 
         high=high,
         range=f"{number} to {high}" if unit else f"{low} to {high}",
         change=" / ".join(changes),
-        elasticity=f"{_signed(slope, 2)} ± {error:.2f}" if np.isfinite(slope) else MISSING,
     )
 
 
@@ -129,7 +123,7 @@ def sentences(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[str]:
 
 def blocks(table: xr.Dataset, names: Mapping[str, str] = NAMES) -> list[Block]:
     """The sentences, a row for each input, and the meaning of the columns."""
-    heads = ["input", "range", f"{asked(table)} [cm]", "elasticity"]
-    cells = [(row.label, row.range, row.change, row.elasticity) for row in rows(table, names)]
+    heads = ["input", "range", f"{asked(table)} [cm]"]
+    cells = [(row.label, row.range, row.change) for row in rows(table, names)]
     meaning = [Text(note(table), "note")] if cells else []
     return [*texts(sentences(table, names)), Table.of(heads, cells, ("range",)), *meaning]
