@@ -72,7 +72,6 @@ def test_each_way_that_the_example_shows_is_read(start: str, tmp_path: Path) -> 
         assert building.structure.p_delta
         assert building.structure.dampers == 2e6
         assert building.strength in ("base_shear_coefficient", "yield_drifts")
-    assert case.floors_level
     assert case.floors_align
     shown = {"period": (8, 24.0, 3.0), "masses": (3, 10.0, 10 / 3)}[start]
     assert (case.first.storeys, case.first.height, case.first.storey_height) == shown
@@ -136,7 +135,7 @@ def test_kinds_may_be_mixed_and_each_is_what_its_keys_say(tmp_path: Path) -> Non
     assert isinstance(case.first.structure, sl.ShearBuilding)
     assert isinstance(case.second.structure, sl.Bilinear)
     assert case.pair == case.buildings == (case.first, case.second)
-    assert (case.gap, case.floors_level, case.slabs_on_columns) == (0.05, None, ())
+    assert (case.gap, case.slabs_on_columns) == (0.05, ())
     for building, known in ((case.first, (12.0, 4, 3.0)), (case.second, (15.0, 5, 3.0))):
         assert (building.height, building.storeys, building.storey_height) == known
     assert (case.first.period, case.second.period) == (pytest.approx(0.8, rel=1e-12), 0.6)
@@ -165,7 +164,6 @@ def of_levels(number: int, heights: Sequence[float]) -> str:
 
 def test_slabs_on_columns_are_found_from_the_ground_up(tmp_path: Path) -> None:
     case = read(tmp_path, of_levels(1, [4, 3, 3]), of_levels(2, [3, 3]))
-    assert case.floors_level is False
     assert [each[:5] for each in case.slabs_on_columns] == [
         (2, 1, 1, 1, 3.0),
         (1, 1, 2, 2, 4.0),
