@@ -24,7 +24,6 @@ from stochlin.analyses.charts.settings import ChartSettings as ChartSettings
 from stochlin.analyses.linearization.bias_map import bias_map as bias_map
 from stochlin.analyses.records.spectra import fit_spectra as fit_spectra
 from stochlin.analyses.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
-from stochlin.views.buildings.pushover import draw_pushover as draw_pushover
 from stochlin.views.charts.charts import PICTURES as PICTURES
 from stochlin.views.charts.charts import draw as draw
 from stochlin.views.pounding.ensembles import draw_ensemble as draw_ensemble

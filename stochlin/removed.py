@@ -5,6 +5,7 @@ Whoever still uses it reads the clause in an error.
 """
 
 REMOVED: dict[str, str] = {
+    "draw_pushover": "matplotlib plots base_shear and idealized_base_shear of bilinear_of",
     "damping_model": "damping_modes alone gives the two modes of Rayleigh damping",
     "fitted": "ModalBuilding takes the modes as they are",
     "misfit": "ModalBuilding takes the modes as they are",
