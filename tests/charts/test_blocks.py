@@ -28,7 +28,7 @@ SECTIONS = [
             Items(["one", "two"]),
         ],
     ),
-    ViewSection("On paper", [Terms([Term("height", "9.6 m", "given")], "Block")], on_screen=False),
+    ViewSection("On paper", [Terms([Term("height", "9.6 m", "given")])], on_screen=False),
     ViewSection("On screens", [Text("needs zone")], on_page=False),
 ]
 

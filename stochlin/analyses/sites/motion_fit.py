@@ -269,7 +269,7 @@ def fit_motion(
     >>> record = sl.simulated_motions(sl.named_ground("firm", 0.01), 25.0, shape, paths=2)[0]
     >>> motion = sl.fit_motion(record)
     >>> motion.duration, motion.scatter, motion.doubts
-    (25.0, 0.4, ())
+    (25.01, 0.4, ())
     """
     components = checked_components(record)
     check_band(band)
