@@ -88,7 +88,7 @@ def test_what_is_wrong_with_filters_in_parallel_is_said(tmp_path, lines, message
         (f"{CODE}filters = 9\n", "site.filters = 9 is out of range"),
         (
             'spectrum = "eurocode_9"\n',
-            "is neither a code nor a file beside this one; did you mean 'eurocode_8'. allowed: eurocode_8",
+            "is neither a code nor a file beside this one; did you mean 'eurocode_8'. allowed: euro",
         ),
         (
             'spectrum = "asce_7"\nsds = "1 g"\nsd1 = "9 g"\ntl = "8 s"\n',
