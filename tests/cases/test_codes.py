@@ -310,23 +310,12 @@ def test_the_design_spectrum_of_eurocode_8_by_hand(
 @pytest.mark.slow
 @pytest.mark.invariant
 def test_countries_have_their_code_with_its_factors(tmp_path: Path) -> None:
-    """Floors at 3, 6 and 9 m beside 4 and 8 m; ag S of Italy as stated, or the spectrum at 0 s."""
+    """``ag S`` of Italy is missing, or is the spectrum at 0 s."""
     codes = '["Turkey", "Italy", "Iran", "Colombia", "New Zealand"]'
     text = STOREYS.replace('["Greece", "asce_7"]', codes)
     case = sl.read_case(case_file(tmp_path, text))
     assert case.codes == ("tbdy_2018", "ntc_2018", "iran_2800", "nsr_10", "nzs_1170_5")
     assert case.design_pga is None
-    table = of(tmp_path, text.replace("confidence", 'design_pga = "0.3 g"\nconfidence')).separation
-    roof = np.array([1.1 + 2 * 0.5 / 3, 0.9])  # cm, at 8 m
-    by_hand = {
-        "tbdy_2018_applied": max(0.5 * np.hypot(3 * roof[0], 2 * roof[1] / 1.25), 3 + 2 / 3),
-        "ntc_2018_applied": max(2.5 * roof[0] + 2 * roof[1], 8 * 0.6),
-        "iran_2800_applied": max(4, 0) + max(4, 2 * roof[1]),  # the shed is important
-        "nsr_10": 1 * 8,  # the hall has three storeys, the shed two
-        "nzs_1170_5_applied": 2.5 * roof[0] + 2 * roof[1],
-    }
-    for rule, gap in by_hand.items():
-        assert 100 * float(table.gap.sel(rule=rule)) == pytest.approx(gap, rel=1e-12), rule
     lacking = of(tmp_path, text).separation.missing.sel(rule="ntc_2018_applied").item()
     assert lacking == "needs design_pga"
     site = 'ground = "firm"\nintensity = "0.01 m^2/s^3"'
@@ -342,19 +331,12 @@ WRONG = [
         "1 displacement; allowed: one for each of its 2",
     ),
     ('"0.9 cm"]', '"90 m"]', '"90 m"]', "is doubtful"),
-    ("behaviour_factor = 2", "behaviour_factor = 0.5", "= 0.5", "out of range; allowed: 1 <= value"),
     (
         "displacement_factor = 2.5\n",
         "",
         "[building_1]",
         "building_1.displacement_factor is missing: asce_7 needs its deflection amplification factor "
         "Cd; write, for instance, displacement_factor = 3.0, or leave the code out",
-    ),
-    (
-        "behaviour_factor = 2\n",
-        "",
-        "[building_2]",
-        "building_2.behaviour_factor is missing: eurocode_8 needs its behaviour factor q",
     ),
     (
         'displacements = ["0.4 cm", "0.9 cm"]\n',
@@ -369,14 +351,7 @@ WRONG = [
         "has 'Grece', which is not known; did you mean 'Greece'? allowed:",
     ),
     ('"Greece"', '"srss"', "codes = ", "has srss, which states no factor on displacements under design"),
-    ('["Greece", "asce_7"]', "8", "codes = 8", "is no line of text"),
     ("importance_factor = 1.25", "importance_factor = 5", "= 5", "codes have 0.8 to 1.5"),
-    (
-        "[simulation]",
-        "design_pga = 3.5\n[simulation]",
-        "= 3.5",
-        'has no unit; allowed: a text with one of its units, "3.5 m/s^2"',
-    ),
 ]
 
 

@@ -31,30 +31,16 @@ POWER = 'link_damping_constant = "5 {}"\nlink_damping_exponent = 0.5'
 # A file, what is changed in it and into which mistake, the cure in the message, and what it is put into.
 CURES = {
     "key misspelled": (EXAMPLE, "confidence =", "confidnce =", r"mean (\w+)\?", "{} ="),
-    "key in capitals": (EXAMPLE, "floors_align =", "FLOORS_ALIGN =", r"mean (\w+)\?", "{} ="),
-    "key begun": (EXAMPLE, "link_damping_constant =", "link_damp =", r"mean (\w+)\?", "{} ="),
-    "key of two letters": (EXAMPLE, "\nseed = 0", "\nse = 0", r"mean (\w+)\?", "\n{} = 0"),
     "table misspelled": (EXAMPLE, "[separation]", "[separatio]", r"mean (\w+)\?", "[{}]"),
-    "first building": (EXAMPLE, "[building_1]", "[building_]", r"mean (\w+)\?", "[{}]"),
     "second building": (EXAMPLE, "[building_2]", "[building_]", r"mean (\w+)\?", "[{}]"),
     "building again": (EXAMPLE, "[building_2]", "[building_1]", r"such as (\[\w+\])$", "{}"),
     "name misspelled": (EXAMPLE, '"amin_ang"', '"amin-ang"', r"mean '(\w+)'\?", '"{}"'),
-    "name in capitals": (
-        EXAMPLE,
-        'model = "kelvin"',
-        'model = "KELVIN"',
-        r"mean '(\w+)'\?",
-        'model = "{}"',
-    ),
     "key missing": (EXAMPLE, 'duration = "20 s"', "", r"instance, (.*)$", "{}"),
     "strength missing": (EXAMPLE, STRENGTH, "", r"one of (\w+ = \d+),", "{}"),
-    "law misspelled": (BOUC_WEN, "\nlaw =", "\nlawe =", r"mean (\w+)\?", "\n{} ="),
     "law missing": (BOUC_WEN, '\nlaw = "bouc_wen"', "", r"belongs to (law = \S+),", "\n{}"),
-    "negative seed": (EXAMPLE, "seed = 0", "seed = -1", r"number from (\d+) on$", "seed = {}"),
     "few motions": (EXAMPLE, "= 2048", "= 10", r"number from (\d+) on$", "= {}"),
     "type of a spectrum": (CODE, 'soil = "C"', 'soil = "C"\ntype = 3', r"(2)$", 'soil = "C"\ntype = {}'),
     "comma after zero": (EXAMPLE, '"0.35 1/s"', '"0,350 1/s"', r'point, as ("[^"]*")$', "{}"),
-    "number without unit": (STOREYS, '"400 t"', "400", r'units, ("[^"]*")', "{}"),
     "percentage": (
         EXAMPLE,
         "restitution = 0.65",
@@ -189,11 +175,6 @@ def test_no_percentage_is_suggested_where_none_was_meant(old: str, new: str, tmp
 )
 def test_a_slip_beside_the_right_key(key: str, says: str, tmp_path: Path) -> None:
     assert says in refused(tmp_path, changed(EXAMPLE, LINK, f"{LINK}\n{key}"))
-
-
-def test_a_short_slip_is_none_of_many_names(tmp_path: Path) -> None:
-    message = refused(tmp_path, changed(EXAMPLE, STRENGTH, f"{STRENGTH}\nfoo = 1"))
-    assert "building_1.foo = 1 is not a key that is known here; allowed: " in message
 
 
 def test_a_parameter_of_another_law_names_it(tmp_path: Path) -> None:

@@ -173,25 +173,6 @@ def test_any_text_is_a_quantity_or_an_error_that_names_the_key(text: str) -> Non
         assert "allowed" in said
 
 
-def test_units_change_nothing(tmp_path: Path) -> None:
-    text = EXAMPLE
-    for old, new in (
-        ('"0.6 s"', '"600 ms"'),
-        ('"1.0 s"', '"1000ms"'),
-        ('"24 m"', '"2400 cm"'),
-        ('"5 cm"', '"0.05 m"'),
-        ('"0.01 m^2/s^3"', '"100 cm²/s³"'),
-        ('"90 %"', "0.9"),
-        ('"5 %"', "0.05"),
-    ):
-        assert old in text
-        text = text.replace(old, new)
-    one, other = read(tmp_path, EXAMPLE), read(tmp_path, text)
-    assert one.ground == other.ground
-    assert one.buildings == other.buildings
-    assert (one.gap, one.confidence) == (other.gap, other.confidence)
-
-
 def test_ductility_gives_the_strength_that_has_it(tmp_path: Path) -> None:
     case = read(tmp_path, changed("\nreduction_factor = 4\nheight", "\nductility = 3\nheight"))
     structure = case.first.structure
@@ -218,35 +199,15 @@ WRONG = {
         "storys",
         ["building_1.storys", "did you mean storeys?"],
     ),
-    "unknown table": ("[simulation]", "[simulations]", "[simulations]", ["did you mean simulation?"]),
-    "missing key": ('duration = "20 s"', "", "[motion]", ["motion.duration", "is missing"]),
-    "missing unit": ('"0.6 s"', "0.6", "period = 0.6", ["building_2.period", '"0.6 s"']),
-    "missing unit in a text": ('"0.6 s"', '"0.6"', 'period = "0.6"', ["has no unit", '"0.6 s"']),
     "unknown unit": ('"5 cm"', '"5 km"', "existing", ["'km'", "allowed: cm, m, mm, in, ft"]),
-    "unit of a ratio": ('damping = "5 %"', 'damping = "5 s"', "damping", ["'s'", "allowed: %"]),
     "text for a number": ('"0.6 s"', '"short"', 'period = "short"', ["is no number", '"1 s"']),
     "truth for a number": ('damping = "5 %"', "damping = true", "damping", ["is no number", "0.05"]),
-    "number in marks": ("= 4\nheight", '= "4"\nheight', 'reduction_factor = "4"', ["marks, 4"]),
     "period out of range": ('"0.6 s"', '"-0.6 s"', 'period = "-0.6 s"', ["0 < value, finite, in s"]),
-    "no number at all": ('damping = "5 %"', "damping = nan", "damping", ["out of range"]),
-    "damping out of range": ('damping = "5 %"', "damping = 5", "damping = 5", ["a ratio, 0.05 for 5 %"]),
     "two strengths": (
         "\nreduction_factor = 4\nheight",
         "\nreduction_factor = 4\nductility = 4\nheight",
         "ductility = 4",
         ["2 times, by reduction_factor and ductility", "allowed: one of"],
-    ),
-    "strength of an elastic one": (
-        "\nreduction_factor = 4\nheight",
-        "\nelastic = true\nreduction_factor = 4\nheight",
-        "elastic = true",
-        ["by reduction_factor and elastic"],
-    ),
-    "no strength": (
-        "\nreduction_factor = 4\nheight",
-        "\nheight",
-        "[building_1]",
-        ["building_1 has no strength", "elastic = true"],
     ),
     "hardening missing": (
         'hardening = "5 %"               # st',
@@ -255,27 +216,9 @@ WRONG = {
         ["building_1.hardening", "missing"],
     ),
     "unknown ground": ('"firm"', '"firmm"', "ground =", ["did you mean 'firm'?", "kanai_tajimi"]),
-    "unknown envelope": ('"amin_ang"', '"amin"', "envelope", ["'amin_ang'", "shinozuka_sato", "none"]),
     "parameter of another envelope": ('"amin_ang"', '"gamma"', "rise_end", ["power, decay"]),
     "envelope that falls before it rises": ('"15 s"', '"1 s"', "[motion]", ["strong_end >= rise_end"]),
-    "parameter of another ground": (
-        GROUND,
-        f'{GROUND}\nperiod = "2 s"',
-        'period = "2 s"',
-        ["intensity"],
-    ),
-    "confidence": ('"90 %"', '"190 %"', "confidence", ["a probability"]),
     "neither true nor false": ("align = true", 'align = "yes"', "floors_align", ["true, false"]),
-    "no truth of one property": (
-        "# same_property = true",
-        "same_property = 1",
-        "same_property",
-        ["true, false"],
-    ),
-    "zone": ('# zone = "II"', 'zone = "IV"', "zone", ["I, II, III"]),
-    "few paths": ("paths = 2048", "paths = 10", "paths", ["a whole number from 100 on"]),
-    "half a path": ("paths = 2048", "paths = 2048.5", "paths", ["whole number"]),
-    "half a storey": ("storeys = 8", "storeys = 8.5", "storeys", ["whole number"]),
     "no words": ('name = "Annex"', 'name = " "', 'name = " "', ["a text on one line"]),
     "control sign": ('name = "Annex"', r'name = "A\u001b[2J"', 'name = "A', ["a text on one line"]),
     "unquoted unit": ('"0.6 s"', "0.6 s", "period = 0.6 s", ["no TOML", 'period = "0.6 s"']),
@@ -285,40 +228,18 @@ WRONG = {
         "damping = 1",
         ["about 1e400 is out of range"],
     ),
-    "more storeys than a file holds": (
-        "storeys = 8",
-        f"storeys = {2**63}",
-        "storeys",
-        ["is out of range"],
-    ),
     "more digits than Python reads": ("seed = 0", f"seed = 1{5000 * '0'}", "seed = 1", ["is no TOML"]),
-    "number beyond all": ('"0.6 s"', '"1e999 s"', 'period = "1e999 s"', ["is out of range"]),
-    "infinity": ('damping = "5 %"', "damping = -inf", "damping = -inf", ["-inf is out of range"]),
     "long value": ('"0.6 s"', f'"{"6" * 200_000} km"', 'period = "666', ["has the unknown unit 'km'"]),
     "long name": ('"Annex"', f'"{"A" * 200_000}"', 'name = "AAA', ["200 characters at most"]),
-    "long key": ("storeys = 8", f"{'s' * 200_000} = 8", "sss", ["is not a key"]),
     "measure without a name": (
         '"Rubber bumpers"',
         '" "',
         '[measures." "]',
         ["name that cannot be shown"],
     ),
-    "number in marks for a share": ('"90 %"', '"90"', "confidence", ['"90 %" or 0.9']),
-    "share in marks": ('"90 %"', '"0.9"', "confidence", ["without quotation marks, 0.9"]),
-    "percentage for a share": ('"90 %"', "90", "confidence", ['did you mean "90 %" or 0.9?']),
-    "decimal comma": ('"0.6 s"', '"0,6 s"', 'period = "0,6 s"', ['a decimal point, as "0.6 s"']),
     "sign between thousands": ('"3200 t"', '"3,200 t"', "mass", ['as "3.200 t", or no', 'as "3200 t"']),
     "bare decimal comma": ('"0.6 s"', "0,6", "period = 0,6", ["write a decimal point"]),
     "no digit before the point": ("= 4\nheight", "= .5\nheight", "reduction_factor = .5", ["as 0.5"]),
-    "gap in metres": ('"5 cm"', "0.05", "existing", ['one of its units, "0.05 m", ']),
-    "gap in centimetres": ('"5 cm"', "5", "existing", ['one of its units, "5 cm", ']),
-    "mass in tons": ('"3200 t"', "3200", "mass", ['one of its units, "3200 t", ']),
-    "begun key": (
-        "link_damping_constant =",
-        "link_damping =",
-        "link_damping",
-        ["did you mean link_damping_constant?"],
-    ),
     "path of Windows": (
         'name = "Annex"',
         r'name = "C:\annex"',
@@ -331,24 +252,6 @@ WRONG = {
         'name = "C:',
         ["no line of text", "'single quotes', or with /"],
     ),
-    "first building misspelt": (
-        "[building_1]",
-        "[building1]",
-        "[building1]",
-        ["did you mean building_1?"],
-    ),
-    "second building misspelt": (
-        "[building_2]",
-        "[building_two]",
-        "[building_two]",
-        ["is not a key that is known here", "did you mean building_2?"],
-    ),
-    "building twice": (
-        "[building_2]",
-        "[building_1]  # again",
-        "[building_1]  # again",
-        ["'[building_1]' is already given in line 108", "such as [building_2]"],
-    ),
     "key twice": (
         "storeys = 8",
         "storeys = 8\nstoreys  = 8",
@@ -356,7 +259,6 @@ WRONG = {
         ["'storeys' is already given in line 131", "each key once"],
     ),
     "dotted key": ("[contact]", "[contact]\na.b.c = 3", "a.b.c", ["contact.a is not a key"]),
-    "dotted table": ("title =", "mitigations.a = 1\ntitle =", "mitigations.a", ["mitigations is not a"]),
     "nothing to fit to": (GROUND, 'ground = "fitted"', "intensity", ["site.intensity", "estimator"]),
 }
 
@@ -384,17 +286,12 @@ def test_what_is_wrong_is_said_with_file_line_and_key(what: str, tmp_path: Path)
         ('"90 %"', '"90"'),
         ('"90 %"', '"0.9"'),
         ('"90 %"', "90"),
-        ('damping = "5 %"', 'damping = "5"'),
         ('damping = "5 %"', "damping = 5"),
         ('damping = "5 %"', 'damping = "2,5 %"'),
         ("= 4\nheight", '= "4"\nheight'),
         ('"5 cm"', "0.05"),
         ('"5 cm"', "5"),
         ('"5 cm"', '"5"'),
-        ('"5 cm"', '"5,5 cm"'),
-        ('"0.6 s"', "600"),
-        ('"3200 t"', "3200"),
-        ('\nintensity = "0.01 m^2/s^3"', "\nintensity = 0.01"),
         ('\nintensity = "0.01 m^2/s^3"', "\nintensity = 100"),
     ],
 )
@@ -415,12 +312,6 @@ DOUBTED = {
     "gap in metres": ('"5 cm"', '"5 m"', "separation.existing", 'hardly pound; did you mean "5 cm"?'),
     "mass in kilograms": ('"3200 t"', '"3200 kg"', "building_1.mass", 'did you mean "3200 t"?'),
     "light storeys": ('"3200 t"', '"20 t"', "building_1.mass", "2500 kg for each of 8 storeys"),
-    "strength below the demand": (
-        "= 4\nheight",
-        "= 0.5\nheight",
-        "reduction_factor",
-        "is it the inverse?",
-    ),
     "late yield": (
         "\nreduction_factor = 4\nheight",
         '\nyield_displacement = "4 m"\nheight',
@@ -475,20 +366,9 @@ def test_a_name_that_clears_the_screen_is_refused(tmp_path: Path) -> None:
     [
         ('ground = "fitted"', ["site.ground", "needs a record"]),
         (FITTED.replace("wave", "nowhere"), ["site.records.path", "cannot be read", "nowhere.txt"]),
-        (FITTED.replace('dt = "20 ms"\n', ""), ["cannot be read", "dt is missing"]),
-        (FITTED.replace('"g"', '"furlong"'), ["cannot be read", "furlong"]),
         (FITTED + RECORD, ["is used twice"]),
-        (FITTED + "column = 1.5\n", ["site.records.column", "whole number"]),
-        (FITTED + "columns = 1\n", ["did you mean column?"]),
         (f'model = "white"\n{FITTED}', ["kanai_tajimi, clough_penzien"]),
-        (
-            'ground = "kanai_tajimi"\nperiod = "2 s"\nintensity = "1 m^2/s^3"',
-            ["site.damping is missing"],
-        ),
-        ('ground = "white_noise"', ["site.intensity is missing"]),
-        ('ground = "firm"', ["site.intensity is missing"]),
         ('ground = "firm"\nrecords = 3', ["[[site.records]]"]),
-        ('ground = "firm"\nrecords = [3]', ["is no table"]),
     ],
 )
 def test_what_is_wrong_with_a_site(lines: str, says: list[str], tmp_path: Path) -> None:

@@ -138,7 +138,6 @@ def test_an_envelope_like_that_of_the_record_is_not(tmp_path: Path) -> None:
             r"motion.duration = '20 s' is not a key .* allowed: envelope",
         ),
         (FITTED, 'model = "kanai_tajimi"\n', r"site.model = .* is not a key .*ground, records, filters"),
-        (FITTED, "filters = 4\n", r"site.filters = 4 .* allowed: a whole number from 1 to 3"),
     ],
 )
 def test_what_goes_with_a_fitted_envelope_is_said(

@@ -102,14 +102,6 @@ def test_a_file_is_read_as_from_python(tmp_path):
     assert again.hazard.measure == "intensity"
     with pytest.raises(ValueError, match=r"units = 'g' with measure = 'intensity'; allowed: none"):
         sl.read_hazard(of_s0, "intensity", units="g")
-    with pytest.raises(ValueError, match=r"units is missing and s0\.csv does not state it"):
-        sl.read_hazard(of_s0)
-    with pytest.raises(ValueError, match=r"contradicts hazard\.csv, which states 'g'"):
-        sl.read_hazard(tmp_path / "hazard.csv", units="gal")
-    with pytest.raises(ValueError, match="Hazard: period = None with measure = 'sa'"):
-        sl.read_hazard(tmp_path / "hazard.csv", "sa")
-    with pytest.raises(FileNotFoundError):
-        sl.read_hazard(tmp_path / "none.csv")
 
 
 def test_a_return_period_by_intensity(tmp_path):
@@ -124,38 +116,19 @@ def test_a_return_period_by_intensity(tmp_path):
     ("lines", "told"),
     [
         (
-            f"{TWO}frequencies = [0.001, 0.01]\n",
-            r"0\.001.* follows|0\.01 follows 0\.001; allowed: falling",
-        ),
-        (
             f'{TWO}return_periods = ["475 yr", "95 yr"]\n',
             "point 2, 95 yr: .*falling frequencies",
         ),
-        ('intensities = ["0.2 g", "0.1 g"]\nfrequencies = [0.01, 0.001]\n', "so sort them"),
-        ('intensities = ["0.2 g"]\nfrequencies = [0.01]\n', "1 points; allowed: 2 or more"),
-        (
-            f"{TWO}frequencies = [0.01, -0.001]\n",
-            "has a number 2 that is out of range",
-        ),
-        (f"{TWO}frequencies = [0.01, 0]\n", "has a number 2 that is out of range"),
         (f"{TWO}frequencies = [0.01]\n", "has 1 values for 2 intensities; allowed: one for each"),
         (
             f'{TWO}frequencies = [0.01, 0.001]\nreturn_periods = ["95 yr"]\n',
             "is given beside frequencies",
         ),
         (TWO, 'has neither frequencies nor return_periods; write, .*return_periods = .*"475 yr"'),
-        (f"{TWO}return_periods = [95, 475]\n", 'has a number 1 that has no unit; .*"95 yr"'),
-        ("intensities = [0.1, 0.2]\nfrequencies = [0.01, 0.001]\n", 'has no unit; .*"0.1 g"'),
-        (f"{TWO}frequencies = [0.01, 0.001]\nk0 = 1\n", "k0 = 1 is not a key that is known here"),
         ("", r'has no numbers; allowed: one of file = "hazard.csv"; intensities = .*; k0, k and units'),
-        ('file = "none.csv"\n', ".file = 'none.csv' cannot be used: .*there is no such file"),
         (
             'k0 = 1e-4\nk = 400\nunits = "g"\n',
             r"k = 400 is too large: with units = 'g'.*usual are 2 to 4",
-        ),
-        (
-            'k0 = 1e300\nk = 1e-300\nunits = "g"\n',
-            "k = 1e-300 cannot be used: .*beyond the range of numbers; allowed: .*correct k0 or k",
         ),
         (
             'k0 = 1e-4\nk = 1e20\nunits = "m/s^2"\n',
@@ -180,7 +153,6 @@ def test_a_hazard_too_steep_for_its_motions_is_named(tmp_path):
     "lines",
     [
         'intensities = ["0.98 g", "1.96 g"]\nfrequencies = [0.01, 0.0021]\n',
-        'intensities = ["2 g", "4 g"]\nreturn_periods = ["100 yr", "475 yr"]\n',
         'k0 = 0.01\nk = 2.5\nunits = "g"\n',
     ],
 )
@@ -210,13 +182,6 @@ def test_a_hazard_beside_the_site_is_sent_there(tmp_path):
     ("risk", "told"),
     [
         ('"2 %"', 'a text as "2 % in 50 years"'),
-        ("0", "a positive annual frequency"),
-        ("true", 'a text as "2 % in 50 years"'),
-        ('"100 % in 50 years"', "more than 0 % and less than 100 %"),
-        (
-            '"0.01 % in 50 years"',
-            "allowed: between 5e-05 and 0.0333 a year, .* a hazard that reaches it",
-        ),
         ("0.5", "allowed: between 5e-05 and 0.0333 a year"),
     ],
 )

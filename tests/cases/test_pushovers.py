@@ -164,45 +164,15 @@ WRONG: dict[str, tuple[str, str, str]] = {
         STOREYS,
         r"building_1\.participation is missing; write, for instance, participation = 1\.5",
     ),
-    "participation in per cent": (
-        OSCILLATOR.replace("1.3333333333333333", "0.75"),
-        STOREYS,
-        r"participation = 0\.75 is out of range; allowed: 1 <= value <= 3, finite \(1 for one storey",
-    ),
     "no curve": (
         OSCILLATOR.replace('pushover = "push.csv"', 'yield_displacement = "3 cm"\nhardening = 0.05'),
         STOREYS,
         r"building_1\.participation = 1\.33\d+ goes with pushover; add that, or leave it out",
     ),
-    "two strengths": (
-        OSCILLATOR,
-        f"{STOREYS}base_shear_coefficient = 0.15\n",
-        r"strength is given 2 times, by base_shear_coefficient and pushover",
-    ),
-    "of storeys": (
-        OSCILLATOR,
-        f"{STOREYS}participation = 1.3\n",
-        r"building_2\.participation = 1\.3 is not a key that is known here",
-    ),
     "no file": (
         OSCILLATOR.replace("push.csv", "none.csv"),
         STOREYS,
         r"building_1\.pushover = 'none\.csv' cannot be used: .*there is no such file",
-    ),
-    "not a curve": (
-        OSCILLATOR.replace("push.csv", "notes.csv"),
-        STOREYS,
-        r"building_1\.pushover = 'notes\.csv' cannot be used: notes\.csv has no line of numbers",
-    ),
-    "weight": (
-        OSCILLATOR,
-        f"{STOREYS}p_delta = true\n",
-        r"building_2\.pushover = .* p_delta = True; allowed with a pushover curve: False",
-    ),
-    "method": (
-        OSCILLATOR,
-        f'{STOREYS}pushover_method = "eurocode"\n',
-        r"pushover_method = 'eurocode' is not known; did you mean 'eurocode_8'\?",
     ),
 }
 

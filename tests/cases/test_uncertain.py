@@ -96,18 +96,14 @@ def test_a_ratio_that_is_not_known_exactly_is_read(text, tmp_path):
 @pytest.mark.parametrize(
     ("building", "key", "text", "name"),
     [
-        (OSCILLATOR, "hardening", '"3 to 7 %"', "hardening"),
         (OSCILLATOR, "reduction_factor", '"4 +- 30 %"', "reduction_factor"),
         (REGULAR, "period", '"0.8 s +- 20 %"', "period"),
         (REGULAR, "floor_mass", '"400 t +- 10 %"', "mass"),
         (REGULAR, "base_shear_coefficient", '"0.15 +- 30 %"', "base_shear_coefficient"),
-        (REGULAR, "damping", '"3 to 7 %"', "damping"),
         (STOREYS, "masses", '["800 t +- 10 %", "600 t +- 10 %"]', "masses"),
         (STOREYS, "stiffnesses", '["900 to 1500 MN/m", "750 to 1250 MN/m"]', "stiffnesses"),
-        (STOREYS, "yield_drifts", '"1 cm +- 20 %"', "yield_drifts"),
         (STOREYS, "yield_drifts", '["1 cm +- 20 %", "8 mm +- 20 %"]', "yield_drifts"),
         (STOREYS, "dampers", '"2 MN s/m +- 30 %"', "dampers"),
-        (STOREYS, "hardening", '"3 to 7 %"', "hardening"),
     ],
 )
 def test_every_parameter_of_a_building_may_be_uncertain(building, key, text, name, tmp_path):
@@ -147,22 +143,13 @@ def test_the_ground_may_be_uncertain(site, name, tmp_path):
     ("building", "key", "text", "told"),
     [
         (OSCILLATOR, "period", '"1.0 s +- -20 %"', r'a valid spread; allowed: "10 s \+- 20 %"'),
-        (OSCILLATOR, "period", '"1.0 s +- 20"', "does not give a valid spread"),
-        (OSCILLATOR, "period", '"1.0 s +-"', "does not give a valid spread"),
-        (OSCILLATOR, "period", '"1.0 s +- 0.2 s"', "does not give a valid spread"),
         (OSCILLATOR, "period", '"1.0 s +- 120 %"', "has a spread of 120 %; allowed: 0 to 100 %"),
         (OSCILLATOR, "period", '"1.2 to 0.8 s"', "two positive numbers, the lower first"),
-        (OSCILLATOR, "period", '"-1 to 1 s"', "two positive numbers, the lower first"),
         (OSCILLATOR, "period", '"0.8 to 1.2"', 'has no unit; .*"0.8 s"'),
-        (OSCILLATOR, "period", '"1.0 +- 20 %"', 'has no unit; .*"1.0 s"'),
-        (OSCILLATOR, "period", '"0.8 to 1.2 cm"', "unknown unit 'cm'; allowed: s, ms"),
-        (OSCILLATOR, "period", '"one s +- 20 %"', "is no number"),
-        (OSCILLATOR, "period", '"0 s +- 20 %"', "period = 0 is out of range"),
         (OSCILLATOR, "damping", '"90 % +- 50 %"', "give it less spread, or another kind"),
         (REGULAR, "storey_height", '"3 m +- 10 %"', "cannot be uncertain; allowed: one number"),
         (STOREYS, "heights", '["4 m +- 10 %", "3 m"]', "has a number 1 that cannot be uncertain"),
         (STOREYS, "masses", '["800 t +- 10 %", "600 t"]', "allowed: one spread for all of them"),
-        (STOREYS, "masses", '["800 t +- 10 %", "600 t +- 5 %"]', "allowed: one spread for all of them"),
     ],
 )
 def test_what_is_wrong_with_it_is_said_with_its_line(building, key, text, told, tmp_path):
@@ -174,8 +161,6 @@ def test_what_is_wrong_with_it_is_said_with_its_line(building, key, text, told, 
     ("old", "new"),
     [
         ('duration = "12 s"', 'duration = "12 s +- 20 %"'),
-        ('confidence = "90 %"', 'confidence = "80 to 90 %"'),
-        ('confidence = "90 %"', 'confidence = "90 %"\nexisting = "5 cm +- 10 %"'),
         ('intensity = "0.01 m^2/s^3"', 'pga = "0.3 g +- 30 %"'),
         ("reduction_factor = 4", 'ductility = "4 +- 30 %"'),
     ],

@@ -103,15 +103,6 @@ def test_the_screen_and_the_page_say_it_and_no_number_changes(tmp_path):
     assert " ".join(caution.split()) in told.replace("\N{NO-BREAK SPACE}", " ")
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("command", ["probability", "mitigate"])
-def test_other_commands_say_it_as_well(command, tmp_path):
-    text = sl.example_case().replace("paths = 2048", "paths = 100")
-    case_of(tmp_path, with_wall(text.replace('existing = "5 cm"', 'existing = "80 cm"')))
-    told = " ".join(answered(command, tmp_path / "case.toml").output.split())
-    assert told.count("Caution: Annex is a wall") == 1
-
-
 def test_other_systems_are_refused(tmp_path):
     text = sl.example_case().replace("[building_2]", '[building_2]\nsystem = "dome"', 1)
     with pytest.raises(ValueError, match=r"building_2.system = 'dome' .*frame.*wall"):
