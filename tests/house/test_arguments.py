@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -26,7 +25,7 @@ from stochlin.models.arguments import (
     fitting,
 )
 from stochlin.models.grounds import Ground
-from stochlin.models.parameters import POSITIVE, Range
+from stochlin.models.parameters import POSITIVE
 
 pytestmark = pytest.mark.invariant
 
@@ -98,12 +97,6 @@ def test_the_signature_stays() -> None:
     ("arguments", "options", "kind", "says"),
     [
         ((1.0, 2.0), {}, TypeError, "ground = 1.0 is of the wrong kind; allowed: CloughPenzien, "),
-        (
-            (FIRM, -2.0),
-            {},
-            ValueError,
-            "duration = -2.0 is out of range; allowed: a positive, finite number of seconds",
-        ),
         ((FIRM, None), {}, ValueError, "duration is missing; give the length of the motion"),
         (
             (FIRM,),
@@ -112,12 +105,6 @@ def test_the_signature_stays() -> None:
             "duration = '2' is no number; allowed: a positive, finite number of",
         ),
         ((FIRM, 2.0, 90), {}, ValueError, "share = 90 is out of range; allowed: .*; for 90 % write 0.9"),
-        (
-            (FIRM, 2.0),
-            {"paths": 1},
-            ValueError,
-            "paths = 1 is out of range; allowed: a whole number from 2",
-        ),
         ((FIRM, 2.0), {"path": 2}, TypeError, "path is no argument; did you mean 'paths'"),
         ((FIRM,), {}, TypeError, "missing 1 required positional argument: 'duration'"),
         ((FIRM, 2.0, 0.5, 3), {}, TypeError, "takes from 2 to 3 positional arguments but 4 were"),
@@ -136,14 +123,9 @@ def test_a_wrong_argument_is_told_by_name(
         (Whole(2), 1, "is out of range; allowed: a whole number from 2 on"),
         (Whole(2), 2.5, "is no whole number; allowed: a whole number from 2 on"),
         (Whole(2), True, "is no whole number; allowed: a whole number from 2 on"),
-        (Whole(1, 200), 0, "is out of range; allowed: a whole number from 1 to 200"),
-        (Whole(1, 200), 2**63, "is out of range; allowed: a whole number from 1 to 200"),
         (Whole(1, 2), 3, "is out of range; allowed: 1 or 2"),
         (Whole(0), 2**63, f"is out of range; allowed: a whole number from 0 to {2**63 - 1}"),
-        (Number(POSITIVE, "a positive, finite number"), "x", "is no number; allowed: a positive, fin"),
-        (Number(POSITIVE, "a positive, finite number"), math.inf, "is out of range; allowed: a posi"),
         (Number(POSITIVE), 10**400, "is no number; allowed: 0 < value, finite"),
-        (Number(Range(0, 1), is_share=True), 5, "is out of range; allowed: 0 < .*; for 5 % write 0.05"),
     ],
 )
 def test_the_range_is_told_once_with_what_is_wrong(check: Check, value: object, says: str) -> None:
@@ -212,11 +194,6 @@ def test_what_is_fitting_is_checked_as_given() -> None:
     assert seen == [("one", "usual", 2), ("one", "two", 3)]
     with pytest.raises(TypeError, match="missing 1 required positional argument: 'method'"):
         function()  # type: ignore[call-arg]
-
-
-def test_a_name_that_is_nearly_known_is_suggested() -> None:
-    with pytest.raises(ValueError, match="method = 'linearisation' is not known; did you mean 'lin"):
-        sl.correlate(sl.Bilinear(1.0, 0.05), sl.Bilinear(2.0, 0.05), FIRM, "linearisation")
 
 
 def test_what_cannot_be_resolved_or_told_is_loud() -> None:

@@ -324,15 +324,6 @@ def test_elastic_buildings_without_a_gap(tmp_path: Path) -> None:
     assert "existing gap</h2>" not in one.page
 
 
-@pytest.mark.slow
-def test_floors_that_cannot_be_level_are_told_at_once(tmp_path: Path) -> None:
-    one = done(tmp_path, few(sl.example_case()).replace("storeys = 8", "storeys = 6"))
-    assert one.result.exit_code == 0, one.result.output
-    first = " ".join(one.result.output.split("\n")[3:8])
-    for shown in (first, " ".join(html.unescape(one.page).split())):
-        assert "although the file says so: storeys are 4.00 m and 3.00 m high in Office block" in shown
-
-
 def test_buildings_that_move_alike_are_not_called_safe_without_a_word(tmp_path: Path) -> None:
     output = screen_of(tmp_path, few(sl.example_case()).replace('"0.6 s"', '"1.0 s"'))
     assert "should stand 0 cm apart" in output
@@ -396,15 +387,6 @@ def test_storeys_are_told_and_drawn_from_the_saved_data(storeyed: dict[str, Done
     assert "mass of the floor 300 t" in words
 
 
-@pytest.mark.slow
-def test_a_table_of_storeys_has_a_row_a_rule(storeyed: dict[str, Done]) -> None:
-    for one in storeyed.values():
-        case, out = one.folder / "few.toml", one.folder / "t.csv"
-        case.write_text(few((one.folder / "case.toml").read_text(encoding="utf-8")), encoding="utf-8")
-        answered("gap", case, "--out", out)
-        assert len(out.read_text().splitlines()) == 32
-
-
 def test_a_picture_over_height_needs_heights(example: Done) -> None:
     with xr.open_dataset(example.folder / "gap.nc") as table, pytest.raises(ValueError, match="storeys"):
         draw_heights(table)
@@ -414,28 +396,11 @@ def test_a_picture_over_height_needs_heights(example: Done) -> None:
 # What to change into what; where the message points to, and what it says.
 WRONG = [
     ('period = "0.6 s"', "period = 0.6", "period = 0.6", ["building_2.period = 0.6", "has no unit"]),
-    ("storeys = 8", "storys = 8", "storys", ["building_1.storys", "did you mean storeys?"]),
-    ('"0.6 s"', '"-1 s"', '"-1 s"', ["building_2.period", "allowed: 0 < value"]),
-    ('"0.6 s"', '"brief"', '"brief"', ["building_2.period", "is no number"]),
-    ("[building_2]", "[building_3]", "[building_3]", ["building_3", "did you mean building_2?"]),
-    ('"firm"\n#', '"fitted"\n#', "intensity =", ["site.intensity", "allowed: ground, records"]),
-    (
-        "# zone",
-        'numbers = { asce_41 = "3 cm" }\n# zone',
-        "numbers = {",
-        ["separation.numbers.asce_41 = '3 cm'", "unknown unit", "allowed: %"],
-    ),
     (
         "# zone",
         "numbers = { eurocode_8 = 0.7 }\n# zone",
         "numbers = {",
         ["eurocode_8", "is not a key", "allowed: share_of_sum, share_of_height, fixed_distance"],
-    ),
-    (
-        "# zone",
-        'numbers = { fixed_distance = "0 cm" }\n# zone',
-        "numbers = {",
-        ["separation.numbers.fixed_distance", "out of range; allowed: 0 < value"],
     ),
     (
         "[motion]",
@@ -467,9 +432,7 @@ def test_bad_files_write_nothing(old: str, new: str, at: str, says: list[str], t
         ((), "stochlin gap --example > case.toml"),
         (("nowhere.toml",), "nowhere.toml"),
         (("case.toml", "--report", "case.toml"), "allowed: .html or .htm"),
-        (("case.toml", "--out", "t.xls"), "allowed: .nc or .csv"),
         (("case.toml", "--picture", "t.nc"), "allowed: .png or .svg or .pdf"),
-        (("case.toml", "--report", "no/such/gap.html"), "there is no folder no/such"),
     ],
 )
 def test_commands_with_wrong_files_are_refused(

@@ -195,17 +195,13 @@ def test_cells_records_and_grounds_are_taken_one_by_one():
 BUILDING = sl.ShearBuilding([1e5], [1e8], [3.0], 0.05)
 WRONG = [
     ({"gap": 0}, "gap = 0 is out of range; allowed: a positive, finite number of metres"),
-    ({"gap": "4 cm"}, "gap = '4 cm'"),
     ({"method": "simulation"}, "method = 'simulation' is not known; allowed: white_noise, effective"),
-    ({"method": None}, "method = None is not known"),
     ({"method": "linearization"}, r"ground is missing, .* give one like the record, .*fit_ground"),
     ({"ground": GROUND}, "ground is given, which method = 'white_noise' does not use; leave it out"),
-    ({"method": "linearization", "ground": "firm"}, "ground = 'firm'"),
     ({"method": "linearization", "ground": GROUND, "closure": "x"}, "closure = 'x'"),
     ({"method": "effective", "rule": "mine"}, "'mine'"),
     ({"first": sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=3)}, "first: reduction_factor has no"),
     ({"second": BUILDING}, "second = .*oscillator"),
-    ({"record": [1.0, 2.0]}, "record"),
 ]
 
 
@@ -243,9 +239,5 @@ def test_chart_is_among_those_of_a_record():
     assert chart.attrs["gap_m"] == 0.05
     expected = added_damping_chart(noise(), FIRST, SECOND, 0.05)
     np.testing.assert_allclose(chart.critical_gap, expected.critical_gap, rtol=6e-6)  # six digits
-    with pytest.raises(
-        ValueError, match=r"gap = -1\.0 is out of range; allowed: a positive, finite number of metres"
-    ):
-        ChartSettings(gap=-1.0)
     with pytest.raises(ValueError, match="second_period = 0 is out of range"):
         ChartSettings(second_period=0)

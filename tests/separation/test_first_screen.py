@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cases import BLOCK, KIOSK, with_buildings
-from commands import answered, refused
+from commands import answered
 from matplotlib.axes import Axes
 from matplotlib.text import Text
 
@@ -191,12 +191,6 @@ def test_what_is_refused_has_words_and_no_line(answer: Any) -> None:
     _, gaps, buildings = drawn(dataclasses.replace(one, separation=unknown))
     assert not dimension_lines(gaps)
     assert walls(buildings)[1][0] == 0
-
-
-def test_more_than_two_buildings_are_refused_with_the_command_that_takes_them(tmp_path: Path) -> None:
-    path = tmp_path / "case.toml"
-    path.write_text(of(LEFT, RIGHT, KIOSK.format(n=3)), encoding="utf-8")
-    assert "describes 3 buildings; this command needs two" in refused("gap", path)
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -208,19 +208,9 @@ def test_yielding_does_not_change_the_rule():
             "modes_1: period is an array; allowed: numbers",
         ),
         (
-            {"modes_1": TALL, "spectrum": SPECTRUM, "ground": sl.WhiteNoise([0.01, 0.02])},
-            ValueError,
-            "ground: intensity is an array; allowed: numbers",
-        ),
-        (
             {"modes_1": TALL, "modes_2": SKEW, "spectrum": SPECTRUM, "floors_align": True},
             ValueError,
             "floors_align = True, but at 3, 3.5, 7, 7.2 m only one of both",
-        ),
-        (
-            {"modes_1": TALL, "spectrum": SPECTRUM, "same_property": True},
-            ValueError,
-            "same_property is given, of a second building, and there is none",
         ),
         (
             {"modes_1": TALL, "spectrum": SPECTRUM, "height_1": 12.0},
