@@ -72,7 +72,6 @@ def test_errors_name_options_and_no_input_is_overwritten(wall: Path) -> None:
     )
     bare = wall.with_name("bare.csv")
     bare.write_text(WALL.replace("[t]", ""), encoding="utf-8")
-    assert "line 3, column 2: the file does not say the unit of the mass" in refused("building", bare)
     assert "1120 t" in answered("building", bare, "--mass-units", "t").output.replace("\xa0", " ")
     assert "would overwrite" in refused("building", wall, "--out", wall)
 
@@ -95,7 +94,6 @@ def test_a_pushover_curve_gives_the_strength_of_mode_1(wall: Path) -> None:
     assert f"period {period:.4g} s up to yield" in said
     assert f"of its oscillator {100 * roof / factor:.1f} cm" in said
     push.write_text(PUSH.replace("[kN]", ""), encoding="utf-8")
-    assert "does not say the unit of the force" in refused("building", wall, "--pushover", push)
     again = answered("building", wall, "--pushover", push, "--pushover-units", "cm, kN").output
     assert " ".join(again.replace("\xa0", " ").split()) == said.partition(" saved")[0]
     told = refused("building", wall, "--pushover", push, "--pushover-units", "cm")

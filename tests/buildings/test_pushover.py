@@ -228,11 +228,6 @@ UNREADABLE: dict[str, tuple[str, dict[str, Any], str]] = {
         {"length_units": "cm"},
         r"length_units = 'cm' contradicts push\.csv, column 1, which states 'mm'",
     ),
-    "which ton": (
-        "roof [mm],shear [ton]\n0,0\n1,2\n2,3\n3,3.1\n",
-        {},
-        "'ton' is not a known unit of a force; allowed: N, kN",
-    ),
     "unit of another kind": (
         f"{HEAD}0,0\n1,2\n",
         {"force_units": 3},
@@ -255,13 +250,7 @@ UNREADABLE: dict[str, tuple[str, dict[str, Any], str]] = {
         {},
         r"push\.csv, line 4, column 2: 'collapse' is not a force",
     ),
-    "back": (
-        f"{HEAD}0,0\n1,2\n3,3\n2,3.1\n",
-        {},
-        r"push\.csv, line 5: the displacement goes from 0\.003",
-    ),
     "falls": (f"{HEAD}0,0\n1,3\n2,2\n3,1\n", {}, r"push\.csv, line 4: the base shear falls from the st"),
-    "offset": (f"{HEAD}0.5,0\n1,2\n2,3\n3,3.1\n", {}, r"line 2: the curve begins at 0\.0005 m and 0 N"),
     "few": (f"{HEAD}0,0\n1,2\n2,2.1\n", {}, "has 3 points; allowed: 4 or more"),
 }
 

@@ -403,25 +403,17 @@ def test_what_a_link_says_of_itself() -> None:
     ("arguments", "error", "message"),
     [
         ({"masses": [1e5, -1e5]}, ValueError, "masses = -100000 in storey 2"),
-        ({"stiffnesses": [0.0, 1e8]}, ValueError, "stiffnesses = 0 in storey 1"),
         ({"heights": [3.0]}, ValueError, "masses has 2, .*heights has 1 values"),
         ({"heights": 3.0}, ValueError, "heights = 3.0; allowed: a list"),
         ({"masses": []}, ValueError, "masses = "),
-        ({"masses": ["a", "b"]}, TypeError, "not a real number"),
         ({"damping": 1.5}, ValueError, "damping = 1.5"),
         ({"damping": [0.05, 0.05]}, ValueError, "damping is an array"),
         ({"yield_drifts": 0.01}, ValueError, "hardening is not given"),
-        (
-            {"yield_drifts": [0.01, np.nan], "hardening": 0.1},
-            ValueError,
-            "yield_drifts = nan in storey 2",
-        ),
         (
             dict.fromkeys(("masses", "stiffnesses", "heights"), [1e5] * 201),
             ValueError,
             "masses has 201 values; allowed: one for each of at most 200 storeys",
         ),
-        ({"dampers": -1.0}, ValueError, "dampers = -1 is out of range; allowed: 0 <= value"),
         (
             {"dampers": [0.0, -2.0]},
             ValueError,
@@ -435,7 +427,6 @@ def test_what_a_link_says_of_itself() -> None:
             "law = 'bilinea' is not a known law; allowed: bilinear, bouc_w",
         ),
         ({"law": "hysteretic"}, ValueError, "law = 'hysteretic' has no expression; give the sympy expr"),
-        ({"law": 3}, TypeError, "law = 3 is not allowed; give a sympy expression"),
         ({"law": V**2}, ValueError, r"law = v\*\*2 is not odd; allowed: "),
         (
             {"law_parameters": [1]},
@@ -458,12 +449,8 @@ def test_what_is_no_shear_building_is_refused(arguments, error, message):
             ValueError,
             r"law_parameters = .*has no bet; allowed: beta, gamma, expo",
         ),
-        ("bouc_wen", {1: 1}, ValueError, r"law_parameters = \{1: 1\}: the law has no 1; allowed: beta"),
-        ("bilinear", {"beta": 1}, ValueError, "law_parameters = .* has no beta; allowed: none"),
         (OWN, {"beta": 1}, ValueError, "law_parameters = .* has no beta; allowed: none"),
         ("bouc_wen", {"beta": [1.0] * 3}, ValueError, "beta has 3 values; .* each of the 2 storeys"),
-        ("bouc_wen", {"beta": "a"}, TypeError, "beta = 'a' is not a real number; allowed: 0 < value"),
-        ("bouc_wen", {"beta": -1.0}, ValueError, "beta = -1 is out of range; allowed: 0 < value"),
         (
             "bouc_wen",
             {"beta": [0.5, -0.5]},
@@ -506,18 +493,9 @@ def test_a_law_that_needs_a_number_says_so(monkeypatch: pytest.MonkeyPatch) -> N
             ValueError,
             "storeys = 2.5 is no whole number; allowed: a whole number from 1 to 200",
         ),
-        ({"storeys": True}, ValueError, "storeys = True is no whole number; allowed: a whole number"),
-        (
-            {"storeys": 201},
-            ValueError,
-            "storeys = 201 is out of range; allowed: a whole number from 1 to 200",
-        ),
-        ({"period": -1}, ValueError, "period = -1 is out of range; allowed: 0 < value"),
         ({"period": 1e-300}, ValueError, "yield_drifts = 0 is out of range; allowed: 0 < value"),
         ({"mass": 1e308}, ValueError, "stiffnesses = inf in storey 1 is out of range; allowed: 0 < val"),
         ({"period": [1.0, 2.0]}, ValueError, "period is an array; allowed: one number"),
-        ({"mass": None}, TypeError, "mass = None is not a real number"),
-        ({"storey_height": 0}, ValueError, "storey_height = 0 is out of range"),
         (
             {"storey_height": [3.0, 3.0]},
             ValueError,
@@ -529,18 +507,12 @@ def test_a_law_that_needs_a_number_says_so(monkeypatch: pytest.MonkeyPatch) -> N
             "storey_height = -1 in storey 2 is out of",
         ),
         (
-            {"base_shear_coefficient": 0},
-            ValueError,
-            "base_shear_coefficient = 0 is out of range; allowed",
-        ),
-        (
             {"base_shear_coefficient": 1000},
             ValueError,
             "base_shear_coefficient = 1000 is out of range; allowed: 0 < value <= 100",
         ),
         ({"hardening": None}, ValueError, "hardening is not given"),
         ({"period": 60.0, "p_delta": True}, ValueError, "the weight above takes .*it would fall over"),
-        ({"dampers": [1.0]}, ValueError, "dampers has 1 values; allowed: one for each storey"),
     ],
 )
 def test_what_is_no_regular_building_is_refused(arguments, error, message):
@@ -551,7 +523,6 @@ def test_what_is_no_regular_building_is_refused(arguments, error, message):
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"stiffness": -1}, ValueError, "stiffness = -1 is out of range; allowed: 0 <= value"),
         (
             {"yield_displacement": 0.01},
             ValueError,
@@ -562,19 +533,12 @@ def test_what_is_no_regular_building_is_refused(arguments, error, message):
             ValueError,
             r"hardening = 0\.1 is of a link that yields; allowed: beside a yield_displacement",
         ),
-        ({"floors": 3}, ValueError, "floors = 3; allowed: two whole numbers from 1"),
         ({"floors": (0, 1)}, ValueError, r"floors = \(0, 1\); allowed: two whole numbers from 1"),
-        ({"floors": (1, True)}, ValueError, "allowed: two whole numbers from 1"),
         ({"floors": (1, 0)}, ValueError, r"floors = \(1, 0\).*from 1; 0, the ground, of a device"),
         (
             {"structures": 1, "floors": (1, 0)},
             ValueError,
             "structures = 1; allowed: two whole numbers from 1",
-        ),
-        (
-            {"structures": (0, 0)},
-            ValueError,
-            r"structures = \(0, 0\); allowed: two whole numbers from 1",
         ),
         (
             {"structures": (2, 2)},
@@ -586,7 +550,6 @@ def test_what_is_no_regular_building_is_refused(arguments, error, message):
             ValueError,
             r"floors = \(1, 1\); allowed: the upper before the lower",
         ),
-        ({"structures": (2, 2), "floors": (0, 1)}, ValueError, "allowed: the upper before the lower"),
         (
             {"structures": (2, 2), "floors": (1, -1)},
             ValueError,
@@ -597,9 +560,6 @@ def test_what_is_no_regular_building_is_refused(arguments, error, message):
             ValueError,
             "damping_exponent = 0 is out of range; allowed: 0 < value <= 2",
         ),
-        ({"damping_exponent": 2.1}, ValueError, "damping_exponent = 2.1 is out of range"),
-        ({"damping_exponent": np.nan}, ValueError, "damping_exponent = nan is out of range"),
-        ({"damping_exponent": "1"}, TypeError, "damping_exponent = '1' is not a real number"),
     ],
 )
 def test_what_is_no_link_is_refused(arguments, error, message):
@@ -615,11 +575,6 @@ def test_what_is_no_link_is_refused(arguments, error, message):
             [Link(1, floors=(2, 1))],
             r"link 1: floors = \(2, 1\), structure 1 has 1; allowed: 1 to",
         ),
-        (
-            [0, 2],
-            [Link(1, floors=(1, 3))],
-            r"link 1: floors = \(1, 3\), structure 2 has 2; allowed: 1 to",
-        ),
         ([1, 2], [Link(1)], "structure 1: mass is not given; a link acts on masses, allowed: 0 < value"),
         ([2, 3], [Link(1)], r"link 1: the structures have no two floors at one level; give floors="),
         (
@@ -632,12 +587,6 @@ def test_what_is_no_link_is_refused(arguments, error, message):
             [Link(1, structures=(2, 2), floors=(3, 0))],
             r"link 1: floors = \(3, 0\), structure 2 has 2; allowed: 0 to 2",
         ),
-        (
-            [0, 2],
-            [Link(1, structures=(3, 3), floors=(1, 0))],
-            "ties the structures 3 and 3 of 2; allowed: structures = two of 1 to 2",
-        ),
-        ([1], [Link(1, structures=(1, 1), floors=(1, 0))], "structure 1: mass is not given"),
     ],
 )
 def test_links_without_a_place_are_refused(structures, links, message):
@@ -653,7 +602,6 @@ def test_links_without_a_place_are_refused(structures, links, message):
         (3, TypeError, "links = 3; allowed: a Link, or a list of Link and None"),
         ([3, None], TypeError, "links, number 1 = 3 is of the wrong kind; allowed: Link"),
         ([Link(1)], ValueError, "links: 1 given; allowed: one between each two neighbours, 2 in all"),
-        ([None] * 4, ValueError, "links: 4 given; allowed: one between"),
     ],
 )
 def test_lists_of_links_that_do_not_fit_are_refused(links, error, message):

@@ -128,13 +128,6 @@ def test_the_package_runs_without_its_script() -> None:
         assert (done.returncode == 0) == (arguments == ["--version"])
 
 
-def test_named_ground_and_white_noise_method() -> None:
-    result = answered(
-        "rho", "--period-1", "1s", "--period-2", "1.5s", "--ground", "firm", "--method", "white_noise"
-    )
-    assert "ground: Clough-Penzien, period 0.4189 s" in result.output
-
-
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [

@@ -243,13 +243,11 @@ def test_bumpers_without_records_say_what_is_missing():
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"gap": -0.1}, "gap = -0.1 is out of range; allowed: a positive, finite number"),
         ({"measures": {"glue": 3}}, r"measures\['glue'\] = 3 is of the wrong kind"),
         ({"records": {"r": record()}}, "contact is missing, but records are"),
         ({"contact": STEEL, "records": {"r": record() * np.nan}}, r"records\['r'\]"),
         ({"amplification_limit": 1.0}, "amplification_limit = 1.0; allowed: a positive number, with"),
         ({"measures": {"d": sl.Measure(0.96)}}, "added_damping_1 = 0.96 raises the damping to 1.01"),
-        ({"confidence": 2}, "confidence = 2"),
         (
             {"measures": {"b": sl.Measure(bumper_thickness=0.05)}},
             r"measures\['b'\]: bumper_thickness = 0.05 m fills the gap of 0.05 m; allowed: less",
@@ -257,10 +255,6 @@ def test_bumpers_without_records_say_what_is_missing():
         (
             {"measures": {"l": sl.Measure(link=sl.Link(1e6, structures=(1, 3)))}},
             r"measures\['l'\]: link 1: ties the structures 1 and 3 of 2",
-        ),
-        (
-            {"measures": {"l": sl.Measure(link=sl.Link(1e6, structures=(1, 1), floors=(2, 0)))}},
-            r"measures\['l'\]: link 1: floors = \(2, 0\), structure 1 has 1",
         ),
         ({"measures": {"l": sl.Measure(link=sl.Link([1e6, 2e6]))}}, "stiffness is an array"),
     ],
@@ -284,10 +278,8 @@ def test_strength_of_what_never_yields_is_refused():
     ("given", "error", "told"),
     [
         ({"added_damping_1": [0.1, 0.2]}, ValueError, "added_damping_1 is an array; allowed: a number"),
-        ({"stiffening_1": 0}, ValueError, "stiffening_1 = 0 is out of range; allowed: 0.001 <= value"),
         ({"stiffening_2": 1e308}, ValueError, r"stiffening_2 = 1e\+308 .* allowed: .* <= 1000"),
-        ({"strengthening_2": -1}, ValueError, "strengthening_2 = -1 is out of range"),
-        ({"bumper_thickness": -0.01}, ValueError, "bumper_thickness = -0.01 is out of range"),
+        ({"stiffening_1": 0}, ValueError, "stiffening_1 = 0 is out of range; allowed: 0.001 <= value"),
         ({"bumper_thickness": "2 cm"}, TypeError, "bumper_thickness = '2 cm' is not a real number"),
         ({"link": "glue"}, TypeError, "link = 'glue'; allowed: a Link, or a list of them"),
         ({"link": [sl.Link(1e6), 3]}, TypeError, "link, number 2 = 3 is of the wrong kind"),

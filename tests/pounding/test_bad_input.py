@@ -42,11 +42,6 @@ def tower(heights, **other):
             "steps_per_contact = 3 is out of range; allowed: a whole number from 4",
         ),
         (
-            {"steps_per_contact": 16.5},
-            ValueError,
-            "steps_per_contact = 16.5 is no whole number; allowed: a whole number",
-        ),
-        (
             {"contact": sl.Kelvin(1e26, restitution=0.65)},
             ValueError,
             r"near contact of 6.* s, would take about .* hours; .*softer contact",
@@ -69,7 +64,6 @@ def tower(heights, **other):
             "structures 1 and 2 a floor meets a column at 6 m; allowed: .*Kelvin",
         ),
         ({"gaps": -0.01}, ValueError, r"-0.01 between structures 1 and 2.*0 <= gap"),
-        ({"gaps": np.nan}, ValueError, "nan between structures 1 and 2"),
         ({"gaps": [0.01, 0.02]}, ValueError, "1 in all"),
         ({"gaps": "wide"}, TypeError, "wide"),
         ({"contact": 0.65}, TypeError, "contact = 0.65"),
@@ -82,7 +76,6 @@ def tower(heights, **other):
         ({"motion": 0 * MOTION}, ValueError, "motion: record holds only zeros"),
         ({"motion": np.ones(100)}, TypeError, "motion: record is a ndarray"),
         ({"output_step": 0.0}, ValueError, "output_step = 0.0"),
-        ({"output_step": "fine"}, TypeError, "output_step = 'fine'"),
     ],
 )
 def test_what_cannot_pound_is_refused(arguments, error, message):
@@ -99,12 +92,6 @@ def test_a_kind_that_somebody_extends_is_still_allowed():
         for kind in (Pinched, sl.Bilinear)
     )
     xr.testing.assert_equal(of_one, plain)
-
-
-@pytest.mark.parametrize("mass", [0.0, -1.0, np.inf, np.nan])
-def test_masses_out_of_range_are_refused(mass):
-    with pytest.raises(ValueError, match="mass = "):
-        sl.Bilinear(1.0, 0.05, mass=mass)
 
 
 def test_a_mass_is_one_number():

@@ -245,7 +245,6 @@ DRIFTING = lines([round(0.01 * i * (1 + i / 500), 5) for i in range(100)], [1.0]
 
 REFUSALS = {
     "empty": ("", READY, "record.txt is empty"),
-    "only comments": ("# nothing\n\n", READY, "record.txt is empty"),
     "only names": ("time,acc\n", READY, "record.txt is empty"),
     "no dt": (SINGLE, {"units": "g"}, r"dt is missing .*give dt= in seconds, or time_column="),
     "no units": (SINGLE, {"dt": 0.01}, r"units is missing .*'g', 'm/s\^2', 'cm/s\^2', 'mm/s\^2', 'gal'"),
@@ -259,21 +258,6 @@ REFUSALS = {
         {"dt": 0, "units": "g"},
         "dt = 0 is out of range; allowed: a positive, finite number of seconds",
     ),
-    "dt negative": (
-        SINGLE,
-        {"dt": -0.01, "units": "g"},
-        "dt = -0.01 is out of range; allowed: a positive, finite number",
-    ),
-    "dt NaN": (
-        SINGLE,
-        {"dt": np.nan, "units": "g"},
-        "dt = nan is out of range; allowed: a positive, finite number",
-    ),
-    "dt text": (
-        SINGLE,
-        {"dt": "0.01", "units": "g"},
-        "dt = '0.01' is no number; allowed: a positive, finite number",
-    ),
     "no column": (
         TABLE,
         READY,
@@ -281,13 +265,7 @@ REFUSALS = {
     ),
     "no column, names": (NAMED, BOTH, r"3 columns \(index 0 to 2\) named time, north, east"),
     "column too high": (TABLE, {**BOTH, "column": 3}, r"column = 3 is not in .* 3 columns"),
-    "column negative": (TABLE, {**BOTH, "column": -1}, r"column = -1 is not in"),
     "column name": (NAMED, {**BOTH, "column": "up"}, "column = 'up' is not in .*time, north, east"),
-    "time column": (
-        TABLE,
-        {"units": "g", "column": 1, "time_column": "t"},
-        "time_column = 't' is not in",
-    ),
     "same column": (TABLE, {**BOTH, "column": 0}, "column = 0 is the time_column as well"),
     "minutes": (
         "t [min],acc\n" + lines(times(), WAVE, separator=","),
@@ -295,15 +273,8 @@ REFUSALS = {
         r"time_column = 0 is named 't \[min\]'; allowed: time in seconds",
     ),
     "text": (changed(7, "0.1x"), BOTH, r"record.txt, line 8: '0.1x' is not a number"),
-    "first line": (changed(0, "x"), BOTH, "line 1: 'x' is not a number"),
-    "typo in the first line": ("0.0x1\n" + SINGLE, READY, "line 1: '0.0x1' is not a number"),
-    "stars": (changed(3, "********"), BOTH, r"line 4: '\*+' is not a number"),
     "empty field": ("0.0,1\n0.1,2\n0.2,\n" * 9, BOTH, "line 3: 1 columns, but line 1 has 2"),
-    "hole": ("0,1,1\n1,,1\n" * 9, {**READY, "column": 1}, "line 2: '' is not a number"),
     "NaN": (changed(9, "NaN"), BOTH, "line 10: 'NaN' is not finite"),
-    "infinity": (changed(9, "-inf"), BOTH, "line 10: '-inf' is not finite"),
-    "overflow": (changed(9, "1e999"), BOTH, "line 10: '1e999' is not finite"),
-    "NaN time": (changed(9, "nan", first=True), BOTH, "line 10: 'nan' is not finite"),
     "ragged": ("1 2 3\n4 5\n", READY, "line 2: 2 columns, but line 1 has 3; start a title with #"),
     "title": ("Record of a day\n" + SINGLE, READY, "line 2: 1 columns, but line 1 has 4; start a title"),
     "repeated time": (
@@ -311,20 +282,17 @@ REFUSALS = {
         BOTH,
         r"does not increase: 0\.08 s is followed by 0\.08 s",
     ),
-    "time going back": (changed(5, "0.01", first=True), BOTH, r"0\.08 s is followed by 0\.01 s"),
     "gap": (
         without(10),
         BOTH,
         r"time has a gap at 0\.18 s: the next is 0\.22 s, but the step is 0\.02 s",
     ),
-    "long gap": (without(*range(10, 20)), BOTH, r"gap at 0\.18 s: the next is 0\.4 s"),
     "drift": (DRIFTING, BOTH, r"time is uneven: its step changes before 0\.\d+ s|time has a gap"),
     "dt and time": (
         lines(times(), WAVE),
         {**BOTH, "dt": 0.01},
         r"dt = 0\.01 contradicts the time, .* 0\.02 s",
     ),
-    "dt nearly": (lines(times(), WAVE), {**BOTH, "dt": 0.0201}, r"dt = 0\.0201 contradicts the time"),
     "short": (lines(WAVE[:15]), READY, "record has 15 samples; allowed: at least 16"),
     "zeros": ("0.0\n" * 40, READY, "record holds only zeros"),
     "velocity": (
@@ -350,22 +318,8 @@ REFUSALS = {
         {"dt": 1e-300, "units": "g"},
         r"record.txt is 1e-300 s; allowed: 1e-06",
     ),
-    "tiny step of AT2": (at2("NPTS= 40, DT= 1E-300 SEC"), {}, r"step of record.txt is 1e-300 s"),
     "huge step": (at2("NPTS= 40, DT= 1E999 SEC"), {}, "is not the header of an AT2 file"),
-    "constant time": (lines([0.5] * 40, WAVE), BOTH, "time does not increase"),
-    "times twice": (changed(7, "0.12", first=True), BOTH, "time does not increase: 0.12 s"),
-    "two records": (
-        lines(times(), WAVE) * 2,
-        BOTH,
-        "0.78 s is followed by 0 s",
-    ),
     "two AT2 records": (at2("NPTS= 40, DT= .01 SEC") * 2, {}, r"'PEER' is not a number"),
-    "truth for a column": (TABLE, {**BOTH, "column": True}, "column = True is not in"),
-    "truth for a step": (
-        SINGLE,
-        {"dt": True, "units": "g"},
-        "dt = True is no number; allowed: a positive, finite number",
-    ),
     "AT2 dt": (at2("NPTS= 40, DT= .01 SEC"), {"dt": 0.02}, r"dt = 0\.02 contradicts .*states 0\.01"),
     "AT2 units": (
         at2("NPTS= 40, DT= .01 SEC"),
@@ -378,13 +332,11 @@ REFUSALS = {
         "record.txt: units = 'CM/S' is not a unit of acceleration",
     ),
     "AT2 count": (at2("NPTS= 41, DT= .01 SEC"), {}, "holds 40 values, but line 4 states NPTS = 41"),
-    "AT2 too many": (at2("39 .01 NPTS, DT"), {}, "holds 40 values, but line 4 states NPTS = 39"),
     "AT2 header": (
         at2("NPTS 40 DT 0.01"),
         {},
         "line 4: 'NPTS 40 DT 0.01' is not the header of an AT2 file",
     ),
-    "AT2 dt zero": (at2("NPTS= 40, DT= 0.0 SEC"), {}, "is not the header of an AT2 file"),
     "AT2 column": (at2("NPTS= 40, DT= .01 SEC"), {"column": 0}, "column and time_column do not apply"),
     "AT2 text": (at2("NPTS= 40, DT= .01 SEC").replace("E", "x", 12), {}, r"line \d+: .* is not"),
 }
@@ -475,7 +427,6 @@ def test_strong_part_refuses_fractions(fractions):
     [
         (np.ones(50), TypeError, "record is a ndarray; allowed: an xarray.DataArray"),
         (xr.DataArray(np.ones(50), dims="time"), ValueError, "allowed: time alone, with its coordinate"),
-        (xr.DataArray(np.ones((20, 2)), dims=["time", "c"]), ValueError, "allowed: time alone"),
         (
             history(WAVE).assign_coords(time=np.arange(40).astype("datetime64[ns]")),
             TypeError,
@@ -484,10 +435,7 @@ def test_strong_part_refuses_fractions(fractions):
         (history(WAVE) * 1j, TypeError, "complex128 and float64; allowed: numbers"),
         (history(WAVE, units="g"), ValueError, r"record has units 'g'; allowed: m/s\^2"),
         (history([1.0] * 20 + [np.nan]), ValueError, r"record is nan at 0\.2 s"),
-        (history(WAVE[:5]), ValueError, "record has 5 samples; allowed: at least 16"),
-        (history(np.zeros(40)), ValueError, "only zeros"),
         (history(WAVE).isel(time=slice(None, None, -1)), ValueError, "time does not increase"),
-        (history(WAVE).drop_isel(time=20), ValueError, r"time has a gap at 0\.19 s"),
     ],
 )
 def test_what_is_not_a_record(record, error, message):

@@ -545,9 +545,6 @@ def test_everything_has_units_and_a_name():
 
 GOOD = {"period": 0.5, "damping": 0.05}
 BAD_RECORDS = {
-    "array": (np.ones(50), TypeError, "record is a ndarray; allowed"),
-    "units": (synthetic().assign_attrs(units="g"), ValueError, "record has units 'g'; allowed: m/s"),
-    "NaN": (synthetic().where(lambda r: r.time < 3), ValueError, "record is nan at 3 s"),
     "uneven": (synthetic().drop_isel(time=20), ValueError, "time has a gap"),
     "empty": ([], ValueError, "record is empty"),
     "one of two": ([synthetic(), np.ones(3)], TypeError, "record 2: record is a ndarray"),
@@ -567,11 +564,8 @@ def test_what_is_no_record(case):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"period": -1.0}, "period = -1 is out of range"),
-        ({"damping": 1.0}, "damping = 1 is out of range"),
         ({"period": 0.0019}, r"period = 0\.0019 s is below 0\.002 s, a tenth of the record's step"),
         ({"yield_displacement": 0.1}, "hardening is not given"),
-        ({"yield_displacement": -0.1, "hardening": 0.1}, "yield_displacement = -0.1 is out of range"),
         ({"period": xr.DataArray([1.0], dims="record")}, "a parameter has the dimension 'record'"),
         (
             {"period": axis("x", [1.0, 2.0]), "damping": axis("x", [0.1, 0.2, 0.3])},
@@ -591,15 +585,10 @@ def test_structures_that_follow_no_record():
         sl.respond(reduced, record)
     with pytest.raises(ValueError, match="second: reduction_factor has no meaning"):
         sl.recorded_gap(good, reduced, record)
-    with pytest.raises(TypeError, match="structure = 3 is of the wrong kind"):
-        sl.respond(3, record)
     with pytest.raises(ValueError, match="period is an array; allowed: scalars"):
         sl.respond(sl.Bilinear([1.0, 2.0], 0.05), record)
     with pytest.raises(TypeError, match="record is a list; allowed: one"):
         sl.respond(good, [record])
-    for refine in (0, 1.5, True):
-        with pytest.raises(ValueError, match="allowed: a whole number from 1"):
-            sl.respond(good, record, refine=refine)
     with pytest.raises(ValueError, match="share a dimension"):
         sl.recorded_gap(
             sl.Bilinear(axis("x", [1.0, 2.0]), 0.05), sl.Bilinear(axis("x", [1.0, 3.0]), 0.05), record

@@ -337,9 +337,6 @@ def test_a_number_of_ones_own_stands_in_the_table_and_is_told():
 def test_numbers_that_cannot_be_are_refused(numbers, error, message):
     with pytest.raises(error, match=message):
         sl.code_gaps(0.03, 0.04, numbers=numbers)
-    pair = [sl.Bilinear(period, 0.05) for period in (0.6, 1.0)]
-    with pytest.raises(error, match=message):
-        sl.separation(*pair, GROUND, 20.0, numbers=numbers)
 
 
 def test_peru_has_three_ways_to_be_the_largest():
@@ -440,8 +437,6 @@ def test_rules_without_their_data_are_nan_and_say_what_is_missing():
         ({"height_1": 0.0}, ValueError, "height_1 = 0 "),
         ({"peak_1": -0.1}, ValueError, "peak_1 = -0.1"),
         ({"floors_align": "yes"}, TypeError, "floors_align = 'yes'"),
-        ({"same_property": "yes"}, TypeError, "same_property = 'yes'"),
-        ({"same_system": 1}, TypeError, "same_system = 1"),
     ],
     ids=str,
 )

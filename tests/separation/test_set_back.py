@@ -230,8 +230,6 @@ def test_what_is_of_a_second_building_is_refused() -> None:
     for name, value in ({"height_2": 12.0} | facts).items():
         with pytest.raises(ValueError, match=f"{name} is given, of a second building"):
             sl.separation(OFFICE, None, GROUND, 20.0, **{name: value})
-        with pytest.raises(ValueError, match=f"{name} is given, of a second building"):
-            sl.code_gaps(0.03, None, **{name: value})
     with pytest.raises(ValueError, match="canada needs a second building"):
         sl.rules.code_rule("canada").gap(0.03, None)
 

@@ -154,13 +154,11 @@ BROKEN = {
         samples.openquake([0.1, 0.2, 0.3], {(0, 0): [0.1, 0.2, 0.01]}),
         "line 3, column poe-0.2000000: the annual frequency .* follows .*; allowed: falling",
     ),
-    "one point": (samples.openquake([0.1, 0.2], {(0, 0): [0.1, 0.0]}), "1 points; allowed: 2"),
     "negative": (
         samples.openquake([0.1, 0.2], {(0, 0): [-0.1, -0.2]}),
         "line 3, column poe-0.1000000: the probability is -0.1; allowed",
     ),
     "json": ('{"response": [', "hazard.csv is no valid JSON: .*; fetch it again"),
-    "deep json": ('{"a":' + "[" * 100_000, "hazard.csv is no valid JSON"),
     "no response": ('{"answer": []}', "hazard.csv has no response; allowed: the response of the hazard"),
     "no curves": ('{"response": {}}', "hazard.csv has no response.hazardCurves"),
     "no imt": ('{"response": [{"data": []}]}', "hazard.csv has no imt.value"),

@@ -62,10 +62,3 @@ def test_in_a_table_only_the_cells_with_long_periods_fail() -> None:
     np.testing.assert_array_equal(table.gap.isel(period=0), alone.gap)
     assert table.gap.isel(period=1).isnull().all()
     assert (table.status.isel(period=1) == 3).all()
-
-
-def test_a_truth_value_is_no_number() -> None:
-    with pytest.raises(ValueError, match="dt = True is no number; allowed: a positive, finite number"):
-        sl.read_record("record.txt", dt=True, units="g")
-    with pytest.raises(ValueError, match="amplification_limit = True"):
-        sl.mitigate(ONE, TWO, GROUND, 12.0, 0.05, {}, amplification_limit=True)
