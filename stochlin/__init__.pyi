@@ -60,10 +60,6 @@ from .analyses.separation.code_gaps import code_gaps as code_gaps
 from .analyses.sensitivity.sensitivity import sensitivity as sensitivity
 from .models.uncertain import Uncertain as Uncertain
 from .analyses.cases.case import read_case as read_case
-from .analyses.cases.examples import (
-    example_case as example_case,
-    example_record as example_record,
-)
 from . import rules as rules
 
 # Records and envelopes

@@ -5,6 +5,8 @@ Whoever still uses it reads the clause in an error.
 """
 
 REMOVED: dict[str, str] = {
+    "example_case": "stochlin gap --example prints it",
+    "example_record": "stochlin gap --example-record prints it",
     "draw_pushover": "matplotlib plots base_shear and idealized_base_shear of bilinear_of",
     "damping_model": "damping_modes alone gives the two modes of Rayleigh damping",
     "fitted": "ModalBuilding takes the modes as they are",

@@ -20,6 +20,7 @@ from scipy.integrate import quad
 from scipy.special import ndtr
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.views.command import main
 
 REACH = 12.0  # standard deviations: the Gaussian density beyond is below 1e-31
@@ -80,7 +81,7 @@ SHORT_MOTION = {'"20 s"': '"6 s"', 'rise_end = "4 s"': 'rise_end = "1 s"', '"15 
 
 def example_of_short_motion() -> str:
     """The example of a case file, with motions that are simulated in a third of the time."""
-    text = sl.example_case()
+    text = example_case()
     for long, short in SHORT_MOTION.items():
         assert text.count(long) == 1
         text = text.replace(long, short)
@@ -97,13 +98,13 @@ def with_slow(names: Iterable[Any], long: Collection[Any]) -> list[Any]:
 
 def blocks_to_uncomment(start: str) -> list[str]:
     """Those of the example of a case file whose first line starts so."""
-    blocks = re.findall(r"(?:^#   .*\n)+", sl.example_case(), re.MULTILINE)
+    blocks = re.findall(r"(?:^#   .*\n)+", example_case(), re.MULTILINE)
     return [block for block in blocks if block.startswith(f"#   {start}")]
 
 
 def uncommented(block: str) -> str:
     """The example of a case file with the lines of a block taken in."""
-    text = sl.example_case()
+    text = example_case()
     return text.replace(block, block.replace("#   ", ""))
 
 
@@ -138,7 +139,7 @@ height = "4 m"
 
 def with_buildings(*buildings: str) -> str:
     """The example of a case file with these buildings in place of its own."""
-    text = sl.example_case()
+    text = example_case()
     start, end = text.index("[building_1]"), text.index("[separation]")
     return text[:start] + "\n".join(buildings) + text[end:]
 

@@ -3,7 +3,7 @@
 Every folder here with an ``about.toml`` is a case, as a user would have it:
 
 ``about.toml``      why it is kept; the ``commands``, if it has some; the tolerance and its reason
-``case.py``         otherwise: a script, through public names only
+``case.py``         otherwise: a script
 other files         what it reads: case files, records made for it
 ``expected/``       what it wrote, and in ``screen.txt`` what it printed
 ``independent.py``  for the verification manual: the same by hand or by another program

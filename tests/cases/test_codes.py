@@ -15,6 +15,7 @@ import stochlin as sl
 from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.codes import design_displacements, with_applied_codes
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.cases.files.design import Design
 from stochlin.analyses.cases.separation import CaseAnswer, answer_case
 from stochlin.models.rules.codes import CODE_RULES
@@ -252,7 +253,7 @@ def test_a_code_without_displacements_has_one_row(tmp_path: Path) -> None:
 
 @pytest.mark.invariant
 def test_oscillators_have_one_displacement(tmp_path: Path) -> None:
-    text = sl.example_case().replace('existing = "5 cm"', "").replace("2048", "128")
+    text = example_case().replace('existing = "5 cm"', "").replace("2048", "128")
     text = text.replace('name = "Office block"', 'name = "Office"\ndisplacements = "2 cm"', 1)
     text = text.replace(
         'name = "Annex"', 'name = "Annex"\ndisplacements = "1.5 cm"\nbehaviour_factor = 2'

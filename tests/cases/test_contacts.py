@@ -11,12 +11,13 @@ from cases import recorded_example, with_buildings
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.contacts import CONTACTS, read_contact
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.cases.files.sections import Section
 from stochlin.analyses.cases.pounding import pound_case
 
 pytestmark = pytest.mark.invariant
 
-EXAMPLE = sl.example_case()
+EXAMPLE = example_case()
 CONTACT = EXAMPLE[EXAMPLE.index("[contact]") : EXAMPLE.index("# Measures")]
 MEASURES = EXAMPLE[EXAMPLE.index("# Measures") :]
 OPTIONAL = CONTACT + MEASURES

@@ -11,11 +11,12 @@ from cases import storeyed_building, with_buildings
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.examples import example_case
 from stochlin.messages import LONGEST, DoubtfulInput
 
 pytestmark = pytest.mark.invariant
 
-EXAMPLE = sl.example_case()
+EXAMPLE = example_case()
 STOREYS = with_buildings(storeyed_building(1, "period"), storeyed_building(2, "masses"))
 STOREYS = STOREYS.replace("floors_align = true", "floors_align = false")
 STRENGTH = 'reduction_factor = 4\nheight = "24 m"'

@@ -9,13 +9,14 @@ import pytest
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.sites.motion_fit import USES
 from stochlin.views.shared.descriptions import source_in_words
 
 pytestmark = pytest.mark.invariant
 
 G = 9.80665
-EXAMPLE = sl.example_case().replace('duration = "20 s"', 'duration = "5 s"')  # fits take as long
+EXAMPLE = example_case().replace('duration = "20 s"', 'duration = "5 s"')  # fits take as long
 CODE = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\n'
 
 

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.examples import example_case, example_record
 from stochlin.analyses.cases.files.quantities import UNITS, Quantity
 from stochlin.analyses.cases.files.sections import Section, key_lines
 from stochlin.analyses.cases.pounding import pound_case
@@ -28,7 +29,7 @@ from stochlin.views.separation.verdict import reason
 
 pytestmark = pytest.mark.invariant
 
-EXAMPLE = sl.example_case()
+EXAMPLE = example_case()
 
 
 def read(folder: Path, text: str) -> Case:
@@ -108,8 +109,8 @@ def test_progress_of_an_answer_never_goes_back(tmp_path: Path) -> None:
 
 def test_the_example_of_a_record_is_what_its_description_says(tmp_path: Path) -> None:
     """To its last digit, where another library may round differently."""
-    (tmp_path / "record.at2").write_text(sl.example_record())
-    assert sl.example_record().splitlines()[1].startswith("SYNTHETIC, by stochlin simulated_motions")
+    (tmp_path / "record.at2").write_text(example_record())
+    assert example_record().splitlines()[1].startswith("SYNTHETIC, by stochlin simulated_motions")
     site = sl.named_ground("firm", 0.01), 20.0, sl.AminAng(4.0, 15.0, 0.35)
     case = read(tmp_path, EXAMPLE)
     assert (case.ground, case.duration, case.envelope) == site

@@ -12,13 +12,14 @@ from motions import write_at2
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.separation.verdict import comparisons
 from stochlin.views.shared.words import scatter
 
 pytestmark = pytest.mark.invariant
 
-EXAMPLE = sl.example_case()
+EXAMPLE = example_case()
 SITE = '[site]\nground = "fitted"\n{more}[[site.records]]\npath = "wave.at2"\n\n'
 FITTED = '[motion]\nenvelope = "fitted"\n'
 ENVELOPE = sl.AminAng(3.0, 10.0, 0.3)

@@ -9,13 +9,14 @@ from click.testing import CliRunner
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.sites.motion_fit import USES
 from stochlin.views.command import main
 from stochlin.views.shared.words import scatter
 
 pytestmark = pytest.mark.cli
 
-EXAMPLE = sl.example_case().replace("paths = 2048", "paths = 128")
+EXAMPLE = example_case().replace("paths = 2048", "paths = 128")
 SHORT = ('duration = "20 s"', 'duration = "5 s"')  # fits take as long
 # Answers for an existing gap take long: none for the command gap, and for mitigate one that is enough.
 GAPS = {"gap": "", "probability": 'existing = "5 cm"', "mitigate": 'existing = "80 cm"'}

@@ -14,6 +14,7 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case, case_of
+from stochlin.analyses.cases.examples import example_case, example_record
 from stochlin.analyses.cases.files import schema
 from stochlin.analyses.cases.files.keys import Key, Slider
 from stochlin.analyses.cases.files.known import Known
@@ -62,8 +63,8 @@ SITES = {
 @pytest.mark.slow
 @pytest.mark.parametrize("strength", SITES)
 def test_what_is_known_is_neither_read_nor_fitted_again(strength: str, tmp_path: Path) -> None:
-    (tmp_path / "record.at2").write_text(sl.example_record(), encoding="utf-8")
-    text = sl.example_case()
+    (tmp_path / "record.at2").write_text(example_record(), encoding="utf-8")
+    text = example_case()
     start, end = text.index("[site]"), text.index("[motion]")
     record = '[[site.records]]\npath = "record.at2"\n'
     text = f"{text[:start]}[site]\n{SITES[strength]}{record}{text[end:]}"
@@ -96,7 +97,7 @@ def occupancy(monkeypatch: pytest.MonkeyPatch) -> Iterator[Key]:
 def test_a_key_of_the_schema_is_explained_read_shown_edited_and_saved(
     occupancy: Key, tmp_path: Path
 ) -> None:
-    text = sl.example_case()
+    text = example_case()
     line = "# occupancy = 0                 # People on a working day\n"
     assert text.count(line) == 1
     assert text.index("[building_1]") < text.index(line) < text.index("[building_2]")
@@ -118,7 +119,7 @@ def test_a_key_of_the_schema_is_explained_read_shown_edited_and_saved(
 @pytest.mark.slow
 def test_the_page_contains_the_case_from_which_it_is_made(tmp_path: Path) -> None:
     """What is between its tags is typed again, and gives the same numbers."""
-    (tmp_path / "case.toml").write_text(sl.example_case(), encoding="utf-8")
+    (tmp_path / "case.toml").write_text(example_case(), encoding="utf-8")
     answer = answer_case(dataclasses.replace(sl.read_case(tmp_path / "case.toml"), paths=100))
     page = report_page(answer)
     text = html.unescape(page[page.index("<pre>") + len("<pre>") : page.index("</pre>")])

@@ -14,6 +14,7 @@ from motions import write_at2
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.analyses.cases.sites.shaking import recorded_shaking
 from stochlin.views.command import main
@@ -21,7 +22,7 @@ from stochlin.views.command import main
 pytestmark = pytest.mark.invariant
 
 G = 9.80665
-EXAMPLE = sl.example_case().replace("paths = 2048", "paths = 256")
+EXAMPLE = example_case().replace("paths = 2048", "paths = 256")
 SHORT = EXAMPLE.replace('duration = "20 s"', 'duration = "5 s"')  # fits take as long
 # Answers for an existing gap take long: none for the command gap, and for mitigate one that is enough.
 ALONE, WIDE = (EXAMPLE.replace('existing = "5 cm"', gap) for gap in ("", 'existing = "80 cm"'))

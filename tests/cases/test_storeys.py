@@ -15,13 +15,14 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.examples import example_case
 from stochlin.messages import DoubtfulInput
 from stochlin.models.systems import slabs_on_columns
 from stochlin.views.shared.words import floors
 
 pytestmark = pytest.mark.invariant
 
-EXAMPLE = sl.example_case()
+EXAMPLE = example_case()
 END = EXAMPLE.index("[building_2]")
 OSCILLATOR = EXAMPLE[END : EXAMPLE.index("[separation]")]
 REGULAR = """[building_1]

@@ -12,6 +12,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.separation.report import report_page
 from stochlin.views.shared.words import OF_WALL, walls
@@ -88,7 +89,7 @@ def test_a_chain_with_the_first_mode_of_a_wall_has_not_its_second_period():
 
 @pytest.mark.slow
 def test_the_screen_and_the_page_say_it_and_no_number_changes(tmp_path):
-    text = sl.example_case().replace("paths = 2048", "paths = 128")
+    text = example_case().replace("paths = 2048", "paths = 128")
     plain, wall = case_of(tmp_path, text), case_of(tmp_path, with_wall(text))
     (caution,) = walls(wall)
     assert "one oscillator stands for it" in caution
@@ -104,9 +105,9 @@ def test_the_screen_and_the_page_say_it_and_no_number_changes(tmp_path):
 
 
 def test_other_systems_are_refused(tmp_path):
-    text = sl.example_case().replace("[building_2]", '[building_2]\nsystem = "dome"', 1)
+    text = example_case().replace("[building_2]", '[building_2]\nsystem = "dome"', 1)
     with pytest.raises(ValueError, match=r"building_2.system = 'dome' .*frame.*wall"):
         case_of(tmp_path, text)
-    case = case_of(tmp_path, with_wall(sl.example_case()))
+    case = case_of(tmp_path, with_wall(example_case()))
     assert [building.name for building in case.walls] == ["Annex"]
     assert [b.name for b in dataclasses.replace(case, paths=200).walls] == ["Annex"]

@@ -9,12 +9,13 @@ import pytest
 from cases import BLOCK, with_buildings
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.explorer.form import AS_IN_FILE, Choice, changed_text, chosen, form_of
 from stochlin.analyses.tables.toml import toml_text
 
 pytestmark = pytest.mark.invariant
 
-EXAMPLE = sl.example_case()
+EXAMPLE = example_case()
 SINGLY = """
 [building_2]
 name = "Annex"

@@ -17,7 +17,7 @@ from browser import PATIENCE, served, wait
 from cases import BLOCK, example_of_short_motion, with_buildings
 from click.testing import CliRunner
 
-import stochlin as sl
+from stochlin.analyses.cases.examples import example_case, example_record
 from stochlin.views.command import main
 from stochlin.views.explorer.answers import gap_of
 from stochlin.views.explorer.server import OwnOrigin, names_of
@@ -56,7 +56,7 @@ def test_a_missing_extra_is_told_with_its_cure(monkeypatch):
 
 def test_a_bad_case_file_is_told(tmp_path):
     path = tmp_path / "case.toml"
-    path.write_text(sl.example_case().replace('period = "1.0 s"', 'period = "-4 s"'), encoding="utf-8")
+    path.write_text(example_case().replace('period = "1.0 s"', 'period = "-4 s"'), encoding="utf-8")
     done = run("--case", path)
     assert done.exit_code == 2
     assert "building_1.period = '-4 s' is out of range" in done.output
@@ -190,7 +190,7 @@ def test_what_is_saved_is_the_opened_file_with_another_line(page, tmp_path):
     )
     text = text.replace('"Annex"', "'An\" onfocus=\"1'")
     path.write_text(text, encoding="utf-8")
-    (tmp_path / "a.at2").write_text(sl.example_record(), encoding="utf-8")
+    (tmp_path / "a.at2").write_text(example_record(), encoding="utf-8")
     page.send(path)
     wait(lambda: "choose the case file together with the files that it names" in page.text("alert"))
     page.send(path, tmp_path / "a.at2")

@@ -11,6 +11,7 @@ from cases import example_of_short_motion
 from uploads import open_case
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case, example_record
 from stochlin.analyses.explorer.uploads import of_case, read_upload, uploaded
 
 pytestmark = pytest.mark.invariant
@@ -26,7 +27,7 @@ def with_site(site: str) -> str:
 
 def record_in(folder: Path) -> Path:
     folder.mkdir(exist_ok=True)
-    (folder / "a.at2").write_text(sl.example_record(), encoding="utf-8")
+    (folder / "a.at2").write_text(example_record(), encoding="utf-8")
     return folder / "a.at2"
 
 
@@ -81,7 +82,7 @@ def test_what_is_no_case_is_refused_in_the_words_of_its_reader(files, message):
 @pytest.mark.parametrize("name", ["..", "", ".", "a/b.csv", "a\\b.csv", "a\0.csv", f"{'a' * 300}.csv"])
 def test_a_name_of_an_upload_that_no_file_can_have_is_told(name):
     with pytest.raises(ValueError, match=r"the file name .* allowed: a name of 1 to 255 bytes") as told:
-        open_case({"case.toml": sl.example_case().encode(), name: b""})
+        open_case({"case.toml": example_case().encode(), name: b""})
     assert tempfile.gettempdir() not in str(told.value)
 
 
@@ -102,7 +103,7 @@ def test_a_ground_is_fitted_once_for_all_strengths_of_an_upload():
 
 
 def test_a_warning_on_the_file_is_kept():
-    text = sl.example_case().replace('existing = "5 cm"', 'existing = "4 m"')
+    text = example_case().replace('existing = "5 cm"', 'existing = "4 m"')
     _, doubts = open_case({"case.toml": text.encode()})
     assert len(doubts) == 1
     assert "separation.existing = '4 m' is doubtful" in doubts[0]

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 
 pytestmark = pytest.mark.oracle
 
@@ -29,7 +29,7 @@ restitution = 0.6
 
 
 def case_file(folder: Path, model: str) -> Path:
-    text = sl.example_case().replace("[motion]", CASE, 1)
+    text = example_case().replace("[motion]", CASE, 1)
     text = text[: text.index("[contact]")] + CONTACT.format(model).replace("900 G", "900000 M")
     noise = np.convolve(np.random.default_rng(3).normal(size=419), np.hanning(20), "valid")
     np.savetxt(folder / "record.txt", 1.5 * noise / abs(noise).max())

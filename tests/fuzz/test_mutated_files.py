@@ -21,6 +21,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.messages import LONGEST_MESSAGE
 
 pytestmark = [pytest.mark.invariant, pytest.mark.slow]
@@ -87,7 +88,7 @@ SITES = (
 
 def forms_of_the_case() -> list[str]:
     """The example as it is, and with each of its blocks of a record and of a ground taken in."""
-    text = sl.example_case()
+    text = example_case()
     forms = [text, *(cases.uncommented(one) for one in cases.blocks_to_uncomment("[[site.records]]"))]
     own = cases.blocks_to_uncomment('ground = "')
     bare = text.replace('\nground = "firm"', "").replace('\nintensity = "0.01 m^2/s^3"', "")
@@ -106,7 +107,7 @@ def bare_of_comments(text: str) -> str:
 
 def storeyed_forms() -> list[str]:
     """The example with a record, and buildings by their storeys or one beside an oscillator."""
-    (record, *_), text = cases.blocks_to_uncomment("[[site.records]]"), sl.example_case()
+    (record, *_), text = cases.blocks_to_uncomment("[[site.records]]"), example_case()
     oscillator = text[text.index("[building_2]") : text.index("[separation]")]
     few, one_by_one = (cases.storeyed_building(1, start) for start in ("period", "masses"))
     seconds = (few.replace("_1]", "_2]"), cases.storeyed_building(2, "masses"), oscillator)

@@ -46,10 +46,6 @@ UNCHECKED = {
     "exceedance": "it takes arrays, whose dimensions it checks",
     "stationary_covariance": "it takes the dataset of another function",
     "named_ground": BY_NAME,
-    **dict.fromkeys(
-        ("example_case", "example_record"),
-        "it has no arguments",
-    ),
 }
 
 

@@ -16,6 +16,7 @@ from cases import recorded_example
 from commands import answered, invoke, refused
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case, example_record
 from stochlin.analyses.tables import storage
 from stochlin.models.laws import closure_names
 from stochlin.views.command import main
@@ -191,7 +192,7 @@ def test_the_same_command_makes_the_same_files(chart: str, kind: str, tmp_path: 
 def test_charts_of_a_site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As on the page that one starts with, with fewer points and motions."""
     monkeypatch.chdir(tmp_path)
-    Path("record.at2").write_text(sl.example_record(), encoding="utf-8")
+    Path("record.at2").write_text(example_record(), encoding="utf-8")
     line = "charts --record record.at2 --out site"
     answered(*line.split(), default_map=QUICK_CHARTS)
     names = {f"{name}_site" for name in FIGURES if name not in FORMULAS}
@@ -272,7 +273,7 @@ def test_help_keeps_its_lines(name):
 def test_what_an_output_cannot_encode_is_spelled_out(encoding: str, tmp_path: Path) -> None:
     """As when Windows writes to a file; names are the user's."""
     case = tmp_path / "case.toml"
-    text = sl.example_case().replace("Office block and", "Łódź, ρ and")
+    text = example_case().replace("Office block and", "Łódź, ρ and")
     case.write_text(text.replace("paths = 2048", "paths = 100"), encoding="utf-8")
     pair = ("rho", "--period-1", "0.7s", "--period-2", "1s", "--hardening", "0.05")
     commands = (*pair, "--reduction-factor", "4"), ("mitigate", str(case)), ("rho", "--help")

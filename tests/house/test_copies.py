@@ -11,6 +11,7 @@ import sympy
 from uploads import open_case
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.charts.settings import ChartSettings
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.models.envelopes import ENVELOPES
@@ -44,7 +45,7 @@ GIVEN: dict[str, dict[str, Any]] = {
 }
 UNHASHABLE = {"ModalBuilding", "ShearBuilding"}  # they hold arrays and mappings
 OTHERS = {
-    "Case": open_case({"case.toml": sl.example_case().encode()})[0],
+    "Case": open_case({"case.toml": example_case().encode()})[0],
     "ChartSettings": ChartSettings(),
 }
 

@@ -8,6 +8,7 @@ import pytest
 from commands import refused
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.models.arguments import OneOf, checked
 from stochlin.removed import REMOVED
 
@@ -72,7 +73,7 @@ def test_command_line_and_case_files_say_what_to_use_instead(tmp_path: Path) -> 
     assert "'gone' is not one of 'gaussian'" in chosen
     assert said in chosen
     case = tmp_path / "case.toml"
-    case.write_text(sl.example_case().replace("[site]", "[site]\ngone = 1"), encoding="utf-8")
+    case.write_text(example_case().replace("[site]", "[site]\ngone = 1"), encoding="utf-8")
     assert "site.gone = 1 is not a key that is known here; it was removed: the gap says it" in refused(
         "gap", case
     )

@@ -27,8 +27,6 @@ MOST_MODULES = 12  # of a folder
 # Lists, readers, and look-ups of what carries its own ``reference`` or ``source``.
 WITHOUT_FORMULA = {
     "WhiteNoise",
-    "example_case",
-    "example_record",
     "named_ground",
     "read_case",
     "read_hazard",

@@ -13,6 +13,7 @@ import xarray as xr
 from commands import answered
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 
 pytestmark = pytest.mark.cli
 
@@ -67,7 +68,7 @@ def process(folder: Path, setting: dict[str, str], *command: str) -> subprocess.
 
 def ran(folder: Path, setting: dict[str, str], commands: list[Any]) -> subprocess.CompletedProcess[str]:
     """A process in which these commands end well, one after another."""
-    (folder / "case.toml").write_text(case(sl.example_case()), encoding="utf-8")
+    (folder / "case.toml").write_text(case(example_case()), encoding="utf-8")
     (folder / "wave.txt").write_text("\n".join(f"{0.1 * (n % 7 - 3):g}" for n in range(50)))
     done = process(folder, setting, "-c", COMMANDS, json.dumps(commands))
     assert done.returncode == 0, done.stdout + done.stderr

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from commands import answered
 
-import stochlin as sl
 from stochlin import kernels
+from stochlin.analyses.cases.examples import example_case
 from stochlin.kernels.basics.kept import Kept
 from stochlin.messages import WHEN_COMPILING
 from stochlin.views.shared.screen import compiling_told
@@ -34,7 +34,7 @@ def new_kinds(folder: Path) -> list[str]:
     before = compiled()
     record = folder / "wave.txt"
     record.write_text("\n".join(f"{0.1 * (n % 7 - 3):g}" for n in range(100)))
-    text = sl.example_case().replace("paths = 2048", "paths = 100")
+    text = example_case().replace("paths = 2048", "paths = 100")
     site = f'[[site.records]]\npath = "{record.name}"\nunits = "g"\ndt = "0.02 s"\n[motion]'
     case = folder / "case.toml"
     case.write_text(text.replace("[motion]", site, 1), encoding="utf-8")

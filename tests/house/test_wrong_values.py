@@ -16,6 +16,7 @@ import xarray as xr
 from cases import with_slow
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 
 pytestmark = pytest.mark.invariant
 
@@ -232,7 +233,7 @@ def arguments(name: str, tmp: Path) -> dict[str, Any]:
         if one.default is one.empty and one.kind not in (one.VAR_KEYWORD, one.VAR_POSITIONAL)
     }
     if "path" in parameters:
-        texts = {"read_case": sl.example_case(), "read_spectrum": SPECTRUM}
+        texts = {"read_case": example_case(), "read_spectrum": SPECTRUM}
         texts["read_pushover"] = "0 0\n10 500\n30 700\n60 750\n"
         texts["read_modes"] = "mode,,1\nperiod [s],,0.5\nlevel [m],mass [kg],shape\n3,1e5,1\n"
         texts["read_hazard"] = "0.1,0.01\n0.3,0.001\n"

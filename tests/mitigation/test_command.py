@@ -9,6 +9,7 @@ from cases import recorded_example, storeyed_building, with_buildings
 from commands import answered, invoke, refused
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.views.mitigation.pictures import draw_measures
 from stochlin.views.mitigation.words import crushed
 
@@ -19,7 +20,7 @@ FEW = ("paths = 2048", "paths = 128")
 
 def case_file(folder, *changes):
     """The example case on few motions, changed."""
-    text = sl.example_case()
+    text = example_case()
     for old, new in (FEW, *changes):
         assert old in text
         text = text.replace(old, new, 1)

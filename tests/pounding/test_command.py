@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.views.pounding.floors import draw_floors
 from stochlin.views.pounding.pictures import draw_pound
@@ -34,7 +35,7 @@ def wave(folder: Path, name: str, seed: int, peak: float, seconds: float = 8.0) 
     np.savetxt(folder / f"{name}.txt", peak * motion / np.abs(motion).max())
 
 
-def case_file(folder: Path, *records: tuple[str, float], text: str = sl.example_case()) -> Path:
+def case_file(folder: Path, *records: tuple[str, float], text: str = example_case()) -> Path:
     lines = ""
     for seed, (name, peak) in enumerate(records):
         wave(folder, f"r{seed}", seed, peak)
@@ -179,7 +180,7 @@ mass = "600 t"
 def test_towers_and_rows_are_said_and_drawn(tmp_path: Path) -> None:
     tall, gaps = storeys(4, "350 MN/m"), '["1 cm", "2 cm"]'
     low = storeys(2, "900 MN/m", strength="elastic = true")
-    third = sl.example_case().replace("[separation]", f"{THIRD}[separation]")
+    third = example_case().replace("[separation]", f"{THIRD}[separation]")
     third = third.replace('existing = "5 cm" ', f"existing = {gaps} ")
     for text, contacts in ((with_row(tall, low, tall, gaps=gaps), 4), (third, 2)):
         for model in ('model = "kelvin"', 'model = "stereomechanical"'):
@@ -309,7 +310,7 @@ def test_commands_with_wrong_files_are_refused(
 
 
 def test_gap_says_that_it_takes_two(tmp_path: Path) -> None:
-    text = sl.example_case().replace("[separation]", f"{THIRD}[separation]")
+    text = example_case().replace("[separation]", f"{THIRD}[separation]")
     text = text.replace('existing = "5 cm" ', 'existing = ["5 cm", "3 cm"] ')
     path = case_file(tmp_path, ("r", 0.1), text=text)
     assert "describes 3 buildings; this command needs two" in refused("gap", path)
@@ -371,7 +372,7 @@ def random_cases(draw: Any, model: str) -> str:
     kind = draw(st.sampled_from([singles, storeyed()]))
     buildings = draw(st.lists(kind, min_size=2, max_size=3))
     gaps = [f"{draw(number(0, 3))} cm" for _ in buildings[1:]]
-    example = sl.example_case()
+    example = example_case()
     head = example[: example.index("[building_1]")]
     rows = "".join(f"[building_{n}]\n{lines}\n" for n, lines in enumerate(buildings, 1))
     return (
@@ -426,7 +427,7 @@ def of_storeys(low_storey: str = "3 m") -> str:
 @pytest.mark.parametrize("kind", ["oscillators", "columns"])
 def test_simulated_motions_are_said_saved_and_drawn_together(kind: str, tmp_path: Path) -> None:
     text = {
-        "oscillators": sl.example_case(),
+        "oscillators": example_case(),
         "columns": of_storeys("3.6 m").replace("floors_align = true", "floors_align = false"),
     }[kind]
     path = case_file(tmp_path, text=text)
@@ -472,7 +473,7 @@ def test_simulated_motions_are_said_saved_and_drawn_together(kind: str, tmp_path
 @pytest.mark.parametrize("kind", ["oscillators", "columns"])
 def test_the_share_of_motions_with_contact_is_that_of_the_gap(kind: str, tmp_path: Path) -> None:
     """Contact changes nothing before it, so that the motions that pound are those that need more."""
-    text = {"oscillators": sl.example_case(), "columns": of_storeys("3.6 m")}[kind]
+    text = {"oscillators": example_case(), "columns": of_storeys("3.6 m")}[kind]
     text = text.replace("paths = 2048", "paths = 100").replace("align = true", "align = false")
     path = case_file(tmp_path, text=text)
     case = sl.read_case(path)
@@ -497,7 +498,7 @@ def test_the_share_of_motions_with_contact_is_that_of_the_gap(kind: str, tmp_pat
 
 
 def test_uncertain_buildings_are_told_to_be_those_of_the_gap_at_their_medians(tmp_path: Path) -> None:
-    text = sl.example_case().replace('"1.0 s" ', '"1.0 s +- 10 %" ')
+    text = example_case().replace('"1.0 s" ', '"1.0 s +- 10 %" ')
     done = answered("pound", case_file(tmp_path, text=text), "--motions", 4)
     shown = " ".join(done.output.split())
     assert "a sample of the uncertain parameters in each of its 2048 motions" in shown

@@ -8,6 +8,7 @@ from cases import storeyed_building, with_buildings
 from commands import answered, refused
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.cases.probability import judge_gap
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.probability.pictures import draw_pounding
@@ -18,7 +19,7 @@ pytestmark = pytest.mark.cli
 @pytest.fixture
 def case(tmp_path):
     path = tmp_path / "case.toml"
-    path.write_text(sl.example_case(), encoding="utf-8")
+    path.write_text(example_case(), encoding="utf-8")
     return path
 
 
@@ -77,7 +78,7 @@ def test_records_are_in_the_table_and_the_picture(tmp_path):
         for n in ("short", "weak")
     )
     path, out, sheet = (tmp_path / name for name in ("case.toml", "p.nc", "p.csv"))
-    text = sl.example_case().replace("2048", "100").replace("[motion]", f"{records}[motion]")
+    text = example_case().replace("2048", "100").replace("[motion]", f"{records}[motion]")
     path.write_text(text, encoding="utf-8")
     for target in (out, sheet):
         done = answered("probability", path, "--out", target, "--picture", tmp_path / "p.png")

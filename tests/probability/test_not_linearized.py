@@ -6,6 +6,7 @@ import xarray as xr
 from commands import answered
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.views.probability.pictures import draw_pounding
 
 GROUND = sl.KanaiTajimi(0.4, 0.6, intensity=0.02)
@@ -66,7 +67,7 @@ def test_without_a_simulation_there_is_nothing():
 @pytest.mark.cli
 def test_the_command_prints_and_draws_what_is_simulated(tmp_path):
     path, out = tmp_path / "case.toml", tmp_path / "p.nc"
-    text = sl.example_case().replace("2048", "128")
+    text = example_case().replace("2048", "128")
     text = text.replace('damping = "5 %"\n', 'damping = "5 %"\nlaw = "modified_clough"\n', 1)
     path.write_text(text, encoding="utf-8")
     said = " ".join(answered("probability", path, "--out", out).output.split())

@@ -10,6 +10,7 @@ import xarray as xr
 from click.testing import CliRunner
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.views.command import main
 from stochlin.views.sensitivity.words import blocks, rows, sentences
 from stochlin.views.shared.blocks import ViewSection
@@ -72,7 +73,7 @@ def test_a_tornado_chart_has_a_bar_a_number(table):
 
 @pytest.mark.slow
 def test_the_page_of_a_case_with_uncertain_periods(tmp_path):
-    text = sl.example_case().replace('period = "0.6 s"', 'period = "0.6 s +- 25 %"')
+    text = example_case().replace('period = "0.6 s"', 'period = "0.6 s +- 25 %"')
     text = text.replace('existing = "5 cm"', "").replace("paths = 2048", "paths = 100")
     text = text.replace('duration = "20 s"', 'duration = "16 s"')
     (tmp_path / "case.toml").write_text(text, encoding="utf-8")

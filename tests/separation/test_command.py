@@ -17,6 +17,7 @@ from click.testing import Result
 from commands import answered, invoke, refused
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.separation.pictures import distribution_figure, rules_figure
 from stochlin.views.separation.storeys import draw_heights
@@ -73,7 +74,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Done:
     noise = np.random.default_rng(3).normal(size=time.size)
     np.savetxt(folder / "wave.txt", 0.01 * np.convolve(noise, np.exp(-4 * time), "full")[: time.size])
     record = '[[site.records]]\npath = "wave.txt"\nunits = "g"\ndt = "0.02 s"\n'
-    text = sl.example_case().replace("[motion]", f"{record}name = '{NASTY}'\n{record}\n[motion]")
+    text = example_case().replace("[motion]", f"{record}name = '{NASTY}'\n{record}\n[motion]")
     text = text.replace('"Annex"', f"'{NASTY}'").replace('existing = "5 cm"', 'existing = "90 cm"')
     text = text.replace('"Office block and annex"', f"'{NASTY}'").replace("# unverified", "unverified")
     text = text.replace('"24 m"', '"20 m"').replace("2048", "256")
@@ -167,7 +168,7 @@ def test_all_four_families_of_codes_are_on_the_screen_the_page_and_in_the_file(e
 def test_a_gap_far_beyond_the_answer_is_told_at_the_border_of_the_pictures(tmp_path: Path) -> None:
     """0.04 of 15 m is five times the answer, and would squeeze the rest."""
     path = tmp_path / "case.toml"
-    path.write_text(few(sl.example_case()))
+    path.write_text(few(example_case()))
     answer = answer_case(sl.read_case(path), every_rule=True)
     needed = 100 * float(answer.separation.gap[0])
     for draw in (rules_figure, distribution_figure):
@@ -179,7 +180,7 @@ def test_a_gap_far_beyond_the_answer_is_told_at_the_border_of_the_pictures(tmp_p
 @pytest.mark.slow
 def test_numbers_of_rules_of_ones_own(tmp_path: Path) -> None:
     stated = 'numbers = { share_of_height = 0.01, fixed_distance = "7 cm", asce_41 = "3 %" }'
-    one = done(tmp_path, few(sl.example_case()).replace("[simulation]", f"{stated}\n[simulation]"))
+    one = done(tmp_path, few(example_case()).replace("[simulation]", f"{stated}\n[simulation]"))
     assert "taiwan" not in one.result.output
     assert one.result.exit_code == 0, one.result.output
     for rule, gap in (("share_of_height", 15), ("fixed_distance", 7), ("asce_41", 45)):
@@ -188,7 +189,7 @@ def test_numbers_of_rules_of_ones_own(tmp_path: Path) -> None:
 
 
 def test_the_table_has_no_samples_in_csv(tmp_path: Path) -> None:
-    (tmp_path / "case.toml").write_text(few(sl.example_case()))
+    (tmp_path / "case.toml").write_text(few(example_case()))
     answered("gap", tmp_path / "case.toml", "--out", tmp_path / "t.csv")
     lines = (tmp_path / "t.csv").read_text().splitlines()
     assert lines[1].startswith("simulation,")
@@ -316,7 +317,7 @@ def test_the_same_case_makes_the_same_page(site: Done, tmp_path: Path) -> None:
 
 
 def test_elastic_buildings_without_a_gap(tmp_path: Path) -> None:
-    text = sl.example_case().replace("\nreduction_factor = 4", "\nelastic = true")
+    text = example_case().replace("\nreduction_factor = 4", "\nelastic = true")
     text = text.replace('ground = "firm"', 'ground = "white_noise"')
     one = done(tmp_path, few(text))
     assert one.result.exit_code == 0, one.result.output
@@ -325,14 +326,14 @@ def test_elastic_buildings_without_a_gap(tmp_path: Path) -> None:
 
 
 def test_buildings_that_move_alike_are_not_called_safe_without_a_word(tmp_path: Path) -> None:
-    output = screen_of(tmp_path, few(sl.example_case()).replace('"0.6 s"', '"1.0 s"'))
+    output = screen_of(tmp_path, few(example_case()).replace('"0.6 s"', '"1.0 s"'))
     assert "should stand 0 cm apart" in output
     assert "but no two real buildings do" in output
 
 
 @pytest.mark.slow
 def test_too_few_motions_for_an_interval_are_said_to_be(tmp_path: Path) -> None:
-    output = screen_of(tmp_path, few(sl.example_case()).replace('"90 %"', '"99.5 %"'))
+    output = screen_of(tmp_path, few(example_case()).replace('"90 %"', '"99.5 %"'))
     assert "in 99.5 % of 128 motions" in output
     assert "the motions are too few" in " ".join(output.split())
 
@@ -413,7 +414,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("old", "new", "at", "says"), WRONG)
 def test_bad_files_write_nothing(old: str, new: str, at: str, says: list[str], tmp_path: Path) -> None:
-    text = sl.example_case()
+    text = example_case()
     assert old in text
     text = text.replace(old, new, 1)
     one = done(tmp_path, text)
@@ -439,9 +440,9 @@ def test_commands_with_wrong_files_are_refused(
     arguments: tuple[str, ...], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "case.toml").write_text(sl.example_case())
+    (tmp_path / "case.toml").write_text(example_case())
     assert says in refused("gap", *arguments)
-    assert (tmp_path / "case.toml").read_text() == sl.example_case()
+    assert (tmp_path / "case.toml").read_text() == example_case()
     assert len(list(tmp_path.iterdir())) == 1
 
 

@@ -17,6 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.text import Text
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.cases.separation import CaseAnswer, answer_case
 from stochlin.views.separation.elevation import elevation_figure
 from stochlin.views.separation.report import answer_sections
@@ -26,7 +27,7 @@ from stochlin.views.shared.screen import lines
 pytestmark = pytest.mark.cli
 
 CM = 100.0
-EXAMPLE = sl.example_case().replace("2048", "128").partition("[contact]")[0]
+EXAMPLE = example_case().replace("2048", "128").partition("[contact]")[0]
 NONE_YET = EXAMPLE.replace('existing = "5 cm"', "")
 NO_HEIGHTS = NONE_YET.replace('height = "24 m"', "").replace('height = "15 m"', "")
 LEFT = BLOCK.format(n=1, period=0.5, storeys=3, height=3.2)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.tables.toml import toml_text
 
 pytestmark = pytest.mark.invariant
@@ -34,5 +34,5 @@ def test_any_tables_are_read_again_as_they_were(values: dict[str, Any]) -> None:
 
 
 def test_the_example_of_a_case_is_read_again_as_it_was() -> None:
-    values = tomllib.loads(sl.example_case())
+    values = tomllib.loads(example_case())
     assert tomllib.loads(toml_text(values)) == values

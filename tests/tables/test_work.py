@@ -8,6 +8,7 @@ import xarray as xr
 from commands import refused
 
 import stochlin as sl
+from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.tables import work
 from stochlin.analyses.tables.work import check_work
 from stochlin.views.shared.screen import on_screen
@@ -129,7 +130,7 @@ def test_memory_that_is_not_there_is_said_in_one_line(monkeypatch: pytest.Monkey
 def test_nothing_is_drawn_of_what_is_refused(tmp_path) -> None:
     """No label of a bar before the message."""
     case = tmp_path / "case.toml"
-    case.write_text(sl.example_case().replace("20 s", "0.01 s"), encoding="utf-8")
+    case.write_text(example_case().replace("20 s", "0.01 s"), encoding="utf-8")
     for command, label in (("gap", "simulating"), ("mitigate", "measures"), ("pound", "pounding")):
         result = refused(command, case)
         assert label not in result.splitlines()

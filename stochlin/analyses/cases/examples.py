@@ -9,45 +9,16 @@ from stochlin.analyses.cases.files.schema import keys_at
 
 
 def example_case() -> str:
-    """Text of an example case file, with comments.
-
-    Returns
-    -------
-    str
-        The text in TOML, as ``stochlin gap --example`` prints it.
-
-    Examples
-    --------
-    >>> import stochlin as sl
-    >>> sl.example_case().splitlines()[0]
-    '# How far must two buildings stand apart? A case for'
-    """
+    """Text of an example case file, TOML with comments, as ``stochlin gap --example`` prints it."""
     parts = re.split(r"(?m)^(?=\[)", _example("example_case.toml"))
     return "".join(_with_other_keys(part) for part in parts)
 
 
 def example_record() -> str:
-    """Text of an example of a record, a PEER AT2 file; the record is synthetic, not measured.
+    """Text of an example of a record, a PEER AT2 file, as ``stochlin gap --example-record`` prints it.
 
-    Returns
-    -------
-    str
-        The text, as ``stochlin gap --example-record`` prints it.
-
-    Notes
-    -----
-    It is ``simulated_motions(named_ground("firm", 0.01), 20.0, AminAng(4.0, 15.0, 0.35), paths=2)[0]``,
-    written in g: a motion of the site of `stochlin.example_case`.
-
-    Examples
-    --------
-    >>> import tempfile, pathlib
-    >>> import stochlin as sl
-    >>> path = pathlib.Path(tempfile.mkdtemp()) / "record.at2"
-    >>> _ = path.write_text(sl.example_record(), encoding="utf-8")
-    >>> record = sl.read_record(path)
-    >>> record.sizes["time"], record.attrs["dt"], round(float(abs(record).max()), 2)
-    (2001, 0.01, 3.98)
+    It is synthetic: ``simulated_motions(named_ground("firm", 0.01), 20.0, AminAng(4.0, 15.0, 0.35),
+    paths=2)[0]``, written in g: a motion of the site of `example_case`.
     """
     return _example("example_record.at2")
 
