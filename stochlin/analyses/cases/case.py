@@ -313,7 +313,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     >>> lines = '''
     ...     site = {ground = "firm", intensity = "0.01 m^2/s^3"}
     ...     motion = {duration = "20 s", envelope = "none"}
-    ...     separation = {existing = "5 cm"}
+    ...     separation = {confidence = 0.9, existing = "5 cm"}
     ...     building_1 = {period = "1 s", damping = 0.05, elastic = true}
     ...     building_2 = {period = "0.6 s", damping = 0.05, elastic = true}
     ... '''

@@ -6,8 +6,6 @@ equation, and its bias by interpolation in a map; both are compiled.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from stochlin.analyses.linearization.bias_map import (
@@ -22,7 +20,7 @@ from stochlin.analyses.linearization.equivalent_systems import (
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
+from stochlin.analyses.tables.cellwise import Cells, cellwise
 from stochlin.kernels.basics.arrays import Array, in_one_shape
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.correlation.differences import steps_of
@@ -39,28 +37,14 @@ KINDS = (float, np.int8, float, np.int8)  # of rho, status, bias, caution
 def linearized_pairs(
     first: Structure, second: Structure, ground: Ground, closure: str, tolerance: Tolerance
 ) -> dict[str, Cells]:
-    """Variables of `correlate` by linearization, except those of ``u_1 - u_2``."""
-    pair = (first, second)
-    sides = solved_together(pair, ground, closure, tolerance)
-    gaussian = sides
-    if closure != "gaussian":
-        gaussian = solved_together(pair, ground, "gaussian", tolerance)
-    return pairs_of_solved(pair, ground, sides, gaussian, tolerance)
+    """Variables of `correlate` by linearization, except those of ``u_1 - u_2``.
 
-
-def pairs_of_solved(
-    pair: tuple[Structure, Structure],
-    ground: Ground,
-    sides: Sequence[Solved],
-    gaussians: Sequence[Solved],
-    tolerance: Tolerance,
-) -> dict[str, Cells]:
-    """As `linearized_pairs`, from solved structures.
-
-    ``sides`` are solved with any closure, ``gaussians`` with the Gaussian one, to which the map of the
-    bias belongs. For the Gaussian closure both are the same object.
+    The map of the bias belongs to the Gaussian closure, so that both sides are solved with that, too.
     """
-    other_closure = sides is not gaussians
+    pair, other_closure = (first, second), closure != "gaussian"
+    sides = gaussians = solved_together(pair, ground, closure, tolerance)
+    if other_closure:
+        gaussians = solved_together(pair, ground, "gaussian", tolerance)
     inputs: list[Cells] = []
     biases: dict[str, Cells] = {}
     solved = zip(pair, sides, gaussians, strict=True)

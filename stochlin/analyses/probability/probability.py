@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Annotated, Any
 
 import xarray as xr
@@ -13,7 +12,7 @@ from stochlin.analyses.linearization.transient_systems import (
     check_course,
     over_time,
 )
-from stochlin.analyses.probability.cells import PairTable, Solved, by_formula
+from stochlin.analyses.probability.cells import PairTable, by_formula
 from stochlin.analyses.probability.confidence_errors import measured_cautions
 from stochlin.analyses.probability.hybrid import hybrid_pounding
 from stochlin.analyses.probability.simulated import SAMPLES, Draws, by_simulation
@@ -39,7 +38,6 @@ from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import median_of
 
-Solve = Callable[[PairTable, Ground, Progress | None], Solved]
 METHODS = ("evolutionary", "hybrid")
 PathsIfAny = Annotated[int, Whole(0)]  # 0 for no simulation
 OF_FORMULA = 0.5  # share of the progress that the formula has beside a simulation
@@ -235,12 +233,8 @@ def with_samples(
     paths: int,
     seed: int,
     progress: Progress | None,
-    solve: Solve | None = PairTable.solve,
 ) -> xr.Dataset:
-    """Dataset of `pounding_probability`, with the peak of ``u_1 - u_2`` in each simulated motion.
-
-    ``solve`` is `PairTable.solve`, or gives what it has found before; None leaves out the formulas.
-    """
+    """Dataset of `pounding_probability`, with the peak of ``u_1 - u_2`` in each simulated motion."""
     described: dict[str, Any] = {"first": first, "second": second, "ground": ground}
     first, second, ground = (median_of(each) for each in described.values())
     distance = Gap(gap)
@@ -252,22 +246,21 @@ def with_samples(
     pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
     of_formula, below, table, not_linearized = pairs, ground, xr.Dataset(), ""
     flags: dict[str, xr.DataArray] = {}
-    if scatter and solve is not None:
+    if scatter:
         factors, weights = strengths(scatter)
         below = at_strengths(ground, factors)
         left, right = (strength_in_metres(structure, ground) for structure in (first, second))
         of_formula = PairTable.of(left, right, below, distance, seconds, envelope, points, weights)
-    if solve is not None:
-        try:
-            solved = solve(of_formula, below, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
-        except ArithmeticError as error:
-            if not paths:
-                raise
-            not_linearized = str(error)
-        else:
-            table = by_formula(of_formula, solved, below, confidence)
+    try:
+        solved = of_formula.solve(below, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
+    except ArithmeticError as error:
+        if not paths:
+            raise
+        not_linearized = str(error)
+    else:
+        table = by_formula(of_formula, solved, below, confidence)
     if paths:
-        rest = part_of(progress, 0.0 if solve is None else OF_FORMULA, 1.0)
+        rest = part_of(progress, OF_FORMULA, 1.0)
         options = confidence, Draws(paths, seed, float(scatter)), rest
         simulated = by_simulation(pairs, described, distance, *options)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
