@@ -9,13 +9,12 @@ from __future__ import annotations
 import lazy_loader
 
 from stochlin._version import __version__ as __version__
-from stochlin.removed import instead_of
+from stochlin.removed import missing
 
 _find, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
     if name not in __all__:
-        hint = instead_of(name).removesuffix("; ")
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}{hint and f': {hint}'}")
+        raise missing(f"module {__name__!r}", name)
     return _find(name)

@@ -24,6 +24,7 @@ from stochlin.analyses.charts.settings import ChartSettings as ChartSettings
 from stochlin.analyses.linearization.bias_map import bias_map as bias_map
 from stochlin.analyses.records.spectra import fit_spectra as fit_spectra
 from stochlin.analyses.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
+from stochlin.removed import missing
 from stochlin.views.charts.charts import PICTURES as PICTURES
 from stochlin.views.charts.charts import draw as draw
 from stochlin.views.pounding.ensembles import draw_ensemble as draw_ensemble
@@ -36,3 +37,7 @@ from stochlin.views.shared.style import STYLE as STYLE
 from stochlin.views.shared.style import ratio_ticks as ratio_ticks
 from stochlin.views.shared.words import rule_label as rule_label
 from stochlin.views.sites.pictures import draw_spectrum as draw_spectrum
+
+
+def __getattr__(name: str) -> object:
+    raise missing(f"module {__name__!r}", name)

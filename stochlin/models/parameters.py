@@ -18,7 +18,7 @@ import xarray as xr
 from stochlin.messages import ImplausibleInput, brief, sentence
 from stochlin.models.plausible import IN_PYTHON, PLAUSIBLE
 from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel
-from stochlin.removed import REMOVED, instead_of
+from stochlin.removed import REMOVED, instead_of, missing
 
 _Number = float | np.floating | np.integer
 Parameter = (
@@ -86,8 +86,7 @@ class _Kind(type):
     """The type of models, which says what replaces a removed method or parameter."""
 
     def __getattr__(cls, name: str) -> Any:
-        said = instead_of(name).removesuffix("; ")
-        raise AttributeError(f"{cls.__name__} has no attribute {name!r}{said and f': {said}'}")
+        raise missing(cls.__name__, name)
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         for name in REMOVED.keys() & kwargs.keys():

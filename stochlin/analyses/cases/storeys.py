@@ -103,7 +103,6 @@ class SlabOnColumn(NamedTuple):
     Buildings are counted from 1 on the left, floors and storeys from 1 at the ground.
     """
 
-    slab_of: int
     floor: int
     column_of: int
     storey: int
@@ -129,7 +128,7 @@ def slabs_of_row(buildings: Sequence[Any]) -> tuple[SlabOnColumn, ...]:
             level, other = float(levels[side][floor - 1]), 1 - side
             storey = int(np.searchsorted(levels[other], level)) + 1
             names = pair[side].name, pair[other].name
-            slabs.append(SlabOnColumn(number + side, floor, number + other, storey, level, *names))
+            slabs.append(SlabOnColumn(floor, number + other, storey, level, *names))
     return tuple(slabs)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,56 +26,53 @@ if TYPE_CHECKING:
     from stochlin.analyses.charts.settings import ChartSettings
 
 
-def chart_options() -> Callable[[Any], Any]:
-    """Options for the folder of the charts and for their parameters."""
-    folder = click.Path(file_okay=False, path_type=Path)
-    numbers = (
-        ("--damping", "0.05", "1", "Damping ratio of the structures."),
-        ("--hardening", "0.05", "1", "Hardening ratio."),
-        ("--plane-reduction-factor", "4", "1", "R of Fig. 5a."),
-        ("--ground-period", "2s", "s", "Period of the model grounds [s]."),
-    )
-    return together(
-        click.option(
-            "--out", type=folder, default="figures", show_default=True, help="Folder for the files."
-        ),
-        click.option(
-            "--format",
-            "picture_format",
-            type=click.Choice([ending[1:] for ending in PICTURES]),
-            default="png",
-            show_default=True,
-        ),
-        *(
-            click.option(name, type=QuantityType(units), default=default, show_default=True, help=text)
-            for name, default, units, text in numbers
-        ),
-        numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", "1,2,4,6"),
-        numbers_option(
-            "--ground-damping", "Damping of the model grounds: a panel for each.", "0.05,0.6"
-        ),
-        click.option(
-            "--print-width",
-            type=QuantityType("m"),
-            help="Width of the pictures in print, such as 84mm or 174mm for one or two columns: without "
-            "title and notes, and with text of 7 points or more. Default: pictures for the screen.",
-        ),
-        closure_option,
-        solver_option,
-        click.option(
-            "--points",
-            type=click.IntRange(min=2),
-            default=161,
-            show_default=True,
-            help="Number of periods along an axis.",
-        ),
-    )
+FOLDER = click.Path(file_okay=False, path_type=Path)
+NUMBERS = (
+    ("--damping", "0.05", "1", "Damping ratio of the structures."),
+    ("--hardening", "0.05", "1", "Hardening ratio."),
+    ("--plane-reduction-factor", "4", "1", "R of Fig. 5a."),
+    ("--ground-period", "2s", "s", "Period of the model grounds [s]."),
+)
+# For the folder of the charts and for their parameters.
+OPTIONS = together(
+    click.option(
+        "--out", type=FOLDER, default="figures", show_default=True, help="Folder for the files."
+    ),
+    click.option(
+        "--format",
+        "picture_format",
+        type=click.Choice([ending[1:] for ending in PICTURES]),
+        default="png",
+        show_default=True,
+    ),
+    *(
+        click.option(name, type=QuantityType(units), default=default, show_default=True, help=text)
+        for name, default, units, text in NUMBERS
+    ),
+    numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", "1,2,4,6"),
+    numbers_option("--ground-damping", "Damping of the model grounds: a panel for each.", "0.05,0.6"),
+    click.option(
+        "--print-width",
+        type=QuantityType("m"),
+        help="Width of the pictures in print, such as 84mm or 174mm for one or two columns: without "
+        "title and notes, and with text of 7 points or more. Default: pictures for the screen.",
+    ),
+    closure_option,
+    solver_option,
+    click.option(
+        "--points",
+        type=click.IntRange(min=2),
+        default=161,
+        show_default=True,
+        help="Number of periods along an axis.",
+    ),
+)
 
 
 @COMMANDS.register("charts")
 @click.command()
 @click.argument("name", required=False)
-@chart_options()
+@OPTIONS
 @numbers_option("--ductility", "Peak ductilities in Fig. 3b: a panel for each.", "4")
 @click.option(
     "--curves",
