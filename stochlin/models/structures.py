@@ -54,7 +54,7 @@ class Structure(Model):
     `Link` or in pounding.
 
     A hysteresis law is a subclass that is registered in `LAWS`. It declares its own parameters and gives
-    the expression of the law by `symbolic`. Closures and time steps are derived from this expression
+    the expression of the law by ``symbolic``. Closures and time steps are derived from this expression
     unless the subclass has its own.
     """
 
@@ -129,7 +129,7 @@ class Structure(Model):
     def closure_in_time(self) -> ClosureInTime:
         """The Gaussian closure of this law with the means of its further states, if it has any.
 
-        It raises an ArithmeticError as `closure` does, or if a further state has no mean.
+        It raises an ArithmeticError as ``closure`` does, or if a further state has no mean.
         """
         if self.linearizes or not self._states:
             return ClosureInTime(self.closure(GAUSSIAN))
@@ -175,7 +175,7 @@ class Structure(Model):
     def growing(self) -> tuple[str, ...]:
         """What the law depends on that grows for ever: states that keep their sign, as an energy does.
 
-        A law whose `symbolic` has such states besides z names them here.
+        A law whose ``symbolic`` has such states besides z names them here.
         """
         return ()
 
@@ -209,7 +209,7 @@ class Structure(Model):
 
     @cached_property
     def _compiled(self) -> SymbolicLaw:
-        """The compiled `symbolic` expression, checked for the `_examples`."""
+        """The compiled ``symbolic`` expression, checked for the `_examples`."""
         from stochlin.models.symbolic import compiled
 
         law = compiled(self.symbolic(), self.own_parameters(), self.growing())

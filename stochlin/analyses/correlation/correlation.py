@@ -98,7 +98,7 @@ def correlate(
         and the coefficients renewed, as `linearize_system` does; a pair takes about a millisecond. The
         numbers are the same. For the Gaussian closure.
     rule : str or EffectiveRule
-        Rule for effective properties, one of `effective_rule_names` or a rule object.
+        Rule for effective properties, one of `stochlin.rules.effective_rule_names` or a rule object.
     rtol, atol, max_iterations : float, float, int
         As in `linearize`, for linearization and effective properties: stop rule of the iteration.
     paths, seed, steps_per_period, relaxation_times

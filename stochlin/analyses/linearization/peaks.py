@@ -67,7 +67,7 @@ def peak_response(
         Duration of the motion [s], positive; all parameters broadcast by dimension name.
     model : str
         Model of the peak factor: ``"davenport"``, ``"der_kiureghian"`` or ``"vanmarcke"``, see
-        `peak_factor_model`.
+        `stochlin.rules.peak_factor_model`.
     closure : str, optional
         Closure of the linearization, as in `linearize`. The default is ``"drift"`` for bilinear
         structures on Kanai-Tajimi ground, Clough-Penzien ground and white noise, and ``"gaussian"``

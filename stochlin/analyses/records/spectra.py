@@ -73,7 +73,7 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
     record : xarray.DataArray
         Ground acceleration [m/s^2] with the dimension ``time`` [s].
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
-        The ground, as from `fit_ground` or any other.
+        The ground, as from `stochlin.fit_ground` or any other.
     part : tuple of two floats
         Fractions of the cumulative energy between which the record is used.
 

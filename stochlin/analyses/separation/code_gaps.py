@@ -131,8 +131,8 @@ def code_gaps(
     design_pga : float or array, optional
         Peak ground acceleration of the design at the site [m/s^2], positive: ``ag S`` of Italy.
     numbers : mapping, optional
-        Numbers of rules by name, in place of their defaults, as in `code_rule`. With a number,
-        ``"share_of_height"`` and ``"fixed_distance"`` [m] are also in the table.
+        Numbers of rules by name, in place of their defaults, as in `stochlin.rules.code_rule`. With
+        a number, ``"share_of_height"`` and ``"fixed_distance"`` [m] are also in the table.
     behaviour_1, behaviour_2 : float or array, optional
         Behaviour factor of each building [-], at least 1: ``q`` of Eurocode 8, ``R`` of UBC-97, IS 1893
         and TBDY 2018, ``Rd Ro`` of Canada, ``Q`` of Mexico City.

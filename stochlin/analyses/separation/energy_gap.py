@@ -103,7 +103,7 @@ def energy_gap(
         ratios; ``"effective"``, eq. (4) with effective properties by ``rule`` at the peak ductilities in
         the record; ``"linearization"`` on ``ground``, as the paper recommends for yielding structures.
     rule : str
-        One of `effective_rule_names`, or a rule, for ``"effective"``.
+        One of `stochlin.rules.effective_rule_names`, or a rule, for ``"effective"``.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien, optional
         Ground that represents the record, as from `fit_ground`, for ``"linearization"``.
     closure : str

@@ -77,9 +77,9 @@ def fit_ground(
 
     **A spectrum** is fitted such that motions of the given duration and envelope have it in the mean.
     The ground is one Clough-Penzien filter, or several in parallel. The fit uses the variances of
-    elastic oscillators, the peak factors of `peak_factor_model` ``"vanmarcke"`` and an effective damping
-    ratio for the start from rest. Motions are then simulated, and the fit is corrected by their mean
-    spectrum, usually once.
+    elastic oscillators, the peak factors of `stochlin.rules.peak_factor_model` ``"vanmarcke"`` and an
+    effective damping ratio for the start from rest. Motions are then simulated, and the fit is corrected
+    by their mean spectrum, usually once.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def fit_ground(
         which is governed by the peak; the squared difference of their logarithms, in which all
         frequencies of the range count equally; or the Whittle likelihood, which is the most accurate if
         the model is true. The results differ widely for a record that the model does not describe; draw
-        the fit with `fit_spectra`.
+        the fit with `stochlin.charts.fit_spectra`.
     part : tuple of two floats
         Fractions of the cumulative energy between which a record is used; (0, 1) is
         the whole record.

@@ -84,9 +84,9 @@ def scale_ground(
     -----
     A filtered white noise has more and higher peaks in smaller steps: on usual soils the mean peak is
     3 % lower in steps of 0.02 s, 2 % higher in 0.005 s and 4 % higher in 0.0025 s. All peak ground
-    accelerations of simulated motions, also those of `simulated_spectrum`, hazards and reports, are
-    counted in steps of 0.01 s, whatever the duration. Spectral accelerations are simulated in 64 steps
-    in a period, which lose less than 0.1 %.
+    accelerations of simulated motions, also those of `stochlin.charts.simulated_spectrum`, hazards and
+    reports, are counted in steps of 0.01 s, whatever the duration. Spectral accelerations are simulated
+    in 64 steps in a period, which lose less than 0.1 %.
 
     References
     ----------

@@ -79,8 +79,8 @@ def simulated_spectrum(
     ground : WhiteNoise, KanaiTajimi, CloughPenzien or ParallelGround
         Ground with scalar parameters.
     target : xarray.DataArray or sequence of float
-        A spectrum, as from `eurocode_8` and `read_spectrum`, which is compared at 48 periods from 0.05 s
-        to its longest one; or the periods [s], positive and increasing.
+        A spectrum, as from `stochlin.eurocode_8` and `stochlin.read_spectrum`, which is compared at 48
+        periods from 0.05 s to its longest one; or the periods [s], positive and increasing.
     duration : float
         Length of each motion [s], positive.
     envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
@@ -100,8 +100,9 @@ def simulated_spectrum(
         Over ``period`` [s]: ``pseudo_acceleration`` [m/s^2], the mean over the motions, with
         ``pseudo_acceleration_standard_error``, and ``pseudo_acceleration_quantile`` [m/s^2] also over
         ``quantile``. Without dimensions: ``peak_ground_acceleration`` [m/s^2], the mean over the
-        motions in steps of 0.01 s, as in `scale_ground`, with its standard error. For a target spectrum
-        also ``target`` [m/s^2] and ``ratio`` [-], the mean over the target, with its standard error.
+        motions in steps of 0.01 s, as in `stochlin.scale_ground`, with its standard error. For a
+        target spectrum also ``target`` [m/s^2] and ``ratio`` [-], the mean over the target, with its
+        standard error.
 
     Raises
     ------

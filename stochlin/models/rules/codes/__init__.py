@@ -31,7 +31,7 @@ BESIDE = "the neighbour stands on the boundary and has left no joint"
 OF_PAIRS = (ALIGNED, ALIKE, BETWEEN, BESIDE)  # statements that say nothing of one building
 TWO = "a second building: what it says of a property line is not known here"
 CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.rules.codes")
-# Factors of codes on displacements under design forces, as `code_gaps` names them.
+# Factors of codes on displacements under design forces, as `stochlin.code_gaps` names them.
 FACTORS = BEHAVIOUR, DEFLECTION, IMPORTANCE = "behaviour", "deflection", "importance"
 AT_LEAST_1 = Range(1.0, include_lower=True, reason="it multiplies displacements under design forces")
 OF_IMPORTANCE = Range(0.5, 2.0, True, True, "codes have 0.8 to 1.5")
@@ -267,12 +267,12 @@ class Site:
 
 
 def code_rule_names() -> tuple[str, ...]:
-    """Names of the separation rules in the table of `code_gaps`.
+    """Names of the separation rules in the table of `stochlin.code_gaps`.
 
     Returns
     -------
     tuple of str
-        Names in the order of `code_gaps`.
+        Names in the order of `stochlin.code_gaps`.
 
     Examples
     --------

@@ -57,7 +57,7 @@ def effective_rule_names(unverified: Truth = False) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        Names for `effective_rule` and `correlate`.
+        Names for `effective_rule` and `stochlin.correlate`.
 
     Raises
     ------
