@@ -47,9 +47,7 @@ def test_no_public_name_is_among_them() -> None:
 def test_python_says_what_to_use_instead() -> None:
     with pytest.raises(AttributeError, match="no attribute 'gone'; it was removed: the gap says it"):
         _ = sl.gone  # type: ignore[attr-defined]
-    with pytest.raises(
-        AttributeError, match=r"charts' has no attribute 'gone'; it was removed"
-    ):
+    with pytest.raises(AttributeError, match=r"charts' has no attribute 'gone'; it was removed"):
         _ = sl.charts.gone
     with pytest.raises(AttributeError, match="KanaiTajimi has no attribute 'gone'; it was removed"):
         _ = sl.KanaiTajimi.gone  # type: ignore[attr-defined]
