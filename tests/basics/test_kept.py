@@ -53,12 +53,13 @@ print(sum(toy.twice.dispatcher.stats.cache_hits.values()))
 @pytest.fixture
 def toy(tmp_path, monkeypatch):
     """The functions as a process finds them that has just begun; and the place of the archives."""
-    sources, place = tmp_path / "kernels", tmp_path / "cache"
-    sources.mkdir()
+    sources, place = tmp_path / "kernels", tmp_path / "cache" / "stochlin"
+    for folder in (sources, place.parent):
+        folder.mkdir()
     (sources / "toy.py").write_text(TOY)
     (sources / "inner.py").write_text(INNER)
     monkeypatch.setattr(kept, "KERNELS", sources)
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(place))
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(place.parent))
     monkeypatch.syspath_prepend(str(sources))
 
     def begun():
@@ -92,7 +93,7 @@ def test_what_is_kept_is_found_again(toy):
 def test_a_changed_function_in_another_file_changes_the_result(toy):
     begun, place = toy
     assert begun()(1.5) == 3.0
-    inner = place.parent / "kernels" / "inner.py"
+    inner = place.parents[1] / "kernels" / "inner.py"
     inner.write_text(INNER.replace("x + x", "x + x + 1"))
     assert begun()(1.5) == 4.0
     inner.write_text(INNER)
@@ -174,11 +175,27 @@ def test_a_folder_of_the_process_that_was_removed_is_made_again(toy):
     assert begun()(1j) == 2j
 
 
+def test_what_others_have_put_beside_it_stays(toy):
+    begun, place = toy
+    names = "kernels-thesis", "kernels-notes.txt", "kernels-0123456789abcdef"
+    for folder in (place, place.parent):
+        folder.mkdir(exist_ok=True)
+        for name in names:
+            (folder / name).mkdir()
+            os.utime(folder / name, (1e9, 1e9))
+    assert begun()(1.5) == 3.0
+    assert {path.name for path in place.parent.iterdir()} == {*names, "stochlin"}
+    assert {*names[:2]} < {path.name for path in place.iterdir()}
+    assert not (place / names[2]).exists()  # of an earlier version
+
+
 @pytest.mark.slow
 def test_eight_processes_that_begin_at_once_agree(toy):
     _, place = toy
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(place)}
-    environment["PYTHONPATH"] = os.pathsep.join([str(place.parent / "kernels"), *filter(None, sys.path)])
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(place.parent)}
+    environment["PYTHONPATH"] = os.pathsep.join(
+        [str(place.parents[1] / "kernels"), *filter(None, sys.path)]
+    )
 
     def process(*numbers):
         command = [sys.executable, "-c", RACE, *map(str, numbers)]

@@ -74,6 +74,12 @@ def test_errors_name_options_and_no_input_is_overwritten(wall: Path) -> None:
     bare.write_text(WALL.replace("[t]", ""), encoding="utf-8")
     assert "1120 t" in answered("building", bare, "--mass-units", "t").output.replace("\xa0", " ")
     assert "would overwrite" in refused("building", wall, "--out", wall)
+    tower = wall.parent / "tower"
+    tower.mkdir()
+    table = tower / "a.csv"
+    table.write_text(WALL, encoding="utf-8")
+    assert "would overwrite" in refused("building", tower, "--out", table)
+    assert table.read_text(encoding="utf-8") == WALL
 
 
 PUSH = "roof displacement [cm],base shear [kN]\n0,0\n2,826\n4,1520\n6,1890\n10,2180\n20,2480\n32,2600\n"

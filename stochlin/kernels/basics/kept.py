@@ -15,6 +15,7 @@ import atexit
 import hashlib
 import os
 import platform
+import re
 import shutil
 import tempfile
 import time
@@ -65,7 +66,8 @@ def archives() -> Path | None:
     """The folder of the archives; None, with a warning, if there is none that can be written."""
     user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     named = nb.config.CACHE_DIR  # type: ignore[attr-defined]
-    for place in [named] if named else [KERNELS.parent / "__pycache__", Path(user, "stochlin")]:
+    own = Path(named or user, "stochlin")
+    for place in [own] if named else [KERNELS.parent / "__pycache__", own]:
         folder = Path(place, f"kernels-{digest_of(KERNELS)}")
         try:
             folder.mkdir(parents=True, exist_ok=True)
@@ -73,7 +75,7 @@ def archives() -> Path | None:
             os.utime(folder)
         except OSError:
             continue
-        _remove_unused(folder.parent, "kernels-*")
+        _remove_unused(folder.parent, r"kernels-[0-9a-f]{16}")
         return folder
     warn_once(NOT_KEPT)
     return None
@@ -84,19 +86,18 @@ def _of_process() -> Path:
     """The folder of this process."""
     folder = Path(tempfile.mkdtemp(prefix="stochlin-kernels-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    _remove_unused(folder.parent, "stochlin-kernels-*")
+    _remove_unused(folder.parent, r"stochlin-kernels-\w{8}")
     return folder
 
 
 def _remove_unused(place: Path, names: str) -> None:
-    """Remove folders of these names which were not used for a day."""
-    for folder in place.glob(names):
-        with suppress(OSError):  # another process removes it, or it belongs to another user
-            if time.time() - folder.stat().st_mtime > DAY:
-                if folder.is_dir():
-                    shutil.rmtree(folder, ignore_errors=True)
-                else:
-                    folder.unlink()
+    """Remove what has a name of this pattern, belongs to this user and was not used for a day."""
+    user = getattr(os, "getuid", int)()  # 0 where there are no users
+    for path in (each for each in place.iterdir() if re.fullmatch(names, each.name)):
+        with suppress(OSError):  # another process removes it
+            about = path.lstat()
+            if about.st_uid == user and time.time() - about.st_mtime > DAY:
+                (shutil.rmtree if path.is_dir() else os.unlink)(path)
 
 
 _changing = RLock()  # numba's folder is a setting of the whole process
@@ -167,7 +168,7 @@ def kept_law(function: Any, signature: Any, name: str) -> Any:
         else:
             if not law.cache_hits:
                 archive.store()
-                _remove_unused(archive.file.parent, f"{LAW}*")
+                _remove_unused(archive.file.parent, rf"{LAW}[0-9a-f]{{16}}\.\w+")
             return law
     return nb.cfunc(signature, **options)(function)
 

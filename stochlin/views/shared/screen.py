@@ -159,7 +159,7 @@ def check_target(
     option: str, path: Path | None, allowed: Sequence[str], inputs: Iterable[Path] = ()
 ) -> None:
     """Raise before the work for a file that could not be written after it, or that is an input."""
-    from stochlin.analyses.tables.storage import written_file
+    from stochlin.analyses.tables.storage import CSV, written_file
 
     if path is None:
         return
@@ -172,10 +172,10 @@ def check_target(
     except OSError as error:
         raise ValueError(f"{option} {error}") from error
     for source in inputs:
-        if source.exists() and target.exists() and target.samefile(source):
-            raise ValueError(
-                f"{option} {path} would overwrite {source}, which is an input; give another name"
-            )
+        of_tables = source.is_dir() and path.suffix.lower() == CSV  # a folder whose tables are read
+        written = target.parent if of_tables else target
+        if target.exists() and source.exists() and written.samefile(source):
+            raise ValueError(f"{option} {path} would overwrite the input {source}; give another name")
 
 
 def data_target(
