@@ -55,7 +55,8 @@ def in_blocks(
         like.attrs,
     )
     options = {"function": function, "bare": bare, "more": list(more or ())}
-    return xr.map_blocks(_of_block, whole, kwargs=options, template=template)
+    # Older releases of xarray lose the order of the variables.
+    return xr.map_blocks(_of_block, whole, kwargs=options, template=template)[list(like.data_vars)]
 
 
 def arrays_of(models: Mapping[str, Model]) -> dict[str, xr.DataArray]:
