@@ -121,3 +121,11 @@ def test_a_full_disk_is_told_with_the_file_and_leaves_nothing(
     with pytest.raises(OSError, match=rf"{name} could not be written: the disk is full"):
         save_table(table, tmp_path / name)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_name_that_is_a_formula_of_spreadsheets_is_a_text_in_the_table(tmp_path: Path) -> None:
+    names = ["=1+1", "@sum", "+3", "-x", "plain"]
+    table = xr.Dataset({"gap": ("measure", [-0.1, 0.2, 0.3, 0.4, 0.5])}, {"measure": names})
+    save_table(table, tmp_path / "table.csv")
+    rows = (tmp_path / "table.csv").read_text(encoding="utf-8").splitlines()[1:]
+    assert rows == ["'=1+1,-0.1", "'@sum,0.2", "'+3,0.3", "'-x,0.4", "plain,0.5"]

@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
@@ -75,15 +75,18 @@ def save_table(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Save a dataset as ``.nc`` (netCDF), or as ``.csv`` (a row for each cell, no attributes)."""
     suffix = Path(path).suffix.lower()
     if suffix not in FORMATS:
-        raise ValueError(
-            f"path = {brief(str(path))} ends in {brief(suffix)}; allowed: {' or '.join(FORMATS)}"
-        )
+        raise ValueError(f"{brief(str(path))} ends in {brief(suffix)}; allowed: {' or '.join(FORMATS)}")
     with whole_file(path) as temporary:
         if suffix == ".nc":
             dataset.to_netcdf(temporary, engine="scipy", format="NETCDF3_64BIT")
         else:
-            table = dataset if dataset.sizes else dataset.expand_dims("case")
-            in_rows(table).to_csv(temporary, index=False)
+            table = in_rows(dataset if dataset.sizes else dataset.expand_dims("case"))
+            table.map(_no_formula).to_csv(temporary, index=False)
+
+
+def _no_formula(value: Any) -> Any:
+    """A text that a spreadsheet would compute, such as ``=1+1``, behind an apostrophe."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(("=", "+", "-", "@")) else value
 
 
 def in_rows(table: xr.Dataset) -> pd.DataFrame:
