@@ -90,7 +90,7 @@ class _Kind(type):
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         for name in REMOVED.keys() & kwargs.keys():
-            raise TypeError(f"{cls.__name__}: {name} is no parameter: {instead_of(name)[:-2]}")
+            raise TypeError(f"{cls.__name__}: {name} is no parameter; {instead_of(name)[:-2]}")
         return super().__call__(*args, **kwargs)
 
 
