@@ -176,7 +176,7 @@ def amplification(
             table = table.assign_attrs(comment=inelastic.attrs["comment"])
     return labels.with_run_information(
         labels.label(table, VARIABLES),
-        f"Amplification of the displacement by yielding, {method}, {ground.name} ground",
+        f"Stationary amplification of the displacement by yielding, {method}, {ground.name} ground",
         f"amplification(method={method!r}, {how})",
         {"structure": structure, "ground": ground},
     )

@@ -202,7 +202,7 @@ def correlate(
     table = labels.label(table, VARIABLES, last)
     return labels.with_run_information(
         table,
-        f"Correlation of two structures by {method.replace('_', ' ')}, {ground.name} ground",
+        f"Stationary correlation of two structures by {method.replace('_', ' ')}, {ground.name} ground",
         f"correlate(method={method!r}, {details})",
         models,
     )
@@ -358,7 +358,7 @@ def rho_white_noise(
     pair = LinearPair(period_1, period_2, damping_1, damping_2)
     return labels.with_run_information(
         labels.label(in_blocks(_by_eq_4, {"pair": pair}), VARIABLES),
-        "Correlation of two linear structures under white noise, eq. (4)",
+        "Stationary correlation of two linear structures under white noise, eq. (4)",
         "rho_white_noise()",
         {"pair": pair},
     )

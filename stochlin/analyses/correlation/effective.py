@@ -85,7 +85,7 @@ def rho_effective(
     table = labels.label(in_blocks(partial(_of_rule, chosen), {"pair": pair}), VARIABLES)
     return labels.with_run_information(
         table.assign_attrs(rule=chosen.describe()),
-        f"Correlation of two yielding structures by eq. (4) and the rule {chosen.name}",
+        f"Stationary correlation of two yielding structures by eq. (4) and the rule {chosen.name}",
         f"rho_effective(rule={chosen.name!r})",
         {"pair": pair},
         f"{labels.PAPER} {chosen.reference}.",

@@ -136,7 +136,7 @@ def linearize(
         table = table.assign_attrs(comment=caution_in_words(closure))
     return labels.with_run_information(
         table,
-        f"Statistical linearization, {closure} closure, {ground.name} ground",
+        f"Stationary response by linearization, {closure} closure, {ground.name} ground",
         f"linearize(closure={closure!r})",
         models,
     )

@@ -232,7 +232,7 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
     labels.raise_if_lone_failure(table, "reduction_factor", structure, ground)
     return labels.with_run_information(
         table,
-        f"Reduction factor, {ground.name} ground",
+        f"Reduction factor of the stationary response, {ground.name} ground",
         "reduction_factor()",
         {"structure": structure, "ground": ground},
     )

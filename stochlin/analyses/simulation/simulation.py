@@ -216,19 +216,17 @@ def simulate(
         models["link"] = link
     else:
         models |= {f"link_{n}": each for n, each in enumerate(moving.links, start=1) if each is not None}
-    what = f"Simulation of {len(structures)} structures"
     if duration is not None:
         table = simulate_finite(moving, run, duration, envelope, quantiles, progress)
         table = table.assign(drawn.table())
-        title = f"{what} in finite motions, {ground.name} ground"
-        call = f"simulate(paths={paths}, seed={seed}, duration={duration})"
+        state, more = "finite motions", f", duration={duration}"
     else:
         table = _stationary(moving, run, relaxation_times, progress)
-        title, call = f"{what}, {ground.name} ground", f"simulate(paths={paths}, seed={seed})"
+        state, more = "stationary response", ""
     return labels.with_run_information(
         labels.label(table, VARIABLES, labels.NOT_RESOLVED),
-        title,
-        call,
+        f"Simulation of {len(structures)} structures in {state}, {ground.name} ground",
+        f"simulate(paths={paths}, seed={seed}{more})",
         models | {"ground": drawn.ground},
     )
 

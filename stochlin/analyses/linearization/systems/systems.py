@@ -173,7 +173,7 @@ def linearize_system(
     how = "" if factor is None else f"iteration='substitution', relaxation={factor:g}"
     return labels.with_run_information(
         table,
-        f"Linearization of {len(structures)} structures, {ground.name} ground",
+        f"Stationary response of {len(structures)} structures by linearization, {ground.name} ground",
         f"linearize_system({how})",
         models,
     )
