@@ -30,6 +30,12 @@ from stochlin.models.parameters import POSITIVE
 pytestmark = pytest.mark.invariant
 
 FUNCTIONS = {name for name in sl.__all__ if inspect.isfunction(getattr(sl, name))}
+PUBLIC = {
+    f"{module.__name__}.{name}": each
+    for module in (sl, sl.charts, sl.rules)
+    for name in dir(module)
+    if callable(each := getattr(module, name)) and name[0] != "_" and name != "missing"
+}
 OF_A_MODEL = "its arguments are the parameters of a model, which checks them"
 READS = "it reads a file, and says what is wrong with that"
 BY_NAME = "it looks up a name, in many spellings"
@@ -70,6 +76,14 @@ def test_a_default_passes_the_checks(name: str) -> None:
     for _, argument, check in checks_of(plain):
         if (default := parameters[argument].default) is not inspect.Parameter.empty:
             check(argument, default)
+
+
+def test_every_closure_is_by_default_that_of_the_paper_and_the_charts() -> None:
+    parameters = [inspect.signature(each).parameters for each in PUBLIC.values()]
+    assert {each["closure"].default for each in parameters if "closure" in each} == {"gaussian"}
+    building = sl.Bilinear(0.5, 0.05, 0.05, reduction_factor=4)
+    fig_5b = float(sl.amplification(building, sl.KanaiTajimi(2.0, 0.05)).amplification)
+    assert fig_5b == pytest.approx(2.18, abs=0.01)
 
 
 @checked

@@ -25,6 +25,7 @@ from stochlin.analyses.cases.storeys import (
     storey_keys,
     strength_key,
 )
+from stochlin.analyses.linearization.drift_map import calibrated_closure
 from stochlin.analyses.linearization.strength import DuctilityTarget, strength_for_ductility
 from stochlin.models.grounds import Ground
 from stochlin.models.plausible import PLAUSIBLE
@@ -59,8 +60,9 @@ class Building:
         """The building with the strength that gives it its ductility on this ground."""
         if self.ductility is None or self.section is None:
             return self
+        closure = calibrated_closure(self.structure, ground)
         try:
-            solution = strength_for_ductility(self.structure, ground, self.ductility)
+            solution = strength_for_ductility(self.structure, ground, self.ductility, closure=closure)
         except ArithmeticError as error:
             what = f"has no strength ({error}); give another one"
             raise self.section.error("ductility", what) from error
@@ -176,9 +178,8 @@ def _oscillator(section: Section, number: int, folder: Path, known: Known) -> Bu
     if strength == PUSHOVER:
         described = pushed(section, described, folder, known)
     structure: Structure = median_of(described)
-    by_ductility = strength == "ductility"
     quantity = Quantity.declared(DuctilityTarget, "ductility")
-    ductility = section.number("ductility", quantity) if by_ductility else None
+    ductility = section.number("ductility", quantity) if strength == "ductility" else None
     storeys = section.read("storeys")
     mass, plausible = structure.mass, PLAUSIBLE["mass"]
     if mass and storeys and plausible.holds(mass) and (doubt := plausible.doubt(mass / storeys)):
@@ -194,5 +195,5 @@ def _oscillator(section: Section, number: int, folder: Path, known: Known) -> Bu
         storeys=storeys,
         design=read_design(section, 1, is_oscillator=True),
         ductility=ductility,
-        section=section if by_ductility else None,
+        section=section if ductility else None,
     )

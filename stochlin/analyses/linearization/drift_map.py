@@ -145,14 +145,10 @@ def within(value: Array, ends: tuple[float, float]) -> Array:
     return (value >= ends[0] * (1 - ROUNDING)) & (value <= ends[1] * (1 + ROUNDING))
 
 
-def usual_closure(structure: Structure, ground: Ground) -> str:
-    """The closure that is used if none is asked for.
-
-    It is the drift closure for bilinear structures that yield, on the grounds that are corrected, and
-    otherwise the Gaussian one.
-    """
+def calibrated_closure(structure: Structure, ground: Ground) -> str:
+    """The drift closure for laws that have it, on the grounds of the map; otherwise the Gaussian one."""
     known = DRIFT in structure.closure_names() and type(ground) in CORRECTED_GROUNDS
-    return DRIFT if known and structure.yields else GAUSSIAN
+    return DRIFT if known else GAUSSIAN
 
 
 def hold_at_ends(name: str, point: Sequence[Cells]) -> tuple[Cells, ...]:

@@ -8,7 +8,6 @@ from typing import Annotated
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.drift_map import usual_closure
 from stochlin.analyses.linearization.equivalent_systems import (
     INTERNAL,
     check_closure,
@@ -30,7 +29,7 @@ from stochlin.models.arguments import Whole, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.peak_factors import PeakFactor, StationaryMotion, peak_factor_model
-from stochlin.models.structures import DRIFT, Structure
+from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
 STIFF = 0.5  # T/Tg below which peaks of yielding structures are too small
 # Rate at which the variance of the drift grows in the peaks, over 1/drift_time, by number of sides.
@@ -49,7 +48,7 @@ def peak_response(
     duration: Parameter,
     *,
     model: str = "vanmarcke",
-    closure: str | None = None,
+    closure: str = GAUSSIAN,
     sides: Annotated[int, Whole(1, 2)] = 2,
 ) -> xr.Dataset:
     """Peak displacement of a structure in a stationary motion of a given duration.
@@ -68,10 +67,8 @@ def peak_response(
     model : str
         Model of the peak factor: ``"davenport"``, ``"der_kiureghian"`` or ``"vanmarcke"``, see
         `stochlin.rules.peak_factor_model`.
-    closure : str, optional
-        Closure of the linearization, as in `linearize`. The default is ``"drift"`` for bilinear
-        structures on Kanai-Tajimi ground, Clough-Penzien ground and white noise, and ``"gaussian"``
-        otherwise; the attribute ``closure`` states the one that was used.
+    closure : str
+        Closure of the linearization, as in `linearize`.
     sides : {2, 1}
         2 for the largest absolute displacement; 1 for the largest displacement in one direction, as for
         pounding on one side.
@@ -108,12 +105,12 @@ def peak_response(
     the other direction leads to no peak. Both factors were fitted to simulations.
 
     Compared with nonlinear simulation from rest (576 random structures, R 1 to 9, hardening 0.02 to 0.3,
-    T 0.2 to 3 s, durations 10 to 60 s), the error of the mean peak is -2 % on average, and between -32
-    and +15 % in nine cases of ten. With ``caution`` 0 these values are +4 %, -14 % and +17 %; the mean
+    T 0.2 to 3 s, durations 10 to 60 s), the error of the mean peak is -25 % on average with the Gaussian
+    closure, and between -76 and +5 % in nine cases of ten. With the drift closure it is -2 % on average,
+    and between -32 and +15 %; with ``caution`` 0 these values are +4 %, -14 % and +17 %, and the mean
     peak is too small by more than 10 % in one case of twelve and by more than 20 % in one of 150. With
-    ``caution`` 1, mostly for T < Tg/2, the error is -18 % on average. With the Gaussian closure it is
-    -25 %, and between -76 and +5 % in nine cases of ten. In one direction the errors are 2 to 4 %
-    higher. ``peak_std`` is too small by a quarter.
+    ``caution`` 1, mostly for T < Tg/2, the error is -18 % on average. In one direction the errors are
+    2 to 4 % higher. ``peak_std`` is too small by a quarter.
 
     References
     ----------
@@ -130,7 +127,6 @@ def peak_response(
     """
     chosen = peak_factor_model(model)
     domain = chosen.domain(sides)
-    closure = usual_closure(structure, ground) if closure is None else closure
     check_closure(structure, closure)
     motion = StationaryMotion(duration)
     solved = solve_structure(structure, ground, closure, USUAL)

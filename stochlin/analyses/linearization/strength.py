@@ -10,7 +10,6 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import elementwise
 
-from stochlin.analyses.linearization.drift_map import usual_closure
 from stochlin.analyses.linearization.equivalent_systems import (
     STRENGTH_RATIO,
     check_closure,
@@ -29,7 +28,7 @@ from stochlin.models.arguments import checked
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
-from stochlin.models.structures import Structure
+from stochlin.models.structures import GAUSSIAN, Structure
 from stochlin.models.systems import AnyStructure
 
 TOLERANCE = Tolerance(1e-12, 1e-13, 200)
@@ -56,7 +55,7 @@ def strength_for_ductility(
     ductility: Parameter,
     *,
     peak_factor: Parameter | None = None,
-    closure: str | None = None,
+    closure: str = GAUSSIAN,
 ) -> xr.Dataset:
     """Strength for a given mean peak ductility.
 
@@ -74,10 +73,8 @@ def strength_for_ductility(
     peak_factor : float or array, optional
         Peak factor ``p`` [-] of the ductility and in the definition of ``R``. The default is that of the
         structure.
-    closure : str, optional
-        Closure of the linearization, as in `linearize`. The default is ``"drift"`` for bilinear
-        structures on Kanai-Tajimi ground, Clough-Penzien ground and white noise, and ``"gaussian"``
-        otherwise; the attribute ``closure`` states the one that was used.
+    closure : str
+        Closure of the linearization, as in `linearize`.
 
     Returns
     -------
@@ -108,11 +105,11 @@ def strength_for_ductility(
     The search fails if the linearization does not converge for the required ``R`` (some above 10 000;
     with ``"clipped"`` also some where the ductility nearly jumps).
 
-    The strength has the error of the linearized ductility: 1.4 % on average with the drift closure, as
-    in `linearize`. The Gaussian closure underestimates the ductility, so that its strength is too small.
-    A structure with a period of 0.6 s (damping and hardening 0.05) and the strength for a ductility of 4
-    has by nonlinear simulation a ductility of 4.0 on firm ground (0.42 s, damping 0.6) and on a lake bed
-    (2 s, 0.05); with its strength by the Gaussian closure 6.2 and 20.
+    The strength has the error of the linearized ductility. The Gaussian closure underestimates the
+    ductility, so that its strength is too small; with the drift closure the error is 1.4 % on average,
+    as in `linearize`. A structure with a period of 0.6 s (damping and hardening 0.05) and the strength
+    for a ductility of 4 by the drift closure has by nonlinear simulation a ductility of 4.0 on firm
+    ground (0.42 s, damping 0.6) and on a lake bed (2 s, 0.05); by the Gaussian closure 6.2 and 20.
 
     References
     ----------
@@ -127,8 +124,7 @@ def strength_for_ductility(
     >>> round(float(table.ductility_peak), 9)
     4.0
     """
-    if closure is not None:
-        check_closure(structure, closure)
+    check_closure(structure, closure)
     if structure.hardening is None:
         raise ValueError(
             f"{type(structure).__name__}: hardening is not given; a structure that yields needs its "
@@ -137,7 +133,6 @@ def strength_for_ductility(
     factor = structure.peak_factor if peak_factor is None else peak_factor
     strong = replace(structure, yield_displacement=None, reduction_factor=1.0, peak_factor=factor)
     strong.check_settles(type(structure).__name__)
-    closure = usual_closure(strong, ground) if closure is None else closure
     target = DuctilityTarget(ductility)
     models: dict[str, Model] = {"structure": strong, "ground": ground, "target": target}
     table = labels.label(in_blocks(partial(_with_strength, closure), models), VARIABLES)

@@ -12,6 +12,6 @@ strong = {"period": 0.8, "damping": 0.05, "hardening": 0.1, "yield_displacement"
 worn = sl.BoucWenBaberNoori(**strong, strength_decay=0.05, stiffness_decay=0.1, pinching=0.8)
 table = sl.transient_response(worn, sl.named_ground("firm", 0.01), 10.0, envelope=envelope, points=6)
 table.to_netcdf("worn.nc")
-sl.peak_response(building, sl.named_ground("firm", 0.01), 20.0, model="DK80", sides=1).to_netcdf(
-    "peak.nc"
-)
+ground = sl.named_ground("firm", 0.01)
+table = sl.peak_response(building, ground, 20.0, model="DK80", closure="drift", sides=1)
+table.to_netcdf("peak.nc")
