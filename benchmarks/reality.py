@@ -40,6 +40,7 @@ from reality_tables import (
     SPECTRUM,
     USUAL,
     figures_of,
+    tables_of,
     write_page,
 )
 
@@ -478,7 +479,8 @@ def main() -> None:
     cases = all_cases(records, options.work)
     save_table(cases, options.work / "cases.nc")
     kept = Kept(options.work)
-    figures, text = figures_of(cases, rules_of(kept, records))
+    figures = figures_of(cases, rules_of(kept, records))
+    text = tables_of(figures)
     print("\n\n".join(text.values()))
     if options.save:
         save_table(figures, options.save)

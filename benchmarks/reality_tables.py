@@ -124,38 +124,44 @@ def shown(cases: xr.Dataset) -> dict[str, xr.Dataset]:
     return {name: group for name, group in groups.items() if group.sizes["case"]}
 
 
-def figures_of(all_cases: xr.Dataset, gaps: xr.DataArray) -> tuple[xr.Dataset, dict[str, str]]:
-    """What the pictures of the page show, and its tables, with the ``gaps`` of rules [m]."""
+def figures_of(all_cases: xr.Dataset, gaps: xr.DataArray) -> xr.Dataset:
+    """What the pictures and the tables of the page show, with the ``gaps`` of rules [m]."""
     cases = all_cases.sel(scatter=list(LEVELS))
-    rules = judged_rules(cases, gaps)
     groups = shown(cases)
     rows = [
         [[_share(group, s, q) for q in CURVE] for s in cases.scatter.values] for group in groups.values()
     ]
     bins = [[list(_binned(group, s)) for s in cases.scatter.values] for group in groups.values()]
+    hit = ("group", "scatter", "bin")
     columns = {
-        "held": (("group", "scatter", "nominal"), rows, "share of the gaps that held"),
-        "hit": (("group", "scatter", "bin"), bins, "share of the records that hit"),
+        **_with_interval("held", ("group", "scatter", "nominal"), rows, "share of the gaps that held"),
+        **_with_interval("hit", hit, bins, "share of the records that hit"),
+        "probability": (hit, np.array(bins)[..., 3], _attrs("predicted probability of pounding, mean")),
     }
-    figures = xr.Dataset(coords={"group": list(groups), "scatter": cases.scatter, "nominal": CURVE})
-    for name, (dims, values, long_name) in columns.items():
-        for n, end in enumerate(("", "_lower", "_upper")):
-            attrs = {"units": "1", "long_name": long_name + end.replace("_", ", 95 % interval, ")}
-            figures[name + end] = dims, np.array(values)[..., n], attrs
-    attrs = {"units": "1", "long_name": "predicted probability of pounding, mean"}
-    figures["probability"] = columns["hit"][0], np.array(bins)[..., 3], attrs
-    figures.attrs = {
-        "title": "Predicted gaps and recorded earthquakes",
-        "history": "benchmarks/reality.py",
-    }
-    figures = figures.merge(rules)
-    tables = {
-        "held": _held(groups),
-        "scatter": _scatter(cases),
-        "rules": _rules(rules),
-        "components": _components(all_cases),
-    }
-    return figures, tables
+    coords = {"group": list(groups), "scatter": cases.scatter, "nominal": CURVE}
+    figures = xr.Dataset(columns, coords).assign_attrs(
+        title="Predicted gaps and recorded earthquakes", history="benchmarks/reality.py"
+    )
+    parts = judged_rules(cases, gaps), _scatters(cases), _of_components(all_cases)
+    return figures.merge(xr.merge(parts, join="outer", compat="no_conflicts"))
+
+
+def tables_of(figures: xr.Dataset) -> dict[str, str]:
+    """The tables of the page by their names there."""
+    made = {"held": _held, "scatter": _scatter, "rules": _rules, "components": _components}
+    return {name: table(figures) for name, table in made.items()}
+
+
+def _attrs(long_name: str) -> dict[str, str]:
+    return {"units": "1", "long_name": long_name}
+
+
+def _with_interval(
+    name: str, dims: Sequence[str], values: object, long_name: str
+) -> dict[str, tuple[Sequence[str], Array, dict[str, str]]]:
+    """A share or a scatter with both ends of its interval, which are last in ``values``."""
+    names = _with_ends(name, long_name).items()
+    return {each: (dims, np.array(values)[..., n], _attrs(text)) for n, (each, text) in enumerate(names)}
 
 
 def _binned(group: xr.Dataset, scatter: float) -> Iterator[tuple[float, float, float, float]]:
@@ -176,53 +182,79 @@ def _percent(found: tuple[float, ...]) -> str:
     return "{:.0f} ({:.0f} to {:.0f})".format(*(100 * value for value in found))
 
 
+def _likely(found: tuple[float, ...]) -> str:
+    return "" if np.isnan(found[0]) else "{:.2f} ({:.2f} to {:.2f})".format(*found)
+
+
 def _table(head: Sequence[str], rows: Sequence[Sequence[object]]) -> str:
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(map(str, line)) + " |" for line in lines)
 
 
-def _strength(value: float) -> str:
-    return "elastic" if value == 1 else f"R = {value:g}"
-
-
-def _held(groups: dict[str, xr.Dataset]) -> str:
+def _held(figures: xr.Dataset) -> str:
     rows = []
-    for name, group in groups.items():
-        for scatter in group.scatter.values:
-            cells = [_percent(_share(group, scatter, q)) for q in NOMINAL]
+    for name in figures.group.values:
+        for scatter in figures.scatter.values:
+            here = figures.sel(group=name, scatter=scatter)
+            cells = [_percent(_ends(here.sel(nominal=q), "held")) for q in NOMINAL]
             rows.append((name if not scatter else "", f"{scatter:g}", *cells))
     return _table(("Gaps from", "scatter", *(f"{100 * q:g} %" for q in NOMINAL)), rows)
 
 
-def _scatter(cases: xr.Dataset) -> str:
+# --- scatter ------------------------------------------------------------------------------------------
+
+_MISFIT_COLUMNS = {
+    "misfit_mean": "mean of ln (record/simulated)",
+    "misfit_std": "its standard deviation",
+    "simulated_std": "standard deviation of ln (simulated)",
+}
+
+
+def _scatters(cases: xr.Dataset) -> xr.Dataset:
+    """The most likely scatter, of each strength too, and misfits without scatter."""
+    parts = *KNOWN_PLACE, *((OWN, suite) for suite in SUITES)
+    groups = {", ".join(each): [of(cases, *each)] for each in parts}
+    joint = {
+        "other component, both suites": [of(cases, *each) for each in KNOWN_PLACE[2:]],
+        "first four rows": [of(cases, *each) for each in KNOWN_PLACE],
+    }
+    first = [group.isel(scatter=0) for (group,) in groups.values()]
+    misfits = [
+        (float(f.off.mean()), float(f.off.std()), float(np.sqrt((f.spread**2).mean()))) for f in first
+    ]
+    by_strength = [
+        [scatter_of([group.sel(strength=[s])])[0] for s in cases.strength.values]
+        for (group,) in groups.values()
+    ]
+    unknown = [[np.nan] * 3] * len(joint)
+    dims = ("source",)
+    columns = {
+        name: (dims, column, _attrs(text))
+        for (name, text), column in zip(
+            _MISFIT_COLUMNS.items(), np.transpose([*misfits, *unknown]), strict=True
+        )
+    }
+    likely = [scatter_of(each) for each in (groups | joint).values()]
+    columns |= _with_interval("likely_scatter", dims, likely, "most likely scatter")
+    attrs = _attrs("most likely scatter by strength")
+    columns["likely_scatter_by_strength"] = (*dims, "strength"), [*by_strength, *unknown], attrs
+    return xr.Dataset(columns, {"source": list(groups | joint), "strength": cases.strength.values})
+
+
+def _scatter(figures: xr.Dataset) -> str:
     rows = []
-    for part, suite in (*KNOWN_PLACE, *((OWN, suite) for suite in SUITES)):
-        group = of(cases, part, suite)
-        by_strength = (f"{scatter_of([group.sel(strength=[s])])[0]:.2f}" for s in group.strength.values)
-        first = group.isel(scatter=0)
-        mean, std = float(first.off.mean()), float(first.off.std())
-        spread = float(np.sqrt((first.spread**2).mean()))
-        best, lower, upper = scatter_of([group])
-        rows.append(
-            (f"{part}, {suite}", f"{mean:+.2f}", f"{std:.2f}", f"{spread:.2f}",
-             f"{best:.2f} ({lower:.2f} to {upper:.2f})", *by_strength)
-        )  # fmt: skip
-    for name, known in (
-        ("other component, both suites", KNOWN_PLACE[2:]),
-        ("first four rows", KNOWN_PLACE),
-    ):
-        best, lower, upper = scatter_of([of(cases, *each) for each in known])
-        found = f"**{best:.2f}** ({lower:.2f} to {upper:.2f})"
-        rows.append((f"{name}, with the same weight", "", "", "", found, "", "", ""))
-    head = (
-        "",
-        "mean of ln (record/simulated)",
-        "its standard deviation",
-        "standard deviation of ln (simulated)",
-        "scatter",
-        *(_strength(s) for s in cases.strength.values),
-    )
-    return _table(head, rows)
+    for name in figures.source.values:
+        one = figures.sel(source=name)
+        likely = _likely(_ends(one, "likely_scatter"))
+        if np.isnan(one.misfit_mean):
+            bold = "**{}** {} {} {}".format(*likely.split())
+            rows.append((f"{name}, with the same weight", "", "", "", bold, "", "", ""))
+            continue
+        by_strength = (f"{value:.2f}" for value in one.likely_scatter_by_strength.values)
+        off = f"{one.misfit_mean:+.2f}", f"{one.misfit_std:.2f}", f"{one.simulated_std:.2f}"
+        rows.append((name, *off, likely, *by_strength))
+    strengths = ("elastic" if s == 1 else f"R = {s:g}" for s in figures.strength.values)
+    return _table(("", *_MISFIT_COLUMNS.values(), "scatter", *strengths), rows)
 
 
 # --- rules --------------------------------------------------------------------------------------------
@@ -300,10 +332,10 @@ def _ends(table: xr.Dataset, name: str) -> tuple[float, ...]:
     return tuple(float(table[f"{name}{end}"]) for end in ("", "_lower", "_upper"))
 
 
-def _rules(rules: xr.Dataset) -> str:
+def _rules(figures: xr.Dataset) -> str:
     rows = []
-    for suite in rules.suite.values:
-        own = rules.sel(suite=suite)
+    for suite in figures.suite.values:
+        own = figures.sel(suite=suite)
         order = own.rule_held_at_equal_gap.argsort().values[::-1]
         for number, n in enumerate(order):
             one = own.isel(rule=n)
@@ -329,30 +361,49 @@ def _rules(rules: xr.Dataset) -> str:
 # --- one component and both ---------------------------------------------------------------------------
 
 
-def _components(cases: xr.Dataset) -> str:
-    """At nominally 90 %, from one component and from both."""
-    one, of_fit = (USUAL, AFTER), (0.0, FITTED)
-    tries = (
-        (OTHER, "one component", "the other component", (0.0, *one)),
-        (BOTH, "both components", "each of them", of_fit),
-        (PGA_ELSEWHERE, "one component", "the rest of the suite, scaled by PGA", (0.0, *one)),
-        (SA_ELSEWHERE, "one component", "the rest of the suite, scaled by Sa", (0.0, *one)),
-        (SA_ELSEWHERE_BOTH, "both components", "the rest of the suite, scaled by Sa", of_fit),
+ONE = "one component"
+REST = "the rest of the suite, scaled by"
+_TRIALS = {  # fitted to, tried on, scatters
+    OTHER: (ONE, "the other component", (0.0, USUAL, AFTER)),
+    BOTH: (BOTH, "each of them", (0.0, FITTED)),
+    PGA_ELSEWHERE: (ONE, f"{REST} PGA", (0.0, USUAL, AFTER)),
+    SA_ELSEWHERE: (ONE, f"{REST} Sa", (0.0, USUAL, AFTER)),
+    SA_ELSEWHERE_BOTH: (BOTH, f"{REST} Sa", (0.0, FITTED)),
+}
+
+
+def _of_components(cases: xr.Dataset) -> xr.Dataset:
+    """What held at nominally 90 %, from one component and from both, and the most likely scatter."""
+    trials = [(part, level) for part, (*_, levels) in _TRIALS.items() for level in levels]
+    shares, likely = [], []
+    for part, level in trials:
+        groups = [of(cases, part, suite) for suite in SUITES]
+        shares.append([_share(group, level, CONFIDENCE) for group in groups])
+        known = level == 0 and FITTED not in _TRIALS[part][2]
+        of_group = (scatter_of([group.sel(scatter=list(LEVELS))]) for group in groups)
+        likely.append(list(of_group) if known else [[np.nan] * 3] * len(SUITES))
+    dims = ("trial", "suite")
+    columns = {
+        **_with_interval("trial_held", dims, shares, "share of the gaps of 90 % that held"),
+        **_with_interval("trial_scatter", dims, likely, "most likely scatter"),
+    }
+    coords = {"trial_part": ("trial", [part for part, _ in trials])}
+    return xr.Dataset(
+        columns, coords | {"trial_level": ("trial", [s for _, s in trials]), "suite": list(SUITES)}
     )
+
+
+def _components(figures: xr.Dataset) -> str:
     rows = []
-    for part, fitted, on, levels in tries:
-        for level in levels:
-            first = level == levels[0]
-            shown = "of the fit" if level == FITTED else f"{level:g}"
-            row = [fitted if first else "", on if first else "", shown]
-            groups = [of(cases, part, suite) for suite in SUITES]
-            for group in groups:
-                row.append(_percent(_share(group, level, CONFIDENCE)))
-            for group in groups:
-                known = group.sel(scatter=list(LEVELS))
-                likely = scatter_of([known]) if first and FITTED not in levels else ()
-                row.append("{:.2f} ({:.2f} to {:.2f})".format(*likely) if likely else "")
-            rows.append(row)
+    for n in range(figures.sizes["trial"]):
+        trial = figures.isel(trial=n)
+        fitted, on, levels = _TRIALS[trial.trial_part.item()]
+        level = trial.trial_level.item()
+        row = [fitted, on] if level == levels[0] else ["", ""]
+        row.append("of the fit" if level == FITTED else f"{level:g}")
+        of_suites = [trial.sel(suite=suite) for suite in SUITES]
+        row += [_percent(_ends(one, "trial_held")) for one in of_suites]
+        rows.append([*row, *(_likely(_ends(one, "trial_scatter")) for one in of_suites)])
     held_on = [f"held on the {suite}, %" for suite in SUITES]
     scatters = [f"most likely scatter, {suite}" for suite in SUITES]
     return _table(("Fitted to", "tried on", "scatter", *held_on, *scatters), rows)

@@ -13,6 +13,7 @@ from reality_tables import (
     judged_rules,
     scatter_of,
     share_interval,
+    tables_of,
     write_page,
 )
 
@@ -131,7 +132,8 @@ def test_every_table_has_its_place_on_the_page(tmp_path):
     parts = ("spectrum", "own component", "other component")
     new = ("both components", "elsewhere by PGA", "elsewhere by Sa", "elsewhere by Sa, both components")
     cases = xr.concat([tried(0.2, suite, part) for part in (*parts, *new) for suite in SUITES], "case")
-    figures, tables = figures_of(cases, gaps_of_rules())
+    figures = figures_of(cases, gaps_of_rules())
+    tables = tables_of(figures)
     assert figures.held.sizes["group"] == len(parts) * len(SUITES)
     assert figures.rule_held.dims == ("suite", "rule")
     page = tmp_path / "reality.md"
