@@ -30,6 +30,7 @@ from stochlin.models.laws import bilinear
 
 REPEATS = 5
 TEXTBOOK_CELLS = 20
+PAIRS = 40_000
 SIZES = (100, 400, 1000, 2000, 4000)
 BYTES = 35  # of a cell: rho, the difference and both biases, status, two cautions
 GROUND = sl.KanaiTajimi(2.0, 0.05)
@@ -117,6 +118,21 @@ def ours() -> list[Row]:
     return rows
 
 
+def closures() -> list[Row]:
+    """A table of all combinations, and as many pairs side by side, each with buildings of its own."""
+    sides = np.random.default_rng(1).uniform(0.3, 3.5, (2, PAIRS))
+    rows: list[Row] = []
+    for closure in ("gaussian", "drift"):
+        for what, periods in (
+            ("table of all combinations", [axis(name, round(PAIRS**0.5)) for name in "ab"]),
+            ("pairs side by side", sides),
+        ):
+            pair = [building(each) for each in periods]
+            spent = seconds(functools.partial(sl.correlate, *pair, GROUND, closure=closure), 3)
+            rows.append((f"correlate, {what}, {closure}", PAIRS / spent, np.nan, f"{spent:.2f} s"))
+    return rows
+
+
 def solvers() -> list[Row]:
     """Both solvers of `correlate` on one table, and how many times as long the chain takes."""
     factor = xr.DataArray([1.0, 2.0, 4.0, 6.0], dims="factor")
@@ -183,7 +199,7 @@ def main() -> None:
     """Print one table, and write it."""
     table(50)
     book = textbook()
-    rows = [book, *ours(), *solvers()]
+    rows = [book, *ours(), *closures(), *solvers()]
     counted = len(rows)
     rows += [*peak_memory(), *start_up()]
     load = f"{os.cpu_count()} cores, load average before and during {os.getloadavg()[0]:.1f}"

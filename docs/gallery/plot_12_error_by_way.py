@@ -47,18 +47,19 @@ def apart(one, two, rho):
     return np.sqrt(one**2 + two**2 - 2 * rho * one * two)
 
 
+errors = {}  # [%] by ground and method
 figure, panels = plt.subplots(1, 3, figsize=(7.2, 2.8), sharey=True, layout="constrained")
 for axes, (title, ground) in zip(panels, grounds.items(), strict=True):
     each = [sl.Bilinear(T, 0.05, alpha, reduction_factor=R) for T, alpha, R in buildings]
     simulated = sl.simulate(each, ground, paths=32)
     sigma, rho = simulated.displacement_std.values, simulated.rho.values[first, second]
     reference = apart(sigma[first], sigma[second], rho)
-    for row, (_, options) in enumerate(ways.items()):
+    for row, (name, options) in enumerate(ways.items()):
         table = sl.correlate(side(first), side(second), ground, **options)
         alone = "method" not in options
         one = table.displacement_std_1 if alone else sigma[first]
         two = table.displacement_std_2 if alone else sigma[second]
-        error = 100 * (apart(one, two, table.rho).values / reference - 1)
+        error = errors[title, name] = 100 * (apart(one, two, table.rho).values / reference - 1)
         low, quarter, middle, most, high = np.percentile(error, [5, 25, 50, 75, 95])
         axes.plot([low, high], [row, row], "k", lw=1)
         axes.plot([quarter, most], [row, row], color="0.4", lw=5, solid_capstyle="butt")

@@ -35,7 +35,6 @@ class Simulated(NamedTuple):
     rho: np.ndarray
     error: np.ndarray
     std: np.ndarray
-    ductility_std: np.ndarray
 
     def difference_std(self, rho):
         """Of ``u_1 - u_2`` with these standard deviations, to which a gap is proportional."""
@@ -53,7 +52,6 @@ def simulated(ground_damping, period, factor, paths=64):
         table.rho.values[-1, :-1],
         table.rho_standard_error.values[-1, :-1],
         table.displacement_std.values,
-        table.ductility_std.values,
     )
 
 
@@ -79,53 +77,6 @@ def apart(one, other):
 
 
 # ---- "For broad band input linearization and the simplified formulas yield similar estimates" ----
-
-# Mean distance of the rules, in their order, from linearization, by the ductility that they take.
-DISTANCES = {
-    "linearized": (0.51, 0.14, 0.14, 0.34, 0.26, 0.11, 0.16),
-    "simulated": (0.51, 0.15, 0.14, 0.26, 0.21, 0.22, 0.24),
-    "equal to R": (0.51, 0.16, 0.17, 0.36, 0.27, 0.17, 0.16),
-}
-
-
-@pytest.mark.parametrize("ductility", DISTANCES)
-def test_how_far_simplified_formulas_are_from_linearization_on_broad_band(ductility):
-    found = simulated(BROAD, 1.0, 4)
-    linearized, rules = formulas(BROAD, 1.0, 4)
-    if ductility == "simulated":
-        peaks = 3 * found.ductility_std
-        rules = by_rule(xr.DataArray(peaks[:-1], dims="ratio"), peaks[-1])
-    elif ductility == "equal to R":
-        rules = by_rule(4.0, 4.0)
-    # Simulated ductilities scatter by a per cent, which moves a rule by less than 0.01.
-    allowed = SAME_AS_WRITTEN + 0.01 * (ductility == "simulated")
-    for name, distance in zip(RULES, DISTANCES[ductility], strict=True):
-        assert apart(rules[name], linearized.rho.values) == pytest.approx(distance, abs=allowed), name
-    # Linearization itself is nearer to the truth than any rule is to it.
-    assert apart(linearized.rho.values, found.rho) == pytest.approx(0.067, abs=found.error.max())
-    assert min(apart(rules[name], linearized.rho.values) for name in RULES) > 0.1
-
-
-def test_the_rules_are_no_nearer_to_linearization_at_other_periods_and_strengths():
-    """Means over three periods and three strengths, linearized ductility; least of a cell 0.07."""
-    cases = [(period, factor) for period in PERIODS for factor in FACTORS]
-    means = {}
-    for band in (BROAD, NARROW):
-        for name in SIMPLIFIED:
-            away = [
-                apart(rules[name], linearized.rho.values)
-                for linearized, rules in (formulas(band, *case) for case in cases)
-            ]
-            means[band, name] = np.mean(away)
-            assert min(away) > (0.065 if band == BROAD else 0.045)
-    broad = [means[BROAD, name] for name in SIMPLIFIED]
-    narrow = [means[NARROW, name] for name in SIMPLIFIED]
-    assert min(broad) == pytest.approx(0.12, abs=SAME_AS_WRITTEN)
-    assert max(broad) == pytest.approx(0.31, abs=SAME_AS_WRITTEN)
-    assert min(narrow) == pytest.approx(0.19, abs=SAME_AS_WRITTEN)
-    assert max(narrow) == pytest.approx(0.28, abs=SAME_AS_WRITTEN)
-    nearer = {name for name in SIMPLIFIED if means[BROAD, name] < means[NARROW, name]}
-    assert nearer == set(SIMPLIFIED) - {"iwan_1980", "fema_440"}
 
 
 def test_the_rule_named_after_jeng_is_nearer_to_linearization_on_broad_band_than_on_narrow_band():
@@ -174,34 +125,8 @@ TOO_HIGH = {
     "fema_440": (0.12, 0.10),
     "kasai_jagiasi_jeng_1996_unverified": (0.57, 0.53),
 }
-# The gap by linearization alone over the simulated, in standard deviations: least, largest, unsafe;
-# its mean error by T2; and of the true ones with the linearized rho.
+# The gap of the true standard deviations and the linearized rho over the simulated: least, largest.
 FED = {BROAD: (0.80, 1.00), NARROW: (0.46, 1.26)}
-ALONE = {BROAD: (0.51, 0.72, 1.0), NARROW: (0.39, 1.31, 0.83)}
-ALONE_OFF = {BROAD: (0.40, 0.35, 0.38), NARROW: (0.28, 0.16, 0.40)}
-# Least and largest of these by T2, and of the error of a standard deviation.
-BY_PERIOD = {0.5: (0.51, 1.19), 1.0: (0.69, 1.31), 2.0: (0.39, 0.77)}
-OF_STD = {BROAD: (-0.63, -0.27), NARROW: (-0.89, 0.01)}
-AT_RESONANCE = (-0.09, -0.01)  # of a standard deviation on narrow band, T = Tg
-
-
-def gap_alone(band, period, factor):
-    """The gap by linearization alone over the simulated one, both in standard deviations."""
-    found, (table, _) = simulated(band, period, factor), formulas(band, period, factor)
-    gap = sl.critical_gap(table.displacement_std_1, table.displacement_std_2, table.rho).gap
-    return gap.values / found.difference_std(found.rho)
-
-
-@pytest.mark.parametrize(
-    ("band", "extremes", "at_three_ratios"),
-    [(BROAD, (0.58, 0.67), (0.66, 0.64, 0.62)), (NARROW, (0.70, 1.14), (1.07, 0.98, 0.86))],
-    ids=["broad", "narrow"],
-)
-def test_a_gap_by_linearization_alone_at_the_ground_s_period(band, extremes, at_three_ratios):
-    """R = 4, T2 = Tg; and T1/T2 of 0.5, 0.7 and 1.4. Standard deviations scatter by a per cent."""
-    alone = gap_alone(band, GROUND_PERIOD, 4)
-    assert (alone.min(), alone.max()) == pytest.approx(extremes, abs=0.02)
-    np.testing.assert_allclose(alone[np.isin(LOGS, [-1, -0.5, 0.5])], at_three_ratios, atol=0.01)
 
 
 @pytest.mark.slow
@@ -209,8 +134,7 @@ def test_a_gap_by_linearization_alone_at_the_ground_s_period(band, extremes, at_
 def test_how_near_linearization_and_the_rules_are_to_simulation(band):
     """Over 144 pairs: three periods, three strengths, 16 ratios. Means are exact to 0.003."""
     away = {name: [] for name in ("linearization", "drift", *RULES)}
-    alone, fed, higher, short = [], [], {name: [] for name in RULES}, {name: [] for name in RULES}
-    of_std = []
+    fed, higher, short = [], {name: [] for name in RULES}, {name: [] for name in RULES}
     for case in ((period, factor) for period in PERIODS for factor in FACTORS):
         found = simulated(band, *case)
         (linearized, rules), (drift, _) = formulas(band, *case), formulas(band, *case, "drift")
@@ -221,23 +145,8 @@ def test_how_near_linearization_and_the_rules_are_to_simulation(band):
         for name, rho in rules.items():
             higher[name].append(rho > found.rho + 0.05)
             short[name].append(found.difference_std(rho) < 0.95 * needed)
-        peaks = linearized.displacement_std_1, linearized.displacement_std_2
-        of_std.append(np.append(peaks[0], peaks[1].max()) / found.std - 1)
         fed.append(found.difference_std(linearized.rho.values) / needed)
-        alone.append(gap_alone(band, *case))
     assert [np.mean(each) for each in away.values()] == pytest.approx(OFF[band], abs=0.007)
-    least, largest, unsafe = ALONE[band]
-    assert (np.min(alone), np.max(alone)) == pytest.approx((least, largest), abs=0.03)
-    assert np.mean(np.array(alone) < 0.95) == pytest.approx(unsafe, abs=0.03)
-    alone_off = np.reshape(np.abs(np.array(alone) - 1), (len(PERIODS), -1)).mean(axis=1)
-    assert alone_off == pytest.approx(ALONE_OFF[band], abs=0.01)
-    assert (np.min(of_std), np.max(of_std)) == pytest.approx(OF_STD[band], abs=0.015)
-    if band == NARROW:
-        by_period = np.reshape(alone, (len(PERIODS), -1))
-        for period, each in zip(PERIODS, by_period, strict=True):
-            assert (each.min(), each.max()) == pytest.approx(BY_PERIOD[period], abs=0.03)
-        resonant = np.reshape(of_std, (len(PERIODS), len(FACTORS), -1))[1, :, -1]
-        assert (resonant.min(), resonant.max()) == pytest.approx(AT_RESONANCE, abs=0.015)
     assert (np.min(fed), np.max(fed)) == pytest.approx(FED[band], abs=0.02)
     assert not np.any(short["elastic"])
     if band == NARROW:

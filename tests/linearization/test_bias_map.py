@@ -226,17 +226,10 @@ def test_caution_marks_the_cells_of_a_table():
     assert np.isnan(table.bias[2])
 
 
-def test_what_the_documents_say_of_the_map():
-    """The error of a standard deviation on white noise, and the share of Fig. 5a with a bias of rho."""
-    on_white = bias_map().displacement_std_bias_white_noise
-    weak, strong = on_white.sel(hardening=[0.02, 0.05]), on_white.sel(hardening=0.2)
-    said = [-0.51, -0.15, -0.26, -0.04]
-    found = [float(end) for part in (weak, strong) for end in (part.min(), part.max())]
-    assert found == pytest.approx(said, abs=0.006)
+def test_rho_has_a_bias_where_the_map_covers_both_periods():
     ratios = np.geomspace(0.1, 4, 60)
     axes = [xr.DataArray(2 * ratios, dims=f"period_{n}") for n in (1, 2)]
     table = sl.correlate(*map(building, axes), LAKEBED)
-    assert float(table.bias.notnull().mean()) == pytest.approx(0.42, abs=0.005)
     longer = np.maximum(*axes) / 2
     covered = (longer > 10**-0.5) & (np.abs(np.log(axes[0] / axes[1])) < np.log(10) / 2)
     np.testing.assert_array_equal(table.bias.notnull(), covered)

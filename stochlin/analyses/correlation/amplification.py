@@ -119,7 +119,7 @@ def amplification(
     -----
     By linearization, the relative error of ``D`` is that of the standard deviation: with the Gaussian
     closure, of Fig. 5b, ``D`` of yielding structures is too small, for stiff structures on a lake bed by
-    a factor of ten and more (see `linearize`); with the drift closure it is 1.4 % on average.
+    a factor of ten and more (see `linearize`); with the drift closure it is 0.9 % on average.
 
     The plastic drift of a structure that yields seldom grows very slowly. In a stationary response it is
     fully developed, so that the ratio of the standard deviations is then much larger than the ratio of

