@@ -189,6 +189,74 @@ def test_tables_of_etabs_are_the_building(tmp_path: Path, variant: str) -> None:
     moved = table["participation"] * table["shape"]
     np.testing.assert_allclose(moved, (LOADS[:, :1] * SHAPES[..., 0])[kept], rtol=1e-4, atol=1e-9)
     assert table.attrs["direction"] == "UX"
+    assert table.attrs["turning"] == ", ".join(map(str, np.flatnonzero(kept) + 1))
+    assert "below_ground" not in table.attrs
+
+
+def turned(tables: list[Cells]) -> list[Cells]:
+    """Tables of SAP2000 with one joint on each floor, at a corner that has all of its mass, and R3."""
+    kept = {f"{floor}1" for floor in (1, 2, 3)} | {"1"}
+    ratios, places, weights, moved = tables
+    of_corner = [
+        [row for row in cells[3:] if row and row[0] in kept] for cells in (places, weights, moved)
+    ]
+    whole = [[*row[:2], *[4 * mass for mass in row[2:]]] for row in of_corner[1]]
+    angles = [[*row, SHAPES[row[4] - 1, int(row[0][0]) - 1, 2]] for row in of_corner[2]]
+    rows = *of_corner[:1], whole, angles
+    moved[1:3] = [*moved[1], "R3"], [*moved[2], "Radians"]
+    heads = places[:3], weights[:3], moved[:3]
+    return [ratios, *([*head, *each, []] for head, each in zip(heads, rows, strict=True))]
+
+
+@pytest.mark.parametrize(
+    ("tables", "arguments", "turns"),
+    [
+        (etabs(), {"direction": "UX"}, True),
+        (etabs(), {"direction": "UX", "points": ["1"]}, False),
+        (etabs(), {"direction": "UY"}, False),
+        (turned(sap2000()), {"direction": "UX"}, True),
+        (turned(sap2000()), {"direction": "UX", "points": ["11", "21", "31"]}, False),
+    ],
+)
+def test_modes_turn_where_no_points_are_named(
+    tmp_path: Path, tables: list[Cells], arguments: dict[str, object], turns: bool
+) -> None:
+    """Along y the centre of stiffness is that of mass."""
+    assert ("turning" in read(tmp_path, as_text(tables), **arguments).attrs) == turns
+
+
+def based(elevation: float) -> list[Cells]:
+    """The tables of ETABS with an elevation of the base [m]."""
+    name = "Tower and Base Story Definitions"
+    return [*etabs(), table(name, "Tower|BSName|BSElev", "||m", [["T1", "Base", elevation]])]
+
+
+def lowered(elevation: float) -> list[Cells]:
+    """The tables of SAP2000 with the supports at this elevation [m]."""
+    ratios, places, *others = sap2000()
+    moved = [[*row[:-1], row[-1] - 10 + elevation] if row else row for row in places[3:]]
+    return [ratios, [*places[:3], *moved], *others]
+
+
+@pytest.mark.parametrize("tables", [based, lowered])
+@pytest.mark.parametrize(("elevation", "below"), [(-4.0, 1), (-8.0, 2), (-1.5, 0), (0.0, 0), (25.0, 0)])
+def test_floors_at_or_below_the_ground_do_not_pound(
+    tmp_path: Path, tables: Callable[[float], list[Cells]], elevation: float, below: int
+) -> None:
+    """The ground is at 0, or at a base that is higher; modes have the mass of all floors."""
+    points = {"points": ["11", "21", "31"]} if tables is lowered else {}
+    whole, deep = (
+        read(tmp_path, as_text(tables(base)), direction="UX", **points) for base in (0.0, elevation)
+    )
+    np.testing.assert_allclose(deep.level, LEVELS[below:] + min(elevation, 0.0))
+    np.testing.assert_allclose(
+        deep["mass"], [MASSES[: below + 1].sum() * 1e3, *1e3 * MASSES[below + 1 :]]
+    )
+    for name in ("period", "participation", "modal_mass"):
+        np.testing.assert_allclose(deep[name], whole[name])
+    np.testing.assert_allclose(deep["shape"], whole["shape"][:, below:])
+    assert deep.attrs.get("below_ground", 0) == below
+    assert sl.ModalBuilding.from_table(deep, damping=0.05).storeys == 3 - below
 
 
 OTHERS: dict[str, tuple[str, str]] = {
@@ -304,6 +372,7 @@ def test_without_the_library_of_workbooks_the_message_names_it(
 ETABS, SAP = as_text(etabs()), as_text(sap2000())
 POINTS = {"points": ["11", "21", "31"]}
 BROKEN: dict[str, tuple[str, dict[str, object]]] = {
+    "tower.csv: no floor is above the ground; allowed: levels above 0.01 m": (as_text(based(-99.0)), {}),
     "direction is missing: table Modal Participating Mass Ratios has modes along UX and UY": (ETABS, {}),
     "direction = 'UZ' is not known; allowed: UX, UY": (ETABS, {"direction": "UZ"}),
     "line 5, column 4: 'n/a' is not a UX; allowed: a number": (

@@ -15,6 +15,7 @@ from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.pounding import pound_motions
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.shared.descriptions import in_words
+from stochlin.views.shared.words import left_out
 
 DOCS = Path(__file__).parents[2] / "docs"
 MASSES, HEIGHTS, STIFFNESSES = [3e5, 2.5e5, 2e5], [4.0, 3.0, 3.5], [2e8, 1.8e8, 1.2e8]
@@ -187,7 +188,7 @@ def test_a_pushover_curve_beside_modes_is_that_of_the_library(tmp_path: Path) ->
         np.testing.assert_allclose(np.squeeze(opened.arrays()[name]), np.squeeze(values), rtol=1e-12)
 
 
-def test_a_folder_of_tables_is_the_building_of_its_files(tmp_path: Path) -> None:
+def test_a_folder_of_tables_is_the_building_of_its_files_and_warns_if_it_turns(tmp_path: Path) -> None:
     tables = (DOCS / "from_tables" / "annex.csv").read_text(encoding="utf-8")
     (tmp_path / "annex").mkdir()
     for n, table in enumerate(tables.split("\n\n")):
@@ -198,6 +199,12 @@ def test_a_folder_of_tables_is_the_building_of_its_files(tmp_path: Path) -> None
         for path in ("annex.csv", "annex")
     )
     assert folder.describe() == whole.describe()
+    turning = re.sub(r"(?m)^(Roof,D1,Modal,LinModEigen,Mode,2,.*),0$", r"\1,0.001", tables)
+    (tmp_path / "turning.csv").write_text(turning, encoding="utf-8")
+    for path, count in (("annex.csv", 0), ("turning.csv", 1)):
+        case = case_of(tmp_path, f'{OF_FILE.replace("tower.csv", path)}direction = "UX"\n')
+        told = [text for text in left_out(case) if "Tower turns in plan" in text]
+        assert len(told) == count
 
 
 def test_a_file_of_modes_outside_of_the_folder_is_not_read_for_the_explorer(tmp_path: Path) -> None:

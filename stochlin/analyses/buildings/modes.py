@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -21,6 +21,7 @@ from stochlin.models.buildings.base import FLOOR, MODE
 from stochlin.models.buildings.modal import effective_masses_of
 
 DIRECTIONS = ("UX", "UY")
+LOWEST = 0.01  # m: floors that are lower are at the ground or below it
 
 
 @checked
@@ -59,7 +60,10 @@ def read_modes(
         ``period`` [s] and ``shape`` over ``mode`` and ``floor``, ``mass`` [kg] and the storey ``height``
         [m] over ``floor``, from the ground up, for `ModalBuilding.from_table`. If the file has them,
         also ``participation`` and the effective modal masses ``modal_mass`` [kg]. Modes keep the numbers
-        of the file and come by period, longest first.
+        of the file and come by period, longest first. The ground is at 0 of a model whose base is lower,
+        else at the base; floors at the ground or below it do not pound and are left out, and the lowest
+        floor above has their masses too. The attributes ``below_ground`` and ``turning`` are their
+        number and the modes that turn in plan, if no ``points`` are named.
 
     Raises
     ------
@@ -91,7 +95,8 @@ def read_modes(
     >>> tower = sl.ModalBuilding.from_table(modes, damping=0.05)
     """
     path = input_path("path", path)
-    _check_texts(points, mass_units=mass_units, length_units=length_units)
+    if isinstance(points, str) or not isinstance(points, Sequence):
+        raise TypeError(f"points = {brief(points)}; allowed: a list of names")
     name, asked = plain(path.name), AskedModes(direction, tuple(points), mass_units, length_units)
     sheets = [sheet for sheet in (sheets_in if path.is_dir() else sheets_of)(path) if sheet]
     kind = next((kind for kind in MODE_FILES.values() if kind.recognizes(sheets)), None)
@@ -110,18 +115,14 @@ def read_modes(
     return _labelled(kind.read(sheets, asked), name, asked.direction)
 
 
-def _check_texts(points: object, **units: object) -> None:
-    """Raise a TypeError for points or units that are no texts."""
-    if isinstance(points, str) or not isinstance(points, Sequence):
-        raise TypeError(f"points = {brief(points)}; allowed: a list of names")
-    for argument, unit in units.items():
-        if not isinstance(unit, str | None):
-            raise TypeError(f"{argument} = {brief(unit)}; allowed: a text, such as 'kg' or 'm'")
-
-
 def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Dataset:
     """The dataset, with floors from the ground up and the modes by period."""
     up, longest = np.argsort(modes.levels), np.argsort(-modes.periods, kind="stable")
+    masses, below = modes.masses[up], int((modes.levels < LOWEST).sum())
+    if below == up.size:
+        raise ValueError(f"{name}: no floor is above the ground; allowed: levels above {LOWEST:g} m")
+    masses[below] += masses[:below].sum()
+    up = up[below:]
     levels = modes.levels[up]
     heights = np.diff(levels, prepend=0.0)
     if not (heights > 0).all():
@@ -132,7 +133,7 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
         {
             "period": (MODE, modes.periods[longest]),
             "shape": ((MODE, FLOOR), modes.shapes[longest][:, up]),
-            "mass": (FLOOR, modes.masses[up]),
+            "mass": (FLOOR, masses[below:]),
             "height": (FLOOR, heights),
         },
         {
@@ -147,7 +148,12 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
     _doubt_order(table, name)
     table = labels.label(table, VARIABLES)
     table = labels.with_run_information(table, f"Modes of {name}", "read_modes", {})
-    about = {"source": name, "direction": direction or "", "left_out": listed(modes.left_out)}
+    about: dict[str, Any] = {
+        "source": name,
+        "direction": direction or "",
+        "left_out": listed(modes.left_out),
+    }
+    about |= {"turning": listed(modes.turning), "below_ground": below}
     return table.assign_attrs({key: text for key, text in about.items() if text})
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from typing import Annotated
 
 import numpy as np
@@ -124,14 +124,13 @@ def bilinear_of(
         },
         {"point": ("point", ["origin", "yield", "end"], {"long_name": "point of the idealization"})},
     )
-    table = labels.with_run_information(
-        labels.label(table, VARIABLES),
+    return labels.with_run_information(
+        labels.label(table, VARIABLES).assign_attrs(method=method),
         "Bilinear idealization of a pushover curve",
         f"bilinear_of(method={method!r})",
         {},
         REFERENCES[method],
     )
-    return table.assign_attrs(method=method)
 
 
 def check_curve(displacement: Array, force: Array, places: Sequence[str]) -> None:
@@ -249,7 +248,4 @@ def _check_bend(u: Array, last: float, energy: float) -> None:
         )
 
 
-_METHODS: Mapping[str, Callable[[Array, Array, float], tuple[float, float, float]]] = {
-    "eurocode_8": _eurocode_8,
-    "asce_41": _asce_41,
-}
+_METHODS = {"eurocode_8": _eurocode_8, "asce_41": _asce_41}

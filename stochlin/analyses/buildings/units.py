@@ -33,13 +33,9 @@ _SPELLED = str.maketrans({"²": "2", "\N{REPLACEMENT CHARACTER}": "2", "^": "", 
 def size_of(quantity: str, unit: str) -> float | None:
     """A unit of a quantity in SI; None if it is not known, as ``ton``, which is several."""
     written = unit.strip().lower().translate(_SPELLED).replace(" ", "-")
-    if quantity == "length":
-        return LENGTHS.get(written)
-    if quantity == "force":
-        return FORCES.get(written)
-    if match := _OF_FORCE.fullmatch(written):
+    if quantity == "mass" and (match := _OF_FORCE.fullmatch(written)):
         return FORCES[match[1]] / LENGTHS[match[2]]
-    return MASSES.get(written)
+    return {"length": LENGTHS, "force": FORCES, "mass": MASSES}[quantity].get(written)
 
 
 def size_stated(quantity: str, stated: str, asked: str | None, where: str) -> float:
@@ -49,18 +45,15 @@ def size_stated(quantity: str, stated: str, asked: str | None, where: str) -> fl
     contradict each other, or if it is not known.
     """
     name, own = f"{quantity}_units", size_of(quantity, stated)
+    if not isinstance(asked, str | None):
+        raise TypeError(f"{name} = {brief(asked)}; allowed: a text, such as 'mm' or 'kN'")
     if asked is None:
         if own is not None:
             return own
-        if not stated:
-            raise ValueError(
-                f"{where}: the file does not say the unit of the {quantity}; give {name}=, allowed: "
-                f"{ALLOWED[quantity]}"
-            )
-        raise ValueError(
-            f"{where}: {brief(stated)} is not a known unit of a {quantity}; allowed: "
-            f"{ALLOWED[quantity]}; or give {name}="
-        )
+        what = f"the file does not say the unit of the {quantity}"
+        if stated:
+            what = f"{brief(stated)} is not a known unit of a {quantity}"
+        raise ValueError(f"{where}: {what}; give {name}=, allowed: {ALLOWED[quantity]}")
     size = size_of(quantity, asked)
     if size is None:
         raise ValueError(

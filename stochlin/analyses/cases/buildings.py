@@ -53,6 +53,7 @@ class Building:
     storeys: int | None
     uncertain: UncertainModel | None = None
     design: Design = field(default_factory=Design)
+    turning: str = ""  # as in `StoreyBuilding`
     ductility: float | None = None  # for which the strength is sought, where it is given so
     section: Section | None = field(default=None, compare=False, repr=False)  # of the file, for messages
 

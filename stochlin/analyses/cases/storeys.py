@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -65,6 +65,7 @@ class StoreyBuilding:
     strength: str
     uncertain: UncertainModel | None = None  # as in `Building`
     design: Design = field(default_factory=Design)
+    turning: str = ""  # modes of the file that turn in plan, whose shapes are not those of named points
 
     @property
     def sampled(self) -> Any:
@@ -203,7 +204,8 @@ def _by_modes(section: Section, number: int, folder: Path, known: Known) -> Stor
     described = section.made(ModalBuilding.from_table, {"table": table, **values})
     if strength == PUSHOVER:
         described = pushed(section, described, folder, known)
-    return _named(section, number, described, strength, scaled=True)
+    building = _named(section, number, described, strength, scaled=True)
+    return replace(building, turning=table.attrs.get("turning", ""))
 
 
 def _strength(section: Section, key: str, example: str) -> str:

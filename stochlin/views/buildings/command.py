@@ -16,6 +16,7 @@ from stochlin.views.shared.screen import (
     check_target,
     lines,
     show,
+    write,
 )
 
 USUAL_DAMPING = 0.05
@@ -85,7 +86,7 @@ def building(
         from stochlin.analyses.buildings.pushover import bilinear_of
         from stochlin.analyses.buildings.pushover_files import read_pushover
         from stochlin.analyses.buildings.summaries import with_masses
-        from stochlin.analyses.tables.storage import FORMATS, save_table
+        from stochlin.analyses.tables.storage import FORMATS
         from stochlin.models.buildings import ModalBuilding
         from stochlin.views.buildings.words import building_sections
 
@@ -109,11 +110,8 @@ def building(
         table = with_masses(table, tower)
         asked = {"modes": modes.name, "direction": direction, "points": named, **units}
         asked["pushover"] = pushover.name if pushover else None
-        keys = {key: value for key, value in asked.items() if value}
-        show(lines(building_sections(table, tower, damping is not None, keys, ideal)))
-        if out is not None:
-            save_table(table, out)
-            click.echo(f"saved {out}")
+        show(lines(building_sections(table, tower, damping is not None, asked, ideal)))
+        write(table, out)
 
 
 def _pair(units: str | None) -> list[str | None]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
+from json import dumps
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stochlin.models.buildings import GRAVITY
 from stochlin.views.shared.blocks import Items, Table, Text, ViewSection
-from stochlin.views.shared.words import SPACE, along, length, per_cent, rule_label
+from stochlin.views.shared.words import SPACE, TURNS, along, length, per_cent, rule_label
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -43,7 +43,7 @@ def building_sections(
     whole = per_cent(float(table["mass_share"].sum()), 1)
     moves = "Floors, with their displacements over that of each mode's oscillator"
     taken = [*_assumed(table, building, damped), *_strength(table, building, ideal)]
-    written = [f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in keys.items()]
+    written = [f"{key} = {dumps(value, ensure_ascii=False)}" for key, value in keys.items() if value]
     return [
         ViewSection("", [Text(head)]),
         ViewSection("Modes", [_modes(table), Text(f"Effective modal masses together: {whole}.")]),
@@ -58,16 +58,16 @@ def _count(number: int, what: str) -> str:
 
 
 def _modes(table: xr.Dataset) -> Table:
-    shares = table["mass_share"].values
+    so_far = np.cumsum(table["mass_share"].values)
     rows = [
         [
             str(mode["mode"].item()),
             f"{float(mode['period']):.4g}",
-            f"{100 * share:.1f}",
-            f"{100 * so_far:.1f}",
+            f"{100 * float(mode['mass_share']):.1f}",
+            f"{100 * together:.1f}",
             f"{float(mode['floor_move'][-1]):.3f}",
         ]
-        for mode, share, so_far in zip(along(table, "mode"), shares, np.cumsum(shares), strict=True)
+        for mode, together in zip(along(table, "mode"), so_far, strict=True)
     ]
     return Table.of(["mode", "period [s]", "mass [%]", "up to it [%]", "roof"], rows)
 
@@ -91,15 +91,14 @@ def _floors(table: xr.Dataset) -> Table:
 
 def _assumed(table: xr.Dataset, building: ModalBuilding, damped: bool) -> Iterator[str]:
     """What the numbers are from, and what is not in the file."""
-    given = building.modal_masses is not None
-    if given:
+    if building.modal_masses is None:
+        yield "Participation factors and modal masses are computed from shapes and floor masses."
+    else:
         yield (
             "Participation factors and modal masses are those of the file, since the shapes alone do "
             "not give them: the building turns, or masses move that are not at the floors. Storey "
             "shears above the first storey are not known."
         )
-    else:
-        yield "Participation factors and modal masses are computed from shapes and floor masses."
     if "left_out" in table.attrs:
         yield (
             f"Left out, since less than 0.1{SPACE}% of the mass moves along the gap: mode "
@@ -107,9 +106,13 @@ def _assumed(table: xr.Dataset, building: ModalBuilding, damped: bool) -> Iterat
         )
     if table.sizes["mode"] > MOST_COLUMNS:
         yield f"Shapes are shown of the first {MOST_COLUMNS} modes; --out saves all."
-    ratio = per_cent(building.arrays()["damping"].item(), 1)
+    if "turning" in table.attrs:
+        yield TURNS.format(building=table.attrs["source"])
+    if "below_ground" in table.attrs:
+        count = _count(table.attrs["below_ground"], "floor")
+        yield f"Left out: {count} at or below the ground, with whose mass the lowest floor is shown."
     assumed = "" if damped else ", assumed, since the file has none; --damping gives another"
-    yield f"Damping ratio of every mode: {ratio}{assumed}."
+    yield f"Damping ratio of every mode: {per_cent(building.arrays()['damping'].item(), 1)}{assumed}."
     yield "Only the motion along the gap is described; that across it is neglected."
 
 

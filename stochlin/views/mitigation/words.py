@@ -17,13 +17,13 @@ from stochlin.views.shared.words import (
     along,
     centimetres,
     floors,
+    left_out,
     length,
     opening,
     per_cent,
     scatter,
     shaking,
     short,
-    walls,
     with_interval,
 )
 
@@ -81,7 +81,7 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
         remarks.append(NO_DASHPOT)
     return [
         opening(case, doubts(table, case.pair, float(built.required_gap), peaks)),
-        ViewSection("", texts([floors(case), *walls(case)])),
+        ViewSection("", texts([floors(case), *left_out(case)])),
         ViewSection("", [*texts(about), *unknowns(case, "needed gaps and shares are those")]),
         ViewSection("", [_motions(table)]),
         *_devices(table),

@@ -26,12 +26,12 @@ from stochlin.views.shared.words import (
     along,
     floors,
     in_g,
+    left_out,
     opening,
     per_cent,
     scatter,
     shaking,
     short,
-    walls,
     with_interval,
 )
 
@@ -93,7 +93,7 @@ def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
     notes += [JUMPS] * (meets and bool(table.hardest_force_between_mean.isnull().any()))
     return [
         opening(case, doubts(strongest, case.buildings, peaks=peaks)),
-        ViewSection("", texts([floors(case), *walls(case)])),
+        ViewSection("", texts([floors(case), *left_out(case)])),
         ViewSection("", texts(about)),
         ViewSection("", texts([failed])),
         ViewSection("", texts([columns])),

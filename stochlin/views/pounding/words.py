@@ -21,13 +21,13 @@ from stochlin.views.shared.words import (
     along,
     centimetres,
     floors,
+    left_out,
     length,
     number,
     opening,
     per_cent,
     recorded_shaking,
     short,
-    walls,
 )
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def answer_sections(case: Case, tables: Mapping[str, xr.Dataset]) -> list[ViewSe
     doubtful = [f"in {record} {doubt}" for record, several in doubts_of.items() for doubt in several]
     return [
         opening(case, doubtful),
-        ViewSection("", texts([floors(case), *walls(case), at_medians(case)])),
+        ViewSection("", texts([floors(case), *left_out(case), at_medians(case)])),
         *(ViewSection("", _in_record(case, record, table)) for record, table in tables.items()),
         ViewSection("", texts([_notes(case, next(iter(tables.values())))])),
     ]

@@ -16,12 +16,12 @@ from stochlin.views.shared.words import (
     along,
     centimetres,
     floors,
+    left_out,
     length,
     opening,
     over_records,
     scatter,
     shaking,
-    walls,
     with_interval,
 )
 
@@ -58,7 +58,7 @@ def answer_sections(answer: ProbabilityAnswer) -> list[ViewSection]:
         f"{case.first.name} (left) and {case.second.name}, gap {length(answer.gap)}, "
         f"{case.duration:.4g}{SPACE}s"
     )
-    about = (between, floors(case), *walls(case), shaking(answer.shaking, case), scatter(case))
+    about = (between, floors(case), *left_out(case), shaking(answer.shaking, case), scatter(case))
     shown = [column for column in COLUMNS if _known(table, column[1])]
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
     rows = [_instant(table.isel(time=n), shown) for n in range(0, table.sizes["time"], step)]

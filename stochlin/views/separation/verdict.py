@@ -22,13 +22,13 @@ from stochlin.views.shared.words import (
     per_cent,
     scatter,
     shaking,
-    walls,
     with_interval,
 )
 from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
+    left_out,
 
     from stochlin.analyses.cases.separation import CaseAnswer
 
@@ -106,7 +106,7 @@ def cautions(answer: CaseAnswer) -> list[str]:
         *_falling(answer),
         _yielding(table) if _yields_much(table) else "",
         scatter(case),
-        *walls(case),
+        *left_out(case),
     ]
     return [sentence for sentence in sentences if sentence]
 

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    Draw = Callable[[xr.Dataset], Figure]
+
 COMMANDS: Registry[click.Command] = Registry("command", "stochlin.views", "command")
 SCREEN_ROWS, WIDTH = 40, 100
 STEPS = 1000  # of a bar
@@ -189,7 +191,7 @@ def data_target(
 
 
 def write(
-    table: xr.Dataset, out: Path | None, picture: Path | None, draw: Callable[[xr.Dataset], Figure]
+    table: xr.Dataset, out: Path | None, picture: Path | None = None, draw: Draw | None = None
 ) -> None:
     """Save the table, and the picture drawn of it, each where it is asked for."""
     from stochlin.analyses.tables.storage import save_table
@@ -198,7 +200,7 @@ def write(
     if out is not None:
         save_table(table, out)
         click.echo(f"saved {out}")
-    if picture is not None:
+    if picture is not None and draw is not None:
         save(draw(table), picture)
         click.echo(f"saved {picture}")
 

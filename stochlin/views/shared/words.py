@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from stochlin.analyses.cases.buildings import AnyBuilding
     from stochlin.analyses.cases.case import Case
-    from stochlin.analyses.cases.storeys import SlabOnColumn
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 BEYOND = "\N{RIGHTWARDS ARROW}"
@@ -46,9 +45,15 @@ SLABS = (
     "only floors at the same level."
 )
 
-# Of a uniform wall in bending: its first period over the second, and how far its roof and its mid-height
-# move in the first mode over the spectral displacement.
-OF_WALL = "6.3", "1.57", "0.53"
+TURNS = (
+    "Caution: {building} turns in plan, and its displacements are not those of the edge that faces the "
+    "neighbour, so that a gap can be too small: export the displacements of joints on that edge, and "
+    'name one on each floor, as points = ["12"].'
+)
+UNIFORM_WALL = (
+    "The first period of a uniform wall is 6.3 times the second, and in the first mode its roof moves "
+    "1.57 times and its mid-height 0.53 times as far as an oscillator of that period"
+)
 BESIDES_WALLS = (
     "Torsion, rocking of the foundation and shear in the wall are left out as well. Compare the result "
     "with modes of the wall itself."
@@ -137,14 +142,6 @@ def shown_unit(units: str, largest: float = np.inf) -> tuple[str, float]:
     return f"{SPACE}{unit}" if units != "1" else "", scale
 
 
-def columns_hit(slabs: Sequence[SlabOnColumn]) -> str:
-    """A warning that slabs meet columns, and the provision of codes; empty where none does."""
-    if not slabs:
-        return ""
-    more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")
-    return f"Floors are not level: {slabs[0]}{more}. {SLABS}"
-
-
 def scatter(case: Case) -> str:
     """The scatter of the motions in strength and its source; empty where it is 0 as usual."""
     usual = case.usual_scatter
@@ -226,13 +223,13 @@ def opening(case: Case, doubts: Sequence[str]) -> ViewSection:
     return ViewSection("", [doubt(doubts), Text(case.title, "title")])
 
 
-def walls(case: Case) -> list[str]:
-    """What the models of buildings leave out that are walls, one caution for each of them."""
-    return [_wall(building) for building in case.walls]
+def left_out(case: Case) -> list[str]:
+    """What the models leave out of walls, and of buildings that turn in plan."""
+    turning = (building for building in case.buildings if building.turning)
+    return [*map(_wall, case.walls), *(TURNS.format(building=building.name) for building in turning)]
 
 
 def _wall(building: AnyBuilding) -> str:
-    ratio, roof, middle = OF_WALL
     structure, caution = building.structure, f"Caution: {building.name} is a wall"
     uniform = (
         f"The first period of a uniform wall is {ratio} times the second, and in the first mode its "
@@ -247,7 +244,7 @@ def _wall(building: AnyBuilding) -> str:
         )
     if not isinstance(structure, ShearBuilding) or structure.storeys == 1:
         return (
-            f"{caution}, and one oscillator stands for it. {uniform}. Its second mode, with "
+            f"{caution}, and one oscillator stands for it. {UNIFORM_WALL}. Its second mode, with "
             f"19{SPACE}% of the mass, is left out, and a gap at its roof can be too small. "
             f"{BESIDES_WALLS}"
         )
@@ -256,7 +253,7 @@ def _wall(building: AnyBuilding) -> str:
     at_middle = np.interp(0.5 * levels[-1], levels, np.append(0.0, moved))
     return (
         f"{caution}, which bends as a whole, so that its drifts grow toward the roof; a chain of "
-        f"storeys deforms in shear only. {uniform}; of these storeys the numbers are "
+        f"storeys deforms in shear only. {UNIFORM_WALL}; of these storeys the numbers are "
         f"{periods[0] / periods[1]:.2g}, {moved[-1]:.3g} and {at_middle:.2g}. A gap at its roof can be "
         "too small, and one at lower floors too large. Stiffnesses storey by storey can give the chain "
         f"the shape of the first mode, but not the higher periods. {BESIDES_WALLS}"
@@ -267,7 +264,8 @@ def floors(case: Case) -> str:
     """A warning that floors are not level, and the provision of codes; empty where that is not known."""
     slabs, unlike = case.slabs_on_columns, case.unlike_storeys
     if slabs:
-        return columns_hit(slabs)
+        more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")
+        return f"Floors are not level: {slabs[0]}{more}. {SLABS}"
     if unlike:
         names, heights = zip(
             *((building.name, f"{building.storey_height:.2f} m") for building in unlike), strict=True

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import ClassVar, NamedTuple
 
 from stochlin.analyses.buildings.sheets import Sheet
@@ -26,17 +26,19 @@ class ModesOfFile(NamedTuple):
     """The modes in a file, in SI; modes in the order of the file, floors in any order.
 
     ``participation`` and ``modal_masses`` are along the direction, if the file has them. ``left_out``
-    are the numbers of modes that do not move along it.
+    are the numbers of modes that do not move along it, and ``turning`` of those that turn in plan, where
+    the shapes are not those of points that the caller names.
     """
 
     modes: Sequence[int]  # numbers in the file
     periods: Array  # [s] (modes,)
     shapes: Array  # (modes, floors)
     masses: Array  # [kg] (floors,)
-    levels: Array  # above the ground [m] (floors,)
+    levels: Array  # above the ground [m] (floors,); 0 or less of floors that cannot pound
     participation: Array | None = None  # (modes,)
     modal_masses: Array | None = None  # [kg] (modes,)
     left_out: Sequence[int] = ()
+    turning: Sequence[int] = ()
 
 
 class ModeFile(ABC):
@@ -61,14 +63,13 @@ MODE_FILES: Registry[type[ModeFile]] = Registry(
 )
 
 
-def chosen_direction(asked: AskedModes, known: Mapping[str, object], where: str) -> str:
+def chosen_direction(asked: AskedModes, known: Sequence[str], where: str) -> str:
     """The direction that is asked for, or the only one; a ValueError if it is not in the file."""
-    if asked.direction is None and len(known) == 1:
-        return next(iter(known))
-    if asked.direction is None or asked.direction not in known:
-        given = "is missing" if asked.direction is None else f"= {asked.direction!r} is not in the file"
+    direction = asked.direction or (known[0] if len(known) == 1 else "")
+    if direction not in known:
+        what = f"= {direction!r} is not in the file" if direction else "is missing"
         raise ValueError(
-            f"direction {given}: {where} has modes along {' and '.join(known)}; give the one along the "
-            f"gap, direction={next(iter(known))!r}"
+            f"direction {what}: {where} has modes along {' and '.join(known)}; give the one along the "
+            f"gap, direction={known[0]!r}"
         )
-    return asked.direction
+    return direction

@@ -31,9 +31,11 @@ from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
 RATIOS, OF_JOINTS = "Modal Participating Mass Ratios", "Joint Displacements"
 OF_CENTRES, OF_STORIES = "Diaphragm Center Of Mass Displacements", "Mass Summary by Story"
 HEIGHTS = "Story Definitions", "Story Data"
+BASES = "Tower and Base Story Definitions"
 COORDINATES, OF_MASSES = "Joint Coordinates", "Assembled Joint Masses"
 SHARE = Range(upper=1.0, include_lower=True, include_upper=True)
 SAME_LEVEL = 0.01  # largest difference of the levels of joints on one floor [m]
+STILL = 1e-6  # rotation of a floor that does not turn [rad]
 ASIDE = 0.02  # largest share of the mass that may be between the floors, or at joints without shapes
 CASE = "Case", "Output Case", "Load Case", "Load Case/Combo"
 STEP = "Mode", "Step Num", "Step Number"
@@ -41,12 +43,22 @@ BASE, SECONDS = "base", ("", "s", "sec")
 
 
 class Floors(NamedTuple):
-    """The floors, and by mode their shapes and the sum of mass times displacement of the whole."""
+    """The floors, and for each mode their shapes and the sum of mass times displacement of the whole."""
 
     levels: Array  # [m]
     masses: Array  # [kg]
-    shapes: dict[int, Array]
-    loads: dict[int, float]
+    shapes: Array  # (modes, floors)
+    loads: Array  # (modes,)
+
+
+class Wanted(NamedTuple):
+    """The tables, and the modal case with those of its modes that move along the axis."""
+
+    tables: dict[str, CsiTable]
+    asked: AskedModes
+    axis: str
+    case: str
+    moving: Sequence[int]
 
 
 @MODE_FILES.register("csi", 2)
@@ -80,9 +92,8 @@ class CsiModes(ModeFile):
         """The modes of all tables together."""
         tables = tables_in(sheets)
         ratios = needed_table(tables, RATIOS)
-        known = {axis: None for axis in ("UX", "UY") if ratios.column(axis, needed=False) >= 0}
+        known = [axis for axis in ("UX", "UY") if ratios.column(axis, needed=False) >= 0]
         axis = chosen_direction(asked, known, f"table {RATIOS}")
-        case = _only_case(ratios)
         period, share, step = ratios.column("Period"), ratios.column(axis), ratios.column(*STEP)
         for row in ratios.units:
             if (unit := row.cell(period).lower()) not in SECONDS:
@@ -98,22 +109,23 @@ class CsiModes(ModeFile):
                 f"no mode has {LEAST_SHARE:.1%} of the mass along {axis}; choose another direction",
             )
         of_etabs = any(spelled(name) in tables for name in HEIGHTS)
-        floors = (_of_stories if of_etabs else _of_joints)(tables, asked, axis, case, moving)
+        wanted = Wanted(tables, asked, axis, _only_case(ratios), moving)
+        floors = (_of_stories if of_etabs else _of_joints)(wanted)
         masses = np.array([modes[mode][1] for mode in moving]) * floors.masses.sum()
-        loads = np.array([floors.loads[mode] for mode in moving])
-        if not loads.all():
-            still = moving[int(np.argmin(loads != 0))]
+        if not floors.loads.all():
+            still = moving[int(np.argmin(floors.loads != 0))]
             what = f"mode {still} has mass along {axis}, and its displacements add up to 0"
             raise ratios.titles.error(share, f"{what}; export all tables of one analysis")
         return ModesOfFile(
             moving,
             np.array([modes[mode][0] for mode in moving]),
-            np.array([floors.shapes[mode] for mode in moving]),
+            floors.shapes,
             floors.masses,
             floors.levels,
-            masses / loads,
+            masses / floors.loads,
             masses,
             [mode for mode in modes if mode not in moving],
+            _turning(needed_table(tables, OF_CENTRES if of_etabs else OF_JOINTS), wanted),
         )
 
 
@@ -137,24 +149,24 @@ def _whole(row: SheetRow, column: int) -> int:
 
 
 def _displacements(
-    table: CsiTable, axis: str, case: str, moving: Sequence[int], points: Sequence[str]
+    table: CsiTable, title: str, wanted: Wanted, points: Sequence[str] = ()
 ) -> Iterator[tuple[SheetRow, int, float]]:
-    """SheetRow, mode and displacement of the modal case, of the named points if there are any."""
+    """Row, mode and displacement in the column of this title, of the points if any are named."""
     names = [
         n for n in (table.column(t, needed=False) for t in ("Label", "Unique Name", "Joint")) if n >= 0
     ]
-    of_case, step, value = table.column(*CASE), table.column(*STEP), table.column(axis)
+    of_case, step, value = table.column(*CASE), table.column(*STEP), table.column(title)
     for row in table.rows:
-        if row.cell(of_case) != case or (points and not {row.cell(n) for n in names} & {*points}):
+        if row.cell(of_case) != wanted.case or (points and not {row.cell(n) for n in names} & {*points}):
             continue
-        if (mode := _whole(row, step)) in moving:
+        if (mode := _whole(row, step)) in wanted.moving:
             yield row, mode, row.number(value, "displacement")
 
 
 def _by_floor(
     table: CsiTable, floors: Sequence[str], found: dict[tuple[str, int], float], moving: Sequence[int]
-) -> dict[int, Array]:
-    """Displacements by mode; a ValueError names a floor without one."""
+) -> Array:
+    """Displacements of the floors in each mode; a ValueError names a floor without one."""
     for floor in floors:
         for mode in moving:
             if (floor, mode) not in found:
@@ -162,14 +174,12 @@ def _by_floor(
                     None,
                     f"table {table.name} has no displacement of floor {brief(floor)} in mode {mode}",
                 )
-    return {mode: np.array([found[floor, mode] for floor in floors]) for mode in moving}
+    return np.array([[found[floor, mode] for floor in floors] for mode in moving])
 
 
-def _of_stories(
-    tables: dict[str, CsiTable], asked: AskedModes, axis: str, case: str, moving: Sequence[int]
-) -> Floors:
+def _of_stories(wanted: Wanted) -> Floors:
     """The floors of ETABS, with the shapes of centres of mass or of named joints."""
-    stories, levels = _levels(needed_table(tables, *HEIGHTS), asked)
+    (stories, levels), (tables, asked, axis, *_) = _levels(wanted), wanted
     table = needed_table(tables, OF_STORIES)
     column, name = table.column(axis, "Mass X" if axis == "UX" else "Mass Y"), table.column("Story")
     mass = _by_name(table, name, column, "mass", asked.mass_units, NOT_NEGATIVE)
@@ -177,46 +187,59 @@ def _of_stories(
         if not mass.get(story):
             raise table.titles.error(name, f"story {brief(story)} has no mass in table {table.name}")
     masses = np.array([mass[story] for story in stories])
-    centres = needed_table(tables, OF_CENTRES)
-    shapes = _of_each_story(centres, axis, case, moving, (), stories)
-    loads = {mode: float(masses @ shape) for mode, shape in shapes.items()}
+    shapes = _of_each_story(needed_table(tables, OF_CENTRES), wanted, stories)
+    loads = shapes @ masses
     if asked.points:
-        joints = needed_table(tables, OF_JOINTS)
-        shapes = _of_each_story(joints, axis, case, moving, asked.points, stories)
+        shapes = _of_each_story(needed_table(tables, OF_JOINTS), wanted, stories, asked.points)
     return Floors(levels, masses, shapes, loads)
 
 
+def _turning(table: CsiTable, wanted: Wanted) -> list[int]:
+    """Modes in which floors turn, as far as the table says it; none if the caller names points."""
+    title = next((name for name in ("RZ", "R3") if table.column(name, needed=False) >= 0), "")
+    if wanted.asked.points or not title:
+        return []
+    turned = {mode for _, mode, angle in _displacements(table, title, wanted) if abs(angle) > STILL}
+    return sorted(turned)
+
+
 def _of_each_story(
-    table: CsiTable,
-    axis: str,
-    case: str,
-    moving: Sequence[int],
-    points: Sequence[str],
-    stories: list[str],
-) -> dict[int, Array]:
-    """Displacements of the stories by mode; a ValueError for a story with two."""
+    table: CsiTable, wanted: Wanted, stories: list[str], points: Sequence[str] = ()
+) -> Array:
+    """Displacements of the stories in each mode; a ValueError for a story with two."""
     column, found = table.column("Story"), dict[tuple[str, int], float]()
-    for row, mode, value in _displacements(table, axis, case, moving, points):
+    for row, mode, value in _displacements(table, wanted.axis, wanted, points):
         if (row.cell(column), mode) in found:
             what = "name one joint on each" if points else "allowed: one diaphragm on each"
             raise row.error(column, f"a second displacement of this story in mode {mode}; {what}")
         found[row.cell(column), mode] = value
-    return _by_floor(table, stories, found, moving)
+    return _by_floor(table, stories, found, wanted.moving)
 
 
-def _levels(table: CsiTable, asked: AskedModes) -> tuple[list[str], Array]:
-    """Names of the stories and their levels above the base [m]; stories come from the roof down."""
+def _levels(wanted: Wanted) -> tuple[list[str], Array]:
+    """Names of the stories and their levels above the ground [m]; stories come from the roof down."""
+    table = needed_table(wanted.tables, *HEIGHTS)
     name, height = table.column("Story", "Name"), table.column("Height")
-    size = table.size("length", height, asked.length_units)
+    size = table.size("length", height, wanted.asked.length_units)
     rows = [row for row in table.rows if row.cell(name).lower() != BASE]
     heights = [row.number(height, "story height", POSITIVE) for row in rows]
-    return [row.cell(name) for row in rows], size * np.cumsum(heights[::-1])[::-1]
+    levels = size * np.cumsum(heights[::-1])[::-1]
+    return [row.cell(name) for row in rows], levels - _depth(wanted)
 
 
-def _of_joints(
-    tables: dict[str, CsiTable], asked: AskedModes, axis: str, case: str, moving: Sequence[int]
-) -> Floors:
+def _depth(wanted: Wanted) -> float:
+    """Depth of the base below 0, where the ground is [m]; a base above 0 stands on the ground."""
+    table = wanted.tables.get(spelled(BASES))
+    if table is None:
+        return 0.0
+    columns = table.column("Tower"), table.column("BSElev")
+    towers = _by_name(table, *columns, "length", wanted.asked.length_units)
+    return max(0.0, -max(towers.values(), default=0.0))
+
+
+def _of_joints(wanted: Wanted) -> Floors:
     """The floors of SAP2000: the levels of the joints that have displacements, or of the named ones."""
+    tables, asked, axis, _, moving = wanted
     own, moves = f"U{'XY'.index(axis[1]) + 1}", needed_table(tables, OF_JOINTS)
     places, weights = needed_table(tables, COORDINATES), needed_table(tables, OF_MASSES)
     column = places.column("GlobalZ", "Z")
@@ -226,7 +249,7 @@ def _of_joints(
     mass = _by_name(weights, weights.column("Joint"), column, "mass", asked.mass_units, NOT_NEGATIVE)
     mass = {name: value for name, value in mass.items() if value and level.get(name, 0.0) > SAME_LEVEL}
     moved: dict[tuple[str, int], float] = {}
-    for row, mode, value in _displacements(moves, own, case, moving, ()):
+    for row, mode, value in _displacements(moves, own, wanted):
         name = row.cell(moves.column("Joint"))
         if name not in level:
             raise row.error(moves.column("Joint"), f"joint {brief(name)} is not in table {COORDINATES}")
@@ -238,10 +261,9 @@ def _of_joints(
             f"table {OF_JOINTS} has joints with {known / (sum(mass.values()) or 1):.0%} of the mass; "
             "export the modal displacements of all joints with mass",
         )
-    loads = {
-        mode: sum(value * moved.get((name, mode), 0.0) for name, value in mass.items())
-        for mode in moving
-    }
+    loads = np.array(
+        [sum(value * moved.get((name, mode), 0.0) for name, value in mass.items()) for mode in moving]
+    )
     chosen = {name for name, _ in moved if level[name] > SAME_LEVEL}
     if strange := {*asked.points} - chosen:
         what = f"table {OF_JOINTS} has no joint {listed(sorted(strange))} above the base"
@@ -251,7 +273,8 @@ def _of_joints(
     levels = np.array([level[name] for name in names])
     _check_one_each(moves, names, levels)
     masses = _of_floors(weights, levels, mass, level)
-    return Floors(levels, masses, _by_floor(moves, names, moved, moving), loads)
+    above = levels - max(0.0, -min(height.values()))
+    return Floors(above, masses, _by_floor(moves, names, moved, moving), loads)
 
 
 def _by_name(
@@ -285,9 +308,7 @@ def _of_floors(table: CsiTable, levels: Array, mass: dict[str, float], level: di
 
 
 def _check_one_each(table: CsiTable, names: Sequence[str], levels: Array) -> None:
-    """Raise a ValueError if there is no joint, or two of them on one floor."""
-    if not names:
-        raise table.titles.error(None, f"table {table.name} has no joint above the base")
+    """Raise a ValueError if two joints are on one floor."""
     together = np.flatnonzero(np.diff(levels) <= SAME_LEVEL)
     if together.size:
         n = int(together[0])

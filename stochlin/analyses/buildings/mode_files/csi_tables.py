@@ -74,12 +74,11 @@ def tables_in(sheets: Sequence[Sheet]) -> dict[str, CsiTable]:
 
 def needed_table(tables: dict[str, CsiTable], *names: str) -> CsiTable:
     """The table of one of these names; a ValueError if it is missing or empty."""
-    for name in names:
-        table = tables.get(spelled(name))
-        if table is not None and table.rows:
-            return table
-        if table is not None:
-            raise table.titles.error(None, f"table {name} has no rows")
+    table = next((tables[spelled(name)] for name in names if spelled(name) in tables), None)
+    if table is not None and table.rows:
+        return table
+    if table is not None:
+        raise table.titles.error(None, f"table {table.name} has no rows")
     known = listed(table.name for table in tables.values())
     raise ValueError(
         f"table {' or '.join(names)} is missing: the file has {known}; export it as well, into the same "

@@ -61,11 +61,9 @@ class PlainModes(ModeFile):
         """The modes of the only sheet."""
         rows = _content(sheets[0])
         at = next((n for n, row in enumerate(rows) if with_unit(row.cell(0))[0] == LEVEL), None)
-        if at is None:
+        if at in (None, len(rows) - 1):
             raise rows[-1].error(None, f"the floors are missing; allowed: {FLOORS}")
         head, titles, floors = rows[:at], rows[at], rows[at + 1 :]
-        if not floors:
-            raise titles.error(None, f"no floor follows; allowed: {FLOORS}")
         count = len(head[0].cells) - FIRST
         numbers = _over_modes(head[0], count, "mode number", POSITIVE)
         if (np.diff(numbers, prepend=0) < 1).any() or (numbers % 1).any():
@@ -74,8 +72,7 @@ class PlainModes(ModeFile):
         if PERIOD not in lines:
             raise head[-1].error(0, "the periods are missing below; allowed: a line 'period [s]'")
         if (unit := with_unit(lines[PERIOD].cell(0))[1].lower()) not in SECONDS:
-            what = f"the unit of the periods is {brief(unit)}; allowed: 'period [s]'"
-            raise lines[PERIOD].error(0, what)
+            raise lines[PERIOD].error(0, f"periods are in {brief(unit)}; allowed: 'period [s]'")
         if with_unit(titles.cell(1))[0] != MASS:
             raise titles.error(1, f"{brief(titles.cell(1))} is not the title of the masses; {FLOORS}")
         level_size = _size(titles, 0, "length", asked.length_units)
