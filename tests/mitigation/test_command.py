@@ -172,12 +172,13 @@ def test_a_gap_that_is_enough_asks_for_nothing_more(enough):
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ([('existing = "5 cm"', 'existing = "0 cm"')], "it has to be open"),
+        ([('existing = "5 cm"', "")], 'write existing = "5 cm" in [separation], "0 cm" for buildings'),
+        ([('existing = "5 cm"', 'existing = "0 cm"')], "'Rubber bumpers', fills the existing gap"),
         ([('mass = "3200 t"', "")], "links the buildings, which takes their masses"),
         (
             [('bumper_thickness = "2 cm"', 'bumper_thickness = "50 mm"')],
             "bumper_thickness = 0.05 m in its table of [measures], 'Rubber bumpers', fills the "
-            "gap of 0.05 m; allowed: less than existing in [separation]",
+            "existing gap; allowed: less than existing in [separation]",
         ),
         (
             [('reduction_factor = 4\nheight = "15 m"', 'elastic = true\nheight = "15 m"')],

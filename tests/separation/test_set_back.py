@@ -349,5 +349,3 @@ def test_commands_of_two_buildings_say_which_take_one(tmp_path: Path) -> None:
     path = case_file(tmp_path, more='existing = ["6 cm", "2 cm"]')
     with pytest.raises(ValueError, match="has 2 gaps, but there is only one building; allowed: its"):
         sl.read_case(path)
-    path = case_file(tmp_path, more='existing = "0 cm"')
-    assert "leave it out for a building at its property line" in refused("gap", path)

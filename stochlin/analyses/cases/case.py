@@ -44,6 +44,7 @@ from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.codes.families import Numbered
 from stochlin.models.uncertain import UncertainModel
 
+TOUCHING = 1e-6  # m, in place of a gap of 0: any motion towards each other closes it, and formulas hold
 TABLES = ("site", "motion", "separation", "simulation", "contact", "measures", "mitigation")
 
 
@@ -262,8 +263,11 @@ class Case:
 
     @property
     def gap(self) -> float | None:
-        """Existing gap of two buildings, or distance of one from its property line [m], if given."""
-        return self.gaps[0] if self.one_or_two and self.gaps else None
+        """Existing gap of two buildings, or distance of one from its property line [m], if given.
+
+        Between buildings that touch it is `TOUCHING`.
+        """
+        return (self.gaps[0] or TOUCHING) if self.one_or_two and self.gaps else None
 
 
 def read_case(path: str | os.PathLike[str]) -> Case:

@@ -27,10 +27,10 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     with the share of the rows that is done.
     """
     first, second = case.pair
-    if case.gap is None or case.gap <= 0:
+    if case.gap is None:
         raise ValueError(
-            f"{case.file}: measures are compared for the gap there is, and it has to be open; write "
-            'existing = "5 cm" in [separation]'
+            f'{case.file}: measures are compared for the existing gap; write existing = "5 cm" in '
+            '[separation], "0 cm" for buildings that touch'
         )
     weighed = first.weighed and second.weighed
     for name, measure in case.measures.items():
@@ -105,7 +105,7 @@ def _check_fits(case: Case, name: str) -> None:
     if measure.bumper_thickness >= gap:
         raise ValueError(
             f"{case.file}: bumper_thickness = {measure.bumper_thickness:g} m {where}, fills the "
-            f"gap of {gap:g} m; allowed: less than existing in [separation]"
+            "existing gap; allowed: less than existing in [separation]"
         )
     for number, building in enumerate(case.pair, start=1):
         if getattr(measure, f"strengthening_{number}") != 1 and not building.structure.yields:

@@ -113,13 +113,6 @@ def answer_case(
     first, *others = case.one_or_two
     second = others[0] if others else None
     pair = first.sampled, second.sampled if second else None
-    if case.gap == 0:
-        touching = "a building at its property line" if case.alone else "buildings that touch"
-        raise ValueError(
-            f"{case.file}: separation.existing = 0; allowed here: 0 < gap, so leave it out for "
-            f"{touching}"
-        )
-
     begin = end * OF_RISK if case.hazard else 0.0
     middle = begin if case.gap is None else begin + (end - begin) * SEARCHES
     risky = _simulated_risk(case, part_of(progress, 0.0, begin))

@@ -40,7 +40,7 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
       stochlin probability case.toml
       stochlin probability case.toml --gap 8cm --picture probability.png --out probability.nc
     """
-    from stochlin.analyses.cases.case import read_case
+    from stochlin.analyses.cases.case import TOUCHING, read_case
     from stochlin.analyses.cases.probability import judge_gap
     from stochlin.analyses.tables.storage import CSV, FORMATS
     from stochlin.views.probability.pictures import draw_pounding
@@ -51,12 +51,12 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
         check_target("--out", out, FORMATS, described.inputs)
         check_target("--picture", picture, PICTURES, described.inputs)
         _ = described.pair  # raises where there are not two
-        chosen = described.gap if gap is None else gap
+        chosen = described.gap if gap is None else gap or TOUCHING
         if chosen is None:
             raise ValueError(f"{described.file} has no existing gap; give it there, or --gap 5cm")
         with progress_bar("simulating") as progress:
             answer = judge_gap(described, chosen, progress)
         show(lines(answer_sections(answer)))
         by_row = out is not None and out.suffix.lower() == CSV
-        write(answer.rows() if by_row else answer.whole(), out, None, draw_pounding)
+        write(answer.rows() if by_row else answer.whole(), out)
         write(answer.whole(), None, picture, draw_pounding)

@@ -62,7 +62,7 @@ BESIDES_WALLS = (
 
 def centimetres(metres: float) -> str:
     """A length in cm: tenths, or two digits below one."""
-    value = 100 * metres
+    value = round(100 * metres, 3)
     if not np.isfinite(value):
         return MISSING
     return f"{value:.1f}" if value >= 0.95 else f"{value:.2g}"
