@@ -152,7 +152,8 @@ def test_the_verdict_belongs_to_the_code_as_applied(storeyed: CaseAnswer) -> Non
         assert float(applied.no_pounding_probability) == float((samples <= applied.gap).mean())
         assert float(applied.error) == pytest.approx(float(applied.gap / table.gap[0]) - 1, abs=1e-12)
         low, high = (float(applied[f"no_pounding_probability_{end}"]) for end in ("lower", "upper"))
-        word = "safe" if low >= 0.9 else "unsafe" if high < 0.9 else "within_error"
+        word = "at_least_the_answer" if low >= 0.9 else "less_than_the_answer"
+        word = word if low >= 0.9 or high < 0.9 else "within_error"
         assert meanings[int(applied.verdict)] == word
         assert meanings[int(combined.verdict)] == "no_verdict"
         assert np.isnan(combined.no_pounding_probability)
@@ -247,7 +248,7 @@ def test_a_code_without_displacements_has_one_row(tmp_path: Path) -> None:
     (line,) = (line for line in rows(answer) if "china" in line.rule)
     assert line.name == "china_gb_50011 as you apply it"
     assert line.group == "the code as you apply it"
-    assert line.verdict in ("safe", "unsafe", "within error")
+    assert line.verdict in ("at least the answer", "less than the answer", "within error")
     assert "Displacements:" not in rules_caption(answer)
 
 

@@ -53,6 +53,21 @@ def test_a_file_of_a_spectrum_is_read_and_kept_from_being_overwritten(tmp_path):
     np.testing.assert_allclose(one.ground.psd(frequency), two.ground.psd(frequency), rtol=0.03)
 
 
+@pytest.mark.parametrize(
+    ("site", "stated"),
+    [
+        (CODE, ("ag", 0.25 * G)),
+        ('spectrum = "asce_7"\nsds = "1 g"\nsd1 = "0.6 g"\ntl = "8 s"\n', ("", 1.0)),
+        ('ground = "firm"\npga = "0.3 g"\n', ("pga", 0.3 * G)),
+        ('ground = "firm"\nintensity = "0.01 m^2/s^3"\n', ("", 1.0)),
+    ],
+)
+def test_the_strength_of_a_site_is_told_by_the_key_that_states_it(tmp_path, site, stated):
+    of_site = read(tmp_path, site).of_site
+    assert (of_site.stated_strength[0], of_site.by_intensity) == (stated[0], "intensity" in site)
+    assert of_site.stated_strength[1] == pytest.approx(stated[1])
+
+
 FILTER = '[[site.grounds]]\nground = "firm"\nintensity = "0.01 m^2/s^3"\n'
 
 

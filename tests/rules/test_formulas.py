@@ -1,5 +1,7 @@
 """Effective properties and separation rules: their formulas by other roads, limits and invariance."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -8,6 +10,8 @@ from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin import rules
+from stochlin.models.rules.codes import CODE_RULES
+from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.models.rules.effective_properties.secant import Secant
 
 pytestmark = pytest.mark.oracle
@@ -101,6 +105,12 @@ def test_more_ductility_is_a_longer_period(name, mu, factor, alpha, xi):
     low, high = (float(rule.period_ratio(m, alpha)) for m in (mu, mu * factor))
     assert high >= low * (1 - (0.104 / 1.774 if name == "fema_440" else 1e-14))  # its jump
     assert float(rule.damping(mu, alpha, xi)) >= xi
+
+
+def test_every_mark_has_a_meaning():
+    """Those that the page explains; a share of a rule may have a mark of its own."""
+    for rule in (*CODE_RULES.values(), *EFFECTIVE_RULES.values()):
+        assert re.fullmatch(r"[SCP](, share [\d.]+ M)?|M( high| low)?", rule.mark), rule.name
 
 
 def test_unverified_rules_are_listed_on_request_and_say_why():

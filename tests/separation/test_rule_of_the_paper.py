@@ -113,7 +113,7 @@ def test_it_is_judged_like_the_other_rules_and_is_unsafe_where_structures_yield(
     one = table.sel(rule="eq_3_paper")
     assert float(one.error) == pytest.approx(float(one.gap) / gap_of(table, "simulation") - 1)
     assert float(one.no_pounding_probability) == float((table.separation_samples <= one.gap).mean())
-    assert table.verdict.attrs["flag_meanings"].split()[int(one.verdict)] == "unsafe"
+    assert table.verdict.attrs["flag_meanings"].split()[int(one.verdict)] == "less_than_the_answer"
 
 
 @pytest.mark.invariant

@@ -20,7 +20,7 @@ from stochlin.analyses.risk.risk import CERTAIN, RiskInputs, SimulatedRisk, Targ
 from stochlin.analyses.risk.variables import VARIABLES
 from stochlin.analyses.sensitivity.sensitivity import sensitivity
 from stochlin.analyses.separation.existing_gap import existing_gap
-from stochlin.analyses.separation.separation import UNSAFE, separation
+from stochlin.analyses.separation.separation import separation
 from stochlin.analyses.sites.motion_fit import checked_components, periods_of_fit
 from stochlin.analyses.sites.simulated_spectra import Motions, compared_spectrum, simulated_spectrum
 from stochlin.analyses.tables import labels
@@ -88,11 +88,6 @@ class CaseAnswer:
         buildings = self.case.one_or_two
         peaks = tuple(float(self.separation[f"peak_mean_{n + 1}"]) for n in range(len(buildings)))
         return doubts(self.shaking, buildings, float(self.separation.gap[0]), peaks)
-
-    def worst(self) -> xr.Dataset:
-        """The row of the unsafe rule with the smallest gap, of those that are shown."""
-        table = self.shown
-        return table.isel(rule=int(table.gap.where(table.verdict == UNSAFE).argmin("rule")))
 
 
 def answer_case(

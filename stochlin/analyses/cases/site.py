@@ -151,9 +151,9 @@ class CaseSite:
     def settled(self, progress: Progress | None = None) -> Shaking:
         """The same for a ground that is sought; ``progress`` is called with the share that is done."""
         shaking, strength = self.known.of(
-            *self._shape, lambda: (self._shaking(progress), self._strength)
+            *self._shape, lambda: (self._shaking(progress), self.stated_strength[1])
         )
-        return shaking.times(self._strength / strength)
+        return shaking.times(self.stated_strength[1] / strength)
 
     @property
     def waits(self) -> bool:
@@ -173,9 +173,15 @@ class CaseSite:
         return "" if self.spectrum is None else STRENGTHS.get(self.name, "scale")
 
     @property
-    def _strength(self) -> float:
+    def by_intensity(self) -> bool:
+        """Whether the file states the strength by S0."""
+        return INTENSITY in self.site
+
+    @property
+    def stated_strength(self) -> tuple[str, float]:
+        """The key with its value that accelerations are proportional to; 1 for what has no such key."""
         key = self._strength_key
-        return float(self.site.read(key)) if key in self.site else 1.0
+        return key, float(self.site.read(key)) if key in self.site else 1.0
 
     @property
     def _shape(self) -> tuple[str, Any]:

@@ -44,6 +44,7 @@ from stochlin.models.systems import AnyStructure
 from stochlin.models.uncertain import applied, median_of
 
 AS_BUILT = "as built"
+VERDICTS = "answer enough not_enough within_error not_available no_verdict"  # numbered as those of rules
 SIMULATIONS = 60  # usual number of simulations of all searches together
 TEXTS: dict[str, str] = {
     "kind": "as built, given, or the least that meets an aim",
@@ -199,9 +200,8 @@ def mitigate(
     rows, columns, devices = [], [], []
     for done, each in enumerate(wanted, start=1):
         row = each.result() if isinstance(each, Search) else each
-        rows.append(row)
         column, of_row, note = _column(site, row)
-        rows[-1] = row._replace(missing="; ".join(filter(None, [row.missing, note])))
+        rows.append(row._replace(missing="; ".join(filter(None, [row.missing, note]))))
         columns.append(column)
         devices.append(of_row)
         if progress is not None:
@@ -345,7 +345,7 @@ def _table(
     table["verdict"] = verdict.astype(np.int8)
     table["status"] = labels.status_where(known, labels.NOT_CONVERGED)
     table = labels.label(table, VARIABLES)
-    table.verdict.attrs = VERDICT_ATTRS
+    table.verdict.attrs = {**VERDICT_ATTRS, "flag_meanings": VERDICTS}
     for name, text in (TEXTS | OF_DEVICES).items():
         if name in table.coords:
             table[name].attrs["long_name"] = text

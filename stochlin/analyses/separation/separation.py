@@ -52,12 +52,12 @@ from stochlin.models.rules.codes import BuildingPeaks, Neighbours, Zone
 from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
 
-VERDICTS = ("answer", "safe", "unsafe", "within_error", "not_available", "no_verdict")
-ANSWER, SAFE, UNSAFE, WITHIN_ERROR, NOT_AVAILABLE, NO_VERDICT = range(len(VERDICTS))
+VERDICTS = "answer at_least_the_answer less_than_the_answer within_error not_available no_verdict"
+ANSWER, AT_LEAST, LESS, WITHIN_ERROR, NOT_AVAILABLE, NO_VERDICT = range(6)
 VERDICT_ATTRS: Mapping[str, Any] = {
     "long_name": "whether the gap has the confidence",
-    "flag_values": np.arange(len(VERDICTS), dtype=np.int8),
-    "flag_meanings": " ".join(VERDICTS),
+    "flag_values": np.arange(6, dtype=np.int8),
+    "flag_meanings": VERDICTS,
 }
 SET_BACK = "Set-back of one building from its property line"
 COMBINED = (
@@ -74,7 +74,7 @@ TEXTS: Mapping[str, str] = {
     "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
     "reference": "source of the rule",
     "mark": "how the rule was checked: S seen in a copy of its source, C derived and checked, "
-    "P in the text of the paper that was available, M not compared with its source",
+    "P in the text of the paper, M not compared with its source; high or low says how sure it is",
     "assumptions": "assumptions of the rule",
     "missing": "why a rule has no answer",
 }
@@ -192,8 +192,8 @@ def separation(
 
     Notes
     -----
-    The verdict on a rule is safe or unsafe if the 95 % interval of its probability of no pounding is
-    above or below the confidence. With scatter, the peaks for the rules
+    The verdict on a rule is that it gives at least the answer, or less, if the 95 % interval of its
+    probability of no pounding is above or below the confidence. With scatter, the peaks for the rules
     include it; correlations for stationary motions, and the rules ``eq_3_paper``, ``cqc`` and
     ``linearization``, which use no simulated peaks, are for motions of the median strength.
 
@@ -304,10 +304,10 @@ def in_metres(structures: Sequence[AnyStructure], ground: Ground) -> tuple[AnySt
 
 
 def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:
-    """Verdict by the 95 % interval of the probability of no pounding: safe, unsafe or undecided."""
+    """Verdict by the 95 % interval of the probability of no pounding: enough, too low or undecided."""
     lower, upper = (apart[f"no_pounding_probability_{end}"] for end in ("lower", "upper"))
-    undecided = xr.where(upper < confidence, UNSAFE, WITHIN_ERROR)  # type: ignore[no-untyped-call]
-    verdict: xr.DataArray = xr.where(lower >= confidence, SAFE, undecided)  # type: ignore[no-untyped-call]
+    undecided = xr.where(upper < confidence, LESS, WITHIN_ERROR)  # type: ignore[no-untyped-call]
+    verdict: xr.DataArray = xr.where(lower >= confidence, AT_LEAST, undecided)  # type: ignore[no-untyped-call]
     return verdict
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stochlin.analyses.cases.sites.shaking import doubts
-from stochlin.analyses.separation.separation import NOT_AVAILABLE, SAFE, UNSAFE
+from stochlin.analyses.separation.separation import AT_LEAST, LESS, NOT_AVAILABLE
 from stochlin.views.shared.blocks import Items, Table, ViewSection, texts
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.uncertain import unknowns
@@ -196,7 +196,7 @@ def headline(table: xr.Dataset) -> str:
     if not (table.kind == "least").any():
         sentence += " That is enough, so no further measure is searched."
     measures = table.where(table.kind == "given", drop=True)
-    words = {SAFE: "enough", UNSAFE: "not enough"}
+    words = {AT_LEAST: "enough", LESS: "not enough"}
     parts = []
     for row in along(measures, "measure"):
         verdict = words.get(int(row.verdict), "undecided within the error of the simulation")

@@ -10,7 +10,7 @@ import numpy as np
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.verdict import SHARE, judged, needed, own_codes, share
-from stochlin.views.separation.words import confidence
+from stochlin.views.separation.words import confidence, meeting_level
 from stochlin.views.shared.blocks import Picture
 from stochlin.views.shared.page import PAGE_STYLE
 from stochlin.views.shared.screen import cut
@@ -105,9 +105,8 @@ def dimensions(answer: CaseAnswer) -> list[Dimension]:
     of_motions = f"in {confidence(answer.case)} of motions"
     lines.append(Dimension(f"required {length(gap)}{ends}", gap, of_motions, low, high))
     for row in own_codes(answer):
-        gap = float(table.gap.sel(rule=row.rule))
-        size = f"\n{length(gap)}" if np.isfinite(gap) else ""
-        lines.append(Dimension(f"{row.label.partition(',')[0]}{size}", gap, row.verdict))
+        size = f"\n{length(row.metres)}" if np.isfinite(row.metres) else ""
+        lines.append(Dimension(f"{row.label.partition(',')[0]}{size}", row.metres, row.verdict))
     return lines
 
 
@@ -129,7 +128,7 @@ def _draw_buildings(axes: Axes, answer: CaseAnswer, ends: tuple[float, float]) -
         _draw_building(axes, building, heights[n], FACES[n], faces[n], ends[n])
         displaced, levels = _displaced(answer, n + 1, min(heights))
         away = faces[n] + displaced if n == 0 else faces[n] - displaced
-        label = f"peak displacement {length(displaced[-1] / CENTIMETRES)}"
+        label = f"peak {length(displaced[-1] / CENTIMETRES)}{meeting_level(answer)}"
         style: Any = {"color": CURVES[n + 1][0], "ls": (0, (4, 1.5)), "marker": "os"[n], "label": label}
         axes.plot(away, levels, lw=1.4, ms=3, zorder=4, clip_on=False, **style)
     if case.alone:

@@ -5,34 +5,29 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING
 
+from stochlin.analyses.cases.buildings import Building
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.tables.toml import toml_text
 from stochlin.messages import hyphenated
 from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding, ShearBuilding
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.separation.words import rows
 from stochlin.views.shared.blocks import Term, Terms, Text
 from stochlin.views.shared.descriptions import site_in_words, source_in_words
-from stochlin.views.shared.words import SPACE, length, valued
+from stochlin.views.shared.words import valued
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from stochlin.analyses.cases.buildings import AnyBuilding
     from stochlin.analyses.cases.case import Case
-    from stochlin.analyses.cases.separation import CaseAnswer
 
 LINE = (
     "The property line: it is on one side of the building, and nothing beyond it is in the model. Two "
     "neighbours that each stay on their own side cannot meet; if the neighbour stands nearer to the "
     "line, compute the gap between both buildings."
 )
-STRENGTH = "reduction factor ", "yield displacement "  # as given: the page has both
 
 
-def uncertainties(answer: CaseAnswer) -> list[str]:
+def uncertainties(case: Case) -> list[str]:
     """The uncertainties of the answer, for the page."""
-    case = answer.case
     modelled, first = models(case)
     sentences = [
         f"Sampling: the interval covers the sampling of {case.paths} motions only. Four times as many "
@@ -56,9 +51,6 @@ def uncertainties(answer: CaseAnswer) -> list[str]:
         )
     if case.fitted:
         sentences.append("The fit: it uses one record and one estimator.")
-    doubtful = [row.label for row in rows(answer) if "M" in row.mark]
-    if doubtful:
-        sentences.append(f"Not compared with their sources: {', '.join(doubtful)}.")
     return sentences
 
 
@@ -113,16 +105,14 @@ def _law(building: AnyBuilding) -> str:
     return hyphenated(type(law).__name__)
 
 
-def facts(answer: CaseAnswer) -> Terms:
+def facts(case: Case) -> Terms:
     """The models as they were read, in the units of their parameters."""
-    case = answer.case
     site = [*filter(None, (site_in_words(case), source_in_words(case))), *_parameters(case.ground)]
     terms = [Term("Site", "; ".join(site))]
     if case.envelope:
         shape = [hyphenated(type(case.envelope).__name__), *_parameters(case.envelope)]
         terms.append(Term("Envelope", "; ".join(shape)))
-    for n, building in enumerate(case.buildings, start=1):
-        terms.append(Term(building.name, "; ".join(_building(building, answer.separation, n))))
+    terms += [Term(building.name, "; ".join(_building(building))) for building in case.described]
     return Terms(terms)
 
 
@@ -134,21 +124,15 @@ def case_file(case: Case) -> list[Text]:
     return [Text(words + needs), Text(toml_text(case.whole.values), "file")]
 
 
-def _building(building: AnyBuilding, table: xr.Dataset, number: int) -> list[str]:
-    """The law, the parameters, and the strength of the first mode, however it was given."""
+def _building(building: AnyBuilding) -> list[str]:
+    """The law and the parameters as the file gives them."""
     structure = building.structure
     parts = [_law(building), *_parameters(structure)]
-    of = ""
     if isinstance(structure, MultistoreyBuilding):
-        of = " of the first mode"
-        parts.append(f"period{of} {building.period:.4g}{SPACE}s")
-        parts += [
-            f"{name} {valued(value, '1')}" for name, value in (structure.law_parameters or {}).items()
-        ]
-    if structure.yields:
-        parts = [part for part in parts if not part.startswith(STRENGTH)]
-        parts.append(f"reduction factor{of} {float(table[f'reduction_factor_{number}']):.3g}")
-        parts.append(f"yield displacement{of} {length(float(table[f'yield_displacement_{number}']))}")
+        own = structure.law_parameters or {}
+        parts += [f"{name} {valued(value, '1')}" for name, value in own.items()]
+    if isinstance(building, Building) and building.ductility:
+        parts.append(f"ductility {building.ductility:g}")
     return parts
 
 

@@ -9,7 +9,7 @@ from scipy.optimize import isotonic_regression
 
 from stochlin.views.separation.storeys import LINE, caption_of, draw_heights
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.separation.words import RuleLine, rows
+from stochlin.views.separation.words import AT_LEAST, LESS, WITHIN, RuleLine, rows
 from stochlin.views.shared.page import PAGE_STYLE
 from stochlin.views.shared.style import (
     CURVES,
@@ -36,9 +36,9 @@ NAME_WIDTH = 36  # characters of the name of a rule on one line
 # Face, hatch: told apart in grey and in print.
 VERDICTS = {
     "answer": ("#1b1b1b", ""),
-    "safe": ("#c6d9ea", ""),
-    "unsafe": ("#e0906a", "////"),
-    "within error": ("#f2f2f2", "xx"),
+    AT_LEAST: ("#c6d9ea", ""),
+    LESS: ("#e0906a", "////"),
+    WITHIN: ("#f2f2f2", "xx"),
     "no verdict": ("#ffffff", ""),
 }
 EDGE = "#1b1b1b"
@@ -57,7 +57,7 @@ def answer_figure(answer: CaseAnswer) -> Figure:
 def rules_figure(answer: CaseAnswer, caption: str = "") -> Figure:
     """Gaps by rule, against the answer and its interval; below it the caption."""
     shown = [row for row in rows(answer) if row.verdict in VERDICTS]
-    gaps = [100 * _gap(answer, row) for row in shown]
+    gaps = [100 * row.metres for row in shown]
     names = [filled([f"{row.number}  {row.label}"], NAME_WIDTH) for row in shown]
     wide = any("\n" in name for name in names)
     pitch = 0.34 if wide else 0.235
@@ -80,7 +80,7 @@ def rules_figure(answer: CaseAnswer, caption: str = "") -> Figure:
     verdicts = {row.verdict for row in shown}
     looks = {verdict: look for verdict, look in VERDICTS.items() if verdict in verdicts}
     figure.legend(
-        handles=swatches(looks, EDGE), loc="outside upper center", ncols=4, fontsize=9,
+        handles=swatches(looks, EDGE), loc="outside upper center", ncols=3, fontsize=9,
         columnspacing=1.0, handlelength=1.4, handletextpad=0.5,
     )  # fmt: skip
     return figure
@@ -94,7 +94,7 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
     figure, axes = _blank(3.9)
     axes.plot(np.quantile(samples, share), share, color="0.1", zorder=3)
     shown = [row for row in rows(answer) if row.verdict in VERDICTS and row.probability != MISSING]
-    gaps = {row.number: 100 * _gap(answer, row) for row in shown}
+    gaps = {row.number: 100 * row.metres for row in shown}
     right = 1.06 * max(_farthest(answer, gaps.values()), samples[-1]) or 1
     now = 100 * answer.existing.attrs["gap_m"] if answer.existing is not None else np.inf
     if now < 1.6 * right:  # farther off it would squeeze the rest
@@ -184,11 +184,6 @@ def _many_records(answer: CaseAnswer, gaps: np.ndarray) -> Figure:
     axes.set(xlim=(0, right), ylim=(0, 1.02), xlabel=_axis(answer), ylabel="share of the records")
     legend_above(axes, 3, 9)
     return figure
-
-
-def _gap(answer: CaseAnswer, row: RuleLine) -> float:
-    """The gap of a rule [m]."""
-    return float(answer.separation.gap.sel(rule=row.rule))
 
 
 def _axis(answer: CaseAnswer) -> str:

@@ -58,14 +58,12 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
         ViewSection("The rules and the answer", [words.rules_table(answer)], detail=True),
         ViewSection("Rules that are not available", [Items(missing)], on_page=False),
         ViewSection("", words.rules_notes(answer), detail=True),
-        ViewSection(
-            "Limits of this answer", [Items(small_print.uncertainties(answer))], on_screen=False
-        ),
+        ViewSection("Limits of this answer", [Items(small_print.uncertainties(case))], on_screen=False),
         ViewSection("Pictures", _pictures(answer), on_screen=False, columns=True),
         ViewSection("The records", _records(answer), on_screen=False),
         ViewSection("Influence of the inputs", _influence(answer)),
         ViewSection(
-            "The case", [small_print.facts(answer), *small_print.case_file(case)], on_screen=False
+            "The case", [small_print.facts(case), *small_print.case_file(case)], on_screen=False
         ),
         ViewSection("Assumptions of each rule", [_assumptions(answer)], on_screen=False, columns=True),
         ViewSection("", [Text(f"{case.file}. {SIGNED}", "signed")], on_screen=False),
@@ -94,8 +92,8 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
         Picture(
             f"How often a {about.gap} is enough",
             f"Share of the simulated motions in which {about.would}. The "
-            "rules stand on the curve, squares where they are unsafe or within error; their numbers are "
-            "those of the table.",
+            "rules stand on the curve, squares where they give less than the answer or are within "
+            "error; their numbers are those of the table.",
             partial(pictures.distribution_figure, answer),
         ),
         Picture(
@@ -131,7 +129,8 @@ def _records(answer: CaseAnswer) -> list[Block]:
     """A row for each record: the gap that it needs, and the peaks."""
     table, case = answer.separation, answer.case
     heads = {"record_separation": f"{subject_of(case).gap} [cm]"}
-    peaks = {1: "peak [cm]"} if case.alone else {1: "peak 1 [cm]", 2: "peak 2 [cm]"}
+    where = words.meeting_level(answer)
+    peaks = {1: "peak [cm]"} if case.alone else {n: f"peak {n}{where} [cm]" for n in (1, 2)}
     heads |= {f"record_peak_{n}": head for n, head in peaks.items() if f"record_peak_{n}" in table}
     rows = [
         (f"{n + 1}  {record}", *(centimetres(float(table[name][n])) for name in heads))

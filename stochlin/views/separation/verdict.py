@@ -5,18 +5,31 @@ Behind them stand cautions, what codes say, and details of the answer.
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.separation.words import AS_APPLIED, RuleLine, confidence, ductilities, of_each, rows
+from stochlin.views.separation.words import (
+    AS_APPLIED,
+    AT_LEAST,
+    LESS,
+    WITHIN,
+    RuleLine,
+    confidence,
+    ductilities,
+    meeting_level,
+    of_each,
+    rows,
+)
 from stochlin.views.shared.words import (
     SPACE,
     centimetres,
     floors,
     interval,
+    left_out,
     length,
     over_records,
     per_cent,
@@ -28,7 +41,6 @@ from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
-    left_out,
 
     from stochlin.analyses.cases.separation import CaseAnswer
 
@@ -93,7 +105,8 @@ def reason(answer: CaseAnswer) -> str:
     case, table = answer.case, answer.separation
     peaks = of_each(table, "peak_mean")
     means = f"mean peak{'s' * (len(peaks) > 1)} {' and '.join(map(centimetres, peaks))}{SPACE}cm"
-    return f"Why: {confidence(case)} of {case.paths} motions need no more; {means}."
+    where = meeting_level(answer)
+    return f"Why: {confidence(case)} of {case.paths} motions need no more; {means}{where}."
 
 
 def cautions(answer: CaseAnswer) -> list[str]:
@@ -135,6 +148,7 @@ def details(answer: CaseAnswer) -> list[str]:
         shaking(answer.shaking, case),
         _heights(answer),
         "" if _yields_much(table) else _yielding(table),
+        _at_yield(table),
         _storeys(answer),
     ]
     return [sentence for sentence in sentences if sentence]
@@ -149,7 +163,7 @@ def own_codes(answer: CaseAnswer) -> list[RuleLine]:
 def _codes(answer: CaseAnswer) -> str:
     """What these rules say; empty where the file names none."""
     parts = [
-        f"{row.label}: {row.missing or f'{row.gap}{SPACE}cm, {row.verdict}'}"
+        f"{row.label}{row.remark}: {row.missing or f'{row.gap}{SPACE}cm, {row.verdict}'}"
         for row in own_codes(answer)
     ]
     return f"The codes of the case file: {'; '.join(parts)}." if parts else ""
@@ -232,6 +246,15 @@ def _yielding(table: xr.Dataset) -> str:
     return f"{sentence}."
 
 
+def _at_yield(table: xr.Dataset) -> str:
+    """Yield displacements, however the strengths are given."""
+    yields = of_each(table, "yield_displacement")
+    if not np.isfinite(yields).any():
+        return ""
+    which = " of the first modes" if "height" in table.dims else ""
+    return f"Yield displacements{which}: {' and '.join(map(centimetres, yields))}{SPACE}cm."
+
+
 def _storeys(answer: CaseAnswer) -> str:
     """The storey of each building with the largest ductility, or the largest drift if none yields."""
     table, parts = answer.separation, []
@@ -251,21 +274,14 @@ def _storeys(answer: CaseAnswer) -> str:
 
 
 def _verdicts(answer: CaseAnswer) -> str:
+    """How many rules give as much as the answer, and the one that gives the least."""
     shown = rows(answer)[1:]
-    count = {word: sum(row.verdict == word for row in shown) for word in {r.verdict for r in shown}}
-    words = {
-        "safe": "safe here",
-        "unsafe": "unsafe",
-        "within error": "undecided within the error of the simulation",
-    }
-    parts = [f"{count[word]} {text}" for word, text in words.items() if count.get(word)]
-    about = subject_of(answer.case)
-    sentence = (
-        f"Rules for the {about.gap}, {sum(count.get(w, 0) for w in words)} of them: {', '.join(parts)}."
-    )
-    if not count.get("unsafe"):
+    count = Counter(row.verdict for row in shown)
+    verdicts = [verdict for verdict in (AT_LEAST, LESS, WITHIN) if count[verdict]]
+    parts = ", ".join(f"{count[verdict]} {verdict}" for verdict in verdicts)
+    gap, total = subject_of(answer.case).gap, sum(count[verdict] for verdict in verdicts)
+    sentence = f"Rules for the {gap}, {total} of them: {parts}."
+    if not count[LESS]:
         return sentence
-    worst = answer.worst()
-    lacking = per_cent(-float(worst.error))
-    row = next(row for row in shown if row.rule == worst.rule)
-    return f"{sentence} The worst, {row.label}, gives {row.gap}{SPACE}cm, {lacking} less than needed."
+    least = min((row for row in shown if row.verdict == LESS), key=lambda row: row.metres)
+    return f"{sentence} The smallest, {least.label}, gives {least.gap}{SPACE}cm ({least.error})."

@@ -10,11 +10,12 @@ from stochlin.analyses.cases.codes import APPLIED, KIND, applied_in_words
 from stochlin.analyses.separation.separation import COMBINED
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.shared.blocks import Block, Items, Row, Table, Text
+from stochlin.views.shared.blocks import Block, Items, Row, Table, Text, texts
 from stochlin.views.shared.words import (
     SPACE,
     along,
     centimetres,
+    in_g,
     per_cent,
     rule_label,
     with_interval,
@@ -45,14 +46,17 @@ NO_CODES = (
     'For a building code as you apply it write, for instance, codes = ["eurocode_8"] in [separation], '
     "and in each building displacements of your analysis and the factors of the code."
 )
+NOT_COMPARED = "not compared with its source"  # what the mark M says
 MARKS = (
     "Marks: S, formula seen in a copy of its source; C, derived and checked; P, in the text of the "
-    "paper that was available; M, not compared with its source."
+    f"paper that was available; M, {NOT_COMPARED}, with a high or a low confidence that it agrees."
 )
+AT_LEAST, LESS, WITHIN = "at least the answer", "less than the answer", "within error"  # verdicts
 FAMILIES = (
     "SRSS, root of the sum of squared displacements; sum, a factor times "
     "their sum; height, a factor times the height; fixed, a distance."
 )
+ANY = "any of those searched"
 OF_TWO = "needs a second building"  # the reason why a rule is not available
 SHOWN_TEXTS = ("family", "mark", "reference", "assumptions", "missing")
 
@@ -66,6 +70,7 @@ class RuleLine(NamedTuple):
     label: str  # as in a text
     group: str
     family: str
+    metres: float
     gap: str
     error: str
     probability: str
@@ -74,6 +79,21 @@ class RuleLine(NamedTuple):
     reference: str
     assumptions: str
     missing: str
+
+    @property
+    def remark(self) -> str:
+        """That the rule was not compared with its source, to stand behind its name."""
+        return f" ({NOT_COMPARED})" if "M" in self.mark else ""
+
+
+def meeting_level(answer: CaseAnswer) -> str:
+    """The level at which both buildings could meet, to which peaks refer; empty if it is not known."""
+    if answer.case.alone:
+        return ""
+    table, buildings = answer.separation, answer.case.one_or_two
+    known = table.height[-1:] if "height" in table.dims else [b.height or np.nan for b in buildings]
+    level = float(np.min(known))
+    return f" at {level:.4g}{SPACE}m" if np.isfinite(level) else ""
 
 
 def of_each(table: xr.Dataset, name: str) -> list[float]:
@@ -118,6 +138,7 @@ def _line(answer: CaseAnswer, number: int, group: str, row: xr.Dataset) -> RuleL
         name=f"{stem} {words}" if words else rule,
         label=f"{label}, {words}" if words else label,
         group=group,
+        metres=float(row.gap),
         gap=centimetres(float(row.gap)),
         error=per_cent(float(row.error), sign="+") if number > 1 else "",
         probability=per_cent(float(row.no_pounding_probability), 1),
@@ -133,7 +154,7 @@ def rules_table(answer: CaseAnswer) -> Table:
     table_rows = [
         Row(
             (row.name, row.gap, row.error, row.probability, row.verdict, row.mark, row.family),
-            label=f"{row.number}{SPACE}{SPACE}{row.label.removeprefix('eq. (3), ')}",
+            label=f"{row.number}{SPACE}{SPACE}{row.label.removeprefix('eq. (3), ')}{row.remark}",
             group=row.group,
             look=row.verdict,
         )
@@ -154,20 +175,12 @@ def rules_notes(answer: CaseAnswer) -> list[Text]:
     """The two ways to use a code, and the meaning of the columns, marks and families."""
     about = subject_of(answer.case)
     columns = (
-        f"Error: the rule's {about.gap} relative to the answer; negative is unsafe. "
+        f"Error: the rule's {about.gap} relative to the answer. "
         f"{about.column.capitalize()}: share of the simulated motions in which {about.share}. Within "
         "error: the difference is within the error of the simulation."
     )
-    return [
-        Text(text, "note")
-        for text in (
-            rules_caption(answer),
-            about.rules,
-            columns,
-            MARKS,
-            f"{about.families}: {FAMILIES}",
-        )
-    ]
+    notes = rules_caption(answer), about.rules, columns, MARKS, f"{about.families}: {FAMILIES}"
+    return [Text(note, "note") for note in notes]
 
 
 def names_of(answer: CaseAnswer) -> dict[str, str]:
@@ -185,59 +198,67 @@ def allowances(answer: CaseAnswer) -> list[Block]:
     """Changes that make the existing gap sufficient, or the limits up to which it is."""
     if answer.existing is None:
         return []
-    limits, case, about = answer.existing, answer.case, subject_of(answer.case)
-    enough = float(limits.required_gap) <= float(limits.attrs["gap_m"])
-    now = float(case.ground.arrays()["intensity"])
-    intensity = float(limits.largest_intensity)
+    limits, about = answer.existing, subject_of(answer.case)
+    changes = _strength(limits, answer.separation)
+    changes |= {"shaking": _shaking(answer.case, limits), "damping": _damping(answer.case, limits)}
+    known = [f"{name.capitalize()}: {text}" for name, text in changes.items() if text]
+    none = " or ".join(name for name, text in changes.items() if not text)
+    begin = f"Each of these changes alone would make the existing {about.gap} sufficient:"
+    if float(limits.required_gap) <= float(limits.attrs["gap_m"]):
+        begin = f"The existing {about.gap} stays sufficient up to these values, each changed alone:"
+    return [
+        *texts([begin] if known else []),
+        Items(known),
+        *texts([f"No {none} that was searched is sufficient alone."] if none else []),
+        Text(f"Searched: {limits.attrs['searched']}. In brackets: 95 % intervals.", "note"),
+    ]
+
+
+def _shaking(case: Case, limits: xr.Dataset) -> str:
+    """The strongest sufficient shaking, as the site states its strength; empty if none is."""
+    now, strongest = float(case.ground.arrays()["intensity"]), float(limits.largest_intensity)
+    if not np.isfinite(strongest):
+        return ANY if np.isinf(strongest) else ""
+    if case.of_site.by_intensity:
+        return f"S0 up to {_with_interval(limits, 'largest_intensity')} m²/s³ (now {now:.3g})"
+    key, value = case.of_site.stated_strength
+    factor = np.sqrt(strongest / now)
+    shown = f", {key} = {value * factor:.3g}" if key == "scale" else f", {key} = {in_g(value * factor)}"
+    times = _with_interval((limits / now) ** 0.5, "largest_intensity")
+    return f"up to {times} times as strong{shown if key else ''}"
+
+
+def _damping(case: Case, limits: xr.Dataset) -> str:
+    """The least added damping that is sufficient; empty if none is."""
     damping, low, high = with_interval(limits, "least_added_damping")
+    if not damping:
+        return "no additional damping is needed"
     bracket = f" [{per_cent(low, 1)} to {per_cent(high, 1)}]" if low < high else ""
     more = f"at least {per_cent(damping, 1)}{bracket} more{'' if case.alone else ' in both'}"
-    more = more if damping else "no additional damping is needed"
-    strongest = f"S0 up to {_with_interval(limits, 'largest_intensity')} m²/s³ (now {now:.3g})"
-    begin = (
-        f"The existing {about.gap} stays sufficient up to these values, each changed alone:"
-        if enough
-        else f"Each of these changes alone would make the existing {about.gap} sufficient:"
-    )
-    changes = [f"Shaking: {_limit(intensity, strongest)}", f"Damping: {_limit(damping, more)}"]
-    note = f"Searched: {limits.attrs['searched']}. In brackets: 95 % intervals."
-    return [Text(begin), Items(_strength(limits, answer.separation) + changes), Text(note, "note")]
+    return more if np.isfinite(damping) else ""
 
 
-def _strength(found: xr.Dataset, table: xr.Dataset) -> list[str]:
+def _strength(limits: xr.Dataset, table: xr.Dataset) -> dict[str, str]:
+    """The sufficient strengths, an empty text if none is; nothing for buildings that never yield."""
     factors = of_each(table, "reduction_factor")
     yielding = [n for n, now in enumerate(factors, start=1) if np.isfinite(now)]
     if not yielding:
-        return []
-    least, largest = (
-        [found[f"{which}_reduction_factor_{n}"] for n in yielding] for which in ("least", "largest")
-    )
+        return {}
     now = " and ".join(f"{factors[n - 1]:.3g}" for n in yielding)
-
-    def both(which: str) -> str:
-        return " and ".join(
-            _with_interval(found, f"{which}_reduction_factor", f"_{n}") for n in yielding
-        )
-
-    low, high = float(least[0]), float(largest[0])
-    if np.isnan(high):
-        text = "none of those searched"
-    elif np.isinf(high):
-        text = f"R from {both('least')} on (now {now})" if low > 0 else "any of those searched"
-    else:
-        begin = f"from {both('least')} " if low > 0 else ""
-        text = f"R {begin}up to {both('largest')} (now {now})"
-    return [f"Strength: {text}"]
+    least, largest = (
+        " and ".join(_with_interval(limits, f"{which}_reduction_factor", f"_{n}") for n in yielding)
+        for which in ("least", "largest")
+    )
+    first = yielding[0]
+    low, high = (float(limits[f"{end}_reduction_factor_{first}"]) for end in ("least", "largest"))
+    begin = f"from {least} " if low > 0 else ""
+    text = f"R {begin}up to {largest} (now {now})"
+    if np.isinf(high):
+        text = f"R {begin}on (now {now})" if begin else ANY
+    return {"strength": "" if np.isnan(high) else text}
 
 
 def _with_interval(table: xr.Dataset, name: str, of: str = "") -> str:
     """A value and its 95 % interval."""
     value, low, high = with_interval(table, name, of)
     return f"{value:.3g} [{low:.3g} to {high:.3g}]" if low < high else f"{value:.3g}"
-
-
-def _limit(value: float, text: str) -> str:
-    """The text of a limit, also of one that is infinite or missing."""
-    if np.isnan(value):
-        return "none of those searched"
-    return "any of those searched" if np.isinf(value) else text

@@ -231,11 +231,6 @@ def left_out(case: Case) -> list[str]:
 
 def _wall(building: AnyBuilding) -> str:
     structure, caution = building.structure, f"Caution: {building.name} is a wall"
-    uniform = (
-        f"The first period of a uniform wall is {ratio} times the second, and in the first mode its "
-        f"roof moves {roof} times and its mid-height {middle} times as far as an oscillator of that "
-        "period"
-    )
     if isinstance(structure, ModalBuilding):
         return (
             f"{caution}, and its bending is in the modes that describe it. Torsion is in them if the "
