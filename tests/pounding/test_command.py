@@ -321,12 +321,14 @@ def test_buildings_that_touch_are_a_case_of_every_command(tmp_path: Path) -> Non
     """Any motion towards each other is a blow: none of the motions keeps them apart."""
     text = example_case().replace('existing = "5 cm" ', 'existing = "0 cm" ').replace("2048", "128")
     text = re.sub(r'(?m)^(contact = .*|bumper_thickness.*|\[measures."Rubber.*)\n', "", text)
-    path = case_file(tmp_path, text=text)
+    hazard = '[site.hazard]\nmeasure = "pga"\nk0 = 5e-5\nk = 3\nunits = "g"\n'
+    path = case_file(tmp_path, text=text.replace("\n[motion]\n", f"\n{hazard}[motion]\n"))
     said = {
         "gap": [
             "The existing gap of 0 cm keeps them apart in 0.0 % of",
             "Verdict: not enough",
             "No strength",
+            "Under the hazard of the site and with the gap of",
         ],
         "probability": ["gap 0 cm", " 0.0000 0.0000 to 0.0284 Gap for"],
         "mitigate": ["the existing gap of 0 cm prevents pounding in 0.0 % of", "none found"],

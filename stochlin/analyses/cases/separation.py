@@ -204,10 +204,10 @@ def _of_hazard(case: Case) -> Iterator[None]:
 def _risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
     """Risk with the existing gap, the required gap ``answer`` [m], and the gap for the allowed risk.
 
-    None if all these gaps are 0. Names of variables begin with ``risk_``, so that they can be merged
-    with those of the separation.
+    Gaps of 0 are left out, since any shaking closes them; None if all are 0. Names of variables begin
+    with ``risk_``, so that they can be merged with those of the separation.
     """
-    gaps = {"existing": case.gap or 0.0, "answer": answer}
+    gaps = {"existing": (*case.gaps, 0.0)[0], "answer": answer}
     years, target = YEARS, xr.Dataset()
     if case.risk is not None:
         years = Target.of(case.risk).years or YEARS
