@@ -34,7 +34,7 @@ def test_two_modes_have_the_ratio_by_masses_and_stiffness(modes: tuple[int, int]
     np.testing.assert_allclose(ratios, a0 / (2 * w) + a1 * w / 2, rtol=1e-9)
     assert building.oscillator().damping == float(ratios[0])
     without = frame(damping_modes=modes, p_delta=p_delta)
-    space = sl.statespace([without], sl.WhiteNoise(0.01), [-1] * 4, [0] * 4)
+    space = sl.statespace([without], sl.WhiteNoise(0.01))
     roots = np.linalg.eigvals(space.state_matrix.values)
     roots = sorted(roots[roots.imag > 0], key=abs)
     np.testing.assert_allclose(-np.real(roots) / np.abs(roots), ratios, rtol=1e-9)

@@ -57,12 +57,6 @@ class Pair(NamedTuple):
         law = {"law": OWN} if isinstance(self.first, sl.Hysteretic) else {}
         return type(self.first)(0.1, 0.05, 0.05, **law)
 
-    @property
-    def storeys(self) -> int:
-        """Of both, with the modes that yield."""
-        modes = sum(isinstance(one, sl.ModalBuilding) for one in self.both)
-        return modes + sum(getattr(one, "storeys", 1) for one in self.both)
-
 
 def _building(law: Any, storeys: int, strength: Mapping[str, float]) -> sl.ShearBuilding:
     return sl.ShearBuilding([1e5] * storeys, [1e9] * storeys, [3.0] * storeys, 0.05, law=law, **strength)
@@ -129,7 +123,7 @@ ON_GROUND: dict[str, Callable[[Pair], object]] = {
     "simulate, duration": lambda s: sl.simulate(s.both, s.ground, **SIZES),
     "simulate, link": lambda s: sl.simulate(s.both, s.ground, **SIZES, link=LINK),
     "simulate, device": lambda s: sl.simulate(s.both, s.ground, **SIZES, link=[DEVICE]),
-    "statespace": lambda s: sl.statespace(s.both, s.ground, [-1.0] * s.storeys, [0.0] * s.storeys),
+    "statespace": lambda s: sl.statespace(s.both, s.ground),
     "amplification": lambda s: sl.amplification(s.first, s.ground),
     'amplification, method="simulation"': lambda s: sl.amplification(
         s.first, s.ground, method="simulation", paths=16

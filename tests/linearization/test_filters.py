@@ -194,7 +194,7 @@ def test_elastic_structures_are_exact(ground):
     both = sl.linearize(sl.Bilinear(np.array(PERIODS), DAMPING), ground)
     np.testing.assert_allclose(both.displacement_std**2, x[[0, 2], [0, 2]], rtol=1e-9)
     np.testing.assert_allclose(both.velocity_std**2, x[[1, 3], [1, 3]], rtol=1e-9)
-    space = sl.statespace(PAIR, ground, [-1, -1], [0, 0])
+    space = sl.statespace(PAIR, ground)
     assert space.state.values.tolist()[-4:] == ["u_1", "v_1", "u_2", "v_2"]
     order = np.r_[-4:0]
     found = sl.stationary_covariance(space).values[np.ix_(order, order)]

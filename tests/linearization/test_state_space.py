@@ -96,6 +96,22 @@ def test_clough_penzien_with_both_filters_equal():
     check([yielding, sl.Bilinear(1.5, 0.3), sl.Bilinear(1.1, 0.02)], ground)
 
 
+@pytest.mark.parametrize("link", [(), (sl.Link(1e6, 1e4, hardening=0.1, yield_displacement=1e-3),)])
+def test_elastic_coefficients_are_the_start_of_the_loop(link):
+    """Also with a link that yields, an elastic structure, and a strength by its reduction factor."""
+    ground = sl.CloughPenzien(0.42, 0.6, 4.2, 0.6)
+    pair = [sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4, mass=1e5), sl.Bilinear(0.7, 0.05, mass=1e5)]
+    space = sl.statespace(pair, ground, links=link)
+    uy = float(sl.linearize(pair[0], ground).yield_displacement)
+    assert space.yield_displacement.values.tolist() == pytest.approx([uy, np.inf, 1e-3][: 2 + len(link)])
+    elastic = [sl.Bilinear(one.period, one.damping, mass=one.mass) for one in pair]
+    plain = [sl.Link(1e6, 1e4)] if link else []
+    x = sl.stationary_covariance(space)
+    same = sl.stationary_covariance(sl.statespace(elastic, ground, [-1, -1], [0, 0], links=plain))
+    np.testing.assert_allclose(x.sel(state=same.state, state_2=same.state_2), same, rtol=1e-9)
+    np.testing.assert_allclose(x.sel(state="z_1"), x.sel(state="u_1"), rtol=1e-9)
+
+
 def test_elastic_structure_has_two_states_and_a_yielding_one_three():
     structures = [sl.Bilinear(1.0, 0.05), sl.Bilinear(2.0, 0.05, 0.1, reduction_factor=2)]
     space = sl.statespace(structures, sl.KanaiTajimi(2.0, 0.3), [-1, -0.9], [0, 0.2])
@@ -141,8 +157,6 @@ def test_unstable_system_has_no_stationary_covariance():
 def test_state_space_describes_one_system_only():
     with pytest.raises(ValueError, match="period is an array"):
         sl.statespace([sl.Bilinear([1.0, 2.0], 0.05)], sl.WhiteNoise(), [-1], [0])
-    with pytest.raises(ValueError, match="lengths"):
-        sl.statespace([sl.Bilinear(1.0, 0.05)], sl.WhiteNoise(), [-1, -1], [0])
     with pytest.raises(ValueError, match="at least one structure"):
         sl.statespace([], sl.WhiteNoise(), [], [])
 
@@ -155,15 +169,17 @@ def test_storeys_and_links_that_yield_have_states():
     link = sl.Link(1e7, 1e4, hardening=0.2, yield_displacement=0.01, floors=(1, 1))
     c_eq, k_eq = [-0.9, -1, -0.7, -0.8], [1, 0, 2, 3]
     space = sl.statespace(pair, sl.KanaiTajimi(2.0, 0.3), c_eq, k_eq, links=[link])
-    states = "xg xg_rate u_1.1 u_1.2 v_1.1 v_1.2 z_1.1 u_2 v_2 z_2"
+    states = "xg xg_rate u_1.1 u_1.2 v_1.1 v_1.2 z_1.1 z_1.2 u_2 v_2 z_2"
     assert space.state.values.tolist() == [*states.split(), "z_link 1"]
 
     def entry(row, column):
         return float(space.state_matrix.sel(state=row, state_2=column))
 
-    # Floor 1: storey 1 beyond yield, storey 2 as it is, and what is left of the link.
-    assert entry("v_1.1", "u_1.1") == pytest.approx(-(0.1 * 8e7 + 5e7 + 0.2 * 1e7) / 2e5)
-    assert entry("v_1.1", "u_1.2") == pytest.approx(5e7 / 2e5)
+    # Floor 1: both storeys beyond yield, and what is left of the link.
+    assert entry("v_1.1", "u_1.1") == pytest.approx(-(0.1 * 8e7 + 0.1 * 5e7 + 0.2 * 1e7) / 2e5)
+    assert entry("v_1.1", "u_1.2") == pytest.approx(0.1 * 5e7 / 2e5)
+    assert entry("v_1.1", "z_1.2") == pytest.approx(0.9 * 5e7 / 2e5)
+    assert [entry("z_1.2", name) for name in ("v_1.1", "v_1.2", "z_1.2")] == [-1, 1, 0]
     assert entry("v_1.1", "z_1.1") == pytest.approx(-0.9 * 8e7 / 2e5)
     assert entry("v_1.1", "z_link 1") == pytest.approx(-0.8 * 1e7 / 2e5)
     assert entry("v_2", "z_link 1") == pytest.approx(0.8 * 1e7 / 1e5)
@@ -175,7 +191,7 @@ def test_storeys_and_links_that_yield_have_states():
 
 def test_coefficients_are_one_an_element():
     ground = sl.WhiteNoise()
-    with pytest.raises(ValueError, match=r"lengths 1, 1; allowed: 2, .*'1.1', '1.2'"):
+    with pytest.raises(ValueError, match=r"c_eq = \[-1\]; allowed: 2 .* elements 1\.1, 1\.2"):
         sl.statespace([TOWER], ground, [-1], [0])
     stiff = sl.ShearBuilding([2e5], [8e7], [3.0], 0.05)
     with pytest.raises(ValueError, match="ShearBuilding, number 1: hardening is not given"):

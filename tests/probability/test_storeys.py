@@ -102,7 +102,7 @@ def test_linear_moments_are_those_of_the_lyapunov_differential_equation(ground):
     """P' = A P + P A' + Q of the matrix that `statespace` writes, integrated by itself."""
     pair = replace(elastic(TALL), p_delta=True), elastic(LOW)
     found = probability(*pair, ground, 0.1, points=8)
-    space = sl.statespace(pair, ground, c_eq=[-1.0] * 6, k_eq=[0.0] * 6)
+    space = sl.statespace(pair, ground)
     matrix, noise = space.state_matrix.values, space.noise_vector.values
     soil = np.array([str(name).startswith("x") for name in space.state.values])
     strength, n = float(space.noise_intensity), len(matrix)

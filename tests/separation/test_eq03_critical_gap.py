@@ -66,7 +66,7 @@ def test_it_is_the_standard_deviation_of_the_difference():
     """With standard deviations for peaks, the variance of u1 - u2 by the augmented Lyapunov equation."""
     pair = [sl.Bilinear(T, 0.05) for T in (0.7, 1.0)]
     ground = sl.KanaiTajimi(0.8, 0.2)
-    covariance = sl.stationary_covariance(sl.statespace(pair, ground, [-1, -1], [0, 0]))
+    covariance = sl.stationary_covariance(sl.statespace(pair, ground))
     pick = covariance.sel(state=["u_1", "u_2"], state_2=["u_1", "u_2"]).values
     table = sl.correlate(*pair, ground)
     combined = gap(table.displacement_std_1, table.displacement_std_2, table.rho)

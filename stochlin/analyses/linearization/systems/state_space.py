@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
@@ -229,8 +230,8 @@ def check_one_system(
 def statespace(
     structures: Sequence[AnyStructure],
     ground: Ground,
-    c_eq: Sequence[float],
-    k_eq: Sequence[float],
+    c_eq: Sequence[float] | None = None,
+    k_eq: Sequence[float] | None = None,
     *,
     links: Sequence[Link | None] = (),
 ) -> xr.Dataset:
@@ -240,9 +241,8 @@ def statespace(
     (here multiplied by the yield displacement), with ``z' = -c_eq v - k_eq z`` and
     ``u'' + 2 xi w u' + alpha w^2 u + (1 - alpha) w^2 z = f``. A building has these states for each
     floor, with ``z`` for the storey below it: ``z' = -c_eq d' - k_eq z`` with the drifts ``d = T u``,
-    and ``M u'' + C u' + T' diag(alpha k) d + T' diag((1 - alpha) k) z = M 1 f``. An element with
-    ``c_eq = -1`` and ``k_eq = 0`` is elastic (``z = d``). It has no state ``z``, with which the Lyapunov
-    equation would be singular.
+    and ``M u'' + C u' + T' diag(alpha k) d + T' diag((1 - alpha) k) z = M 1 f``. With ``c_eq = -1`` and
+    ``k_eq = 0`` an element is elastic (``z = d``); it has a state ``z`` only if it has a strength.
 
     Parameters
     ----------
@@ -250,10 +250,10 @@ def statespace(
         The structures, with scalar parameters.
     ground : WhiteNoise, KanaiTajimi or CloughPenzien
         The ground, with scalar parameters.
-    c_eq, k_eq : sequence of float
+    c_eq, k_eq : sequence of float, optional
         Equivalent coefficients [-] and [1/s] of all elements, as `linearize` and `linearize_system`
         return them: oscillators and storeys from the first structure to the last, from the ground up,
-        and after them the links that yield.
+        and after them the links that yield. Without them all elements are elastic.
     links : sequence of Link or None, optional
         Links from each structure to the next, or between the structures that the ``structures`` of a
         link name; oscillators then need a mass.
@@ -265,8 +265,9 @@ def statespace(
         vector ``b``, ``noise_vector`` over ``state``; and the intensity ``2 pi S0`` of the white noise
         ``n``, ``noise_intensity`` [m^2/s^3]. Also ``extension`` over (``spring``, ``state``), which
         gives the drifts of storeys and the extensions of links from the states, and ``stiffness`` [N/m]
-        over ``spring``, the elastic stiffness. The names of the states of floor 3 of structure 2 end in
-        ``_2.3``, those of oscillator 1 in ``_1``.
+        over ``spring``, the elastic stiffness; and ``yield_displacement`` [m] over ``element``, by which
+        `equivalent_coefficients` divides the moments, infinite without a strength. The names of the
+        states of floor 3 of structure 2 end in ``_2.3``, those of oscillator 1 in ``_1``.
 
     Raises
     ------
@@ -275,6 +276,8 @@ def statespace(
         elements, or a link has an exponent.
     TypeError
         If an argument is of the wrong kind.
+    ArithmeticError
+        If the elastic response to which a ``reduction_factor`` refers cannot be computed.
 
     References
     ----------
@@ -282,11 +285,24 @@ def statespace(
 
     Examples
     --------
-    >>> import stochlin as sl
-    >>> pair = [sl.Bilinear(period=T, damping=0.05) for T in (1.0, 2.0)]
-    >>> space = sl.statespace(pair, sl.KanaiTajimi(2.0, 0.05), c_eq=[-1, -1], k_eq=[0, 0])
+    The procedure of the paper: state matrix, covariance, coefficients, repeated.
+
+    >>> import numpy as np, stochlin as sl
+    >>> ground = sl.KanaiTajimi(period=0.42, damping=0.6)
+    >>> pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (1.0, 0.7)]
+    >>> space = sl.statespace(pair, ground)
     >>> space.state.values.tolist()
-    ['xg', 'xg_rate', 'u_1', 'v_1', 'u_2', 'v_2']
+    ['xg', 'xg_rate', 'u_1', 'v_1', 'z_1', 'u_2', 'v_2', 'z_2']
+    >>> v, z, uy = ["v_1", "v_2"], ["z_1", "z_2"], space.yield_displacement.values
+    >>> for _ in range(30):
+    ...     x = sl.stationary_covariance(space).to_pandas()
+    ...     vv, zz, vz = (np.diag(x.loc[a, b]) for a, b in ((v, v), (z, z), (v, z)))
+    ...     moments = np.sqrt(vv) / uy, np.sqrt(zz) / uy, vz / np.sqrt(vv * zz)
+    ...     new = sl.equivalent_coefficients(*moments)
+    ...     space = sl.statespace(pair, ground, new.c_eq, new.k_eq)
+    >>> rho = x.at["u_1", "u_2"] / np.sqrt(x.at["u_1", "u_1"] * x.at["u_2", "u_2"])
+    >>> bool(abs(rho - sl.correlate(*pair, ground).rho) < 1e-9)
+    True
     """
     links = checked_system(structures, ground, links)
     check_one_system(structures, ground, links)
@@ -296,30 +312,23 @@ def statespace(
                 f"links, number {number}: damping_exponent = {link.exponent:g}; allowed: 1, since this "
                 "is a linear system. Give the link the equivalent_damping_constant of linearize_system"
             )
-    coefficients = []
-    for name, values in (("c_eq", c_eq), ("k_eq", k_eq)):
-        coefficients.append(as_numbers(name, values, "a number for every element").astype(float))
-        if coefficients[-1].ndim != 1:
-            raise ValueError(f"{name} = {brief(values)}; allowed: a number for every element")
-        if not np.isfinite(coefficients[-1]).all():
-            raise ValueError(f"{name} = {brief(list(values))}; allowed: finite numbers")
+    strong = Equations(
+        arrangement_of([strength_in_metres(s, ground) for s in structures], links), ground
+    )
+    elements, strength = strong.reported_names, strong.strength[0]
     equations = Equations(arrangement_of([_of_any_strength(s) for s in structures], links), ground)
-    elements = equations.reported_names
-    if not len(c_eq) == len(k_eq) == len(elements):
-        raise ValueError(
-            f"c_eq, k_eq have lengths {len(c_eq)}, {len(k_eq)}; allowed: {len(elements)}, one of each "
-            f"kind for every element, {brief(elements)}"
-        )
-    c, k = (equations.from_reported(*each) for each in zip(coefficients, (-1.0, 0.0), strict=True))
-    own = (c != -1) | (k != 0)
+    c, k = (
+        equations.from_reported(_of_elements(name, values, elastic, elements), elastic)
+        for name, values, elastic in (("c_eq", c_eq, -1.0), ("k_eq", k_eq, 0.0))
+    )
+    own = (c != -1) | (k != 0) | np.isfinite(strength)
     for element in np.flatnonzero(own[: equations.first_link]):
         number = int(np.searchsorted(equations.arrangement.first_coordinate, element, side="right"))
         structure = structures[number - 1]
         if structure.hardening is None:
             raise ValueError(
                 f"{type(structure).__name__}, number {number}: hardening is not given; with c_eq = "
-                f"{c[element]:g}, k_eq = {k[element]:g} it yields, and "
-                "needs its hardening"
+                f"{c[element]:g}, k_eq = {k[element]:g} it yields, and needs its hardening"
             )
     written = equations.state_space(c, k, own)
     names = equations.states(own)
@@ -332,8 +341,9 @@ def statespace(
             "noise_intensity": ((), written.intensity[0], {"units": "m^2/s^3"}),
             "extension": (("spring", "state"), extension),
             "stiffness": ("spring", written.stiffness[0], {"units": "N/m"}),
+            "yield_displacement": ("element", strong.reported(strength, np.inf), {"units": "m"}),
         },
-        coords={"state": names, "state_2": names, "spring": equations.springs},
+        coords={"state": names, "state_2": names, "spring": equations.springs, "element": elements},
     )
     models = {f"structure_{n}": s for n, s in enumerate(structures, start=1)} | {"ground": ground}
     return labels.with_run_information(
@@ -342,6 +352,17 @@ def statespace(
         "statespace()",
         models | {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None},
     )
+
+
+def _of_elements(
+    name: str, values: Sequence[float] | None, elastic: float, elements: Sequence[str]
+) -> Array:
+    """The coefficients of all elements; ``elastic`` if there are none."""
+    allowed = f"{len(elements)} finite numbers, for the elements {', '.join(elements)}"
+    array = as_numbers(name, [elastic] * len(elements) if values is None else values, allowed)
+    if array.shape != (len(elements),) or not np.isfinite(array).all():
+        raise ValueError(f"{name} = {brief(values)}; allowed: {allowed}")
+    return array.astype(float)
 
 
 def _of_any_strength(structure: AnyStructure) -> Any:
