@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable
 
 from stochlin.removed import instead_of
 
-FULL = (errno.ENOSPC, errno.EDQUOT)
-REASONS = {errno.ENOENT: "there is no such file; check its name and its folder"}
+FULL, MISSING = (errno.ENOSPC, errno.EDQUOT), (errno.ENOENT, errno.ENOTDIR)
+REASONS = dict.fromkeys(MISSING, "there is no such file; check its name and its folder")
 REASONS |= dict.fromkeys(FULL, "the disk is full; make room on it, or write to another one")
 LONGEST = 80  # of a value that is shown
 ALIKE = 0.7  # least share of equal letters of names that are mistaken for each other
@@ -71,7 +71,7 @@ def plain(text: object, longest: int = LONGEST) -> str:
 
 def sentence(error: BaseException, longest: int = 160) -> str:
     """What another error says, on one line."""
-    told = str(error)
+    told = str(error) or type(error).__name__
     if isinstance(error, OSError) and error.strerror:  # told by the system, with a number
         name = "" if error.filename is None else f"{error.filename}: "
         told = f"{name}{REASONS.get(error.errno or 0, error.strerror)}"

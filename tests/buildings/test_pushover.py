@@ -251,6 +251,8 @@ UNREADABLE: dict[str, tuple[str, dict[str, Any], str]] = {
         r"push\.csv, line 4, column 2: 'collapse' is not a force",
     ),
     "falls": (f"{HEAD}0,0\n1,3\n2,2\n3,1\n", {}, r"push\.csv, line 4: the base shear falls from the st"),
+    "thousands": (f"{HEAD}0,0\n20,900,000\n", {}, r"line 3, column 3: '000' is beyond the 2 columns"),
+    "long cell": (f"{HEAD}0,{140000 * '1'}\n", {}, r"push\.csv, line 2: field larger .* \(131072\); al"),
     "few": (f"{HEAD}0,0\n1,2\n2,2.1\n", {}, "has 3 points; allowed: 4 or more"),
 }
 
@@ -262,11 +264,6 @@ def test_what_is_wrong_with_a_file_is_said(case: str, tmp_path: Path) -> None:
     path.write_text(text, encoding="utf-8")
     with pytest.raises((ValueError, TypeError), match=message):
         sl.read_pushover(path, **options)
-
-
-def test_a_file_that_is_not_there_is_said(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError):
-        sl.read_pushover(tmp_path / "none.csv")
 
 
 # --- Buildings ----------------------------------------------------------------------------------------

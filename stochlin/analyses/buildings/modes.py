@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from typing import Annotated, Any
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.buildings.mode_files.base import MODE_FILES, AskedModes, ModesOfFile
-from stochlin.analyses.buildings.sheets import sheets_in, sheets_of
+from stochlin.analyses.buildings.sheets import check_alone, sheets_in, sheets_of
 from stochlin.analyses.buildings.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.inputs import input_path
@@ -98,21 +98,21 @@ def read_modes(
     if isinstance(points, str) or not isinstance(points, Sequence):
         raise TypeError(f"points = {brief(points)}; allowed: a list of names")
     name, asked = plain(path.name), AskedModes(direction, tuple(points), mass_units, length_units)
-    sheets = [sheet for sheet in (sheets_in if path.is_dir() else sheets_of)(path) if sheet]
-    kind = next((kind for kind in MODE_FILES.values() if kind.recognizes(sheets)), None)
-    if kind is None:
+    sheets = (sheets_in if path.is_dir() else sheets_of)(path)
+    buildings = [(kind, its) for kind in MODE_FILES.values() for its in kind.buildings(sheets)]
+    if not buildings:
         begins = " or ".join(kind.header for kind in MODE_FILES.values())
         raise ValueError(
             f"{name} is no file of modes that is known; allowed: a file with {begins}; for OpenSees "
             "docs/buildings.md has a script that writes the plain form"
         )
+    check_alone([its[0] for _, its in buildings], "modes")
+    kind, tables = buildings[0]
     for argument, value in asked._asdict().items():
         if value and argument not in kind.takes:
-            raise ValueError(
-                f"{argument} = {brief(value)} has no meaning for {name}, which has {kind.header}; leave "
-                "it out"
-            )
-    return _labelled(kind.read(sheets, asked), name, asked.direction)
+            what = f"{argument} = {brief(value)} has no meaning for {name}"
+            raise ValueError(f"{what}, which has {kind.header}; leave it out")
+    return _labelled(kind.read(tables, asked), name, asked.direction)
 
 
 def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Dataset:
@@ -126,9 +126,8 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
     levels = modes.levels[up]
     heights = np.diff(levels, prepend=0.0)
     if not (heights > 0).all():
-        raise ValueError(
-            f"{name}: two floors are at {levels[int(np.argmin(heights))]:g} m; allowed: each level once"
-        )
+        twice = levels[int(np.argmin(heights))]
+        raise ValueError(f"{name}: two floors are at {twice:g} m; allowed: each level once")
     table = xr.Dataset(
         {
             "period": (MODE, modes.periods[longest]),
@@ -148,12 +147,8 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
     _doubt_order(table, name)
     table = labels.label(table, VARIABLES)
     table = labels.with_run_information(table, f"Modes of {name}", "read_modes", {})
-    about: dict[str, Any] = {
-        "source": name,
-        "direction": direction or "",
-        "left_out": listed(modes.left_out),
-    }
-    about |= {"turning": listed(modes.turning), "below_ground": below}
+    lists = {"left_out": listed(modes.left_out), "turning": listed(modes.turning)}
+    about = {"source": name, "direction": direction or ""} | lists | {"below_ground": below}
     return table.assign_attrs({key: text for key, text in about.items() if text})
 
 

@@ -98,10 +98,8 @@ def bilinear_of(
     peak = _peak_of(forces)
     end = whole[peak] if target_displacement is None else min(target_displacement, whole[peak])
     if target_displacement is not None and target_displacement > whole[-1]:
-        raise ValueError(
-            f"target_displacement = {target_displacement:g} m is beyond the curve, which ends at "
-            f"{whole[-1]:g} m; allowed: up to there"
-        )
+        what = f"target_displacement = {target_displacement:g} m is beyond the curve"
+        raise ValueError(f"{what}, which ends at {whole[-1]:g} m; allowed: up to there")
     before = whole < end
     u = np.append(whole[before], end)
     v = np.append(forces[before], np.interp(end, whole, forces))
@@ -124,40 +122,27 @@ def bilinear_of(
         },
         {"point": ("point", ["origin", "yield", "end"], {"long_name": "point of the idealization"})},
     )
-    return labels.with_run_information(
-        labels.label(table, VARIABLES).assign_attrs(method=method),
-        "Bilinear idealization of a pushover curve",
-        f"bilinear_of(method={method!r})",
-        {},
-        REFERENCES[method],
-    )
+    title, call = "Bilinear idealization of a pushover curve", f"bilinear_of(method={method!r})"
+    table = labels.label(table, VARIABLES).assign_attrs(method=method)
+    return labels.with_run_information(table, title, call, {}, REFERENCES[method])
 
 
 def check_curve(displacement: Array, force: Array, places: Sequence[str]) -> None:
     """Raise a ValueError unless these are a pushover curve; ``places`` name its points."""
     if displacement.size < FEWEST:
         raise ValueError(f"pushover has {displacement.size} points; allowed: {FEWEST} or more")
-    standing = np.flatnonzero(np.diff(displacement) <= 0)
-    if standing.size:
-        n = standing[0] + 1
-        raise ValueError(
-            f"{places[n]}: the displacement goes from {displacement[n - 1]:g} to {displacement[n]:g} m; "
-            "allowed: displacements that increase, of one push without unloading"
-        )
+    if n := int(np.argmax(np.diff(displacement, prepend=-np.inf) <= 0)):
+        what = f"the displacement goes from {displacement[n - 1]:g} to {displacement[n]:g} m"
+        allowed = "displacements that increase, of one push without unloading"
+        raise ValueError(f"{places[n]}: {what}; allowed: {allowed}")
     if displacement[0] != 0 or force[0] != 0:
-        raise ValueError(
-            f"{places[0]}: the curve begins at {displacement[0]:g} m and {force[0]:g} N; allowed: 0 and "
-            "0, so take off what the permanent loads cause"
-        )
-    bad = np.flatnonzero(force[1:] <= 0)
-    if bad.size:
-        n = bad[0] + 1
+        what = f"the curve begins at {displacement[0]:g} m and {force[0]:g} N; allowed: 0 and 0"
+        raise ValueError(f"{places[0]}: {what}, so take off what the permanent loads cause")
+    if n := int(np.argmax(np.append(1.0, force[1:]) <= 0)):
         raise ValueError(f"{places[n]}: the base shear is {force[n]:g} N; allowed: positive ones")
     if _peak_of(force) == 1:
-        raise ValueError(
-            f"{places[2]}: the base shear falls from the start, from {force[1]:g} to {force[2]:g} N; "
-            "allowed: a curve with its peak later, so give points in between"
-        )
+        what = f"the base shear falls from the start, from {force[1]:g} to {force[2]:g} N"
+        raise ValueError(f"{places[2]}: {what}; allowed: a later peak, so give points in between")
 
 
 def _peak_of(force: Array) -> int:
@@ -168,23 +153,18 @@ def _peak_of(force: Array) -> int:
 def _curve_of(pushover: object) -> tuple[Array, Array]:
     """Displacements [m] and base shears [N] of a curve, checked."""
     if not isinstance(pushover, xr.DataArray):
-        raise TypeError(
-            f"pushover = {brief(pushover)}; allowed: an xarray.DataArray over displacement, as "
-            "read_pushover gives it"
-        )
+        allowed = "an xarray.DataArray over displacement, as read_pushover gives it"
+        raise TypeError(f"pushover = {brief(pushover)}; allowed: {allowed}")
     if pushover.dims != (DISPLACEMENT,) or DISPLACEMENT not in pushover.coords:
-        raise ValueError(
-            f"pushover has the dimensions {pushover.dims}; allowed: displacement alone, with its values"
-        )
+        what = f"pushover has the dimensions {pushover.dims}"
+        raise ValueError(f"{what}; allowed: displacement alone, with its values")
     arrays = pushover[DISPLACEMENT], pushover
     for array, units in zip(arrays, ("m", "N"), strict=True):
         if array.dtype.kind not in "iuf" or not np.isfinite(array).all():
             raise TypeError(f"pushover has {array.dtype} in {units}; allowed: finite numbers")
         if array.attrs.get("units") != units:
-            raise ValueError(
-                f"pushover has {brief(array.attrs.get('units'))} as units, where {units} is allowed; "
-                "convert it and say so in its attributes"
-            )
+            what = f"pushover has {brief(array.attrs.get('units'))} as units, where {units} is allowed"
+            raise ValueError(f"{what}; convert it and say so in its attributes")
     displacement, force = (array.to_numpy().astype(float) for array in arrays)
     check_curve(displacement, force, [f"pushover, point {n}" for n in range(1, force.size + 1)])
     return displacement, force
@@ -242,10 +222,8 @@ def _asce_41(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
 def _check_bend(u: Array, last: float, energy: float) -> None:
     """Raise a ValueError for a curve that is not above the straight line to its end."""
     if energy < 0.5 * u[-1] * last * (1 + BEND):
-        raise ValueError(
-            f"pushover does not bend up to {u[-1]:g} m, so that it has no yield point; allowed: a curve "
-            "that is pushed into yielding and flattens"
-        )
+        what = f"pushover does not bend up to {u[-1]:g} m, so that it has no yield point"
+        raise ValueError(f"{what}; allowed: a curve that is pushed into yielding and flattens")
 
 
 _METHODS = {"eurocode_8": _eurocode_8, "asce_41": _asce_41}

@@ -10,7 +10,14 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.buildings.pushover import CURVE, DISPLACEMENT, check_curve
-from stochlin.analyses.buildings.sheets import SheetRow, number_in, sheets_of, with_unit
+from stochlin.analyses.buildings.sheets import (
+    SheetRow,
+    check_alone,
+    number_in,
+    sheets_of,
+    with_unit,
+    without_comments,
+)
 from stochlin.analyses.buildings.units import size_stated
 from stochlin.analyses.buildings.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -79,13 +86,17 @@ def read_pushover(
     """
     path = input_path("path", path)
     name = plain(path.name)
-    sheet = next(sheet for sheet in sheets_of(path) if sheet)
-    rows = [_fields(row) for row in sheet if not row.cell(0).startswith("#")]
-    start = next((n for n, row in enumerate(rows) if _is_of_numbers(row)), None)
-    if start is None:
+    tables = [[*map(_fields, without_comments(sheet))] for sheet in sheets_of(path)]
+    tables = [rows for rows in tables if any(map(_is_of_numbers, rows))]
+    if not tables:
         raise ValueError(f"{name} has no line of numbers; allowed: displacements and base shears")
-    above, points = rows[:start], rows[start:]
+    check_alone(tables, "lines of numbers")
+    start = next(n for n, row in enumerate(tables[0]) if _is_of_numbers(row))
+    above, points = tables[0][:start], tables[0][start:]
     titles = max(above, key=_known_titles, default=None)
+    widest = titles if titles is not None and _known_titles(titles) == len(TITLES) else points[0]
+    for row in points:
+        row.check_width(len(widest.cells))
     asked = {"displacement": (displacement_column, length_units), "force": (force_column, force_units)}
     columns = {what: _column(what, column, titles, points[0]) for what, (column, _) in asked.items()}
     if len({*columns.values()}) == 1:

@@ -9,16 +9,8 @@ from scipy import constants
 from stochlin.messages import brief
 
 LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": constants.inch, "ft": constants.foot}
-FORCES = {
-    "n": 1.0,
-    "kn": 1e3,
-    "mn": 1e6,
-    "kgf": constants.g,
-    "tonf": 1e3 * constants.g,
-    "lb": constants.lbf,
-    "lbf": constants.lbf,
-    "kip": 1e3 * constants.lbf,
-}
+FORCES = {"n": 1.0, "kn": 1e3, "mn": 1e6, "kgf": constants.g, "tonf": 1e3 * constants.g}
+FORCES |= {"lb": constants.lbf, "lbf": constants.lbf, "kip": 1e3 * constants.lbf}
 MASSES = {"kg": 1.0, "t": 1e3, "tonne": 1e3}
 ALLOWED = {
     "length": ", ".join(LENGTHS),
@@ -38,30 +30,25 @@ def size_of(quantity: str, unit: str) -> float | None:
     return {"length": LENGTHS, "force": FORCES, "mass": MASSES}[quantity].get(written)
 
 
-def size_stated(quantity: str, stated: str, asked: str | None, where: str) -> float:
+def size_stated(quantity: str, stated: str, asked: object, where: str) -> float:
     """The unit of a quantity in SI, as stated in the file, or asked for where it is not or not known.
 
     ``where`` is the place in the file, for messages. Raises a ValueError if neither says it, if both
-    contradict each other, or if it is not known.
+    contradict each other, or if it is not known, and a TypeError if what is asked for is no text.
     """
-    name, own = f"{quantity}_units", size_of(quantity, stated)
-    if not isinstance(asked, str | None):
-        raise TypeError(f"{name} = {brief(asked)}; allowed: a text, such as 'mm' or 'kN'")
+    name, size, allowed = f"{quantity}_units", size_of(quantity, stated), ALLOWED[quantity]
     if asked is None:
-        if own is not None:
-            return own
-        what = f"the file does not say the unit of the {quantity}"
-        if stated:
+        if size is None:
             what = f"{brief(stated)} is not a known unit of a {quantity}"
-        raise ValueError(f"{where}: {what}; give {name}=, allowed: {ALLOWED[quantity]}")
-    size = size_of(quantity, asked)
-    if size is None:
-        raise ValueError(
-            f"{name} = {brief(asked)} is not a known unit of a {quantity}; allowed: {ALLOWED[quantity]}"
-        )
-    if own not in (None, size):
-        raise ValueError(
-            f"{name} = {brief(asked)} contradicts {where}, which states {brief(stated)}; correct it, or "
-            "leave it out"
-        )
-    return size
+            missing = f"the file does not say the unit of the {quantity}"
+            raise ValueError(f"{where}: {what if stated else missing}; give {name}=, allowed: {allowed}")
+        return size
+    if not isinstance(asked, str):
+        raise TypeError(f"{name} = {brief(asked)}; allowed: a text, such as {allowed}")
+    wanted = size_of(quantity, asked)
+    if wanted is None:
+        raise ValueError(f"{name} = {brief(asked)} is not a known unit; allowed: {allowed}")
+    if size not in (None, wanted):
+        what = f"{name} = {brief(asked)} contradicts {where}, which states {brief(stated)}"
+        raise ValueError(f"{what}; correct it, or leave it out")
+    return wanted

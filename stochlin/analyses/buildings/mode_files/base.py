@@ -10,8 +10,6 @@ from stochlin.analyses.buildings.sheets import Sheet
 from stochlin.kernels.basics.arrays import Array
 from stochlin.registry import Registry
 
-LEAST_SHARE = 0.001  # of the mass; programs print ratios to four digits, and less is left out
-
 
 class AskedModes(NamedTuple):
     """What the caller says of a file that has several directions or points, or states no units."""
@@ -49,8 +47,8 @@ class ModeFile(ABC):
 
     @staticmethod
     @abstractmethod
-    def recognizes(sheets: Sequence[Sheet]) -> bool:
-        """Whether the first lines are those of this format."""
+    def buildings(sheets: Sequence[Sheet]) -> Sequence[Sequence[Sheet]]:
+        """The sheets of each building whose modes they have in this format."""
 
     @staticmethod
     @abstractmethod
@@ -61,15 +59,3 @@ class ModeFile(ABC):
 MODE_FILES: Registry[type[ModeFile]] = Registry(
     "format of modes", "stochlin.analyses.buildings.mode_files"
 )
-
-
-def chosen_direction(asked: AskedModes, known: Sequence[str], where: str) -> str:
-    """The direction that is asked for, or the only one; a ValueError if it is not in the file."""
-    direction = asked.direction or (known[0] if len(known) == 1 else "")
-    if direction not in known:
-        what = f"= {direction!r} is not in the file" if direction else "is missing"
-        raise ValueError(
-            f"direction {what}: {where} has modes along {' and '.join(known)}; give the one along the "
-            f"gap, direction={known[0]!r}"
-        )
-    return direction

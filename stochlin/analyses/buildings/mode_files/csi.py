@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
+from itertools import pairwise, product
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from stochlin.analyses.buildings.mode_files.base import (
-    LEAST_SHARE,
     MODE_FILES,
     AskedModes,
     ModeFile,
     ModesOfFile,
-    chosen_direction,
 )
 from stochlin.analyses.buildings.mode_files.csi_tables import (
     TITLE,
@@ -34,6 +33,8 @@ HEIGHTS = "Story Definitions", "Story Data"
 BASES = "Tower and Base Story Definitions"
 COORDINATES, OF_MASSES = "Joint Coordinates", "Assembled Joint Masses"
 SHARE = Range(upper=1.0, include_lower=True, include_upper=True)
+LEAST_SHARE = 0.001  # of the mass; programs print ratios to four digits, and less is left out
+AXES = "UX", "UY"
 SAME_LEVEL = 0.01  # largest difference of the levels of joints on one floor [m]
 STILL = 1e-6  # rotation of a floor that does not turn [rad]
 ASIDE = 0.02  # largest share of the mass that may be between the floors, or at joints without shapes
@@ -83,42 +84,37 @@ class CsiModes(ModeFile):
     takes: ClassVar[Sequence[str]] = AskedModes._fields
 
     @staticmethod
-    def recognizes(sheets: Sequence[Sheet]) -> bool:
-        """Whether a line begins with 'TABLE:'."""
-        return any(TITLE.match(row.cell(0)) for sheet in sheets for row in sheet)
+    def buildings(sheets: Sequence[Sheet]) -> Sequence[Sequence[Sheet]]:
+        """All sheets together in which a line begins with 'TABLE:'."""
+        together = [sheet for sheet in sheets if any(TITLE.match(row.cell(0)) for row in sheet)]
+        return [together] if together else []
 
     @staticmethod
     def read(sheets: Sequence[Sheet], asked: AskedModes) -> ModesOfFile:
         """The modes of all tables together."""
         tables = tables_in(sheets)
         ratios = needed_table(tables, RATIOS)
-        known = [axis for axis in ("UX", "UY") if ratios.column(axis, needed=False) >= 0]
-        axis = chosen_direction(asked, known, f"table {RATIOS}")
+        axis = _axis(ratios, asked.direction)
         period, share, step = ratios.column("Period"), ratios.column(axis), ratios.column(*STEP)
         for row in ratios.units:
             if (unit := row.cell(period).lower()) not in SECONDS:
                 raise row.error(period, f"periods are in {brief(unit)}; allowed: sec")
-        modes = {
-            _whole(row, step): (row.number(period, "period", POSITIVE), row.number(share, axis, SHARE))
-            for row in ratios.rows
-        }
-        moving = [mode for mode, (_, part) in modes.items() if part >= LEAST_SHARE]
+        modes = ratios.by(step, _whole)
+        periods = {mode: row.number(period, "period", POSITIVE) for mode, row in modes.items()}
+        shares = {mode: row.number(share, axis, SHARE) for mode, row in modes.items()}
+        moving = [mode for mode in modes if shares[mode] >= LEAST_SHARE]
         if not moving:
-            raise ratios.titles.error(
-                share,
-                f"no mode has {LEAST_SHARE:.1%} of the mass along {axis}; choose another direction",
-            )
+            raise ratios.error(f"has no mode with {LEAST_SHARE:.1%} of the mass along {axis}")
         of_etabs = any(spelled(name) in tables for name in HEIGHTS)
         wanted = Wanted(tables, asked, axis, _only_case(ratios), moving)
         floors = (_of_stories if of_etabs else _of_joints)(wanted)
-        masses = np.array([modes[mode][1] for mode in moving]) * floors.masses.sum()
+        masses = np.array([shares[mode] for mode in moving]) * floors.masses.sum()
         if not floors.loads.all():
             still = moving[int(np.argmin(floors.loads != 0))]
-            what = f"mode {still} has mass along {axis}, and its displacements add up to 0"
-            raise ratios.titles.error(share, f"{what}; export all tables of one analysis")
+            raise ratios.error(f"has mode {still}, which does not move; export one analysis alone")
         return ModesOfFile(
             moving,
-            np.array([modes[mode][0] for mode in moving]),
+            np.array([periods[mode] for mode in moving]),
             floors.shapes,
             floors.masses,
             floors.levels,
@@ -129,14 +125,23 @@ class CsiModes(ModeFile):
         )
 
 
+def _axis(ratios: CsiTable, direction: str | None) -> str:
+    """The direction that is asked for, or the only one."""
+    known = [axis for axis in AXES if ratios.column(axis, needed=False) >= 0]
+    axis = direction or (known[0] if len(known) == 1 else "missing")
+    if axis not in known:
+        there = f"table {RATIOS} has modes along {' and '.join(known)}"
+        raise ValueError(f"direction is {axis}: {there}; give that of the gap, direction={AXES[0]!r}")
+    return axis
+
+
 def _only_case(ratios: CsiTable) -> str:
     column = ratios.column(*CASE)
     cases = {row.cell(column): row for row in ratios.rows}
     first, *others = cases
     if others:
-        raise cases[others[0]].error(
-            column, f"a second modal case, {brief(others[0])} beside {brief(first)}; export one of them"
-        )
+        what = f"a second modal case, {brief(others[0])} beside {brief(first)}; export one of them"
+        raise cases[others[0]].error(column, what)
     return first
 
 
@@ -150,47 +155,51 @@ def _whole(row: SheetRow, column: int) -> int:
 
 def _displacements(
     table: CsiTable, title: str, wanted: Wanted, points: Sequence[str] = ()
-) -> Iterator[tuple[SheetRow, int, float]]:
-    """Row, mode and displacement in the column of this title, of the points if any are named."""
-    names = [
-        n for n in (table.column(t, needed=False) for t in ("Label", "Unique Name", "Joint")) if n >= 0
-    ]
-    of_case, step, value = table.column(*CASE), table.column(*STEP), table.column(title)
+) -> dict[tuple[str, int], float]:
+    """What a column has by story or joint and mode, of the points if any are named."""
+    titles = ("Label", "Unique Name", "Joint")
+    labels = [n for label in titles if (n := table.column(label, needed=False)) >= 0]
+    columns = ("Story", "Joint"), CASE, STEP, (title,)
+    column, of_case, step, value = (table.column(*titles) for titles in columns)
+    found: dict[tuple[str, int], float] = {}
     for row in table.rows:
-        if row.cell(of_case) != wanted.case or (points and not {row.cell(n) for n in names} & {*points}):
+        if row.cell(of_case) != wanted.case or (points and not {*points} & {*map(row.cell, labels)}):
             continue
-        if (mode := _whole(row, step)) in wanted.moving:
-            yield row, mode, row.number(value, "displacement")
+        name, mode = row.cell(column), _whole(row, step)
+        if (name, mode) in found:
+            what = f"a second displacement of {brief(name)} in mode {mode}"
+            raise row.error(column, f"{what}; allowed: one diaphragm or joint on each floor")
+        if mode in wanted.moving:
+            found[name, mode] = row.number(value, "displacement")
+    return found
 
 
 def _by_floor(
     table: CsiTable, floors: Sequence[str], found: dict[tuple[str, int], float], moving: Sequence[int]
 ) -> Array:
     """Displacements of the floors in each mode; a ValueError names a floor without one."""
-    for floor in floors:
-        for mode in moving:
-            if (floor, mode) not in found:
-                raise table.titles.error(
-                    None,
-                    f"table {table.name} has no displacement of floor {brief(floor)} in mode {mode}",
-                )
+    for floor, mode in product(floors, moving):
+        if (floor, mode) not in found:
+            raise table.error(f"has no displacement of floor {brief(floor)} in mode {mode}")
     return np.array([[found[floor, mode] for floor in floors] for mode in moving])
 
 
 def _of_stories(wanted: Wanted) -> Floors:
     """The floors of ETABS, with the shapes of centres of mass or of named joints."""
-    (stories, levels), (tables, asked, axis, *_) = _levels(wanted), wanted
+    (stories, levels), (tables, asked, axis, _, moving) = _levels(wanted), wanted
     table = needed_table(tables, OF_STORIES)
-    column, name = table.column(axis, "Mass X" if axis == "UX" else "Mass Y"), table.column("Story")
-    mass = _by_name(table, name, column, "mass", asked.mass_units, NOT_NEGATIVE)
-    for story in stories:
-        if not mass.get(story):
-            raise table.titles.error(name, f"story {brief(story)} has no mass in table {table.name}")
+    titles = axis, "Mass X" if axis == "UX" else "Mass Y"
+    mass = _by_name(table, titles, "mass", asked.mass_units, NOT_NEGATIVE)
+    if bare := [story for story in stories if not mass.get(story)]:
+        raise table.error(f"has no mass of story {listed(bare)}")
     masses = np.array([mass[story] for story in stories])
-    shapes = _of_each_story(needed_table(tables, OF_CENTRES), wanted, stories)
+    table = needed_table(tables, OF_CENTRES)
+    shapes = _by_floor(table, stories, _displacements(table, axis, wanted), moving)
     loads = shapes @ masses
     if asked.points:
-        shapes = _of_each_story(needed_table(tables, OF_JOINTS), wanted, stories, asked.points)
+        table = needed_table(tables, OF_JOINTS)
+        moved = _displacements(table, axis, wanted, asked.points)
+        shapes = _by_floor(table, stories, moved, moving)
     return Floors(levels, masses, shapes, loads)
 
 
@@ -199,21 +208,8 @@ def _turning(table: CsiTable, wanted: Wanted) -> list[int]:
     title = next((name for name in ("RZ", "R3") if table.column(name, needed=False) >= 0), "")
     if wanted.asked.points or not title:
         return []
-    turned = {mode for _, mode, angle in _displacements(table, title, wanted) if abs(angle) > STILL}
-    return sorted(turned)
-
-
-def _of_each_story(
-    table: CsiTable, wanted: Wanted, stories: list[str], points: Sequence[str] = ()
-) -> Array:
-    """Displacements of the stories in each mode; a ValueError for a story with two."""
-    column, found = table.column("Story"), dict[tuple[str, int], float]()
-    for row, mode, value in _displacements(table, wanted.axis, wanted, points):
-        if (row.cell(column), mode) in found:
-            what = "name one joint on each" if points else "allowed: one diaphragm on each"
-            raise row.error(column, f"a second displacement of this story in mode {mode}; {what}")
-        found[row.cell(column), mode] = value
-    return _by_floor(table, stories, found, wanted.moving)
+    angles = _displacements(table, title, wanted)
+    return sorted({mode for (_, mode), angle in angles.items() if abs(angle) > STILL})
 
 
 def _levels(wanted: Wanted) -> tuple[list[str], Array]:
@@ -221,10 +217,9 @@ def _levels(wanted: Wanted) -> tuple[list[str], Array]:
     table = needed_table(wanted.tables, *HEIGHTS)
     name, height = table.column("Story", "Name"), table.column("Height")
     size = table.size("length", height, wanted.asked.length_units)
-    rows = [row for row in table.rows if row.cell(name).lower() != BASE]
-    heights = [row.number(height, "story height", POSITIVE) for row in rows]
-    levels = size * np.cumsum(heights[::-1])[::-1]
-    return [row.cell(name) for row in rows], levels - _depth(wanted)
+    rows = {story: row for story, row in table.by(name, SheetRow.cell).items() if story.lower() != BASE}
+    heights = [row.number(height, "story height", POSITIVE) for row in rows.values()]
+    return [*rows], size * np.cumsum(heights[::-1])[::-1] - _depth(wanted)
 
 
 def _depth(wanted: Wanted) -> float:
@@ -232,8 +227,7 @@ def _depth(wanted: Wanted) -> float:
     table = wanted.tables.get(spelled(BASES))
     if table is None:
         return 0.0
-    columns = table.column("Tower"), table.column("BSElev")
-    towers = _by_name(table, *columns, "length", wanted.asked.length_units)
+    towers = _by_name(table, ["BSElev"], "length", wanted.asked.length_units)
     return max(0.0, -max(towers.values(), default=0.0))
 
 
@@ -242,52 +236,41 @@ def _of_joints(wanted: Wanted) -> Floors:
     tables, asked, axis, _, moving = wanted
     own, moves = f"U{'XY'.index(axis[1]) + 1}", needed_table(tables, OF_JOINTS)
     places, weights = needed_table(tables, COORDINATES), needed_table(tables, OF_MASSES)
-    column = places.column("GlobalZ", "Z")
-    height = _by_name(places, places.column("Joint"), column, "length", asked.length_units)
+    height = _by_name(places, ("GlobalZ", "Z"), "length", asked.length_units)
     level = {name: z - min(height.values()) for name, z in height.items()}
-    column = weights.column(own)
-    mass = _by_name(weights, weights.column("Joint"), column, "mass", asked.mass_units, NOT_NEGATIVE)
+    mass = _by_name(weights, [own], "mass", asked.mass_units, NOT_NEGATIVE)
     mass = {name: value for name, value in mass.items() if value and level.get(name, 0.0) > SAME_LEVEL}
-    moved: dict[tuple[str, int], float] = {}
-    for row, mode, value in _displacements(moves, own, wanted):
-        name = row.cell(moves.column("Joint"))
-        if name not in level:
-            raise row.error(moves.column("Joint"), f"joint {brief(name)} is not in table {COORDINATES}")
-        moved[name, mode] = value
+    moved = _displacements(moves, own, wanted)
+    if unknown := {name for name, _ in moved} - level.keys():
+        raise moves.error(f"has joint {listed(sorted(unknown))}, which is not in table {COORDINATES}")
     known = sum(value for name, value in mass.items() if all((name, mode) in moved for mode in moving))
     if not mass or known < (1 - ASIDE) * sum(mass.values()):
-        raise moves.titles.error(
-            None,
-            f"table {OF_JOINTS} has joints with {known / (sum(mass.values()) or 1):.0%} of the mass; "
-            "export the modal displacements of all joints with mass",
-        )
-    loads = np.array(
-        [sum(value * moved.get((name, mode), 0.0) for name, value in mass.items()) for mode in moving]
-    )
+        what = f"has joints with {known / (sum(mass.values()) or 1):.0%} of the mass"
+        raise moves.error(f"{what}; export the modal displacements of all joints with mass")
+    of_mass = [[moved.get((name, mode), 0.0) for name in mass] for mode in moving]
+    loads = np.array(of_mass) @ [*mass.values()]
     chosen = {name for name, _ in moved if level[name] > SAME_LEVEL}
     if strange := {*asked.points} - chosen:
-        what = f"table {OF_JOINTS} has no joint {listed(sorted(strange))} above the base"
-        raise moves.titles.error(None, f"{what}, which points names")
+        raise moves.error(f"has no joint {listed(sorted(strange))} above the base, which points names")
     chosen &= {*asked.points} or chosen
     names = sorted(chosen, key=lambda name: (level[name], name))
     levels = np.array([level[name] for name in names])
-    _check_one_each(moves, names, levels)
+    _check_one_each(moves, names, level)
     masses = _of_floors(weights, levels, mass, level)
     above = levels - max(0.0, -min(height.values()))
     return Floors(above, masses, _by_floor(moves, names, moved, moving), loads)
 
 
 def _by_name(
-    table: CsiTable, names: int, column: int, quantity: str, asked: str | None, allowed: Range = ANY
+    table: CsiTable, titles: Sequence[str], quantity: str, asked: str | None, allowed: Range = ANY
 ) -> dict[str, float]:
-    """A number of each joint or story, in SI; a ValueError for one that is there twice."""
-    size, values = table.size(quantity, column, asked), dict[str, float]()
-    for row in table.rows:
-        name = row.cell(names)
-        if name in values:
-            raise row.error(names, f"{brief(name)} is there twice; export one of them")
-        values[name] = size * row.number(column, quantity, allowed)
-    return values
+    """A number of each joint, story or tower, in SI; a ValueError for one that is there twice."""
+    rows, column = (
+        table.by(table.column("Story", "Joint", "Tower"), SheetRow.cell),
+        table.column(*titles),
+    )
+    size = table.size(quantity, column, asked)
+    return {name: size * row.number(column, quantity, allowed) for name, row in rows.items()}
 
 
 def _of_floors(table: CsiTable, levels: Array, mass: dict[str, float], level: dict[str, float]) -> Array:
@@ -298,22 +281,15 @@ def _of_floors(table: CsiTable, levels: Array, mass: dict[str, float], level: di
         masses[nearest] += value
         aside += value * (abs(levels[nearest] - level[name]) > SAME_LEVEL)
     if aside > ASIDE * masses.sum() or not masses.all():
-        told = listed(f"{height:g}" for height in levels)
-        raise table.titles.error(
-            None,
-            f"{aside / masses.sum():.0%} of the mass is not at the floors, {told} m, or one has none; "
-            "name one joint on each floor with points=",
-        )
+        floors = listed(f"{height:g}" for height in levels)
+        what = f"has {aside / masses.sum():.0%} of the mass not at the floors, {floors} m"
+        raise table.error(f"{what}, or a floor has none; name one joint on each floor with points=")
     return masses
 
 
-def _check_one_each(table: CsiTable, names: Sequence[str], levels: Array) -> None:
+def _check_one_each(table: CsiTable, names: Sequence[str], level: dict[str, float]) -> None:
     """Raise a ValueError if two joints are on one floor."""
-    together = np.flatnonzero(np.diff(levels) <= SAME_LEVEL)
-    if together.size:
-        n = int(together[0])
-        raise table.titles.error(
-            None,
-            f"joints {names[n]} and {names[n + 1]} are both at {levels[n]:g} m; name one on each floor, "
-            f"points=[{names[n]!r}, ...]",
-        )
+    for lower, upper in pairwise(names):
+        if level[upper] - level[lower] <= SAME_LEVEL:
+            both = f"has joints {lower} and {upper}, both at {level[lower]:g} m"
+            raise table.error(f"{both}; name one on each floor, points=[{lower!r}, ...]")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib.resources import files
 from typing import ClassVar
 
 import numpy as np
 
 from stochlin.analyses.buildings.mode_files.base import MODE_FILES, AskedModes, ModeFile, ModesOfFile
-from stochlin.analyses.buildings.sheets import Sheet, SheetRow, with_unit
+from stochlin.analyses.buildings.sheets import Sheet, SheetRow, with_unit, without_comments
 from stochlin.analyses.buildings.units import size_stated
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
@@ -17,16 +18,7 @@ from stochlin.models.parameters import POSITIVE, Range
 MODE, LEVEL, MASS, PERIOD = "mode", "level", "mass", "period"
 FACTOR, MODAL_MASS = "participation", "modal mass"
 FIRST = 2  # column of the first mode, from 0: before it are level and mass
-EXAMPLE = """\
-# Modes of a building: levels above the ground, masses of the floors, and a column for each mode
-mode,,1,2,3
-period [s],,0.72,0.118,0.043
-level [m],mass [t],shape,shape,shape
-13.6,220,1.000,1.000,1.000
-10.2,300,0.650,-0.495,-1.648
-6.8,300,0.331,-1.082,0.529
-3.4,300,0.094,-0.565,1.729
-"""
+EXAMPLE = files(__package__).joinpath("example_modes.csv").read_text(encoding="utf-8")
 SECONDS = ("s", "sec")
 FLOORS = "titles 'level [m]', 'mass [kg]' and 'shape' for each mode, and below a line for each floor"
 
@@ -51,15 +43,15 @@ class PlainModes(ModeFile):
     takes: ClassVar[Sequence[str]] = ("mass_units", "length_units")
 
     @staticmethod
-    def recognizes(sheets: Sequence[Sheet]) -> bool:
-        """Whether the first line that is no comment begins with 'mode'."""
-        rows = _content(sheets[0])
-        return bool(rows) and rows[0].cell(0).lower() == MODE
+    def buildings(sheets: Sequence[Sheet]) -> Sequence[Sequence[Sheet]]:
+        """Each sheet whose first line that is no comment begins with 'mode'."""
+        contents = map(without_comments, sheets)
+        return [[rows] for rows in contents if rows and rows[0].cell(0).lower() == MODE]
 
     @staticmethod
     def read(sheets: Sequence[Sheet], asked: AskedModes) -> ModesOfFile:
         """The modes of the only sheet."""
-        rows = _content(sheets[0])
+        rows = sheets[0]
         at = next((n for n, row in enumerate(rows) if with_unit(row.cell(0))[0] == LEVEL), None)
         if at in (None, len(rows) - 1):
             raise rows[-1].error(None, f"the floors are missing; allowed: {FLOORS}")
@@ -91,10 +83,6 @@ class PlainModes(ModeFile):
         )
 
 
-def _content(sheet: Sheet) -> list[SheetRow]:
-    return [row for row in sheet if not row.cell(0).startswith("#")]
-
-
 def _lines(rows: Sequence[SheetRow]) -> dict[str, SheetRow]:
     """The lines above the floors by their names; a ValueError for an unknown or a repeated one."""
     lines: dict[str, SheetRow] = {}
@@ -114,8 +102,7 @@ def _lines(rows: Sequence[SheetRow]) -> dict[str, SheetRow]:
 
 def _over_modes(row: SheetRow, count: int, what: str, allowed: Range | None = None) -> Array:
     """The numbers of a line, one for each mode."""
-    if len(row.cells) > FIRST + count:
-        raise row.error(FIRST + count, f"there is no mode for this {what}; allowed: {count} numbers")
+    row.check_width(FIRST + count)
     return np.array([row.number(FIRST + n, what, allowed) for n in range(count)])
 
 

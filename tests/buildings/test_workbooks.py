@@ -1,0 +1,153 @@
+"""Workbooks, written here part by part: what they show is read, or they are refused in a sentence."""
+
+import re
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+from commands import invoke
+
+import stochlin as sl
+
+SHEET, OTHER = "xl/worksheets/sheet1.xml", "xl/worksheets/sheet2.xml"
+BOOK, RELATIONS, TEXTS = "xl/workbook.xml", "xl/_rels/workbook.xml.rels", "xl/sharedStrings.xml"
+TYPES = "application/vnd.openxmlformats-officedocument.spreadsheetml."
+MAIN = 'xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"'
+OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+ROWS = (("roof [mm]", "shear [kN]"), (0, 0), (10, 500), (30, 700), (60, 750))
+EMPTY = f"<worksheet {MAIN}><sheetData></sheetData></worksheet>"
+
+
+def cells(rows: tuple[tuple[object, ...], ...]) -> str:
+    texts = "<c t='inlineStr'><is><t>{}</t></is></c>"
+    marked = [
+        [texts.format(x) if isinstance(x, str) else f"<c><v>{x}</v></c>" for x in row] for row in rows
+    ]
+    return "".join(f"<row>{''.join(row)}</row>" for row in marked)
+
+
+TABLE = EMPTY.replace("</sheetData>", f"{cells(ROWS)}</sheetData>")
+PARTS = {
+    "[Content_Types].xml": f'<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
+    f'<Override PartName="/{BOOK}" ContentType="{TYPES}sheet.main+xml"/>'
+    f'<Override PartName="/{TEXTS}" ContentType="{TYPES}sharedStrings+xml"/></Types>',
+    BOOK: f'<workbook {MAIN} xmlns:r="{OFFICE}"><sheets><sheet name="Old" sheetId="1" r:id="a"/>'
+    '<sheet name="Push" sheetId="2" r:id="b"/></sheets></workbook>',
+    RELATIONS: f'<Relationships xmlns="{OFFICE.replace("officeDocument", "package")}">'
+    f'<Relationship Id="a" Type="{OFFICE}/worksheet" Target="worksheets/sheet1.xml"/>'
+    f'<Relationship Id="b" Type="{OFFICE}/worksheet" Target="/{OTHER}"/></Relationships>',
+    TEXTS: f"<sst {MAIN}><si><t>n</t></si></sst>",
+    SHEET: EMPTY,
+    OTHER: TABLE,
+}
+
+
+def written(folder: Path, **changed: object) -> Path:
+    path = folder / "push.xlsx"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in (PARTS | changed).items():
+            archive.writestr(name, str(text))
+    return path
+
+
+def with_rows(more: str) -> dict[str, str]:
+    return {OTHER: TABLE.replace("</sheetData>", f"{more}</sheetData>")}
+
+
+HIDDEN = PARTS[BOOK].replace('name="Old"', 'name="Old" state="{}"')
+READ = {
+    "as it is": {},
+    "dimension": {OTHER: TABLE.replace("<sheetData>", '<dimension ref="A1"/><sheetData>')},
+    "hidden": {SHEET: TABLE.replace("500", "5"), BOOK: HIDDEN.format("hidden")},
+    "very hidden": {SHEET: TABLE.replace("500", "5"), BOOK: HIDDEN.format("veryHidden")},
+    "results of formulas": {OTHER: TABLE.replace("<c><v>750", '<c r="B5"><f>250*3</f><v>750')},
+    "an empty text": with_rows('<row><c t="str"><f>""</f><v></v></c></row>'),
+    "a prefix": {OTHER: re.sub(r"<(/?)(?=\w)", r"<\1x:", TABLE).replace("xmlns=", "xmlns:x=")},
+}
+MANY = 10**6
+REFUSED = {
+    "has formulas without results": with_rows("<row><c><f>A5+9</f><v/></c><c><f>B5</f></c></row>"),
+    "sheet Old and push.xlsx, sheet Push both have lines of numbers; allowed: one": {SHEET: TABLE},
+    "is empty: it holds no visible table": {
+        BOOK: HIDDEN.format("hidden").replace('"Push"', '"Push" state="hidden"')
+    },
+    "two sheets are the same part": {BOOK: PARTS[BOOK].replace('"a"', '"b"')},
+    "list index out of range; save it again": with_rows("<row><c t='s'><v>7</v></c></row>"),
+    "mismatched tag: line 1": with_rows("</row>"),
+    "'ZZZZ' is not a valid column name": with_rows('<row><c r="ZZZZ9"/></row>'),
+    "sharedStrings.xml has a comment, an entity or a very long text": {
+        TEXTS: PARTS[TEXTS].replace("n", MANY * "n", 1)
+    },
+    "sheet2.xml has a comment, an entity": {OTHER: f'<!DOCTYPE x [<!ENTITY a "{MANY * "a"}">]>{TABLE}'},
+    "many cells, texts": {TEXTS: PARTS[TEXTS].replace("<si>", MANY * "<si/>" + "<si>")},
+    "many cells": with_rows(f"<row>{MANY * '<c/>'}</row>"),
+    "too many": {BOOK: PARTS[BOOK].replace("<sheets>", f"<sheets>{MANY * '<sheet/>'}")},
+    "it is too long or too wide at line 261": with_rows(9999 * '<row><c r="XFD9"/></row>'),
+    "it is too long or too wide at line 1398": with_rows('<row r="99999999"><c><v>1</v></c></row>'),
+    "its tables have 17": {"xl/styles.xml": 17_000_000 * " "},
+    "it has more than 2000 parts": {f"xl/{n}": "" for n in range(2001)},
+}
+
+
+@pytest.fixture(autouse=True)
+def _library() -> None:
+    pytest.importorskip("openpyxl", reason="openpyxl is in the extra 'tables'")
+
+
+@pytest.mark.parametrize("case", READ)
+def test_what_a_workbook_shows_is_read(tmp_path: Path, case: str) -> None:
+    curve = sl.read_pushover(written(tmp_path, **READ[case]))
+    assert curve.values.tolist() == [0, 5e5, 7e5, 7.5e5]
+
+
+@pytest.mark.parametrize("message", REFUSED)
+def test_other_workbooks_are_refused_in_a_sentence(tmp_path: Path, message: str) -> None:
+    with pytest.raises(ValueError, match=rf"^push\.xlsx.*{re.escape(message)}"):
+        sl.read_pushover(written(tmp_path, **REFUSED[message]))
+
+
+def test_a_workbook_that_is_larger_than_it_says_is_read_no_further(tmp_path: Path) -> None:
+    path = written(tmp_path, **with_rows(MANY * "<row/>"))
+    with zipfile.ZipFile(path) as archive:
+        size = archive.getinfo(OTHER).file_size
+    path.write_bytes(path.read_bytes().replace(size.to_bytes(4, "little"), (99).to_bytes(4, "little")))
+    with pytest.raises(ValueError, match="Bad CRC-32"):
+        sl.read_pushover(path)
+
+
+def test_what_is_no_workbook_of_today_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "push.xlsx"
+    for content, message in (
+        (b"PK\x03\x04", "is not a zip file"),
+        (b"\xd0\xcf\x11\xe0", "save it as .xlsx"),
+    ):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=rf"push\.xlsx .*{message}"):
+            sl.read_modes(path)
+
+
+def test_without_the_library_the_message_names_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "openpyxl", None)
+    with pytest.raises(ImportError, match=r"pip install 'stochlin\[tables\]'"):
+        sl.read_pushover(written(tmp_path))
+
+
+def test_of_two_tables_of_modes_neither_is_taken(tmp_path: Path) -> None:
+    """Nor of two files, and a file is no folder."""
+    plain = "mode,,1\nperiod [s],,0.5\nlevel [m],mass [t],shape\n3,200,1\n"
+    ratios = "TABLE:  Modal Participating Mass Ratios\nCase,Mode,Period,UX\n,,sec,\nModal,1,0.5,0.9\n"
+    for name, text in {"a.csv": plain, "b.csv": plain}.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    for text in (plain, ratios):
+        (tmp_path / "b.csv").write_text(text, encoding="utf-8")
+        with pytest.raises(ValueError, match=r"^a\.csv and b\.csv both have modes; allowed: one"):
+            sl.read_modes(tmp_path)
+    (tmp_path / "a.csv").write_text(ratios, encoding="utf-8")
+    with pytest.raises(ValueError, match=r"a\.csv, line 2: table .* is also at b\.csv, line 2"):
+        sl.read_modes(tmp_path)
+    done = invoke("building", tmp_path / "a.csv" / "a.csv")
+    assert done.exit_code == 2
+    assert "a.csv: there is no such file; check its name and its folder" in " ".join(done.output.split())
