@@ -11,7 +11,7 @@ INSTALL = $(BIN)/python -m pip install --quiet --no-compile --disable-pip-versio
 PARALLEL = -n auto --maxprocesses 4 --dist worksteal
 PYTEST = OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest $(PARALLEL)
 
-.PHONY: charts test test-all check lint sets fuzz coverage mutants answers takes bench bias reality docs links oldest newest dist clean
+.PHONY: charts test test-all check lint sets fuzz coverage mutants answers bench bias reality docs links oldest newest dist clean
 
 charts: $(VENV)/.run
 	$(BIN)/stochlin charts --out figures
@@ -51,10 +51,6 @@ mutants: $(VENV)/.dev
 # and shows what moved.
 answers: $(VENV)/.dev
 	PYTHONPATH=tests MPLBACKEND=agg $(BIN)/python -m answers.rewrite
-
-# Tries every function with every kind of structure, law and ground, and writes the page of what it takes.
-takes: $(VENV)/.dev
-	PYTHONPATH=tests $(BIN)/python -m house.what_takes_what
 
 bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/tables.py build/bench.md
