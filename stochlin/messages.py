@@ -16,6 +16,7 @@ REASONS |= dict.fromkeys(FULL, "the disk is full; make room on it, or write to a
 LONGEST = 80  # of a value that is shown
 ALIKE = 0.7  # least share of equal letters of names that are mistaken for each other
 LONGEST_MESSAGE = 2000  # on a terminal, with all names that are allowed
+SMALLER = "take fewer cells or paths, or a shorter motion"
 # Called before a function is compiled, which takes up to seconds, and then kept.
 WHEN_COMPILING: list[Callable[[], None]] = []
 
@@ -75,6 +76,8 @@ def sentence(error: BaseException, longest: int = 160) -> str:
     if isinstance(error, OSError) and error.strerror:  # told by the system, with a number
         name = "" if error.filename is None else f"{error.filename}: "
         told = f"{name}{REASONS.get(error.errno or 0, error.strerror)}"
+    if isinstance(error, MemoryError):
+        told = f"this machine has too little memory ({told or 'none is left'}); {SMALLER}"
     return plain(" ".join(told.split()), longest)
 
 

@@ -308,6 +308,10 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         {"periods": [2.0, 5.5]},
         r"periods of modes 1 and 2 are 2 and 5\.5 s; .*longest first",
     ),
+    "too many": (
+        {"shapes": [[1.0, 1.0]] * 601},
+        r"has 601 modes of 2 floors; allowed: 600 modes",
+    ),
     "not a table": ({"shapes": [0.6, 1.0]}, r"shapes = .*a list of modes"),
     "ragged": ({"shapes": [[0.6, 1.0], [1.0]]}, r"shapes = .*a list of modes"),
     "negative": ({"masses": [2e5, -1.0]}, r"masses = -1 in floor 2 is out of range"),

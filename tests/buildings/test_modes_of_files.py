@@ -169,10 +169,12 @@ def test_an_argument_without_a_meaning_is_refused(
         read(tmp_path, PLAIN, **arguments)
 
 
-def test_a_table_that_lacks_masses_makes_no_building(tmp_path: Path) -> None:
-    table = read(tmp_path, PLAIN).drop_vars("mass")
+def test_a_table_that_lacks_masses_or_has_too_many_modes_makes_no_building(tmp_path: Path) -> None:
+    table = read(tmp_path, PLAIN)
     with pytest.raises(ValueError, match="allowed: a dataset with height, mass, period, shape"):
-        sl.ModalBuilding.from_table(table, damping=0.05)
+        sl.ModalBuilding.from_table(table.drop_vars("mass"), damping=0.05)
+    with pytest.raises(ValueError, match="table: shape has 601 modes"):
+        sl.ModalBuilding.from_table(table.isel(mode=[0] * 601), damping=0.05)
 
 
 def test_a_building_by_its_first_mode_alone_is_not_doubted(tmp_path: Path) -> None:

@@ -194,12 +194,7 @@ def test_records_are_read_beside_the_file_and_the_first_is_fitted(tmp_path: Path
 
 # What to change, and what the message says of it: the line that starts with the third, and words.
 WRONG = {
-    "unknown key": (
-        "storeys = 8",
-        "storys = 8",
-        "storys",
-        ["building_1.storys", "did you mean storeys?"],
-    ),
+    "unknown key": ("storeys = 8", "storys = 8", "storys", ["1.storys", "did you mean storeys?"]),
     "unknown unit": ('"5 cm"', '"5 km"', "existing", ["'km'", "allowed: cm, m, mm, in, ft"]),
     "text for a number": ('"0.6 s"', '"short"', 'period = "short"', ["is no number", '"1 s"']),
     "truth for a number": ('damping = "5 %"', "damping = true", "damping", ["is no number", "0.05"]),
@@ -232,12 +227,20 @@ WRONG = {
     "more digits than Python reads": ("seed = 0", f"seed = 1{5000 * '0'}", "seed = 1", ["is no TOML"]),
     "long value": ('"0.6 s"', f'"{"6" * 200_000} km"', 'period = "666', ["has the unknown unit 'km'"]),
     "long name": ('"Annex"', f'"{"A" * 200_000}"', 'name = "AAA', ["200 characters at most"]),
-    "measure without a name": (
-        '"Rubber bumpers"',
-        '" "',
-        '[measures." "]',
-        ["name that cannot be shown"],
+    "spread of spaces": (
+        '"0.6 s"',
+        f'"1{" " * 200_000}+- x"',
+        'period = "1  ',
+        ["valid spread"],
     ),
+    "key of many names": ("[contact]", f"[contact]\n{'a.' * 9000}b = 3", "a.a", ["a key is nested"]),
+    "too many buildings": (
+        "[contact]",
+        "".join(f"[building_{n}]\n" for n in range(3, 102)) + "[contact]",
+        "[building_101]",
+        ["building_101 is given; allowed: 100 buildings"],
+    ),
+    "measure without a name": ('"Rubber bumpers"', '" "', '[measures." "]', ["that cannot be shown"]),
     "sign between thousands": ('"3200 t"', '"3,200 t"', "mass", ['as "3.200 t", or no', 'as "3200 t"']),
     "bare decimal comma": ('"0.6 s"', "0,6", "period = 0,6", ["write a decimal point"]),
     "no digit before the point": ("= 4\nheight", "= .5\nheight", "reduction_factor = .5", ["as 0.5"]),

@@ -109,10 +109,10 @@ def test_risks_are_read_as_rates_a_year(risk, rate):
     assert Target.of(risk).rate == pytest.approx(rate, rel=1e-12)
 
 
-@pytest.mark.parametrize("risk", ["2 %", "100 % in 50 years", 0, None])
-def test_risks_that_are_none_are_named(risk):
-    with pytest.raises(ValueError, match="risk = "):
-        Target.of(risk)
+def test_risks_that_are_none_are_named():
+    for risk in ("2 %", "100 % in 50 years", "9" * 300_000, 0, None):
+        with pytest.raises(ValueError, match="risk = "):
+            Target.of(risk)
 
 
 def test_risks_outside_of_the_hazard_are_named():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from stochlin.analyses.cases.examples import example_case
-from stochlin.analyses.tables.toml import toml_text
+from stochlin.analyses.tables.toml import read_toml, toml_text
 
 pytestmark = pytest.mark.invariant
 
@@ -36,3 +37,21 @@ def test_any_tables_are_read_again_as_they_were(values: dict[str, Any]) -> None:
 def test_the_example_of_a_case_is_read_again_as_it_was() -> None:
     values = tomllib.loads(example_case())
     assert tomllib.loads(toml_text(values)) == values
+
+
+ENDLESS = {  # which would take minutes or memory for ever
+    '["' + 'a" . "' * 30_000 + 'a"]': "line 1: a key is nested too deeply; allowed: tables",
+    f"a = {'[' * 100_000}": "a value is nested too deeply; allowed: tables",
+    "".join(f"[a_{n}]\n" for n in range(60_000)) + "[a_1]": "another name, such as [a_60000]",
+    f"a = 1\na = 1\n{'[' * 300_000}": "line 2: 'a' is already given in line 1;",
+    f"a = 1{'0' * 5000}  # {'x'.join(['9' * 999] * 900)}": "line 1: 'a = 1000",
+    '["line 9"]\n["line 9"]': "line 2: '[\"line 9\"]' is already given in line 1;",
+}
+
+
+@pytest.mark.parametrize("text", ENDLESS, ids=range(len(ENDLESS)))
+def test_what_the_parser_does_not_end_is_refused(text: str, tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=r"^case\.toml, ") as refusal:
+        read_toml(tmp_path / "case.toml")
+    assert ENDLESS[text] in str(refusal.value)

@@ -33,8 +33,9 @@ from stochlin.models.structures import Structure
 from stochlin.models.uncertain import UncertainModel, applied, median_of
 
 STRENGTHS = ("reduction_factor", "yield_displacement", "ductility", PUSHOVER, "elastic")
+MOST_BUILDINGS = 100
 MOST_SHOWN = 5  # gaps in an example
-_NUMBERED = re.compile(r"building_([1-9]\d*)")
+_NUMBERED = re.compile(r"building_([1-9]\d{0,5})")
 
 
 @dataclass(frozen=True)
@@ -99,17 +100,18 @@ AnyBuilding = Building | StoreyBuilding
 def building_keys(whole: Section, *others: str) -> list[str]:
     """The keys ``building_1``, ``building_2`` and so on, beside which there are only ``others``."""
     keys = [key for key in whole.values if _NUMBERED.fullmatch(key)]
-    missing = next(key for n in count(1) if (key := f"building_{n}") not in keys)
+    keys.sort(key=lambda key: int(key.partition("_")[2]))
+    number, missing = next((n, key) for n in count(1) if (key := f"building_{n}") not in whole)
     whole.only(*others, missing, *keys)
-    for number, key in enumerate(sorted(keys, key=lambda key: int(key.partition("_")[2])), start=1):
-        expected = f"building_{number}"
-        if key != expected:
-            raise whole.error(
-                key,
-                f"is given, but {expected} is missing; did you mean {expected}? allowed: building_1, "
-                "building_2 and so on, from left to right, none left out",
-            )
-    return [f"building_{number}" for number in range(1, max(1, len(keys)) + 1)]
+    if number <= len(keys):
+        raise whole.error(
+            keys[number - 1],
+            f"is given, but {missing} is missing; did you mean {missing}? allowed: building_1, "
+            "building_2 and so on, from left to right, none left out",
+        )
+    if len(keys) > MOST_BUILDINGS:
+        raise whole.error(keys[MOST_BUILDINGS], f"is given; allowed: {MOST_BUILDINGS} buildings")
+    return keys or [missing]
 
 
 def read_buildings(

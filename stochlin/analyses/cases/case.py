@@ -210,8 +210,7 @@ class Case:
         if len(self.buildings) > 2:
             raise ValueError(
                 f"{self.file}: describes {len(self.buildings)} buildings; this command needs two, "
-                "building_1 and building_2, so leave the others out; 'stochlin pound' accepts any "
-                "number"
+                "building_1 and building_2, so leave the others out; 'stochlin pound' accepts more"
             )
         return self.buildings
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from typing import Any, NamedTuple
 
+from stochlin.analyses.cases.buildings import MOST_BUILDINGS
 from stochlin.analyses.cases.files.keys import NEEDED, Key, declared
 from stochlin.analyses.cases.files.quantities import NUMBER, Quantity, in_si
 from stochlin.analyses.cases.files.schema import ASCE_7, EUROCODE_8, OSCILLATOR, REGULAR, keys_at
 from stochlin.analyses.cases.files.sections import key_lines
 from stochlin.analyses.cases.site import NONE
-from stochlin.analyses.tables.toml import toml_text
+from stochlin.analyses.tables.toml import toml_tables, toml_text
 from stochlin.models.arguments import Whole
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
@@ -113,9 +113,9 @@ class Group(NamedTuple):
 
 def form_of(tables: Tables) -> list[Group]:
     """What the form shows of a case: choices, and the numbers of its site, motion, buildings and gap."""
-    buildings = [name for name in tables if re.fullmatch(r"building_\d+", name)]
+    buildings = (f"building_{number}" for number in range(1, MOST_BUILDINGS + 1))
     groups = []
-    for name in ("site", *sorted(buildings), "separation", "motion"):
+    for name in ("site", *buildings, "separation", "motion"):
         table = tables.get(name)
         if isinstance(table, dict):
             own = table.get("name", "")
@@ -233,7 +233,7 @@ def changed_text(text: str, entry: Entry, value: Any) -> str:
     Only the line of the key changes, so that comments stay; where this is not possible, all is written
     anew.
     """
-    place, tables = (entry.table, entry.key.name), tomllib.loads(text)
+    place, tables = (entry.table, entry.key.name), toml_tables(text)
     table = {key: old for key, old in tables[entry.table].items() if key != entry.key.name}
     wanted = {**tables, entry.table: table if value is None else {**table, entry.key.name: value}}
     lines, numbers = text.splitlines(), key_lines(text)
@@ -246,6 +246,6 @@ def changed_text(text: str, entry: Entry, value: Any) -> str:
         lines.insert(numbers.get((entry.table,), 0), line)
     changed = "\n".join(lines) + "\n"
     with suppress(ValueError):
-        if tomllib.loads(changed) == wanted:
+        if toml_tables(changed) == wanted:
             return changed
     return toml_text(wanted)

@@ -58,7 +58,7 @@ OF_HAZARD, NARROWEST = (1e-100, 1e100), 1e-9  # intensities of a hazard, and lea
 CLOSE = 1e-6  # relative tolerance of a required gap
 ROUNDING = 1e-12  # relative rounding error allowed at the end of a hazard curve
 UNITS = {"pga": "m/s^2", "sa": "m/s^2", "intensity": "m^2/s^3"}
-_RISK = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*%\s*in\s*(\d+\.?\d*)\s*(?:yr|years|a)\s*")
+_RISK = re.compile(r"\s*(\d++\.?\d*+|\.\d++)\s*%\s*in\s*(\d++\.?\d*+)\s*(?:yr|years|a)\s*")
 REFERENCES = (
     "Cornell, C. A. (1968), Bull. Seismol. Soc. Am. 58; McGuire, R. K. (2004), Seismic Hazard and Risk "
     "Analysis."

@@ -85,10 +85,7 @@ def _limited(read: Callable[[int], bytes], name: str, most: int, size: int = 0) 
         )
     lines = content.count(b"\n")
     if lines > MOST_LINES:
-        raise ValueError(
-            f"{name} has {lines} lines; allowed: {MOST_LINES}; leave out empty lines, or what is not "
-            "needed"
-        )
+        raise ValueError(f"{name} has {lines} lines; allowed: {MOST_LINES}; leave out empty lines")
     return content
 
 

@@ -16,21 +16,19 @@ from stochlin.messages import LONGEST, plain
 BACKSLASH = (
     "a backslash begins a special sign in \"double quotes\": write a path in 'single quotes', or with /"
 )
-_NAME = re.compile(r"\s*(\[+[^]]*\]+|[^=\[]+=)")  # a table, or a key with its equals sign
-_CURES = (  # of lines that are no TOML, as they are written, and what to do
-    (re.compile(r'"[^"]*\\'), BACKSLASH),
-    (
-        re.compile(r"=\s*[-+]?\d+,\d"),
-        'write a decimal point, and a unit within quotation marks: "1.0 s"',
-    ),
-    (re.compile(r"=\s*[-+]?\.\d"), "write a digit before the decimal point, such as 0.5"),
-    (
-        re.compile(r""),
-        'a value with a unit and any other text stand in quotation marks, such as period = "0.6 s"',
-    ),
-)
+_NAME = re.compile(r"\s*(\[++[^]]*+\]+|[^=\[]+=)")  # a table, or a key with its equals sign
+_CURES = {  # of lines that are no TOML, by how they are written: what to do
+    r'"[^"]*\\': BACKSLASH,
+    r"=\s*[-+]?\d+,\d": 'write a decimal point, and a unit within quotation marks: "1.0 s"',
+    r"=\s*[-+]?\.\d": "write a digit before the decimal point, such as 0.5",
+    "": 'a value with a unit and any other text stand in quotation marks, such as period = "0.6 s"',
+}
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 MOST_BYTES = 2**20  # of a case file, which a person writes
+MOST_DOTS = 16  # in a key; the parser's time and memory grow with their square
+_PART = r"""(?:[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+_DEEP = re.compile(rf"(?<![\w\\-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{MOST_DOTS + 1}}}")
+NESTED = f"is nested too deeply; allowed: tables and their keys, at most {MOST_DOTS} dots in a key"
 
 
 def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
@@ -41,27 +39,37 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
     name, content = plain(path.name), read_input(path, MOST_BYTES)
     try:
         text = content.decode("utf-8-sig")
-        return text, tomllib.loads(text)
+        return text, toml_tables(text)
     except UnicodeDecodeError as error:
         raise ValueError(
             f"{name} is no TOML file: it is not text in UTF-8 ({error}); save it as such"
         ) from error
-    except RecursionError as error:
-        raise ValueError(f"{name} is nested too deeply; allowed: tables and their keys") from error
     except ValueError as error:  # TOML errors, and numbers with thousands of digits
-        match = re.search(r"line (\d+)", str(error))
+        if NESTED in str(error):
+            raise ValueError(f"{name}, {error}") from error
+        match = re.search(r"\(at line (\d+), column \d+\)$", str(error))
         lines = text.splitlines()
-        endless = (n for n, entry in enumerate(lines, 1) if re.search(r"[\d_]{1000}", entry))
+        endless = (n for n, entry in enumerate(lines, 1) if re.search(r"(?<![\d_])[\d_]{1000}", entry))
         line = int(match[1]) if match else next(endless, len(lines))
         excerpt = lines[line - 1].strip() if 0 < line <= len(lines) else ""
         if len(excerpt) > LONGEST:  # the mistake is often at its end
             excerpt = f"{excerpt[: LONGEST // 2 - 3]}...{excerpt[-LONGEST // 2 :]}"
         if re.search("twice|overwrite|mutate|redefine|Duplicate", str(error)):
             raise ValueError(f"{name}, line {line}: {_twice(lines, line, str(error))}") from error
-        cure = next(advice for pattern, advice in _CURES if pattern.search(excerpt))
+        cure = next(advice for pattern, advice in _CURES.items() if re.search(pattern, excerpt))
         raise ValueError(
             f"{name}, line {line}: '{plain(excerpt)}' is no TOML file's text ({plain(error)}); {cure}"
         ) from error
+
+
+def toml_tables(text: str) -> dict[str, Any]:
+    """Data of a text; raises a ValueError if it is no TOML, or takes too much work to read."""
+    if deep := _DEEP.search(text):
+        raise ValueError(f"line {text.count(chr(10), 0, deep.start()) + 1}: a key {NESTED}")
+    try:
+        return tomllib.loads(text)
+    except RecursionError as error:
+        raise ValueError(f"a value {NESTED}") from error
 
 
 def toml_text(values: Mapping[str, Any]) -> str:
@@ -105,23 +113,17 @@ def _value(value: Any) -> str:
 def _twice(lines: Sequence[str], number: int, told: str) -> str:
     """What is said of a table or a key that is there twice, and the next free name if it is numbered."""
     written = [match[1].strip(" \t=") if (match := _NAME.match(line)) else "" for line in lines]
-    if within := re.search(
-        r"namespace \('(\w+)',\)|table key '(\w+)'", told
-    ):  # a key of a table in braces
-        return _given_twice(within[1] or within[2], f" in line {number}")
     names = [re.sub(r"[\s\"']", "", name) for name in written]
-    again = names[number - 1]
-    before = names[: number - 1]
-    first = "" if again not in before else f" in line {len(before) - before[::-1].index(again)}"
-    numbered = re.fullmatch(r"(\[.*_)\d+(\])", again)
+    before = {name: line for line, name in enumerate(names[: number - 1], 1)}
+    name, first = written[number - 1], before.get(names[number - 1])
+    if within := re.search(r"namespace \('(\w+)',\)|table key '(\w+)'", told):  # in braces
+        name, first = within[1] or within[2], number
+    numbered = re.fullmatch(r"(\[.*_)\d+(\])", names[number - 1])
     tries = (f"{numbered[1]}{n}{numbered[2]}" for n in count(1)) if numbered else ()
-    free = next((name for name in tries if name not in names), "")
-    other = f", such as {free}" if free else ""
-    return f"{_given_twice(written[number - 1], first)}{other}"
-
-
-def _given_twice(name: str, where: str) -> str:
+    taken = {*names}
+    free = next((f", such as {name}" for name in tries if name not in taken), "")
+    where = f" in line {first}" if first else ""
     return (
         f"'{plain(name)}' is already given{where}; allowed: each table and each key once, so leave "
-        "one out, or give it another name"
+        f"one out, or give it another name{free}"
     )

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 ANY = Range(lower=-np.inf)
 ORTHOGONAL = 0.02  # largest modal mass that two modes share, over the root of those of both
 LEAST_MASS = 1e-6  # share of the mass below which a mode does not move along the gap
+MOST_MODES = 3 * MOST_STOREYS  # as a rigid floor has three motions
 ENOUGH_MASS = 0.9  # share of the mass that codes ask of the modes together
 YIELDING = "yielding mode"
 DIMENSIONS = {
@@ -199,7 +200,8 @@ class ModalBuilding(MultistoreyBuilding):
                 f"table = {brief(table)}; allowed: a dataset with {listed(sorted(OF_TABLE))}, as from "
                 "read_modes"
             )
-        shapes, masses = table["shape"].transpose(MODE, FLOOR).to_numpy(), table["mass"].to_numpy()
+        shapes = _table("table: shape", table["shape"].transpose(MODE, FLOOR)).to_numpy()
+        masses = table["mass"].to_numpy()
         if "modal_mass" in table and not _give(shapes, masses, table["modal_mass"].to_numpy()):
             others = {
                 "participation": table["participation"].to_numpy(),
@@ -369,13 +371,8 @@ class ModalBuilding(MultistoreyBuilding):
                 "allowed with a pushover curve: a first mode that has the most"
             )
         periods = [period, *self.arrays()["periods"].to_numpy()[1:]]
-        hardenings, strengths = (
-            [own, *(self._over_modes(given)[1 : self._yielding] if self.yields else [])]
-            for own, given in (
-                (hardening, self.hardening),
-                (yield_displacement, self.yield_displacements),
-            )
-        )
+        hardenings = [hardening, *self._of_yielding(self.hardening)[1:]]
+        strengths = [yield_displacement, *self._of_yielding(self.yield_displacements)[1:]]
         return replace(self, periods=periods, hardening=hardenings, yield_displacements=strengths)
 
     def describe(self) -> str:
@@ -390,13 +387,17 @@ class ModalBuilding(MultistoreyBuilding):
     @property
     def _yielding(self) -> int:
         """Number of modes that yield, which are the first ones."""
-        return _size(self.yield_displacements) if self.yields else 0
+        return np.asarray(self.yield_displacements).size if self.yields else 0
 
     def _over_modes(self, value: Any) -> xr.DataArray:
         """A parameter of the modes that yield over all modes; the last one stands for the others."""
-        given = np.broadcast_to(np.asarray(value, float), self._yielding)
+        given = self._of_yielding(value)
         wide = np.pad(given, (0, self.modes - given.size), mode="edge")
         return xr.DataArray(wide, dims=MODE)
+
+    def _of_yielding(self, value: Any) -> Array:
+        """A parameter of the modes that yield, of each of them."""
+        return np.broadcast_to(np.asarray(value, float), self._yielding)
 
     def _of_elements(self, name: str, value: Any) -> Any:
         if np.isscalar(value):
@@ -412,14 +413,11 @@ class ModalBuilding(MultistoreyBuilding):
     def _check_counts(self, name: str) -> None:
         assert isinstance(self.shapes, xr.DataArray)
         modes, floors = self.shapes.shape
-        wanted = {"periods": modes, "masses": floors, "heights": floors, "damping": modes}
-        wanted |= dict.fromkeys(("participation", "modal_masses"), modes)
-        if floors > MOST_STOREYS:
-            raise ValueError(f"{name}shapes has {floors} floors; allowed: at most {MOST_STOREYS}")
-        for field, count in wanted.items():
-            value = getattr(self, field)
-            if isinstance(value, xr.DataArray) and value.size != count:
-                what = "mode" if DIMENSIONS[field] == MODE else "floor"
+        counts = {MODE: modes, FLOOR: floors, STOREY: floors}
+        for field, dimension in DIMENSIONS.items():
+            value, wanted = getattr(self, field), counts.get(dimension)
+            if wanted and isinstance(value, xr.DataArray) and value.size != wanted:
+                what = MODE if dimension == MODE else FLOOR
                 raise ValueError(
                     f"{name}{field} has {value.size} values, shapes has {modes} modes of {floors} "
                     f"floors; allowed: one for each {what} in both"
@@ -429,10 +427,10 @@ class ModalBuilding(MultistoreyBuilding):
                 f"{name}yield_displacements has {self._yielding} values; allowed: one for each of at "
                 f"most {modes} modes"
             )
-        if _size(self.hardening) not in (1, self._yielding):
+        if np.asarray(self.hardening).size not in (1, self._yielding):
             raise ValueError(
-                f"{name}hardening has {_size(self.hardening)} values; allowed: one number, or one for "
-                f"each of the {self._yielding} modes that yield"
+                f"{name}hardening has {np.asarray(self.hardening).size} values; allowed: one number, "
+                f"or one for each of the {self._yielding} modes that yield"
             )
 
     def _check_orthogonal(self, name: str) -> None:
@@ -483,6 +481,12 @@ def _table(label: str, value: Any) -> xr.DataArray:
         raise ValueError(
             f"{label} = {brief(value)}; allowed: a list of modes, each with one number for every floor"
         )
+    modes, floors = array.shape
+    if modes > MOST_MODES or floors > MOST_STOREYS:
+        raise ValueError(
+            f"{label} has {modes} modes of {floors} floors; allowed: {MOST_MODES} modes of "
+            f"{MOST_STOREYS} floors at most"
+        )
     return xr.DataArray(array, dims=(MODE, FLOOR))
 
 
@@ -506,8 +510,3 @@ def _shared(shapes: Array, masses: Array) -> Array:
     root = np.sqrt(np.diag(modal))
     shared: Array = np.abs(modal / np.outer(root, root)) - np.eye(root.size)
     return shared
-
-
-def _size(value: object) -> int:
-    """Number of values of a parameter; 1 of a number."""
-    return value.size if isinstance(value, xr.DataArray) else 1

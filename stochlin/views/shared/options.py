@@ -127,10 +127,10 @@ class Numbers(QuantityType):
         if ":" not in value:
             return [self.one(item, param, ctx) for item in value.split(",")]
         start, stop, *rest = value.split(":")
-        if not re.fullmatch(r"\d+(:log)?", ":".join(rest)) or int(rest[0]) < 2:
+        if not re.fullmatch(r"\d{1,18}(:log)?", ":".join(rest)) or int(rest[0]) < 2:
             unit = "" if self.units == "1" else "s"
             self.fail(
-                f"{value!r} is no sweep; allowed: start:stop:count with count >= 2, such as "
+                f"{brief(value)} is no sweep; allowed: start:stop:count with count >= 2, such as "
                 f"0.2{unit}:2{unit}:19, or geometric, such as 0.2{unit}:4{unit}:81:log",
                 param,
                 ctx,

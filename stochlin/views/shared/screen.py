@@ -68,7 +68,7 @@ def bad_input() -> Iterator[None]:
         yield
     except BrokenPipeError:
         raise  # whoever reads has seen enough; click ends quietly
-    except (ValueError, TypeError, OSError) as error:
+    except (ValueError, TypeError, OSError, MemoryError) as error:
         message = sentence(error, LONGEST_MESSAGE)
         if isinstance(error, OSError) and error.errno in FULL:
             raise click.ClickException(message) from error
@@ -78,11 +78,6 @@ def bad_input() -> Iterator[None]:
             str(option.name): option.opts[0] for option in parameters if isinstance(option, click.Option)
         }
         raise click.UsageError(as_options(message, options)) from error
-    except MemoryError as error:
-        raise click.UsageError(
-            f"this machine has too little memory ({str(error) or 'none is left'}); take fewer cells or "
-            "paths, or a shorter motion"
-        ) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
         raise click.ClickException(sentence(error, LONGEST_MESSAGE)) from error
 

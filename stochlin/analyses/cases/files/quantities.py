@@ -30,9 +30,9 @@ _OF_POWER = ("N/m^", "N (s/m)^")  # units of nonlinear springs and dashpots, wit
 _COMMA, _THOUSANDS = re.compile(r",\s*\d"), re.compile(r",\d{3}(?!\d)")
 _OTHER_SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": " "})
 NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
-SPREAD = re.compile(r"\s*(.+?)\s*(?:\+-|\+/-|±)\s*(\d+\.?\d*|\.\d+)\s*%\s*", re.DOTALL)
+SPREAD = re.compile(r"(.+?)(?:\+-|\+/-|±)\s*(\d++\.?\d*+|\.\d++)\s*+%\s*", re.DOTALL)
 _SIGNS = re.compile(r"\+-|\+/-|±|\bto\b")  # signs of an uncertain value
-FROM_TO = re.compile(r"\s*(.+?)\s+to\s+(.+?)\s*", re.DOTALL)
+FROM_TO = re.compile(r"(.+?)\sto\s(.+)", re.DOTALL)
 
 
 class Quantity(NamedTuple):

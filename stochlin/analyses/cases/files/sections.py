@@ -120,8 +120,7 @@ class Section:
         if isinstance(key.kind, Whole):
             return self.whole(name, key.kind)
         if isinstance(key.kind, type):
-            of_kind: Mapping[type, Callable[[str], Any]]
-            of_kind = {bool: self.truth, str: self.text, Column: self.column}
+            of_kind: dict[type, Any] = {bool: self.truth, str: self.text, Column: self.column}
             return of_kind[key.kind](name)
         return self.text(name, key.kind)
 
@@ -130,10 +129,11 @@ class Section:
 
         Keys that no result depends on are allowed, and checked.
         """
+        known = {*allowed}
         for key in self.values:
             if key in self.keys and self.keys[key].noted:
                 self.read(key)
-            elif key not in allowed:
+            elif key not in known:
                 near = "" if key in elsewhere else nearest(key, (*allowed, *elsewhere))
                 beside = ", which is given as well" if near in self else ""
                 said = instead_of(key) or (f"did you mean {near}{beside}? " if near else "")
@@ -171,9 +171,8 @@ class Section:
             if spread is not None:
                 return Uncertain(with_unit(spread[1], quantity), float(spread[2]) / 100)
             assert ends is not None
-            low, high = ends[1], ends[2]
-            unit_of_high = NUMBER.fullmatch(high)
-            alone = NUMBER.fullmatch(low)
+            low, high = ends.groups()
+            alone, unit_of_high = map(NUMBER.fullmatch, (low, high))
             if alone and unit_of_high and not alone[2].strip():  # both have the unit of the second
                 low = f"{low} {unit_of_high[2].strip()}"
             return Uncertain.between(*(with_unit(text, quantity) for text in (low, high)))
@@ -338,18 +337,17 @@ def key_lines(text: str) -> dict[Place, int]:
     within = False  # inside of a text of several lines
     for number, line in enumerate(text.splitlines(), 1):
         header, key = _HEADER.match(line), _KEY.match(line)
+        place: Place = ()
         if not within and header:
-            table = _parts(header[2])
+            place = table = _parts(header[2])
             if header[1] == "[[":
                 counts[table] = counts.get(table, -1) + 1
                 lines.setdefault(table, number)
-                table = (*table, counts[table])
-            lines.setdefault(table, number)
-            implied |= {table[:n]: number for n in range(1, len(table)) if table[:n] not in implied}
+                place = table = (*table, counts[table])
         elif not within and key:
             place = (*table, *_parts(key[1]))
-            lines.setdefault(place, number)
-            implied |= {place[:n]: number for n in range(1, len(place)) if place[:n] not in implied}
+        lines.setdefault(place, number)
+        implied |= {place[:n]: number for n in range(1, len(place)) if place[:n] not in implied}
         if (line.count('"""') + line.count("'''")) % 2:
             within = not within
     return implied | lines
