@@ -1,9 +1,14 @@
-"""Commands as users type them, run within the process of the tests."""
+"""Commands as users type them, run within the process of the tests, and programs in one of their own."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 from click.testing import CliRunner, Result
 
+import stochlin as sl
 from stochlin.views.command import main
 
 
@@ -25,3 +30,17 @@ def refused(*arguments: object) -> str:
     assert result.exit_code == 2, result.output
     assert "Traceback" not in result.output
     return " ".join(result.output.split())
+
+
+def process(folder: Path, setting: dict[str, str], *command: str) -> subprocess.CompletedProcess[str]:
+    """One with these variables in its environment."""
+    places = os.pathsep.join([str(Path(sl.__file__).parents[1]), *filter(None, sys.path)])
+    environment = {**os.environ, "PYTHONPATH": places, **setting}
+    return subprocess.run(
+        [sys.executable, *command],
+        check=False,
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )

@@ -3,22 +3,19 @@
 import json
 import os
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
-from commands import answered
+from commands import answered, process
 
-import stochlin as sl
 from stochlin.analyses.cases.examples import example_case
 
 pytestmark = pytest.mark.cli
 
 UNCOMPILED = {"NUMBA_DISABLE_JIT": "1"}
-NO_FOLDER = {"NUMBA_CACHE_DIR": os.devnull}
 ONE_CORE = {"NUMBA_NUM_THREADS": "1"}
 
 COMMANDS = """
@@ -50,20 +47,6 @@ def case(text: str) -> str:
     for long, short in SHORTER.items():
         text = text.replace(long, short, 1)
     return text
-
-
-def process(folder: Path, setting: dict[str, str], *command: str) -> subprocess.CompletedProcess[str]:
-    """One with these variables in its environment."""
-    places = os.pathsep.join([str(Path(sl.__file__).parents[1]), *filter(None, sys.path)])
-    environment = {**os.environ, "PYTHONPATH": places, **setting}
-    return subprocess.run(
-        [sys.executable, *command],
-        check=False,
-        cwd=folder,
-        env=environment,
-        capture_output=True,
-        text=True,
-    )
 
 
 def ran(folder: Path, setting: dict[str, str], commands: list[Any]) -> subprocess.CompletedProcess[str]:
@@ -110,18 +93,12 @@ def test_simulations_run_uncompiled(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_commands_run_where_nothing_can_be_kept(tmp_path: Path) -> None:
-    done = ran(tmp_path, NO_FOLDER, [RHO])
-    assert done.stdout.count("NUMBA_CACHE_DIR to a folder that can be written") == 1
-
-
-@pytest.mark.slow
 def test_commands_run_on_one_core(tmp_path: Path) -> None:
     ran(tmp_path, ONE_CORE, [RHO, [*RHO, *SIMULATED], *CASE])
 
 
 @pytest.mark.slow
 def test_warmup_says_that_it_is_in_vain(tmp_path: Path) -> None:
-    done = process(tmp_path, NO_FOLDER, "-m", "stochlin", "warmup")
+    done = process(tmp_path, {"NUMBA_CACHE_DIR": os.devnull}, "-m", "stochlin", "warmup")
     assert done.returncode == 1
     assert "NUMBA_CACHE_DIR to a folder that can be written" in done.stderr

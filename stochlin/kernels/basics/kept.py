@@ -11,7 +11,6 @@ not used for a day.
 
 from __future__ import annotations
 
-import atexit
 import hashlib
 import os
 import platform
@@ -21,12 +20,14 @@ import tempfile
 import time
 import warnings
 import zipfile
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from importlib.metadata import version
+from io import BytesIO
+from multiprocessing.util import Finalize
 from pathlib import Path
-from threading import Lock, RLock
+from threading import RLock
 from typing import Any
 
 import numba as nb
@@ -34,15 +35,16 @@ import numba as nb
 from stochlin.messages import WHEN_COMPILING
 
 KERNELS = Path(__file__).parents[1]
-BUILT_WITH = ("numba", "llvmlite", "numpy")
-DAY = 86400.0  # [s]: folders of other versions, of processes that were killed, and laws are then removed
-LAW = "law-"  # begins the names of archives of laws
+CONFIG: Any = nb.config
+DAY = 86400.0  # [s]: archives of other versions and of laws are then removed
+LAW, WRITING = "law-", "writing-"  # begin the names of archives of laws, and of what is not yet whole
 NOT_KEPT = (
     "compiled code cannot be kept: the folder that NUMBA_CACHE_DIR names, or without it both stochlin's "
-    "own folder and the user's cache folder, cannot be written, or the disk is full. Every process then "
-    "compiles anew what it uses, which takes seconds to a minute; set the environment variable "
-    "NUMBA_CACHE_DIR to a folder that can be written"
+    "own folder and the user's cache folder, cannot be written, or the disk is full, or that of "
+    "temporary files. Every process then compiles anew what it uses, which takes seconds to a minute; "
+    "set the environment variable NUMBA_CACHE_DIR to a folder that can be written"
 )
+_changing = RLock()  # archives, and numba's folder, which is a setting of the whole process
 
 
 @cache
@@ -53,102 +55,139 @@ def warn_once(why: str) -> None:
 
 def digest_of(sources: Path) -> str:
     """Digest of all modules below a folder, and of what else compiled code depends on."""
-    versions = sources, platform.python_version(), [version(name) for name in BUILT_WITH]
-    checked = nb.config.BOUNDSCHECK  # type: ignore[attr-defined]
-    digest = hashlib.sha256(repr((versions, checked)).encode())
+    versions = platform.python_version(), [version(name) for name in ("numba", "llvmlite", "numpy")]
+    digest = hashlib.sha256(repr((sources, versions, CONFIG.BOUNDSCHECK)).encode())
     for file in sorted(sources.rglob("*.py")):
         digest.update(file.read_bytes())
     return digest.hexdigest()[:16]
 
 
 @cache
-def archives() -> Path | None:
-    """The folder of the archives; None, with a warning, if there is none that can be written."""
+def places() -> list[Path]:
+    """Folders in which archives may lie, the preferred first."""
     user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
-    named = nb.config.CACHE_DIR  # type: ignore[attr-defined]
-    own = Path(named or user, "stochlin")
-    for place in [own] if named else [KERNELS.parent / "__pycache__", own]:
-        folder = Path(place, f"kernels-{digest_of(KERNELS)}")
-        try:
+    own, within = Path(CONFIG.CACHE_DIR or user, "stochlin"), KERNELS.parent / "__pycache__"
+    name = f"kernels-{digest_of(KERNELS)}"
+    return [place / name for place in ([own] if CONFIG.CACHE_DIR else [within, own])]
+
+
+@cache
+def archives() -> Path | None:
+    """The folder to which archives are written; None if there is none that can be written."""
+    for folder in places():
+        with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
             tempfile.TemporaryFile(dir=folder).close()
             os.utime(folder)
-        except OSError:
-            continue
-        _remove_unused(folder.parent, r"kernels-[0-9a-f]{16}")
-        return folder
-    warn_once(NOT_KEPT)
+            remove_left(folder.parent, r"kernels-[0-9a-f]{16}", _is_old)
+            remove_left(folder, rf"{LAW}[0-9a-f]{{16}}\.zip|{WRITING}\w{{8}}", _is_old)
+            return folder
     return None
 
 
 @cache
-def _of_process() -> Path:
-    """The folder of this process."""
-    folder = Path(tempfile.mkdtemp(prefix="stochlin-kernels-"))
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    _remove_unused(folder.parent, r"stochlin-kernels-\w{8}")
+def folder_of(process: int) -> Path:
+    """The temporary folder of this process: locked while it lives, and removed at its end."""
+    hidden = Path(tempfile.mkdtemp(prefix=".stochlin-"))  # until it is locked
+    with suppress(OSError):  # Windows opens no folders
+        lock(os.open(hidden, os.O_RDONLY))
+    folder = hidden.rename(hidden.with_name(hidden.name[1:]))
+    # Not in the child of a fork, and after the processes that this one has started.
+    Finalize(None, shutil.rmtree, (folder, True), exitpriority=-1)
+    remove_left(folder.parent, r"stochlin-\w{8}", is_left)
     return folder
 
 
-def _remove_unused(place: Path, names: str) -> None:
-    """Remove what has a name of this pattern, belongs to this user and was not used for a day."""
-    user = getattr(os, "getuid", int)()  # 0 where there are no users
-    for path in (each for each in place.iterdir() if re.fullmatch(names, each.name)):
+def lock(handle: int) -> bool:
+    """Lock an open file or folder until it is closed; False if another process has, or none can."""
+    with suppress(OSError, ImportError):
+        from fcntl import LOCK_EX, LOCK_NB, flock  # not on Windows
+
+        flock(handle, LOCK_EX | LOCK_NB)
+        return True
+    return False
+
+
+def is_left(path: Path) -> bool:
+    """Whether the process that had locked a file or folder has ended."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        return lock(handle)
+    finally:
+        os.close(handle)
+
+
+def _is_old(path: Path) -> bool:
+    return time.time() - path.lstat().st_mtime > DAY
+
+
+def remove_left(place: Path, names: str, unused: Callable[[Path], bool]) -> None:
+    """Remove what has a name of this pattern, belongs to this user and is not used any more."""
+    for path in (each for each in place.glob("*") if re.fullmatch(names, each.name)):
         with suppress(OSError):  # another process removes it
-            about = path.lstat()
-            if about.st_uid == user and time.time() - about.st_mtime > DAY:
+            # Where there are no users, the number of each is 0.
+            if path.lstat().st_uid == getattr(os, "getuid", int)() and unused(path):
                 (shutil.rmtree if path.is_dir() else os.unlink)(path)
-
-
-_changing = RLock()  # numba's folder is a setting of the whole process
 
 
 class Archive:
     """What numba has compiled of one function: a file, and what is unpacked of it for this process."""
 
     def __init__(self, name: str) -> None:
-        within = archives()
-        self.file = within and within / f"{name}.zip"
-        self.folder = within and _of_process() / name
+        # The first is written; the first that is there is read, and the others can perhaps only be read.
+        self.files = [folder / f"{name}.zip" for folder in (archives(), *places()) if folder]
+        self._stored: set[Path] | None = None  # code in the file; None where that is not known
 
-    @contextmanager
-    def taken_by_numba(self) -> Iterator[None]:
-        """Functions that numba is told to keep are kept here."""
-        config: Any = nb.config
-        with _changing:
-            named, config.CACHE_DIR = config.CACHE_DIR, str(self.folder)
-            try:
-                yield
-            finally:
-                config.CACHE_DIR = named
+    def begin(self, keep: Callable[[], Any]) -> Any:
+        """Unpack the file for this process, where numba keeps what it is told to keep by a call.
 
-    def fetch(self) -> None:
-        """Unpack the file, if there is one that is whole."""
+        Returns what the call does, or None if nothing can be kept.
+        """
+        named = CONFIG.CACHE_DIR
         try:
-            with zipfile.ZipFile(self.file or "") as archive:
-                archive.extractall(self.folder)
-            os.utime(self.file or "")
-        except Exception:  # what a damaged archive raises is not documented
-            if self.folder is not None:
-                shutil.rmtree(self.folder, ignore_errors=True)
+            self._folder = folder_of(os.getpid()) / self.files[0].stem
+            self._unpack()
+            self._folder.mkdir(parents=True, exist_ok=True)
+            CONFIG.CACHE_DIR = str(self._folder)
+            return keep()
+        except OSError:  # of numba, too, which could not write the code that it has just compiled
+            warn_once(NOT_KEPT)
+        finally:
+            CONFIG.CACHE_DIR = named
+
+    def _unpack(self) -> None:
+        """Unpack the file, if there is one that is whole."""
+        self._stored = set()
+        try:
+            file = next(filter(os.path.exists, self.files), self.files[0])
+            with zipfile.ZipFile(BytesIO(file.read_bytes())) as archive:
+                archive.extractall(self._folder)
+            self._stored = set(self._folder.rglob("*.nbc"))
+            with suppress(OSError):  # it can perhaps only be read
+                os.utime(file)
+        except Exception as error:  # what a damaged archive raises is not documented
+            if isinstance(error, OSError) and not isinstance(error, FileNotFoundError):  # a full disk
+                self._stored = None
+                warn_once(NOT_KEPT)
+            shutil.rmtree(self._folder, ignore_errors=True)
             for call in tuple(WHEN_COMPILING):
                 call()
 
     def store(self) -> None:
-        """Replace the file by what numba has written."""
-        assert self.file is not None
-        assert self.folder is not None
-        whole = self.file.with_suffix(f".{os.getpid()}")
-        try:
-            whole.parent.mkdir(parents=True, exist_ok=True)
-            with zipfile.ZipFile(whole, "w") as archive:
-                for file in self.folder.rglob("*.nb?"):
-                    archive.write(file, file.relative_to(self.folder))
-            whole.replace(self.file)
-        except OSError:
-            warn_once(NOT_KEPT)
-            with suppress(OSError):
-                whole.unlink()
+        """Replace the file by what numba has written, if that is more than the file has."""
+        with _changing:
+            if self._stored is None or not set(self._folder.rglob("*.nbc")) > self._stored:
+                return
+            try:
+                with tempfile.TemporaryDirectory(prefix=WRITING, dir=self.files[0].parent) as folder:
+                    whole = Path(folder, self.files[0].name)
+                    with zipfile.ZipFile(whole, "w") as archive:
+                        for file in self._folder.rglob("*.nb?"):
+                            archive.write(file, file.relative_to(self._folder))
+                    whole.replace(self.files[0])
+                self._stored = set(self._folder.rglob("*.nbc"))
+            except OSError:
+                warn_once(NOT_KEPT)
 
 
 def kept_law(function: Any, signature: Any, name: str) -> Any:
@@ -157,20 +196,11 @@ def kept_law(function: Any, signature: Any, name: str) -> Any:
     The name tells all that the function depends on besides the kernels.
     """
     options: dict[str, Any] = {"error_model": "numpy"}
-    archive = Archive(LAW + hashlib.sha256(name.encode()).hexdigest()[:16])
-    if archive.file is not None:
-        archive.fetch()
-        try:
-            with archive.taken_by_numba():
-                law = nb.cfunc(signature, cache=True, **options)(function)
-        except OSError:  # of numba, which could not write the code that it has just compiled
-            warn_once(NOT_KEPT)
-        else:
-            if not law.cache_hits:
-                archive.store()
-                _remove_unused(archive.file.parent, rf"{LAW}[0-9a-f]{{16}}\.\w+")
-            return law
-    return nb.cfunc(signature, **options)(function)
+    with _changing:
+        archive = Archive(LAW + hashlib.sha256(name.encode()).hexdigest()[:16])
+        law = archive.begin(lambda: nb.cfunc(signature, cache=True, **options)(function))
+        archive.store()
+    return law or nb.cfunc(signature, **options)(function)
 
 
 class Kept:
@@ -181,15 +211,10 @@ class Kept:
 
     def __init__(self, function: Any, options: dict[str, Any]) -> None:
         self.py_func, self.__doc__ = function, function.__doc__
-        self._lock, self._fetched, self._kept, self._misses = Lock(), False, 0, 0
-        self._archive = Archive(
-            f"{function.__module__}.{function.__qualname__}-{function.__code__.co_firstlineno}"
-        )
-        if self._archive.file is None:
-            self.dispatcher = nb.njit(**options)(function)
-            return
-        with self._archive.taken_by_numba():
-            self.dispatcher = nb.njit(cache=True, **options)(function)
+        self.dispatcher: Any = nb.njit(**options)(function)
+        self._process = 0  # for which the archive is unpacked
+        name = f"{function.__module__}.{function.__qualname__}-{function.__code__.co_firstlineno}"
+        self._archive = Archive(name)
 
     @property
     def kinds(self) -> int:
@@ -199,29 +224,21 @@ class Kept:
     @property
     def kept(self) -> bool:
         """Whether the function has an archive, from which it is ready in a tenth of a second."""
-        return self._archive.file is not None and self._archive.file.exists()
+        return any(map(os.path.exists, self._archive.files))
 
     def __call__(self, *args: Any) -> Any:
         """The function, compiled."""
-        if not self._fetched:
-            with self._lock:
-                if not self._fetched:
-                    self._archive.fetch()
-                self._fetched = True
+        if self._process != os.getpid():  # at the first call, also in the child of a fork
+            with _changing:
+                if self._process != os.getpid():
+                    self._archive.begin(self.dispatcher.enable_caching)
+                self._process = os.getpid()
+        kinds = self.kinds
         try:
             result = self.dispatcher(*args)
         except OSError:  # of numba, which could not write the code that it has just compiled
             warn_once(NOT_KEPT)
             result = self.dispatcher(*args)
-        if len(self.dispatcher.overloads) > self._kept:
-            self._store()
+        if self.kinds > kinds:
+            self._archive.store()
         return result
-
-    def _store(self) -> None:
-        """Replace the archive, if numba has compiled and written something."""
-        with self._lock:
-            self._kept = self.kinds
-            misses = sum(self.dispatcher.stats.cache_misses.values())
-            if self._archive.file is not None and misses != self._misses:
-                self._misses = misses
-                self._archive.store()

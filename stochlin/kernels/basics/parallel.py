@@ -54,8 +54,4 @@ def in_ranges(task: Callable[[slice], Result], cells: int, size: int) -> list[Re
     The ranges are computed on all cores. If there are no cells, the task runs once with an empty range.
     """
     ranges = [slice(begin, min(begin + size, cells)) for begin in range(0, max(cells, 1), size)]
-
-    def part(number: int) -> Result:
-        return task(ranges[number])
-
-    return list(in_order(part, len(ranges)))
+    return list(in_order(lambda number: task(ranges[number]), len(ranges)))
