@@ -5,9 +5,11 @@ Libraries are imported inside the commands: ``stochlin --help`` should not wait 
 
 from __future__ import annotations
 
+import atexit
 import io
 import os
 import re
+import signal
 import sys
 from typing import Any
 
@@ -24,12 +26,16 @@ from stochlin.views.shared.screen import (
 )
 
 NAMED = re.compile(r"(?<=')[^' ]+(?=')|--[\w-]+")  # in a refusal of click
-INTERRUPTED = 130  # as shells have it: 128 and the number of the signal
+BY_SIGNAL = 128  # shells add the number of the signal that ended a program
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
 class Commands(click.Group):
     """The commands; they are imported when the first is used."""
+
+    # An installed package may have a command that cannot be imported.
+    list_commands = bad_input()(click.Group.list_commands)
+    get_command = bad_input()(click.Group.get_command)
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Run the command, with signs that the output cannot show spelled out."""
@@ -40,12 +46,14 @@ class Commands(click.Group):
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         """The program: one that is interrupted does not wait for what its threads still compute."""
+        signal.signal(signal.SIGTERM, lambda number, _: sys.exit(BY_SIGNAL + number))
         try:
             return super().__call__(*args, **kwargs)
         except SystemExit as end:
-            if end.code == INTERRUPTED:
+            if isinstance(end.code, int) and end.code > BY_SIGNAL:
                 sys.stdout.flush()
-                os._exit(INTERRUPTED)
+                atexit._run_exitfuncs()  # which remove temporary folders
+                os._exit(end.code)
             raise
 
     def invoke(self, ctx: click.Context) -> Any:
@@ -54,23 +62,13 @@ class Commands(click.Group):
             return super().invoke(ctx)
         except KeyboardInterrupt:
             click.echo("\ninterrupted", err=True)
-            ctx.exit(INTERRUPTED)
+            ctx.exit(BY_SIGNAL + signal.SIGINT)
         except click.UsageError as error:
             names = [name for name in NAMED.findall(error.message) if name in REMOVED]
             if not names or instead_of(names[0]) in f"{error.message}; ":
                 raise
             said = f"{error.message.removesuffix('.')}; {instead_of(names[0])[:-2]}"
             raise click.UsageError(said, error.ctx) from error
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """All by name."""
-        with bad_input():
-            return super().list_commands(ctx)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The one of this name."""
-        with bad_input():
-            return super().get_command(ctx, cmd_name)
 
 
 @click.group(cls=Commands, commands=COMMANDS, context_settings=CONTEXT)

@@ -11,7 +11,6 @@ import xarray as xr
 from cases import recorded_example
 from commands import answered, invoke, refused
 
-import stochlin as sl
 from stochlin.analyses.tables.storage import save_table, whole_file
 
 pytestmark = pytest.mark.cli
@@ -115,11 +114,12 @@ def test_a_full_disk_is_told_with_the_file_and_leaves_nothing(
     def full(*_: object, **__: object) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    table = sl.rho_white_noise(1.0, 2.0, 0.05, 0.05)
     monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
     monkeypatch.setattr("pandas.DataFrame.to_csv", full)
-    with pytest.raises(OSError, match=rf"{name} could not be written: the disk is full"):
-        save_table(table, tmp_path / name)
+    result = invoke("rho", "--period", "1s", "--out", tmp_path / name)
+    assert result.exit_code == 1
+    assert f"{name} could not be written: the disk is full; make room on it" in result.output
+    assert "Usage" not in result.output  # no option is wrong
     assert not list(tmp_path.iterdir())
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import stat
 import tempfile
 from collections.abc import Iterator
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
+from stochlin.kernels.basics.kept import is_left, lock, remove_left
 from stochlin.messages import REASONS, brief
 
 if TYPE_CHECKING:
@@ -40,8 +42,7 @@ def written_file(path: str | os.PathLike[str]) -> Path:
     if not target.parent.is_dir():
         raise FileNotFoundError(f"{path}: there is no folder {target.parent}; make it first")
     try:
-        with tempfile.TemporaryFile(dir=target.parent):
-            pass
+        tempfile.TemporaryFile(dir=target.parent).close()
     except OSError as error:
         raise OSError(f"{path}: cannot write in {target.parent}: {error.strerror}") from error
     return target
@@ -49,18 +50,22 @@ def written_file(path: str | os.PathLike[str]) -> Path:
 
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary path beside the file; renamed to it after the block, or removed after an error."""
+    """A temporary path beside the file; renamed to it after the block, or removed after an error.
+
+    What a process that was killed has left there of the same file is removed.
+    """
     target = written_file(path)
-    umask = os.umask(0)
-    os.umask(umask)
-    mode = target.stat().st_mode if target.exists() else 0o666 & ~umask  # not that of mkstemp
-    handle, name = tempfile.mkstemp(prefix=".writing-", suffix=target.suffix, dir=target.parent)
-    os.close(handle)
-    temporary = Path(name)
+    prefix = f".writing-{target.stem[:40]}-"
+    remove_left(target.parent, rf"{re.escape(prefix)}\w{{8}}{re.escape(target.suffix)}", is_left)
+    temporary = target.parent / f"{prefix}{os.urandom(4).hex()}{target.suffix}"
     try:
-        yield temporary
-        temporary.chmod(stat.S_IMODE(mode))
-        temporary.replace(target)
+        with open(temporary, "x") as held:
+            if not lock(held.fileno()):  # on Windows, which renames no open file
+                held.close()
+            yield temporary
+            if target.exists():
+                temporary.chmod(stat.S_IMODE(target.stat().st_mode))
+            temporary.replace(target)
     except OSError as error:  # its text has no file name, or the temporary one
         failed = OSError(
             f"{path} could not be written: {REASONS.get(error.errno or 0, error.strerror or error)}"
