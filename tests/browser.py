@@ -6,6 +6,7 @@ import os
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -39,12 +40,13 @@ def wait(done: Any, seconds: float = PATIENCE) -> None:
 
 @contextmanager
 def served(folder: Path, case: str) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
-    """Address and process of a server of the page; at its end it must have said nothing else."""
+    """Address and process of a server of the page; which says and leaves nothing else."""
     (folder / "case.toml").write_text(case, encoding="utf-8")
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     # NiceGUI looks for this variable and would wait for a test runner of its own.
     environment = {name: text for name, text in os.environ.items() if name != "PYTEST_CURRENT_TEST"}
+    environment["TMPDIR"] = tempfile.mkdtemp(dir=folder)
     command = [sys.executable, "-c", PROGRAM, "explore", "--no-open", "--port", str(port)]
     log = folder / "log.txt"
     with log.open("w") as stream:
@@ -63,6 +65,7 @@ def served(folder: Path, case: str) -> Iterator[tuple[str, subprocess.Popen[byte
     finally:
         server.terminate()
         server.wait(PATIENCE)
+    assert not os.listdir(environment["TMPDIR"])
     said = log.read_text().splitlines()
     assert said == [f"The explorer is at http://127.0.0.1:{port} (Ctrl+C ends it)"]
 

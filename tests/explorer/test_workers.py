@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 import time
 from concurrent.futures import CancelledError
 from typing import Any
@@ -36,6 +37,10 @@ def refuse(progress: Any) -> None:
     raise ValueError("this is refused")
 
 
+def folder_of_files(progress: Any) -> str:
+    return tempfile.gettempdir()
+
+
 @pytest.fixture(scope="module")
 def worker():
     worker = Worker()
@@ -62,7 +67,8 @@ def test_work_tells_how_far_it_is_and_stops_within_its_process(worker, monkeypat
     assert worker.process_id == process
 
 
-def test_work_that_ignores_its_stop_is_killed_and_the_process_replaced(worker):
+def test_work_that_ignores_its_stop_is_killed_and_the_process_replaced(worker, monkeypatch, tmp_path):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))  # of the page, which cleans up
     process = worker.process_id
     job = asked_and_begun(worker, stubborn)
     start = time.monotonic()
@@ -72,7 +78,7 @@ def test_work_that_ignores_its_stop_is_killed_and_the_process_replaced(worker):
     assert GRACE <= time.monotonic() - start < GRACE + 1
     with pytest.raises(ProcessLookupError):
         os.kill(process, 0)
-    assert worker.ask(twice, 3).answer.result(PATIENCE) == 6
+    assert worker.ask(folder_of_files).answer.result(PATIENCE) == str(tmp_path)
     assert worker.process_id != process
 
 

@@ -100,6 +100,7 @@ def test_first_chart_is_the_one_of_the_page() -> None:
 @pytest.mark.parametrize("line", with_slow(command_lines(), LONG))
 def test_command_lines_run(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *form, **options: None)
+    monkeypatch.setattr("tempfile.tempdir", None)  # the command sets it
     run_as_printed(line, command_lines())
 
 

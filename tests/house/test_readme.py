@@ -48,6 +48,7 @@ def test_command_lines_run(line: str, tmp_path: Path, monkeypatch: pytest.Monkey
     monkeypatch.chdir(tmp_path)
     # It would serve until it is interrupted; tests/explorer/test_page.py lets it.
     monkeypatch.setattr("stochlin.views.explorer.server.serve", lambda *form, **options: None)
+    monkeypatch.setattr("tempfile.tempdir", None)  # the command sets it
     run_as_printed(line, command_lines())
 
 

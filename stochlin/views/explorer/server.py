@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import gc
 import os
-import signal
 import socket
-import sys
 from collections import deque
+from contextlib import suppress
 from importlib.resources import files
 from ipaddress import ip_address
 from typing import Any
@@ -139,8 +138,7 @@ def serve(start: Upload, host: str, port: int, show: bool) -> None:
     app.on_shutdown(worker.close)
     app.on_delete(forget)
     app.add_middleware(OwnOrigin, names=names_of(host))
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit())  # so that the processes beside it end well
-    try:
+    with suppress(KeyboardInterrupt):
         ui.run(
             host=host,
             port=port,
@@ -152,10 +150,7 @@ def serve(start: Upload, host: str, port: int, show: bool) -> None:
             reconnect_timeout=PATIENCE,
             favicon="\N{BAR CHART}",
         )
-    except KeyboardInterrupt:
-        pass
-    finally:
-        gc.freeze()  # the interpreter would otherwise look for garbage for a second or two as it ends
+    gc.freeze()  # the interpreter would otherwise look for garbage for a second or two as it ends
 
 
 def _css(view: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import tempfile
 import threading
 import time
 import traceback
@@ -80,7 +81,8 @@ class Worker:
 
     def _start(self) -> None:
         self._pipe, other = self._context.Pipe()
-        self._process = self._context.Process(target=_answer_questions, args=(other,), daemon=True)
+        arguments = other, tempfile.gettempdir()
+        self._process = self._context.Process(target=_answer_questions, args=arguments, daemon=True)
         self._process.start()
         other.close()  # so that the end of the process ends the pipe
 
@@ -143,8 +145,9 @@ class Worker:
         return code
 
 
-def _answer_questions(pipe: Connection) -> None:
+def _answer_questions(pipe: Connection, folder: str) -> None:
     """In the process: answer what comes through the pipe; leave Ctrl+C to the page, and end with it."""
+    tempfile.tempdir = folder  # the page's, which removes what a process has left that was killed
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_the_page, daemon=True).start()
 
