@@ -15,9 +15,10 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(items):
-    """Property tests draw buildings from all that is allowed, also what no building has."""
+    """Property tests and extreme ones have buildings that are allowed, and that nobody has."""
     for item in items:
-        if getattr(getattr(item, "obj", None), "is_hypothesis_test", False):
+        drawn = getattr(getattr(item, "obj", None), "is_hypothesis_test", False)
+        if drawn or item.get_closest_marker("extreme"):
             item.add_marker(pytest.mark.filterwarnings("ignore::stochlin.messages.ImplausibleInput"))
 
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import functools
 import inspect
-import sys
 import types
 import typing
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Annotated, Any, ParamSpec, TypeGuard, TypeVar
 
 import numpy as np
@@ -21,17 +21,19 @@ import numpy.typing as npt
 
 from stochlin.messages import brief, hint
 from stochlin.models.parameters import POSITIVE, Model, Range, expect
+from stochlin.models.plausible import implausible, warn_caller
 from stochlin.models.uncertain import TAKERS, UncertainModel, median_of
 
 LONGEST_LABEL = 200
 A_LABEL = f"a text on one line, {LONGEST_LABEL} characters at most, no control characters"
+# Functions that give metres, or motions in metres: an intensity by default is no ground for these.
+IN_METRES = {*TAKERS[:4], "mitigate", "simulated_motions"}
 LARGEST = int(np.finfo(float).max)
 LARGEST_WHOLE = 2**63 - 1  # largest whole number of files and compiled code
 MOST_SCATTER = 2.0  # standard deviation of a logarithm: factors from 0.14 to 7 are within one of it
 
 P = ParamSpec("P")
 R = TypeVar("R")
-NOWHERE = sys.maxsize  # place of an argument that is only taken by name
 Check = Callable[[str, Any], None]  # of the name of an argument and its value
 
 
@@ -48,9 +50,8 @@ def is_whole(value: object) -> TypeGuard[int]:
 
 def is_label(value: object) -> TypeGuard[str]:
     """Whether ``value`` is a line of text that can be shown in a table and a picture."""
-    if not isinstance(value, str) or not value.isprintable():
-        return False
-    return bool(value.strip()) and len(value) <= LONGEST_LABEL
+    text = value if isinstance(value, str) and value.isprintable() else ""
+    return 0 < len(text.strip()) <= len(text) <= LONGEST_LABEL
 
 
 def as_numbers(name: str, value: object, allowed: str) -> npt.NDArray[Any]:
@@ -71,12 +72,9 @@ class Number:
     allowed: Range
     words: str = ""
     is_share: bool = False  # which may have been written in percent
-    cure_of_none: str = ""
 
     def __call__(self, name: str, value: object) -> None:
         """Raise a ValueError unless the value is in the range."""
-        if value is None and self.cure_of_none:
-            raise ValueError(f"{name} is missing; {self.cure_of_none}")
         what, cure = "is no number", ""
         if is_number(value):
             what, number = "is out of range", float(value)  # whole numbers may be beyond 64 bits
@@ -174,18 +172,13 @@ def check_quantiles(name: str, value: object) -> None:
         raise ValueError(f"{name} = {brief(value)}; allowed: {allowed}")
 
 
-PROBABILITY = Number(Range(0, 1), "a probability between 0 and 1", is_share=True)
 SCATTER = Number(
     Range(0, MOST_SCATTER, include_lower=True, include_upper=True),
     f"a number from 0 to {MOST_SCATTER:g}, the standard deviation of the natural logarithm of a factor "
     "on each motion",
     is_share=True,
 )
-DURATION = Number(
-    POSITIVE,
-    "a positive, finite number of seconds",
-    cure_of_none="give the length of the motion in seconds",
-)
+DURATION = Number(POSITIVE, "a positive, finite number of seconds, the length of the motion")
 Truth = Annotated[bool, check_truth]
 Label = Annotated[str, check_label]
 TwoNumbers = Annotated[tuple[float, float], check_two_numbers]
@@ -200,10 +193,8 @@ Duration = Annotated[float, DURATION]
 Seconds = Annotated[float, Number(POSITIVE, "a positive, finite number of seconds")]
 Years = Annotated[float, Number(POSITIVE, "a positive, finite number of years")]
 Acceleration = Annotated[float, Number(POSITIVE, "a positive, finite number in m/s^2")]
-Probability = Annotated[float, PROBABILITY]
-DampingOrZero = Annotated[
-    float, Number(Range(0, 1, include_lower=True), "0 <= damping < 1", is_share=True)
-]
+Probability = Annotated[float, Number(Range(0, 1), "a probability between 0 and 1", is_share=True)]
+DampingOrZero = Annotated[float, Number(Range(0, 1, True), "0 <= damping < 1", is_share=True)]
 DampingRatio = Annotated[float, Number(Range(0, 1), "0 < damping < 1", is_share=True)]
 Scatter = Annotated[float, SCATTER]
 
@@ -212,6 +203,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     """The function, whose arguments are checked first, by the types in its signature."""
     signature = inspect.signature(function)
     takes_any = any(each.kind == each.VAR_KEYWORD for each in signature.parameters.values())
+    by_place = [n for n, each in signature.parameters.items() if each.kind == each.POSITIONAL_OR_KEYWORD]
 
     @functools.wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -221,14 +213,33 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
                 f"{function.__name__}: {unknown[0]} is no argument; "
                 f"{hint(unknown[0], signature.parameters)}allowed: {allowed}"
             )
-        for place, name, check in checks_of(function):
-            if name in kwargs:
-                check(name, kwargs[name])
-            elif place < len(args):
-                check(name, args[place])
+        values = dict(zip(by_place, args, strict=False)) | kwargs
+        for name, check in checks_of(function):
+            if name in values:
+                check(name, values[name])
+        warn_caller(function.__name__, _doubts(function.__name__, values))
         return function(*args, **kwargs)
 
     return call
+
+
+def _doubts(name: str, values: dict[str, Any]) -> Iterator[str]:
+    """Texts on arguments of the function of this name that are implausible or have no effect."""
+    pair = [median_of(values.get(role)) for role in ("first", "second")]
+    reduced = any(getattr(each, "reduction_factor", None) is not None for each in pair)
+    if name in IN_METRES or (reduced and name == "pounding_fragility"):
+        values["intensity"] = getattr(median_of(values.get("ground")), "intensity", None)
+    yield from implausible(values)
+    several = values.get("structures")
+    for each in (*values.values(), *(several if isinstance(several, (list, tuple)) else ())):
+        structure = median_of(each)
+        idle = "ductility" not in values and not getattr(structure, "yields", True)
+        if idle and np.any(structure.cells().get("hardening", 1.0) != 1):
+            strength = getattr(structure, "strength_name", "yield_displacement or reduction_factor")
+            yield f"hardening = {brief(structure.hardening)} has no effect without {strength}"
+    envelope, end = values.get("envelope"), values.get("duration")
+    if envelope is not None and end is not None and (doubt := envelope.doubt(end)):
+        yield f"duration = {end:g}: {doubt}"
 
 
 def fitting(check: Callable[..., None]) -> Callable[[Callable[P, R]], Callable[P, R]]:
@@ -255,21 +266,17 @@ def fitting(check: Callable[..., None]) -> Callable[[Callable[P, R]], Callable[P
 
 def check_fields(described: Any, prefix: str = "") -> None:
     """Check the fields of a dataclass as `checked` checks arguments; messages begin with ``prefix``."""
-    kind: Callable[..., Any] = type(described)
-    for _, name, check in checks_of(kind):
+    for name, check in checks_of(described.__class__):
         check(f"{prefix}{name}", getattr(described, name))
 
 
 @functools.cache
-def checks_of(called: Callable[..., Any]) -> tuple[tuple[int, str, Check], ...]:
-    """Place, name and check of the arguments of a function or dataclass that have a check."""
+def checks_of(called: Callable[..., Any]) -> tuple[tuple[str, Check], ...]:
+    """Name and check of the arguments of a function or dataclass that have a check."""
     uncertain = called.__name__ in TAKERS
     declared = typing.get_type_hints(called, include_extras=True)
-    found = []
-    for place, (name, each) in enumerate(inspect.signature(called).parameters.items()):
-        position = place if each.kind == each.POSITIONAL_OR_KEYWORD else NOWHERE
-        found += [(position, name, check) for check in _checks(declared.get(name), uncertain)]
-    return tuple(found)
+    names = inspect.signature(called).parameters
+    return tuple((name, check) for name in names for check in _checks(declared.get(name), uncertain))
 
 
 def _checks(declared: Any, uncertain: bool) -> list[Check]:
@@ -285,12 +292,9 @@ def _checks(declared: Any, uncertain: bool) -> list[Check]:
         raise TypeError(f"{declared} has checks of one of its kinds; allowed: one kind, or None")
     if all(isinstance(kind, type) and issubclass(kind, Model) for kind in kinds):
         checks = [OfClass(tuple(kinds), uncertain)]
-    return [_unless_none(check) for check in checks] if len(kinds) < len(options) else checks
+    return [partial(_unless_none, check) for check in checks] if len(kinds) < len(options) else checks
 
 
-def _unless_none(check: Check) -> Check:
-    def of_given(name: str, value: Any) -> None:
-        if value is not None:
-            check(name, value)
-
-    return of_given
+def _unless_none(check: Check, name: str, value: Any) -> None:
+    if value is not None:
+        check(name, value)

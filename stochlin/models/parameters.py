@@ -7,17 +7,16 @@ import dataclasses
 import functools
 import inspect
 import operator
-import warnings
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from stochlin.messages import ImplausibleInput, brief, sentence
-from stochlin.models.plausible import IN_PYTHON, PLAUSIBLE
-from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel
+from stochlin.messages import brief, sentence
+from stochlin.models.plausible import implausible, warn_caller
+from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel, median_of
 from stochlin.removed import REMOVED, instead_of, missing
 
 _Number = float | np.floating | np.integer
@@ -91,7 +90,11 @@ class _Kind(type):
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         for name in REMOVED.keys() & kwargs.keys():
             raise TypeError(f"{cls.__name__}: {name} is no parameter; {instead_of(name)[:-2]}")
-        return super().__call__(*args, **kwargs)
+        made = super().__call__(*args, **kwargs)
+        # Only functions that give metres ask about the intensity.
+        values = dict(zip(cls.__match_args__, args, strict=False)) | kwargs | {"intensity": None}
+        warn_caller(cls.__name__, [*implausible(values)] or median_of(made).doubts())
+        return made
 
 
 @dataclasses.dataclass(frozen=True)
@@ -122,10 +125,6 @@ class Model(metaclass=_Kind):
                 checked = check(prefix, field.name, value, field.metadata)
                 object.__setattr__(self, field.name, checked)
                 several += [checked] if isinstance(checked, xr.DataArray) else []
-                written = field.name in IN_PYTHON and type(value) in (int, float)  # and not computed
-                if written and (doubt := PLAUSIBLE[field.name].doubt(value)):
-                    message = f"{prefix}{field.name} = {value:g}: {doubt}"
-                    warnings.warn(message, ImplausibleInput, stacklevel=4)
         try:
             if len(several) > 1 and not _plainly_alike(several):
                 xr.align(*several, join="exact", copy=False)
@@ -219,6 +218,10 @@ class Model(metaclass=_Kind):
         labelled = (array.copy(data=x) for array, x in zip(arrays.values(), inside, strict=True))
         return functools.reduce(operator.and_, labelled)
 
+    def doubts(self) -> Iterator[str]:
+        """Texts on what follows from the parameters and is implausible."""
+        return iter(())
+
     def describe(self) -> str:
         """The model with its parameters in one line, for metadata and charts; arrays by their range."""
         parts = [f"{name}={_brief(value)}" for name, value in self.cells().items()]
@@ -241,15 +244,14 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
     """Raise a TypeError unless ``value``, the argument named ``role``, is of a class in ``kind``."""
     if not isinstance(value, kind):
         kinds = kind if isinstance(kind, tuple) else (kind,)
-        names = sorted(c.__name__ for each in kinds for c in each.kinds())
+        names = ", ".join(sorted(c.__name__ for each in kinds for c in each.kinds()))
         instead = f"; {value.instead}" if isinstance(value, Model) and value.instead else ""
         if isinstance(value, UncertainModel):
             takers = f"{', '.join(TAKERS[:-1])}, and {TAKERS[-1]} with a duration,"
             instead = f", without uncertain parameters, so give its median(); {takers} take them"
         if value is None and role in ("first", "second"):
             instead = f"; {ALONE}"
-        allowed = f"allowed: {', '.join(names)}{instead}"
-        raise TypeError(f"{role} = {brief(value)} is of the wrong kind; {allowed}")
+        raise TypeError(f"{role} = {brief(value)} is of the wrong kind; allowed: {names}{instead}")
 
 
 def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:

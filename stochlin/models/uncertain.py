@@ -15,6 +15,7 @@ from scipy.special import ndtri
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
+from stochlin.models.plausible import implausible, warn_caller
 
 One = TypeVar("One")
 KINDS = "lognormal", "uniform"
@@ -216,9 +217,10 @@ def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:
 
     @wraps(build)
     def either(*args: Any, **kwargs: Any) -> Any:
-        if any(isinstance(value, Uncertain) for value in (*args, *kwargs.values())):
-            return UncertainModel.of(build, args, kwargs)
-        return build(*args, **kwargs)
+        uncertain = any(isinstance(value, Uncertain) for value in (*args, *kwargs.values()))
+        made = UncertainModel.of(build, args, kwargs) if uncertain else build(*args, **kwargs)
+        warn_caller(build.__qualname__, [*implausible(kwargs)] or median_of(made).doubts())
+        return made
 
     return either
 

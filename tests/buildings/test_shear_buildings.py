@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.messages import DoubtfulInput
 from stochlin.models.buildings import GRAVITY
 from stochlin.models.laws import laws_in_numbers
 from stochlin.models.links import Link
@@ -223,14 +222,6 @@ def test_a_regular_building_without_a_base_shear_stays_elastic() -> None:
     assert building.p_delta
     assert building.dampers == 1e6
     assert building.storeys == 4
-
-
-@pytest.mark.parametrize("coefficient", [1.01, 15.0])
-def test_a_building_that_resists_more_than_its_weight_is_doubted(coefficient: float) -> None:
-    with pytest.warns(
-        DoubtfulInput, match=f"base_shear_coefficient = {coefficient:g}: the building res"
-    ):
-        sl.ShearBuilding.regular(**YIELDING | {"base_shear_coefficient": coefficient})
 
 
 # --- The first mode -----------------------------------------------------------------------------------

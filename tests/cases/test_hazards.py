@@ -166,7 +166,7 @@ def test_a_hazard_in_another_unit_is_asked_about(tmp_path, lines):
 
 def test_a_risk_of_a_year_is_said_to_be_one(tmp_path):
     with pytest.warns(
-        DoubtfulInput, match=r"separation.risk = 0.02 is .* per year, here once in 50 years"
+        DoubtfulInput, match=r"separation.risk = 0.02 is .*once in 50 years, .* per year; or write"
     ):
         case = read(tmp_path, HAZARD + POINTS, "risk = 0.02\n")
     words = " ".join(risk_sentences(answer_case(case)))

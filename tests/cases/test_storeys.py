@@ -263,23 +263,6 @@ def test_what_is_wrong_is_said_with_file_line_and_key(what: str, tmp_path: Path)
     assert len(message) < 500
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        (
-            '"0.8 s"',
-            '"8 s"',
-            r"base_shear_coefficient = '15 %' is doubtful: storey 1, 3 m high, would yield at a drift "
-            "of 0.9",
-        ),
-    ],
-)
-def test_what_is_doubtful_is_told_with_its_line(old: str, new: str, says: str, tmp_path: Path) -> None:
-    with pytest.warns(DoubtfulInput, match=rf"case\.toml, line \d+: building_1\.{says}") as told:
-        read(tmp_path, REGULAR.replace(old, new), OSCILLATOR)
-    assert len(told) == 1
-
-
 # --- Links ----------------------------------------------------------------------------------------
 
 MEASURE = "[measures.Link]\n{}\n"

@@ -17,6 +17,7 @@ def weak(period=1.0, factor=4.0, **others):
 
 
 @pytest.mark.invariant
+@pytest.mark.extreme
 def test_what_does_not_yield_is_not_amplified():
     elastic = sl.amplification(sl.Bilinear(1.0, 0.05), LAKEBED, **MOTION)
     assert (float(elastic.amplification), float(elastic.amplification_standard_error)) == (1.0, 0.0)
@@ -109,6 +110,7 @@ def test_cells_fail_alone_and_grounds_are_taken_one_by_one():
 
 
 @pytest.mark.oracle
+@pytest.mark.extreme
 def test_building_of_one_storey_is_the_oscillator_and_drifts_add_up_to_floors():
     one = sl.ShearBuilding([1e5], [4e6], [3.0], 0.05, 0.05, yield_drifts=0.02)
     period = float(one.periods()[0])
@@ -136,7 +138,7 @@ def test_building_of_one_storey_is_the_oscillator_and_drifts_add_up_to_floors():
     [
         ({"of": "max"}, "of = 'max' is not known; allowed: std, peak"),
         ({"of": None}, "of = None is not known"),
-        ({}, "duration is missing"),
+        ({}, "duration = None is no number"),
         (
             {"duration": 20.0, "method": "linearization"},
             "is not available for of=.peak.",

@@ -22,7 +22,7 @@ from stochlin.kernels.correlation.signatures import (
     signature,
 )
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 ROOT = Path(__file__).parents[2]
 LAKEBED = sl.KanaiTajimi(period=1.0, damping=0.05)

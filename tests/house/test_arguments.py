@@ -73,7 +73,7 @@ def test_the_list_of_unchecked_functions_has_no_others() -> None:
 def test_a_default_passes_the_checks(name: str) -> None:
     plain = inspect.unwrap(getattr(sl, name))
     parameters = inspect.signature(plain).parameters
-    for _, argument, check in checks_of(plain):
+    for argument, check in checks_of(plain):
         if (default := parameters[argument].default) is not inspect.Parameter.empty:
             check(argument, default)
 
@@ -107,7 +107,6 @@ def test_the_signature_stays() -> None:
     ("arguments", "options", "kind", "says"),
     [
         ((1.0, 2.0), {}, TypeError, "ground = 1.0 is of the wrong kind; allowed: CloughPenzien, "),
-        ((FIRM, None), {}, ValueError, "duration is missing; give the length of the motion"),
         (
             (FIRM,),
             {"duration": "2"},

@@ -16,7 +16,7 @@ from stochlin.models.parameters import Model
 from stochlin.models.systems import stack_of
 from stochlin.views.separation.verdict import cautions, details, first_lines
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 CASE = """
 [site]

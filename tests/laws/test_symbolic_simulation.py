@@ -9,7 +9,7 @@ from stochlin.kernels.simulation.laws import bouc_wen
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.laws import bilinear
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 V, Z = sympy.symbols("v z")
 GROUND = sl.KanaiTajimi(1.0, 0.3)

@@ -12,7 +12,7 @@ from scipy.special import ndtr
 import stochlin as sl
 from stochlin.models.laws import bilinear
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 TAU = 2 * np.pi
 NARROW = sl.KanaiTajimi(period=1.0, damping=0.05)

@@ -8,7 +8,7 @@ import xarray as xr
 
 import stochlin as sl
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 V, Z = sympy.symbols("v z")
 BILINEAR = V * (

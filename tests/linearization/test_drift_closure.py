@@ -22,7 +22,7 @@ from stochlin.kernels.linearization.filters import Filter, KanaiTajimiFilter
 from stochlin.kernels.linearization.gaussian import SlipQuadrant
 from stochlin.models.laws import bilinear
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 TAU = 2 * np.pi
 TOLERANCE = Tolerance(1e-10, 1e-12, 200)

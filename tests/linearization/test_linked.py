@@ -14,7 +14,7 @@ from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, by_number
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.kernels.simulation.time_step import Elements
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 GROUND = sl.KanaiTajimi(0.5, 0.4)
 NOTHING = sl.Link()

@@ -12,7 +12,7 @@ from scipy.special import ndtr
 
 import stochlin as sl
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(40)
 

@@ -14,7 +14,7 @@ from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing,
 from stochlin.kernels.linearization.filters import CloughPenzienFilter, Filter, KanaiTajimiFilter
 from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 ACCURACY = 5e-12  # reached: 1.4e-12; the rule is built for 5e-13
 

@@ -21,7 +21,7 @@ from stochlin.analyses.linearization.systems.systems import linearized_motion
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 V, Z = sympy.symbols("v z")
 TALL = sl.ShearBuilding(

@@ -12,7 +12,7 @@ from stochlin.analyses.pounding.rows import build_row
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 BALANCE = 1e-8
 CONTACTS = {

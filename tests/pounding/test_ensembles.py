@@ -13,7 +13,7 @@ import stochlin as sl
 from stochlin.analyses.pounding import runs
 from stochlin.analyses.simulation.finite_motions import quantile_intervals
 
-pytestmark = pytest.mark.invariant
+pytestmark = [pytest.mark.invariant, pytest.mark.extreme]
 
 SOFT = sl.Bilinear(1.2, 0.05, 0.05, yield_displacement=0.05, mass=2e5)
 STIFF = sl.Bilinear(0.6, 0.05, 0.05, yield_displacement=0.02, mass=3e5)

@@ -16,7 +16,7 @@ import stochlin as sl
 from stochlin.analyses.records.records import strong_part
 from stochlin.kernels.simulation import contacts as forces
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 CONTACTS = {
     "spring": sl.LinearSpring(5e7),

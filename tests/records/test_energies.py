@@ -85,6 +85,7 @@ def test_what_yielding_dissipates_is_the_work_of_the_hysteretic_force(one):
 
 
 @pytest.mark.oracle
+@pytest.mark.extreme
 def test_one_storey_is_an_oscillator():
     one = sl.Bilinear(0.8, 0.05, 0.05, yield_displacement=0.02)
     stiffness = 2.0 * (2 * np.pi / 0.8) ** 2

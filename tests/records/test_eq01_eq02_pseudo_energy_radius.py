@@ -10,7 +10,7 @@ from motions import motion, needs_records, recorded, suite
 import stochlin as sl
 from stochlin.analyses.charts import records as record_charts
 
-pytestmark = pytest.mark.paper
+pytestmark = [pytest.mark.paper, pytest.mark.extreme]
 
 
 def noise(seed=0):

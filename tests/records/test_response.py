@@ -16,7 +16,7 @@ import stochlin as sl
 from stochlin.analyses.charts import records as record_charts
 from stochlin.analyses.tables import labels
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 PEAKS = (
     "displacement_max",

@@ -116,9 +116,9 @@ def test_risks_that_are_none_are_named():
 
 
 def test_risks_outside_of_the_hazard_are_named():
-    hazard = sl.HazardCurve([0.5, 4.0], [0.01, 1e-3])
-    for risk in (0.1, 1e-5):
-        with pytest.raises(ValueError, match=r"allowed: between 0.001 and 0.01 a year"):
+    hazard = sl.HazardCurve([0.5, 4.0], [5e-3, 1e-3])
+    for risk in (0.01, 1e-5):
+        with pytest.raises(ValueError, match=r"allowed: between 0.001 and 0.005 a year"):
             sl.required_gap(*ELASTIC, GROUND, hazard, 15.0, risk=risk)
 
 

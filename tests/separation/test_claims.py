@@ -12,7 +12,7 @@ import stochlin as sl
 
 pytestmark = pytest.mark.paper
 
-FIRM, LAKE = sl.KanaiTajimi(0.42, 0.6), sl.KanaiTajimi(2.0, 0.05)
+FIRM, LAKE = sl.KanaiTajimi(0.42, 0.6, 0.01), sl.KanaiTajimi(2.0, 0.05, 0.01)
 QUAKE = {"duration": 30.0, "envelope": sl.AminAng(4, 15, 0.35)}
 PERIODS = {FIRM: (0.5, 0.6, 0.7, 1.0, 1.2, 1.4), LAKE: (1.0, 1.2, 1.6, 1.8, 2.2, 2.4, 2.7)}
 

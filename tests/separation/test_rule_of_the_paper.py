@@ -69,6 +69,7 @@ def test_elastic_structures_need_the_gap_of_eq_3_with_the_exact_rho():
     assert gap_of(table) == pytest.approx(gap_of(table, "eq_3_linearized"), rel=0.05)
 
 
+@pytest.mark.extreme
 @pytest.mark.paper
 def test_far_beyond_yield_d_and_rho_are_those_of_the_stiffness_after_yield():
     hardening = 0.25

@@ -6,7 +6,7 @@ import xarray as xr
 
 import stochlin as sl
 
-pytestmark = pytest.mark.oracle
+pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
 FIRM = sl.named_ground("firm", intensity=0.01)
 QUAKE = sl.AminAng(4.0, 15.0, 0.35)
@@ -101,7 +101,7 @@ def test_linearization_alone_is_unsafe_where_structures_yield_and_right_where_th
     assert int(row(table, "linearization").verdict) == VERDICTS["less"]
     assert float(row(table, "linearization").error) < -0.15
     elastic = sl.separation(
-        sl.Bilinear(0.6, 0.05), sl.Bilinear(1.0, 0.05), sl.KanaiTajimi(0.4, 0.6), 60.0, paths=2048
+        sl.Bilinear(0.6, 0.05), sl.Bilinear(1.0, 0.05), sl.KanaiTajimi(0.4, 0.6, 0.01), 60.0, paths=2048
     )
     one = row(elastic, "linearization")
     answer = row(elastic, "simulation")

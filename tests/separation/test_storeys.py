@@ -163,7 +163,7 @@ def test_codes_take_roofs_and_not_levels_for_the_same_height():
     [
         ({"floors_align": True}, r"floors_align = True, but at 3\.2, 3\.5, 6\.4, 7 m only one of both"),
         ({"height_1": 20.0}, r"height_1 = 20 m, but the storeys of that building add up to 9\.6 m"),
-        ({"duration": 0.2}, "shorter than the period of first"),
+        ({"duration": 0.2, "envelope": None}, "shorter than the period of first"),
     ],
 )
 def test_what_contradicts_the_storeys_is_refused(arguments, message):

@@ -175,7 +175,7 @@ def test_bad_motions_are_refused(change, message):
 
 def test_bad_envelopes_are_refused():
     for make, message in (
-        (lambda: sl.AminAng(5.0, 4.0, 0.3), "strong_end = 4 is before rise_end = 5"),
+        (lambda: sl.AminAng(5.0, 4.0, 0.3), "strong_end = 4; allowed: from rise_end, 5"),
         (lambda: sl.AminAng(-1.0, 4.0, 0.3), "rise_end = -1"),
         (lambda: sl.ShinozukaSato(1.0, 0.5), "fast = 0.5 with slow = 1"),
         (lambda: sl.GammaEnvelope([1.0, 2.0], 0.5), "power is an array"),

@@ -109,21 +109,6 @@ def test_values_out_of_range_are_refused(call, message):
         call()
 
 
-@pytest.mark.invariant
-@pytest.mark.parametrize(
-    "call",
-    [
-        lambda: sl.eurocode_8(0.25, "C"),
-        lambda: sl.eurocode_8(250.0, "C"),
-        lambda: sl.asce_7(0.3, 0.1, 8.0),
-        lambda: sl.asce_7(100.0, 60.0, 8.0),
-    ],
-)
-def test_units_that_are_hardly_meant_are_asked_about(call):
-    with pytest.warns(UserWarning, match="m/s.2"):
-        call()
-
-
 def written(path, rows, head="T,Sa [g]"):
     path.write_text("\n".join([head, *rows]), encoding="utf-8")
     return path

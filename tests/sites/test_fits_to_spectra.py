@@ -151,10 +151,10 @@ def test_a_seed_is_an_answer_and_fewer_paths_are_the_first():
         ({"paths": 1}, ValueError, "paths = 1"),
         ({"paths": 10**9}, ValueError, "allowed: .* GB; shorten them"),
         ({"envelope": 3}, TypeError, "envelope = 3 is of the wrong kind"),
-        ({"ground": sl.KanaiTajimi([0.4, 0.5], 0.3)}, ValueError, "period is an array"),
+        ({"ground": sl.KanaiTajimi([0.4, 0.5], 0.3, 0.01)}, ValueError, "period is an array"),
     ],
 )
 def test_motions_that_cannot_be_made_are_refused(options, error, message):
-    usual = {"ground": sl.named_ground("firm"), "duration": 10.0}
+    usual = {"ground": sl.named_ground("firm", intensity=0.01), "duration": 10.0}
     with pytest.raises(error, match=message):
         sl.simulated_motions(**usual | options)

@@ -241,7 +241,7 @@ def test_every_peak_ground_acceleration_is_counted_in_the_same_step():
 def test_peaks_grow_with_smaller_steps_as_the_docstring_says():
     """Means of 2048 motions, each with a standard error of 0.3 %."""
     motion = {"duration": 20.0, "envelope": sl.AminAng(2.0, 12.0, 0.4), "paths": 2048}
-    ground = sl.CloughPenzien(0.4, 0.6, 3.0, 0.6, 1.0)
+    ground = sl.CloughPenzien(0.4, 0.6, 3.0, 0.6, 0.01)
     peaks = {
         step: np.abs(sl.simulated_motions(ground, **motion, step=step).values).max(axis=1).mean()
         for step in (0.02, 0.01, 0.005, 0.0025)

@@ -6,9 +6,8 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.messages import DoubtfulInput
 
-pytestmark = pytest.mark.invariant
+pytestmark = [pytest.mark.invariant, pytest.mark.extreme]
 
 STRUCTURE = {"period": 1.0, "damping": 0.05, "hardening": 0.1, "reduction_factor": 3.0}
 GROUND = {"period": 1.0, "damping": 0.3, "intensity": 1.0}
@@ -276,10 +275,3 @@ def test_models_cannot_be_changed_behind_the_checks():
     structure = sl.Bilinear(**STRUCTURE)
     with pytest.raises(AttributeError):
         structure.damping = 5.0
-
-
-@pytest.mark.parametrize("displacement", [4, 200.0])
-def test_a_yield_displacement_that_no_building_has_is_asked_about(displacement):
-    with pytest.warns(DoubtfulInput, match=f"^Bilinear: yield_displacement = {displacement:g}: "):
-        sl.Bilinear(1, 0.05, 0.05, displacement)
-    sl.Bilinear(1, 0.05, 0.05, [displacement, 1.0])  # a table may reach as far as it likes

@@ -10,7 +10,7 @@ from cases import axis
 
 import stochlin as sl
 
-pytestmark = pytest.mark.invariant
+pytestmark = [pytest.mark.invariant, pytest.mark.extreme]
 
 NUMBERS = ["rho", "displacement_std_1", "displacement_std_2", "ductility_std_1", "ductility_std_2"]
 GROUND = sl.KanaiTajimi(period=1.0, damping=0.2)

@@ -185,10 +185,9 @@ def _oscillator(section: Section, number: int, folder: Path, known: Known) -> Bu
     ductility = section.number("ductility", quantity) if strength == "ductility" else None
     storeys = section.read("storeys")
     mass, plausible = structure.mass, PLAUSIBLE["mass"]
-    if mass and storeys and plausible.holds(mass) and (doubt := plausible.doubt(mass / storeys)):
-        section.doubt(
-            "mass", f"is doubtful: it is {mass / storeys:.6g} kg for each of {storeys} storeys; {doubt}"
-        )
+    if mass and storeys and plausible.holds(mass) and not plausible.holds(mass / storeys):
+        of_each = f"is doubtful: it is {mass / storeys:.6g} kg for each of {storeys} storeys"
+        section.doubt("mass", f"{of_each}, and {plausible.usually}")
     return Building(
         name=section.read("name") or f"Building {number}",
         structure=structure,

@@ -305,9 +305,10 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     -----
     UserWarning
         If a value is allowed but implausible: a gap above 3 m, floors lighter than 5 t, a reduction
-        factor below 0.6, a base shear coefficient above 1, a yield displacement above 3 m, a yield
-        drift above a tenth of the storey height, shaking that is not felt or was never recorded, a
-        hazard that exceeds a PGA of 1 g once in 150 years, an allowed risk above 0.01 per year, or
+        factor below 0.6 or above 20, a base shear coefficient above 1, a yield displacement above 2 m, a
+        yield drift above a tenth of the storey height, a behaviour factor above 12, a confidence below
+        0.01, a motion that ends before its strong part, shaking that is not felt or was never recorded,
+        a hazard that exceeds a PGA of 1 g once in 150 years, an allowed risk above 0.01 per year, or
         floors that are stated to align and do not.
 
     Examples
@@ -382,11 +383,9 @@ def _risk(wanted: Section, hazard: Hazard | None) -> str | float | None:
         raise wanted.error("risk", f"needs a hazard; {HAZARD_EXAMPLE}")
     with wanted.naming("risk"):
         check_target(hazard, risk)
-    if not isinstance(risk, str) and (doubt := PLAUSIBLE["risk"].doubt(risk)):
-        once = f"a number is a frequency per year, here once in {1 / risk:.3g} years"
-        wanted.doubt(
-            "risk", f'is doubtful: {doubt}; {once}; or write, for instance, risk = "2 % in 50 years"'
-        )
+    if not isinstance(risk, str) and not PLAUSIBLE["risk"].holds(risk):
+        usual = f'{PLAUSIBLE["risk"].usually}; or write, for instance, risk = "2 % in 50 years"'
+        wanted.doubt("risk", f"is doubtful: it is once in {1 / risk:.3g} years, and {usual}")
     return risk if isinstance(risk, str) else float(risk)
 
 

@@ -245,6 +245,8 @@ def read_site(site: Section, motion: Section, folder: Path, known: Known) -> Cas
     else:
         envelope = read_envelope(motion)
         written = Course(motion.read("duration"), envelope)
+        if envelope and (doubt := envelope.doubt(written.duration)):
+            motion.doubt("duration", f"is doubtful: {doubt}")
         if spectrum is None:
             given = read_ground(site, records)
         else:

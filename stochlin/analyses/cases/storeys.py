@@ -36,7 +36,6 @@ from stochlin.models.buildings import (
     ShearBuilding,
 )
 from stochlin.models.laws import laws_in_numbers
-from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import Structure
 from stochlin.models.systems import slabs_on_columns, tuned
 from stochlin.models.uncertain import UncertainModel, applied, median_of
@@ -53,7 +52,6 @@ OF_OSCILLATORS = [key.name for key in BUILDING.values() if key.ways == (OSCILLAT
 EXAMPLES = {"period": '"0.8 s"', "floor_mass": '"400 t"', "storeys": "8", "storey_height": '"3.2 m"'}
 PERIOD = Quantity.declared(RegularBuilding, "period")
 COEFFICIENT = Quantity.declared(RegularBuilding, "base_shear_coefficient")
-DRIFT_LIMIT = 0.1  # largest plausible yield drift over the height of a storey
 
 
 @dataclass(frozen=True)
@@ -173,8 +171,8 @@ def read_storeys(section: Section, number: int, folder: Path, known: Known) -> S
         described = pushed(section, described, folder, known)
     building = _named(section, number, described, strength, scaled=singly)
     if strength != "elastic":
-        assert isinstance(building.structure, ShearBuilding)
-        _doubt_strength(section, strength, building.structure)
+        for doubt in building.structure.doubts():
+            section.doubt(strength, f"is doubtful: {doubt}")
     return building
 
 
@@ -349,26 +347,6 @@ def _check_counts(section: Section, keys: Sequence[str]) -> None:
                 raise section.error(
                     key, f"has {len(values)} values, but storeys = {count}; allowed: one for each storey"
                 )
-
-
-def _doubt_strength(section: Section, strength: str, structure: ShearBuilding) -> None:
-    """Warn of an implausible yield drift, unless a number behind it was told when it was read."""
-    if strength in WAYS[REGULAR] and not COEFFICIENT.plausible.holds(
-        median_of(section.parameter(strength, COEFFICIENT))
-    ):
-        return
-    values = structure.arrays()
-    heights = values["heights"].to_numpy()
-    if not all(map(PLAUSIBLE["heights"].holds, heights)):
-        return
-    share = values["yield_drifts"].to_numpy() / heights
-    if (share > DRIFT_LIMIT).any():
-        worst = int(np.argmax(share))
-        section.doubt(
-            strength,
-            f"is doubtful: storey {worst + 1}, {heights[worst]:g} m high, would yield at a drift of "
-            f"{share[worst] * heights[worst]:.3g} m, more than a tenth of that; check units and period",
-        )
 
 
 def _say(marks: Sequence[str]) -> str:

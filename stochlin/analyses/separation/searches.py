@@ -8,7 +8,6 @@ values at which the existing gap is within the interval of the required gap.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
@@ -17,7 +16,6 @@ import numpy as np
 import scipy.optimize
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import ImplausibleInput
 
 FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
 CLOSE = 1e-3  # relative tolerance of a found value, and of an estimated gap there
@@ -105,9 +103,7 @@ class Required:
 def _once(known: dict[float, Ends], function: GapOf, value: float) -> Ends:
     """The gap that a function gives for a value, which is computed if it is not known."""
     if value not in known:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ImplausibleInput)  # a trial is nobody's input
-            known[value] = _ends(function(value))
+        known[value] = _ends(function(value))
     return known[value]
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.sites.spectra import labelled
-from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import DoubtfulInput, brief
+from stochlin.messages import brief
 from stochlin.models.arguments import Acceleration, DampingOrZero, Seconds, checked, is_number
 
 STEP = 0.01  # step between the periods of a spectrum [s]
@@ -82,8 +80,8 @@ def eurocode_8(
     Warns
     -----
     UserWarning
-        If ``ag S`` is at most 0.05 g, for which the code need not be applied, or more than 3 g, so that
-        ``ag`` is probably not in m/s^2.
+        If ``ag`` is below 0.05 g, for which the code need not be applied, or above 3 g, so that it is
+        probably not in m/s^2.
 
     References
     ----------
@@ -104,11 +102,6 @@ def eurocode_8(
         raise ValueError(f"soil = {brief(soil)} is no ground type; allowed: {', '.join(soils)}")
     s, rise, plateau, long = soils[name]
     peak = ag * s
-    if peak <= 0.05 * METRES["g"]:
-        _doubt(
-            f"ag = {ag:g} m/s^2 with S = {s:g} is {peak / METRES['g']:.3g} g, and up to 0.05 g "
-            "Eurocode 8 need not be applied; is ag in m/s^2?"
-        )
     eta = max(np.sqrt(10 / (5 + 100 * damping)), 0.55)
     period = STEP * np.arange(round(_EC8_LONGEST / STEP) + 1)
     after = np.maximum(period, plateau)
@@ -118,7 +111,7 @@ def eurocode_8(
         2.5 * eta * plateau / after * np.minimum(1, long / after),
     )
     source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag / METRES['g']:.4g} g"
-    curve = _code_spectrum(period, peak * shape, damping, source)
+    curve = labelled(period, peak * shape, damping, source)
     return curve.assign_attrs(code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}")
 
 
@@ -165,8 +158,8 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     Warns
     -----
     UserWarning
-        If ``sds`` is below 0.05 g or the peak ground acceleration above 3 g, so that ``sds`` is probably
-        not in m/s^2.
+        If ``sds`` is below 0.167 g, for which the code asks for no spectrum, or above 7.5 g, so that it
+        is probably not in m/s^2.
 
     References
     ----------
@@ -185,8 +178,6 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
         raise ValueError(
             f"tl = {tl:g} s is not after TS = sd1/sds = {corner:.4g} s; allowed: tl > sd1/sds"
         )
-    if sds < 0.05 * METRES["g"]:
-        _doubt(f"sds = {sds:g} m/s^2 is {sds / METRES['g']:.3g} g; is it in m/s^2?")
     grid = STEP * np.arange(round(_ASCE_LONGEST / STEP) + 1)
     corners = [t for t in (0.2 * corner, corner, tl) if t < _ASCE_LONGEST]
     near = np.abs(grid[:, None] - corners).min(axis=1) < 1e-6
@@ -199,18 +190,5 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     )
     short, long = (value / METRES["g"] for value in (sds, sd1))
     source = f"ASCE 7, SDS = {short:.4g} g, SD1 = {long:.4g} g, TL = {tl:g} s"
-    curve = _code_spectrum(period, sds * shape, 0.05, source)
+    curve = labelled(period, sds * shape, 0.05, source)
     return curve.assign_attrs(code="asce_7", sds=float(sds), sd1=float(sd1), tl=float(tl))
-
-
-def _code_spectrum(period: Array, values: Array, damping: float, source: str) -> xr.DataArray:
-    if values[0] > 3 * METRES["g"]:
-        _doubt(
-            f"{source}: its peak ground acceleration is {values[0] / METRES['g']:.3g} g, and more "
-            "than 3 g has hardly been recorded; are the accelerations in m/s^2?"
-        )
-    return labelled(period, values, damping, source)
-
-
-def _doubt(message: str) -> None:
-    warnings.warn(message, DoubtfulInput, stacklevel=4)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -27,6 +27,7 @@ from stochlin.models.buildings.base import (
 from stochlin.models.buildings.chains import chain_modes
 from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
+from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import DAMPING, HARDENING, Structure
 from stochlin.models.uncertain import takes_uncertain
 
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
 ONE_FOR_ALL = ("yield_drifts", "dampers")  # one number may stand for all storeys
 STOREYS = Whole(1, MOST_STOREYS)
+DRIFT_LIMIT = 0.1  # largest plausible yield drift over the height of a storey
 SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
 
 
@@ -147,8 +149,7 @@ class ShearBuilding(MultistoreyBuilding):
         for field, value in values.items():
             if field not in ONE_FOR_ALL or not np.isscalar(value):
                 object.__setattr__(self, field, along(f"{name}: {field}", value, STOREY))
-        arrays = {key: getattr(self, key) for key in values}
-        arrays = {key: value for key, value in arrays.items() if isinstance(value, xr.DataArray)}
+        arrays = {key: each for key in values if isinstance(each := getattr(self, key), xr.DataArray)}
         if len({array.sizes[STOREY] for array in arrays.values()}) > 1:
             counts = ", ".join(f"{key} has {array.sizes[STOREY]}" for key, array in arrays.items())
             raise ValueError(f"{name}: {counts} values; allowed: one for each storey in all of them")
@@ -250,15 +251,13 @@ class ShearBuilding(MultistoreyBuilding):
         relative = heights / heights.flat[0]
         levels = np.cumsum(np.broadcast_to(relative, storeys))
         above = levels[::-1].cumsum()[::-1]
-        drifts = None
         with np.errstate(all="ignore"):  # an overflow is found by the checks of the building
             square = (2 * np.pi / values["period"]) ** 2
             stiffnesses = values["mass"] * square * above / relative
-            if base_shear_coefficient is not None:
-                twice_mean = 2 * levels.sum() / storeys
-                drifts = (
-                    relative * 2 * values["base_shear_coefficient"] * GRAVITY / (square * twice_mean)
-                )
+            at_weight = relative * GRAVITY * storeys / (square * levels.sum())
+        drifts = None
+        if base_shear_coefficient is not None:
+            drifts = values["base_shear_coefficient"] * at_weight
         return cls(
             np.full(storeys, values["mass"]),
             stiffnesses,
@@ -283,10 +282,7 @@ class ShearBuilding(MultistoreyBuilding):
         """
         values = self._over_all
         periods = 2 * np.pi * np.sqrt(values["masses"] / values["stiffnesses"])
-        common: dict[str, Any] = {
-            "period": xr.DataArray(periods, dims=STOREY),
-            "damping": self.damping,
-        }
+        common = dict[str, Any](period=xr.DataArray(periods, dims=STOREY), damping=self.damping)
         if self.yields:
             drifts = xr.DataArray(values["yield_drifts"], dims=STOREY)
             common |= {"hardening": self.hardening, "yield_displacement": drifts}
@@ -378,11 +374,8 @@ class ShearBuilding(MultistoreyBuilding):
             at_yield = self._over_all["yield_drifts"] / np.abs(np.diff(moves, prepend=0.0))
             weakest = int(np.argmin(at_yield))
             strength = {"hardening": self.hardening, "yield_displacement": float(at_yield[weakest])}
-        own: dict[str, Any] = {
-            name: float(value[weakest] if value.ndim else value)
-            for name, value in law.arrays().items()
-            if name in law.own_parameters()
-        }
+        at = law.isel({STOREY: weakest}).arrays()
+        own = dict[str, Any]((name, at[name].item()) for name in law.own_parameters() if name in at)
         if isinstance(law, Hysteretic):
             own["law"] = law.law
         return type(law)(
@@ -392,6 +385,16 @@ class ShearBuilding(MultistoreyBuilding):
             **own,
             mass=float((mass @ shape) ** 2),
         )
+
+    def doubts(self) -> Iterator[str]:
+        """Text on the storey that yields at the largest drift, if that is implausible for its height."""
+        heights = self._over_all["heights"]
+        drifts = self._over_all.get("yield_drifts", 0 * heights)
+        worst = int(np.argmax(drifts / heights))
+        drift, height = drifts[worst], heights[worst]
+        if drift > DRIFT_LIMIT * height and PLAUSIBLE["heights"].holds(height):
+            usual = f"usual are up to {DRIFT_LIMIT * height:.2g} m; are units and period right?"
+            yield f"storey {worst + 1}, {height:g} m high, yields at {drift:.3g} m; {usual}"
 
     def geometric_stiffness(self) -> Array:
         """Reduction of the stiffness of each storey by the P-delta effect [N/m], (storeys,).

@@ -49,8 +49,7 @@ class AminAng(Envelope):
         super().__post_init__()
         if self.strong_end < self.rise_end:
             raise ValueError(
-                f"AminAng: strong_end = {self.strong_end:g} is before rise_end = {self.rise_end:g}; "
-                "allowed: strong_end >= rise_end"
+                f"AminAng: strong_end = {self.strong_end:g}; allowed: from rise_end, {self.rise_end:g}"
             )
 
     def at(self, time: Array) -> Array:

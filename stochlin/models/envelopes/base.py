@@ -32,6 +32,11 @@ class Envelope(Model):
         """Times [s] at which the slope jumps, in increasing order; time integration restarts there."""
         return ()
 
+    def doubt(self, duration: float) -> str:
+        """Text of a warning if a motion of this duration [s] ends while its envelope still rises."""
+        now, later = self.at(duration * np.array([1.0, 1.01]))
+        return "the motion ends before its strong part" if now < min(0.99, later) else ""
+
 
 def envelope_at(envelope: Envelope | None, time: Array) -> Array:
     """Values of an envelope [-] at times [s] from 0 on; 1 at all times without an envelope."""
@@ -40,7 +45,5 @@ def envelope_at(envelope: Envelope | None, time: Array) -> Array:
 
 def strong_seconds(duration: float, envelope: Envelope | None) -> float:
     """Duration [s] of the stationary motion of equal energy: the integral of the squared envelope."""
-    if envelope is None:
-        return duration
     middle = (np.arange(_STEPS) + 0.5) * duration / _STEPS
-    return duration * float(np.mean(envelope.at(middle) ** 2))
+    return duration * float(np.mean(envelope_at(envelope, middle) ** 2))

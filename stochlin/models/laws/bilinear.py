@@ -47,8 +47,7 @@ class Bilinear(Structure):
         ratio are ``1 - theta`` and ``1/sqrt(1 - theta)`` times those without weight. Stationary
         responses need a positive ratio; motions of finite length do not.
     yield_displacement : float or array, optional
-        Yield displacement ``uy`` [m], positive, as the strength of the structure. One number above
-        3 m gives a warning.
+        Yield displacement ``uy`` [m], positive, as the strength of the structure.
     reduction_factor : float or array, optional
         Reduction factor ``R = p sigma_el / uy`` [-], positive, as the strength of the structure:
         the peak ``p sigma_el`` of the elastic structure on the given ground over ``uy``. If neither
@@ -64,6 +63,13 @@ class Bilinear(Structure):
     ValueError, TypeError
         If a scalar is out of range, a value is not a number, an array has a wrong shape, both
         strengths are given, or a strength is given without hardening.
+
+    Warns
+    -----
+    UserWarning
+        If a number is one that no building has, such as a period of 500 s, a mass of 400 kg, a reduction
+        factor above 20 or a yield displacement above 2 m; and, by functions that take the structure, if
+        it has a hardening ratio and no strength. Arrays are not asked about.
 
     References
     ----------

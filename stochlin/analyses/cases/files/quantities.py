@@ -106,8 +106,8 @@ def with_unit(text: str, quantity: Quantity) -> float:
     match = NUMBER.fullmatch(text)
     bare = quantity.units == "1" and match and not match[2].strip()
     value = float(text) if bare else in_si(text, quantity)
-    if doubt := quantity.plausible.doubt(value):
-        warnings.warn(doubt, ImplausibleInput, stacklevel=2)
+    if not quantity.plausible.holds(value):
+        warnings.warn(quantity.plausible.usually, ImplausibleInput, stacklevel=2)
     return value
 
 

@@ -31,13 +31,15 @@ FEWEST_PATHS = 100  # smallest number of motions for a quantile with an interval
 TIME, YEARS, NUMBER = Quantity("s", POSITIVE), Quantity("yr", POSITIVE), Quantity("1", POSITIVE)
 DEGREES = Quantity("1", Range(-360.0, 360.0, True, True), Plausible(-360.0, 360.0, "", ""))
 ACCELERATION, SPECTRAL_DENSITY = Quantity("m/s^2", POSITIVE), Quantity("m^2/s^3", POSITIVE)
-PEAK, RESPONSE = (ACCELERATION._replace(plausible=PLAUSIBLE[name]) for name in ("pga", "sa"))
+PEAK, RESPONSE, AG, SDS = (
+    ACCELERATION._replace(plausible=PLAUSIBLE[name]) for name in ("pga", "sa", "ag", "sds")
+)
 HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
-GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["existing"])
+GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
 DISPLACEMENT = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
-CODE_FACTOR = Quantity("1", AT_LEAST_1)
+CODE_FACTOR = Quantity("1", AT_LEAST_1, PLAUSIBLE["behaviour"])
 FACTOR = Quantity("1", Range(upper=100.0, include_upper=True))
-SHARE = Quantity("1", Range(upper=1.0, reason="a probability"))
+SHARE = Quantity("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
 STOREY_HEIGHT = Quantity.declared(ShearBuilding, "heights")
 
 # Ways to describe a building: as an oscillator, by a few numbers of all storeys, storey by storey, or by
@@ -55,10 +57,10 @@ ALL = table(Key("title", str, "Title of all results", None))
 SITE = table(
     Key("ground", str, "Name or kind of the ground"),
     Key("spectrum", str, "Code or file of a design spectrum, in place of a ground"),
-    Key("ag", PEAK, "Acceleration ag", slider=Slider(0.02, 0.8, 0.01, 0.25, "g"), ways=(EUROCODE_8,)),
+    Key("ag", AG, "Acceleration ag", slider=Slider(0.02, 0.8, 0.01, 0.25, "g"), ways=(EUROCODE_8,)),
     Key("soil", tuple("ABCDE"), "Ground type", ways=(EUROCODE_8,)),
     Key("type", Whole(1, 2), "Type of spectrum", 1, ways=(EUROCODE_8,)),
-    Key("sds", RESPONSE, "SDS", slider=Slider(0.05, 2.5, 0.01, 1.0, "g"), ways=(ASCE_7,)),
+    Key("sds", SDS, "SDS", slider=Slider(0.05, 2.5, 0.01, 1.0, "g"), ways=(ASCE_7,)),
     Key("sd1", RESPONSE, "SD1", slider=Slider(0.02, 1.5, 0.01, 0.6, "g"), ways=(ASCE_7,)),
     Key("tl", TIME, "TL", slider=Slider(4.0, 16.0, 1.0, 8.0, "s"), ways=(ASCE_7,)),
     Key("pga", PEAK, "Peak acceleration, mean", slider=Slider(0.01, 1.0, 0.01, 0.3, "g")),

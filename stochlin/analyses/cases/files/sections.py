@@ -28,7 +28,6 @@ from stochlin.analyses.tables.toml import BACKSLASH, read_toml
 from stochlin.messages import (
     LONGEST_MESSAGE,
     DoubtfulInput,
-    ImplausibleInput,
     brief,
     hint,
     listed,
@@ -58,7 +57,7 @@ class Section:
     place: Place
     values: Mapping[str, Any]
     lines: Mapping[Place, int]
-    doubts: set[str] = field(default_factory=set, compare=False, repr=False)  # warned of in this file
+    doubts: set[Place] = field(default_factory=set, compare=False, repr=False)  # keys warned of
 
     def __contains__(self, key: str) -> bool:
         return key in self.values
@@ -79,10 +78,9 @@ class Section:
 
     def doubt(self, key: str, what: str) -> None:
         """Warn, once, of the value of a key, which is allowed but implausible."""
-        doubt = str(self.error(key, what))
-        if doubt not in self.doubts:
-            self.doubts.add(doubt)
-            warnings.warn(doubt, DoubtfulInput, stacklevel=2)
+        if (*self.place, key) not in self.doubts:
+            self.doubts.add((*self.place, key))
+            warnings.warn(str(self.error(key, what)), DoubtfulInput, stacklevel=2)
 
     @contextmanager
     def naming(self, key: str, what: str = "cannot be used") -> Iterator[None]:
@@ -237,8 +235,8 @@ class Section:
             shown = quantity.meant(given, value) if quantity.units == "1" else f", in {quantity.units}"
             raise self.error(key, f"{which}is out of range; allowed: {quantity.allowed}{shown}")
         if not quantity.plausible.holds(value):
-            doubt = quantity.plausible.doubt(value, quantity.meant(given, value))
-            self.doubt(key, f"{which}is doubtful: {doubt}")
+            usual, meant = quantity.plausible.usually, quantity.meant(given, value)
+            self.doubt(key, f"{which}is doubtful: {usual}{meant}")
         return value
 
     def model(self, kind: type[One], names: Sequence[str]) -> One:
@@ -256,9 +254,7 @@ class Section:
     def made(self, kind: Callable[..., One], values: Mapping[str, Any]) -> One:
         """The model with these parameters; a ValueError at the table if they cannot be combined."""
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", ImplausibleInput)  # was told when it was read
-                return kind(**values)
+            return kind(**values)
         except ValueError as error:
             raise self.error("", f"does not fit: {error}") from error
 

@@ -94,8 +94,8 @@ def chosen_key(section: Section, keys: Sequence[str], companions: Mapping[str, s
 
 def doubtful_peak(pga: float) -> str:
     """Text of a warning on an implausible peak ground acceleration [m/s^2]; empty if plausible."""
-    doubt = PLAUSIBLE["pga"].doubt(pga)
-    return f"{pga / METRES['g']:.3g} g, and {doubt}" if doubt else ""
+    known = PLAUSIBLE["pga"]
+    return "" if known.holds(pga) else f"{pga / METRES['g']:.3g} g, and {known.usually}"
 
 
 def doubtful_hazard(hazard: Hazard) -> str:
