@@ -33,6 +33,7 @@ class Plausible(NamedTuple):
 
 # Modules in which no user writes numbers, the first one that of the checks between user and function.
 OF_STOREYS = "masses", "heights", "storey_height"  # of which a list is of one building
+FAR = sys.float_info.max  # beyond it numbers are refused
 LIBRARY = "stochlin.models.arguments", "stochlin.models", "stochlin.analyses", "dataclasses"
 ANY = Plausible(float("-inf"), float("inf"))
 # Limits of values in files and of numbers in Python, by the names of keys and parameters, well beyond
@@ -73,7 +74,7 @@ def implausible(values: Mapping[str, Any]) -> Iterator[str]:
         known = PLAUSIBLE.get(name.removesuffix("_1").removesuffix("_2"), ANY)
         value = getattr(given, "median", given)  # of an uncertain parameter
         each = value if name in OF_STOREYS and isinstance(value, (list, tuple)) else [value]
-        if odd := [n for n in each if type(n) in (int, float) and not known.holds(n)]:
+        if odd := [n for n in each if type(n) in (int, float) and not known.holds(n) and n < FAR]:
             question = known.below if odd[0] < known.low else known.above
             yield f"{name} = {odd[0]:g}: {known.usually}{question and f'; {question}'}"
 

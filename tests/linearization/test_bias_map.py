@@ -137,7 +137,7 @@ def test_linear_structures_have_no_bias():
 
 OUTSIDE = [
     (building(1.0, hardening=0.01), LAKEBED),
-    (building(1.0, reduction_factor=0.5), LAKEBED),
+    (building(1.0, reduction_factor=0.6), LAKEBED),
     (building(1.0, reduction_factor=20.0), LAKEBED),
     (building(1.0, damping=0.2), LAKEBED),
     (building(0.1), LAKEBED),

@@ -67,6 +67,7 @@ def test_intensity_of_linear_structures_goes_with_the_square_of_the_gap():
 
 
 @pytest.mark.slow
+@pytest.mark.extreme
 def test_hopeless_and_ample_gaps():
     pair = (
         sl.Bilinear(0.5, 0.05, 0.1, reduction_factor=2),

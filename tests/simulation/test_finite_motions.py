@@ -239,6 +239,8 @@ def test_a_motion_has_the_same_bits_among_few_and_many_and_beside_other_structur
 @pytest.mark.slow
 def test_gaps_have_the_same_bits_by_one_thread_and_by_two(of_cores):
     pair = OF_ALL_LAWS[:2]
-    one, two = of_cores(lambda: sl.separation(*pair, FIRM, 6.0, paths=96, seed=4))
+    one, two = of_cores(
+        lambda: sl.separation(*pair, sl.named_ground("firm", 0.01), 6.0, paths=96, seed=4)
+    )
     assert float(one.gap.sel(rule="simulation")) == float(two.gap.sel(rule="simulation"))
     assert float(one.gap.sel(rule="simulation")) > 0.01
