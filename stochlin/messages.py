@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import difflib
 import errno
+import inspect
 import re
 import reprlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
 
-from stochlin.removed import instead_of
+from stochlin.removed import instead_of, missing
 
 FULL, MISSING = (errno.ENOSPC, errno.EDQUOT), (errno.ENOENT, errno.ENOTDIR)
 REASONS = dict.fromkeys(MISSING, "there is no such file; check its name and its folder")
@@ -97,6 +99,34 @@ def hint(given: str, known: Iterable[str]) -> str:
     """Words before a list of known names: what replaces a removed one, or the likely one."""
     near = nearest(given, known) if len(given) > 2 else ""  # shorter texts are like all others
     return instead_of(given) or (f"did you mean {near!r}? " if near else "")
+
+
+def check_names(owner: str, given: Iterable[str], known: Mapping[str, inspect.Parameter]) -> None:
+    """Raise a TypeError, which suggests the nearest one, for a keyword that is no argument."""
+    if any(each.kind is each.VAR_KEYWORD for each in known.values()):
+        return
+    for name in given:
+        if name not in known:
+            allowed = ", ".join(known)
+            raise TypeError(f"{owner}: {name} is no argument; {hint(name, known)}allowed: {allowed}")
+
+
+class Named(type):
+    """The type of dataclasses that answer an unknown argument with the nearest, and removed names."""
+
+    @property
+    def __signature__(cls) -> inspect.Signature:
+        whole = inspect.signature(cls.__init__)  # type: ignore[misc]
+        return whole.replace(parameters=list(whole.parameters.values())[1:])
+
+    def __getattr__(cls, name: str) -> Any:
+        raise missing(cls.__name__, name)
+
+    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
+        """A new instance."""
+        if not kwargs.keys() <= cls.__dataclass_fields__.keys():
+            check_names(cls.__name__, kwargs, inspect.signature(cls).parameters)
+        return super().__call__(*args, **kwargs)
 
 
 def _is_abbreviated(name: str, by: str) -> bool:

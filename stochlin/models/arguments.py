@@ -19,7 +19,7 @@ from typing import Annotated, Any, ParamSpec, TypeGuard, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from stochlin.messages import brief, hint
+from stochlin.messages import brief, check_names, hint
 from stochlin.models.parameters import POSITIVE, Model, Range, expect
 from stochlin.models.plausible import implausible, warn_caller
 from stochlin.models.uncertain import TAKERS, UncertainModel, median_of
@@ -201,18 +201,12 @@ Scatter = Annotated[float, SCATTER]
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """The function, whose arguments are checked first, by the types in its signature."""
-    signature = inspect.signature(function)
-    takes_any = any(each.kind == each.VAR_KEYWORD for each in signature.parameters.values())
-    by_place = [n for n, each in signature.parameters.items() if each.kind == each.POSITIONAL_OR_KEYWORD]
+    parameters = inspect.signature(function).parameters
+    by_place = [n for n, each in parameters.items() if each.kind == each.POSITIONAL_OR_KEYWORD]
 
     @functools.wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        if not takes_any and (unknown := [*kwargs.keys() - signature.parameters.keys()]):
-            allowed = ", ".join(signature.parameters)
-            raise TypeError(
-                f"{function.__name__}: {unknown[0]} is no argument; "
-                f"{hint(unknown[0], signature.parameters)}allowed: {allowed}"
-            )
+        check_names(function.__name__, kwargs, parameters)
         values = dict(zip(by_place, args, strict=False)) | kwargs
         for name, check in checks_of(function):
             if name in values:
@@ -255,6 +249,7 @@ def fitting(check: Callable[..., None]) -> Callable[[Callable[P, R]], Callable[P
 
         @functools.wraps(function)
         def call(*args: P.args, **kwargs: P.kwargs) -> R:
+            check_names(function.__name__, kwargs, parameters)
             given = usual | dict(zip(parameters, args, strict=False)) | kwargs
             check(**{name: given[name] for name in wanted})
             return function(*args, **kwargs)

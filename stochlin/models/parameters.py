@@ -5,7 +5,6 @@ from __future__ import annotations
 import copy
 import dataclasses
 import functools
-import inspect
 import operator
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Self
@@ -14,10 +13,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from stochlin.messages import brief, sentence
+from stochlin.messages import Named, brief, sentence
 from stochlin.models.plausible import implausible, warn_caller
 from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel, median_of
-from stochlin.removed import REMOVED, instead_of, missing
 
 _Number = float | np.floating | np.integer
 Parameter = (
@@ -73,27 +71,14 @@ def parameter(units: str, long_name: str, allowed: Range, default: Any = datacla
     )
 
 
-class _Signature:
-    """Signature of a model, that of its ``__init__``; older Pythons would show that of ``__new__``."""
+class _Kind(Named):
+    """The type of models, which warn of implausible values."""
 
-    def __get__(self, _: Any, kind: type) -> inspect.Signature:
-        whole = inspect.signature(kind.__init__)  # type: ignore[misc]
-        return whole.replace(parameters=list(whole.parameters.values())[1:])
-
-
-class _Kind(type):
-    """The type of models, which says what replaces a removed method or parameter."""
-
-    def __getattr__(cls, name: str) -> Any:
-        raise missing(cls.__name__, name)
-
-    def __call__(cls, *args: Any, **kwargs: Any) -> Any:
-        for name in REMOVED.keys() & kwargs.keys():
-            raise TypeError(f"{cls.__name__}: {name} is no parameter; {instead_of(name)[:-2]}")
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
         made = super().__call__(*args, **kwargs)
         # Only functions that give metres ask about the intensity.
-        values = dict(zip(cls.__match_args__, args, strict=False)) | kwargs | {"intensity": None}
-        warn_caller(cls.__name__, [*implausible(values)] or median_of(made).doubts())
+        values = dict(zip(self.__match_args__, args, strict=False)) | kwargs | {"intensity": None}
+        warn_caller(self.__name__, [*implausible(values)] or median_of(made).doubts())
         return made
 
 
@@ -106,7 +91,6 @@ class Model(metaclass=_Kind):
     """
 
     of_arguments: ClassVar[bool] = False  # arguments of a function; messages then omit the class name
-    __signature__: ClassVar[_Signature] = _Signature()
     instead: ClassVar[str] = ""  # advice in the message of a function that does not take this model
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:

@@ -14,7 +14,7 @@ import xarray as xr
 from scipy.special import ndtri
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief
+from stochlin.messages import Named, brief, check_names
 from stochlin.models.plausible import implausible, warn_caller
 
 One = TypeVar("One")
@@ -28,7 +28,7 @@ TAKERS = (
 
 
 @dataclass(frozen=True)
-class Uncertain:
+class Uncertain(metaclass=Named):
     """An uncertain parameter, with its median, its spread and the kind of its distribution.
 
     It can be given in place of a parameter of a structure or a ground. Every simulated motion then has
@@ -196,7 +196,7 @@ class UncertainModel:
 
     def describe(self) -> str:
         """The model with its parameters in one line."""
-        parts = [f"{n}={_told(v)}" for n, v in self.arguments.items() if not isinstance(v, type)]
+        parts = [f"{n}={brief(v)}" for n, v in self.arguments.items() if not isinstance(v, type)]
         return f"{self.build.__qualname__}({', '.join(parts)})"
 
 
@@ -214,16 +214,14 @@ def applied(change: Callable[[Any], Any], model: Any) -> Any:
 
 def takes_uncertain(build: Callable[..., One]) -> Callable[..., One]:
     """Decorate a function that makes a model: with `Uncertain` arguments it makes an UncertainModel."""
+    own = {n: p for n, p in inspect.signature(build).parameters.items() if n not in ("cls", "others")}
 
     @wraps(build)
     def either(*args: Any, **kwargs: Any) -> Any:
+        check_names(build.__qualname__, kwargs, own | dict(inspect.signature(args[0]).parameters))
         uncertain = any(isinstance(value, Uncertain) for value in (*args, *kwargs.values()))
         made = UncertainModel.of(build, args, kwargs) if uncertain else build(*args, **kwargs)
         warn_caller(build.__qualname__, [*implausible(kwargs)] or median_of(made).doubts())
         return made
 
     return either
-
-
-def _told(value: Any) -> str:
-    return value.describe() if hasattr(value, "describe") else brief(value)

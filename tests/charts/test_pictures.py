@@ -71,7 +71,7 @@ def test_what_is_no_chart_is_refused_with_the_kinds_there_are():
     ],
 )
 def test_settings_out_of_range_are_refused_before_any_work(name, value):
-    with pytest.raises(ValueError, match=f"{name} = .* is out of range; allowed: 0 < value"):
+    with pytest.raises(ValueError, match=f"{name} = .*; allowed: "):
         sl.charts.ChartSettings(**{name: value})
 
 

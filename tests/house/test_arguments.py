@@ -29,53 +29,42 @@ from stochlin.models.parameters import POSITIVE
 
 pytestmark = pytest.mark.invariant
 
-FUNCTIONS = {name for name in sl.__all__ if inspect.isfunction(getattr(sl, name))}
 PUBLIC = {
     f"{module.__name__}.{name}": each
     for module in (sl, sl.charts, sl.rules)
     for name in dir(module)
     if callable(each := getattr(module, name)) and name[0] != "_" and name != "missing"
 }
-OF_A_MODEL = "its arguments are the parameters of a model, which checks them"
-READS = "it reads a file, and says what is wrong with that"
-BY_NAME = "it looks up a name, in many spellings"
-# Public functions whose signatures declare nothing to check, and why.
-UNCHECKED = {
-    "rho_white_noise": OF_A_MODEL,
-    "critical_gap": OF_A_MODEL,
-    "response_spectrum": OF_A_MODEL,
-    "pseudo_energy_radius": OF_A_MODEL,
-    "equivalent_coefficients": OF_A_MODEL,
-    "read_hazard": OF_A_MODEL,
-    "read_case": READS,
-    "read_pushover": READS,
-    "exceedance": "it takes arrays, whose dimensions it checks",
-    "stationary_covariance": "it takes the dataset of another function",
-    "named_ground": BY_NAME,
+CONSTRUCTORS = {
+    "ShearBuilding.regular": sl.ShearBuilding.regular,
+    "ModalBuilding.from_table": sl.ModalBuilding.from_table,
 }
+CHECKED = [name for name, each in PUBLIC.items() if inspect.isfunction(each) and "draw" not in name]
 
 
-@pytest.mark.parametrize("name", sorted(FUNCTIONS))
-def test_what_a_signature_declares_is_checked(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    function = getattr(sl, name)
-    plain = inspect.unwrap(function)
+@pytest.mark.parametrize("name", CHECKED)
+def test_a_default_passes_the_checks(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = inspect.unwrap(PUBLIC[name])
     for later in (sympy, Figure):  # which modules import when they need it
         monkeypatch.setitem(plain.__globals__, later.__name__, later)
-    assert bool(checks_of(plain)) == (name not in UNCHECKED)
-    assert hasattr(function, "__wrapped__") == (name not in UNCHECKED)
-
-
-def test_the_list_of_unchecked_functions_has_no_others() -> None:
-    assert set(UNCHECKED) <= FUNCTIONS
-
-
-@pytest.mark.parametrize("name", sorted(FUNCTIONS - set(UNCHECKED)))
-def test_a_default_passes_the_checks(name: str) -> None:
-    plain = inspect.unwrap(getattr(sl, name))
     parameters = inspect.signature(plain).parameters
     for argument, check in checks_of(plain):
         if (default := parameters[argument].default) is not inspect.Parameter.empty:
             check(argument, default)
+
+
+@pytest.mark.parametrize("name", [*PUBLIC, *CONSTRUCTORS])
+def test_an_unknown_argument_is_answered_with_the_nearest(name: str) -> None:
+    called = {**PUBLIC, **CONSTRUCTORS}[name]
+    parameters = inspect.signature(called).parameters.values()
+    own = [each for each in parameters if each.kind not in (each.VAR_POSITIONAL, each.VAR_KEYWORD)]
+    if not own or called is sl.equivalent_coefficients:  # which has those of any law, and checks them
+        return
+    needed = {each.name: None for each in own if each.default is each.empty}
+    argument = max((each.name for each in own), key=len)
+    needed.pop(argument, None)
+    with pytest.raises(TypeError, match=f"{argument}_ is no argument; did you mean '{argument}'"):
+        called(**needed, **{f"{argument}_": None})
 
 
 def test_every_closure_is_by_default_that_of_the_paper_and_the_charts() -> None:

@@ -51,7 +51,7 @@ def test_python_says_what_to_use_instead() -> None:
         _ = sl.charts.gone
     with pytest.raises(AttributeError, match="KanaiTajimi has no attribute 'gone'; it was removed"):
         _ = sl.KanaiTajimi.gone  # type: ignore[attr-defined]
-    with pytest.raises(TypeError, match="KanaiTajimi: gone is no parameter; it was removed: the gap"):
+    with pytest.raises(TypeError, match="KanaiTajimi: gone is no argument; it was removed: the gap"):
         sl.KanaiTajimi(1.0, 0.6, gone=1)
     with pytest.raises(
         TypeError, match="named: gone is no argument; it was removed: the gap says it; allowed: depth"

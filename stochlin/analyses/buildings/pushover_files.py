@@ -23,12 +23,13 @@ from stochlin.analyses.buildings.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.messages import brief, listed, plain
-from stochlin.models.arguments import is_whole
+from stochlin.models.arguments import checked, is_whole
 
 # Words by which the titles of the columns are known, and the quantity of each column.
 TITLES = {"displacement": ("displ|roof", "length"), "force": ("shear|force", "force")}
 
 
+@checked
 def read_pushover(
     path: str | os.PathLike[str],
     *,

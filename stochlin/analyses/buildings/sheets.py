@@ -67,8 +67,7 @@ class SheetRow(NamedTuple):
 
     def number(self, column: int, what: str, allowed: Range | None = None) -> float:
         """The number in a cell, which is ``what`` in messages; a ValueError if it is none."""
-        text = self.cell(column)
-        if not text:
+        if not (text := self.cell(column)):
             raise self.error(column, f"the {what} is missing; allowed: a number")
         value = number_in(text, decimal_comma=not self.has_comma)
         if value is None:

@@ -33,6 +33,7 @@ from stochlin.analyses.risk.risk import check_target
 from stochlin.analyses.sites.motion_fit import UsualScatter
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.simulation.stepping import whole_groups
+from stochlin.models.arguments import checked
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -269,6 +270,7 @@ class Case:
         return (self.gaps[0] or TOUCHING) if self.one_or_two and self.gaps else None
 
 
+@checked
 def read_case(path: str | os.PathLike[str]) -> Case:
     """Read a case file.
 

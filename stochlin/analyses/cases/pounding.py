@@ -18,6 +18,7 @@ from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.simulation import time_step
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.arguments import checked
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.structures import Structure
@@ -33,6 +34,7 @@ ENERGIES = {
 OF_MOTIONS = ("ground", "envelope", "scatter")  # attributes of simulated motions that are kept
 
 
+@checked
 def pound_case(
     case: Case, progress: Progress | None = None, *, steps_per_contact: int = STEPS_PER_CONTACT
 ) -> dict[str, xr.Dataset]:
@@ -92,6 +94,7 @@ def pound_case(
     return tables
 
 
+@checked
 def pound_motions(
     case: Case,
     motions: int | None = None,

@@ -18,6 +18,7 @@ from stochlin.analyses.charts.settings import (
 from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import brief
+from stochlin.models.arguments import checked
 from stochlin.models.envelopes import AminAng
 from stochlin.models.grounds import Ground, KanaiTajimi
 from stochlin.registry import Registry
@@ -112,6 +113,7 @@ def rounded(values: np.ndarray) -> np.ndarray:
     return np.char.mod("%.5e", values).astype(float) + 0.0  # no -0
 
 
+@checked
 def chart_functions(
     settings: ChartSettings, record: xr.DataArray | None = None, site: Ground | None = None
 ) -> Mapping[str, ChartFunction]:

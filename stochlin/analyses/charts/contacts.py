@@ -9,21 +9,22 @@ elements are solved in closed form, the others by a Runge-Kutta method of order 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, TypeVar
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 import numpy as np
 import xarray as xr
 from scipy.integrate import solve_ivp
 
 from stochlin.analyses.charts.charts import CHARTS
-from stochlin.analyses.charts.settings import ChartSettings, check_points
+from stochlin.analyses.charts.settings import ChartSettings
 from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation import contacts as kernel
 from stochlin.messages import hyphenated
+from stochlin.models.arguments import Number, Points, checked
 from stochlin.models.contacts import Element, HertzDamp, LinearSpring
-from stochlin.models.contacts.base import CONTACTS, RESTITUTION, checked_value
+from stochlin.models.contacts.base import CONTACTS, RESTITUTION
 from stochlin.models.contacts.damped import Damped, WithRatio
 from stochlin.models.contacts.linear import LinearDamped
 from stochlin.models.parameters import POSITIVE, Range
@@ -58,7 +59,10 @@ class History(NamedTuple):
     velocity: Array
 
 
-def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Dataset:
+@checked
+def contact_loop_chart(
+    restitution: Annotated[float, Number(RESTITUTION)] = 0.65, points: Points = 201
+) -> xr.Dataset:
     """Fig. 6: force over deformation of all contact elements, damped ones with equal restitution.
 
     Parameters
@@ -87,7 +91,6 @@ def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Datas
     >>> round(float(chart.scaled_force.sel(element="ImpactKelvin").max()), 3)
     1.195
     """
-    restitution = _number("restitution", restitution, RESTITUTION)
     parameters: dict[str, Any] = {"stiffness": 1.0, "restitution": restitution}
     models = [kind(**parameters) if issubclass(kind, Damped) else kind(1.0) for kind in _kinds(Element)]
     title = f"Force and deformation of contact elements, e = {restitution:g}"
@@ -95,7 +98,10 @@ def contact_loop_chart(restitution: float = 0.65, points: int = 201) -> xr.Datas
     return _histories("contact_loops", models, points, title, call)
 
 
-def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.Dataset:
+@checked
+def contact_history_chart(
+    damping_ratio: Annotated[float, Number(PARTING)] = 0.5, points: Points = 201
+) -> xr.Dataset:
     """Fig. 7: histories of deformation and force of the elements with a damping ratio.
 
     Parameters
@@ -123,7 +129,6 @@ def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.D
     >>> [round(float(t), 3) for t in chart.scaled_contact_time.sel(element=["Kelvin", "ImpactKelvin"])]
     [3.628, 2.78]
     """
-    damping_ratio = _number("damping_ratio", damping_ratio, PARTING)
     parameters: dict[str, Any] = {"stiffness": 1.0, "damping_ratio": damping_ratio}
     models = [kind(**parameters) for kind in _kinds(WithRatio)]
     title = f"Histories of deformation and contact force, ξ = {damping_ratio:g}"
@@ -131,7 +136,10 @@ def contact_history_chart(damping_ratio: float = 0.5, points: int = 201) -> xr.D
     return _histories("contact_histories", models, points, title, call)
 
 
-def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
+@checked
+def restitution_chart(
+    largest: Annotated[float, Number(POSITIVE)] = 1.0, points: Points = 201
+) -> xr.Dataset:
     """Fig. 8: coefficient of restitution over the damping of all damped elements.
 
     Parameters
@@ -160,8 +168,6 @@ def restitution_chart(largest: float = 1.0, points: int = 201) -> xr.Dataset:
     >>> [round(float(e), 4) for e in chart.restitution.sel(damping_ratio=0.5)]
     [0.163, 0.2984, 0.5463, 0.5749]
     """
-    check_points(points)
-    largest = _number("largest", largest, POSITIVE)
     classes = _kinds(WithRatio)
     along = np.linspace(0, largest, points)
     ratio = labels.axis("damping_ratio", "damping ratio of the contact", along)
@@ -206,7 +212,6 @@ def _fig8(settings: ChartSettings) -> xr.Dataset:
 def _histories(
     picture: str, models: Sequence[Element], points: int, title: str, call: str
 ) -> xr.Dataset:
-    check_points(points)
     names = [type(model).__name__ for model in models]
     chart = xr.Dataset(coords={"element": _elements(names)})
     histories = [
@@ -286,13 +291,6 @@ def _integrated(model: Element, points: int) -> History:
     )
     time = np.linspace(0, solved.t_events[0][0], points)
     return History(time, *solved.sol(time))
-
-
-def _number(name: str, value: Any, allowed: Range) -> float:
-    number = checked_value("chart", name, value, "1", allowed)
-    if not isinstance(number, float):
-        raise TypeError(f"chart: {name} is an array; allowed: a number, {allowed}")
-    return number
 
 
 def _elements(names: list[str]) -> xr.DataArray:

@@ -28,6 +28,7 @@ from stochlin.analyses.correlation.amplification import amplification
 from stochlin.analyses.correlation.correlation import correlate, rho_white_noise
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.models.arguments import checked
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
@@ -44,6 +45,7 @@ def _reduction_factors(settings: ChartSettings) -> xr.DataArray:
 
 
 @CHARTS.register("fig3a", place=30)
+@checked
 def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
     """Fig. 3a: eq. (4) over the period ratio, for several damping ratios.
 
@@ -77,6 +79,7 @@ def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
     )
 
 
+@checked
 def period_ratio_chart(
     settings: ChartSettings, ground: Ground, frequency_ratio: float, progress: Progress | None = None
 ) -> xr.Dataset:
@@ -141,6 +144,7 @@ def period_ratio_chart(
 
 
 @CHARTS.register("fig5a", place=50)
+@checked
 def period_plane_chart(
     settings: ChartSettings, ground: Ground, progress: Progress | None = None
 ) -> xr.Dataset:
@@ -190,6 +194,7 @@ def period_plane_chart(
 
 
 @CHARTS.register("fig5b", place=50)
+@checked
 def amplification_chart(
     settings: ChartSettings, ground: Ground, progress: Progress | None = None
 ) -> xr.Dataset:

@@ -11,7 +11,7 @@ import xarray as xr
 
 from stochlin.analyses.charts.charts import CHARTS
 from stochlin.analyses.charts.design import ground_caption, ground_period
-from stochlin.analyses.charts.settings import ChartSettings, check_points
+from stochlin.analyses.charts.settings import ChartSettings
 from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.records.cells import Records
 from stochlin.analyses.records.records import strong_part
@@ -22,6 +22,7 @@ from stochlin.analyses.separation.added_damping import damped_gaps, damping_for_
 from stochlin.analyses.separation.energy_gap import RhoEstimate, energy_gap
 from stochlin.analyses.separation.variables import VARIABLES as SEPARATION
 from stochlin.analyses.tables import labels
+from stochlin.models.arguments import Points, checked
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import Structure
@@ -70,6 +71,7 @@ def _added_damping(settings: ChartSettings, record: xr.DataArray, site: Ground) 
     return added_damping_chart(record, first, second, settings.gap)
 
 
+@checked
 def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Dataset:
     """Fig. 1a: phase portrait ``u'/w`` over ``u``, and the circle with the pseudo energy radius.
 
@@ -130,13 +132,14 @@ def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Da
     )
 
 
+@checked
 def energy_chart(
     record: xr.DataArray,
     period: float,
     damping: float,
     hardening: float,
     reduction_factor: float,
-    points: int = 161,
+    points: Points = 161,
 ) -> xr.Dataset:
     """Fig. 1b: energy radius, input energy and dissipated energies, over time and over the period.
 
@@ -214,7 +217,8 @@ def energy_chart(
     )
 
 
-def per_spectrum_chart(records: Records, damping: float, points: int = 161) -> xr.Dataset:
+@checked
+def per_spectrum_chart(records: Records, damping: float, points: Points = 161) -> xr.Dataset:
     """Pseudo energy radius and peak displacement of elastic structures over their period.
 
     Parameters
@@ -255,7 +259,8 @@ def per_spectrum_chart(records: Records, damping: float, points: int = 161) -> x
     )
 
 
-def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -> xr.Dataset:
+@checked
+def recorded_gap_chart(record: xr.DataArray, damping: float, points: Points = 61) -> xr.Dataset:
     """Fig. 2: critical gap over the periods of two elastic structures; in the paper for the Taft record.
 
     Parameters
@@ -309,6 +314,7 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: int = 61) -
     )
 
 
+@checked
 def added_damping_chart(
     record: xr.DataArray, first: Structure, second: Structure, gap: float | None = None
 ) -> xr.Dataset:
@@ -364,7 +370,6 @@ def added_damping_chart(
 
 
 def _periods(name: str, long_name: str, points: int) -> xr.DataArray:
-    check_points(points)
     return labels.axis(name, long_name, np.geomspace(*PERIODS, points), "s")
 
 

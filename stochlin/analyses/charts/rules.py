@@ -15,6 +15,7 @@ from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.correlation.effective import rho_effective
 from stochlin.analyses.tables import labels
 from stochlin.messages import brief
+from stochlin.models.arguments import Points, checked
 from stochlin.models.rules.effective_properties import (
     EffectiveRule,
     effective_rule,
@@ -22,11 +23,12 @@ from stochlin.models.rules.effective_properties import (
 )
 
 
+@checked
 def effective_rules_chart(
     damping: float,
     hardening: float,
     ductility: float | Sequence[float],
-    points: int = 321,
+    points: Points = 321,
     rules: Sequence[str | EffectiveRule] | None = None,
 ) -> xr.Dataset:
     """Fig. 3b: eq. (4) with effective periods and damping ratios, one curve for each rule.

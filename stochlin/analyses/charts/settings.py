@@ -6,8 +6,18 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Annotated
 
-from stochlin.messages import brief
-from stochlin.models.arguments import Metres, Paths, Points, Seed, Whole, check_fields, is_number
+from stochlin.messages import Named, brief
+from stochlin.models.arguments import (
+    DampingRatio,
+    Metres,
+    Number,
+    Paths,
+    Points,
+    Seconds,
+    Seed,
+    Whole,
+    check_fields,
+)
 from stochlin.models.grounds import KanaiTajimi
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.rules.effective_properties import (
@@ -26,10 +36,11 @@ LINEARIZATION, SIMULATION, DRIFT_CLOSURE, ELASTIC, EQ_4 = METHODS = (
     "elastic",
     "white_noise",
 )
+FACTOR = Number(Bilinear.allowed("reduction_factor"))
 
 
 @dataclass(frozen=True)
-class ChartSettings:
+class ChartSettings(metaclass=Named):
     """Parameters of the charts, most of which the text of the paper does not state.
 
     Parameters
@@ -84,15 +95,15 @@ class ChartSettings:
     9
     """
 
-    damping: float = 0.05
-    hardening: float = 0.05
+    damping: DampingRatio = 0.05
+    hardening: Annotated[float, Number(STATIONARY_HARDENING)] = 0.05
     reduction_factors: tuple[float, ...] = (1.0, 2.0, 4.0, 6.0)
-    plane_reduction_factor: float = 4.0
+    plane_reduction_factor: Annotated[float, FACTOR] = 4.0
     ductilities: tuple[float, ...] = (4.0,)
-    ground_period: float = 2.0
+    ground_period: Seconds = 2.0
     ground_dampings: tuple[float, ...] = (NARROW_BAND_DAMPING, BROAD_BAND_DAMPING)
-    structure_period: float | None = None
-    second_period: float | None = None
+    structure_period: Seconds | None = None
+    second_period: Seconds | None = None
     gap: Metres | None = None
     closure: str = "gaussian"
     solver: str = "closed_form"
@@ -121,26 +132,15 @@ class ChartSettings:
         if self.simulated_points == 1:
             raise ValueError("simulated_points = 1; allowed: at least 2, or 0 for none")
         object.__setattr__(self, "curves", _checked_curves(self.curves))
-        range_of = Bilinear.allowed
-        checks = [
-            ("damping", self.damping, range_of("damping")),
-            ("hardening", self.hardening, STATIONARY_HARDENING),
-        ]
-        checks += [("plane_reduction_factor", self.plane_reduction_factor, range_of("reduction_factor"))]
-        for name in ("ground_period", "structure_period", "second_period"):
-            if name == "ground_period" or getattr(self, name) is not None:
-                checks.append((name, getattr(self, name), range_of("period")))
         for name, allowed in (
-            ("reduction_factors", range_of("reduction_factor")),
-            ("ductilities", range_of("reduction_factor")),
-            ("ground_dampings", KanaiTajimi.allowed("damping")),
+            ("reduction_factors", FACTOR),
+            ("ductilities", FACTOR),
+            ("ground_dampings", Number(KanaiTajimi.allowed("damping"))),
         ):
             if not getattr(self, name):
                 raise ValueError(f"{name} is empty; allowed: at least one value")
-            checks += [(name, value, allowed) for value in getattr(self, name)]
-        for name, value, allowed in checks:
-            if not is_number(value) or not allowed.contains(value):
-                raise ValueError(f"{name} = {brief(value)} is out of range; allowed: {allowed}")
+            for value in getattr(self, name):
+                allowed(name, value)
 
 
 def _checked_curves(names: Iterable[str] | None) -> tuple[str, ...] | None:
@@ -162,9 +162,3 @@ def _checked_curves(names: Iterable[str] | None) -> tuple[str, ...] | None:
     if not known:
         raise ValueError("curves is empty; allowed: at least one name, or none given")
     return tuple(dict.fromkeys(known))
-
-
-def check_points(points: int) -> None:
-    """Raise a ValueError if there are less than two points along an axis."""
-    if points < 2:
-        raise ValueError(f"points = {points}; allowed: at least 2")

@@ -168,8 +168,7 @@ def amplification(
         how = f"paths={paths}, seed={seed}"
     else:
         how = f"closure={closure!r}"
-        judged = {name: inelastic[name] for name in ("bias", "caution")}
-        table = table.assign(judged).assign_attrs(closure=closure)
+        table = table.assign(inelastic[["bias", "caution"]]).assign_attrs(closure=closure)
         if structure.yields:
             table = table.assign_attrs(comment=inelastic.attrs["comment"])
     return labels.with_run_information(

@@ -320,6 +320,7 @@ def _judged_eq_4(status_1: Array, status_2: Array, *pair: Array) -> tuple[Array,
     return np.where(status < labels.NOT_CONVERGED, np.clip(rho, -1, 1), np.nan), status
 
 
+@checked
 def rho_white_noise(
     period_1: Parameter, period_2: Parameter, damping_1: Parameter, damping_2: Parameter
 ) -> xr.Dataset:

@@ -15,6 +15,7 @@ from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
+from stochlin.models.arguments import checked
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, YieldingPair, effective_rule
 from stochlin.models.structures import Structure
@@ -22,6 +23,7 @@ from stochlin.models.structures import Structure
 EQ_4 = ("period_eq_1", "period_eq_2", "damping_eq_1", "damping_eq_2")  # arguments of eq. (4)
 
 
+@checked
 def rho_effective(
     period_1: Parameter,
     period_2: Parameter,

@@ -34,10 +34,9 @@ from stochlin.kernels.linearization.single_structures import (
     moments_of,
     solve_on_all_cores,
 )
-from stochlin.messages import brief, sentence
+from stochlin.messages import brief, hint, sentence
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
-from stochlin.removed import instead_of
 
 AT_ONCE = 1 << 15  # cells that are solved together, which limits the memory for intermediate results
 ROUNDING = 1e-9  # by which a correlation may exceed 1
@@ -79,9 +78,10 @@ def check_closure(structure: Structure, closure: str) -> None:
     """Raise a ValueError if the law does not have this closure, an ArithmeticError if it has none."""
     if not isinstance(closure, str) or closure not in structure.closure_names():
         structure.closure(GAUSSIAN)  # raises if the law cannot be linearized at all
+        names = structure.closure_names()
         raise ValueError(
             f"closure = {brief(closure)} is not available for {type(structure).__name__}; "
-            f"{instead_of(str(closure))}allowed: {', '.join(structure.closure_names())}"
+            f"{hint(str(closure), names)}allowed: {', '.join(names)}"
         )
 
 

@@ -40,6 +40,7 @@ REFERENCES = (
 )
 
 
+@checked
 def pseudo_energy_radius(
     record: Records,
     period: Parameter,
@@ -86,10 +87,11 @@ def pseudo_energy_radius(
         record, period, damping, hardening=hardening, yield_displacement=yield_displacement
     )
     table = spectrum[["pseudo_energy_radius", "displacement_max", "status"]]
-    call = "pseudo_energy_radius()"
-    return labels.with_run_information(table, "Pseudo energy radius", call, {}, REFERENCES)
+    title = "Pseudo energy radius"
+    return labels.with_run_information(table, title, "pseudo_energy_radius()", {}, REFERENCES)
 
 
+@checked
 def response_spectrum(
     record: Records,
     period: Parameter,
@@ -254,9 +256,8 @@ def respond(
         raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
     motions = checked_motions(record)
     [ground] = motions.grounds
-    start = float(record["time"][0])
     intervals = ground.acceleration.size - 1
-    time = start + ground.dt / refine * np.arange(refine * intervals + 1)
+    time = float(record["time"][0]) + ground.dt / refine * np.arange(refine * intervals + 1)
     time[::refine] = record["time"]
     table = (
         _exact_history(structure, motions, int(refine))
@@ -264,10 +265,8 @@ def respond(
         else stepped_history(structure, ground, int(refine))
     )
     table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
-    table = _until_fall(table, structure)
-    return _with_information(
-        table, "Response to a record", f"respond(refine={refine})", structure, motions
-    )
+    call, table = f"respond(refine={refine})", _until_fall(table, structure)
+    return _with_information(table, "Response to a record", call, structure, motions)
 
 
 def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:

@@ -14,6 +14,7 @@ from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.combination import double_difference
+from stochlin.models.arguments import checked
 from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, Range, parameter
 
 ALIKE = 1e-5  # gap over peak below which the gap is a rounding error of two equal structures
@@ -30,6 +31,7 @@ class CorrelatedPeaks(Model):
     rho: Parameter = parameter("1", "correlation coefficient", Range(-1.0, 1.0, True, True))
 
 
+@checked
 def critical_gap(peak_1: Parameter, peak_2: Parameter, rho: Parameter) -> xr.Dataset:
     """Critical gap by the double difference combination, ``sqrt(p1^2 + p2^2 - 2 rho p1 p2)``, eq. (3).
 

@@ -37,7 +37,6 @@ from stochlin.models.systems import Arrangement, arrangement_of, first_mode
 
 GUMBEL = np.sqrt(6) / np.pi
 SHORT = "not solved, or the motion is too short for a peak"
-NO_DRIFT = "the drift closure is only available for oscillators"
 NO_AMPLIFICATION = "the linearized amplification of Fig. 5b is only available for oscillators"
 
 
@@ -160,7 +159,7 @@ class PairInMotion:
         """Correlation by linearization [-], (heights,); a ValueError if there is no solution."""
         if self.has_storeys:
             if closure == DRIFT:
-                raise ValueError(NO_DRIFT)
+                raise ValueError("the drift closure is only available for oscillators")
             return correlation_of(self.linearized, *self.of_coordinates)
         lacking = {type(s).__name__ for s in self.structures if closure not in s.closure_names()}
         if lacking:

@@ -30,7 +30,7 @@ from stochlin.kernels.basics.parallel import Progress, cores
 from stochlin.kernels.simulation.ensemble import Crowd, Extremes, Links, finite_extremes
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.messages import brief
-from stochlin.models.arguments import is_number
+from stochlin.models.arguments import checked, is_number
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.links import Link
 from stochlin.models.systems import AnyStructure, Arrangement, Tie
@@ -268,6 +268,7 @@ def _separations(
     return columns
 
 
+@checked
 def exceedance(samples: xr.DataArray, gap: float | xr.DataArray) -> xr.Dataset:
     """Probability that a peak or separation exceeds a gap, from its samples.
 

@@ -30,12 +30,13 @@ from stochlin.analyses.sites.hazard_formats import (
 from stochlin.analyses.tables.inputs import input_path, read_text
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, plain
-from stochlin.models.arguments import is_number
+from stochlin.models.arguments import Years, checked
 from stochlin.models.hazards import Hazard, HazardCurve, check_curve
 
 FilePath = str | os.PathLike[str]
 
 
+@checked
 def read_hazard(
     path: FilePath | Sequence[FilePath],
     measure: str = "pga",
@@ -43,7 +44,7 @@ def read_hazard(
     units: str | None = None,
     period: float | None = None,
     site: Site | None = None,
-    investigation_time: float | None = None,
+    investigation_time: Years | None = None,
 ) -> HazardCurve:
     r"""Read a hazard curve from a file.
 
@@ -102,12 +103,6 @@ def read_hazard(
     of = Hazard(measure=measure, period=period)  # checks measure and period
     paths = [input_path("path", file) for file in (path if isinstance(path, (list, tuple)) else [path])]
     units = None if units is None else acceleration_units(units, "units")
-    if investigation_time is not None and not (
-        is_number(investigation_time) and 0 < investigation_time < np.inf
-    ):
-        raise ValueError(
-            f"investigation_time = {brief(investigation_time)}; allowed: a positive number of years"
-        )
     asked = AskedHazard(site, investigation_time)
     read = [_ordinates(file, asked) for file in paths]
     if len(read) == 1 and read[0] is None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stochlin.messages import brief
+from stochlin.models.arguments import checked
 from stochlin.models.grounds import CloughPenzien, KanaiTajimi
 from stochlin.models.parameters import Parameter
 
@@ -52,6 +53,7 @@ def ground_names() -> tuple[str, ...]:
     return tuple(_GROUNDS)
 
 
+@checked
 def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughPenzien:
     """Ground with a published or fitted parameter set.
 
@@ -88,7 +90,6 @@ def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughP
     >>> sl.named_ground("EC8_D", intensity=0.01).source
     'Giaralis & Spanos, fitted to the Eurocode 8 spectrum of ground type D'
     """
-    chosen = _GROUNDS.get(str(name).strip().lower())
-    if chosen is None:
+    if (chosen := _GROUNDS.get(str(name).strip().lower())) is None:
         raise ValueError(f"name = {brief(name)} is not a known ground; allowed: {', '.join(_GROUNDS)}")
     return replace(chosen, intensity=intensity)

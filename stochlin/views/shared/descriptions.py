@@ -112,8 +112,7 @@ def _parameter(kind: type[Model] | None, role: str, name: str, value: str) -> st
     if NUMBER.fullmatch(value):
         absent = float(value) == 0 and (not field or field.default == 0)
         return "" if absent else words + _measured(value, units)
-    over = OVER.fullmatch(value)
-    if over:
+    if over := OVER.fullmatch(value):
         count, numbers, dimensions = over.groups()
         every = f"{count} times " if count else ""
         places = re.sub(r"\b(?:yielding )?(?:storey|floor|mode)\b", r"the \g<0>s", dimensions)

@@ -6,13 +6,15 @@ import os
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
+from inspect import signature
 from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.tables.storage import whole_file
-from stochlin.messages import brief
+from stochlin.messages import brief, check_names
+from stochlin.models.arguments import checked
 from stochlin.views.shared.screen import PICTURES
 from stochlin.views.shared.symbols import typeset
 
@@ -58,6 +60,7 @@ def styled(
         def drawing(*args: Given.args, **kwargs: Given.kwargs) -> Figure:
             import matplotlib as mpl
 
+            check_names(draw.__name__, kwargs, signature(draw).parameters)
             with mpl.rc_context(STYLE | dict(more or {})):
                 return draw(*args, **kwargs)
 
@@ -71,7 +74,8 @@ def filled(lines: Iterable[str], width: int, hang: str = "") -> str:
     return "\n".join(textwrap.fill(line, width, subsequent_indent=hang) for line in lines)
 
 
-def ratio_ticks(axis: Axis, values: np.ndarray) -> None:
+@checked
+def ratio_ticks(axis: Any, values: np.ndarray) -> None:
     """Label a logarithmic axis of period ratios with plain numbers."""
     plain_ticks(axis, [t for t in TICKS if values[0] / 1.001 <= t <= values[-1] * 1.001])
 
@@ -110,8 +114,7 @@ def label_axis(axes: Axes, way: Literal["x", "y"], values: xr.DataArray) -> None
 
 def legend_above(axes: Axes, columns: int = 2, size: float = 8.5, handles: Any = None) -> None:
     """The legend above the axes, in so many columns; none where nothing has a label."""
-    handles = axes.get_legend_handles_labels()[0] if handles is None else handles
-    if handles:
+    if handles := axes.get_legend_handles_labels()[0] if handles is None else handles:
         axes.legend(
             handles=handles, loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=columns,
             borderaxespad=0.2, fontsize=size, columnspacing=1.2, handlelength=2.6, labelspacing=0.25,
@@ -131,8 +134,7 @@ def swatches(looks: Mapping[str, tuple[str, str]], edge: str) -> list[Any]:
 def open_frame(axes: Axes, sides: Sequence[str] = ("top", "right")) -> None:
     """Axes without lines at these sides, and with the grid behind what is drawn."""
     axes.set_axisbelow(True)
-    for side in sides:
-        axes.spines[side].set_visible(False)
+    axes.spines[[*sides]].set_visible(False)
 
 
 def name_rows(axes: Axes, place: Any, names: Sequence[str], size: float | None = None) -> None:

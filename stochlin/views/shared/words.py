@@ -8,6 +8,7 @@ import numpy as np
 
 from stochlin.analyses.records.files import METRES
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
+from stochlin.models.arguments import checked
 from stochlin.models.buildings import ModalBuilding, ShearBuilding
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
@@ -99,6 +100,7 @@ def per_cent(share: float, digits: int = 0, sign: str = "") -> str:
     return f"{100 * share:{sign}.{digits}f}{SPACE}%".replace("-", MINUS)
 
 
+@checked
 def rule_label(rule: str) -> str:
     """Name of a rule for a reader, ``eq. (3), Iwan (1980)``; of one without a title by its own name."""
     stem = rule.removeprefix("eq_3_")

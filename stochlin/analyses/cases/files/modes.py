@@ -49,8 +49,7 @@ def _of_file(section: Section, folder: Path, known: Known) -> xr.Dataset:
 
 def _of_tables(section: Section) -> xr.Dataset:
     """A table for each mode; masses and heights are keys of the building."""
-    modes = section.sections(MODES)
-    if not modes:
+    if not (modes := section.sections(MODES)):
         raise section.error(MODES, f"is empty; allowed: {EXAMPLE.format(name=section.name(MODES))}")
     floors = {key: section.numbers(key, Quantity.declared(ModalBuilding, key)) for key in OF_TABLES}
     masses, heights = floors.values()

@@ -367,15 +367,14 @@ def _of_elements(
 
 def _of_any_strength(structure: AnyStructure) -> Any:
     """The structure with some strength if it can yield; the equations do not depend on its value."""
-    if structure.hardening is None:
-        return structure
-    if isinstance(structure, ShearBuilding):
+    if isinstance(structure, ShearBuilding) and structure.hardening is not None:
         return replace(structure, yield_drifts=1.0)
-    if isinstance(structure, MultistoreyBuilding):  # its strengths say which modes yield
-        return structure
+    if structure.hardening is None or isinstance(structure, MultistoreyBuilding):
+        return structure  # the strengths of modes say which of them yield
     return replace(structure, yield_displacement=1.0, reduction_factor=None)
 
 
+@checked
 def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
     """Covariance ``X`` of the states, from ``A X + X A' + 2 pi S0 b b' = 0``.
 

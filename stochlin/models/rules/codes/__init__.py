@@ -240,11 +240,6 @@ class Site:
         return self.peak_1 + self.peak_2
 
     @property
-    def heights_known(self) -> bool:
-        """Whether the heights of both buildings are given."""
-        return self.height_1 is not None and self.height_2 is not None
-
-    @property
     def lower_height(self) -> Any:
         """Height of the lower building [m], at which its roof would meet the other building."""
         return np.minimum(self.height_1, self.height_2)
@@ -283,6 +278,7 @@ def code_rule_names() -> tuple[str, ...]:
     return tuple(name for name, rule in CODE_RULES.items() if not _lacks_number(rule))
 
 
+@checked
 def code_rule(name: str, value: float | None = None) -> CodeRule:
     """Separation rule of a building code, by name.
 

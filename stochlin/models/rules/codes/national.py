@@ -27,7 +27,6 @@ from stochlin.models.rules.codes import (
 from stochlin.models.rules.codes.families import NO_PEAKS, OF_HEIGHT, Numbered, ShareOfHeight, SquareRoot
 from stochlin.models.rules.published import published
 
-OWN_PEAK = "from a property line not common to a public way a building keeps its own displacement"
 OWN_LOT = "a share of its height from its own boundary, 50 mm at least"
 
 
@@ -37,7 +36,7 @@ class ByProperty(SquareRoot):
     A building keeps its own peak from a property line: between two properties the gap is the sum.
     """
 
-    line = OWN_PEAK
+    line = "from a property line not common to a public way a building keeps its own displacement"
 
     def of_site(self, site: Site) -> Any:
         return site.root_of_squares if site.neighbours.same_property else site.total
@@ -290,7 +289,8 @@ class China(Numbered):
     step: float = 3.0
 
     def of_site(self, site: Site) -> Any:
-        beyond = np.maximum(site.lower_height - 15.0, 0.0) if site.heights_known else 0.0
+        known = site.height_1 is not None and site.height_2 is not None
+        beyond = np.maximum(site.lower_height - 15.0, 0.0) if known else 0.0
         return 0.1 + 0.02 * beyond / self.step + 0 * site.total
 
 

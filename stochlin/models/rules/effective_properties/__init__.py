@@ -73,6 +73,7 @@ def effective_rule_names(unverified: Truth = False) -> tuple[str, ...]:
     return tuple(name for name in EFFECTIVE_RULES if unverified or effective_rule(name).verified)
 
 
+@checked
 def effective_rule(name: str | EffectiveRule) -> EffectiveRule:
     """Rule for effective period and damping, by name.
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
+from stochlin.models.arguments import checked
 from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
@@ -86,6 +87,7 @@ def peak_factor_names() -> tuple[str, ...]:
     return tuple(model.__name__ for model in PEAK_FACTORS.values())
 
 
+@checked
 def peak_factor_model(name: str) -> PeakFactor:
     """Peak factor model by its name, with or without the year, or its abbreviation.
 
