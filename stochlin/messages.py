@@ -79,7 +79,7 @@ def sentence(error: BaseException, longest: int = 160) -> str:
         name = "" if error.filename is None else f"{error.filename}: "
         told = f"{name}{REASONS.get(error.errno or 0, error.strerror)}"
     if isinstance(error, MemoryError):
-        told = f"this machine has too little memory ({told or 'none is left'}); {SMALLER}"
+        told = f"this machine has too little memory ({str(error) or 'none is left'}); {SMALLER}"
     return plain(" ".join(told.split()), longest)
 
 

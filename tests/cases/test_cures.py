@@ -42,21 +42,9 @@ CURES = {
     "few motions": (EXAMPLE, "= 2048", "= 10", r"number from (\d+) on$", "= {}"),
     "type of a spectrum": (CODE, 'soil = "C"', 'soil = "C"\ntype = 3', r"(2)$", 'soil = "C"\ntype = {}'),
     "comma after zero": (EXAMPLE, '"0.35 1/s"', '"0,350 1/s"', r'point, as ("[^"]*")$', "{}"),
-    "percentage": (
-        EXAMPLE,
-        "restitution = 0.65",
-        "restitution = 65",
-        r'mean ("[^"]*")',
-        "restitution = {}",
-    ),
+    "percentage": (EXAMPLE, "tion = 0.65", "tion = 65", r'mean ("[^"]*")', "tion = {}"),
     "floor not there": (STOREYS, LINK, f"{LINK}\nlink_floors = [99, 1]", r"as (.*)$", f"{LINK}\n{{}}"),
-    "exponent of a link": (
-        EXAMPLE,
-        LINK,
-        f"{LINK}\nlink_damping_exponent = 0.5",
-        r", k(N [^,]*),",
-        POWER,
-    ),
+    "exponent": (EXAMPLE, LINK, f"{LINK}\nlink_damping_exponent = 0.5", r", k(N [^,]*),", POWER),
     "weakening": (EXAMPLE, "_2 = 1.3", "_2 = 0.3", r"write strengthening(.*)$", "{}"),
 }
 

@@ -238,35 +238,13 @@ WRONG = {
         'period = "1  ',
         ["valid spread"],
     ),
-    "key of many names": ("[contact]", f"[contact]\n{'a.' * 9000}b = 3", "a.a", ["a key is nested"]),
-    "too many buildings": (
-        "[contact]",
-        "".join(f"[building_{n}]\n" for n in range(3, 102)) + "[contact]",
-        "[building_101]",
-        ["building_101 is given; allowed: 100 buildings"],
-    ),
     "measure without a name": ('"Rubber bumpers"', '" "', '[measures." "]', ["that cannot be shown"]),
     "sign between thousands": ('"3200 t"', '"3,200 t"', "mass", ['as "3.200 t", or no', 'as "3200 t"']),
     "bare decimal comma": ('"0.6 s"', "0,6", "period = 0,6", ["write a decimal point"]),
     "no digit before the point": ("= 4\nheight", "= .5\nheight", "reduction_factor = .5", ["as 0.5"]),
-    "path of Windows": (
-        'name = "Annex"',
-        r'name = "C:\annex"',
-        'name = "C:',
-        [r'name = "C:\annex"', "'single quotes', or with /"],
-    ),
-    "path of Windows with a tab": (
-        'name = "Annex"',
-        r'name = "C:\taft"',
-        'name = "C:',
-        ["no line of text", "'single quotes', or with /"],
-    ),
-    "key twice": (
-        "storeys = 8",
-        "storeys = 8\nstoreys  = 8",
-        "storeys  =",
-        ["'storeys' is already given in line 131", "each key once"],
-    ),
+    "path": ('"Annex"', r'"C:\annex"', 'name = "C:', [r'name = "C:\annex"', "'single quotes', or with"]),
+    "path with a tab": ('"Annex"', r'"C:\taft"', 'name = "C:', ["no line of text", "'single quotes'"]),
+    "key twice": ("storeys = 8", "storeys = 8\nstoreys  = 8", "storeys  =", ["'storeys'", "line 131"]),
     "dotted key": ("[contact]", "[contact]\na.b.c = 3", "a.b.c", ["contact.a is not a key"]),
     "nothing to fit to": (GROUND, 'ground = "fitted"', "intensity", ["site.intensity", "estimator"]),
 }
@@ -357,12 +335,14 @@ def test_what_is_implausible_is_asked_about_once_with_its_line(what: str, tmp_pa
     assert says in message
 
 
-def test_no_message_lists_two_thousand_buildings(tmp_path: Path) -> None:
-    one = 'period = "0.6 s"\ndamping = 0.05\nelastic = true\n'
-    more = "".join(f"[building_{n}]\n{one}" for n in range(3, 2003))
-    for old, new in (("[separation]", f"{more}[separation]"), ("[motion]", f"{more}[motions]")):
-        with pytest.raises(ValueError, match=r"case\.toml, line \d+: ") as caught:
-            read(tmp_path, changed(old, new))
+def test_a_hundred_buildings_are_allowed_and_two_thousand_not_listed(tmp_path: Path) -> None:
+    more = "".join(f"[building_{n}]\n" for n in range(3, 2003))
+    for title, says in (
+        ("motion", "building_101 is given; allowed: 100 build"),
+        ("motions", "not a key"),
+    ):
+        with pytest.raises(ValueError, match=rf"case\.toml, line \d+: .*{says}") as caught:
+            read(tmp_path, changed("[motion]", f"{more}[{title}]"))
         assert len(str(caught.value)) < 1000
 
 
@@ -398,7 +378,6 @@ def test_what_is_no_case_file(tmp_path: Path) -> None:
     for content, says in (
         (b"\xff\xfe\x00", "UTF-8"),
         (b"", "site is missing"),
-        (b"a = " + b"[" * 100_000, "nested too deeply"),
         (b"site = 5\n", "is no table"),
         (b"[site\n", "is no TOML"),
     ):

@@ -9,8 +9,11 @@ import signal
 import socket
 import sys
 import time
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
+from urllib.error import HTTPError
+from urllib.request import urlopen
 
 import pytest
 from browser import PATIENCE, served, wait
@@ -19,9 +22,6 @@ from click.testing import CliRunner
 
 from stochlin.analyses.cases.examples import example_case, example_record
 from stochlin.views.command import main
-from stochlin.views.explorer.answers import gap_of
-from stochlin.views.explorer.server import OwnOrigin, names_of
-from stochlin.views.explorer.workers import Worker
 
 pytestmark = [pytest.mark.cli, pytest.mark.slow]  # in a browser
 REST = 0.5  # s without work, after which a process rests
@@ -31,19 +31,14 @@ def run(*arguments: object) -> Any:
     return CliRunner().invoke(main, ["explore", "--no-open", *map(str, arguments)])
 
 
-def test_a_port_in_use_is_told():
+@pytest.mark.parametrize("host", ["127.0.0.1", "192.0.2.1"])  # the other of no machine, RFC 5737
+def test_an_address_that_cannot_be_used_is_told(host):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
-        done = run("--port", port)
+        done = run("--host", host, "--port", port)
     assert done.exit_code == 2
-    assert f"--host 127.0.0.1 --port {port} cannot be used" in done.output
+    assert f"--host {host} --port {port} cannot be used" in done.output
     assert "give another --port" in done.output
-
-
-def test_an_unknown_host_is_told():
-    done = run("--host", "192.0.2.1")  # of no machine, RFC 5737
-    assert done.exit_code == 2
-    assert "--host 192.0.2.1" in done.output
 
 
 def test_a_missing_extra_is_told_with_its_cure(monkeypatch):
@@ -63,38 +58,6 @@ def test_a_bad_case_file_is_told(tmp_path):
     assert "there is no such file" in run("--case", tmp_path / "none.toml").output
 
 
-@pytest.mark.parametrize(
-    ("listens", "host", "origin", "allowed"),
-    [
-        ("127.0.0.1", "127.0.0.1:8640", "", True),
-        ("127.0.0.1", "localhost:8640", "http://localhost:8640", True),
-        ("127.0.0.1", "127.0.0.1:8640", "http://127.0.0.1:9999", False),
-        ("127.0.0.1", "127.0.0.1:8640", "http://evil.example", False),
-        ("127.0.0.1", "evil.example:8640", "http://evil.example:8640", False),
-        ("127.0.0.1", "127.0.0.1:8640", "null", False),
-        ("127.0.0.1", "", "", False),
-        ("127.0.0.1", "[", "", False),
-        ("127.0.0.1", "127.0.0.1:8640", "http://[bad", False),
-        ("0.0.0.0", "any.name:8640", "http://[bad", False),
-        ("::1", "[::1]:8640", "http://[::1]:8640", True),
-        ("localhost", "127.0.0.1:8640", "", True),
-        ("192.168.1.5", "192.168.1.5:8640", "http://192.168.1.5:8640", True),
-        ("192.168.1.5", "localhost:8640", "", False),
-        ("0.0.0.0", "any.name:8640", "http://any.name:8640", True),
-        ("0.0.0.0", "any.name:8640", "http://evil.example", False),
-    ],
-)
-def test_only_its_own_pages_may_ask(listens, host, origin, allowed):
-    headers = {b"host": host.encode()} | ({b"origin": origin.encode()} if origin else {})
-    assert OwnOrigin(None, names_of(listens)).allows(headers) is allowed
-
-
-def test_a_page_that_asks_while_the_server_ends_is_answered_by_a_cancelled_question():
-    worker = Worker()
-    worker.close()
-    assert worker.ask(gap_of).answer.cancelled()
-
-
 def response(address: str, path: str, **headers: str) -> http.client.HTTPResponse:
     connection = http.client.HTTPConnection(address, timeout=PATIENCE)
     try:
@@ -102,10 +65,6 @@ def response(address: str, path: str, **headers: str) -> http.client.HTTPRespons
         return connection.getresponse()
     finally:
         connection.close()
-
-
-def status(address: str, path: str, **headers: str) -> int:
-    return response(address, path, **headers).status
 
 
 PATHS = ("docs", "openapi.json", "redoc", "nothing", "a/b", "_nicegui/nothing", "_nicegui/3/static/x.js")
@@ -120,9 +79,7 @@ def test_only_the_page_is_served_and_never_within_another(address, path):
         assert answer.getheader("Content-Security-Policy") == "frame-ancestors 'none'"
 
 
-def test_requests_of_other_hosts_and_pages_are_refused(address):
-    assert status(address, "/") == 200
-    assert status(address, "/", Host="evil.example") == 403
+def test_websockets_of_other_pages_are_refused(address):
     upgrade = {
         "Connection": "Upgrade",
         "Upgrade": "websocket",
@@ -130,8 +87,24 @@ def test_requests_of_other_hosts_and_pages_are_refused(address):
         "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
     }
     channel = "/_nicegui_ws/socket.io/?EIO=4&transport=websocket"
-    assert status(address, channel, **upgrade, Origin=f"http://{address}") == 101
-    assert status(address, channel, **upgrade, Origin="http://evil.example") == 403
+    assert response(address, channel, **upgrade, Origin=f"http://{address}").status == 101
+    assert response(address, channel, **upgrade, Origin="http://evil.example").status == 403
+
+
+def test_all_pages_that_are_asked_for_come_and_nonsense_is_a_line_of_the_log(tmp_path):
+    with served(tmp_path, example_of_short_motion(), more=2) as (address, _):
+        with ExitStack() as open_until_here:
+            pages = [http.client.HTTPConnection(address, timeout=PATIENCE) for _ in range(99)]
+            for page in pages:
+                open_until_here.callback(page.close)
+                page.request("GET", "/")
+            assert {page.getresponse().status for page in pages} == {200}
+        channel = f"http://{address}/_nicegui_ws/socket.io/?EIO=4&transport=polling"
+        with urlopen(channel) as opened:
+            session = json.loads(opened.read()[1:])["sid"]
+        urlopen(f"{channel}&sid={session}", b"4\x1b[31m").close()
+        with pytest.raises(HTTPError, match="400"):
+            urlopen(f"{channel}&sid=%1b[31m")
 
 
 def test_the_page_comes_from_this_machine_alone_and_has_an_answer(page, address):

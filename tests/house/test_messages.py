@@ -61,6 +61,7 @@ def test_texts_without_quotation_marks() -> None:
     assert listed(["one", "two"]) == "one, two"
     assert listed(map(str, range(100))) == "0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 and 88 more"
     assert sentence(ValueError("two\n  lines")) == "two lines"
+    assert "too little memory (none is left); take fewer" in sentence(MemoryError())
     assert sentence(FileNotFoundError(2, "No such file", "a.at2")).startswith(
         "a.at2: there is no such file"
     )

@@ -127,7 +127,7 @@ def _to_subfolders(tables: Mapping[str, Any], files: Mapping[str, bytes], folder
     """Move uploaded files to the subfolders of ``folder`` where the case looks for them."""
     for text in {*_texts(tables), *_of_tables(files)}:
         chosen, there = folder / PurePosixPath(text).name, folder / text
-        inside = ".." not in there.parts and there.is_relative_to(folder)
+        inside = ".." not in there.parts and len(there.parts) < 100 and there.is_relative_to(folder)
         if inside and there.name in files and not there.exists():
             there.parent.mkdir(parents=True, exist_ok=True)
             chosen.rename(there)

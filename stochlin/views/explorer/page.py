@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import tomllib
+import traceback
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from nicegui import background_tasks, ui
 from stochlin.analyses.explorer.form import AS_IN_FILE, changed_text, chosen, form_of
 from stochlin.analyses.explorer.uploads import Upload, uploaded
 from stochlin.analyses.tables.inputs import MOST_BYTES
-from stochlin.analyses.tables.toml import toml_text
+from stochlin.analyses.tables.toml import toml_tables, toml_text
 from stochlin.messages import LONGEST_MESSAGE, sentence
 from stochlin.views.explorer.answers import correlation_of, gap_of
 from stochlin.views.explorer.rows import TYPING, EntryRow, choice_row
@@ -30,6 +30,7 @@ FIRST = "Gap"
 PAUSE = 0.5  # s after the last change, before the answer is computed anew
 LOOK = 0.25  # s between two looks at how far the work is
 REFUSED = (ValueError, TypeError, ArithmeticError, MemoryError, OSError)
+NOT_SENT = f"The files were not opened; allowed: {MOST_BYTES >> 20} MB in all, and 1000 files."
 HEADING = "How far must two buildings on the same ground stand apart?"
 FOLD = "if (innerWidth < 720) document.querySelectorAll('details').forEach(d => d.open = false)"
 LOG = logging.getLogger("stochlin")
@@ -40,7 +41,7 @@ class Page:
 
     def __init__(self, start: Upload, worker: Worker) -> None:
         self._upload, self._shared = start, start
-        self._text, self._tables = start.text, tomllib.loads(start.text)
+        self._text, self._tables = start.text, toml_tables(start.text)
         self._worker = worker
         self._job: Job | None = None
         self._changes = 0
@@ -50,7 +51,7 @@ class Page:
         self._build()
         self._show_case()
         self._client.on_disconnect(self._pause)
-        self._client.on_connect(self._resume)
+        self._client.on_connect(lambda: self._compute(0.0))
         self._client.on_delete(self._leave)
         ui.timer(LOOK, self._look)
 
@@ -67,7 +68,8 @@ class Page:
                 ui.label(HEADING)
             self._files = ui.upload(on_multi_upload=self._open, multiple=True, auto_upload=True)
             self._files.props(f"max-total-size={MOST_BYTES}").classes("files")
-            self._files.on("rejected", self._too_large)
+            for failure in ("rejected", "failed"):
+                self._files.on(failure, self._not_sent, args=[])
             pick = f"() => getElement({self._files.id}).pickFiles()"
             _button("Open case file", "data-open").on("click", js_handler=pick)
             _button("Save case file", "data-save").on_click(self._save)
@@ -97,7 +99,7 @@ class Page:
 
     def _show_case(self) -> None:
         """The form and the text of the present tables."""
-        self._show_text()
+        self._source.value = self._text
         self._form.clear()
         with self._form:
             for group in form_of(self._tables):
@@ -109,13 +111,10 @@ class Page:
                     for entry in group.entries:
                         EntryRow(entry, group.title, self._change)
 
-    def _show_text(self) -> None:
-        self._source.value = self._text
-
     def _change(self, entry: Entry, value: Any) -> None:
         """Take another value of a key."""
         self._take(changed_text(self._text, entry, value))
-        self._show_text()
+        self._source.value = self._text
 
     def _choose(self, choice: Choice, option: str) -> None:
         """Take the keys of another choice; what the file says otherwise is no choice."""
@@ -134,7 +133,7 @@ class Page:
     def _take(self, text: str) -> None:
         self._text = text
         try:
-            self._tables = tomllib.loads(text)
+            self._tables = toml_tables(text)
         except ValueError:
             self._form.props("inert")
         else:
@@ -205,8 +204,9 @@ class Page:
         self._show_case()
         ui.run_javascript(FOLD)
 
-    def _too_large(self, _: object) -> None:
-        self._alert.text = f"The files are too large; allowed: {MOST_BYTES >> 20} MB in all."
+    def _not_sent(self) -> None:
+        self._files.reset()  # or they were sent again with the next ones
+        self._alert.text = NOT_SENT
 
     def _save(self) -> None:
         ui.download.content(self._text, self._upload.name, "application/toml")
@@ -215,10 +215,6 @@ class Page:
         """Compute nothing for a page that has lost its connection; perhaps its tab is closed."""
         if not self._client.has_socket_connection:
             self._compute(0.0)
-
-    def _resume(self) -> None:
-        """Go on with a page that is connected again."""
-        self._compute(0.0)
 
     def _leave(self) -> None:
         self._changes += 1
@@ -235,7 +231,8 @@ class Page:
 def _why(error: Exception) -> str:
     """What to say of an error; a fault of ours, or a process that died, is logged."""
     if not isinstance(error, REFUSED):
-        LOG.error("the explorer's answer", exc_info=error)
+        for line in "".join(traceback.format_exception(error)).splitlines():
+            LOG.error("%s", line)
     return sentence(error, LONGEST_MESSAGE)
 
 

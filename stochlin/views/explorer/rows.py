@@ -28,10 +28,6 @@ class NativeSlider(ui.element, component="slider.js"):
         self._props |= {"min": low, "max": high, "step": step, "start": entry.at}
         self.on("slide", lambda event: slid(float(event.args)), throttle=BETWEEN)
 
-    def show(self, value: float) -> None:
-        """Follow the text."""
-        self.run_method("show", value)
-
 
 class EntryRow:
     """The row of a key. ``changed`` is called with the entry as it was and with another value."""
@@ -64,7 +60,7 @@ class EntryRow:
     def _typed(self, event: events.ValueChangeEventArguments[Any]) -> None:
         self._take(self._entry.read(event.value or ""))
         if self._slider is not None and self._entry.at is not None and not self._sliding:
-            self._slider.show(self._entry.at)
+            self._slider.run_method("show", self._entry.at)  # it follows the text
 
     def _slid(self, at: float) -> None:
         self._sliding = True
