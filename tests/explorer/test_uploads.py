@@ -71,10 +71,7 @@ def test_a_case_of_files_elsewhere_is_refused(tmp_path):
         ({"a.toml": b"", "b.toml": b""}, "2 case files are chosen"),
         ({"a.toml": b"\xff\xfe"}, "a.toml is no TOML file"),
         ({"a.toml": b"[site"}, "a.toml, line 1: '.site' is no TOML file's text"),
-        (
-            {"a.toml": b'x = "' + b"a/" * 1500 + b'b"', "b": b""},
-            "a.toml, line 1: x = 'a/a.* is not a key",
-        ),
+        ({"a.toml": b'x = "' + b"a/" * 1500 + b'b"', "b": b""}, "line 1: x = 'a/a.* is not a key"),
     ],
 )
 def test_what_is_no_case_is_refused_in_the_words_of_its_reader(files, message):
