@@ -99,7 +99,7 @@ def read_modes(
         raise TypeError(f"points = {brief(points)}; allowed: a list of names")
     for unit, of in ((mass_units, "mass_units"), (length_units, "length_units")):
         if not isinstance(unit, str | None):
-            raise TypeError(f"{of} = {brief(unit)}; allowed: the name of a unit")
+            raise TypeError(f"{of} = {brief(unit)}; allowed: a text")
     name, asked = plain(path.name), AskedModes(direction, tuple(points), mass_units, length_units)
     sheets = (sheets_in if path.is_dir() else sheets_of)(path)
     buildings = [(kind, its) for kind in MODE_FILES.values() for its in kind.buildings(sheets)]
