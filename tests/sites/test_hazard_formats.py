@@ -126,7 +126,10 @@ def test_probabilities_in_columns_need_their_time(tmp_path):
         ({"site": 1, "measure": "sa", "period": 1.0}, r"period = 1 is beyond .* has PGA; allowed"),
         ({"site": 1, "measure": "intensity"}, "measure = 'intensity' is not in .* has PGA"),
         ({"site": 1, "investigation_time": 1}, "investigation_time = 1 contradicts .* which states 50"),
-        ({"site": 1, "investigation_time": -1}, "investigation_time = -1 is out of range; allowed: a "),
+        (
+            {"site": 1, "investigation_time": -1},
+            "investigation_time = -1 is out of range; allowed: a positive",
+        ),
     ],
 )
 def test_what_a_file_of_openquake_does_not_have_is_refused(tmp_path, options, message):
@@ -159,14 +162,20 @@ BROKEN = {
         "line 3, column poe-0.1000000: the probability is -0.1; allowed",
     ),
     "json": ('{"response": [', "hazard.csv is no valid JSON: .*; fetch it again"),
-    "no response": ('{"answer": []}', "hazard.csv has no response; allowed: the response of the hazard"),
-    "no curves": ('{"response": {}}', "hazard.csv has no response.hazardCurves"),
+    "no response": ('{"answer": []}', "hazard.csv has no response.hazardCurves; allowed: the response"),
     "no imt": ('{"response": [{"data": []}]}', "hazard.csv has no imt.value"),
     "no total": (usgs().replace("Total", "Sum"), "hazard.csv has no numbers of PGA"),
     "text": (usgs().replace("[1.0, 2.0]", "[]").replace("[0.05,", '["0.05",'), "no numbers of PGA"),
     "unequal": (usgs().replace("[0.05, ", "[", 1), "PGA: 7 accelerations and 8 frequencies"),
     "no units": (usgs().replace("(g)", ""), "units is missing and hazard.csv does not state it"),
-    "nan": (usgs().replace("[0.05, ", "[NaN, ", 1), "PGA, number 1: the intensity is nan"),
+    **{
+        number: (
+            usgs().replace("[0.05, ", f"[{number}, ", 1),
+            f"valid JSON: {number} is no finite number",
+        )
+        for number in ("NaN", "Infinity", "-Infinity", "1e999")
+    },
+    "twice": (usgs().replace('{"', '{"response": 1, "', 1), "'response' stands twice in one object"),
 }
 
 

@@ -121,7 +121,6 @@ def check_ordinates(period: Array, values: Array, damping: float, places: list[s
             raise ValueError(
                 f"{place}: {t:g} s follows {before:g} s; allowed: increasing periods, so sort them"
             )
-    for place, before, t in zip(places[1:], period[:-1], period[1:], strict=True):
         if before > 0 and t > WIDEST * before:
             raise ValueError(
                 f"{place}: nothing stands between {before:g} and {t:g} s; allowed: periods of which "

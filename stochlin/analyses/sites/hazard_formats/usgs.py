@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from stochlin.analyses.sites.hazard_formats import (
     refuse,
 )
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import sentence
+from stochlin.messages import brief, sentence
 from stochlin.models.arguments import is_number
 
 TITLE = "a response of the USGS, of annual frequencies at one site"
@@ -35,17 +36,31 @@ _PERIOD = re.compile(r"SA(\d{1,3})P(\d{1,6})")  # SA0P2 at 0.2 s
 def _read(name: str, text: str, asked: AskedHazard) -> list[Ordinate]:
     refuse(name, TITLE, {"site": asked.site, "investigation_time": asked.years})
     try:
-        response = json.loads(text)["response"]
+        hooks: dict[str, Any] = {"parse_constant": _finite, "parse_float": _finite}
+        response = _at(json.loads(text, object_pairs_hook=_each_once, **hooks), "response")
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{name} is no valid JSON: {sentence(error)}; fetch it again") from error
-    except (KeyError, TypeError) as error:
-        raise _without(name, "response") from error
-    curves = response.get("hazardCurves", response.get("hazards")) if _is(response) else response
+    curves = _at(response, "hazardCurves") or _at(response, "hazards") or response
     label = _at(response, "metadata", "xlabel")
     if not isinstance(curves, list):
         raise _without(name, "response.hazardCurves")
     read = [_ordinate(name, curve, label) for curve in curves]
     return [ordinate for ordinate in read if ordinate is not None]
+
+
+def _finite(number: str) -> float:
+    """The number of a text, which JSON has only for finite ones."""
+    if not np.isfinite(value := float(number)):
+        raise ValueError(f"{number} is no finite number")
+    return value
+
+
+def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of JSON, of which a name that stands twice would silently be the last."""
+    names = Counter(name for name, _ in pairs)
+    if len(names) < len(pairs):
+        raise ValueError(f"{brief(names.most_common(1)[0][0])} stands twice in one object")
+    return dict(pairs)
 
 
 def _ordinate(name: str, curve: Any, label: Any) -> Ordinate | None:
@@ -85,12 +100,8 @@ def _numbers(name: str, what: str, values: Any) -> Array:
 def _at(value: Any, *keys: str) -> Any:
     """The value at the end of a path of keys; None if there is none."""
     for key in keys:
-        value = value.get(key) if _is(value) else None
+        value = value.get(key) if isinstance(value, dict) else None
     return value
-
-
-def _is(value: Any) -> bool:
-    return isinstance(value, dict)
 
 
 def _without(name: str, what: str) -> ValueError:
