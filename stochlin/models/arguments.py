@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stochlin.messages import brief, check_names, hint
-from stochlin.models.parameters import POSITIVE, Model, Range, expect
+from stochlin.models.parameters import POSITIVE, Model, Range, as_array, expect
 from stochlin.models.plausible import implausible, warn_caller
 from stochlin.models.uncertain import TAKERS, UncertainModel, median_of
 
@@ -56,10 +56,7 @@ def is_label(value: object) -> TypeGuard[str]:
 
 def as_numbers(name: str, value: object, allowed: str) -> npt.NDArray[Any]:
     """The array of ``value``; raises a TypeError unless it has real numbers only."""
-    try:
-        array = np.asarray(value)
-    except (ValueError, TypeError):  # ragged lists; a dataset
-        array = np.empty((), object)
+    array = as_array(value)
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} = {brief(value)}; allowed: {allowed}")
     return array

@@ -11,7 +11,7 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
-from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, check, parameter
+from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, as_array, check, parameter
 
 MEASURES = ("pga", "sa", "intensity")
 FEWEST = 2  # smallest number of points of a curve
@@ -238,10 +238,7 @@ def check_curve(intensities: Array, frequencies: Array, places: Sequence[str]) -
 
 
 def _numbers(name: str, values: object) -> Array:
-    try:
-        array = np.asarray(values)
-    except (ValueError, TypeError):  # ragged lists; a dataset
-        array = np.empty((), object)
+    array = as_array(values)
     if array.ndim != 1 or array.dtype.kind not in "iuf":
         raise TypeError(f"{name} = {brief(values)}; allowed: a list of numbers")
     return array.astype(float)

@@ -28,8 +28,6 @@ ALONE = (
     "one building alone, beside the property line on its right, is taken by separation, existing_gap, "
     "sensitivity, recorded_gap, pounding_risk and required_gap: as first, with None as second"
 )
-# Attributes of a model that cache its parameters, as given and as arrays; a model never changes.
-_CELLS, _MADE = "_cells", "_arrays"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,6 +60,8 @@ class Range:
 
 
 POSITIVE, NOT_NEGATIVE = Range(), Range(include_lower=True)
+# Of structures and grounds in seconds, where their frequencies and those of others are of use together.
+PERIODS = Range(1e-9, 1e9, include_lower=True, include_upper=True)
 
 
 def parameter(units: str, long_name: str, allowed: Range, default: Any = dataclasses.MISSING) -> Any:
@@ -129,7 +129,8 @@ class Model(metaclass=_Kind):
         """The concrete classes below this class, which messages list as allowed."""
         made = cls.__subclasses__()
         # A base has subclasses in its own package; a subclass in another package does not make it one.
-        is_base = _package(cls) in map(_package, made)
+        package = cls.__module__.partition(".")[0]
+        is_base = any(f"{kind.__module__}.".startswith(f"{package}.") for kind in made)
         return {kind for each in made for kind in each.kinds()} if is_base else {cls}
 
     @classmethod
@@ -147,25 +148,24 @@ class Model(metaclass=_Kind):
         """The unit of a parameter."""
         return str(cls.__dataclass_fields__[name].metadata["units"])
 
+    @functools.cached_property
+    def _cells(self) -> dict[str, Any]:
+        return {f.name: value for f in self._declared() if (value := getattr(self, f.name)) is not None}
+
     def cells(self) -> dict[str, Any]:
         """The parameters that are set, by name: numbers, or labelled arrays."""
-        made: dict[str, Any] | None = self.__dict__.get(_CELLS)
-        if made is None:
-            fields = self._declared()
-            made = {f.name: value for f in fields if (value := getattr(self, f.name)) is not None}
-            object.__setattr__(self, _CELLS, made)
-        return dict(made)
+        return dict(self._cells)
+
+    @functools.cached_property
+    def _arrays(self) -> dict[str, xr.DataArray]:
+        values = self._cells.items()
+        return {
+            n: value if isinstance(value, xr.DataArray) else xr.DataArray(value) for n, value in values
+        }
 
     def arrays(self) -> dict[str, xr.DataArray]:
         """The parameters that are set, by name, as labelled arrays (0-d for scalars)."""
-        made: dict[str, xr.DataArray] | None = self.__dict__.get(_MADE)
-        if made is None:
-            made = {
-                name: value if isinstance(value, xr.DataArray) else xr.DataArray(value)
-                for name, value in self.cells().items()
-            }
-            object.__setattr__(self, _MADE, made)
-        return dict(made)
+        return dict(self._arrays)
 
     def over_cells(self) -> dict[str, xr.DataArray]:
         """The parameters whose dimensions become dimensions of a result, as labelled arrays."""
@@ -184,7 +184,7 @@ class Model(metaclass=_Kind):
     def with_arrays(self, arrays: Mapping[str, xr.DataArray]) -> Self:
         """A copy of the model with these arrays as parameters, without checking them again."""
         changed = copy.copy(self)
-        for made in (_CELLS, _MADE):
+        for made in ("_cells", "_arrays"):
             changed.__dict__.pop(made, None)
         for name, array in arrays.items():
             object.__setattr__(changed, name, array)
@@ -220,10 +220,6 @@ def _plainly_alike(arrays: Sequence[xr.DataArray]) -> bool:
     )
 
 
-def _package(kind: type) -> str:
-    return kind.__module__.partition(".")[0]
-
-
 def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str) -> None:
     """Raise a TypeError unless ``value``, the argument named ``role``, is of a class in ``kind``."""
     if not isinstance(value, kind):
@@ -238,16 +234,23 @@ def expect(value: object, kind: type[Model] | tuple[type[Model], ...], role: str
         raise TypeError(f"{role} = {brief(value)} is of the wrong kind; allowed: {names}{instead}")
 
 
+def as_array(value: object) -> npt.NDArray[Any]:
+    """The array of ``value``, with NaN for masked numbers; without dimensions if it is no array."""
+    try:
+        array = np.ma.asarray(value) if isinstance(value, (list, tuple)) else np.asanyarray(value)
+    except (ValueError, TypeError):  # ragged lists; a dataset
+        return np.empty((), object)
+    masked = np.ma.getmaskarray(array)
+    return np.where(masked, np.nan, array) if masked.any() else np.asarray(array)
+
+
 def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> float | xr.DataArray:
     """The value of a parameter, checked against its declared range and labelled with its unit.
 
     ``declared`` is the metadata of `parameter`; ``prefix`` precedes the name in messages.
     """
     label, allowed = f"{prefix}{name}", declared["allowed"]
-    try:
-        array = value if isinstance(value, xr.DataArray) else np.asarray(value)
-    except (ValueError, TypeError) as error:  # ragged lists; a dataset
-        raise TypeError(f"{label} = {brief(value)} is not a real number; allowed: {allowed}") from error
+    array = value if isinstance(value, xr.DataArray) else as_array(value)
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{label} = {brief(value)} is not a real number; allowed: {allowed}")
     if array.ndim == 0:

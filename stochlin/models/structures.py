@@ -17,7 +17,7 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure, ClosureInTime
 from stochlin.messages import listed
-from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
+from stochlin.models.parameters import PERIODS, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.states import cannot_be_linearized, in_words
 from stochlin.registry import Registry
 
@@ -60,7 +60,7 @@ class Structure(Model):
 
     closures: ClassVar[Mapping[str, Closure]] = {}  # in closed form, by name
 
-    period: Parameter = parameter("s", "period of small oscillations", POSITIVE)
+    period: Parameter = parameter("s", "period of small oscillations", PERIODS)
     damping: Parameter = parameter("1", "damping ratio", DAMPING)
     hardening: Parameter | None = parameter("1", "hardening ratio", HARDENING, None)
     yield_displacement: Parameter | None = parameter("m", "yield displacement", POSITIVE, None)

@@ -78,7 +78,7 @@ class Uncertain(metaclass=Named):
             median = np.empty((), object)
         if median.dtype.kind not in "iuf":
             raise TypeError(f"Uncertain: median = {brief(self.median)}; allowed: a number, or an array")
-        if not np.isfinite(median).all():
+        if np.ma.is_masked(self.median) or not np.isfinite(median).all():
             raise ValueError(f"Uncertain: median = {brief(self.median)}; allowed: finite numbers")
         spread = self.spread
         a_number = isinstance(spread, (int, float, np.number)) and not isinstance(spread, bool)

@@ -125,6 +125,12 @@ BROKEN = {
     ),
     "line 2: mode numbers are not 1, 2 and so on": PLAIN.replace("mode,,1,2", "mode,,1,1"),
     "line 4: the floors are missing": PLAIN[: PLAIN.index("\n7")],
+    "line 2, column 4: the mode number is 9.22337e+18; allowed: 1 <= value <= 1e+09": PLAIN.replace(
+        "mode,,1,2", f"mode,,1,{2**63}"
+    ),
+    "line 3, column 4: the period is 1e-200; allowed: 1e-09 <= value <= 1e+09": PLAIN.replace(
+        "0.18", "1e-200"
+    ),
     "line 3: the floors are missing": PLAIN[: PLAIN.index("\nlevel")],
     "line 2, column 1: the periods are missing below": PLAIN.replace("period [s],,0.5,0.18\n", ""),
     "line 3, column 1: periods are in ''; allowed: 'period [s]'": PLAIN.replace("[s]", ""),

@@ -41,7 +41,7 @@ def test_eq_4_holds_for_all_exponents(power, apart, xi_1, xi_2):
 
 
 class Extremes:
-    """Random parameters whose exponents are from -300 to 300, over one dimension."""
+    """Random parameters over one dimension, of all exponents that are allowed."""
 
     def __init__(self, seed):
         self.rng = np.random.default_rng(seed)
@@ -49,20 +49,23 @@ class Extremes:
     def positive(self, low=-300.0):
         return xr.DataArray(10 ** self.rng.uniform(low, 300, CELLS), dims="cell")
 
+    def period(self):
+        return xr.DataArray(10 ** self.rng.uniform(-9, 9, CELLS), dims="cell")
+
     def ratio(self):
         return xr.DataArray(10 ** self.rng.uniform(-300, -1e-3, CELLS), dims="cell")
 
     def structure(self, strength):
         hardening = {"hardening": self.ratio()} if strength else {}
         own = {name: self.positive() for name in strength}
-        return sl.Bilinear(self.positive(), self.ratio(), **hardening, **own)
+        return sl.Bilinear(self.period(), self.ratio(), **hardening, **own)
 
     def ground(self, kind):
         if kind is sl.WhiteNoise:
             return kind(self.positive())
-        soil = self.positive(), self.ratio()
+        soil = self.period(), self.ratio()
         if kind is sl.CloughPenzien:
-            soil += self.positive(), self.ratio()
+            soil += self.period(), self.ratio()
         return kind(*soil, intensity=self.positive())
 
 

@@ -15,7 +15,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.laws.hysteretic import law_of
-from stochlin.models.parameters import CASE, Model
+from stochlin.models.parameters import CASE, Model, as_array
 from stochlin.models.states import in_words
 from stochlin.models.structures import Structure
 
@@ -216,10 +216,7 @@ def check_ranges(model: Model, prefix: str) -> None:
 
 def along(label: str, value: Any, dimension: str) -> xr.DataArray:
     """A list or 1-D array as an array over a dimension; raises a ValueError for anything else."""
-    try:
-        array = np.asarray(value)
-    except (ValueError, TypeError):  # ragged lists; a dataset
-        array = np.empty(())
+    array = as_array(value)
     if array.ndim != 1 or not array.size:
         raise ValueError(
             f"{label} = {brief(value)}; allowed: a list or 1-D array with one number for each "

@@ -24,7 +24,7 @@ from stochlin.models.buildings.base import (
     check_ranges,
 )
 from stochlin.models.laws.hysteretic import Hysteretic
-from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
+from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, Range, as_array, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
 from stochlin.models.uncertain import Uncertain, takes_uncertain
 
@@ -132,7 +132,7 @@ class ModalBuilding(MultistoreyBuilding):
 
     strength_name: ClassVar[str] = "yield_displacements"
 
-    periods: Parameter = parameter("s", "period of the mode", POSITIVE)
+    periods: Parameter = parameter("s", "period of the mode", PERIODS)
     shapes: Parameter = parameter("1", "shape of the mode at the floor", ANY)
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
     heights: Parameter = parameter("m", "height of the storey", POSITIVE)
@@ -473,11 +473,8 @@ class ModalBuilding(MultistoreyBuilding):
 
 def _table(label: str, value: Any) -> xr.DataArray:
     """Mode shapes over modes and floors; raises a ValueError for anything but a table of numbers."""
-    try:
-        array = np.asarray(value, float)
-    except (ValueError, TypeError, OverflowError):  # ragged lists; texts; numbers beyond all floats
-        array = np.empty(())
-    if array.ndim != 2 or not array.size:
+    array = as_array(value)
+    if array.ndim != 2 or not array.size or array.dtype.kind not in "iuf":
         raise ValueError(
             f"{label} = {brief(value)}; allowed: a list of modes, each with one number for every floor"
         )

@@ -26,7 +26,15 @@ from stochlin.models.buildings.base import (
 )
 from stochlin.models.buildings.chains import chain_modes
 from stochlin.models.laws.hysteretic import Hysteretic
-from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
+from stochlin.models.parameters import (
+    NOT_NEGATIVE,
+    PERIODS,
+    POSITIVE,
+    Model,
+    Parameter,
+    Range,
+    parameter,
+)
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.structures import DAMPING, HARDENING, Structure
 from stochlin.models.uncertain import takes_uncertain
@@ -47,7 +55,7 @@ class RegularBuilding(Model):
 
     of_arguments = True
 
-    period: Parameter = parameter("s", "period of the first mode", POSITIVE)
+    period: Parameter = parameter("s", "period of the first mode", PERIODS)
     storey_height: Parameter = parameter("m", "height of each storey", POSITIVE)
     mass: Parameter = parameter("kg", "mass of each floor", POSITIVE)
     base_shear_coefficient: Parameter | None = parameter(
@@ -282,6 +290,7 @@ class ShearBuilding(MultistoreyBuilding):
         """
         values = self._over_all
         periods = 2 * np.pi * np.sqrt(values["masses"] / values["stiffnesses"])
+        periods = np.clip(periods, PERIODS.lower, PERIODS.upper)  # beyond, the modes are refused
         common = dict[str, Any](period=xr.DataArray(periods, dims=STOREY), damping=self.damping)
         if self.yields:
             drifts = xr.DataArray(values["yield_drifts"], dims=STOREY)

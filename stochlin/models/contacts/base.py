@@ -10,7 +10,16 @@ import xarray as xr
 
 from stochlin.kernels.simulation.contacts import ForceLaw, forces
 from stochlin.models.contacts.restitution import Form
-from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, check, parameter
+from stochlin.models.parameters import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    Model,
+    Parameter,
+    Range,
+    as_array,
+    check,
+    parameter,
+)
 from stochlin.registry import Registry
 
 ANY = Range(lower=-np.inf)
@@ -140,7 +149,7 @@ def elementwise(model: str, name: str, value: Any, allowed: Range, form: Form) -
     A scalar out of range raises an error; cells of an array out of range are NaN. The result is of the
     kind of the value: a float, an array of the same shape, or a DataArray.
     """
-    array = np.asarray(value)
+    array = as_array(value)
     if array.ndim == 0 or array.dtype.kind not in "iuf":
         checked_value(model, name, value, "1", allowed)
     result = form(np.where(allowed.contains(array), array, np.nan).astype(float))

@@ -11,7 +11,7 @@ import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.filters import Filter, stationary
-from stochlin.models.parameters import Model, Parameter, Range, expect
+from stochlin.models.parameters import Model, Parameter, Range, as_array, expect
 from stochlin.registry import Registry
 
 GROUNDS: Registry[type[Ground]] = Registry("ground", "stochlin.models.grounds")
@@ -72,7 +72,7 @@ class Ground(Model):
         1.0
         """
         if not isinstance(frequency, xr.DataArray):
-            values = np.asarray(frequency, float)
+            values = as_array(frequency).astype(float)
             dims = ["frequency"][: values.ndim]
             coords = {"frequency": ("frequency", values, {"units": "rad/s"})} if dims else None
             frequency = xr.DataArray(values, dims=dims, coords=coords)

@@ -11,7 +11,7 @@ import numpy as np
 from stochlin.kernels.linearization.filters import CloughPenzienFilter
 from stochlin.models.grounds.base import GROUNDS, POSITIVE_DAMPING, Fit, Ground
 from stochlin.models.grounds.kanai_tajimi import KanaiTajimi
-from stochlin.models.parameters import POSITIVE, Parameter, parameter
+from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, parameter
 
 
 @GROUNDS.register("clough_penzien", 2)
@@ -57,9 +57,9 @@ class CloughPenzien(Ground):
         },
         [(*soil, *layer) for soil in KanaiTajimi.fit.starts for layer in ((1.5, 0.3), (6.0, 0.6))],
     )
-    period: Parameter = parameter("s", "ground period", POSITIVE)
+    period: Parameter = parameter("s", "ground period", PERIODS)
     damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING)
-    high_pass_period: Parameter = parameter("s", "high-pass period", POSITIVE)
+    high_pass_period: Parameter = parameter("s", "high-pass period", PERIODS)
     high_pass_damping: Parameter = parameter("1", "high-pass damping ratio", POSITIVE)
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
 

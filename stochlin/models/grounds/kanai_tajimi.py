@@ -10,7 +10,7 @@ import numpy as np
 
 from stochlin.kernels.linearization.filters import KanaiTajimiFilter
 from stochlin.models.grounds.base import GROUNDS, POSITIVE_DAMPING, Fit, Ground
-from stochlin.models.parameters import POSITIVE, Parameter, parameter
+from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, parameter
 
 
 @GROUNDS.register("kanai_tajimi", 1)
@@ -57,7 +57,7 @@ class KanaiTajimi(Ground):
 
     name: ClassVar[str] = "Kanai-Tajimi"
     fit: ClassVar[Fit] = Fit({"damping": (2e-3, 3.0)}, ((0.02,), (0.06,), (0.2,), (0.6,)))
-    period: Parameter = parameter("s", "ground period", POSITIVE)
+    period: Parameter = parameter("s", "ground period", PERIODS)
     damping: Parameter = parameter("1", "ground damping ratio", POSITIVE_DAMPING)
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
 

@@ -8,7 +8,10 @@ from typing import ClassVar, NamedTuple
 
 from stochlin.analyses.buildings.sheets import Sheet
 from stochlin.kernels.basics.arrays import Array
+from stochlin.models.parameters import Range
 from stochlin.registry import Registry
+
+MODE_NUMBERS = Range(1, 1e9, include_lower=True, include_upper=True)
 
 
 class AskedModes(NamedTuple):

@@ -10,6 +10,7 @@ import numpy as np
 
 from stochlin.analyses.buildings.mode_files.base import (
     MODE_FILES,
+    MODE_NUMBERS,
     AskedModes,
     ModeFile,
     ModesOfFile,
@@ -25,7 +26,7 @@ from stochlin.analyses.buildings.sheets import Sheet, SheetRow
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
 from stochlin.models.buildings.modal import ANY
-from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
+from stochlin.models.parameters import NOT_NEGATIVE, PERIODS, POSITIVE, Range
 
 RATIOS, OF_JOINTS = "Modal Participating Mass Ratios", "Joint Displacements"
 OF_CENTRES, OF_STORIES = "Diaphragm Center Of Mass Displacements", "Mass Summary by Story"
@@ -100,7 +101,7 @@ class CsiModes(ModeFile):
             if (unit := row.cell(period).lower()) not in SECONDS:
                 raise row.error(period, f"periods are in {brief(unit)}; allowed: sec")
         modes = ratios.by(step, _whole)
-        periods = {mode: row.number(period, "period", POSITIVE) for mode, row in modes.items()}
+        periods = {mode: row.number(period, "period", PERIODS) for mode, row in modes.items()}
         shares = {mode: row.number(share, axis, SHARE) for mode, row in modes.items()}
         moving = [mode for mode in modes if shares[mode] >= LEAST_SHARE]
         if not moving:
@@ -147,7 +148,7 @@ def _only_case(ratios: CsiTable) -> str:
 
 def _whole(row: SheetRow, column: int) -> int:
     """The number of a mode."""
-    value = row.number(column, "mode number", POSITIVE)
+    value = row.number(column, "mode number", MODE_NUMBERS)
     if value != round(value):
         raise row.error(column, f"{value:g} is not a mode number; allowed: a whole number")
     return round(value)

@@ -8,12 +8,18 @@ from typing import ClassVar
 
 import numpy as np
 
-from stochlin.analyses.buildings.mode_files.base import MODE_FILES, AskedModes, ModeFile, ModesOfFile
+from stochlin.analyses.buildings.mode_files.base import (
+    MODE_FILES,
+    MODE_NUMBERS,
+    AskedModes,
+    ModeFile,
+    ModesOfFile,
+)
 from stochlin.analyses.buildings.sheets import Sheet, SheetRow, with_unit, without_comments
 from stochlin.analyses.buildings.units import size_stated
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
-from stochlin.models.parameters import POSITIVE, Range
+from stochlin.models.parameters import PERIODS, POSITIVE, Range
 
 MODE, LEVEL, MASS, PERIOD = "mode", "level", "mass", "period"
 FACTOR, MODAL_MASS = "participation", "modal mass"
@@ -57,7 +63,7 @@ class PlainModes(ModeFile):
             raise rows[-1].error(None, f"the floors are missing; allowed: {FLOORS}")
         head, titles, floors = rows[:at], rows[at], rows[at + 1 :]
         count = len(head[0].cells) - FIRST
-        numbers = _over_modes(head[0], count, "mode number", POSITIVE)
+        numbers = _over_modes(head[0], count, "mode number", MODE_NUMBERS)
         if (np.diff(numbers, prepend=0) < 1).any() or (numbers % 1).any():
             raise head[0].error(None, "mode numbers are not 1, 2 and so on; allowed: increasing ones")
         lines = _lines(head[1:])
@@ -72,7 +78,7 @@ class PlainModes(ModeFile):
         factors, modal = lines.get(FACTOR), lines.get(MODAL_MASS)
         return ModesOfFile(
             numbers.astype(int).tolist(),
-            _over_modes(lines[PERIOD], count, PERIOD, POSITIVE),
+            _over_modes(lines[PERIOD], count, PERIOD, PERIODS),
             np.array([_over_modes(row, count, "shape") for row in floors]).T,
             mass_size * np.array([row.number(1, MASS, POSITIVE) for row in floors]),
             level_size * np.array([row.number(0, LEVEL, POSITIVE) for row in floors]),
