@@ -33,7 +33,7 @@ from stochlin.analyses.linearization.systems.systems import (
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import CELL, flat
-from stochlin.analyses.tables.cellwise import Cells, cellwise
+from stochlin.analyses.tables.cellwise import Cells, cellwise, where_valid
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.basics.parallel import Progress, part_of
@@ -64,12 +64,15 @@ def chained_pairs(
         cautions.append(caution)
         places += place_in_map(structure, ground, elastic)
     of_map = cellwise(_rho_bias, *places, grid=rho_bias_map(*pair, ground))[0]
-    bias = cellwise(_of_pair, both["rho"], both["all_elastic"], of_map)[0]
+    statuses = [solution["status"] for solution in (both, *sides)]
+    status = cellwise(_largest, *statuses, kinds=(np.int8,))[0]
+    (bias,) = cellwise(np.where, both["all_elastic"] == 1, 0.0, of_map)
+    rho, bias = (where_valid(values, status < labels.NOT_CONVERGED) for values in (both["rho"], bias))
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {
-        "rho": both["rho"],
+        "rho": rho,
         **shown,
-        "status": both["status"],
+        "status": status,
         "bias": bias,
         **biases,
         "caution": cellwise(_largest, caution_of(bias), *cautions, kinds=(np.int8,))[0],
@@ -116,11 +119,6 @@ def _solved(
     }
     status = table.status.where(~calm, np.int8(labels.ELASTIC_LIMIT)).values
     return {**values, "status": cells.array(status, labels.INVALID_INPUT)}
-
-
-def _of_pair(rho: Array, elastic: Array, of_map: Array) -> Array:
-    """Bias of rho; NaN where there is no rho."""
-    return np.where(np.isnan(rho), np.nan, np.where(elastic == 1, 0.0, of_map))
 
 
 @np.errstate(all="ignore")  # invalid cells are NaN and stay so

@@ -124,7 +124,8 @@ def difference(table: Solved) -> dict[str, Cells]:
     else:
         biases = [table.get(name, np.nan) for name in ("bias_1", "bias_2", "bias")]
         kinds = (float, float, np.int8)
-        std, bias, flag = cellwise(_differences, *values, *biases, kinds=kinds)
+        with np.errstate(all="ignore"):  # failed cells are NaN
+            std, bias, flag = cellwise(differences, *values, *biases, kinds=kinds)
         std = table.get(f"{DIFFERENCE}_std", std)  # a building with storeys has it already
     return {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
 
@@ -137,8 +138,3 @@ def _difference(std_1: Array, std_2: Array, rho: Array) -> Array:
 def _left(rho: Array) -> Array:
     """``1 - rho``, and 0 where it is as small as rounding errors."""
     return np.where(1 - rho < NONE_LEFT, 0.0, 1 - rho)
-
-
-@np.errstate(all="ignore")  # failed cells are NaN
-def _differences(*inputs: Array) -> tuple[Array, ...]:
-    return differences(*inputs)
