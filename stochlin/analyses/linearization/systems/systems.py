@@ -20,6 +20,7 @@ from stochlin.analyses.linearization.tolerance import USUAL, Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import NONE_VALID, Flat, flat
 from stochlin.analyses.tables.floors import element_coordinates, floor_coordinates
+from stochlin.analyses.tables.lazy import check_names
 from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import absolute_moment
@@ -45,7 +46,7 @@ DIMS = {
     **dict.fromkeys(("link_force_std", "equivalent_damping_constant"), ("link",)),
     "residual": (),
 }
-OWN_DIMS = {"iteration", *(dim for dims in DIMS.values() for dim in dims)}
+OWN = {"iteration", "status", *VARIABLES, *DIMS, *(dim for dims in DIMS.values() for dim in dims)}
 
 
 @checked
@@ -83,7 +84,8 @@ def linearize_system(
         elements. ``"substitution"``: the coefficients for the moments of the response are substituted
         directly, as in the paper. It needs more iterations and may cycle without end; see the notes.
     relaxation : float
-        Share [-] of the way to the new coefficients that a substitution goes, in (0, 1].
+        Share [-] of the way to the new coefficients that a substitution goes, in (0, 1]; with 0.7 nearly
+        every pair converges, see the notes.
     rtol : float
         The iteration stops when no covariance changes by more than ``rtol`` times the product of the
         standard deviations, no ``c_eq`` by more than ``rtol``, and no ``k_eq`` by more than ``rtol``
@@ -123,7 +125,10 @@ def linearize_system(
     -----
     Builder of the state matrix, solver, renewal of the coefficients and stop rule are one function each
     in ``stochlin.kernels.linearization.systems``, beside their equations in ``docs/theory.md``. Newton's
-    method takes about six iterations, substitution 20 to 50.
+    method takes about six iterations, substitution 20 to 60. Of the pairs of the charts, 95 % and more
+    converge by substitution with ``relaxation=1``, and all with 0.7. Of 2000 random pairs with periods
+    of 0.1 to 3 s, damping ratios of 0.01 to 0.1, hardening ratios of 0.02 to 0.2 and R of 1 to 6, 69 to
+    92 % converge in 200 iterations with 1, depending on the ground, and 99.8 % or more with 0.7.
 
     The force of a storey depends on its own drift only, so that the closures of single oscillators apply
     to each storey. They also have the same errors: compared with nonlinear simulation, drifts of
@@ -156,11 +161,7 @@ def linearize_system(
     models |= {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None}
     check_chain(models)
     cells = flat(models)
-    if taken := OWN_DIMS & set(cells.shape.dims):
-        raise ValueError(
-            f"dimension {', '.join(map(str, sorted(taken)))} of a parameter is one of the result, too; "
-            f"allowed: names other than {', '.join(sorted(OWN_DIMS))}"
-        )
+    check_names((*cells.shape.dims, *cells.shape.coords), OWN)
     if not cells.where.size:
         raise ValueError(NONE_VALID)
     equations = equations_of_cells(cells, links)
