@@ -57,15 +57,6 @@ def test_dimensions_of_the_ground_and_shared_ones():
     assert abs(one.rho - expected.rho) < 4 * error
 
 
-def test_one_bad_cell_fails_alone():
-    table = sl.correlate(
-        building(axis("period_1", [1.0, -1.0])), building(1.4), LAKEBED, "simulation", **FEW
-    )
-    assert table.status.values.tolist() == [0, 3]
-    assert np.isfinite(table.rho[0])
-    assert np.isnan(table.rho[1])
-
-
 def test_amplification_by_simulation_is_one_for_elastic_structures():
     table = sl.amplification(sl.Bilinear(1.0, 0.05), LAKEBED, method="simulation", paths=64)
     assert abs(float(table.amplification) - 1) < 4 * float(table.amplification_standard_error)

@@ -159,13 +159,7 @@ def test_a_cell_does_not_know_its_neighbours(closure, ground):
             np.testing.assert_array_equal(value, whole[name][n], err_msg=name)
 
 
-def test_shaking_beyond_reach_says_so_and_leaves_the_neighbours_alone():
-    table = sl.linearize(
-        sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=[1e-30, 0.02]), sl.WhiteNoise(0.01)
-    )
-    meanings = table.status.attrs["flag_meanings"].split()
-    assert [meanings[code] for code in table.status.values] == ["shaking_too_strong", "converged"]
-    assert np.isnan(table.displacement_std[0])
+def test_shaking_beyond_reach_says_so():
     with pytest.raises(ArithmeticError, match="check the units"):
         sl.linearize(sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=1e-30), sl.WhiteNoise(0.01))
 

@@ -229,18 +229,6 @@ def test_cells_of_a_table_are_what_they_are_alone():
     np.testing.assert_allclose(table, alone, rtol=1e-7)  # the tolerance of the fixed point
 
 
-def test_a_cell_that_is_out_of_range_leaves_its_neighbours_alone():
-    structure = sl.Bilinear(0.8, 0.05, 0.1, reduction_factor=3)
-    ground = ThreeLayers(np.array([0.2, np.nan, -1.0, 0.5]), 0.1)
-    alone = ThreeLayers(np.array([0.2, 0.5]), 0.1)
-    for solve in (sl.linearize, lambda s, g: sl.peak_response(s, g, duration=20.0)):
-        table, clean = solve(structure, ground), solve(structure, alone)
-        name = next(iter(clean.data_vars))
-        np.testing.assert_allclose(table[name][[0, 3]], clean[name], rtol=1e-7)
-        assert np.isnan(table[name][[1, 2]]).all()
-    assert np.isnan(ground.psd(1.0)[1])
-
-
 @every_ground
 def test_spectrum_integrates_to_the_variances(ground):
     soil = ground.lone_filter().arrays

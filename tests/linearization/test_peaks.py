@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 import scipy.linalg
-import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -297,25 +296,6 @@ def test_drift_grows_with_the_motion_and_stiff_structures_are_flagged():
     assert sl.peak_response(stiff, soil, 30.0, closure="drift").caution.values.tolist() == [1, 0]
     still = sl.Bilinear([0.9, 1.1], 0.05)
     assert sl.peak_response(still, soil, 30.0).caution.values.tolist() == [0, 0]
-
-
-def test_table_over_durations_with_cells_that_fail_alone():
-    duration = xr.DataArray([0.2, 20.0, -1.0], dims="duration")
-    building = sl.Bilinear(xr.DataArray([1.0, -1.0], dims="building"), 0.05)
-    table = sl.peak_response(building, LONG, duration, sides=1)
-    assert table.peak_mean.notnull().transpose("building", "duration").values.tolist() == [
-        [False, True, False],
-        [False, False, False],
-    ]
-    assert ((table.status == 3) == table.peak_mean.isnull()).all()  # invalid_input
-    alone = sl.peak_response(sl.Bilinear(1.0, 0.05), LONG, 20.0, sides=1)
-    assert float(table.peak_mean.isel(building=0, duration=1)) == pytest.approx(
-        float(alone.peak_mean), rel=1e-13
-    )
-    assert table.peak_mean.attrs == {
-        "units": "m",
-        "long_name": "mean of the peak displacement in one direction",
-    }
 
 
 @pytest.mark.parametrize(

@@ -131,20 +131,6 @@ def test_caution_of_structures_and_grounds_beside_the_map():
         assert (int(table.caution) < 2, bool(table.bias.notnull())) == (known, known)
 
 
-def test_bad_cells_fail_alone_and_dimensions_broadcast_by_name():
-    building = sl.BoucWen(xr.DataArray([0.5, -1.0, 2.0], dims="building"), 0.05, 0.1, beta=0.4)
-    soil = sl.KanaiTajimi(xr.DataArray([1.0, 2.0], dims="soil"), 0.3)
-    table = sl.strength_for_ductility(building, soil, 3.0)
-    assert dict(table.sizes) == {"building": 3, "soil": 2}
-    assert (table.status.isel(building=1) == 3).all()
-    assert np.isnan(table.reduction_factor).sum() == 2
-    alone = sl.strength_for_ductility(
-        sl.BoucWen(2.0, 0.05, 0.1, beta=0.4), sl.KanaiTajimi(2.0, 0.3), 3.0
-    )
-    here = table.isel(building=2, soil=1)
-    assert float(here.reduction_factor) == pytest.approx(float(alone.reduction_factor), rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import scipy.integrate
 import scipy.linalg
-import xarray as xr
 from cases import augmented_system, with_slow
 
 import stochlin as sl
@@ -155,32 +154,6 @@ def test_panels_that_become_too_short_are_refused(monkeypatch):
     weak = sl.Bilinear(0.5, 0.05, 0.05, yield_displacement=1e-5)
     with pytest.raises(ArithmeticError, match=r"so weak that .* give it more strength, or simulate"):
         sl.transient_response(weak, FIRM, 80.0, envelope=QUAKE)
-
-
-@pytest.mark.slow
-def test_cells_of_a_table_are_what_they_are_alone():
-    periods = xr.DataArray([0.5, -1.0, 1.1], dims="period")
-    intensities = xr.DataArray([0.003, 0.03], dims="intensity")
-    options = {"damping": 0.05, "hardening": 0.1}
-    uy = 0.03
-    ground = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=intensities)
-    table = sl.transient_response(
-        sl.Bilinear(periods, yield_displacement=uy, **options), ground, 12.0, envelope=QUAKE, points=7
-    )
-    assert table.displacement_std.isel(period=1).isnull().all()
-    assert (table.status.isel(period=1) == 3).all()
-    for i in (0, 2):
-        for j in range(2):
-            alone = sl.transient_response(
-                sl.Bilinear(float(periods[i]), yield_displacement=uy, **options),
-                sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=float(intensities[j])),
-                12.0,
-                envelope=QUAKE,
-                points=7,
-            )
-            cell = table.isel(period=i, intensity=j)
-            scale = float(alone.displacement_std.max())
-            np.testing.assert_allclose(cell.displacement_std, alone.displacement_std, atol=1e-5 * scale)
 
 
 def test_flag_rises_once_shaking_is_no_longer_strong():

@@ -81,24 +81,6 @@ def test_the_required_gap_keeps_the_confidence():
 
 
 @pytest.mark.slow
-@pytest.mark.invariant
-def test_cells_of_a_table_are_what_they_are_alone_and_invalid_ones_harm_no_other():
-    factor = xr.DataArray([2.0, -1.0, 4.0], dims="factor")
-    first = sl.Bilinear(0.6, 0.05, 0.05, reduction_factor=factor)
-    options = {"paths": 0, "points": 11, "scatter": SCATTER, **QUAKE}
-    table = sl.pounding_probability(first, ELASTIC[1], GROUND, GAPS, **options)
-    assert table.status[1].all()
-    assert table.required_gap[1].isnull()
-    for number in (0, 2):
-        alone = sl.Bilinear(0.6, 0.05, 0.05, reduction_factor=float(factor[number]))
-        one = sl.pounding_probability(alone, ELASTIC[1], GROUND, GAPS, **options)
-        for name in ("confidence_of_no_pounding", "required_gap", "displacement_std_1", "rho"):
-            own = table[name].isel(factor=number) if "factor" in table[name].dims else table[name]
-            # The integration chooses its steps for all cells together.
-            np.testing.assert_allclose(own, one[name], rtol=1e-4, atol=1e-9)
-
-
-@pytest.mark.slow
 @pytest.mark.oracle
 def test_a_fragility_widens_as_the_convolution_with_the_scatter_says():
     """Over ``ln a``, half of ``ln S0``: the curve without scatter, averaged over a normal shift."""

@@ -149,12 +149,7 @@ def test_rho_effective_is_eq_4_at_its_periods_and_dampings(one, two, mu_1, mu_2)
             assert float(table.rho) == pytest.approx(formula, rel=1e-14)
 
 
-def test_rho_effective_keeps_its_bad_cells_to_itself():
-    table = rules.rho_effective([1.0, -1.0], 1.2, **PAIR, ductility_1=4.0, ductility_2=3.0)
-    alone = rules.rho_effective(1.0, 1.2, **PAIR, ductility_1=4.0, ductility_2=3.0)
-    assert float(table.rho[0]) == float(alone.rho)
-    assert np.isnan(table.rho[1])
-    assert table.status.values.tolist() == [0, 3]
+def test_rho_effective_refuses_a_ductility_of_zero():
     with pytest.raises(ValueError, match="ductility_2 = 0 "):
         rules.rho_effective(1.0, 1.2, **PAIR, ductility_1=4.0, ductility_2=0)
 

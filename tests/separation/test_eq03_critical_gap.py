@@ -73,15 +73,6 @@ def test_it_is_the_standard_deviation_of_the_difference():
     assert combined == pytest.approx(np.sqrt([1, -1] @ pick @ [1, -1]), rel=1e-10)
 
 
-def test_table_by_dimension_name_with_a_bad_cell():
-    rho = xr.DataArray([-0.2, 0.5, 1.5], dims="pair")
-    table = sl.critical_gap(xr.DataArray([0.1, 0.2], dims="height"), 0.15, rho)
-    assert dict(table.sizes) == {"height": 2, "pair": 3}
-    assert np.isnan(table.gap).values.tolist() == [[False, False, True]] * 2
-    assert ((table.status == 3) == np.isnan(table.gap)).all()  # invalid_input
-    assert table.gap.attrs["units"] == "m"
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

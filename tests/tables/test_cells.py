@@ -69,20 +69,6 @@ def test_order_of_dimensions_does_not_matter():
         xr.testing.assert_allclose(table.transpose(*straight.rho.dims), straight, rtol=1e-13)
 
 
-def test_plain_arrays_are_cases_side_by_side():
-    rng = np.random.default_rng(71)
-    first, second = (cases.draw_structure(rng, cases.PRACTICE, 7) for _ in range(2))
-    soil = cases.draw_ground(rng, cases.PRACTICE, 7)
-    table = sl.correlate(sl.Bilinear(**first), sl.Bilinear(**second), sl.KanaiTajimi(**soil))
-    assert table.rho.dims == ("case",)
-    for i in range(7):
-        one, other, ground = (
-            {key: float(value[i]) for key, value in v.items()} for v in (first, second, soil)
-        )
-        lone = sl.correlate(sl.Bilinear(**one), sl.Bilinear(**other), sl.KanaiTajimi(**ground))
-        assert float(lone.rho) == pytest.approx(float(table.rho[i]), abs=1e-12)
-
-
 def test_lists_and_integers_are_numbers_too():
     table = sl.rho_white_noise([1, 2], 2, 0.05, 0.05)
     np.testing.assert_array_equal(
@@ -149,15 +135,6 @@ def test_a_status_has_its_meanings_and_the_table_its_models(result):
     known = {"converged", "elastic_limit", "not_converged", "invalid_input"}
     assert known <= set(table.status.attrs["flag_meanings"].split())
     assert any(str(value).startswith(("Bilinear(", "LinearPair(")) for value in table.attrs.values())
-
-
-@pytest.mark.parametrize("result", WITH_A_BAD_CELL.values(), ids=list(WITH_A_BAD_CELL))
-def test_a_bad_cell_is_blank_and_the_others_are_not(result):
-    table = result()
-    failed = table.status >= 2
-    assert failed.any()
-    assert not failed.all()
-    assert (table[next(iter(table.data_vars))].isnull() == failed).all()
 
 
 @every_result

@@ -1,5 +1,6 @@
 """Names of variables: every room has its own, and nothing gets the meaning of another."""
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -52,3 +53,40 @@ def test_every_variable_and_coordinate_of_gaps_in_records_has_a_unit_and_a_long_
     numbers = [name for name, array in table.variables.items() if array.dtype.kind == "f"]
     assert not bare
     assert all("units" in table[name].attrs for name in numbers)
+
+
+GROUND = sl.WhiteNoise(0.01)
+RECORD = sl.simulated_motions(GROUND, 4.0, paths=2)[0]
+QUAKE = {"duration": 4.0, "envelope": sl.AminAng(1.0, 2.0, 0.5)}
+OTHER = sl.Bilinear(0.8, 0.05, 0.05, yield_displacement=0.05)
+NAMED = {
+    "rho": {
+        "correlate": lambda one: sl.correlate(one, OTHER, GROUND),
+        "eq. (4)": lambda one: sl.rho_white_noise(one.period, 1.0, 0.05, 0.05),
+        "system": lambda one: sl.linearize_system([one, OTHER], GROUND),
+        "recorded_gap": lambda one: sl.recorded_gap(one, OTHER, RECORD),
+        "probability": lambda one: sl.pounding_probability(one, OTHER, GROUND, 0.1, paths=0, **QUAKE),
+    },
+    "status": {
+        "linearize": lambda one: sl.linearize(one, GROUND),
+        "critical_gap": lambda one: sl.critical_gap(one.period, 0.1, 0.3),
+        "amplification": lambda one: sl.amplification(one, GROUND),
+        "transient_response": lambda one: sl.transient_response(one, GROUND, **QUAKE),
+        "response_spectrum": lambda one: sl.response_spectrum(RECORD, one.period, 0.05),
+        "separation": lambda one: sl.separation(one, OTHER, GROUND, paths=32, **QUAKE),
+    },
+    "floor": {"system": lambda one: sl.linearize_system([one], GROUND)},
+    "time": {"transient_response": lambda one: sl.transient_response(one, GROUND, **QUAKE)},
+    "displacement_std_1": {"correlate": lambda one: sl.correlate(one, OTHER, GROUND)},
+}
+CASES = [(name, verb) for name, verbs in NAMED.items() for verb in verbs]
+
+
+@pytest.mark.parametrize("with_labels", [True, False])
+@pytest.mark.parametrize(("name", "verb"), CASES)
+def test_a_dimension_has_no_name_of_the_result(name, verb, with_labels):
+    periods = np.array([0.5, 1.0])
+    array = xr.DataArray(periods, dims=name, coords={name: periods} if with_labels else None)
+    one = sl.Bilinear(array, 0.05, 0.05, yield_displacement=0.05)
+    with pytest.raises(ValueError, match=f"a dimension is named '{name}'.*another name"):
+        NAMED[name][verb](one)

@@ -86,7 +86,7 @@ def relative_bias(
     known = type(ground) in KNOWN_GROUNDS and isinstance(structure, (Bilinear, BoucWen))
     point = point_of(structure, ground, gaussian) if known else []
     arrays = (solved[STD], gaussian[STD], gaussian["yield_displacement"], *point)
-    options = {"name": map_name(ground), "other": solved is not gaussian}
+    options: dict[str, Any] = {"name": map_name(ground), "other": solved is not gaussian}
     bias, caution = cellwise(_relative_bias, *arrays, kinds=(float, np.int8), **options)
     if nearest is gaussian:
         return bias, caution

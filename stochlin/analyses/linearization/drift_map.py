@@ -125,7 +125,7 @@ def checked(ground: Ground, point: Sequence[Cells]) -> Cells:
     return cellwise(_checked, *point, *high_pass, kinds=(bool,))[0]
 
 
-@np.errstate(over="ignore")  # what overflows is outside
+@np.errstate(all="ignore")  # what overflows is outside, and what is out of range
 def _checked(strength: Array, hardening: Array, damping: Array, *others: Array) -> Array:
     inside = within(strength, STRENGTH) & within(hardening, HARDENING) & within(damping, DAMPING)
     if not others:

@@ -34,7 +34,7 @@ from stochlin.kernels.linearization.single_structures import (
     moments_of,
     solve_on_all_cores,
 )
-from stochlin.messages import brief, hint, sentence
+from stochlin.messages import brief, hint
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
@@ -194,14 +194,8 @@ def _problem_of(
 
 def _solved_cells(solver: _Solver, inputs: Sequence[Cells]) -> Solved:
     names = solver.names
-    try:
-        kinds = [KINDS.get(name, float) for name in names]
-        outputs = cellwise(solver.solve, *inputs, kinds=kinds)
-    except xr.AlignmentError as error:
-        raise ValueError(
-            f"structure and ground share a dimension whose coordinates or lengths differ: "
-            f"{sentence(error)}"
-        ) from error
+    kinds = [KINDS.get(name, float) for name in names]
+    outputs = cellwise(solver.solve, *inputs, kinds=kinds)
     return dict(zip(names, outputs, strict=True))
 
 

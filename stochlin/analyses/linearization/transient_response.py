@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import xarray as xr
 
@@ -9,7 +11,6 @@ from stochlin.analyses.linearization.transient_systems import (
     POINTS,
     TIME,
     check_course,
-    check_names,
     course_of,
     oscillators_of,
     over_time,
@@ -20,9 +21,12 @@ from stochlin.analyses.linearization.transient_systems import (
 )
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cells import together_or_alone
+from stochlin.analyses.tables.lazy import check_names
 from stochlin.models.arguments import Duration, Points, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
+from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
 
 
@@ -110,8 +114,27 @@ def transient_response(
     True
     """
     seconds = check_course(duration, envelope)
+    models: dict[str, Model] = {"structure": structure, "ground": ground}
+    of_cells = partial(_of_cells, seconds=seconds, envelope=envelope, points=points)
+    table = together_or_alone(of_cells, models, structure.arrays()["period"] <= seconds)
+    course = course_of(envelope, seconds, seconds, points)
+    table = labels.label(over_time(table, course), VARIABLES)
+    if structure.yields:
+        table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
+    return labels.with_run_information(
+        table,
+        f"Transient linearization, {ground.name} ground",
+        f"transient_response(duration={duration:g})",
+        models,
+    )
+
+
+def _of_cells(
+    structure: Structure, ground: Ground, *, seconds: float, envelope: Envelope | None, points: int
+) -> xr.Dataset:
+    """Variables of `transient_response` of all cells, in steps that they share."""
     side = side_of(structure, ground, seconds, "structure", 0)
-    check_names("structure and ground", side.position.dims, (TIME,))
+    check_names((*side.position.dims, *side.position.coords), (*VARIABLES, "status", TIME))
     labels.raise_if_lone_failure(xr.Dataset({"status": side.status}), "transient_response")
     if not side.period.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
@@ -135,13 +158,4 @@ def transient_response(
         states = [spread_over(means[:, n], side.position) for n in range(means.shape[1])]
         table["state_mean"] = xr.concat(states, "state").transpose("time", "state", ...)
         table["state"] = "state", [*structure.further_states()]
-    table = over_time(table, course).assign(status=side.status.astype(np.int8))
-    table = labels.label(table, VARIABLES)
-    if structure.yields:
-        table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
-    return labels.with_run_information(
-        table,
-        f"Transient linearization, {ground.name} ground",
-        f"transient_response(duration={duration:g})",
-        {"structure": structure, "ground": ground},
-    )
+    return table.assign(status=side.status.astype(np.int8))

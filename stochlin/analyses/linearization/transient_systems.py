@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import Any, NamedTuple
@@ -128,15 +128,6 @@ def check_course(duration: float | None, envelope: Envelope | None) -> float:
             "positive values within the duration"
         )
     return seconds
-
-
-def check_names(roles: str, dims: Collection[Hashable], own: Sequence[str]) -> None:
-    """Raise a ValueError if a dimension has the name of one that the result adds."""
-    for name in own:
-        if name in dims:
-            raise ValueError(
-                f"{roles}: a dimension is named {name!r}, which the result adds; give it another name"
-            )
 
 
 def side_of(

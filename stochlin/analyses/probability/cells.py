@@ -15,7 +15,6 @@ from stochlin.analyses.linearization.transient_systems import (
     StructureCells,
     TimeGrid,
     TransientMoments,
-    check_names,
     course_of,
     numbered,
     of_cells,
@@ -28,12 +27,13 @@ from stochlin.analyses.linearization.transient_systems import (
 from stochlin.analyses.probability.bandwidths import bandwidths
 from stochlin.analyses.probability.crossings import RelativeMotion
 from stochlin.analyses.probability.strengths import ALONE, STRENGTH
+from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.simulation.views import displacement_at, meeting_heights
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.lazy import arrays_of, check_names
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.probability.drift_growth import drift_variances
-from stochlin.messages import sentence
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap, Structure
@@ -92,17 +92,12 @@ class PairTable(NamedTuple):
         """Table of checked pairs; with several weights the ground is over `STRENGTH`."""
         side_1 = side_of(first, ground, duration, "first", 0)
         side_2 = side_of(second, ground, duration, "second", side_1.period.size)
+        arrays_of({"first": first, "second": second, "ground": ground, "gap": distance})
         gap = distance.arrays()["gap"]
-        try:
-            xr.align(side_1.position, side_2.position, gap, join="exact", copy=False)
-        except (xr.AlignmentError, ValueError) as error:
-            raise ValueError(
-                "first, second, ground and gap share a dimension that differs in coordinates or "
-                f"length: {sentence(error)}; give them different dimension names for a table"
-            ) from error
         left, right = xr.broadcast(side_1.position, side_2.position)
-        own = (TIME, HEIGHT) if side_1.has_storeys or side_2.has_storeys else (TIME,)
-        check_names("first, second, ground and gap", {*left.dims, *gap.dims}, own)
+        own = (HEIGHT,) if side_1.has_storeys or side_2.has_storeys else ()
+        given = (*left.dims, *left.coords, *right.coords, *gap.dims, *gap.coords)
+        check_names(given, {*VARIABLES, "status", TIME, *own}.difference(distance.cells()))
         both = (left >= 0) & (right >= 0)
         status = xr.apply_ufunc(np.maximum, side_1.status, side_2.status)
         every_pair = pair_number = numbered(both)
@@ -239,7 +234,7 @@ def _is_in_map(structure: AnyStructure) -> TypeGuard[Structure]:
     """Whether it is an oscillator with a stationary linearization, as the map of the bias has."""
     if not isinstance(structure, Structure):
         return False
-    return not structure.yields or (structure.linearizes and bool(structure.settles().all()))
+    return not structure.yields or (structure.linearizes and bool(structure.settles().any()))
 
 
 def _drift(pairs: PairTable, moments: TransientMoments, ground: Ground) -> tuple[Array, Array]:

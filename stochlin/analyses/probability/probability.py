@@ -16,9 +16,10 @@ from stochlin.analyses.probability.cells import PairTable, by_formula
 from stochlin.analyses.probability.confidence_errors import measured_cautions
 from stochlin.analyses.probability.hybrid import hybrid_pounding
 from stochlin.analyses.probability.simulated import SAMPLES, Draws, by_simulation
-from stochlin.analyses.probability.strengths import at_strengths, strengths
+from stochlin.analyses.probability.strengths import ALONE, at_strengths, strengths
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cells import together_or_alone
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.arguments import (
     Duration,
@@ -244,29 +245,33 @@ def with_samples(
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
     seconds = check_course(duration, envelope)
     pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
-    of_formula, below, table, not_linearized = pairs, ground, xr.Dataset(), ""
+    table, not_linearized = xr.Dataset({"status": pairs.status}), ""
     flags: dict[str, xr.DataArray] = {}
-    if scatter:
-        factors, weights = strengths(scatter)
-        below = at_strengths(ground, factors)
-        left, right = (strength_in_metres(structure, ground) for structure in (first, second))
-        of_formula = PairTable.of(left, right, below, distance, seconds, envelope, points, weights)
+
+    def formulas(first: AnyStructure, second: AnyStructure, ground: Ground, distance: Gap) -> xr.Dataset:
+        weights = ALONE
+        if scatter:
+            factors, weights = strengths(scatter)
+            first, second = (strength_in_metres(structure, ground) for structure in (first, second))
+            ground = at_strengths(ground, factors)
+        cells = PairTable.of(first, second, ground, distance, seconds, envelope, points, weights)
+        solved = cells.solve(ground, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
+        return by_formula(cells, solved, ground, confidence).assign(status=cells.status)
+
+    medians: dict[str, Any] = {"first": first, "second": second, "ground": ground, "distance": distance}
     try:
-        solved = of_formula.solve(below, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
+        table = together_or_alone(formulas, medians, pairs.status < labels.NOT_CONVERGED)
     except ArithmeticError as error:
         if not paths:
             raise
         not_linearized = str(error)
-    else:
-        table = by_formula(of_formula, solved, below, confidence)
     if paths:
         rest = part_of(progress, OF_FORMULA, 1.0)
         options = confidence, Draws(paths, seed, float(scatter)), rest
         simulated = by_simulation(pairs, described, distance, *options)
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
         flags = measured_cautions(table)
-    table = over_time(table, pairs.course).assign(status=of_formula.status)
-    table = table.assign(flags)
+    table = over_time(table, pairs.course).assign(flags)
     table = table.assign_attrs(confidence=confidence, **labels.of_scatter(scatter))
     table = labels.label(table, VARIABLES)
     labels.raise_if_lone_failure(table, "pounding_probability")

@@ -12,12 +12,12 @@ import xarray as xr
 from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
+from stochlin.analyses.tables.lazy import arrays_of, check_names
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.linear_branch import LONGEST
 from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.records.runs import SampledMotion
-from stochlin.messages import sentence
 from stochlin.models.arguments import OfClass, check_label
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
@@ -118,20 +118,9 @@ OscillatorOnRecord = Annotated[Structure, OfClass((Structure,)), check_structure
 
 def dims_of(*structures: Bilinear) -> xr.DataArray:
     """An array of False over all dimensions of the structures, with their coordinates."""
-    arrays = [array for structure in structures for array in structure.arrays().values()]
-    try:
-        aligned = xr.align(*arrays, join="exact", copy=False)
-    except (xr.AlignmentError, ValueError) as error:
-        raise ValueError(
-            f"first and second share a dimension whose coordinates or lengths differ: "
-            f"{sentence(error)}; give the "
-            "structures different dimension names for a table, or equal coordinates for pairs"
-        ) from error
-    like = xr.zeros_like(xr.broadcast(*aligned)[0], dtype=bool).drop_attrs(deep=False)
-    if RECORD in like.dims:
-        raise ValueError(
-            f"a parameter has the dimension {RECORD!r}, that of the records; allowed: any other name"
-        )
+    arrays = arrays_of(dict(zip(("first", "second"), structures, strict=False)))
+    like: xr.DataArray = xr.broadcast(xr.DataArray(False), *arrays.values())[0]
+    check_names((*like.dims, *like.coords), (RECORD, "status"))
     return like
 
 
@@ -189,6 +178,7 @@ def table_over(
     The status of a cell is ``elastic_limit`` if the structure did not yield, ``elastic`` being True, and
     ``invalid_input`` if the cell is NaN.
     """
+    check_names((*like.dims, *like.coords), columns)
     status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
     several, count = motions.names is not None, len(motions.grounds)
     dims, shape = (RECORD, *like.dims) if several else like.dims, (count, *like.shape)

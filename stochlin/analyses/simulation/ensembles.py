@@ -107,9 +107,9 @@ def cells_of(
         *structure.law_parameters(),
     )
     period, damping, hardening, uy, pace, *rest = (row_of(a, like).astype(float) for a in columns)
-    w = 2 * np.pi / period
     with np.errstate(divide="ignore", invalid="ignore"):
         slow = np.where(pace > 0, 1 / (hardening * pace), 0)
+        decay = 1 / (damping * (2 * np.pi / period))
     status = np.ravel(elastic["status"])
     cells = SimulationCells(
         period,
@@ -118,7 +118,7 @@ def cells_of(
         uy,
         np.reshape(rest, (len(rest), period.size)).T,
         np.full(period.size, structure.step(), object),
-        1 / (damping * w),
+        decay,
         np.nan_to_num(slow),
         (status < labels.NOT_CONVERGED) & (row_of(structure.settles(), like) | (not stationary)),
     )

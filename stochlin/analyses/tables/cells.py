@@ -13,7 +13,7 @@ import xarray as xr
 
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import lone, row_of
-from stochlin.analyses.tables.lazy import arrays_of, computed, in_blocks, is_lazy
+from stochlin.analyses.tables.lazy import arrays_of, check_names, computed, in_blocks, is_lazy
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
@@ -22,28 +22,43 @@ CELL = "_cell"  # temporary dimension; no dimension of a model has this name
 USABLE = "usable"
 NONE_VALID = "no cell has valid parameters; correct those that are out of range"
 OfCell = Callable[..., xr.Dataset]
+ALL, NOTHING = xr.DataArray(True), dict[str, Model]()  # usable cells, and models beside those of a table
 
 
 def over_cells(
     function: OfCell,
     models: Mapping[str, Model],
-    usable: xr.DataArray | None = None,
-    beside: Mapping[str, Model] | None = None,
+    usable: xr.DataArray = ALL,
+    beside: Mapping[str, Model] = NOTHING,
 ) -> xr.Dataset:
     """Table of a ``function`` of scalar models, for every cell of models with arrays.
 
     The arrays broadcast by dimension name. The function is called with the models of a cell by their
     names. Models ``beside`` are passed on too, with those dimensions that the other models do not have.
     Cells with parameters out of range, or that are not ``usable``, are NaN with the status of invalid
-    input. With dask arrays the table is lazy and has the same numbers.
+    input, and those in which the function raises an ArithmeticError NaN and not converged. With dask
+    arrays the table is lazy and has the same numbers.
     """
-    beside = beside or {}
     if not arrays_of(models):
         return function(**models, **beside)
-    known = _first_valid(function, models, usable, beside) if is_lazy(models) else None
-    more = None if usable is None else xr.Dataset({USABLE: usable})
-    table = in_blocks(partial(_one_by_one, function, beside, known), models, more)
+    known = None  # of a lazy table the result for the first valid cell
+    if is_lazy(models):
+        good = _good(models, usable)
+        places = np.argwhere(good.to_numpy())
+        if not len(places):
+            raise ValueError(NONE_VALID)
+        place = dict(zip(good.dims, places[0].tolist(), strict=True))
+        cell = {role: computed(model.isel(place)) for role, model in models.items()}
+        known = function(**cell, **beside)
+    one_by_one = partial(_one_by_one, function, beside, known)
+    table = in_blocks(one_by_one, models, xr.Dataset({USABLE: usable}))
     return table.assign_attrs({role: model.describe() for role, model in models.items()})
+
+
+def together_or_alone(function: OfCell, models: Mapping[str, Model], usable: xr.DataArray) -> xr.Dataset:
+    """Table of a ``function`` of all cells together; if it cannot be, of every cell by `over_cells`."""
+    table = _of_cell(function, models)
+    return table if isinstance(table, xr.Dataset) else over_cells(function, models, usable)
 
 
 class Flat(NamedTuple):
@@ -65,11 +80,6 @@ class Flat(NamedTuple):
         """Values (c,) of the valid cells as a labelled array, or the number of a single cell."""
         coords = {name: self.shape.coords[name] for name in self.shape.coords}
         return lone(xr.DataArray(self.table(values, blank=blank), coords))
-
-    @property
-    def row(self) -> Flat:
-        """The valid cells alone, along one dimension that no model has."""
-        return self.part(slice(None))
 
     def part(self, part: slice) -> Flat:
         """Some of the valid cells alone, along one dimension that no model has."""
@@ -107,24 +117,24 @@ def _one_by_one(
     beside: Mapping[str, Model],
     known: xr.Dataset | None,
     /,
-    more: xr.Dataset | None = None,
+    more: xr.Dataset,
     **models: Any,
 ) -> xr.Dataset:
     """Table of all cells; ``known`` is a result, the pattern for invalid cells."""
     shape = xr.broadcast(*arrays_of(models).values())[0]
-    good = _good(models, None if more is None else more[USABLE])
-    whole = {**models, **beside}
-    places = list(np.ndindex(shape.shape))
-    done: list[xr.Dataset | None] = []
-    for place in places:
+    good = _good(models, more[USABLE])
+    done: list[xr.Dataset | ArithmeticError | None] = []
+    for place in np.ndindex(shape.shape):
         where = dict(zip(shape.dims, place, strict=True))
         valid = bool(good.isel(where, missing_dims="ignore"))
-        cell = {role: model.isel(where) for role, model in whole.items()} if valid else {}
-        done.append(function(**cell) if valid else None)
-    known = known if known is not None else next((table for table in done if table is not None), None)
+        cell = {role: model.isel(where) for role, model in {**models, **beside}.items()} if valid else {}
+        done.append(_of_cell(function, cell) if valid else None)
+    solved = (table for table in done if isinstance(table, xr.Dataset))
+    known = next(solved, None) if known is None else known
     if known is None:
-        raise ValueError(NONE_VALID)
-    tables = [_blank(known) if table is None else table for table in done]
+        raise next(filter(None, done), ValueError(NONE_VALID))  # type: ignore[misc]
+    check_names(shape.dims, known.data_vars)
+    tables = [table if isinstance(table, xr.Dataset) else _blank(known, table) for table in done]
     index = pd.MultiIndex.from_product([range(n) for n in shape.shape], names=list(map(str, shape.dims)))
     stacked = xr.concat(
         tables,
@@ -140,32 +150,24 @@ def _one_by_one(
     return table.assign_coords({name: shape.coords[name] for name in shape.coords})
 
 
-def _good(models: Mapping[str, Model], usable: xr.DataArray | None) -> xr.DataArray:
+def _of_cell(function: OfCell, models: Mapping[str, Model]) -> xr.Dataset | ArithmeticError:
+    """The result for one cell of a table, in which a cell that fails spoils no other."""
+    try:
+        return function(**models)
+    except ArithmeticError as error:
+        return error
+
+
+def _good(models: Mapping[str, Model], usable: xr.DataArray) -> xr.DataArray:
     """Whether the parameters of each cell are valid and the cell is usable."""
-    good = [model.valid() for model in models.values()]
-    return reduce(and_, good if usable is None else [*good, usable])
+    return reduce(and_, (model.valid() for model in models.values()), usable)
 
 
-def _first_valid(
-    function: OfCell,
-    models: Mapping[str, Model],
-    usable: xr.DataArray | None,
-    beside: Mapping[str, Model],
-) -> xr.Dataset:
-    """The result for the first valid cell."""
-    good = _good(models, usable)
-    place: dict[str, int] = {}
-    for dim in map(str, good.dims):
-        left = good.isel(place)
-        along = left.any([other for other in left.dims if other != dim])
-        place[dim] = int(np.argmax(along.to_numpy()))
-    if not bool(good.isel(place)):
-        raise ValueError(NONE_VALID)
-    return function(**{role: computed(model.isel(place)) for role, model in models.items()}, **beside)
+def _blank(table: xr.Dataset, error: ArithmeticError | None) -> xr.Dataset:
+    """Copy of a table with NaN, with the highest value in flags, and with the status of a failure.
 
-
-def _blank(table: xr.Dataset) -> xr.Dataset:
-    """Copy of a table with NaN, with the highest value in flags, and with the status invalid input."""
+    The parameters are out of range if there is no ``error``.
+    """
     blank = table.copy()
     for name, array in table.data_vars.items():
         if array.dtype.kind == "f":
@@ -173,5 +175,6 @@ def _blank(table: xr.Dataset) -> xr.Dataset:
         elif "flag_values" in array.attrs:
             blank[name] = xr.full_like(array, max(array.attrs["flag_values"]))
     if "status" in table:
-        blank["status"] = xr.full_like(table.status, labels.INVALID_INPUT)
+        status = labels.INVALID_INPUT if error is None else labels.NOT_CONVERGED
+        blank["status"] = xr.full_like(table.status, status)
     return blank

@@ -7,7 +7,7 @@ numbers, without the cost of labels.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -48,19 +48,9 @@ def valid_cells(model: Model) -> Cells:
 
 def where_valid(values: Cells, valid: Cells) -> Cells:
     """The values, with NaN in invalid cells."""
-    return cellwise(_known, values, valid)[0]
+    return cellwise(np.where, valid, values, np.nan)[0]
 
 
-def _known(values: Array, valid: Array) -> Array:
-    return np.where(valid, values, np.nan)
-
-
-@overload
-def cellwise(
-    function: Callable[..., Any], *arrays: xr.DataArray, **options: Any
-) -> tuple[xr.DataArray, ...]: ...
-@overload
-def cellwise(function: Callable[..., Any], *arrays: Cells, **options: Any) -> tuple[Cells, ...]: ...
 def cellwise(
     function: Callable[..., Any],
     *arrays: Cells,
@@ -68,7 +58,7 @@ def cellwise(
     core: Sequence[Sequence[str]] | None = None,
     result: Sequence[str] = (),
     **options: Any,
-) -> tuple[Cells, ...]:
+) -> tuple[Any, ...]:
     """Results of a ``function`` of plain arrays for labelled arrays, which broadcast by dimension name.
 
     Parameters

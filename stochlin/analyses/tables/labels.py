@@ -10,7 +10,6 @@ import xarray as xr
 
 from stochlin._version import __version__
 from stochlin.analyses.tables.cellwise import cellwise
-from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import Model
 
 PAPER = (
@@ -138,11 +137,8 @@ def of_scatter(scatter: float) -> dict[str, float]:
 
 def status_where(good: Any, otherwise: int = INVALID_INPUT) -> Any:
     """Status (int8): converged where ``good`` is true, and ``otherwise`` elsewhere."""
-    return cellwise(_status, good, kinds=(np.int8,), otherwise=otherwise)[0]
-
-
-def _status(good: Array, otherwise: int) -> Array:
-    return np.where(good, np.int8(CONVERGED), np.int8(otherwise))
+    values = (np.array(code, np.int8) for code in (CONVERGED, otherwise))
+    return cellwise(np.where, good, *values, kinds=(np.int8,))[0]
 
 
 def raise_if_lone_failure(dataset: xr.Dataset, what: str, *models: Model) -> None:

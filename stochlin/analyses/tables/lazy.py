@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -34,12 +34,20 @@ def in_blocks(
     Raises
     ------
     ValueError
-        If dimensions of the same name differ in coordinates or length.
+        If dimensions of the same name differ in coordinates or length, or have the name of a variable.
     """
     arrays = arrays_of(models)
     rest = {} if more is None else {"more": more}
     if not is_lazy(models):
-        return function(**models, **rest)
+        given = {name for array in arrays.values() for name in (*array.dims, *array.coords)}
+        try:
+            table = function(**models, **rest)
+        except (ValueError, KeyError) as error:  # xarray quotes a name that is there twice
+            check_names(given, [name for name in given if repr(name) in str(error)])
+            raise
+        labelled = (array.coords for array in arrays.values())  # another dimension may become a variable
+        check_names(given.difference(*labelled), table.variables)
+        return table
     whole = xr.Dataset(arrays | dict(more or {})).chunk()
     with warnings.catch_warnings():
         # A table has more chunks than its axes, which is intended here.
@@ -48,7 +56,7 @@ def in_blocks(
     cell = dict.fromkeys(whole.dims, slice(0, 1))
     bare = {role: _unknown(model.isel(cell)) for role, model in models.items()}
     rest = {name: table.isel(cell, missing_dims="ignore").compute() for name, table in rest.items()}
-    like = function(**bare, **rest)
+    like = in_blocks(function, bare, rest.get("more"))
     template = xr.Dataset(
         {name: _empty(variable, whole.chunksizes) for name, variable in like.data_vars.items()},
         {**like.coords, **whole.coords},
@@ -57,6 +65,12 @@ def in_blocks(
     options = {"function": function, "bare": bare, "more": list(more or ())}
     # Older releases of xarray lose the order of the variables.
     return xr.map_blocks(_of_block, whole, kwargs=options, template=template)[list(like.data_vars)]
+
+
+def check_names(names: Iterable[Hashable], own: Iterable[Hashable]) -> None:
+    """Raise a ValueError if a dimension or coordinate is named as what the result has of its own."""
+    for name in {*own}.intersection(names):
+        raise ValueError(f"a dimension is named {name!r}, as a part of the result; give it another name")
 
 
 def arrays_of(models: Mapping[str, Model]) -> dict[str, xr.DataArray]:

@@ -65,5 +65,6 @@ def exponentials(matrices: Array) -> Array:
     for term in range(TERMS - 1, 0, -1):
         exponential = identity + scaled @ exponential / term
     for halving in range(int(halvings.max(initial=0))):
-        exponential = np.where(halving < halvings, exponential @ exponential, exponential)
+        left = halving < halvings[..., 0, 0]
+        exponential[left] = exponential[left] @ exponential[left]
     return exponential

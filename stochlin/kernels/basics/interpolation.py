@@ -25,8 +25,7 @@ class Grid(NamedTuple):
         padded = np.full((len(axes), max(axis.size for axis in axes)), np.inf)
         for row, axis in zip(padded, axes, strict=True):
             row[: axis.size] = axis
-        flat = np.ascontiguousarray(values, float).reshape(-1)
-        return cls(padded, np.array(values.shape), flat)
+        return cls(padded, np.array(values.shape), np.ascontiguousarray(values, float).reshape(-1))
 
 
 @entry

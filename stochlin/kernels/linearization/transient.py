@@ -487,7 +487,7 @@ class Transient:
         covariances: Array = first.transition[:, i] @ both @ second.transition[:, j].swapaxes(-1, -2)
         return covariances
 
-    @np.errstate(under="ignore", invalid="ignore", divide="ignore")
+    @np.errstate(all="ignore")
     def coefficients(self, squares: Sequence[Array], means: Array) -> tuple[Sequence[Array], Array]:
         """``1 + c_e`` and ``k_e`` (2, ..., n, m) of each group by the laws, for `squares_of` it.
 

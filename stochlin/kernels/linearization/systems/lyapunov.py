@@ -127,7 +127,7 @@ class Lyapunov:
         x = covariance / (self.scale[:, :, None] * self.scale[:, None])
         rates, with_c = c @ self.matrix, x @ c.swapaxes(1, 2)
         with warnings.catch_warnings():  # scipy warns when only the last digits are lost
-            warnings.filterwarnings("ignore", "logm result may be inaccurate", RuntimeWarning)
+            warnings.simplefilter("ignore")
             logarithm = np.stack([np.real(scipy.linalg.logm(-matrix)) for matrix in self.matrix])
         l0 = np.einsum("aki,aik->ak", c, with_c)
         l1 = (2 / np.pi) * np.einsum("aki,aik->ak", rates, logarithm @ with_c)

@@ -220,9 +220,9 @@ def _moves(system: StateSpace) -> Array:
 def _parts(matrix: Array, ground: Array) -> list[Array]:
     """States (c, k, k) of structures that are not linked, each array a part, and last the ground's.
 
-    They follow from the entries of the matrix that are not zero.
+    They follow from the entries of the matrix that are not zero in a cell whose entries are numbers.
     """
-    acts = np.asarray((matrix != 0).any(axis=0))
+    acts = np.asarray((matrix[np.isfinite(matrix).all(axis=(1, 2))] != 0).any(axis=0))
     acts[:, ground] = False
     acts[np.ix_(ground, ground)] = True
     _, part = connected_components(acts, directed=False)

@@ -451,10 +451,10 @@ def _solve_each(matrices: Array, right: Array) -> Array:
     try:
         return np.linalg.solve(matrices, right[..., None])[..., 0]
     except np.linalg.LinAlgError:
-        regular = np.linalg.matrix_rank(matrices) == right.shape[1]
-        solutions = np.full_like(right, np.nan)
-        solutions[regular] = np.linalg.solve(matrices[regular], right[regular, :, None])[..., 0]
-        return solutions
+        if len(right) == 1:
+            return np.full_like(right, np.nan)
+        halves = zip(np.array_split(matrices, 2), np.array_split(right, 2), strict=True)
+        return np.concatenate([_solve_each(*half) for half in halves])
 
 
 def to_unknowns(covariance: Array) -> tuple[Array, Array]:
