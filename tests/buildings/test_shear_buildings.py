@@ -6,13 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
-import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.models.buildings import GRAVITY
-from stochlin.models.laws import laws_in_numbers
 from stochlin.models.links import Link
 from stochlin.models.parameters import POSITIVE, parameter
 from stochlin.models.structures import LAWS
@@ -276,20 +274,6 @@ def test_one_storey_is_the_oscillator(
 # --- Laws ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("law", [*laws_in_numbers(), OWN])
-def test_storeys_have_the_law_that_is_asked_for(law: Any) -> None:
-    building = sl.ShearBuilding(**TWO, **STRENGTH, law=law)
-    kind = laws_in_numbers()[law] if isinstance(law, str) else sl.Hysteretic
-    assert type(building.element_law) is kind
-    assert type(building.oscillator()) is kind
-    assert building.element_law.step() is not None
-    assert ("law=" in building.describe()) == (law != "bilinear")
-    stack = stack_of(building)
-    assert stack.law_parameters.shape == (2, len(building.element_law.law_parameters()))
-    np.testing.assert_allclose(stack.system.post + stack.system.couple, 1e8, rtol=1e-15)
-    np.testing.assert_array_equal(stack.system.strength, 0.01)
-
-
 def test_parameters_of_a_law_go_storey_by_storey() -> None:
     own = {"beta": [0.6, 0.8], "gamma": 0.3}
     building = sl.ShearBuilding(**TWO, **STRENGTH, law="bouc_wen", law_parameters=own)
@@ -375,16 +359,6 @@ def test_a_link_without_floors_is_at_the_highest_common_level() -> None:
     assert common_floors(stack_of(one), stack_of(two), 1) == (2, 2)
     assert common_floors(stack_of(one), stack_of(OSCILLATOR), 1) == (3, 1)
     assert slabs_on_columns(one.levels(), two.levels()) == [(1, 1), (0, 1), (0, 3)]
-
-
-def test_what_a_link_says_of_itself() -> None:
-    yielding = Link(5e7, 1e5, hardening=0.02, yield_displacement=0.01, floors=[5, 4], structures=(1, 3))
-    assert yielding.yields
-    assert yielding.floors == (5, 4)
-    assert yielding.describe().endswith("floors=(5, 4), structures=(1, 3))")
-    assert yielding == Link(
-        5e7, 1e5, hardening=0.02, yield_displacement=0.01, floors=(5, 4), structures=(1, 3)
-    )
 
 
 # --- Bad input ----------------------------------------------------------------------------------------
@@ -598,14 +572,3 @@ def test_links_without_a_place_are_refused(structures, links, message):
 def test_lists_of_links_that_do_not_fit_are_refused(links, error, message):
     with pytest.raises(error, match=message):
         check_links("links", links, 3)
-
-
-def test_lists_of_links_that_fit() -> None:
-    by_place = (Link(1), None)
-    assert check_links("links", by_place, 3) == by_place
-    named = [Link(1, structures=(1, 3)), Link(2, structures=(1, 2)), Link(3, structures=(1, 2))]
-    assert check_links("links", named, 3) == tuple(named)
-    assert check_links("links", [], 3) == ()
-    assert xr.DataArray(Link(2.0).number("stiffness")) == 2.0
-    with pytest.raises(ValueError, match="stiffness is an array; allowed here: a scalar"):
-        Link([1.0, 2.0]).number("stiffness")

@@ -15,7 +15,7 @@ from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.messages import DoubtfulInput
 from stochlin.views.command import main
-from stochlin.views.separation.risk import risk_blocks, risk_figure, risk_sentences
+from stochlin.views.separation.risk import risk_blocks, risk_sentences
 from stochlin.views.shared.blocks import Table
 
 pytestmark = pytest.mark.invariant
@@ -227,22 +227,6 @@ def test_risk_of_a_case_is_that_from_python(answered):
 def table_of(answer):
     (table,) = (block for block in risk_blocks(answer) if isinstance(block, Table))
     return table
-
-
-def test_words_and_picture_of_a_risk(answered):
-    text = " ".join(risk_sentences(answered)).replace("\N{NO-BREAK SPACE}", " ")
-    rate = float(answered.risk.risk_annual_rate[0])
-    assert f"with the existing gap of 4.0 cm, they pound {rate:.2g} times a year" in text
-    assert "For the risk allowed, 5 % in 30 years, they should stand" in text
-    table = table_of(answered)
-    assert "in 30 years" in table.heads
-    bars = risk_figure(answered).axes[1].patches
-    assert sum(bar.get_height() for bar in bars) == pytest.approx(100)
-    assert [row.cells[0] for row in table.rows] == [
-        "existing",
-        "the answer above",
-        "for the risk allowed",
-    ]
 
 
 @pytest.mark.slow

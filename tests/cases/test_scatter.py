@@ -76,16 +76,6 @@ def test_every_command_simulates_and_says_it(tmp_path, command):
     assert outputs[0] != outputs[1]
 
 
-def test_the_page_says_it(tmp_path):
-    page = tmp_path / "gap.html"
-    path = write(tmp_path, "scatter = 0.5", command="gap")
-    result = CliRunner().invoke(main, ["gap", str(path), "--report", str(page)])
-    assert result.exit_code == 0, result.output
-    text = " ".join(page.read_text(encoding="utf-8").split())
-    assert "median 1 and scatter 0.5" in text
-    assert "a scatter of 0.5 about that strength is in the answer" in text
-
-
 @pytest.mark.parametrize("wrong", ["-0.1", "40", '"40 %"', "nan", "[0.4]", "true", '"much"'])
 def test_what_is_wrong_is_said_with_its_line(tmp_path, wrong):
     said = r"case\.toml, line \d+: motion\.scatter = .* cannot be used: .*allowed: a number from 0 to 2"

@@ -281,30 +281,6 @@ def test_the_gap_screen_says_of_many_records_quantiles_and_the_share(suite):
     assert "The 12 recorded motions would have needed" in page.read_text(encoding="utf-8")
 
 
-@pytest.mark.slow
-def test_every_command_takes_a_suite_and_stays_readable(suite):
-    site = SUITE.format("records")
-    text = EXAMPLE.replace("paths = 256", "paths = 100")
-    words = {c: said(c, suite, site, text) for c in ("probability", "pound")}
-    text = text.replace('existing = "5 cm"', 'existing = "12 cm"')  # enough: nothing is searched for
-    words["mitigate"] = said("mitigate", suite, site, text, "--picture", suite / "measures.png")
-    assert len(words["pound"].splitlines()) < 60
-    assert len(words["mitigate"].splitlines()) < 60
-    assert "The 12 recorded motions would have needed" in words["probability"]
-    assert re.search(r"12 records: buildings 1 and 2 hit in \d+ % of them", words["pound"])
-    assert (
-        "In 12 records; the values are not exceeded in half of them and in 84 % of them:"
-        in words["mitigate"]
-    )
-    for one in words.values():
-        one.encode("ascii")
-    with xr.open_dataset(suite / "measures.nc") as table:
-        assert all(
-            {"units", "long_name"} <= set(table[name].attrs) or "flag_values" in table[name].attrs
-            for name in table.data_vars
-        )
-
-
 # --- The shaking that was used, and what can hardly be meant ---
 
 
@@ -338,23 +314,6 @@ def test_the_shaking_of_a_record_is_printed_by_pound(suite):
     peak = float(abs(one).max()) / G
     told = f"PGA {peak:.3g} g, Sa (damping 5 %) {found[0]:.3g} g at 1 s, {found[1]:.3g} g at 0.6 s; rms"
     assert told in words
-
-
-@pytest.mark.slow
-def test_what_is_hardly_meant_is_the_first_line(tmp_path):
-    few, site = SHORT.replace("paths = 256", "paths = 100"), f'{FIRM}intensity = "100 m^2/s^3"\n'
-    enough = few.replace('existing = "5 cm"', 'existing = "1000 m"')  # nothing is searched for
-    for command, text in (("gap", ALONE), ("probability", few), ("mitigate", enough)):
-        first = said(command, tmp_path, site, text).partition("Office block and annex")[0]
-        assert first.startswith("CHECK THE INPUT")
-        assert "usual are 0.01 to 1 g" in " ".join(first.split())
-
-
-def test_what_is_hardly_meant_stands_above_all_else_on_the_page(tmp_path):
-    page = tmp_path / "gap.html"
-    said("gap", tmp_path, f'{FIRM}intensity = "100 m^2/s^3"\n', ALONE, "--report", page)
-    shown = page.read_text(encoding="utf-8").partition("<h1>")[0]
-    assert "CHECK THE INPUT" in shown.partition("<body>")[2]
 
 
 def test_a_gap_and_a_drift_beyond_the_height_are_the_first_line(tmp_path):

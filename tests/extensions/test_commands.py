@@ -20,15 +20,3 @@ def test_the_example_of_the_page_is_listed_and_runs(toy):
     wrong = toy("toy", "--period", -1)
     assert wrong.returncode == 2
     assert "--period -1 is" in wrong.stderr
-
-
-def test_a_command_does_not_take_the_place_of_another(install):
-    source = (
-        "import click\nfrom stochlin.views.shared.screen import COMMANDS\n"
-        "@COMMANDS.register('gap')\n@click.command()\ndef gap(): ...\n"
-    )
-    done = install(source)("--help")
-    assert done.returncode == 1
-    assert "Traceback" not in done.stderr
-    assert "command 'gap' exists already" in done.stderr
-    assert "toy" in done.stderr

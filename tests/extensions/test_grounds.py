@@ -56,23 +56,6 @@ def test_rho_by_linearization_and_by_simulation(toy, tmp_path):
         assert float(table.rho_standard_error) < 0.02
 
 
-@pytest.mark.slow
-def test_help_and_messages_know_it(toy):
-    text = " ".join(done(toy("rho", "--help")).split()).replace("- ", "-")
-    assert "two-layers, or a named ground" in text
-    assert "--layer-period NUMBERS Period of the upper layer [s]; of two-layers." in text
-    unknown = toy("rho", *PAIR, "--ground", "moon")
-    assert unknown.returncode == 2
-    assert all(name in unknown.stderr for name in ("kanai-tajimi", "white-noise", "two-layers", "firm"))
-    missing = toy("rho", *PAIR, *GROUND[:-4])
-    assert missing.returncode == 2
-    assert "needs --layer-period." in missing.stderr
-    assert (
-        "--layer-damping does not apply to --ground firm"
-        in toy("rho", *PAIR, "--ground", "firm", "--layer-damping", 0.1).stderr
-    )
-
-
 CASE = """
 title = "Two layers"
 [site]
@@ -117,29 +100,3 @@ def test_a_case_file_takes_the_ground_by_its_name(toy, tmp_path):
     wrong = toy("gap", "case.toml")
     assert wrong.returncode == 2
     assert "two_layers" in wrong.stderr
-
-
-@pytest.mark.slow
-def test_the_explorer_has_entries_for_it(start, example):
-    code = (
-        "from stochlin.analyses.explorer.form import chosen, form_of\n"
-        "tables = {'site': {'ground': 'firm', 'intensity': '0.02 m^2/s^3'}}\n"
-        "(ground,) = form_of(tables)[0].choices\n"
-        "assert 'two_layers' in ground.options\n"
-        "entries = form_of(chosen(tables, ground, 'two_layers'))[0].entries\n"
-        "for entry in entries:\n"
-        "    print(entry.key.label, '=', entry.text)\n"
-    )
-    process = start(example("A ground"), code)
-    said = process.communicate()[0]
-    assert "Period of the upper layer = " in said
-    assert "Intensity S0 = 0.02 m^2/s^3" in said
-    assert process.returncode == 0
-
-
-def test_an_extension_that_cannot_be_imported_is_named(install):
-    result = install("import nowhere_to_be_found")("rho", *PAIR)
-    assert result.returncode not in (0, None)
-    assert "the extension 'toy' (toy) cannot be imported: ModuleNotFoundError" in result.stderr
-    assert "Traceback" not in result.stderr
-    assert len(result.stderr.strip().splitlines()) == 1

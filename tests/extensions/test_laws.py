@@ -51,7 +51,6 @@ def test_rho_of_a_law_from_outside(toy, tmp_path, method):
             np.testing.assert_allclose(table[name], expected[name], rtol=ROUNDING, err_msg=name)
 
 
-KNOWN = "bilinear, bouc_wen, bouc_wen_baber_noori, modified_clough, flag, pinched"
 CASE = f"""\
 {cases.FIRM_SITE}[building_1]
 law = "pinched"
@@ -91,60 +90,6 @@ def test_gap_of_a_case_with_a_law_from_outside(toy, tmp_path):
         ours = table.gap.sel(rule=expected.rule)  # without the rules from outside
         np.testing.assert_allclose(ours, expected.gap, rtol=ROUNDING)
         np.testing.assert_allclose(table.peak_mean_1, expected.peak_mean_1, rtol=ROUNDING)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("before", "after", "says"),
-    [
-        ("limit = 0.8", "limt = 0.8", ["line 15: building_1.limt", "did you mean limit?"]),
-        ("limit = 0.8", "limit = 0", ["line 15: building_1.limit = 0 is out of range", "0 < value"]),
-        (
-            '"pinched"',
-            '"pinced"',
-            [f"did you mean 'pinched'? allowed: {KNOWN}"],
-        ),
-        (
-            '"pinched"',
-            '"hysteretic"',
-            [f"allowed: {KNOWN}"],
-        ),
-        (
-            'law = "pinched"\n',
-            "",
-            ['building_1.beta = 0.6 belongs to law = "bouc_wen", not to "bilinear"'],
-        ),
-        ("[building_2]", "[building_2]\nlimit = 1", ['building_2.limit = 1 belongs to law = "pinched"']),
-    ],
-)
-def test_a_case_that_says_it_wrong(toy, tmp_path, before, after, says):
-    assert before in CASE
-    (tmp_path / "case.toml").write_text(CASE.replace(before, after))
-    done = toy("gap", "case.toml")
-    assert done.returncode == 2
-    for part in says:
-        assert part in done.stderr
-
-
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (
-            ("--law", "pinced"),
-            ", ".join(f"'{name}'" for name in KNOWN.split(", ")),
-        ),
-        (("--law", "pinched", "--exponent", 2), "--exponent does not apply to --law pinched"),
-        (("--law-2", "pinched", "--limit-1", 1), "--limit-1 does not apply to --law bilinear"),
-        (("--law", "pinched", "--limit", 0), "--limit 0 is out of range; allowed: 0 < value"),
-        (("--law", "pinched", "--closure", "drift"), "not available for Pinched; allowed: gaussian"),
-        (("--help",), "z beyond which it softens once more, of pinched, 1 if not given"),
-    ],
-    ids=str,
-)
-def test_options_of_a_law_are_those_of_the_law(toy, arguments, says):
-    said = toy("rho", *options(period_1="0.7s", period_2="1s", **SITE), *arguments)
-    assert said.returncode == (0 if "--help" in arguments else 2)
-    assert says in " ".join((said.stdout + said.stderr).split())
 
 
 @pytest.mark.slow

@@ -80,12 +80,3 @@ def test_rho_takes_the_rule(toy, tmp_path):
     unknown = toy("rho", "--period", "1s", "--rule", "rot")
     assert unknown.returncode == 2
     assert "'root'" in unknown.stderr
-
-
-@pytest.mark.slow
-def test_a_name_that_is_taken_is_refused(install, example, tmp_path):
-    source = example("A code rule")
-    (tmp_path / "case.toml").write_text(CASE)
-    done = install(source.replace('"atlantis"', '"taiwan"'))("gap", "case.toml")
-    assert done.returncode in {1, 2}
-    assert "code rule 'taiwan' exists already; choose another name" in done.stderr

@@ -1,8 +1,5 @@
 """Laws of several states in sympy: their rates, their steps, and where they can be used."""
 
-import copy
-import pickle
-
 import numpy as np
 import pytest
 import sympy
@@ -157,48 +154,6 @@ def test_storeys_of_a_building_have_the_law():
     assert "e: v*z" in worn.describe()
 
 
-OF_THE_HOUSE = {
-    "beta": 0.6,
-    "exponent": 1.5,
-    "strength_decay": 0.02,
-    "stiffness_decay": 0.05,
-    "pinching": 0.9,
-    "pinching_rate": 1.0,
-    "pinching_start": 0.15,
-    "pinching_width": 0.2,
-    "pinching_spread": 0.01,
-    "pinching_coupling": 0.4,
-}
-LINK = sl.Link(2e6, 1e5)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("storeys", [False, True])
-def test_separation_and_pounding_are_those_of_the_same_law_of_the_house(storeys):
-    """The rates differ by rounding; energies and impacts add what they add."""
-    own = {"law": baber_noori(**PINCHING)}
-    if storeys:
-        named = {"law": "bouc_wen_baber_noori", "law_parameters": OF_THE_HOUSE}
-        pairs = [
-            [sl.ShearBuilding([1e5] * n, [4e7] * n, [3.0] * n, 0.05, 0.1, 0.01, **law) for n in (2, 3)]
-            for law in (own, named)
-        ]
-    else:
-        pairs = [
-            [kind(**GIVEN | {"period": T, "mass": 1e5}, **law) for T in (0.5, 0.8)]
-            for kind, law in ((sl.Hysteretic, own), (sl.BoucWenBaberNoori, OF_THE_HOUSE))
-        ]
-    gaps = [sl.separation(*pair, GROUND, 8.0, paths=32).gap.sel(rule="simulation") for pair in pairs]
-    np.testing.assert_allclose(*gaps, rtol=1e-6)
-    record = sl.simulated_motions(GROUND, 6.0, paths=2, seed=3)[0]
-    contact = sl.Kelvin(1e8, restitution=0.65)
-    tables = [sl.pound(pair, [0.01], contact, record, link=LINK, output_step=0.1) for pair in pairs]
-    assert int(tables[0].impacts.sum()) > 0
-    for name in ("displacement", "contact_force", "hysteretic_energy"):
-        found, expected = (table[name].to_numpy() for table in tables)
-        np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-4 * np.nanmax(np.abs(expected)))
-
-
 def test_recorded_motions_and_gaps():
     record = sl.simulated_motions(GROUND, 8.0, paths=2, seed=3)[0]
     history = sl.respond(hysteretic(), record)
@@ -206,25 +161,6 @@ def test_recorded_motions_and_gaps():
     assert float(np.abs(history.z).max()) <= 1.01
     gap = sl.recorded_gap(hysteretic(), hysteretic(period=0.8), record)
     assert np.isfinite(gap.separation).all()
-
-
-@pytest.mark.parametrize(
-    "linearizing",
-    [
-        lambda one: sl.linearize(one, GROUND),
-        lambda one: sl.linearize(one, GROUND, closure="drift"),
-        lambda one: sl.correlate(one, sl.Bilinear(0.7, 0.05), GROUND),
-        lambda one: sl.linearize_system([one], GROUND),
-        lambda one: sl.linearize_system([building(one.law)], GROUND),
-        lambda one: sl.equivalent_coefficients(1.0, 0.5, 0.3, law=one.law),
-    ],
-    ids=["linearize", "another closure", "correlate", "system", "storeys", "coefficients"],
-)
-def test_what_linearizes_refuses_it_with_the_cure(linearizing):
-    with pytest.raises(
-        ArithmeticError, match=r"cannot be linearized.*by transient_response, .*simulate with"
-    ):
-        linearizing(hysteretic())
 
 
 @pytest.mark.parametrize(
@@ -250,15 +186,6 @@ def test_a_law_whose_further_state_is_reversed_has_a_stationary_response():
     law = {"z": V - abs(V) * (0.9 * Z + D / 30), "d": V - abs(V) * D / 3}
     table = sl.simulate([hysteretic(law, growing_states=())], GROUND, paths=32, relaxation_times=1.0)
     assert float(table.displacement_std[0]) > 0
-
-
-def test_rules_that_linearize_are_missing_with_the_reason():
-    second = sl.Bilinear(0.8, 0.05, 0.1, yield_displacement=0.02)
-    table = sl.separation(hysteretic(), second, GROUND, 5.0, paths=32)
-    assert np.isfinite(table.gap.sel(rule="simulation"))
-    for rule in ("linearization", "eq_3_linearized", "eq_3_paper"):
-        assert np.isnan(table.gap.sel(rule=rule))
-        assert "more than one state" in str(table.missing.sel(rule=rule).values)
 
 
 SAME = {"e": Z * V}
@@ -322,26 +249,6 @@ def test_growing_states_are_states_besides_z():
             hysteretic({"z": V, "e": Z * V}, growing_states=growing)
 
 
-def test_order_of_the_mapping_does_not_matter():
-    rates = baber_noori(**PINCHING)
-    one, other = hysteretic(rates), hysteretic({"e": rates["e"], "z": rates["z"]})
-    assert one == other
-    assert one == hysteretic(rates, states=("z", "e"))
-    assert one.step() is other.step()
-
-
 def test_a_mapping_of_one_state_is_its_expression():
     law = V - abs(V) * Z
     assert hysteretic({"z": law}) == hysteretic(law)
-
-
-def test_copies_are_equal_and_give_the_same_numbers():
-    one = hysteretic()
-    for other in (pickle.loads(pickle.dumps(one)), copy.deepcopy(one)):
-        assert other == one
-        assert hash(other) == hash(one)
-        assert other.symbolic() == one.symbolic() == baber_noori(**PINCHING)
-        assert other.step() is one.step()
-    assert one != hysteretic(baber_noori(**PLAIN))
-    assert "law={z: " in one.describe()
-    assert "e: v*z" in one.describe()

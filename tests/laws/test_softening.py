@@ -5,43 +5,12 @@ import itertools
 import numpy as np
 import pytest
 import xarray as xr
-from cases import SMALL_GAP
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.analyses.cases.pounding import pound_motions
-from stochlin.analyses.cases.separation import answer_case
-from stochlin.analyses.linearization.transient_systems import side_of
-from stochlin.models.parameters import Model
-from stochlin.models.systems import stack_of
-from stochlin.views.separation.verdict import cautions, details, first_lines
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
-CASE = """
-[site]
-ground = "kanai_tajimi"
-period = "0.4 s"
-damping = 0.6
-intensity = "0.02 m^2/s^3"
-[motion]
-duration = "10 s"
-envelope = "none"
-[building_1]
-period = "0.5 s"
-storeys = 2
-storey_height = "3 m"
-floor_mass = "150 t"
-base_shear_coefficient = 0.2
-damping = 0.05
-hardening = {hardening}
-[building_2]
-period = "0.8 s"
-damping = 0.05
-hardening = {hardening}
-yield_displacement = "4 cm"
-mass = "300 t"
-"""
 GROUND = sl.KanaiTajimi(0.4, 0.6, 0.02)
 W = 2 * np.pi / 0.5
 GIVEN = {"period": 0.5, "damping": 0.05, "yield_displacement": 0.02}
@@ -191,39 +160,6 @@ def test_motions_in_which_a_structure_falls_are_counted_and_exceed_any_gap(kind)
     assert float(beyond.probability) == share
 
 
-@pytest.mark.slow
-def test_separation_and_what_an_existing_gap_allows_name_the_collapse():
-    falling, other = sl.Bilinear(hardening=-0.1, **GIVEN), sl.Bilinear(0.8, 0.05)
-    table = sl.separation(falling, other, GROUND, 10.0, paths=64)
-    assert np.isposinf(table.gap.sel(rule="simulation"))
-    assert float(table.collapse_probability_1) > 0.1
-    assert "collapse_probability_2" in table
-    assert (table.no_pounding_probability.dropna("rule") < 0.9).all()
-    limits = sl.existing_gap(falling, other, GROUND, 10.0, gap=0.3, paths=64)
-    assert np.isposinf(limits.required_gap)
-    assert 0 < float(limits.largest_intensity) < GROUND.intensity
-    with pytest.raises(ArithmeticError, match=r"a structure falls in .* % of the motions"):
-        sl.sensitivity(falling, other, GROUND, 10.0, paths=64)
-
-
-@pytest.mark.parametrize(
-    "stationary",
-    [
-        lambda s: sl.linearize(s, GROUND),
-        lambda s: sl.correlate(s, sl.Bilinear(0.7, 0.05), GROUND),
-        lambda s: sl.correlate(s, sl.Bilinear(0.7, 0.05), GROUND, method="simulation"),
-        lambda s: sl.linearize_system([s], GROUND),
-        lambda s: sl.simulate([s], GROUND, paths=32),
-        lambda s: sl.peak_response(s, GROUND, 10.0),
-        lambda s: sl.strength_for_ductility(s, GROUND, 3.0),
-    ],
-)
-@pytest.mark.parametrize(("kind", "alpha"), [("bilinear", 0.0), ("bouc_wen", -0.2)])
-def test_what_is_stationary_refuses_it_with_the_cure(kind, alpha, stationary):
-    with pytest.raises(ValueError, match=r"no stiffness after yielding.*simulate with a duration"):
-        stationary(LAWS[kind](hardening=alpha, **GIVEN))
-
-
 QUAKE = {"duration": 10.0, "envelope": sl.AminAng(2.0, 8.0, 0.4)}
 SHOP = sl.Bilinear(0.8, 0.05, mass=1e5)
 
@@ -327,51 +263,3 @@ def test_p_delta_is_softer_storeys_with_less_hardening_in_every_analysis(finite,
     tables = [FINITE[finite](leaning(hardening, p_delta)) for p_delta in (True, False)]
     assert np.isfinite(tables[0]).any()
     np.testing.assert_allclose(*tables, rtol=1e-6, atol=1e-12)
-
-
-@pytest.mark.parametrize("hardening", [0.0, -0.02])
-def test_case_files_take_it_and_give_what_python_gives(hardening, tmp_path):
-    path = tmp_path / "case.toml"
-    path.write_text(CASE.format(hardening=hardening) + SMALL_GAP, encoding="utf-8")
-    case = sl.read_case(path)
-    first, second = (building.sampled for building in case.pair)
-    assert first.hardening == second.hardening == hardening
-    answer = answer_case(case)
-    said = " ".join([*answer.doubts(), *first_lines(answer), *cautions(answer), *details(answer)])
-    assert ("Building 1 falls in " in said) == (hardening < 0)
-    assert not any(word in said for word in ("elastic", " inf ", "Building 2 falls", "more than its"))
-    gaps = [
-        answer.separation.gap,
-        sl.separation(first, second, case.ground, 10.0, paths=128, seed=case.seed).gap,
-    ]
-    np.testing.assert_allclose(*(gap.sel(rule="simulation") for gap in gaps), rtol=1e-9)
-    assert float(pound_motions(case, 8).impacts.sum()) > 0
-
-
-def test_cells_of_a_table_fall_where_each_structure_falls():
-    """By formula and simulation; z of these Bouc-Wen structures reaches 2 and 1.25."""
-    gamma, common = [0.2, -1.0, 0.5], {"beta": 0.3, "exponent": 1.0, "hardening": -0.1} | GIVEN
-    cells = sl.BoucWen(gamma=gamma, **common)  # the second one is not valid
-    each = [stack_of(sl.BoucWen(gamma=one, **common)).limits for one in (0.2, 0.5)]
-    np.testing.assert_allclose(side_of(cells, GROUND, 10.0, "first", 0).limits, each)
-    np.testing.assert_allclose(each, np.array([[2.0], [1.25]]) * 0.02 * 1.1 / 0.1)
-
-
-def test_cells_without_a_stationary_response_spoil_no_others():
-    hardening = xr.DataArray([-0.1, 0.0, 0.1], dims="a")
-    several, one = sl.Bilinear(hardening=hardening, **GIVEN), sl.Bilinear(hardening=0.1, **GIVEN)
-    assert isinstance(several, Model)
-    assert sl.linearize(several, GROUND).status.values.tolist() == [3, 3, 0]
-    assert sl.linearize_system([several], GROUND).status.values.tolist() == [3, 3, 0]
-    table = sl.correlate(several, one, GROUND, method="simulation", paths=32)
-    assert np.isnan(table.rho).values.tolist() == [True, True, False]
-    assert np.isfinite(
-        sl.response_spectrum(
-            motion(), 0.5, 0.05, hardening=hardening, yield_displacement=0.05
-        ).displacement_max
-    ).all()
-
-
-def test_the_range_of_hardening():
-    with pytest.raises(ValueError, match=r"hardening = -1 is out of range; allowed: -1 < value <= 1"):
-        sl.Bilinear(hardening=-1.0, **GIVEN)

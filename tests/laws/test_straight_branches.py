@@ -169,32 +169,6 @@ def test_a_crack_along_the_elastic_line_or_a_cap_out_of_reach_change_nothing():
         np.testing.assert_allclose(*table.peak.values.T, rtol=1e-9)
 
 
-def test_loss_of_strength_in_every_analysis_of_finite_motions():
-    """Displacements are larger than without a cap; storeys may have caps of their own."""
-    record = 2.0 * sl.simulated_motions(GROUND, 8.0, paths=2, seed=3)[0]
-    weak = sl.ModifiedClough(**GIVEN, **CRACKS, **CAPPED, mass=1e5)
-    strong = sl.ModifiedClough(**GIVEN, **CRACKS, mass=1e5)
-    peaks = [float(np.abs(sl.respond(one, record).displacement).max()) for one in (weak, strong)]
-    assert peaks[0] > 1.1 * peaks[1]
-    table = sl.separation(weak, strong, GROUND, 8.0, paths=32)
-    assert np.isfinite(table.gap.sel(rule="simulation"))
-    hit = sl.pound([weak, strong], [0.01], sl.Kelvin(1e8, restitution=0.65), record)
-    assert int(hit.sizes["impact"]) > 0
-    own = {**CAPPED, **CRACKS, "cap_ductility": [1.5, 8.0]}
-    parts = [1e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.1, 0.01
-    frame = sl.ShearBuilding(*parts, law="modified_clough", law_parameters=own)
-    other = sl.ShearBuilding(
-        *parts, law="modified_clough", law_parameters=own | {"cap_ductility": [8.0, 8.0]}
-    )
-    lower = [np.abs(sl.respond(one, record / 2).storey_drift[:, 0]).max() for one in (frame, other)]
-    assert float(lower[0]) > 1.5 * float(lower[1])
-    assert frame.oscillator().cap_ductility == 1.5
-    with pytest.raises(ValueError, match=r"law_parameters: storey 2, .*no descending branch"):
-        sl.ShearBuilding(
-            *parts, law="modified_clough", law_parameters={**CAPPED, "softening": [0.2, 0.1]}
-        )
-
-
 def test_the_flag_comes_back():
     """Without load nothing is left, where a bilinear building is displaced."""
     turns = np.array([[0.0], [4.0], [0.0], [-2.5], [0.3]])
@@ -247,25 +221,3 @@ def test_the_flag_has_a_stationary_response_and_the_modified_clough_law_has_none
         name = type(structure).__name__
         with pytest.raises(ArithmeticError, match=f"{name} cannot be linearized.*with a duration"):
             sl.linearize(structure, GROUND)
-
-
-@pytest.mark.parametrize(
-    ("kind", "changed", "message"),
-    [
-        (
-            sl.ModifiedClough,
-            {"unloading_exponent": 1.0},
-            "exponent = 1 .*< 1, .*at 1 it unloads to the origin",
-        ),
-        (sl.ModifiedClough, {"unloading_exponent": -0.1}, "allowed: 0 <= value < 1"),
-        (sl.ModifiedClough, CAPPED | {"cap_ductility": 0.9}, "allowed: 1 <= value, .*not before yield"),
-        (sl.ModifiedClough, CAPPED | {"residual": 1.0}, "allowed: 0 <= value < 1, .*1 at the cap"),
-        (sl.ModifiedClough, {"cracking": 0.4}, "cracking is given without uncracked_stiffness"),
-        (sl.ModifiedClough, {"softening": 0.4}, "softening is given without cap_ductility"),
-        (sl.ModifiedClough, CAPPED | {"softening": 0.11}, r"no descending branch .*0\.111111 < value"),
-        (sl.Flag, {"beta": 1.1}, "beta = 1.1 is out of range; allowed: 0 <= value <= 1"),
-    ],
-)
-def test_parameters_out_of_range_are_refused(kind, changed, message):
-    with pytest.raises(ValueError, match=message):
-        kind(**GIVEN, **changed)

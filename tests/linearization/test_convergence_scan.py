@@ -145,20 +145,6 @@ def test_the_strongest_shaking_leaves_the_stiffness_after_yielding(law, closure,
     assert off[-1] < 0.02
 
 
-@pytest.mark.parametrize("closure", ["gaussian", "clipped", "drift"])
-@pytest.mark.parametrize("ground", [sl.WhiteNoise(0.01), sl.KanaiTajimi(0.5, 0.1, 0.01)])
-def test_a_cell_does_not_know_its_neighbours(closure, ground):
-    """To the last bit, in tiles and beside them, though others take longer or are lost."""
-    periods, factors = np.geomspace(0.05, 5.0, 133), np.geomspace(0.5, 30.0, 133)[::-1]
-    whole = sl.linearize(sl.Bilinear(periods, 0.05, 0.02, reduction_factor=factors), ground, closure)
-    for n in (0, 64, 100, 132):
-        lone = sl.linearize(
-            sl.Bilinear(periods[n], 0.05, 0.02, reduction_factor=factors[n]), ground, closure
-        )
-        for name, value in lone.data_vars.items():
-            np.testing.assert_array_equal(value, whole[name][n], err_msg=name)
-
-
 def test_shaking_beyond_reach_says_so():
     with pytest.raises(ArithmeticError, match="check the units"):
         sl.linearize(sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=1e-30), sl.WhiteNoise(0.01))

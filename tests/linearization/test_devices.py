@@ -10,10 +10,7 @@ import scipy.optimize
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.linearization.systems.solution import springs_of
-from stochlin.analyses.linearization.systems.systems import equations_of
 from stochlin.kernels.linearization.gaussian import absolute_moment, equivalent_dashpot
-from stochlin.kernels.linearization.systems.springs import Linear, respond
 
 pytestmark = pytest.mark.oracle
 
@@ -92,30 +89,6 @@ def test_end_of_the_loop_is_that_of_the_linear_dashpots_it_names():
     rate[names.index("v_1.4")], rate[names.index("v_2")] = 1, -1
     std = np.sqrt(rate @ table.covariance.values @ rate)
     assert told[-1] == pytest.approx(equivalent_dashpot(1e6, 0.5, std), rel=1e-9)
-
-
-def test_slopes_of_the_moments_are_their_differences():
-    """By slip and relaxation of four storeys and a link, and by its dashpot; one storey is elastic."""
-    problem = springs_of(equations_of([TALL, ONE], GROUND, [BETWEEN]), 1e-10)
-    rng = np.random.default_rng(34)
-    linear = Linear(rng.uniform(0.02, 0.6, (1, 5)), rng.uniform(0.2, 4, (1, 5)), np.full((1, 1), 3e5))
-    linear.slip[0, 1] = linear.relaxation[0, 1] = 0.0
-
-    def moments(place, change):
-        moved = Linear(*(part.copy() for part in linear))
-        moved[place // 5][0, place % 5] += change
-        found = respond(problem, moved)
-        springs = found.springs * problem.strength**2
-        return np.append(springs.transpose(1, 0, 2).ravel(), found.rates)
-
-    slopes = respond(problem, linear, slopes=True).slopes[0]
-    size = np.abs(moments(0, 0.0))
-    size[size == 0] = size.max()  # rate and z of the elastic storey are not correlated
-    for place, step in enumerate([1e-5] * 5 + [1e-4] * 5 + [10.0]):
-        if place == 6:
-            continue  # an elastic storey follows its drift, so that relaxation alone has no slope
-        known = (moments(place, step) - moments(place, -step)) / (2 * step)
-        np.testing.assert_allclose(slopes[:, place] * step / size, known * step / size, atol=3e-9)
 
 
 def test_force_of_a_link_with_spring_and_dashpot():

@@ -283,20 +283,6 @@ def test_time_intensity_and_strength_are_only_scales(factor):
     )
 
 
-def test_batch_is_its_cells():
-    rng = np.random.default_rng(2)
-    count = 60
-    period, hardening = np.exp(rng.uniform(-3, 3, count)), np.exp(rng.uniform(-4, 0, count))
-    factor, damping = np.exp(rng.uniform(-2, 3, count)), np.exp(rng.uniform(-5, -1, count))
-    many = sl.linearize(
-        sl.Bilinear(period, damping, hardening, reduction_factor=factor), LAKEBED, "drift"
-    )
-    for n in range(0, count, 6):
-        one = sl.Bilinear(period[n], damping[n], hardening[n], reduction_factor=factor[n])
-        alone = sl.linearize(one, LAKEBED, "drift")
-        assert float(alone.displacement_std) == pytest.approx(float(many.displacement_std[n]), rel=1e-8)
-
-
 def test_fast_response_is_that_of_the_clipped_closure():
     kept, lost = (sl.linearize(building(), LAKEBED, closure) for closure in ("drift", "clipped"))
     for name in ("velocity_std", "z_std", "velocity_z_corr", "c_eq", "k_eq", "yield_displacement"):

@@ -59,28 +59,6 @@ def test_closed_forms_are_those_of_the_general_filter(which, law):
     np.testing.assert_allclose(np.ravel(one), [row[3] for row in exact], rtol=CLOSE)
 
 
-@pytest.mark.parametrize("which", ["white noise", "Kanai-Tajimi", "Clough-Penzien"])
-def test_slopes_of_the_forcing_are_its_differences(which):
-    soil, layer, systems = draw(np.random.default_rng(22))
-    closed = {"white noise": Filter(0.3), "Kanai-Tajimi": soil, "Clough-Penzien": layer}[which]
-    system = systems["yielding"]
-    slopes = closed.forcing_and_slopes(system).reshape(3, 3, N)
-    np.testing.assert_array_equal(slopes[0], closed.forcing(system))
-    general = in_general(closed).forcing_and_slopes(system).reshape(3, 3, N)
-    size = np.abs(slopes).max(axis=1, keepdims=True)
-    assert (np.abs(general - slopes) <= 10 * CLOSE * size).all()  # two solutions, one after the other
-    for found, name in zip(slopes[1:], ("slip", "relaxation"), strict=True):
-        value = getattr(system, name)
-        ends = [
-            np.stack(closed.forcing(system._replace(**{name: value * (1 + side)})))
-            for side in (1e-4, -1e-4)
-        ]
-        # Of the order of 1e-4^2, and of rounding over 1e-4.
-        np.testing.assert_allclose(
-            found * 2e-4 * value, ends[0] - ends[1], rtol=1e-5, atol=1e-10 * np.abs(ends[0]).max()
-        )
-
-
 def test_half_cycles_are_those_of_the_general_filter():
     soil, _, systems = draw(np.random.default_rng(22))
     found, exact = (drift.half_cycles(systems["yielding"], one) for one in (in_general(soil), soil))
@@ -212,21 +190,6 @@ def test_yielding_structures_are_those_of_their_state_space(ground, closure):
         variance = float(sl.stationary_covariance(space).sel(state="u_1", state_2="u_1"))
         assert float(table.displacement_std) == pytest.approx(np.sqrt(variance), rel=1e-8)
     assert np.isnan(table.bias)
-
-
-def test_cells_of_a_table_are_what_they_are_alone():
-    periods, dampings = np.array([0.2, 0.5, 0.5]), np.array([0.1, 0.1, 0.4])
-    structure = sl.Bilinear(np.array([0.5, 1.0, 0.8]), 0.05, 0.1, reduction_factor=3)
-    table = sl.linearize(structure, ThreeLayers(periods, dampings)).displacement_std
-    alone = [
-        float(
-            sl.linearize(
-                sl.Bilinear(period, 0.05, 0.1, reduction_factor=3), ThreeLayers(*soil)
-            ).displacement_std
-        )
-        for period, *soil in zip((0.5, 1.0, 0.8), periods, dampings, strict=True)
-    ]
-    np.testing.assert_allclose(table, alone, rtol=1e-7)  # the tolerance of the fixed point
 
 
 @every_ground

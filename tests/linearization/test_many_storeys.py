@@ -8,7 +8,7 @@ import stochlin as sl
 from stochlin.analyses.linearization.systems.solution import springs_of
 from stochlin.analyses.linearization.systems.systems import equations_of
 from stochlin.kernels.linearization.systems.response import StationaryResponse
-from stochlin.kernels.linearization.systems.springs import Linear, respond
+from stochlin.kernels.linearization.systems.springs import Linear
 from stochlin.kernels.linearization.systems.state_space import state_space
 
 pytestmark = pytest.mark.oracle
@@ -65,27 +65,6 @@ def test_covariance_is_that_of_scipy_for_the_whole_matrix(storeys, ground, linke
     right = system.intensity[0] * np.outer(noise / std, noise / std)
     known = scipy.linalg.solve_continuous_lyapunov(matrix * std / std[:, None], -right)
     np.testing.assert_allclose(found / np.outer(std, std), known, atol=1e-7)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("storeys", [(3, 2), (24, 15)])
-def test_slopes_of_the_moments_are_their_differences(storeys):
-    problem = problem_of(storeys, "Kanai-Tajimi")
-    linear, m = coefficients(problem, 36), sum(storeys)
-    slopes = respond(problem, linear, slopes=True).slopes[0]
-
-    def moments(field, spring, change):
-        moved = Linear(*(part.copy() for part in linear))
-        moved[field][0, spring] += change
-        found = respond(problem, moved).springs * problem.strength**2
-        return found[:, 0].ravel()
-
-    size = np.abs(moments(0, 0, 0.0))
-    for field, step in ((0, 1e-5), (1, 1e-4)):
-        for spring in (0, storeys[0] - 1, storeys[0], m - 1):
-            known = (moments(field, spring, step) - moments(field, spring, -step)) / (2 * step)
-            own = slopes[:, field * m + spring]
-            np.testing.assert_allclose(own * step / size, known * step / size, atol=3e-9)
 
 
 @pytest.mark.invariant

@@ -201,19 +201,6 @@ def test_difference_changes_no_moment_when_the_structures_change_places():
         np.testing.assert_allclose(a, b, rtol=1e-10)
 
 
-def test_table_of_many_cells_is_the_cells_one_by_one():
-    """More cells than one block of the kernel, an invalid one among them."""
-    periods = np.geomspace(0.1, 5, 300)
-    periods[7] = -1
-    ground = sl.KanaiTajimi(1.0, 0.2)
-    table = response_moments(solve(sl.Bilinear(periods, 0.05), ground), ground)
-    for cell in (0, 127, 128, 299):
-        alone = response_moments(solve(sl.Bilinear(periods[cell], 0.05), ground), ground)
-        for a, b in zip(table, alone, strict=True):
-            np.testing.assert_allclose(a[cell], b, rtol=1e-14)
-    assert np.flatnonzero(np.isnan(table[1])).tolist() == [7]
-
-
 def test_structures_that_move_as_one_have_no_difference():
     ground = sl.KanaiTajimi(1.0, 0.2)
     one = solve(sl.Bilinear(0.7, 0.05), ground)

@@ -140,17 +140,6 @@ def test_each_record_has_its_files_and_the_picture_is_drawn_from_them(two: tuple
             assert table.attrs["record"] in table.attrs["title"]
 
 
-def test_a_picture_alone_has_its_data_beside_it(tmp_path: Path) -> None:
-    path = case_file(tmp_path, ("weak", 0.01))
-    answered("pound", path, "--picture", tmp_path / "p.svg")
-    assert {p.name for p in tmp_path.glob("p.*")} == {"p.svg", "p.nc"}
-    again = tmp_path / "again"
-    again.mkdir()
-    answered("pound", path, "--picture", again / "p.svg")
-    for name in ("p.svg", "p.nc"):
-        assert (tmp_path / name).read_bytes() == (again / name).read_bytes()
-
-
 YIELDS = 'hardening = 0.05\nyield_drifts = "1 cm"'
 
 
@@ -310,13 +299,6 @@ def test_commands_with_wrong_files_are_refused(
     assert says in refused("pound", *arguments)
 
 
-def test_gap_says_that_it_takes_two(tmp_path: Path) -> None:
-    text = example_case().replace("[separation]", f"{THIRD}[separation]")
-    text = text.replace('existing = "5 cm" ', 'existing = ["5 cm", "3 cm"] ')
-    path = case_file(tmp_path, ("r", 0.1), text=text)
-    assert "describes 3 buildings; this command needs two" in refused("gap", path)
-
-
 def test_buildings_that_touch_are_a_case_of_every_command(tmp_path: Path) -> None:
     """Any motion towards each other is a blow: none of the motions keeps them apart."""
     text = example_case().replace('existing = "5 cm" ', 'existing = "0 cm" ').replace("2048", "128")
@@ -338,11 +320,6 @@ def test_buildings_that_touch_are_a_case_of_every_command(tmp_path: Path) -> Non
         for part in parts:
             assert part in shown, shown
     assert float(pound_motions(sl.read_case(path), 4).impacts.min()) > 0
-
-
-def test_a_picture_of_something_else_is_refused() -> None:
-    with pytest.raises(ValueError, match="allowed: one that 'stochlin pound' saves"):
-        draw_pound(xr.Dataset({"rho": 0.3}))
 
 
 # --- Random cases ---------------------------------------------------------------------------------
@@ -524,17 +501,6 @@ def test_uncertain_buildings_are_told_to_be_those_of_the_gap_at_their_medians(tm
     done = answered("pound", case_file(tmp_path, text=text), "--motions", 4)
     shown = " ".join(done.output.split())
     assert "a sample of the uncertain parameters in each of its 2048 motions" in shown
-
-
-def test_six_records_are_shown_together(tmp_path: Path) -> None:
-    records = [(f"r {n}", 0.1 * n) for n in range(1, 7)]
-    done = answered("pound", case_file(tmp_path, *records), "--out", tmp_path / "p.nc")
-    assert "6 records: buildings 1 and 2 hit in " in done.output
-    with xr.open_dataset(tmp_path / "p.nc") as table:
-        assert [str(name) for name in table.record.values] == [name for name, _ in records]
-        assert np.isfinite(table.impacts_quantile_upper[0]).all()
-    with pytest.raises(ValueError, match="allowed: one that 'stochlin pound' saves of many motions"):
-        sl.charts.draw_ensemble(xr.Dataset({"rho": 0.3}))
 
 
 def test_motions_that_failed_are_said_loudly(tmp_path: Path) -> None:

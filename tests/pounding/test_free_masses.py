@@ -333,18 +333,6 @@ def test_a_slow_approach_is_elastic():
         assert run.impacts[0, APPROACH] == pytest.approx(SPEED, rel=1e-12)
 
 
-def test_a_lane_has_the_same_bits_alone():
-    row = free_row((2e5, 3e5, 1e5), sl.Kelvin(STIFFNESS, restitution=0.6), 0.01)
-    velocities = np.random.default_rng(3).uniform(-1, 1, (3, 7))
-    many = Flight(row, velocities, 1e-3, 0.5, substeps=8)
-    assert len(many.impacts) > 5
-    for lane in range(7):
-        one = Flight(row, velocities[:, lane], 1e-3, 0.5, substeps=8)
-        np.testing.assert_array_equal(one.v[:, 0], many.v[:, lane])
-        of_lane = many.impacts[many.impacts[:, LANE] == lane]
-        np.testing.assert_array_equal(one.impacts[:, CONTACT:], of_lane[:, CONTACT:])
-
-
 # --- Stereomechanical impacts -----------------------------------------------------------------------
 
 

@@ -5,15 +5,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import scipy.linalg
-import xarray as xr
-from cases import assert_near, axis, check_labels, with_slow
+from cases import assert_near, axis, with_slow
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from motions import RECORDS, motion, needs_records, recorded, shaking
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.analyses.charts import records as record_charts
 from stochlin.analyses.tables import labels
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
@@ -473,26 +471,6 @@ def test_equal_structures_need_no_gap():
 # --- Tables, labels, refusals -------------------------------------------------------------------------
 
 
-def test_a_table_holds_its_cells():
-    records = {"a": synthetic(seed=1), "b": synthetic(seed=2, dt=0.01, samples=200)}
-    period, uy = axis("period", [0.1, 0.4, 1.5]), axis("uy", [0.001, 0.02, np.inf])
-    table = sl.response_spectrum(records, period, 0.05, hardening=0.1, yield_displacement=uy)
-    assert table.displacement_max.dims == ("record", "period", "uy")
-    for name, record in records.items():
-        for T in period.values:
-            for strength in uy.values:
-                cell = table.sel(record=name, period=T, uy=strength)
-                alone = sl.response_spectrum(
-                    record, float(T), 0.05, hardening=0.1, yield_displacement=float(strength)
-                )
-                for variable in alone.data_vars:
-                    assert float(cell[variable]) == float(alone[variable]), variable
-    again = sl.response_spectrum(records, period, 0.05, hardening=0.1, yield_displacement=uy)
-    assert again.identical(table)
-    radius = sl.pseudo_energy_radius(records, period, 0.05, hardening=0.1, yield_displacement=uy)
-    assert radius.pseudo_energy_radius.identical(table.pseudo_energy_radius)
-
-
 def test_pairs_make_a_table():
     periods = np.array([0.2, 0.5, 0.9])
     first = sl.Bilinear(axis("period_1", periods), 0.05)
@@ -508,33 +486,11 @@ def test_pairs_make_a_table():
     assert case.separation.dims == ("case",)
 
 
-def test_names_of_records_are_their_sources():
-    records = [synthetic(seed=s).assign_attrs(source=f"{s}.txt") for s in (1, 2)]
-    assert list(sl.pseudo_energy_radius(records, 1.0, 0.05).record.values) == ["1.txt", "2.txt"]
-    records[1].attrs["source"] = "1.txt"
-    assert list(sl.pseudo_energy_radius(records, 1.0, 0.05).record.values) == ["1", "2"]
-
-
 def test_a_table_of_cells_out_of_range_is_blank():
     record = synthetic()
     nothing = sl.recorded_gap(sl.Bilinear([-1.0, -2.0], 0.05), sl.Bilinear(1.0, 0.05), record)
     assert nothing.separation.isnull().all()
     assert (nothing.status == labels.INVALID_INPUT).all()
-
-
-def test_everything_has_units_and_a_name():
-    record = synthetic()
-    first, second = pair()
-    tables = [
-        sl.response_spectrum(record, [0.3, 1.0], 0.05, hardening=0.1, yield_displacement=0.01),
-        sl.respond(first, record),
-        sl.recorded_gap(first, second, record),
-        record_charts.portrait_chart(record, 0.5, 0.05),
-        record_charts.per_spectrum_chart([record, record], 0.05, points=5),
-        record_charts.recorded_gap_chart(record, 0.05, points=4),
-    ]
-    for table in tables:
-        check_labels(table)
 
 
 GOOD = {"period": 0.5, "damping": 0.05}
@@ -553,40 +509,6 @@ def test_what_is_no_record(case):
         sl.response_spectrum(record, **GOOD)
     with pytest.raises(error, match=message):
         sl.recorded_gap(*pair(), record)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"period": 0.0019}, r"period = 0\.0019 s is below 0\.002 s, a tenth of the record's step"),
-        ({"yield_displacement": 0.1}, "hardening is not given"),
-        ({"period": xr.DataArray([1.0], dims="record")}, "a dimension is named 'record'"),
-        (
-            {"period": axis("x", [1.0, 2.0]), "damping": axis("x", [0.1, 0.2, 0.3])},
-            "share a dimension",
-        ),
-    ],
-)
-def test_parameters_out_of_range(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        sl.pseudo_energy_radius(synthetic(), **(GOOD | arguments))
-
-
-def test_structures_that_follow_no_record():
-    good, record = sl.Bilinear(1.0, 0.05), synthetic()
-    reduced = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
-    with pytest.raises(ValueError, match=r"reduction_factor has no meaning .*; give yield_displacement"):
-        sl.respond(reduced, record)
-    with pytest.raises(ValueError, match="second: reduction_factor has no meaning"):
-        sl.recorded_gap(good, reduced, record)
-    with pytest.raises(ValueError, match="period is an array; allowed: scalars"):
-        sl.respond(sl.Bilinear([1.0, 2.0], 0.05), record)
-    with pytest.raises(TypeError, match="record is a list; allowed: one"):
-        sl.respond(good, [record])
-    with pytest.raises(ValueError, match="share a dimension"):
-        sl.recorded_gap(
-            sl.Bilinear(axis("x", [1.0, 2.0]), 0.05), sl.Bilinear(axis("x", [1.0, 3.0]), 0.05), record
-        )
 
 
 def test_time_of_a_history_is_that_of_the_record():

@@ -18,8 +18,6 @@ from commands import answered, invoke, refused
 
 import stochlin as sl
 from stochlin.analyses.cases.examples import example_case
-from stochlin.analyses.cases.separation import answer_case
-from stochlin.views.separation.pictures import distribution_figure, rules_figure
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.shared.symbols import typeset_html
 
@@ -140,49 +138,6 @@ def test_the_readme_shows_numbers_of_the_example(example: Done) -> None:
             assert verdict == meanings[int(one.verdict)].replace("_", " ")
 
 
-def test_the_first_steps_show_what_the_example_prints(example: Done) -> None:
-    start = (Path(__file__).parents[2] / "docs" / "start.md").read_text(encoding="utf-8")
-    (shown,) = (text for text in re.findall(r"```text\n(.*?)```", start, re.DOTALL) if "Why: " in text)
-    assert shown.rstrip() in example.result.output
-
-
-def test_all_four_families_of_codes_are_on_the_screen_the_page_and_in_the_file(example: Done) -> None:
-    of_code = {"canada": "SRSS", "share_of_sum": "sum", "asce_41": "height", "china_gb_50011": "fixed"}
-    with xr.open_dataset(example.folder / "gap.nc") as table:
-        lower = 15.0  # the annex
-        assert float(table.gap.sel(rule="asce_41")) == pytest.approx(0.04 * lower)
-        assert float(table.gap.sel(rule="china_gb_50011")) == pytest.approx(0.1)
-        for rule, family in of_code.items():
-            assert table.family.sel(rule=rule).item() == family
-            (line,) = re.findall(rf"^{rule} .*$", example.result.output, re.MULTILINE)
-            assert line.endswith(f" {family}")
-            assert re.search(rf'<td class="word minor">{family}</td></tr>', example.page)
-    assert "height, a factor times the height; fixed, a distance" in example.page
-
-
-def test_a_gap_far_beyond_the_answer_is_told_at_the_border_of_the_pictures(tmp_path: Path) -> None:
-    """0.04 of 15 m is five times the answer, and would squeeze the rest."""
-    path = tmp_path / "case.toml"
-    path.write_text(few(example_case()))
-    answer = answer_case(sl.read_case(path), every_rule=True)
-    needed = 100 * float(answer.separation.gap[0])
-    for draw in (rules_figure, distribution_figure):
-        axes = draw(answer).axes[0]
-        assert axes.get_xlim()[1] < 2.7 * needed
-        assert [text for text in axes.texts if "60.0 cm" in text.get_text()]
-
-
-@pytest.mark.slow
-def test_numbers_of_rules_of_ones_own(tmp_path: Path) -> None:
-    stated = 'numbers = { share_of_height = 0.01, fixed_distance = "7 cm", asce_41 = "3 %" }'
-    one = done(tmp_path, few(example_case()).replace("[simulation]", f"{stated}\n[simulation]"))
-    assert "taiwan" not in one.result.output
-    assert one.result.exit_code == 0, one.result.output
-    for rule, gap in (("share_of_height", 15), ("fixed_distance", 7), ("asce_41", 45)):
-        assert re.search(rf"^{rule} +{gap}\.0 ", one.result.output, re.MULTILINE)
-    assert "factor 0.01; the peaks are not used" in one.page
-
-
 def test_the_table_has_no_samples_in_csv(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(few(example_case()))
     answered("gap", tmp_path / "case.toml", "--out", tmp_path / "t.csv")
@@ -266,23 +221,6 @@ def test_the_page_can_be_read_aloud(name: str, pictures: int, request: pytest.Fi
     assert all("scope" in attrs for tag, attrs in page.tags if tag == "th")
 
 
-def test_the_page_says_what_the_screen_says(example: Done) -> None:
-    words = Page(example.page).text
-    screen = " ".join(example.result.output.split())
-    (headline,) = re.findall(r"Office block and Annex should stand [\d.]+ cm apart\.", screen)
-    assert headline in words
-    parts = (
-        "Clough-Penzien",
-        "0.01 m²/s³",
-        "Yield displacements",
-        "needs zone",
-        "EN 1998-1",
-        "less than the answer",
-    )
-    for part in parts:
-        assert part in words
-
-
 def test_symbols_are_set_with_indices_and_names_of_the_user_are_not(example: Done) -> None:
     told = typeset_html("T1 < Tg: S0, ξg and rho of 2 m^2, T1.toml", ["T1.toml", "T1"])
     assert told == (
@@ -309,13 +247,6 @@ def test_the_page_warns_of_what_is_doubtful(site: Done) -> None:
     assert "In the recorded motions they would have needed" in words
     assert "stays sufficient up to these values" in words
     assert re.search(r"keeps them apart in [\d.]+.% of the motions \([^)]*\)\. Verdict: enough; ", words)
-
-
-@pytest.mark.slow
-def test_the_same_case_makes_the_same_page(site: Done, tmp_path: Path) -> None:
-    shutil.copy(site.folder / "wave.txt", tmp_path)
-    again = done(tmp_path, (site.folder / "case.toml").read_text(encoding="utf-8"), "--all-rules")
-    assert again.page == site.page
 
 
 def test_elastic_buildings_without_a_gap(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from commands import answered, refused
+from commands import answered
 
 import stochlin as sl
 
@@ -146,27 +146,6 @@ def test_codes_of_one_building_by_hand() -> None:
     assert sl.rules.code_rule("asce_7").gap(0.03, None) == 0.03
 
 
-@pytest.mark.oracle
-@pytest.mark.parametrize(
-    "structure",
-    [
-        sl.Bilinear(1.0, 0.05, 0.05, yield_displacement=0.02),
-        sl.BoucWen(1.0, 0.05, 0.05, yield_displacement=0.02),
-        TOWER,
-    ],
-)
-def test_in_a_record_it_is_the_largest_displacement_of_respond(structure: sl.Bilinear) -> None:
-    motion = sl.respond(structure, RECORD, refine=8).displacement
-    table = sl.recorded_gap(structure, None, RECORD)
-    assert float(table.separation) == pytest.approx(float(motion.max()), rel=1e-3)
-    roof = motion if motion.ndim == 1 else motion[:, -1]
-    assert float(table.peak_1) == pytest.approx(float(abs(roof).max()), rel=1e-3)
-    assert not {"rho", "srss", "peak_2"} & set(table.variables)
-    whole = sl.separation(structure, None, GROUND, **QUAKE, records={"a": RECORD, "b": -RECORD})
-    assert float(whole.record_separation[0]) == float(table.separation)
-    assert float(whole.record_separation[1]) == pytest.approx(-float(motion.min()), rel=1e-3)
-
-
 @pytest.mark.invariant
 def test_what_an_existing_set_back_allows_and_how_often_it_is_crossed() -> None:
     quake = QUAKE | {"paths": 64}
@@ -205,26 +184,6 @@ def test_a_table_of_buildings_has_a_set_back_each() -> None:
 
 
 @pytest.mark.invariant
-@pytest.mark.parametrize(
-    ("given", "says"),
-    [
-        ((None, OFFICE), "first = None is .*one building alone, beside the property line"),
-        ((None, None), "first = None"),
-        (("office", None), "first = 'office' is of the wrong kind"),
-    ],
-)
-def test_one_alone_stands_first(given: tuple[object, object], says: str) -> None:
-    for call in (
-        lambda *both: sl.separation(*both, GROUND, 20.0),
-        lambda *both: sl.existing_gap(*both, GROUND, 20.0, 0.05),
-        lambda *both: sl.pounding_risk(*both, GROUND, 0.05, sl.PowerLawHazard(0.01, 2.0), 20.0),
-        lambda *both: sl.recorded_gap(*both, RECORD),
-    ):
-        with pytest.raises(TypeError, match=says):
-            call(*given)
-
-
-@pytest.mark.invariant
 def test_what_is_of_a_second_building_is_refused() -> None:
     facts = dict.fromkeys(("floors_align", "same_property", "same_system"), True)
     for name, value in ({"height_2": 12.0} | facts).items():
@@ -232,21 +191,6 @@ def test_what_is_of_a_second_building_is_refused() -> None:
             sl.separation(OFFICE, None, GROUND, 20.0, **{name: value})
     with pytest.raises(ValueError, match="canada needs a second building"):
         sl.rules.code_rule("canada").gap(0.03, None)
-
-
-@pytest.mark.invariant
-def test_what_takes_two_says_what_takes_one() -> None:
-    for call in (
-        lambda: sl.pounding_probability(OFFICE, None, GROUND, 0.1, duration=20.0),
-        lambda: sl.mitigate(OFFICE, None, GROUND, 20.0, 0.1, {}),
-        lambda: sl.correlate(OFFICE, None, GROUND),
-        lambda: sl.pounding_fragility(OFFICE, None, GROUND, 0.1, [0.01], duration=20.0),
-        lambda: sl.energy_gap(OFFICE, None, RECORD),
-    ):
-        with pytest.raises(
-            TypeError, match=r"one building alone.* is taken by separation, existing_gap"
-        ):
-            call()
 
 
 OSCILLATOR = """period = "1.0 s"
@@ -336,16 +280,3 @@ def test_the_command_answers_for_one_building(building: str, more: str, tmp_path
         if building == STOREYS:
             labels = [axes.get_xlabel() for axes in sl.charts.draw_heights(table).axes]
             assert labels[0].startswith("set-back [cm]")
-
-
-@pytest.mark.cli
-def test_commands_of_two_buildings_say_which_take_one(tmp_path: Path) -> None:
-    path = case_file(tmp_path, more='existing = "6 cm"')
-    for command in (["probability"], ["mitigate"], ["probability", "--gap", "5cm"]):
-        done = refused(command[0], path, *command[1:])
-        shown = done
-        assert "building_2 is missing; this command needs two" in shown
-        assert "only 'stochlin gap' and 'stochlin pound' accept one building alone" in shown
-    path = case_file(tmp_path, more='existing = ["6 cm", "2 cm"]')
-    with pytest.raises(ValueError, match="has 2 gaps, but there is only one building; allowed: its"):
-        sl.read_case(path)

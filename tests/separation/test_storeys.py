@@ -57,14 +57,6 @@ def test_one_gap_holds_at_all_heights_and_each_height_asks_for_no_more(answer):
     assert float(answer.gap.sel(rule="srss")) == pytest.approx(float(codes.max()), rel=1e-12)
 
 
-@pytest.mark.parametrize("rule", ["eq_3_drift", "eq_3_paper"])
-def test_a_rule_that_storeys_have_not_says_so(answer, rule):
-    one = answer.sel(rule=rule)
-    assert np.isnan(one.gap)
-    assert np.isnan(one.governing_height)
-    assert "for oscillators" in one.missing.item()
-
-
 def test_a_storey_that_hardly_yields_does_not_hold_up_the_answer():
     """Its drift relaxes in hours, which a stationary simulation would have to last."""
     stiff = sl.ShearBuilding([3e5, 3e5], [2e8, 1.6e8], [3.2, 3.2], 0.05, 0.05, [0.006, 0.018])
@@ -169,18 +161,6 @@ def test_codes_take_roofs_and_not_levels_for_the_same_height():
 def test_what_contradicts_the_storeys_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         sl.separation(building(3), building(2, 3.5), FIRM, **(FEW | arguments))
-
-
-def test_formulas_of_oscillators_say_what_to_do_instead():
-    pair = building(3), building(2)
-    with pytest.raises(
-        TypeError, match=r"method='hybrid' is only .* oscillators: give its oscillator\(\)"
-    ):
-        sl.pounding_probability(*pair, FIRM, 0.05, method="hybrid")
-    with pytest.raises(ValueError, match=r"for oscillators; allowed .*linearization, simulation"):
-        sl.correlate(*pair, FIRM, method="effective")
-    with pytest.raises(TypeError, match=r"or give the building's oscillator\(\)"):
-        sl.linearize(pair[0], FIRM)
 
 
 def test_correlation_of_floors_is_that_of_the_system_and_of_the_simulation():
