@@ -218,8 +218,8 @@ def _doubts(name: str, values: dict[str, Any]) -> Iterator[str]:
     """Texts on arguments of the function of this name that are implausible or have no effect."""
     pair = [median_of(values.get(role)) for role in ("first", "second")]
     reduced = any(getattr(each, "reduction_factor", None) is not None for each in pair)
-    if name in IN_METRES or (reduced and name == "pounding_fragility"):
-        values["intensity"] = getattr(median_of(values.get("ground")), "intensity", None)
+    metres = name in IN_METRES or (reduced and name == "pounding_fragility")
+    values["intensity"] = getattr(median_of(values.get("ground")), "intensity", 0) if metres else 0
     yield from implausible(values)
     several = values.get("structures")
     for each in (*values.values(), *(several if isinstance(several, (list, tuple)) else ())):
