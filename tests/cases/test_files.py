@@ -198,7 +198,12 @@ WRONG = {
     "unknown unit": ('"5 cm"', '"5 km"', "existing", ["'km'", "allowed: cm, m, mm, in, ft"]),
     "text for a number": ('"0.6 s"', '"short"', 'period = "short"', ["is no number", '"1 s"']),
     "truth for a number": ('damping = "5 %"', "damping = true", "damping", ["is no number", "0.05"]),
-    "period out of range": ('"0.6 s"', '"-0.6 s"', 'period = "-0.6 s"', ["1e-09 <= value <= 1e+09, finite, in s"]),
+    "period out of range": (
+        '"0.6 s"',
+        '"-0.6 s"',
+        'period = "-0.6 s"',
+        ["1e-09 <= value <= 1e+09, finite, in s"],
+    ),
     "two strengths": (
         "\nreduction_factor = 4\nheight",
         "\nreduction_factor = 4\nductility = 4\nheight",
