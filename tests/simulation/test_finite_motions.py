@@ -131,7 +131,7 @@ def test_exceedance_is_monotone_and_covers():
     exact = scipy.stats.norm.sf(gaps)
     inside = (table.probability_lower <= exact) & (exact <= table.probability_upper)
     assert int(inside.sum()) >= 17  # one sample: the 21 intervals succeed or fail together
-    assert float(sl.exceedance(xr.DataArray([1.0, 2.0], dims="path"), 5.0).probability_lower) == 0.0
+    assert float(sl.exceedance(xr.DataArray([1.0, 2.0], dims="path"), 2.5).probability_lower) == 0.0
 
 
 @pytest.mark.parametrize(
