@@ -57,6 +57,7 @@ def test_pictures_show_maxima_at_every_strength_and_deviations_where_they_are_si
     assert [text.get_text() for text in legend.get_texts()] == [
         "R = 1",
         "R = 4",
+        "D of standard deviations, linearized",
         "D of mean maxima, simulated",
     ]
     points = [

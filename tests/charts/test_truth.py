@@ -8,6 +8,7 @@ import xarray as xr
 from commands import invoke
 
 import stochlin as sl
+from stochlin.analyses.charts.charts import ChartFunction
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 
 pytestmark = pytest.mark.paper
@@ -94,7 +95,19 @@ def test_a_chart_of_both_grounds_is_that_of_each_side_by_side(both_grounds, fig4
                 both_grounds[name].sel(ground=ground), alone[name], rtol=6e-6, atol=1e-9
             )
         assert alone.attrs["comment"] in both_grounds.attrs["comment"]
-        assert alone.attrs["caption"].splitlines()[0] in both_grounds.attrs["caption"]
+    assert "Tg = 2 s, ξg = 0.05 and 0.6; T2 = 1 s" in both_grounds.attrs["caption"]
+
+
+def test_words_of_several_grounds_stand_once_and_symbols_keep_their_letters():
+    def chart(ground):
+        words = {"caption": f"ξg = {ground.damping:g}; R = 4", "comment": f"off by {ground.damping:g}."}
+        return xr.Dataset(attrs=words)
+
+    grounds = {"narrow band": sl.KanaiTajimi(2.0, 0.05), "ξg = 0.2": sl.KanaiTajimi(2.0, 0.2)}
+    assert ChartFunction(chart, {}, grounds)().attrs == {
+        "caption": "ξg = 0.05 and 0.2; R = 4",
+        "comment": "Narrow band: off by 0.05. ξg = 0.2: off by 0.2.",
+    }
 
 
 def test_the_plain_picture_has_a_panel_a_ground_and_a_curve_with_points_a_strength(both_grounds):
@@ -103,7 +116,7 @@ def test_the_plain_picture_has_a_panel_a_ground_and_a_curve_with_points_a_streng
         r"narrow band, $\xi_{g}$ = 0.05",
         r"broad band, $\xi_{g}$ = 0.6",
     ]
-    assert words(figure) == ["R = 2", "R = 4", r"$\rho$, simulated"]
+    assert words(figure) == ["R = 2", "R = 4", r"$\rho$, linearized", r"$\rho$, simulated"]
     for axes in figure.axes:
         curves = [line for line in axes.get_lines() if len(line.get_xdata()) == 9]
         assert len({str(line._dash_pattern) for line in curves}) == 2

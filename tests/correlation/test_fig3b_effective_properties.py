@@ -8,7 +8,9 @@ from stochlin.analyses.charts.rules import effective_rules_chart
 
 pytestmark = pytest.mark.paper
 
-CHART = effective_rules_chart(0.05, 0.05, 4.0, points=81)
+JENG = "jeng_kasai_maison_1992_unverified"
+BOTH = {"damping": 0.05, "hardening": 0.05, "ductility": 4.0}
+CHART = effective_rules_chart(**BOTH, points=81)
 
 
 def test_elastic_curve_is_that_of_fig_3a() -> None:
@@ -16,9 +18,14 @@ def test_elastic_curve_is_that_of_fig_3a() -> None:
     np.testing.assert_allclose(CHART.rho.sel(rule="elastic"), exact, rtol=1e-13)
 
 
-def test_every_rule_is_one_of_the_verified_with_its_source() -> None:
-    assert tuple(CHART.rule.values) == sl.rules.effective_rule_names()
-    for name in sl.rules.effective_rule_names():
+def test_the_rule_of_the_paper_stands_beside_the_verified_ones_with_their_sources() -> None:
+    assert tuple(CHART.rule.values) == (JENG, *sl.rules.effective_rule_names())
+    # 1 + 0.09 (mu - 1) times the periods of 0.6 and 1 s, 0.05 + 0.084 (mu - 1)^1.3, in eq. (4)
+    both = {f"{name}_{n}": value for name, value in BOTH.items() for n in (1, 2)}
+    assert float(sl.rules.rho_effective(0.6, 1.0, **both, rule=JENG).rho) == pytest.approx(
+        0.683847, abs=5e-7
+    )
+    for name in CHART.rule.values:
         assert CHART.reference.sel(rule=name).item() == sl.rules.effective_rule(name).reference
         assert CHART.mark.sel(rule=name).item() == sl.rules.effective_rule(name).mark
         assert sl.rules.effective_rule(name).reference in CHART.attrs["references"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from inspect import signature
 from typing import Any
@@ -74,16 +74,20 @@ def _joined(tables: Mapping[str, xr.Dataset]) -> xr.Dataset:
     how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
     chart = xr.concat(list(tables.values()), axis, combine_attrs="drop_conflicts", **how)
     for key in ("caption", "plain_caption"):
-        texts = [table.attrs[key].splitlines() for table in tables.values() if key in table.attrs]
-        if texts:
-            lines = [line for same in zip(*texts, strict=False) for line in same]
-            chart.attrs[key] = "\n".join(dict.fromkeys(lines))
+        if texts := [table.attrs[key].splitlines() for table in tables.values() if key in table.attrs]:
+            chart.attrs[key] = "\n".join(map(_one_line, zip(*texts, strict=False)))
     for key in ("comment", "plain_comment"):
         comments = {name: table.attrs[key] for name, table in tables.items() if key in table.attrs}
         if comments and key not in chart.attrs:
-            sentences = (f"{name[0].upper()}{name[1:]}: {text}" for name, text in comments.items())
-            chart.attrs[key] = " ".join(sentences)
+            begun = (name if name[0] == "ξ" else name[0].upper() + name[1:] for name in comments)
+            chart.attrs[key] = " ".join(map(": ".join, zip(begun, comments.values(), strict=True)))
     return chart
+
+
+def _one_line(lines: Iterable[str]) -> str:
+    """Lines of several grounds as one, with all words where they differ: ``ξg = 0.05 and 0.6``."""
+    several = [[*dict.fromkeys(words)] for words in zip(*map(str.split, lines), strict=True)]
+    return " ".join(" and ".join([*(w.rstrip(";") for w in words[:-1]), words[-1]]) for words in several)
 
 
 def for_file(chart: xr.Dataset) -> xr.Dataset:

@@ -73,7 +73,7 @@ def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
     table = rho_white_noise(ratio, 1.0, damping, damping).transpose("damping", "period_ratio")
     return labels.label(table, VARIABLES).assign_attrs(
         chart="curves",
-        title="Correlation of linear structures under white noise, eq. (4)",
+        title="Stationary correlation of linear structures under white noise, eq. (4)",
         caption="Linear structures of equal damping ratio on white noise ground.",
         comment="Exact for stationary response.",
     )
@@ -134,7 +134,7 @@ def period_ratio_chart(
     if settings.draws(EQ_4):
         chart["rho_white_noise"] = correlate(elastic_1, elastic_2, ground, "white_noise").rho
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
-    title = f"Correlation of bilinear structures, ω2 = {times}ωg"
+    title = f"Stationary correlation of bilinear structures, ω2 = {times}ωg"
     where = f"{ground_caption(ground)}; T2 = {second_period:.3g} s"
     chart = _captioned(chart, "curves", title, where, settings, labels.CAUTION_RHO)
     chart = with_rules(chart, (first, second), ground, settings)
@@ -185,7 +185,7 @@ def period_plane_chart(
         for n in (1, 2)
     )
     table = correlate(first, second, ground, closure=settings.closure, solver=settings.solver)
-    title = f"Correlation of bilinear structures, R = {settings.plane_reduction_factor:g}"
+    title = f"Stationary correlation of bilinear structures, R = {settings.plane_reduction_factor:g}"
     chart = table[["rho", "status"]]
     chart = _captioned(chart, "plane", title, ground_caption(ground), settings, labels.CAUTION_RHO)
     left = part_of(progress, TABLE_SHARE, 1.0)
@@ -236,7 +236,7 @@ def amplification_chart(
     )
     table = amplification(structure, ground, closure=settings.closure)
     chart = table[["amplification", "status"]].transpose("reduction_factor", "period_ratio")
-    title = "Amplification of the displacement by yielding"
+    title = "Amplification by yielding: of stationary standard deviations, and of maxima in a motion"
     chart = _captioned(chart, "curves", title, ground_caption(ground), settings, labels.CAUTION_SIGMA)
     left = part_of(progress, TABLE_SHARE, 1.0)
     left(0.0)
@@ -312,11 +312,8 @@ def _errors_of_amplification(chart: xr.Dataset) -> str:
     curves = {"amplification": "linearized", "amplification_drift": "drift closure"}
     if OF_STD not in chart:
         return text
-    off = []
-    for name, curve in curves.items():
-        if name in chart:
-            ratio = 100 * np.abs(chart[name] / chart[OF_STD] - 1)
-            off.append(f"{curve} {float(ratio.mean()):.2g} % ({float(ratio.max()):.2g} %)")
+    errors = {c: 100 * np.abs(chart[n] / chart[OF_STD] - 1) for n, c in curves.items() if n in chart}
+    off = [f"{c} {float(each.mean()):.2g} % ({float(each.max()):.2g} %)" for c, each in errors.items()]
     return f"{text} Mean (largest) error of the std. deviations: {'; '.join(off)}."
 
 

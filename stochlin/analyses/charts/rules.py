@@ -22,6 +22,8 @@ from stochlin.models.rules.effective_properties import (
     effective_rule_names,
 )
 
+OF_PAPER = "jeng_kasai_maison_1992_unverified"
+
 
 @checked
 def effective_rules_chart(
@@ -33,9 +35,8 @@ def effective_rules_chart(
 ) -> xr.Dataset:
     """Fig. 3b: eq. (4) with effective periods and damping ratios, one curve for each rule.
 
-    The rule of the paper is that of Jeng, Kasai and Maison (1992). Its constants could not be verified;
-    it is shown, and marked as unverified, only if ``rules`` contains it. The text of the
-    paper does not state damping, hardening and ductility.
+    The rule of the paper is that of Jeng, Kasai and Maison (1992). Its constants could not be verified,
+    as the picture says. The text of the paper does not state damping, hardening and ductility.
 
     Parameters
     ----------
@@ -47,7 +48,7 @@ def effective_rules_chart(
         Number of period ratios, from 1/4 to 4.
     rules : list of str or EffectiveRule, optional
         Names of `stochlin.rules.effective_rule_names` or of unverified rules, or rule objects. The
-        default is all verified rules.
+        default is that of the paper and all verified rules.
 
     Returns
     -------
@@ -74,7 +75,7 @@ def effective_rules_chart(
     """
     if isinstance(rules, str):
         raise TypeError(f"rules = {brief(rules)}; allowed: a list of names of effective rules")
-    chosen = [effective_rule(rule) for rule in rules or effective_rule_names()]
+    chosen = [effective_rule(rule) for rule in rules or (OF_PAPER, *effective_rule_names())]
     values = np.atleast_1d(ductility).tolist()
     mu: Any = labels.axis("ductility", "peak ductility", values) if len(values) > 1 else values[0]
     ratio = labels.axis("period_ratio", "elastic period ratio T1/T2", np.geomspace(0.25, 4, points))
@@ -87,7 +88,7 @@ def effective_rules_chart(
     chart = along_rules(tables, chosen).transpose(..., "rule", "period_ratio")
     return labels.label(chart, VARIABLES).assign_attrs(
         chart="curves",
-        title="Correlation of bilinear structures by eq. (4) with effective properties",
+        title="Stationary correlation of bilinear structures by eq. (4) with effective properties",
         caption=f"White noise. Bilinear structures: ξ = {damping:g}, α = {hardening:g}, peak ductility "
         f"{', '.join(f'{value:g}' for value in values)} of both; ratio of the elastic periods",
         comment=" ".join(
@@ -118,4 +119,5 @@ def along_rules(tables: Sequence[xr.Dataset], rules: Sequence[EffectiveRule]) ->
 @CHARTS.register("fig3b", place=30)
 def _fig3b(settings: ChartSettings) -> xr.Dataset:
     pair = settings.damping, settings.hardening, settings.ductilities
-    return effective_rules_chart(*pair, settings.fine_points, settings.rules(effective_rule_names()))
+    rules = settings.rules((OF_PAPER, *effective_rule_names()))
+    return effective_rules_chart(*pair, settings.fine_points, rules)

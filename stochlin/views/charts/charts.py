@@ -33,6 +33,7 @@ PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry("chart", "st
 HEIGHT, PANEL, SQUARE = 4.6, 2.7, 2.9  # inches
 SYMBOLS = {"damping": r"$\xi$", "reduction_factor": "R", "ductility": r"$\mu$"}
 MARKERS = "os^Dvp"  # of the simulated points of each curve
+LINES = {"rho": "ρ, linearized", "amplification": "D of standard deviations, linearized"}
 TWICE = 1.96  # half a 95 % interval, in standard errors
 POINTS: Any = {"ls": "none", "ms": 3.2, "mfc": "w", "mew": 0.8, "lw": 0.8, "zorder": 4}
 SIMULATED = ("_of_peaks", "_simulated")  # endings; a picture has the first one, its comparison all
@@ -159,11 +160,11 @@ def _curves(figure: Figure, dataset: xr.Dataset) -> None:
             axes.plot([], [], linestyle=look[1], marker=marker, ms=3.2, mfc="w", mew=0.8, **style)
             draw_points(axes, dataset.sel(curve), str(points.name), marker=marker, color=look[0])
     set_axes(every, table, [table] if points is None else [table, points])
-    more = (
-        []
-        if points is None
-        else [Line2D([], [], color="0.1", marker="o", label=quantity(points), **POINTS)]
-    )
+    more = []
+    if points is not None:
+        drawn = typeset(LINES.get(str(table.name), quantity(table)))
+        more = [Line2D([], [], color="0.1", label=drawn)]
+        more += [Line2D([], [], color="0.1", marker="o", label=quantity(points), **POINTS)]
     legend(figure, every, more=more)
 
 

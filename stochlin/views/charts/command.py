@@ -79,8 +79,8 @@ OPTIONS = together(
     callback=lambda _, __, given: given if given is None else tuple(given.split(",")),
     metavar="NAMES",
     help="What is drawn in Figs. 3b, 4 and 5: linearization, simulation, drift, elastic, white_noise, "
-    "and rules such as iwan_1980,fema_440. Default: all; of the rules the verified ones in Fig. 3b, "
-    "penzien_1997 and iwan_1980 in Fig. 4.",
+    "and rules such as iwan_1980,fema_440. Default: all; of the rules in Fig. 3b the verified ones and "
+    "that of the paper, in Fig. 4 penzien_1997 and iwan_1980.",
 )
 @click.option(
     "--simulated-points",

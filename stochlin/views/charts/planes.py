@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.contour import ContourSet
 
 EDGE = 0.05  # of an axis: labels of contours nearer to its ends would be cut
+SHORT = 0.1  # of an axis: contours without a label
 SIGNED_STEPS = (0.1, 0.2, 0.4, 0.6, 0.8, 1, 1.5, 2)  # of a difference of rho; within 0.1 is white
 FINE = 120  # intervals along an axis; fewer points are refined by splines
 
@@ -54,27 +55,26 @@ def plane(
     fill, draw_lines = contours_of(axes, *_refined(across.values, up.values, table.values.T))
     filled = fill(levels=levels, cmap=colours, norm=BoundaryNorm(levels, colours.N))
     below = levels < float(table.max()) - 1e-9  # at the very top a line would be dots along a ridge
-    digits = "%.1f" if str(table.name).startswith("rho") else "%g"
-    labelled = below & (signed | (np.arange(levels.size) % 2 == np.abs(levels).argmin() % 2))
-    lines, _ = (
-        draw_lines(levels=levels[shown], colors="0.1", linewidths=0.6)
-        for shown in (labelled, below & ~labelled)
-    )
+    lines = draw_lines(levels=levels[below], colors="0.1", linewidths=0.6)
     axes.grid(visible=False)
     axes.set_box_aspect(1)
-    return filled, partial(label_contours, axes, lines, "%+g" if signed else digits)
+    return filled, partial(label_contours, axes, lines, "%+g" if signed else "%g")
 
 
 def label_contours(axes: Axes, lines: ContourSet, digits: str) -> None:
-    """Numbers on all of these contours, none of them so near to the edge that it would be cut."""
-    style: Any = {"fontsize": 7, "fmt": digits}
-    tried = axes.clabel(lines, inline=False, **style)
-    places = np.reshape([text.get_position() for text in tried], (-1, 2))
-    for text in tried:
-        text.remove()
-    within = axes.transAxes.inverted().transform(axes.transData.transform(places))
-    inside = ((within > EDGE) & (within < 1 - EDGE)).all(axis=1)
-    axes.clabel(lines, manual=[tuple(place) for place in places[inside]], inline_spacing=1, **style)
+    """A number on every contour, where other contours and numbers are far and no edge is near."""
+    from scipy.spatial import KDTree
+
+    inward = axes.transData + axes.transAxes.inverted()
+    each = [inward.transform(segment) for segments in lines.allsegs for segment in segments]
+    places: list[np.ndarray] = []
+    for number, own in enumerate(each):
+        inside = own[((own > EDGE) & (own < 1 - EDGE)).all(axis=1)]
+        if (inside.max(axis=0, initial=0) - inside.min(axis=0, initial=1)).max() > SHORT:
+            others = np.concatenate([*each[:number], *each[number + 1 :], *places, np.full((1, 2), 9.0)])
+            places.append(inside[[KDTree(others).query(inside)[0].argmax()]])
+    spots = inward.inverted().transform(np.reshape(places, (-1, 2)))
+    axes.clabel(lines, manual=[*map(tuple, spots)], fontsize=7, fmt=digits, inline_spacing=1)
 
 
 def contours_of(

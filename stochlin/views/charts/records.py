@@ -19,7 +19,7 @@ from stochlin.views.charts.panels import (
     legend,
     panels,
 )
-from stochlin.views.charts.planes import contours_of, shades
+from stochlin.views.charts.planes import contours_of, label_contours, shades
 from stochlin.views.shared.style import CURVES, plain_ticks, quantity
 from stochlin.views.shared.symbols import typeset
 
@@ -106,7 +106,7 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
 
     drawn = (("separation", "largest u1 - u2"), ("critical_gap", "eqs. (3) and (4)"))
     tables = [in_cm(dataset[name]) for name, _ in drawn]
-    levels = _one_two_five(max(float(table.max()) for table in tables))
+    levels = _levels(max(float(table.max()) for table in tables))
     every = in_a_row(figure, 2, SQUARE, sharex=True, sharey=True)
     labels = []
     for axes, table, (_, title) in zip(every, tables, drawn, strict=True):
@@ -117,8 +117,7 @@ def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
         filled = fill(levels=levels, cmap=shades(), norm=BoundaryNorm(levels, 256))
         lines = draw_lines(levels=levels[1:], colors="0.1", linewidths=0.5)
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
-        style: Any = {"fontsize": 7, "fmt": "%g", "inline_spacing": 1}
-        labels.append(partial(axes.clabel, lines, manual=_first_crossings(x, y, gap, levels), **style))
+        labels.append(partial(label_contours, axes, lines, "%g"))
         axes.set_title(typeset(title), loc="left")
         axes.grid(visible=False)
         axes.set_box_aspect(1)
@@ -157,18 +156,9 @@ def draw_added_damping(figure: Figure, dataset: xr.Dataset) -> None:
     legend(figure, every[:1], columns=3)
 
 
-def _first_crossings(
-    x: np.ndarray, y: np.ndarray, gap: np.ndarray, levels: list[float]
-) -> list[tuple[float, float]]:
-    """Positions of contour labels on the lines that reach the left side, away from the diagonal."""
-    column = min(len(x) // 12, len(x) - 1)
-    above = [gap[:, column] > level for level in levels[1:]]
-    return [(x[column], y[int(np.argmax(over))]) for over in above if over.any() and not over[0]]
-
-
-def _one_two_five(highest: float) -> list[float]:
-    """Levels 0 and 1, 2, 5, 10, ... from a hundredth of the highest value to beyond it."""
+def _levels(highest: float) -> list[float]:
+    """Levels 0 and 1, 2, 3, 5, 10, ... from a thousandth of the highest value to beyond it."""
     decade = np.floor(np.log10(highest))
-    series = [m * 10.0 ** (decade + n) for n in (-2, -1, 0, 1) for m in (1, 2, 5)]
+    series = [m * 10.0 ** (decade + n) for n in (-3, -2, -1, 0, 1) for m in (1, 2, 3, 5)]
     end = next(n for n, value in enumerate(series) if value >= highest)
-    return [0.0, *(value for value in series[: end + 1] if value >= highest / 100)]
+    return [0.0, *(value for value in series[: end + 1] if value >= highest / 1000)]
