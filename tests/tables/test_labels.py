@@ -90,3 +90,15 @@ def test_a_dimension_has_no_name_of_the_result(name, verb, with_labels):
     one = sl.Bilinear(array, 0.05, 0.05, yield_displacement=0.05)
     with pytest.raises(ValueError, match=f"a dimension is named '{name}'.*another name"):
         NAMED[name][verb](one)
+
+
+@pytest.mark.parametrize("name", ["reduction_factor", "period", "gap"])
+def test_a_dimension_may_have_the_name_of_a_parameter(name):
+    factors = xr.DataArray([3.0, 4.0], coords={name: [3.0, 4.0]})
+    pair = [sl.Bilinear(period, 0.05, 0.05, reduction_factor=factors) for period in (0.6, 1.0)]
+    for table in (
+        sl.linearize_system(pair, GROUND),
+        sl.transient_response(pair[0], GROUND, **QUAKE),
+        sl.pounding_probability(*pair, GROUND, 0.1, **QUAKE, paths=0),
+    ):
+        assert table.sizes[name] == 2

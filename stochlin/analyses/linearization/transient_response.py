@@ -134,7 +134,6 @@ def _of_cells(
 ) -> xr.Dataset:
     """Variables of `transient_response` of all cells, in steps that they share."""
     side = side_of(structure, ground, seconds, "structure", 0)
-    check_names((*side.position.dims, *side.position.coords), (*VARIABLES, "status", TIME))
     labels.raise_if_lone_failure(xr.Dataset({"status": side.status}), "transient_response")
     if not side.period.size:
         raise ValueError("no structure has valid parameters; correct those that are out of range")
@@ -153,6 +152,8 @@ def _of_cells(
         "hysteretic_energy_per_mass": couple * np.where(np.isinf(uy), 0.0, uy) ** 2 * work,
         "yield_displacement": uy,
     }
+    own_names = *values, "envelope", "state", "state_mean", "permanent_set", "status", TIME
+    check_names((*side.position.dims, *side.position.coords), own_names)
     table = xr.Dataset({name: spread_over(row, side.position) for name, row in values.items()})
     if means.shape[1]:
         states = [spread_over(means[:, n], side.position) for n in range(means.shape[1])]

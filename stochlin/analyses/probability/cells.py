@@ -24,6 +24,7 @@ from stochlin.analyses.linearization.transient_systems import (
     solve_course,
     spread_over,
 )
+from stochlin.analyses.linearization.variables import VARIABLES as LINEARIZATION
 from stochlin.analyses.probability.bandwidths import bandwidths
 from stochlin.analyses.probability.crossings import RelativeMotion
 from stochlin.analyses.probability.strengths import ALONE, STRENGTH
@@ -97,7 +98,7 @@ class PairTable(NamedTuple):
         left, right = xr.broadcast(side_1.position, side_2.position)
         own = (HEIGHT,) if side_1.has_storeys or side_2.has_storeys else ()
         given = (*left.dims, *left.coords, *right.coords, *gap.dims, *gap.coords)
-        check_names(given, {*VARIABLES, "status", TIME, *own}.difference(distance.cells()))
+        check_names(given, {*VARIABLES, "status", TIME, *own} - {*LINEARIZATION, *distance.cells()})
         both = (left >= 0) & (right >= 0)
         status = xr.apply_ufunc(np.maximum, side_1.status, side_2.status)
         every_pair = pair_number = numbered(both)

@@ -46,7 +46,8 @@ DIMS = {
     **dict.fromkeys(("link_force_std", "equivalent_damping_constant"), ("link",)),
     "residual": (),
 }
-OWN = {"iteration", "status", *VARIABLES, *DIMS, *(dim for dims in DIMS.values() for dim in dims)}
+CHANGES = "covariance_change", "coefficient_change"
+OWN = {"iteration", "iterations", "status", *CHANGES, *DIMS, *sum(DIMS.values(), ())}
 
 
 @checked
@@ -266,7 +267,6 @@ def equations_of_cells(cells: Flat, links: Sequence[Link | None]) -> Equations:
 def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) -> xr.Dataset:
     """Dataset of `linearize_system` from a solution, without labels."""
     system, own = equations.arrangement, equations.yields
-    n, count = len(system.floors), equations.cells
     results = _responses(equations, solution)
     finite = np.isfinite(results["covariance"]).all(axis=(1, 2))
     status = np.where(
@@ -292,12 +292,10 @@ def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) 
         "yield_drift": equations.reported(strength, np.inf, np.nan),
     }
     results["ductility_std"] = results["drift_std"] / results["yield_drift"]
-    apart = results["relative_displacement_std"]
-    results["relative_displacement_std"] = apart.reshape(count, n, n)
     if any(tie.link.damping_exponent is not None for tie in system.ties):
         results["equivalent_damping_constant"] = np.where(failed[:, None], np.nan, solution.dashpots)
     variables = {name: cells.table(results[name], DIMS[name]) for name in DIMS if name in results}
-    for row, name in enumerate(("covariance_change", "coefficient_change")):
+    for row, name in enumerate(CHANGES):
         changes = cells.table(solution.changes[:, row].T, ("iteration",))
         variables[name] = changes.transpose("iteration", ...)
     variables["iterations"] = cells.table(solution.iterations, blank=0)
@@ -337,7 +335,7 @@ def _responses(equations: Equations, solution: SystemSolution) -> dict[str, Arra
             "drift_std": motion.std(drifts),
             "displacement_std": motion.std(floors),
             "velocity_std": motion.std(floors, rates=True),
-            "relative_displacement_std": motion.std(pairs),
+            "relative_displacement_std": motion.std(pairs).reshape(-1, n, n),
             "covariance": motion.covariance,
             "residual": motion.residual,
             "moments": np.stack(motion.moments, axis=1),
