@@ -28,6 +28,7 @@ from scipy.stats import gumbel_r
 import stochlin as sl
 from stochlin.analyses.correlation.errors import ERRORS, OF_NEARLY_EQUAL, OF_OTHERS
 from stochlin.charts import bias_map
+from stochlin.views.separation.words import AT_LEAST, LESS
 
 ROOT = Path(__file__).parents[2]
 GALLERY = FILE.parent
@@ -274,7 +275,7 @@ def example() -> dict[str, Any]:
     lines = []
     for rule, name in names.items():
         one = table.sel(rule=rule)
-        verdict = "safe" if one.error >= 0 else "unsafe"
+        verdict = AT_LEAST if one.error >= 0 else LESS
         held = f"{100 * one.no_pounding_probability.item():.0f} %"
         lines.append([name, f"{100 * one.gap:.1f}", f"{100 * one.error:+.0f} %", held, verdict])
     first = table.sel(rule="simulation")

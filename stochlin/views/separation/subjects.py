@@ -25,7 +25,6 @@ class Subject(NamedTuple):
     good: str  # motions in which it is
     share: str  # of a rule, what that share is of
     would: str  # of any gap
-    families: str  # of building codes
     rules: str  # that are told
     records: str  # what a set-back in a record is of
     meet: str  # what is not wanted
@@ -44,7 +43,6 @@ PAIR = Subject(
     good="motions without pounding",
     share="the rule's gap prevents pounding",
     would="a gap would have kept the buildings apart",
-    families="Families of building codes",
     rules="",
     records="",
     meet="they pound",
@@ -62,7 +60,6 @@ ALONE = Subject(
     good="motions inside the line",
     share="the building, with the rule's set-back, stays on its side of the line",
     would="a set-back would have kept the building on its side of the line",
-    families="Families of building codes, by their provisions for two buildings",
     rules="Rules without a known provision for property lines are left out.",
     records="The line is on the side of positive displacements; on the other side a record may need "
     "up to the peak.",

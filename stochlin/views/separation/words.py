@@ -52,13 +52,9 @@ MARKS = (
     f"paper that was available; M, {NOT_COMPARED}, with a high or a low confidence that it agrees."
 )
 AT_LEAST, LESS, WITHIN = "at least the answer", "less than the answer", "within error"  # verdicts
-FAMILIES = (
-    "SRSS, root of the sum of squared displacements; sum, a factor times "
-    "their sum; height, a factor times the height; fixed, a distance."
-)
 ANY = "any of those searched"
 OF_TWO = "needs a second building"  # the reason why a rule is not available
-SHOWN_TEXTS = ("family", "mark", "reference", "assumptions", "missing")
+SHOWN_TEXTS = ("mark", "reference", "assumptions", "missing")
 
 
 class RuleLine(NamedTuple):
@@ -69,7 +65,6 @@ class RuleLine(NamedTuple):
     name: str  # on the screen
     label: str  # as in a text
     group: str
-    family: str
     metres: float
     gap: str
     error: str
@@ -150,10 +145,10 @@ def _line(answer: CaseAnswer, number: int, group: str, row: xr.Dataset) -> RuleL
 def rules_table(answer: CaseAnswer) -> Table:
     """A row for each rule: on the screen by its name in files, on a page by its number and title."""
     about = subject_of(answer.case)
-    heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark", "family")
+    heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark")
     table_rows = [
         Row(
-            (row.name, row.gap, row.error, row.probability, row.verdict, row.mark, row.family),
+            (row.name, row.gap, row.error, row.probability, row.verdict, row.mark),
             label=f"{row.number}{SPACE}{SPACE}{row.label.removeprefix('eq. (3), ')}{row.remark}",
             group=row.group,
             look=row.verdict,
@@ -172,14 +167,14 @@ def rules_caption(answer: CaseAnswer) -> str:
 
 
 def rules_notes(answer: CaseAnswer) -> list[Text]:
-    """The two ways to use a code, and the meaning of the columns, marks and families."""
+    """The two ways to use a code, and the meaning of the columns and marks."""
     about = subject_of(answer.case)
     columns = (
         f"Error: the rule's {about.gap} relative to the answer. "
         f"{about.column.capitalize()}: share of the simulated motions in which {about.share}. Within "
         "error: the difference is within the error of the simulation."
     )
-    notes = rules_caption(answer), about.rules, columns, MARKS, f"{about.families}: {FAMILIES}"
+    notes = rules_caption(answer), about.rules, columns, MARKS
     return [Text(note, "note") for note in notes]
 
 
