@@ -88,7 +88,7 @@ from .analyses.sites.design_spectra import (
     eurocode_8 as eurocode_8,
     asce_7 as asce_7,
 )
-from .analyses.sites.spectrum_files import read_spectrum as read_spectrum
+from .analyses.sites.spectra import read_spectrum as read_spectrum
 from .analyses.sites.intensity import scale_ground as scale_ground
 from .analyses.sites.hazard_files import read_hazard as read_hazard
 from .models.hazards import (

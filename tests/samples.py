@@ -192,20 +192,3 @@ def usgs(curves: dict[str, tuple[Numbers, Numbers]]) -> str:
     ]
     metadata = {"xlabel": "Ground Motion (g)", "ylabel": "Annual Frequency of Exceedence"}
     return json.dumps({"status": "success", "response": {"metadata": metadata, "hazardCurves": parts}})
-
-
-def usgs_of_before(curves: dict[str, tuple[Numbers, Numbers]]) -> str:
-    """The same as the service gave it until 2020."""
-    parts = [
-        {
-            "metadata": {
-                "latitude": 37.8,
-                "imt": {"value": name, "display": name},
-                "xlabel": "Ground Motion (g)",
-                "xvalues": [*xs],
-            },
-            "data": [{"component": "Total", "yvalues": [*ys]}],
-        }
-        for name, (xs, ys) in curves.items()
-    ]
-    return json.dumps({"status": "success", "response": parts})

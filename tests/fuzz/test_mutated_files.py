@@ -57,7 +57,7 @@ POINTS = ([0.1, 0.2, 0.4], [1e-2, 1e-3, 1e-4])
 HAZARDS = [
     samples.openquake(POINTS[0], {(-99.17, 19.33): POINTS[1], (-99.05, 19.40): POINTS[1]}),
     samples.usgs({"PGA": POINTS, "SA0P5": POINTS, "SA1P0": POINTS}).replace(", ", ",\n"),
-    samples.usgs_of_before({"PGA": POINTS}).replace(", ", ",\n"),
+    "lon,lat,imt,iml,poe\n0,0,PGA,0.1,0.01\n0,0,PGA,0.2,1e-3\n",
     "pga [g],probability\n0.1,0.01\n0.4,1e-4\n",
 ]
 OF_HAZARDS = (

@@ -1,47 +1,54 @@
-"""Records: published check values, every format and every refusal."""
+"""Record files: published check values, what is read of every form, and every refusal."""
 
+import gzip
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import samples
 import xarray as xr
+from cases import recorded_example
 from motions import FOLDER, motion, needs_records, recorded
 
 import stochlin as sl
+from stochlin.analyses.records.files import is_record
+from stochlin.analyses.records.formats import FORMATS
+from stochlin.analyses.records.formats import __path__ as folder
 from stochlin.analyses.records.records import strong_part
 
 pytestmark = pytest.mark.oracle
 
 G = 9.80665
-
-WAVE = [round(float(value), 6) for value in np.sin(np.arange(40) / 3) * 0.1]
+WAVE = np.round(0.1 * np.sin(np.arange(40) / 3), 6)
+GAL = 1000 * WAVE
+TIMES = [round(0.02 * i, 2) for i in range(40)]
+COUNTS = np.round(6182761 / 3920 * (GAL + 7.5))
+CHANNELS = {"90 Deg": GAL, "Up": 0.5 * GAL, "360 Deg": 2 * GAL}
+MASKED = np.ma.masked_greater(WAVE, 0.09)
 
 
 def write(folder: Path, text: str | bytes, name: str = "record.txt") -> Path:
     path = folder / name
-    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    path.write_bytes(text if isinstance(text, bytes) else text.encode("latin-1"))
     return path
 
 
-def lines(*columns: list[float], separator: str = " ") -> str:
-    return (
-        "\n".join(separator.join(str(value) for value in row) for row in zip(*columns, strict=True))
-        + "\n"
-    )
+def read(folder: Path, text: str | bytes, **options) -> xr.DataArray:
+    return sl.read_record(write(folder, text), **options)
 
 
-def times(count: int = 40, step: float = 0.02) -> list[float]:
-    return [round(step * i, 9) for i in range(count)]
+def lines(*columns, separator=" ", width=1) -> str:
+    """Columns side by side, or one in rows of so many numbers."""
+    rows = zip(*columns, strict=True)
+    if width > 1:
+        rows = (columns[0][i : i + width] for i in range(0, len(columns[0]), width))
+    return "\n".join(separator.join(f"{value}" for value in row) for row in rows) + "\n"
 
 
-def at2(header: str, values: list[float] = WAVE, units: str = "G") -> str:
-    body = "\n".join(
-        "".join(f"{value:15.6E}" for value in values[i : i + 5]) for i in range(0, len(values), 5)
-    )
-    title = (
-        f"PEER NGA STRONG MOTION DATABASE RECORD\nSomewhere, 1/1/2000\nACCELERATION IN UNITS OF {units}"
-    )
-    return f"{title}\n{header}\n{body}\n"
+def at2(header: str, units: str = "IN UNITS OF G", values=WAVE) -> str:
+    body = samples.rows(values, 5, "{:15.6E}")
+    return f"PEER NGA STRONG MOTION\nSomewhere, 1/1/2000\nACCELERATION {units}\n{header}\n{body}\n"
 
 
 # --- Published check values -----------------------------------------------------------------------
@@ -52,7 +59,6 @@ def at2(header: str, values: list[float] = WAVE, units: str = "G") -> str:
     ("name", "options", "peak", "samples", "step"),
     [
         ("sct190985.txt", {"units": "g", "column": 1, "time_column": 0}, 0.0995, 8171, 0.02),
-        ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0}, 0.1712, 8171, 0.02),
         ("sct190985.txt", {"units": "g", "column": 2, "time_column": 0, "dt": 0.02}, 0.1712, 8171, 0.02),
         ("RSN15_KERN_TAF111.txt", {"units": "g", "dt": 0.01}, 0.1803, 5437, 0.01),
         ("elc180.AT2", {}, 0.2808, 5372, 0.01),
@@ -62,347 +68,450 @@ def at2(header: str, values: list[float] = WAVE, units: str = "G") -> str:
 def test_records_have_their_published_peaks(name, options, peak, samples, step):
     record = sl.read_record(FOLDER / name, **options)
     assert float(abs(record).max()) / G == pytest.approx(peak, abs=5e-5)
-    assert record.sizes == {"time": samples}
-    assert record.attrs["dt"] == step
-    assert record.attrs["source"] == name
+    assert (record.sizes, record.attrs["dt"], record.attrs["source"]) == ({"time": samples}, step, name)
     np.testing.assert_allclose(np.diff(record.time), step, rtol=1e-9)
 
 
 @needs_records
-def test_a_step_that_contradicts_a_real_time_column_is_refused():
-    with pytest.raises(ValueError, match=r"dt = 0\.01 contradicts the time, whose step is 0\.02 s"):
-        recorded("SCT", column=1, dt=0.01)
-
-
-@needs_records
 def test_lake_bed_spectrum_peaks_at_its_published_period():
-    record = recorded("SCT")
-    spectra = sl.charts.fit_spectra(record, sl.WhiteNoise(), part=(0, 1))
+    spectra = sl.charts.fit_spectra(recorded("SCT"), sl.WhiteNoise(), part=(0, 1))
     peak = float(spectra.psd_record.idxmax("frequency"))
     step = 2.05**2 / 163.4  # of neighbouring Fourier periods
     assert 2 * np.pi / peak == pytest.approx(2.05, abs=1.5 * step)
 
 
-# --- Formats ----------------------------------------------------------------------------------------
+# --- What is read -----------------------------------------------------------------------------------
+
+HEADER = "NPTS=  40, DT=   .0200 SEC"
+TIMED, PLAIN = {"units": "g", "time_column": 0}, {"units": "g", "dt": 0.02}
+COMMAS = "t [s];acc, north [g];when\n" + lines(TIMES, WAVE, ["24.12.2000"] * 40, separator=";").replace(
+    ".", ","
+).replace("24,12,2000", "24.12.2000")
+RAISED = {"units": "gal", "time_column": "time [s]"}
+# Text, options and the factor of WAVE in m/s^2; the time step is 0.02 s in all of them.
+READINGS = {
+    **{
+        f"AT2 {header}": (at2(header), {}, G)
+        for header in (
+            *(f"{HEADER},            ", "npts=40,dt=2.0E-02", "  40    0.0200    NPTS, DT"),
+            *("40 .02 NPTS, DT", "NPTS 40 DT 0.02", "DT= .02 SEC, NPTS= 40", "NPTS= 40\nDT= .02 SEC"),
+            *("DT= .02 SEC\nNPTS= 40", "NPTS= 40, DT= 20.0 MSEC", "NPTS: 40 DT: 20 ms"),
+            "40, 0.02, NPTS, DT (SEC)",
+        )
+    },
+    **{
+        f"AT2 {units}": (at2(HEADER, units), {}, factor)
+        for units, factor in {
+            **dict.fromkeys(("TIME HISTORY IN UNITS OF G. FILTER POINTS: HP=0.1 Hz", "UNITS OF G."), G),
+            **dict.fromkeys(("IN UNITS OF G;", "IN UNITS OF (G)", "IN UNITS OF G'S", "UNITS: G"), G),
+            **dict.fromkeys(("IN UNITS OF CM/SEC/SEC.", "UNITS [cm/s2]", "UNITS = CM/S**2,"), 0.01),
+        }.items()
+    },
+    "AT2 without units": (at2(HEADER, ""), {"units": "gal"}, 0.01),
+    "spaces": (lines(TIMES, WAVE), TIMED, G),
+    "tabs": (lines(TIMES, WAVE, separator="\t"), TIMED, G),
+    "commas": (lines(TIMES, WAVE, separator=" , "), TIMED, G),
+    "commas at the ends": (lines(TIMES, WAVE, separator=",").replace("\n", ",\n"), TIMED, G),
+    "empty lines": (lines(TIMES, WAVE).replace("\n", "\r\n\n  \r\n"), TIMED, G),
+    "comments": ("# a\n% b\n\n" + lines(TIMES, WAVE).replace("\n", "  # inline\n"), TIMED, G),
+    "names": ("time,acc\n" + lines(TIMES, WAVE, separator=","), TIMED, G),
+    "quotes": ('"time" , "acc"\r\n' + lines(TIMES, WAVE, separator=","), TIMED, G),
+    "names of two words": ("time [s]  acc north\n" + lines(TIMES, WAVE), RAISED, 0.01),
+    "a row of units": ("time acc\n(s) [gal]\n" + lines(TIMES, WAVE), {"time_column": "time [s]"}, 0.01),
+    "control-Z": (lines(TIMES, WAVE) + "\x1a", TIMED, G),
+    "byte order mark": (b"\xef\xbb\xbf" + lines(TIMES, WAVE).encode(), TIMED, G),
+    "Latin": ("# México\n" + lines(TIMES, WAVE), TIMED, G),
+    "text beside": (lines(["2000-01-01"] * 40, WAVE, separator=","), {**PLAIN, "column": 1}, G),
+    "Fortran": (lines([f"{10 * value:.6f}D-01" for value in WAVE]), PLAIN, G),
+    "two units": (f"acc (corrected) [gal]\n{lines(WAVE)}", {"dt": 0.02}, 0.01),
+    "semicolons": (COMMAS.replace(",", "."), {"time_column": 0, "column": 1}, G),
+    "decimal commas": (COMMAS, {"time_column": 0, "column": 1}, G),
+    "commas, tabs": (lines(TIMES, WAVE, separator="\t").replace(".", ","), TIMED, G),
+    "a title": (f"El Centro 1940 NS\n{lines(WAVE)}", PLAIN, G),
+    "two titles": (f"El Centro\nof 1940 (gal)\n{lines(WAVE)}", {"dt": 0.02}, 0.01),
+    "more lines above": (f"a: b\nc\nd\n{lines(WAVE)}", {**PLAIN, "skip": 3}, G),
+    "count and step": (f"El Centro 1940 NS\n40 0.02\n{lines(WAVE)}", {"units": "g"}, G),
+    "step and count": (f"0.02, 40\n{lines(WAVE, width=8, separator=',')}", {"units": "g"}, G),
+    "rows of eight": (lines(WAVE, width=8), {**PLAIN, "wrapped": True}, G),
+    "rows of seven": (lines(WAVE, width=7), {**PLAIN, "wrapped": True}, G),
+    "one row": (lines(WAVE, width=40, separator=","), {**PLAIN, "wrapped": True}, G),
+    # Numbers that run on, as Fortran writes wide ones; older words and units.
+    "CSMIP": (samples.csmip({"H1": -GAL}, "in cm/sec2. (8f10.6)", digits=6), {}, -10),
+    "CSMIP in capitals": (samples.csmip({"90": GAL}, " (UNITS: CM/SEC/SEC)").upper(), {}, 10),
+    "CSMIP in g": (samples.csmip({"H1": WAVE}, "in g. (8f10.6)", digits=6), {}, G),
+    "CSMIP name": (samples.csmip(CHANNELS), {"component": "90deg"}, 10),
+    "CSMIP number": (samples.csmip(CHANNELS), {"component": 3}, 20),
+    "COSMOS": (samples.cosmos({"H1": -GAL}, digits=6, step=20.0), {}, -10),
+    "COSMOS in g": (samples.cosmos({"H1": WAVE}, "g(02)", digits=6, step=20.0), {}, G),
+    "COSMOS without step": (samples.cosmos({"H1": GAL}, step=-999.0), {"dt": 0.02}, 10),
+    "COSMOS number": (samples.cosmos(CHANNELS, step=20.0), {"component": "2"}, 5),
+}
+
+
+@pytest.mark.parametrize("case", READINGS)
+def test_every_form_gives_the_same_motion(tmp_path, case):
+    text, options, factor = READINGS[case]
+    record = read(tmp_path, text, **options)
+    np.testing.assert_allclose(record, factor * WAVE, rtol=1e-12, atol=6e-6)  # of a printed digit in g
+    np.testing.assert_allclose(record.time, TIMES, atol=1e-12)
+    assert record.attrs["dt"] == pytest.approx(0.02, rel=1e-12)
+    assert (record.name, record.attrs["units"], record.time.attrs["units"]) == (
+        "acceleration",
+        "m/s^2",
+        "s",
+    )
+
+
+FILES = {
+    "knet": (samples.knet(COUNTS, memo="# 100 %"), {}, "N-S", 0.01),
+    "esm": (samples.esm(GAL), {}, "HNE", 0.005),
+    "unam": (samples.unam([0.5 * GAL, GAL, 2 * GAL]), {"component": "N00E"}, "N00E", 0.005),
+    "csmip": (samples.csmip(CHANNELS), {"component": "90 Deg"}, "90 Deg", 0.02),
+    "cosmos": (samples.cosmos({"340 deg": GAL}), {}, "340 deg", 0.01),
+}
+
+
+def test_each_file_of_the_package_is_one_format():
+    names = {path.stem for path in Path(folder[0]).glob("*.py")} - {"__init__"}
+    assert set(FORMATS) == names == {*FILES, "at2"}
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_format_states_its_step_and_component(tmp_path, name):
+    text, options, component, step = FILES[name]
+    record = read(tmp_path, text, **options)
+    offset = GAL.mean() if name == "knet" else 0.0  # of which the mean is subtracted
+    exact = 3920 / 6182761 if name == "knet" else 1e-9  # of a count, or of the printed digits [cm/s^2]
+    np.testing.assert_allclose(record, (GAL - offset) / 100, atol=exact / 100, rtol=1e-12)
+    assert record.attrs["dt"] == pytest.approx(step, rel=1e-12)
+    assert (record.attrs["component"], record.attrs["units"]) == (component, "m/s^2")
+    for other in (
+        text.replace("\n", "\r\n"),
+        gzip.compress(text[:200].encode()) + gzip.compress(text[200:].encode()),
+        text + "\n  \n",
+        b"\xef\xbb\xbf" + text.encode(),
+    ):
+        np.testing.assert_array_equal(read(tmp_path, other, **options), record)
+
+
+def test_rows_beyond_the_stated_number_are_left_out(tmp_path):
+    record = read(tmp_path, samples.unam([GAL], "/V") + "    9.0000\n    9.0000\n")
+    np.testing.assert_allclose(record, GAL / 100, rtol=1e-12)
+    assert record.attrs["comment"] == "2 rows beyond the stated 40 are left out"
+
+
+def test_the_mean_is_subtracted_where_the_baseline_is_not_corrected(tmp_path):
+    """The largest acceleration in the header of K-NET files is that about the mean."""
+    record = read(tmp_path, samples.knet(COUNTS))
+    offset = COUNTS.mean() * 3920 / 6182761
+    np.testing.assert_allclose(record, COUNTS * 3920 / 6182761 / 100 - offset / 100, atol=1e-12)
+    assert record.attrs["comment"] == f"its mean of {offset:.6g} gal is subtracted"
+    raw = read(tmp_path, samples.esm(GAL + 3, baseline="BASELINE NOT REMOVED"))
+    np.testing.assert_allclose(raw, (GAL - GAL.mean()) / 100, atol=1e-8)
+    assert "comment" not in read(tmp_path, samples.esm(GAL)).attrs
+
+
+def trace(data=WAVE, delta=0.02, **stats):
+    return SimpleNamespace(data=data, stats=SimpleNamespace(delta=delta, **stats), id="XX.ABC..HNE")
+
+
+def test_a_trace_is_a_record(tmp_path):
+    stats = {"station": "ABC", "channel": "HNE", "starttime": "2020-01-01T00:00:00Z"}
+    record = sl.read_record(trace(**stats), units="g")
+    np.testing.assert_array_equal(record, G * WAVE)
+    about = {"event": stats["starttime"], "station": "ABC", "component": "HNE", "source": "XX.ABC..HNE"}
+    assert about.items() <= record.attrs.items()
 
 
 @pytest.mark.parametrize(
-    "header",
+    ("title", "event"),
     [
-        "NPTS=  40, DT=   .0100 SEC,            ",
-        "NPTS= 40, DT= .01 SEC",
-        "npts=40,dt=1.0E-02",
-        "  40    0.0100    NPTS, DT",
-        "40 .01 NPTS, DT",
+        ("Imperial Valley-02, 5/19/1940, El Centro Array #9, 180", "Imperial Valley-02, 5/19/1940"),
+        ("KOBE 01/16/95 2046, El Centro Array #9, 090 (CUE)", "KOBE 01/16/95 2046"),
+        ("written by another program", None),
     ],
 )
-def test_at2_headers(tmp_path, header):
-    record = sl.read_record(write(tmp_path, at2(header), "a.AT2"))
-    np.testing.assert_allclose(record, np.array(WAVE) * G, rtol=1e-12)
-    assert record.attrs == {
-        "units": "m/s^2",
-        "long_name": "ground acceleration",
-        "source": "a.AT2",
-        "dt": 0.01,
-    }
-    assert record.name == "acceleration"
-    assert record.time.attrs["units"] == "s"
-    assert float(record.time[-1]) == pytest.approx(0.39)
+def test_the_title_of_an_at2_file_names_earthquake_and_station(tmp_path, title, event):
+    about = read(tmp_path, at2(HEADER).replace("Somewhere, 1/1/2000", title)).attrs
+    assert about.get("event") == event
+    assert about.get("station") == (event and "El Centro Array #9")
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_a_time_may_be_a_quarter_of_a_step_astray(tmp_path, sign):
-    def read(share):
-        time = np.array(times())
+    def astray(share):
+        time = np.array(TIMES)
         time[20] += 0.02 * sign * share
-        options = {"units": "g", "column": 1, "time_column": 0}
-        return sl.read_record(write(tmp_path, lines(time.tolist(), WAVE)), **options)
+        return read(tmp_path, lines(time, WAVE), **TIMED)
 
-    np.testing.assert_allclose(read(0.24).time, times(), rtol=1e-9)
-    with pytest.raises(ValueError, match=r"time is uneven: its step changes before 0\.[34]\d* s"):
-        read(0.26)
-
-
-def test_at2_states_its_units(tmp_path):
-    path = write(tmp_path, at2("NPTS= 40, DT= .01 SEC", units="CM/SEC/SEC"))
-    np.testing.assert_allclose(sl.read_record(path), np.array(WAVE) / 100, rtol=1e-12)
-    silent = write(tmp_path, at2("NPTS= 40, DT= .01 SEC").replace("IN UNITS OF G", ""))
-    np.testing.assert_allclose(sl.read_record(silent, units="gal"), np.array(WAVE) / 100, rtol=1e-12)
-    with pytest.raises(
-        ValueError, match=r"units is missing .* 'g', 'm/s\^2', 'cm/s\^2', 'mm/s\^2', 'gal'"
-    ):
-        sl.read_record(silent)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        lines(times(), WAVE),
-        lines(times(), WAVE, separator="\t"),
-        lines(times(), WAVE, separator=","),
-        lines(times(), WAVE, separator=" , "),
-        lines(times(), WAVE, separator=";"),
-        lines(times(), WAVE, separator=",").replace("\n", ",\n"),
-        lines(times(), WAVE).replace("\n", "\r\n"),
-        lines(times(), WAVE).replace("\n", "\n\n  \n"),
-        "# a comment\n% another\n\n" + lines(times(), WAVE).replace("\n", "  # inline\n"),
-        "time,acc\n" + lines(times(), WAVE, separator=","),
-        '"time" , "acc"\r\n' + lines(times(), WAVE, separator=",").replace("\n", "\r\n"),
-        "time (s)\tacc north\n" + lines(times(), WAVE, separator="\t"),
-        "time acc\n" + lines(times(), WAVE),
-        lines(times(), WAVE) + "\x1a",
-        b"\xef\xbb\xbf" + lines(times(), WAVE).encode(),
-        "# México\n".encode("latin-1") + lines(times(), WAVE).encode(),
-    ],
-)
-def test_columns_are_taken_by_number(tmp_path, text):
-    path = write(tmp_path, text)
-    for column in (1, None):
-        record = sl.read_record(path, units="m/s^2", column=column, time_column=0)
-        np.testing.assert_array_equal(record, WAVE)
-        np.testing.assert_allclose(record.time, times(), atol=1e-12)
-        assert record.attrs["dt"] == 0.02
-
-
-def test_columns_are_taken_by_name(tmp_path):
-    other = [2 * value for value in WAVE]
-    text = "time,north [gal],east [gal]\n" + lines(times(), WAVE, other, separator=",")
-    path = write(tmp_path, text)
-    east = sl.read_record(path, units="gal", column="east [gal]", time_column="time")
-    np.testing.assert_allclose(east, np.array(other) / 100)
-    with pytest.raises(ValueError, match=r"units = 'g' contradicts record.txt, which states 'cm/s\^2'"):
-        sl.read_record(path, units="g", column=1, time_column=0)
-
-
-def test_unused_columns_may_hold_text(tmp_path):
-    text = lines(["2000-01-01"] * 40, WAVE, separator=",")
-    np.testing.assert_array_equal(
-        sl.read_record(write(tmp_path, text), units="m/s^2", column=1, dt=0.5), WAVE
-    )
-
-
-@pytest.mark.parametrize("spelling", [".5E-03", "+0.5e-3", ".5D-03", "0.5d-3", "5.E-4", "0.0005"])
-def test_fortran_numbers_are_read(tmp_path, spelling):
-    path = write(tmp_path, "\n".join([spelling] * 20))
-    np.testing.assert_array_equal(sl.read_record(path, dt=0.01, units="m/s^2"), 0.0005)
-
-
-@pytest.mark.parametrize(
-    ("units", "metres"),
-    [
-        ("g", G),
-        ("G", G),
-        ("m/s^2", 1),
-        ("cm/s^2", 0.01),
-        ("gal", 0.01),
-        ("Gal", 0.01),
-        ("mm/s^2", 0.001),
-    ],
-)
-def test_units_become_metres(tmp_path, units, metres):
-    record = sl.read_record(write(tmp_path, lines(WAVE)), dt=0.01, units=units)
-    np.testing.assert_allclose(record, np.array(WAVE) * metres, rtol=1e-15)
+    np.testing.assert_allclose(astray(0.24).time, TIMES, rtol=1e-9)
+    with pytest.raises(ValueError, match=r"time is uneven: 0\.[34]\d* s is followed by"):
+        astray(0.26)
 
 
 @pytest.mark.parametrize("step", [0.005, 1 / 128, 1 / 300, 0.02])
 def test_printed_times_are_rounded(tmp_path, step):
     time = [round(step * i, 3) for i in range(1000)]
-    values = list(np.sin(np.arange(1000)))
-    path = write(tmp_path, lines(time, values))
-    assert sl.read_record(path, units="g", time_column=0).attrs["dt"] == pytest.approx(step, rel=2e-4)
-    assert sl.read_record(path, units="g", time_column=0, dt=step).attrs["dt"] == step
+    text = lines(time, np.sin(np.arange(1000)))
+    assert read(tmp_path, text, **TIMED).attrs["dt"] == pytest.approx(step, rel=2e-4)
+    assert read(tmp_path, text, **TIMED, dt=step).attrs["dt"] == step
 
 
 def test_single_precision_times_and_a_late_start(tmp_path):
     time = [float(f"{np.float32(100 + 0.02 * (i + 1)):.5f}") for i in range(4000)]
-    assert 163.37999 in time or any(abs(t * 50 - round(t * 50)) > 1e-4 for t in time)
-    record = sl.read_record(write(tmp_path, lines(time, [1.0] * 4000)), units="g", time_column=0)
+    record = read(tmp_path, lines(time, [1.0] * 4000), **TIMED)
     assert record.attrs["dt"] == pytest.approx(0.02, rel=1e-6)
     assert float(record.time[0]) == pytest.approx(100.02)
 
 
-# --- Refusals ---------------------------------------------------------------------------------------
+# --- What is refused --------------------------------------------------------------------------------
 
-TABLE = lines(times(), WAVE, WAVE)
-NAMED = "time,north,east\n" + lines(times(), WAVE, WAVE, separator=",")
+TABLE = lines(TIMES, WAVE, WAVE)
+NAMED = "time,north,east\n" + lines(TIMES, WAVE, WAVE, separator=",")
 SINGLE = lines(WAVE)
-READY = {"dt": 0.01, "units": "g"}
-BOTH = {"units": "g", "time_column": 0}
+UNKNOWN = "record.txt has no accelerations in a format that is known; allowed: a COSMOS file, .* trace"
+HOURS = lines([f"{value:.2f}" for value in TIMES], WAVE)
 
 
-def changed(index: int, value: str, *, first: bool = False) -> str:
-    rows = lines(times(), WAVE).splitlines()
-    fields = rows[index].split()
-    rows[index] = f"{value} {fields[1]}" if first else f"{fields[0]} {value}"
-    return "\n".join(rows)
+def changed(line: int, text: str) -> str:
+    rows = HOURS.splitlines()
+    return "\n".join([*rows[: line - 1], text, *rows[line:]])
 
-
-def without(*indices: int) -> str:
-    return "\n".join(row for i, row in enumerate(lines(times(), WAVE).splitlines()) if i not in indices)
-
-
-DRIFTING = lines([round(0.01 * i * (1 + i / 500), 5) for i in range(100)], [1.0] * 100)
 
 REFUSALS = {
-    "empty": ("", READY, "record.txt is empty"),
-    "only names": ("time,acc\n", READY, "record.txt is empty"),
-    "no dt": (SINGLE, {"units": "g"}, r"dt is missing .*give dt= in seconds, or time_column="),
+    "empty": ("", PLAIN, "record.txt is empty"),
+    "only names": ("time,acc\n", PLAIN, UNKNOWN),
+    "no dt": (SINGLE, {"units": "g"}, r"dt is missing .*give dt= or time_column="),
     "no units": (SINGLE, {"dt": 0.01}, r"units is missing .*'g', 'm/s\^2', 'cm/s\^2', 'mm/s\^2', 'gal'"),
-    "unknown units": (
-        SINGLE,
-        {"dt": 0.01, "units": "ft/s2"},
-        "units = 'ft/s2' is not a unit of acceleration",
-    ),
-    "dt zero": (
-        SINGLE,
-        {"dt": 0, "units": "g"},
-        "dt = 0 is out of range; allowed: a positive, finite number of seconds",
-    ),
+    "unknown units": (SINGLE, {"dt": 0.01, "units": "feet"}, "units = 'feet' is no acc"),
+    "dt zero": (SINGLE, {"dt": 0, "units": "g"}, "dt = 0 is out of range; allowed: a positive, finite"),
+    "tiny step": (SINGLE, {"dt": 1e-300, "units": "g"}, r"record.txt is 1e-300 s; allowed: 1e-06"),
+    "negative skip": (SINGLE, {**PLAIN, "skip": -1}, "skip = -1"),
     "no column": (
         TABLE,
-        READY,
-        r"column is missing: record.txt has 3 columns \(index 0 to 2\); give column=",
+        PLAIN,
+        r"3 columns \(index 0 to 2\); give column=, or wrapped=True, .* 120 num",
     ),
-    "no column, names": (NAMED, BOTH, r"3 columns \(index 0 to 2\) named time, north, east"),
-    "column too high": (TABLE, {**BOTH, "column": 3}, r"column = 3 is not in .* 3 columns"),
-    "column name": (NAMED, {**BOTH, "column": "up"}, "column = 'up' is not in .*time, north, east"),
-    "same column": (TABLE, {**BOTH, "column": 0}, "column = 0 is the time_column as well"),
+    "no column, names": (NAMED, TIMED, r"3 columns \(index 0 to 2\) named time, north, east; give col"),
+    "column too high": (TABLE, {**TIMED, "column": 3}, r"column = 3; allowed in .* 3 columns"),
+    "column name": (NAMED, {**TIMED, "column": "up"}, "column = 'up'; allowed in .*time, north, east"),
+    "same column": (TABLE, {**TIMED, "column": 0}, "column = 0; .*, but column 0, the time"),
     "minutes": (
-        "t [min],acc\n" + lines(times(), WAVE, separator=","),
-        BOTH,
-        r"time_column = 0 is named 't \[min\]'; allowed: time in seconds",
+        NAMED.replace("time", "t [min]"),
+        TIMED | {"column": 1},
+        r"time_column is 't \[min\]'; all",
     ),
-    "text": (changed(7, "0.1x"), BOTH, r"record.txt, line 8: '0.1x' is not a number"),
-    "empty field": ("0.0,1\n0.1,2\n0.2,\n" * 9, BOTH, "line 3: 1 columns, but line 1 has 2"),
-    "NaN": (changed(9, "NaN"), BOTH, "line 10: 'NaN' is not finite"),
-    "ragged": ("1 2 3\n4 5\n", READY, "line 2: 2 columns, but line 1 has 3; start a title with #"),
-    "title": ("Record of a day\n" + SINGLE, READY, "line 2: 1 columns, but line 1 has 4; start a title"),
-    "repeated time": (
-        changed(5, "0.08", first=True),
-        BOTH,
-        r"does not increase: 0\.08 s is followed by 0\.08 s",
-    ),
-    "gap": (
-        without(10),
-        BOTH,
-        r"time has a gap at 0\.18 s: the next is 0\.22 s, but the step is 0\.02 s",
-    ),
-    "drift": (DRIFTING, BOTH, r"time is uneven: its step changes before 0\.\d+ s|time has a gap"),
-    "dt and time": (
-        lines(times(), WAVE),
-        {**BOTH, "dt": 0.01},
-        r"dt = 0\.01 contradicts the time, .* 0\.02 s",
-    ),
-    "short": (lines(WAVE[:15]), READY, "record has 15 samples; allowed: at least 16"),
-    "zeros": ("0.0\n" * 40, READY, "record holds only zeros"),
+    "text": (changed(8, "0.14 0.1x"), TIMED, r"record.txt, line 8: '0.1x' is not a number"),
+    "NaN": (changed(10, "0.18 NaN"), TIMED, "line 10: 'NaN' is not a number"),
+    "empty field": ("0.0,1\n0.1,2\n0.2,\n" * 9, TIMED, "line 3: 1 columns; allowed: 2, as in the first"),
+    "one column more": (changed(9, "0.16 1 2"), TIMED, "line 9: 3 columns; allowed: 2, as in the first"),
+    "repeated time": (changed(6, "0.08 1"), TIMED, r"does not increase: 0\.08 s is followed by 0\.08 s"),
+    "gap": (changed(11, ""), TIMED, r"time is uneven: 0\.18 s is followed by 0\.22 s; fill a gap"),
+    "dt and time": (HOURS, {**TIMED, "dt": 0.01}, r"dt = 0\.01 contradicts the time, .* 0\.02 s"),
+    "short": (lines(WAVE[:15]), PLAIN, "record has 15 samples; allowed: at least 16"),
+    "zeros": ("0.0\n" * 40, PLAIN, "record holds only zeros"),
     "velocity": (
-        "t,vel [cm/s]\n" + lines(times(), WAVE, separator=","),
-        BOTH,
-        r"column 'vel \[cm/s\]' of record.txt is in cm/s, which is no acceleration",
+        "t,vel [cm/s]\n" + lines(TIMES, WAVE, separator=","),
+        TIMED,
+        "column .* of record.txt is no acceleration that is known",
     ),
-    "acceleration that is not known": (
-        "t,acc (ft/s2)\n" + lines(times(), WAVE, separator=","),
-        BOTH,
-        r"is in ft/s2, which is no acceleration that is known; allowed: 'g'",
+    "two units": (
+        "t,acc\ns,gal\n" + lines(TIMES, WAVE, separator=","),
+        TIMED,
+        "'g' contradicts .*'cm/s",
     ),
-    "decimal commas": ("0,012\n-0,034\n" * 20, READY, "decimal commas, as in '0,012'; write"),
-    "decimal commas, tabs": (
-        "0,02\t0,012\n" * 20,
-        {**BOTH, "column": 1},
-        "line 1: .* is not a number.*decimal point",
+    "units and names": (
+        f"acc [gal]\n{SINGLE}",
+        PLAIN,
+        r"units = 'g' contradicts record.txt, .*'cm/s\^2'",
     ),
-    "UTF-16": (lines(WAVE).encode("utf-16"), READY, "record.txt is text in UTF-16; allowed: UTF-8"),
-    "binary": (np.array(WAVE).tobytes(), READY, "record.txt is no text; allowed: PEER AT2"),
-    "tiny step": (
-        SINGLE,
-        {"dt": 1e-300, "units": "g"},
-        r"record.txt is 1e-300 s; allowed: 1e-06",
+    "decimal commas": ("0,012\n-0,034\n" * 20, PLAIN, "decimal commas, as '0,012'; allowed: points"),
+    "points and commas": (
+        COMMAS.replace(";0,0;", ";0.0;"),
+        TIMED,
+        "has decimal points and decimal commas",
     ),
-    "huge step": (at2("NPTS= 40, DT= 1E999 SEC"), {}, "is not the header of an AT2 file"),
-    "two AT2 records": (at2("NPTS= 40, DT= .01 SEC") * 2, {}, r"'PEER' is not a number"),
-    "AT2 dt": (at2("NPTS= 40, DT= .01 SEC"), {"dt": 0.02}, r"dt = 0\.02 contradicts .*states 0\.01"),
-    "AT2 units": (
-        at2("NPTS= 40, DT= .01 SEC"),
-        {"units": "gal"},
-        r"units = 'cm/s\^2' contradicts .*'g'",
+    "thousands": (COMMAS.replace("0,094", "1.032,7"), {**TIMED, "column": 1}, "is not a number"),
+    "UTF-16": (SINGLE.encode("utf-16"), PLAIN, "record.txt is text in UTF-16; allowed: UTF-8"),
+    "binary": (WAVE.tobytes(), PLAIN, "record.txt is no text; allowed: PEER AT2"),
+    "rows of eight": (
+        lines(WAVE, width=8),
+        PLAIN,
+        "or wrapped=True, if these are one series of 40 numbers",
     ),
+    "rows of seven": (
+        lines(WAVE, width=7),
+        PLAIN,
+        "or wrapped=True, if these are one series of 40 numbers",
+    ),
+    "one row": (lines(WAVE, width=40), PLAIN, "40 columns .* wrapped=True, if these are one series"),
+    "rows of AT2": (at2(HEADER), {"wrapped": True}, "column, time_column, wrapped do not apply"),
+    # Formats of other networks, and texts.
+    "GeoNet": (
+        "Corrected accelerogram 2020_ABCS GNS\nSite ABCS 40 00S\n 2018 2 12\n 1 2\n",
+        PLAIN,
+        UNKNOWN,
+    ),
+    "SMC": ("2 CORRECTED ACCELEROGRAM\n*\nABC\n 1989 10 18 Some\n*\n 1 1989 291\n", PLAIN, UNKNOWN),
+    "AFAD": ("RECORDS\nPLACE : X\nSAMPLING (sec) : 0.01\nN-S E-W U-D\n 1 2 3\n", PLAIN, UNKNOWN),
+    "RENADIC": ("UNCORRECTED DATA\nABC\nUNITS ARE SEC AND G/10.\n 0.0 1.0 0.1 2.0\n", PLAIN, UNKNOWN),
+    "a unit above": (f"ACCELERATION IN UNITS OF G/10\n{SINGLE}", PLAIN, UNKNOWN),
+    "three titles": (f"a\nb\nc\nd\n{SINGLE}", PLAIN, UNKNOWN),
+    "notes": ("These records are from a network.\nThey are not corrected.\n", PLAIN, UNKNOWN),
+    "trace": (trace(), {}, "units is missing and XX.ABC..HNE does not state it"),
+    "trace with a gap": (trace(MASKED), {"units": "g"}, "record is nan at 0.08 s"),
+    "trace without a step": (trace(delta=0.0), {"units": "g"}, "the time step of XX.ABC..HNE is 0 s"),
+    "trace of another step": (trace(), {"units": "g", "dt": 0.01}, "dt = 0.01 contradicts XX.ABC..HNE"),
+    "huge step": (at2("NPTS= 40, DT= 1E999 SEC"), {}, "line 4: .*; allowed there: 'NPTS= 5372, DT"),
+    "AT2 in hertz": (at2("NPTS= 40, DT= 100 HZ"), {}, "line 4: 'NPTS= 40, DT= 100 HZ'; allowed there"),
+    "AT2 in minutes": (at2("NPTS= 40, DT= .01 MIN"), {}, "line 4: .*the time step in SEC or MSEC"),
+    "AT2 without a step": (at2("NPTS= 40"), {}, "line 4: 'NPTS= 40'; allowed there"),
+    "two AT2 records": (at2(HEADER) * 2, {}, r"'PEER' is not a number"),
+    "AT2 dt": (at2(HEADER), {"dt": 0.01}, r"dt = 0\.01 contradicts .*states 0\.02"),
+    "AT2 units": (at2(HEADER), {"units": "gal"}, r"units = 'cm/s\^2' contradicts .*'g'"),
     "AT2 velocity": (
-        at2("NPTS= 40, DT= .01 SEC", units="CM/S"),
+        at2(HEADER, "UNITS OF CM/S"),
         {},
-        "record.txt: units = 'CM/S' is not a unit of acceleration",
+        "record.txt: units = 'CM/S' is no acc",
     ),
-    "AT2 count": (at2("NPTS= 41, DT= .01 SEC"), {}, "holds 40 values, but line 4 states NPTS = 41"),
-    "AT2 header": (
-        at2("NPTS 40 DT 0.01"),
+    "AT2 tenths": (at2(HEADER, "UNITS OF G/10"), {}, "record.txt: units = 'G/10' is no acc"),
+    "AT2 count": (at2(HEADER.replace("40", "41")), {}, "holds 40 values, but line 4 states 41"),
+    "AT2 column": (at2(HEADER), {"column": 0}, "column, time_column, wrapped do not apply"),
+    "AT2 text": (at2(HEADER).replace("E+0", "x"), {}, r"line 5: .* is not a number"),
+    "knet cut": (samples.knet(COUNTS)[:-40], {}, r"holds 36 values, but line 12 states 40; .*fetch it"),
+    "knet scale": (samples.knet(COUNTS, "(gal)/6182761"), {}, r"line 14: 'Scale Factor .*allowed there"),
+    "knet rate": (samples.knet(COUNTS).replace("100Hz", "fast"), {}, r"line 11: .*: a positive number"),
+    "knet header": (samples.knet(COUNTS).replace("Memo.", "Note."), {}, "has no line 'Memo.'"),
+    "knet text": (samples.knet(COUNTS).replace(f"{COUNTS[39]:.0f}", "12a"), {}, "line 22: '12a' is not"),
+    "knet component": (samples.knet(COUNTS), {"component": "E-W"}, r"'E-W' is not in .*: 1 \(N-S\)"),
+    "component of a list": (
+        samples.knet(COUNTS),
+        {"component": [1]},
+        r"component = \[1\]; allowed: the",
+    ),
+    "esm no units": (samples.esm(GAL, ""), {}, "units is missing and record.txt does not state it"),
+    "esm velocity": (
+        samples.esm(GAL).replace("TYPE: ACC", "TYPE: V"),
         {},
-        "line 4: 'NPTS 40 DT 0.01' is not the header of an AT2 file",
+        "line 14: .*: 'DATA_TYPE: ACC",
     ),
-    "AT2 column": (at2("NPTS= 40, DT= .01 SEC"), {"column": 0}, "column and time_column do not apply"),
-    "AT2 text": (at2("NPTS= 40, DT= .01 SEC").replace("E", "x", 12), {}, r"line \d+: .* is not"),
+    "esm count": (
+        samples.esm(GAL).replace("NDATA: 40", "NDATA: 41"),
+        {},
+        "holds 40 .* line 8 states 41",
+    ),
+    "esm step": (samples.esm(GAL).replace("0.005000", "0"), {}, "line 7: .*: a positive number"),
+    "unam component": (samples.unam([GAL] * 3), {}, r"has 1 \(V\), 2 \(N00E\), 3 \(N90E\); give comp"),
+    "unam alike": (samples.unam([GAL] * 3, "/V/V/V"), {"component": "V"}, "'V' is more than one in"),
+    "unam step": (samples.unam([GAL] * 3).replace("/0.005", "", 1), {}, "line 18: .*each of 3 channels"),
+    "unam length": (
+        samples.unam([GAL] * 3).replace("/0.20", "/0.40"),
+        {},
+        "line 22: .*: the length of 40",
+    ),
+    "unam cut": (samples.unam([GAL] * 3)[:-31], {}, "holds 117 values, but line 23 states 120"),
+    "unam no data": (samples.unam([GAL]).replace("DATOS DE ACEL", "ACEL"), {}, "has no data; allowed: "),
+    "csmip velocity": (samples.csmip({"H1": GAL}, "in cm/sec."), {}, "units = 'cm/sec' is no acc"),
+    "csmip volume 1": (samples.csmip({"H1": GAL}).replace("of accel data", "of raw data"), {}, UNKNOWN),
+    "csmip step": (samples.csmip({"H1": GAL}, step="no"), {}, "line 6: .*equally spaced at no sec"),
+    "cosmos no step": (
+        samples.cosmos({"H1": GAL}, step=-999.0),
+        {},
+        "dt is missing and record.txt does",
+    ),
+    "cosmos length": (
+        samples.cosmos({"H1": GAL}).replace("    0.4", "    0.8"),
+        {},
+        "line 25: .*length of",
+    ),
+    "cosmos velocity": (
+        samples.cosmos({"H1": GAL}).replace("acceleration pts", "velocity pts"),
+        {},
+        UNKNOWN,
+    ),
+    "gzip cut": (gzip.compress(samples.knet(COUNTS).encode())[:-9], {}, "gzip and damaged .*fetch it"),
+    "gzip too large": (gzip.compress(bytes(2**26 + 1)), {}, "record.txt, unpacked, has 67108865 bytes"),
 }
 
 
 @pytest.mark.parametrize("case", REFUSALS)
 def test_refusals_say_what_and_where(tmp_path, case):
     text, options, message = REFUSALS[case]
+    source = write(tmp_path, text) if isinstance(text, (str, bytes)) else text
     with pytest.raises(ValueError, match=message):
-        sl.read_record(write(tmp_path, text), **options)
+        sl.read_record(source, **options)
 
 
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
-        (lines([i * 10 for i in range(40)], WAVE), BOTH, "its time step is 10 s.*is time in seconds"),
-        (lines([100 * value for value in WAVE]), READY, "its peak is 10 g.*are the units right"),
+        (lines([i * 10 for i in range(40)], WAVE), TIMED, "its time step is 10 s.*is time in seconds"),
+        (lines(100 * WAVE), PLAIN, "its peak is 10 g.*are the units right"),
+        (lines(["vel", *WAVE]), PLAIN, "its column is named 'vel'; is that an acceleration"),
+        (TABLE, {**PLAIN, "column": 0}, "its values increase throughout.*the right column"),
         (
-            "t,vel\n" + lines(times(), WAVE, separator=","),
-            BOTH,
-            "its column is named 'vel'; is that an acceleration",
+            lines(np.round(np.sin(np.arange(800) / 10), 5), width=8),
+            {**PLAIN, "column": 0},
+            "its rows may be one series of 800 numbers; is it one, with wrapped=True",
         ),
-        (TABLE, {**READY, "column": 0}, "its values increase throughout.*the right column"),
     ],
 )
 def test_what_is_hardly_meant_is_asked_about(tmp_path, text, options, message):
     with pytest.warns(UserWarning, match=f"^record.txt: {message}") as caught:
-        record = sl.read_record(write(tmp_path, text), **options)
+        read(tmp_path, text, **options)
     assert len(caught) == 1
     assert caught[0].filename == __file__
-    assert record.sizes == {"time": 40}
+
+
+def test_columns_beside_each_other_are_no_rows_of_one_series(tmp_path):
+    wave = np.sin(np.arange(800) / 10)
+    channels = [np.round(each, 5) for each in (wave, np.roll(wave, 200), 0.8 * np.roll(wave, 400))]
+    np.testing.assert_allclose(
+        read(tmp_path, lines(*channels), column=1, dt=0.02, units="g"), G * channels[1]
+    )
 
 
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"absent\.txt"):
-        sl.read_record(tmp_path / "absent.txt", **READY)
+        sl.read_record(tmp_path / "absent.txt", **PLAIN)
+
+
+@pytest.mark.parametrize(
+    "name", ["a.AT2", "MYG002.NS", "x.EW2.gz", "s.V2c", "s.v2", "AC17.191", "h.ASC"]
+)
+def test_folders_are_searched_for_the_endings_of_all_formats(name):
+    assert is_record(name)
+    assert not is_record(f"{name}.md")
+
+
+def test_a_case_file_names_the_component(tmp_path):
+    write(tmp_path, samples.unam([GAL, 2 * GAL, GAL]), "ACAC1709.191")
+    text = recorded_example().replace('"taft.txt"', '"ACAC1709.191"\ncomponent = "N00E"')
+    case = write(tmp_path, text.replace('\nunits = "g"', "").replace('\ndt = "0.01 s"', ""), "case.toml")
+    (record,) = sl.read_case(case).records.values()
+    np.testing.assert_allclose(record, GAL / 50, rtol=1e-12)
+    case.write_text(case.read_text().replace('"N00E"', '"N45E"'))
+    with pytest.raises(
+        ValueError, match=r"case.toml, line \d+: .*component = 'N45E' is not in ACAC1709"
+    ):
+        sl.read_case(case)
 
 
 # --- Strong part --------------------------------------------------------------------------------------
 
 
-def history(values, step=0.01, **attrs):
-    return motion(values, step, **attrs)
-
-
-def test_strong_part_of_a_constant_signal():
-    record = history(np.full(1001, -2.0), units="m/s^2", source="a")
-    part = strong_part(record)
-    assert float(part.time[0]) == pytest.approx(0.5, abs=0.011)
-    assert float(part.time[-1]) == pytest.approx(9.5, abs=0.011)
-    assert part.attrs == {"units": "m/s^2", "source": "a", "energy_part": "5-95 %"}
-    assert "energy_part" not in record.attrs
-
-
 def test_strong_part_of_a_decaying_signal():
     """Energy 1 - exp(-2 t), so the part runs from -log(1-start)/2 to -log(1-end)/2."""
-    step = 1e-3
-    record = history(np.exp(-step * np.arange(20000)), step)
+    record = motion(np.exp(-1e-3 * np.arange(20000)), 1e-3, source="a")
     part = strong_part(record, 0.25, 0.75)
-    expected = -np.log1p([-0.25, -0.75]) / 2
-    np.testing.assert_allclose(part.time[[0, -1]], expected, atol=1.5 * step)
+    np.testing.assert_allclose(part.time[[0, -1]], -np.log1p([-0.25, -0.75]) / 2, atol=1.5e-3)
+    assert part.attrs == {"source": "a", "energy_part": "25-75 %"}
+    assert "energy_part" not in record.attrs
 
 
 @pytest.mark.parametrize("fractions", [(0.05, 0.95), (0.0, 0.5), (0.3, 0.31), (0.5, 1.0), (0, 1)])
 def test_strong_part_holds_its_share_of_the_energy(fractions):
-    record = history(np.random.default_rng(3).standard_normal(5000))
+    record = motion(np.append(np.random.default_rng(3).standard_normal(5000), np.zeros(100)))
     part = strong_part(record, *fractions)
     share = float((part**2).sum() / (record**2).sum())
     one_sample = 2 * float((record**2).max() / (record**2).sum())
@@ -410,32 +519,21 @@ def test_strong_part_holds_its_share_of_the_energy(fractions):
     assert strong_part(3 * record, *fractions).time.equals(part.time)
 
 
-def test_whole_record_loses_nothing_but_silence_at_its_end():
-    values = np.random.default_rng(3).standard_normal(500)
-    assert strong_part(history(values), 0, 1).sizes["time"] == 500
-    assert strong_part(history(np.append(values, np.zeros(100))), 0, 1).sizes["time"] == 500
-
-
-@pytest.mark.parametrize("fractions", [(-0.1, 0.9), (0.5, 0.5), (0.9, 0.1), (0, 1.1), (np.nan, 0.9)])
+@pytest.mark.parametrize("fractions", [(-0.1, 0.9), (0.5, 0.5), (0, 1.1), (np.nan, 0.9)])
 def test_strong_part_refuses_fractions(fractions):
     with pytest.raises(ValueError, match="allowed: 0 <= start < end <= 1"):
-        strong_part(history(WAVE), *fractions)
+        strong_part(motion(WAVE), *fractions)
 
 
 @pytest.mark.parametrize(
     ("record", "error", "message"),
     [
         (np.ones(50), TypeError, "record is a ndarray; allowed: an xarray.DataArray"),
-        (xr.DataArray(np.ones(50), dims="time"), ValueError, "allowed: time alone, with its coordinate"),
-        (
-            history(WAVE).assign_coords(time=np.arange(40).astype("datetime64[ns]")),
-            TypeError,
-            r"float64 and datetime64\[ns\]; allowed: numbers",
-        ),
-        (history(WAVE) * 1j, TypeError, "complex128 and float64; allowed: numbers"),
-        (history(WAVE, units="g"), ValueError, r"record has units 'g'; allowed: m/s\^2"),
-        (history([1.0] * 20 + [np.nan]), ValueError, r"record is nan at 0\.2 s"),
-        (history(WAVE).isel(time=slice(None, None, -1)), ValueError, "time does not increase"),
+        (xr.DataArray(np.ones(50), dims="time"), ValueError, "allowed: time with its coordinate"),
+        (motion(WAVE) * 1j, TypeError, "complex128, float64; allowed: numbers"),
+        (motion(WAVE, units="g"), ValueError, r"record has units 'g'; allowed: m/s\^2"),
+        (motion([1.0] * 20 + [np.nan]), ValueError, r"record is nan at 0\.4 s"),
+        (motion(WAVE).isel(time=slice(None, None, -1)), ValueError, "time does not increase"),
     ],
 )
 def test_what_is_not_a_record(record, error, message):

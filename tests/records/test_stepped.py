@@ -133,5 +133,7 @@ def test_the_answer_for_two_buildings_has_their_records():
 
 def test_strength_by_the_ground_has_no_meaning_on_a_record():
     weak = sl.BoucWen(0.5, 0.05, 0.1, reduction_factor=3)
-    with pytest.raises(ValueError, match=r"first: reduction_factor has no meaning .*yield_displacement"):
+    with pytest.raises(
+        ValueError, match=r"first: reduction_factor is for a ground; .*yield_displacement"
+    ):
         sl.recorded_gap(weak, tower(2), motion(100))

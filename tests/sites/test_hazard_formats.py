@@ -1,7 +1,8 @@
-"""Hazards of OpenQuake and the USGS: curves in closed form come back, and broken files are refused."""
+"""Hazards of OpenQuake, of the USGS and in columns: known curves come back, and others are refused."""
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,201 +16,257 @@ pytestmark = pytest.mark.oracle
 G = 9.80665
 LEVELS = np.geomspace(0.05, 6.4, 8)  # g
 PERIODS = {"PGA": 0.0, "SA(0.2)": 0.2, "SA(0.5)": 0.5, "SA(2.0)": 2.0}
+PGA = "hazard_curve-mean-PGA_17.csv"
 
 
-def frequency(levels, period=0.0, k0=1e-6, k=2.5):
+def frequency(period=0.0):
     """A power law, in which the acceleration of the same frequency falls with the period to the 0.8."""
-    scale = period**-0.8 if period else 1.0
-    return k0 * (np.asarray(levels) / scale) ** -k
+    return 1e-6 * (LEVELS / (period**-0.8 if period else 1.0)) ** -2.5
 
 
-def probability(levels, period=0.0, years=50.0, **of):
-    return -np.expm1(-years * frequency(levels, period, **of))
+def probability(period=0.0):
+    return -np.expm1(-50 * frequency(period))
 
 
-def write(folder, text, name="hazard.csv"):
+def write(folder, text, name=PGA):
     path = folder / name
+    path.parent.mkdir(exist_ok=True)
     path.write_text(text, encoding="utf-8")
     return path
 
 
-def of_openquake(folder, measure="PGA", levels=LEVELS, **of):
-    row = probability(levels, PERIODS[measure], **of)
+def openquake(measure="PGA"):
+    row = probability(PERIODS[measure])
     sites = {(-99.17, 19.33): row, (-99.05, 19.40): row / 2, (-99.06, 19.41): row / 3}
-    return write(
-        folder, samples.openquake(levels, sites, measure), f"hazard_curve-mean-{measure}_17.csv"
+    return samples.openquake(LEVELS, sites, measure)
+
+
+def columns(head, *of, separator=","):
+    return "\n".join(
+        [head, *(separator.join(map(repr, map(float, row))) for row in zip(*of, strict=True))]
     )
 
 
-def usgs(kind=samples.usgs, **of):
-    names = {"PGA": 0.0, "SA0P2": 0.2, "SA0P5": 0.5, "SA2P0": 2.0}
-    curves = {name: (LEVELS, frequency(LEVELS, T, **of)) for name, T in names.items()}
-    return kind(curves | {"PGV": ([1.0, 100.0], [0.1, 1e-4])})
+SITES = openquake()
+USGS = samples.usgs(
+    {
+        name: (LEVELS, frequency(period))
+        for name, period in zip(("PGA", "SA0P2", "SA0P5", "SA2P0"), PERIODS.values(), strict=True)
+    }
+    | {"PGV": ([1.0, 100.0], [0.1, 1e-4])}
+)
+COMMENT = SITES.split("\n")[0]
+OF_IDS = re.sub(r"(?m)^(-9)", r"roma,\1", SITES).replace("lon,", "custom_site_id,lon,")
+LONG = "\n".join(
+    [COMMENT.replace(", imt='PGA'", ""), "lon,lat,depth,imt,iml,poe"]
+    + [
+        f"{lon},{lat},0,{measure},{level:.9f},{p:.12f}"
+        for lon, lat in ((-99.05, 19.4), (-99.17, 19.33))
+        for measure, period in PERIODS.items()
+        for level, p in zip(LEVELS, probability(period) / (2 if lat > 19.35 else 1), strict=True)
+    ]
+)
+TOTAL = "\n".join(
+    ["name,lon,lat," + ",".join(f"{level:.9f}" for level in LEVELS)]
+    + [
+        f"{name},{lon},19.33," + ",".join(map(repr, frequency().tolist()))
+        for name, lon in (("a", -99.17), ("b", -90))
+    ]
+)
+ENDLESS = columns("pga [g],annual rate", [*LEVELS, 7, 8], [*frequency(), 0, 0])
+# Text, name of the file and options of each curve, which is the power law.
+READINGS = {
+    "OpenQuake by number": (SITES, PGA, {"site": 1}),
+    "OpenQuake by place": (SITES, PGA, {"site": (-99.172, 19.328)}),
+    "OpenQuake with the names of sites": (OF_IDS, PGA, {"site": 1}),
+    "OpenQuake in Windows": (SITES.replace("\n", "\r\n"), PGA, {"site": 1}),
+    "long form": (LONG, "curves.csv", {"site": (-99.17, 19.33)}),
+    "long form, SA": (LONG, "curves.csv", {"site": 2, "measure": "sa", "period": 0.5}),
+    "long form of one site": (
+        re.sub(r"(?m)^(-99.05.*\n|(-99.17|lon),(19.33|lat),)", "", LONG),
+        "a.csv",
+        {},
+    ),
+    "nshmp": (TOTAL, "PGA/total.csv", {"site": 1}),
+    "USGS": (USGS, "hazard.json", {}),
+    **{
+        f"USGS, {T} s": (USGS, "hazard.json", {"measure": "sa", "period": T})
+        for T in (0.2, 0.21, 0.3, 1.9, 2)
+    },
+    "columns": (columns("pga [g],annual frequency", LEVELS, frequency()), "a.csv", {}),
+    "no names": (columns("# g", LEVELS, frequency(), separator="\t"), "a.csv", {"units": "g"}),
+    "turned": (columns("annual rate,iml [g]", frequency(), LEVELS), "a.csv", {}),
+    "among others": (
+        columns("n;iml [g];rate", range(8), LEVELS, frequency(), separator=";"),
+        "a.csv",
+        {},
+    ),
+    "zeros at the end": (ENDLESS, "a.csv", {}),
+    "probabilities": (
+        columns("pga [g],probability", LEVELS, probability()),
+        "a.csv",
+        {"investigation_time": 50},
+    ),
+}
 
 
-def check(hazard, period=0.0, rtol=1e-5):
-    """The curve is the power law; six printed digits of a probability are behind ``rtol``."""
+@pytest.mark.parametrize("case", READINGS)
+def test_every_form_gives_the_same_curve(tmp_path, case):
+    text, name, options = READINGS[case]
+    hazard = sl.read_hazard(write(tmp_path, text, name), **options)
+    period = options.get("period", 0.0)
+    assert (hazard.measure, hazard.period) == (options.get("measure", "pga"), period or None)
     levels = np.array(hazard.intensities) / G
-    np.testing.assert_allclose(hazard.frequencies, frequency(levels, period), rtol=rtol)
+    exact = 1e-6 * (levels / (period**-0.8 if period else 1.0)) ** -2.5
+    np.testing.assert_allclose(
+        hazard.frequencies, exact, rtol=1e-5
+    )  # six printed digits of a probability
+    assert len(levels) >= 6
 
 
-def test_openquake_by_number_and_by_coordinates(tmp_path):
-    path = of_openquake(tmp_path)
-    check(sl.read_hazard(path, site=1))
-    check(sl.read_hazard(path, site=(-99.172, 19.328)))
-    second = sl.read_hazard(path, site=[-99.051, 19.4])
-    assert second == sl.read_hazard(path, site=2)
-    np.testing.assert_allclose(np.array(second.intensities), LEVELS * G, rtol=1e-6)
-
-
-@pytest.mark.parametrize("kind", [samples.usgs, samples.usgs_of_before])
-def test_the_usgs_has_all_measures_in_one_file(tmp_path, kind):
-    path = write(tmp_path, usgs(kind), "hazard.json")
-    check(sl.read_hazard(path), rtol=1e-12)
-    for period in (0.2, 0.5, 2.0):
-        hazard = sl.read_hazard(path, "sa", period=period)
-        assert (hazard.measure, hazard.period) == ("sa", period)
-        check(hazard, period, rtol=1e-12)
-
-
-@pytest.mark.parametrize("period", [0.2, 0.21, 0.3, 0.7, 1.9, 2.0])
-def test_between_two_periods_a_power_law_is_exact(tmp_path, period):
+@pytest.mark.parametrize("period", [0.2, 0.7, 2.0])
+def test_between_two_files_a_power_law_is_exact(tmp_path, period):
     """Its accelerations of one frequency are a power of the period, so that logarithms lie on lines."""
-    one = write(tmp_path, usgs(), "hazard.json")
-    check(sl.read_hazard(one, "sa", period=period), period, rtol=1e-12)
-    files = [of_openquake(tmp_path, name) for name in ("SA(2.0)", "PGA", "SA(0.2)", "SA(0.5)")]
-    check(sl.read_hazard(files, "sa", period=period, site=1), period)
+    files = [
+        write(tmp_path, openquake(of), f"{of}.csv") for of in ("SA(2.0)", "PGA", "SA(0.2)", "SA(0.5)")
+    ]
+    hazard = sl.read_hazard(files, "sa", period=period, site=1)
+    exact = 1e-6 * (np.array(hazard.intensities) / G * period**0.8) ** -2.5
+    np.testing.assert_allclose(hazard.frequencies, exact, rtol=1e-5)
 
 
 def test_frequencies_may_differ_by_rounding_errors(tmp_path):
-    both = frequency(LEVELS), frequency(LEVELS) * (1 + 1e-15 * np.arange(8))
+    both = frequency(), frequency() * (1 + 1e-15 * np.arange(8))
     curves = {f"SA{n}P0": (n * LEVELS, values) for n, values in zip((1, 4), both, strict=True)}
     hazard = sl.read_hazard(write(tmp_path, samples.usgs(curves)), "sa", period=2.0)
     np.testing.assert_allclose(hazard.intensities, 2 * LEVELS * G, rtol=1e-9)
-    np.testing.assert_allclose(hazard.frequencies, frequency(LEVELS), rtol=1e-9)
+    np.testing.assert_allclose(hazard.frequencies, frequency(), rtol=1e-9)
 
 
 def test_points_without_a_frequency_of_their_own_are_left_out(tmp_path):
     levels, poe = [0.01, 0.02, 0.04, 0.08, 0.16, 0.32], [1, 0.5, 0.5, 0.1, 0.0, 0.0]
-    path = write(tmp_path, samples.openquake(levels, {(0, 0): poe}))
-    hazard = sl.read_hazard(path)
+    hazard = sl.read_hazard(write(tmp_path, samples.openquake(levels, {(0, 0): poe})))
     np.testing.assert_allclose(np.array(hazard.intensities) / G, [0.04, 0.08])
     np.testing.assert_allclose(hazard.frequencies, [np.log(2) / 50, -np.log(0.9) / 50])
 
 
-def test_probabilities_in_columns_need_their_time(tmp_path):
-    rows = "\n".join(f"{x:.9f},{p:.12f}" for x, p in zip(LEVELS, probability(LEVELS), strict=True))
-    path = write(tmp_path, f"pga [g],probability\n{rows}\n")
-    check(sl.read_hazard(path, investigation_time=50))
-    with pytest.raises(
-        ValueError, match=r"column 'probability' of hazard\.csv .* give investigation_time"
-    ):
-        sl.read_hazard(path)
-    with pytest.raises(ValueError, match=r"line 4, row 3: the probability is 1\.5; allowed"):
-        sl.read_hazard(write(tmp_path, "0.1,0.9\n0.2,0.8\n\n0.3,1.5\n"), investigation_time=50)
-    with pytest.raises(ValueError, match=r"site = 1 does not apply: hazard\.csv is a file of"):
-        sl.read_hazard(path, investigation_time=50, site=1)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({}, r"site is missing: .* has 3 sites, 1 \(-99\.17, 19\.33\), 2 .*; give the number of one"),
-        ({"site": 4}, "site = 4 is not in .*; allowed: 1 to 3"),
-        ({"site": 0}, "site = 0 is not in"),
-        (
-            {"site": (-99.1, 19.33)},
-            r"the nearest one is 2 \(-99\.05, 19\.4\); allowed: a site within 0\.01",
-        ),
-        ({"site": "CU"}, "site = 'CU'; allowed: a number from 1, or longitude and latitude"),
-        ({"site": 1, "units": "gal"}, r"units = 'cm/s\^2' contradicts .* states 'g'"),
-        ({"site": 1, "measure": "sa", "period": 1.0}, r"period = 1 is beyond .* has PGA; allowed"),
-        ({"site": 1, "measure": "intensity"}, "measure = 'intensity' is not in .* has PGA"),
-        ({"site": 1, "investigation_time": 1}, "investigation_time = 1 contradicts .* which states 50"),
-        (
-            {"site": 1, "investigation_time": -1},
-            "investigation_time = -1 is out of range; allowed: a positive",
-        ),
-    ],
-)
-def test_what_a_file_of_openquake_does_not_have_is_refused(tmp_path, options, message):
-    with pytest.raises((ValueError, TypeError), match=message):
-        sl.read_hazard(of_openquake(tmp_path), **options)
-
-
-ONE = samples.openquake(LEVELS, {(0.0, 0.0): probability(LEVELS)})
-BROKEN = {
-    "level": (ONE.replace("poe-0.0500000", "poe-low"), r"line 2: .*allowed: names such as 'poe-0.005'"),
-    "number": (re.sub(r"\d\.\d+E", "x.0E", ONE, count=1), "line 3: .*allowed: 11 numbers"),
-    "cut": (ONE.rpartition(",")[0], "line 3: .*allowed: 11 numbers"),
-    "no site": ("\n".join(ONE.split("\n")[:2]), "has no site; allowed: a row of probabilities"),
-    "no time": (
-        ONE.replace("investigation_time", "time"),
-        "investigation_time is missing and hazard.csv",
+ONE = samples.openquake(LEVELS, {(0.0, 0.0): probability()})
+REFUSALS = {
+    "no site": (SITES, {}, r"site is missing: .* has 1 \(-99\.17, 19\.33\), 2 .*; give its number"),
+    "another site": (SITES, {"site": 4}, r"site = 4 is not in .*; allowed: 1 \(-99"),
+    "site 0": (SITES, {"site": 0}, "site = 0 is not in"),
+    "far site": (SITES, {"site": (-99.1, 19.33)}, r"where the nearest is 2 \(-99\.05, 19\.4\)"),
+    "site of text": (SITES, {"site": "CU"}, "site = 'CU' is not in"),
+    "units": (SITES, {"site": 1, "units": "gal"}, r"units = 'cm/s\^2' contradicts .* states 'g'"),
+    "period": (
+        SITES,
+        {"site": 1, "measure": "sa", "period": 1.0},
+        "period = 1 is beyond .*: within PGA",
     ),
-    "time": (ONE.replace("50.0", "0"), "line 1: investigation_time = 0; allowed: a positive number"),
-    "velocity": (
-        ONE.replace("'PGA'", "'PGV'"),
-        r"line 1: .*PGV.*; allowed: imt='PGA' or imt='SA\(0\.5\)'",
+    "measure": (SITES, {"site": 1, "measure": "intensity"}, "measure = 'intensity' is not in .*: PGA"),
+    "years": (SITES, {"site": 1, "investigation_time": 1}, "= 1 contradicts .* which states 50"),
+    "no years": (
+        SITES,
+        {"site": 1, "investigation_time": -1},
+        "= -1 is out of range; allowed: a positive",
     ),
-    "no measure": (ONE.replace("imt=", "of="), "line 1: no imt; allowed: imt='PGA'"),
+    "level": (
+        ONE.replace("poe-0.0500000", "poe-low"),
+        {},
+        "lon, lat, depth, poe-low.*allowed: a hazard curve",
+    ),
+    "map": (
+        "lon,lat,PGA-0.1,PGA-0.02\n12,41,.3,.7\n13,41,.3,.6\n",
+        {},
+        "pga-0.02; allowed: a hazard curve",
+    ),
+    "no comment": (ONE.partition("\n")[2], {}, "investigation_time is missing and"),
+    "total of nowhere": (
+        TOTAL,
+        {"site": 1},
+        r"allowed: imt='PGA' or imt='SA\(0\.5\)', or a folder SA0P5",
+    ),
+    "number": (
+        re.sub(r"\d\.\d+E", "x.0E", ONE, count=1),
+        {},
+        "line 3: .*allowed: numbers below poe-0.05",
+    ),
+    "cut": (ONE.rpartition(",")[0], {}, "line 3: 10 cells; allowed: 11"),
+    "no row": ("\n".join(ONE.split("\n")[:2]), {}, "has no site, or a name twice; allowed"),
+    "no time": (ONE.replace("investigation_time", "time"), {}, "investigation_time is missing and"),
+    "time": (ONE.replace("50.0", "0"), {}, "line 1: investigation_time = 0; allowed: a positive number"),
+    "velocity": (ONE.replace("'PGA'", "'PGV'"), {}, r"'PGV'; allowed: imt='PGA' or imt='SA\(0\.5\)'"),
+    "no measure": (ONE.replace("imt=", "of="), {}, "no imt; allowed: imt='PGA'"),
     "rising": (
         samples.openquake([0.1, 0.2, 0.3], {(0, 0): [0.1, 0.2, 0.01]}),
+        {},
         "line 3, column poe-0.2000000: the annual frequency .* follows .*; allowed: falling",
     ),
     "negative": (
         samples.openquake([0.1, 0.2], {(0, 0): [-0.1, -0.2]}),
+        {},
         "line 3, column poe-0.1000000: the probability is -0.1; allowed",
     ),
-    "json": ('{"response": [', "hazard.csv is no valid JSON: .*; fetch it again"),
-    "no response": ('{"answer": []}', "hazard.csv has no response.hazardCurves; allowed: the response"),
-    "no imt": ('{"response": [{"data": []}]}', "hazard.csv has no imt.value"),
-    "no total": (usgs().replace("Total", "Sum"), "hazard.csv has no numbers of PGA"),
-    "text": (usgs().replace("[1.0, 2.0]", "[]").replace("[0.05,", '["0.05",'), "no numbers of PGA"),
-    "unequal": (usgs().replace("[0.05, ", "[", 1), "PGA: 7 accelerations and 8 frequencies"),
-    "no units": (usgs().replace("(g)", ""), "units is missing and hazard.csv does not state it"),
-    **{
-        number: (
-            usgs().replace("[0.05, ", f"[{number}, ", 1),
-            f"valid JSON: {number} is no finite number",
-        )
-        for number in ("NaN", "Infinity", "-Infinity", "1e999")
-    },
-    "twice": (usgs().replace('{"', '{"response": 1, "', 1), "'response' stands twice in one object"),
+    "return periods": (
+        "pga [g],return period [yr]\n.1,475\n.2,100\n",
+        {},
+        "has 'return period .*; allowed: int",
+    ),
+    "places": ("latitude [deg];rate\n.1;475\n.2;100\n", {}, "has 'latitude .*; allowed: intensities"),
+    "three columns": (
+        columns("n,m,pga [g]", *[LEVELS] * 3),
+        {},
+        "has n, m, pga .*; allowed: such as pga",
+    ),
+    "no investigation": (
+        columns("pga [g],poe", LEVELS, probability()),
+        {},
+        "'poe' seems to be a probability; give",
+    ),
+    "rare": (
+        "0.1,0.9\n0.2,0.8\n\n0.3,1.5\n",
+        {"investigation_time": 50},
+        "line 4, row 3: the probability is 1.5",
+    ),
+    "zero within": (
+        columns("pga [g],rate", [0.1, 0.2, 0.3], [1, 0, 0.1]),
+        {},
+        "row 2: the annual frequency is 0",
+    ),
+    "a site of columns": (
+        columns("pga [g],rate", LEVELS, frequency()),
+        {"site": 1},
+        "site = 1 does not apply",
+    ),
+    "json": ('{"response": [', {}, "is no valid JSON: .*; fetch it again"),
+    "no response": ('{"answer": []}', {}, "has no response.hazardCurves; allowed: the response"),
+    "no imt": ('{"response": {"hazardCurves": [{"data": []}]}}', {}, "has no imt.value"),
+    "no total": (USGS.replace("Total", "Sum"), {}, "has no numbers of PGA"),
+    "text": (USGS.replace("[0.05,", '["0.05",'), {}, "no numbers of PGA"),
+    "unequal": (USGS.replace("[0.05, ", "[", 1), {}, "PGA: 7 levels, 8 frequencies"),
+    "no units": (USGS.replace("(g)", ""), {}, "units is missing and .* does not state it"),
+    "NaN": (USGS.replace("[0.05, ", "[NaN, ", 1), {}, "PGA, number 1: the intensity is nan; allowed"),
+    "between": (USGS, {"measure": "sa", "period": 0.1}, r"period = 0\.1 is beyond .*PGA, SA\(0\.2"),
+    "beyond": (USGS, {"measure": "sa", "period": 3.0}, r"period = 3 is beyond .*SA\(2\)"),
+    "site of the USGS": (USGS, {"site": 1}, "site = 1 does not apply: .* is a response of the USGS"),
 }
 
 
-@pytest.mark.parametrize("case", BROKEN)
-def test_broken_files_are_refused(tmp_path, case):
-    text, message = BROKEN[case]
-    with pytest.raises(ValueError, match=message):
-        sl.read_hazard(write(tmp_path, text))
+@pytest.mark.parametrize("case", REFUSALS)
+def test_what_is_no_hazard_curve_is_refused(tmp_path, case):
+    text, options, message = REFUSALS[case]
+    with pytest.raises((ValueError, TypeError), match=message):
+        sl.read_hazard(write(tmp_path, text), **options)
 
 
-def test_periods_and_files_that_do_not_fit_are_refused(tmp_path):
-    path = write(tmp_path, usgs(), "hazard.json")
-    for period in (0.1, 3.0):  # PGA is no period, and nothing is extrapolated
-        with pytest.raises(
-            ValueError, match=rf"period = {period:g} is beyond hazard.json, .*PGA, SA\(0\.2"
-        ):
-            sl.read_hazard(path, "sa", period=period)
-    with pytest.raises(
-        ValueError, match=r"site = 1 does not apply: hazard.json is a response of the USGS"
-    ):
-        sl.read_hazard(path, site=1)
-    twice = of_openquake(tmp_path)
-    with pytest.raises(ValueError, match=r"17\.csv: PGA is there twice; leave one out"):
+def test_files_that_do_not_fit_are_refused(tmp_path):
+    twice = write(tmp_path, SITES)
+    with pytest.raises(ValueError, match=r"17\.csv: PGA is there twice"):
         sl.read_hazard([twice, twice], site=1)
-    plain = write(tmp_path, "0.1,0.01\n0.2,0.001\n")
-    with pytest.raises(ValueError, match=r"allowed: one file, or several of OpenQuake"):
-        sl.read_hazard([plain, plain])
-    apart = json.loads(usgs())
+    apart = json.loads(USGS)
     apart["response"]["hazardCurves"][2]["data"][1]["values"]["ys"] = [1e-9 * 0.1**n for n in range(8)]
-    far = write(tmp_path, json.dumps(apart), "far.json")
-    with pytest.raises(
-        ValueError, match=r"SA\(0\.2\) and SA\(0\.5\) have no range of annual frequencies"
-    ):
-        sl.read_hazard(far, "sa", period=0.3)
+    with pytest.raises(ValueError, match=r"SA\(0\.2\) and SA\(0\.5\) do not overlap in frequency"):
+        sl.read_hazard(write(tmp_path, json.dumps(apart)), "sa", period=0.3)
 
 
 CASE = """\
@@ -227,8 +284,8 @@ confidence = 0.9
 
 
 def test_a_case_file_reads_them(tmp_path):
-    files = [of_openquake(tmp_path, name) for name in ("SA(0.5)", "SA(2.0)")]
-    names = json.dumps([path.name for path in files])
+    files = [write(tmp_path, openquake(name), f"{name}.csv") for name in ("SA(0.5)", "SA(2.0)")]
+    names = json.dumps([Path(path).name for path in files])
 
     def hazard(place):
         lines = f'measure = "sa"\nsa_period = "0.7 s"\nfile = {names}\n{place}\n'

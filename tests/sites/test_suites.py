@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import samples
+import scipy.stats
 from motions import write_at2
 
 import stochlin as sl
@@ -31,7 +33,9 @@ def columns(path, motion, with_time):
 
 
 def test_a_folder_is_read_in_the_order_of_its_names(folder):
-    suite = sl.read_records(folder)
+    (folder / "readme.txt").write_text("These are records.\nThey are not corrected.\n", encoding="utf-8")
+    with pytest.warns(UserWarning, match=r"readme\.txt is left out: .*no accelerations in a format"):
+        suite = sl.read_records(folder)
     assert list(suite) == ["more/two.at2", "one.AT2"]
     np.testing.assert_allclose(suite["one.AT2"], MOTIONS[0], atol=1e-6)
 
@@ -41,48 +45,114 @@ def test_a_table_says_of_each_file_what_it_is(folder):
     columns(folder / "plain.txt", MOTIONS[2], with_time=False)
     table = folder / "suite.csv"
     table.write_text(
-        'file,event,dt,units\none.AT2,first,,\ntimed.txt,second,0.01,"t s, g"\n'
-        "plain.txt,third,0.01,g; as it came\n",
+        'file,event,station,dt,units\none.AT2,Duzce,Bolu,,\ntimed.txt,second,,0.01,"t s, g"\n'
+        "plain.txt,third,,0.01,g; as it came\n",
         encoding="utf-8",
     )
     suite = sl.read_records(table)
     assert list(suite) == ["one.AT2", "timed.txt", "plain.txt"]
     np.testing.assert_allclose(suite["timed.txt"], suite["plain.txt"], rtol=1e-12)
-
-
-def test_a_time_step_of_a_table_that_contradicts_the_file_is_refused(folder):
-    columns(folder / "timed.txt", MOTIONS[2], with_time=True)
-    table = folder / "suite.csv"
-    table.write_text('file,dt,units\ntimed.txt,0.02,"t s, g"\n', encoding="utf-8")
-    with pytest.raises(ValueError, match=r"suite.csv, line 2, timed.txt: dt = 0.02 contradicts"):
-        sl.read_records(table)
-
-
-def test_a_record_knows_where_it_is_from(folder):
-    table = folder / "suite.csv"
-    table.write_text("file,event,station,component\none.AT2,Duzce,Bolu,\n", encoding="utf-8")
-    about = sl.read_records(table)["one.AT2"].attrs
-    assert (about["event"], about["station"]) == ("Duzce", "Bolu")
+    about = suite["one.AT2"].attrs
+    assert (about["event"], about["station"], about["file"]) == ("Duzce", "Bolu", "one.AT2")
     assert "component" not in about
 
 
-@pytest.mark.parametrize(
-    ("title", "known"),
-    [
-        ("Imperial Valley-02, 5/19/1940, El Centro Array #9, 180", "Imperial Valley-02, 5/19/1940"),
-        ("KOBE 01/16/95 2046, El Centro Array #9, 090 (CUE)", "KOBE 01/16/95 2046"),
-        ("written by another program", None),
-    ],
-)
-def test_the_title_of_an_at2_file_names_earthquake_and_station(folder, title, known):
-    path = folder / "one.AT2"
-    *_, rest = path.read_text(encoding="utf-8").split("\n", 3)
-    head = "PEER NGA STRONG MOTION DATABASE RECORD"
-    units = "ACCELERATION TIME HISTORY IN UNITS OF G,  PGA=   .48431 G"
-    path.write_text("\n".join([head, title, units, rest]), encoding="utf-8")
-    about = sl.read_record(path).attrs
-    assert about.get("event") == known
-    assert about.get("station") == (known and "El Centro Array #9")
+WAVE = np.round(100 * np.sin(np.arange(40) / 3), 4)
+PEER = """
+-- Summary of PEER Ground Motion Database Search Criteria --
+ -- Summary of Metadata of Selected Records --
+ Result ID, Scale Factor, Earthquake Name, Year, Station Name, Horizontal-1 Acc. Filename,\
+ Horizontal-2 Acc. Filename, Vertical Acc. Filename
+1,   1.25, "Imperial Valley-02", 1940, "El Centro Array #9", RSN6_180.AT2, RSN6_270.AT2, RSN6_UP.AT2
+2,   0.50, "Northridge", 1994, "Place, here", RSN7_000.AT2, RSN7_090.AT2, -----
+
+ -- Scaled Spectra used in Search & Scaling --
+ Period (sec), RSN-6 Horizontal-1 pSa (g)
+0.01, 0.1
+""".replace("\\\n", "")
+
+
+def knet(direction):
+    return samples.knet(np.round(1e4 * WAVE)).replace("N-S", direction)
+
+
+def at2(title="made"):
+    head = f"PEER STRONG MOTION\n{title}\nUNITS OF G\nNPTS= 40, DT= .01 SEC\n"
+    return head + "\n".join(f"{value / 1000:.6f}" for value in WAVE)
+
+
+KIK_NET = ("NS1", "EW1", "UD1", "NS2", "EW2", "UD2")
+CHANNELS = {"90 Deg": WAVE, "Up": 0.5 * WAVE, "360 Deg": 2 * WAVE}
+# Files of a folder, and those that are read: without vertical components and those in a borehole.
+DELIVERED = {
+    "K-NET": ({"A.NS": knet("N-S"), "A.EW": knet("E-W"), "A.UD": knet("U-D")}, ["A.EW", "A.NS"]),
+    "KiK-net": ({f"A.{end}": knet(f"{n}") for n, end in enumerate(KIK_NET, 1)}, ["A.EW2", "A.NS2"]),
+    "ESM": (
+        {f"{c}.asc": samples.esm(WAVE).replace("HNE", c) for c in ("HNE", "HNZ", "HGZ")},
+        ["HNE.asc"],
+    ),
+    "PEER": ({"a.at2": at2("K, 1/1/1995, X, 090"), "b.at2": at2("K, 1/1/1995, X, UP")}, ["a.at2"]),
+    "PEER, by name": ({"RSN6_I-ELC180.AT2": at2(), "RSN6_I-ELC-UP.AT2": at2()}, ["RSN6_I-ELC180.AT2"]),
+    "DWN, by name": ({"kobe-000.at2": at2(), "kobe-dwn.at2": at2()}, ["kobe-000.at2"]),
+    "CSMIP": ({"a.v2": samples.csmip(CHANNELS)}, ["a.v2, 90 Deg", "a.v2, 360 Deg"]),
+    "COSMOS": ({"a.v2c": samples.cosmos(CHANNELS)}, ["a.v2c, 90 Deg", "a.v2c, 360 Deg"]),
+    "UNAM": ({"A.191": samples.unam([WAVE] * 3)}, ["A.191, N00E", "A.191, N90E"]),
+    "PEER's table": (
+        {
+            **dict.fromkeys(
+                ("RSN6_180.AT2", "RSN6_270.AT2", "RSN6_UP.AT2", "RSN7_000.AT2", "RSN7_090.AT2"), at2()
+            )
+        }
+        | {"_SearchResults.csv": PEER},
+        ["RSN6_180.AT2", "RSN6_270.AT2", "RSN7_000.AT2", "RSN7_090.AT2"],
+    ),
+}
+
+
+@pytest.mark.parametrize("case", DELIVERED)
+def test_suites_are_horizontal(tmp_path, case):
+    files, wanted = DELIVERED[case]
+    for name, text in files.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    if case == "PEER's table":
+        suite = sl.read_records(tmp_path)
+        about = suite["RSN7_090.AT2"].attrs
+        assert (about["event"], about["station"]) == ("Northridge, 1994", "Place, here")
+        assert [record.attrs["scale_factor"] for record in suite.values()] == [1.25, 1.25, 0.5, 0.5]
+    else:
+        with pytest.warns(
+            UserWarning, match=r"left out: vertical or in a borehole; vertical=True reads"
+        ):
+            suite = sl.read_records(tmp_path)
+    assert sorted(suite) == sorted(wanted)
+    assert len(sl.read_records(tmp_path, vertical=True)) > len(wanted)
+
+
+def test_a_component_that_is_asked_for_is_read(tmp_path):
+    (tmp_path / "A.191").write_text(samples.unam([WAVE, 2 * WAVE, WAVE]), encoding="utf-8")
+    (record,) = sl.read_records(tmp_path, component="V").values()
+    np.testing.assert_allclose(record, WAVE / 100, rtol=1e-12)
+    table = tmp_path / "suite.csv"
+    table.write_text("file,component\nA.191,N00E\n", encoding="utf-8")
+    np.testing.assert_allclose(sl.read_records(table)["A.191"], WAVE / 50, rtol=1e-12)
+
+
+def test_components_of_a_station_are_one_event():
+    """The interval over 24 records of 12 events is that of 12, around the quantile of all."""
+    one, two = sl.Bilinear(0.5, 0.05), sl.Bilinear(1.0, 0.05)
+    motions = sl.simulated_motions(sl.named_ground("firm", 0.01), 8.0, paths=24, seed=3)
+    place = [{"event": f"e{n // 2}", "station": "s"} for n in range(24)]
+    pairs = {f"{n}": m.assign_attrs(place[n]) for n, m in enumerate(motions)}
+    table = sl.recorded_gap(one, two, pairs)
+    alone = sl.recorded_gap(one, two, {name: m.assign_attrs(event="") for name, m in pairs.items()})
+    gaps = table.separation.values.reshape(12, 2)
+    low, high = (scipy.stats.binom.ppf(tail, 12, 0.5) for tail in (0.025, 0.975))
+    ends = np.sort(gaps.min(axis=1))[int(low) - 1], np.sort(gaps.max(axis=1))[int(high)]
+    found = [float(table[f"separation_quantile{end}"][0]) for end in ("_lower", "", "_upper")]
+    assert found == pytest.approx([ends[0], np.median(gaps), ends[1]])
+    assert float(alone.separation_quantile_lower[0]) >= found[0]
+    with pytest.raises(ValueError, match="2 is vertical or below; allowed: horizontal"):
+        sl.fit_motion([motions[0], motions[1].assign_attrs(component="UP")])
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="no records beside the project")
@@ -98,17 +168,19 @@ def test_a_table_of_records_that_were_measured():
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ("path\none.AT2", "has the columns path; allowed: a table with a column 'file'"),
+        ("path\none.AT2", "has the columns path; allowed: with 'file'"),
         ("file\nnone.at2", "suite.csv, line 2, none.at2: .*there is no such file"),
         ("file\none.AT2\none.AT2", "line 3, one.AT2 is listed twice"),
         ("file,dt\nplain.txt,soon", "line 2, plain.txt: dt = 'soon' is no number"),
-        ("file,units\nplain.txt,feet", "line 2, plain.txt: units = 'feet' is not a unit"),
+        ("file,units\nplain.txt,feet", "line 2, plain.txt: units = 'feet' is no acc"),
         ('file,units\nplain.txt,"a, b, c"', "units = 'a, b, c'; allowed: one unit"),
+        ('file,dt,units\ntimed.txt,0.02,"t s, g"', "line 2, timed.txt: dt = 0.02 contradicts"),
         ("file", "suite.csv holds no record that can be read"),
     ],
 )
 def test_a_table_that_is_wrong_names_the_line(folder, rows, message):
     columns(folder / "plain.txt", MOTIONS[2], with_time=False)
+    columns(folder / "timed.txt", MOTIONS[2], with_time=True)
     table = folder / "suite.csv"
     table.write_text(rows + "\n", encoding="utf-8")
     with pytest.raises(ValueError, match=message):

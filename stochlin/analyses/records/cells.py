@@ -37,6 +37,7 @@ class RecordedMotions(NamedTuple):
 
     grounds: list[SampledMotion]
     names: list[str] | None  # None for a single record, which adds no dimension to results
+    events: Sequence[object] = ()  # equal for the components of a station in one earthquake
 
     @property
     def longest_step(self) -> float:
@@ -77,10 +78,7 @@ def checked_motions(record: Records) -> RecordedMotions:
         distinct = all(sources) and len(set(sources)) == len(sources)
         names = sources if distinct else [str(n + 1) for n in range(len(records))]
     else:
-        raise TypeError(
-            f"record is a {type(record).__name__}; allowed: an xarray.DataArray, see read_record, or a "
-            "list or mapping of them"
-        )
+        raise TypeError(f"record is a {type(record).__name__}; allowed: an xarray.DataArray or several")
     if not records:
         raise ValueError("record is empty; allowed: at least one record")
     grounds = []
@@ -90,7 +88,8 @@ def checked_motions(record: Records) -> RecordedMotions:
             grounds.append(SampledMotion(*checked_record(each)))
         except (TypeError, ValueError) as error:
             raise type(error)(f"record {name}: {error}") from error
-    return RecordedMotions(grounds, names)
+    stated = [(each.attrs.get("event"), each.attrs.get("station")) for each in records]
+    return RecordedMotions(grounds, names, [pair if all(pair) else n for n, pair in enumerate(stated)])
 
 
 def as_list(record: Records) -> list[xr.DataArray]:
@@ -105,9 +104,7 @@ def check_structure(role: str, structure: AnyStructure) -> None:
     expect(structure, STRUCTURES, role)
     if isinstance(structure, Structure) and structure.reduction_factor is not None:
         raise ValueError(
-            f"{role}: reduction_factor has no meaning on a record, for it refers to the elastic "
-            "response to a ground model; give yield_displacement, for instance the one that linearize "
-            "finds on a ground fitted to the record"
+            f"{role}: reduction_factor is for a ground; allowed on a record: yield_displacement"
         )
 
 
@@ -137,9 +134,9 @@ def cells_of(structure: Bilinear, like: xr.DataArray, motions: RecordedMotions) 
         structure = dataclasses.replace(structure, yield_displacement=uy.where(~elastic, 1.0))
     shortest = SHORTEST * motions.longest_step
     if values["period"].ndim == 0 and values["period"] < shortest:
+        value = float(values["period"])
         raise ValueError(
-            f"period = {float(values['period']):g} s is below {shortest:g} s, a tenth of the record's "
-            "step; allowed: longer ones, since the ground between two samples is not known"
+            f"period = {value:g} s; allowed: {shortest:g} s, a tenth of the record's step, or more"
         )
     valid = structure.valid() & (values["period"] >= shortest)
     hardening = values.get("hardening", xr.DataArray(1.0))
@@ -155,15 +152,10 @@ def check_run(motions: RecordedMotions, frequencies: Array, kept: int = 0) -> No
     """
     dt, samples = np.array([(ground.dt, len(ground.acceleration)) for ground in motions.grounds]).T
     steps = samples[:, None] * np.maximum(1.0, dt[:, None] * frequencies / LONGEST)
-    check_work(
-        "structures on records would take",
-        "take longer periods, or fewer structures or records at a time",
-        {
-            "sub-steps on a record": float(steps.sum()),
-            "numbers": kept * cores() * float(steps.max(initial=0.0)),
-        },
-        cores(),
-    )
+    numbers = kept * cores() * float(steps.max(initial=0.0))
+    work = {"sub-steps on a record": float(steps.sum()), "numbers": numbers}
+    cure = "take longer periods, or fewer structures or records at a time"
+    check_work("structures on records would take", cure, work, cores())
 
 
 def table_over(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
@@ -71,7 +73,8 @@ def recorded_gap(
         For buildings with storeys, ``separation`` is the largest over all heights; there are also
         ``separation_at_height`` [m] over ``height``, and ``peak_drift`` [m] and ``ductility`` [-] over
         ``element``. For several records there is also ``separation_quantile`` [m] over ``quantile``,
-        with a 95 % interval ``_lower`` and ``_upper``, infinite if the records are too few. If a
+        with a 95 % interval ``_lower`` and ``_upper``, infinite if the records are too few, in which two
+        components with the same attributes ``event`` and ``station`` count as one. If a
         structure falls (see `simulate`), its peak and ``separation`` are infinite. For one
         structure alone, the variables of two structures are left out.
 
@@ -111,22 +114,26 @@ def recorded_gap(
     else:
         table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions, progress), roles)
     if RECORD in table.dims:
-        table = table.merge(_over_records(table.separation))
-    return labels.with_run_information(
-        labels.label(
-            table.assign_attrs(records=motions.describe()),
-            VARIABLES if second is not None else {**VARIABLES, **ALONE},
-        ),
-        "Gap of two structures in recorded motions" if second is not None else SET_BACK,
-        "recorded_gap()",
-        roles,
-    )
+        table = table.merge(_over_records(table.separation, motions.events))
+    title, known = "Gap of two structures in recorded motions", VARIABLES
+    if second is None:
+        title, known = SET_BACK, {**VARIABLES, **ALONE}
+    table = labels.label(table.assign_attrs(records=motions.describe()), known)
+    return labels.with_run_information(table, title, "recorded_gap()", roles)
 
 
-def _over_records(separation: xr.DataArray) -> xr.Dataset:
-    """Quantiles of the separation over the records, with their 95 % intervals."""
+def _over_records(separation: xr.DataArray, events: Sequence[object]) -> xr.Dataset:
+    """Quantiles of the separation over the records, with their 95 % intervals.
+
+    The lower end is that of the smallest separation in each event, the upper end of the largest.
+    """
     samples = separation.transpose(RECORD, ...)
-    columns = quantile_columns("separation", samples.dims[1:], samples.to_numpy(), QUANTILES)
+    values = samples.to_numpy()
+    of_events = [values[[n for n, each in enumerate(events) if each == event]] for event in {*events}]
+    ends = [np.array([of(each, axis=0) for each in of_events]) for of in (np.min, np.max)]
+    names = [f"separation_quantile{end}" for end in labels.VALUE_AND_ENDS]
+    parts = [quantile_columns("separation", samples.dims[1:], of, QUANTILES) for of in (values, *ends)]
+    columns = {name: part[name] for name, part in zip(names, parts, strict=True)}
     like = samples.isel({RECORD: 0}, drop=True).coords
     levels = labels.axis("quantile", "quantile", QUANTILES)
     return xr.Dataset(columns, coords={**like, "quantile": levels})

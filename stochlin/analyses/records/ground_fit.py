@@ -101,10 +101,8 @@ def ground_of_record(
     low, high = energy_band(frequency, density, duration) if frequency_range is None else frequency_range
     narrowest = 2 * np.pi * _MINIMUM_ORDINATES / duration
     if not (low >= 0 and high <= frequency[-1] and high - low >= narrowest):
-        raise ValueError(
-            f"frequency_range = ({low:g}, {high:g}) is out of range; allowed: 0 <= low < high <= "
-            f"{frequency[-1]:g} rad/s, {narrowest:.3g} rad/s or more apart in a part of {duration:.4g} s"
-        )
+        allowed = f"0 to {frequency[-1]:g} rad/s, {narrowest:.3g} rad/s or more apart in this part"
+        raise ValueError(f"frequency_range = ({low:g}, {high:g}) is out of range; allowed: {allowed}")
     used = (frequency >= low) & (frequency <= high) & (frequency > 0) & (density > 0)
     frequency, density = frequency[used], density[used]
     scale = density.mean()
@@ -142,10 +140,9 @@ def _minimize(frequency: Vector, density: Vector, problem: _Problem, estimator: 
         raise ValueError(f"the fit failed ({best.message}); try another estimator or frequency_range")
     for unknown, value, lower, upper in zip(problem.unknowns, best.x, *bounds, strict=True):
         if min(value - lower, upper - value) < _ON_BOUND:
+            which = f"{unknown.shown} = {np.exp(value):.3g}, which the record does not define"
             raise ValueError(
-                f"the fit ends on a bound, {unknown.shown} = {np.exp(value):.3g}; allowed: between "
-                f"{unknown.lower:.3g} and {unknown.upper:.3g}. The record does not define it: try "
-                "another estimator, part or frequency_range, or a simpler model (WhiteNoise at last)"
+                f"the fit ends on a bound, {which}; try another estimator, part or WhiteNoise"
             )
     logs: Vector = best.x
     return logs

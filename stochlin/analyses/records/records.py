@@ -6,30 +6,25 @@ import os
 import re
 import warnings
 from collections.abc import Iterator
+from typing import Annotated, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from stochlin.analyses.records.files import (
-    METRES,
-    Column,
-    acceleration_units,
-    read_series,
-    spelled,
-    stated_units,
-)
+from stochlin.analyses.records.columns import METRES, Column, acceleration_units, spelled, stated_units
+from stochlin.analyses.records.files import chosen, letters, of_trace, read_channels
 from stochlin.analyses.records.formats import Series
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
-from stochlin.models.arguments import Seconds, checked, is_number
+from stochlin.models.arguments import Seconds, Truth, Whole, checked, is_number
 
 MINIMUM_SAMPLES = 16
 
-# Allowed deviations in time steps: of a printed time from its even position, and of a printed step from
-# the median step. Times at 1/300 s are printed 0.003, 0.007, 0.010. A lost sample deviates by 1.
-_TIME_TOLERANCE, _GAP = 0.25, 0.5
+# Allowed deviation of a printed time from its even position, in time steps. Times at 1/300 s are printed
+# 0.003, 0.007, 0.010. A lost sample deviates by 0.5 at least.
+_TIME_TOLERANCE = 0.25
 # Relative difference of two time steps that may come from rounding: 1/128 s is printed 0.0078.
 _STEP_TOLERANCE = 2e-3
 _CURE = "correct it, or leave it out"
@@ -38,31 +33,43 @@ LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * METRES["g"]  # s, m/s^2; larger values giv
 _NO_ACCELERATION = re.compile(r"\b(vel|velocity|disp|displacement|time)\b", re.IGNORECASE)
 
 
+class Trace(Protocol):
+    """A trace of obspy or gmprocess: its samples, and statistics with their time step ``delta`` [s]."""
+
+    data: Any
+    stats: Any
+
+
 @checked
 def read_record(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Trace,
     *,
     dt: Seconds | None = None,
     units: str | None = None,
     column: Column | None = None,
     time_column: Column | None = None,
     component: Column | None = None,
+    wrapped: Truth = False,
+    skip: Annotated[int, Whole(0)] = 0,
 ) -> xr.DataArray:
     r"""Read a strong-motion record.
 
     Formats are recognized by their header, which states time step and units: PEER AT2 (``NPTS=  5372,
     DT=   .0100 SEC`` or ``4096    0.0100    NPTS, DT``), CSMIP Volume 2 (``.V2``), COSMOS 1.20
     (``.V2c``), K-NET and KiK-net, the Engineering Strong Motion database (ESM), and the standard file of
-    UNAM and other Mexican networks. A file with columns of text, separated by comma, semicolon or white
-    space, with or without a row of names, does not state the time step, and the units only in a name
-    such as ``acc [g]``. Between semicolons numbers may have decimal commas. Text after ``#`` or ``%`` is
+    UNAM and other Mexican networks. Files of other networks are read by obspy or gmprocess, whose traces
+    are read here. A file with columns of text, separated by comma, semicolon or white space, may begin
+    with two lines of titles, a row of names and a row of units. It states the time step only in a first
+    row of the number of samples and it, such as ``1559 0.02``, and the units only in a name such as
+    ``acc [g]``. Between semicolons or tabs numbers may have decimal commas. Text after ``#`` or ``%`` is
     a comment. Missing information is never guessed.
 
     Parameters
     ----------
-    path : str or path
+    path : str, path or trace
         Path of the file, text in UTF-8, also compressed by gzip: a regular file of at most 64 MiB and
-        two million lines.
+        two million lines. Or a trace in memory, anything with ``data`` and ``stats.delta`` [s], of which
+        the ``units`` have to be given.
     dt : float, optional
         Time step [s], positive. Not needed if the header states it or with a ``time_column``.
     units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
@@ -72,8 +79,12 @@ def read_record(
         ``column`` is not needed if only one column remains.
     component : int or str, optional
         Component of a file that holds several, by its name there, such as ``"N00E"``, or by its number
-        from 1. A file of one component that states another name is refused; in AT2 files and columns it
+        from 1. A file of one component that states another name is refused; of one that states none it
         becomes the attribute of this name.
+    wrapped : bool
+        Whether all numbers of a file without a known header are one series, written in rows.
+    skip : int
+        Number of lines at the beginning of such a file that are left out.
 
     Returns
     -------
@@ -98,7 +109,8 @@ def read_record(
     -----
     UserWarning
         If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, values
-        that increase throughout, or a column named as a velocity, a displacement or a time.
+        that increase throughout, a column named as a velocity, a displacement or a time, or columns that
+        may be rows of one series.
 
     Examples
     --------
@@ -111,27 +123,49 @@ def read_record(
     >>> record.sizes["time"], record.attrs["dt"], float(record.max())
     (100, 0.02, 0.01)
     """
-    path = input_path("path", path)
     units = None if units is None else acceleration_units(units, "units")
-    series = read_series(path, column, time_column, component)
-    record = _labelled(series, plain(path.name), dt, units)
+    name, channels = source_of(path, column, time_column, wrapped, skip)
+    return recorded(chosen(channels, component, name), name, dt, units)
+
+
+def source_of(path: Any, *options: Any) -> tuple[str, list[Series]]:
+    """Name and components of a record file, read with the options of `read_channels`, or of a trace."""
+    if hasattr(path, "data") and hasattr(path, "stats"):
+        return plain(getattr(path, "id", "the trace")), [of_trace(path)]
+    path = input_path("path", path)
+    return plain(path.name), read_channels(path, *options)
+
+
+def recorded(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:
+    """The record of a component of this source, with a warning where it is implausible."""
+    record = _labelled(series, name, dt, units)
     for doubt in _doubts(record, series):
-        warnings.warn(f"{record.attrs['source']}: {doubt}", DoubtfulInput, stacklevel=3)
+        warnings.warn(f"{name}: {doubt}", DoubtfulInput, stacklevel=4)
     return record
+
+
+_UPWARD = re.compile(r"UP|DN|DWN|DOWN|UD|DU|UPDOWN|V|VT|VER|VERT|VERTICAL|[A-Z]{0,2}Z")
+_BELOW = {"BOREHOLE", "DOWNHOLE", "UNDERGROUND"}
+
+
+def is_horizontal(record: xr.DataArray, name: str) -> bool:
+    """Whether a record is of a horizontal component at the surface, by its component or file name."""
+    component = record.attrs.get("component", "")
+    words = re.split(r"[\s,;()]+", component or re.sub(r"^.*[-_]|\..*", "", name))
+    return not any(_UPWARD.fullmatch(word) or word in _BELOW for word in map(letters, words))
 
 
 def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
     """Texts of warnings on an implausible record, each as a question."""
     peak, step = float(np.abs(record).max()), record.attrs["dt"]
     if peak > LARGEST_PEAK:
-        yield (
-            f"its peak is {peak / METRES['g']:.4g} g, and more than 3 g has hardly been recorded; "
-            "are the units right?"
-        )
+        yield f"its peak is {peak / METRES['g']:.4g} g, more than 3 g; are the units right?"
     if step > LONGEST_STEP:
         yield f"its time step is {step:.6g} s, and that of records a hundredth; is time in seconds?"
     if _NO_ACCELERATION.search(series.column):
         yield f"its column is named {brief(series.column)}; is that an acceleration?"
+    if series.doubt:
+        yield series.doubt
     if (np.diff(series.values) > 0).all():
         yield "its values increase throughout, as times do; is it the right column?"
 
@@ -151,10 +185,7 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
     """
     values, _ = checked_record(record)
     if not (is_number(start) and is_number(end) and 0 <= start < end <= 1):
-        raise ValueError(
-            f"start = {brief(start)}, end = {brief(end)} are out of range; "
-            "allowed: 0 <= start < end <= 1"
-        )
+        raise ValueError(f"start, end = {brief(start)}, {brief(end)}; allowed: 0 <= start < end <= 1")
     first, last = strong_samples(values, start, end)
     part = record.isel(time=slice(int(first), int(last) + 1))
     part.attrs = dict(record.attrs) | {"energy_part": f"{100 * start:g}-{100 * end:g} %"}
@@ -168,56 +199,44 @@ def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float
     with at least 16 finite samples that are not all zero. Otherwise a TypeError or ValueError is raised.
     """
     if not isinstance(record, xr.DataArray):
-        raise TypeError(
-            f"record is a {type(record).__name__}; allowed: an xarray.DataArray, see read_record"
-        )
+        raise TypeError(f"record is a {type(record).__name__}; allowed: an xarray.DataArray")
     if record.dims != ("time",) or "time" not in record.coords:
-        raise ValueError(
-            f"record has the dimensions {record.dims}; allowed: time alone, with its coordinate [s]"
-        )
+        raise ValueError(f"record has the dimensions {record.dims}; allowed: time with its coordinate")
     units = record.attrs.get("units", "m/s^2")
     if spelled(units) != "m/s^2":
         raise ValueError(f"record has units {brief(units)}; allowed: m/s^2, so convert it first")
-    kinds = {record.dtype.kind, record["time"].dtype.kind}
-    if not kinds <= set("iuf"):
-        raise TypeError(
-            f"record and its time are {record.dtype} and {record['time'].dtype}; allowed: numbers"
-        )
+    if not {record.dtype.kind, record["time"].dtype.kind} <= set("iuf"):
+        raise TypeError(f"record and its time are {record.dtype}, {record.time.dtype}; allowed: numbers")
     values, time = record.to_numpy().astype(float), record["time"].to_numpy().astype(float)
     if values.size < MINIMUM_SAMPLES:
         raise ValueError(f"record has {values.size} samples; allowed: at least {MINIMUM_SAMPLES}")
-    bad = np.flatnonzero(~np.isfinite(values))
-    if bad.size:
-        i = bad[0]
-        raise ValueError(
-            f"record is {values[i]} at {time[i]:g} s; allowed: finite values, so mend or cut it"
-        )
+    if not np.isfinite(values).all():
+        i = int(np.argmin(np.isfinite(values)))
+        raise ValueError(f"record is {values[i]} at {time[i]:g} s; allowed: finite values")
     if not values.any():
         raise ValueError("record holds only zeros; allowed: some motion, so check which column it is")
     return values, _time_step(time)
 
 
 def _labelled(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:
-    stated = stated_units(series, name, units)
+    stated = stated_units(series.units, name, units)
     if dt and series.dt and not np.isclose(dt, series.dt, rtol=_STEP_TOLERANCE, atol=0):
         raise ValueError(f"dt = {dt:g} contradicts {name}, which states {series.dt:g}; {_CURE}")
     step, start = dt or series.dt, 0.0
     if series.time is not None:
         step, start = _time_step(series.time, dt), float(series.time[0])
     if step is None:
-        raise ValueError(
-            f"dt is missing and {name} does not state it; give dt= in seconds, or time_column="
-        )
+        raise ValueError(f"dt is missing and {name} does not state it; give dt= or time_column=")
     if not step >= SHORTEST_STEP:
         raise ValueError(f"the time step of {name} is {step:g} s; allowed: {SHORTEST_STEP:g} s or more")
     time = start + step * np.arange(series.values.size)
+    about = {key: text for key, text in series.about.items() if text}
     record = xr.DataArray(
         series.values * METRES[stated],
         dims="time",
         coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
         name="acceleration",
-        attrs={"units": "m/s^2", "long_name": "ground acceleration", "source": name, "dt": step}
-        | dict(series.about),
+        attrs={"units": "m/s^2", "long_name": "ground acceleration", "source": name, "dt": step} | about,
     )
     checked_record(record)
     return record
@@ -230,26 +249,13 @@ def _time_step(time: npt.NDArray[np.float64], dt: float | None = None) -> float:
         raise ValueError("time is not a series of finite numbers; allowed: increasing, in seconds")
     if steps.min() <= 0:
         i = int(np.argmax(steps <= 0))
-        raise ValueError(
-            f"time does not increase: {time[i]:.9g} s is followed by {time[i + 1]:.9g} s; "
-            "mend it, or leave the time out and give dt="
-        )
-    usual = float(np.median(steps))
-    uneven = np.abs(steps - usual) > _GAP * usual
-    if uneven.any():
-        i = int(np.argmax(uneven))
-        raise ValueError(
-            f"time has a gap at {time[i]:.9g} s: the next is {time[i + 1]:.9g} s, but the step is "
-            f"{usual:.6g} s; fill it, or cut the record there"
-        )
+        raise ValueError(f"time does not increase: {time[i]:.9g} s is followed by {time[i + 1]:.9g} s")
     # Rounded to twelve digits, the mean step of printed times is 0.02, not 0.019999999999999997.
     step = float(f"{(time[-1] - time[0]) / steps.size:.12g}")
     if dt is not None and not np.isclose(dt, step, rtol=_STEP_TOLERANCE, atol=0):
         raise ValueError(f"dt = {dt:g} contradicts the time, whose step is {step:.6g} s; {_CURE}")
-    astray = np.abs(time - time[0] - step * np.arange(time.size)) > _TIME_TOLERANCE * step
-    if astray.any():
-        i = int(np.argmax(astray))
-        raise ValueError(
-            f"time is uneven: its step changes before {time[i]:.9g} s; resample the record evenly"
-        )
+    if (np.abs(time - time[0] - step * np.arange(time.size)) > _TIME_TOLERANCE * step).any():
+        i = int(np.argmax(np.abs(steps - np.median(steps))))
+        between = f"{time[i]:.9g} s is followed by {time[i + 1]:.9g} s"
+        raise ValueError(f"time is uneven: {between}; fill a gap, or resample the record evenly")
     return dt or step

@@ -259,11 +259,10 @@ def respond(
     intervals = ground.acceleration.size - 1
     time = float(record["time"][0]) + ground.dt / refine * np.arange(refine * intervals + 1)
     time[::refine] = record["time"]
-    table = (
-        _exact_history(structure, motions, int(refine))
-        if isinstance(structure, Bilinear)
-        else stepped_history(structure, ground, int(refine))
-    )
+    if isinstance(structure, Bilinear):
+        table = _exact_history(structure, motions, int(refine))
+    else:
+        table = stepped_history(structure, ground, int(refine))
     table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
     call, table = f"respond(refine={refine})", _until_fall(table, structure)
     return _with_information(table, "Response to a record", call, structure, motions)

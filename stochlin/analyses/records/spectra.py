@@ -106,13 +106,9 @@ def fit_spectra(record: xr.DataArray, ground: Ground, *, part: Part = STRONG_PAR
     """
     frequency, density, duration = periodogram(strong_part(record, *part))
     axis = labels.axis("frequency", "circular frequency", frequency[1:], "rad/s")
-    spectra = xr.Dataset(
-        {
-            "psd_record": axis.copy(data=density[1:]),
-            "psd_smoothed": axis.copy(data=_smoothed(frequency[1:], density[1:])),
-            "psd_ground": ground.psd(axis),
-        }
-    )
+    densities = {"psd_record": density[1:], "psd_smoothed": _smoothed(frequency[1:], density[1:])}
+    spectra = xr.Dataset({name: axis.copy(data=values) for name, values in densities.items()})
+    spectra["psd_ground"] = ground.psd(axis)
     for variable, long_name in (
         ("psd_record", "two-sided PSD of the record, raw periodogram"),
         ("psd_smoothed", "two-sided PSD of the record, mean over a sixth of an octave"),

@@ -55,15 +55,10 @@ def stepped_response(
     shortest = min(group.shortest for group in connected)
     cuts = max(1, int(np.ceil(ground.dt * STEPS_PER_PERIOD / shortest)))
     steps = float(cuts) * ground.acceleration.size
-    check_work(
-        f"{ground.acceleration.size} samples at {ground.dt:g} s, with a shortest period of "
-        f"{shortest:.3g} s, would take",
-        "take softer structures, or a shorter record",
-        {
-            "steps of a floor on a record": 2 * 2.0**2 * weights.shape[1] * steps,
-            "numbers": 2.0**2 * len(functions) * steps,
-        },
-    )
+    what = f"{ground.acceleration.size} samples, with a shortest period of {shortest:.3g} s, would take"
+    work = {"steps of a floor on a record": 2 * 2.0**2 * weights.shape[1] * steps}
+    work["numbers"] = 2.0**2 * len(functions) * steps
+    check_work(what, "take softer structures, or a shorter record", work)
 
     def followed(cuts: int) -> Array:
         """The functions in such steps; those of a structure that falls end far beyond its limit."""
@@ -147,11 +142,8 @@ def stepped_gap(
         functions = [floors[-1], *drifts_of(system), *floors]
     else:
         pairs = pairs_of(system)
-        functions = [
-            *displacements(system, pairs[-1]),
-            *drifts_of(system),
-            *(apart(system, pair) for pair in pairs),
-        ]
+        functions = [*displacements(system, pairs[-1]), *drifts_of(system)]
+        functions += [apart(system, pair) for pair in pairs]
     connected, limits = all_connected(system), system.limits
     periods = [float(s.arrays()["period"]) for s in structures if isinstance(s, Structure)]
     tables = []

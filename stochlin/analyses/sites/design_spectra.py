@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.files import METRES
+from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.sites.spectra import labelled
 from stochlin.messages import brief
 from stochlin.models.arguments import Acceleration, DampingOrZero, Seconds, checked, is_number
@@ -175,9 +175,7 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     """
     corner = sd1 / sds
     if corner >= tl:
-        raise ValueError(
-            f"tl = {tl:g} s is not after TS = sd1/sds = {corner:.4g} s; allowed: tl > sd1/sds"
-        )
+        raise ValueError(f"tl = {tl:g} s; allowed: longer than TS = sd1/sds = {corner:.4g} s")
     grid = STEP * np.arange(round(_ASCE_LONGEST / STEP) + 1)
     corners = [t for t in (0.2 * corner, corner, tl) if t < _ASCE_LONGEST]
     near = np.abs(grid[:, None] - corners).min(axis=1) < 1e-6

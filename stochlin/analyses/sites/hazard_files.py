@@ -3,37 +3,36 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from stochlin.analyses.records.files import (
-    METRES,
-    acceleration_units,
-    read_series,
-    rows_in_words,
-    stated_units,
-)
-from stochlin.analyses.records.formats import Series
+from stochlin.analyses.records.columns import METRES, Text, acceleration_units, stated_units
+from stochlin.analyses.records.files import columns_of
 from stochlin.analyses.sites.hazard_formats import (
-    HAZARD_FORMATS,
     AskedHazard,
-    HazardFormat,
     Ordinate,
     Site,
     annual_frequencies,
     measure_in_words,
     points_of,
     refuse,
+    site_tables,
+    usgs,
 )
 from stochlin.analyses.tables.inputs import input_path, read_text
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief, plain
+from stochlin.messages import brief, listed, plain
 from stochlin.models.arguments import Years, checked
 from stochlin.models.hazards import Hazard, HazardCurve, check_curve
 
 FilePath = str | os.PathLike[str]
+S0 = "m^2/s^3"
+_INTENSITY = re.compile(r"\b(pga|p?sa|iml?|level|intensity|acceleration|s0)\b", re.IGNORECASE)
+_FREQUENCY = re.compile(r"freq|rate|prob|poe|annual|per year|\bafe\b|\b1/yr", re.IGNORECASE)
+_NO_CURVE = re.compile(r"\b(lon|lat|depth|site|return|tr|longitude|latitude)\b", re.IGNORECASE)
 
 
 @checked
@@ -48,16 +47,17 @@ def read_hazard(
 ) -> HazardCurve:
     r"""Read a hazard curve from a file.
 
-    Three formats are read: columns of text; files of OpenQuake, one for each intensity measure, with a
-    row for each site (``hazard_curve-mean-SA(0.5)_17.csv``); and responses of the hazard service of the
-    U.S. Geological Survey in JSON, with several intensity measures of one site.
+    These are read: columns of text; tables of sites of OpenQuake, one for each intensity measure
+    (``hazard_curve-mean-SA(0.5)_17.csv``) or with the columns ``imt``, ``iml`` and ``poe``, and of
+    nshmp-haz (``SA0P5/total.csv``); and responses of the hazard service of the U.S. Geological Survey in
+    JSON, with several intensity measures of one site.
 
     Parameters
     ----------
     path : str, path, or list of them
-        Path of the file. Columns have intensities in the first one and annual frequencies of exceedance
-        [1/yr] in the second, separated as in `read_record`. Of OpenQuake several files may be given, for
-        several periods.
+        Path of the file. Columns of intensities and annual frequencies of exceedance [1/yr] are known by
+        their names, as ``iml`` and ``annual rate``, or are the first and the second of two, separated as
+        in `read_record`. Several files may be given, for several periods.
     measure : {"pga", "sa", "intensity"}
         As in `HazardCurve`.
     units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
@@ -68,7 +68,7 @@ def read_hazard(
         acceleration that is exceeded with the same frequency is interpolated linearly in the logarithm
         of the period.
     site : int or tuple of two floats, optional
-        Site in a file of OpenQuake: its number, from 1, or its longitude and latitude [degrees], within
+        Site in a table of sites: its number, from 1, or its longitude and latitude [degrees], within
         0.01 degrees. Not needed if there is only one.
     investigation_time : float, optional
         Time [yr] in which the probabilities of a file hold, if its second column has probabilities of
@@ -77,8 +77,8 @@ def read_hazard(
     Returns
     -------
     HazardCurve
-        The hazard curve in SI units. Of OpenQuake and the USGS it has no points with a frequency of zero
-        or a probability of 1, and of equal frequencies the largest intensity only.
+        The hazard curve in SI units, without zeros at its end, without probabilities of 1, and of equal
+        frequencies with the largest intensity only.
 
     Raises
     ------
@@ -102,53 +102,48 @@ def read_hazard(
     """
     of = Hazard(measure=measure, period=period)  # checks measure and period
     paths = [input_path("path", file) for file in (path if isinstance(path, (list, tuple)) else [path])]
+    if of.measure == "intensity" and units is not None:
+        raise ValueError(f"units = {units!r}; allowed with intensity: none, it is in m^2/s^3")
     units = None if units is None else acceleration_units(units, "units")
     asked = AskedHazard(site, investigation_time)
-    read = [_ordinates(file, asked) for file in paths]
-    if len(read) == 1 and read[0] is None:
-        return _of_columns(paths[0], of, units, asked)
-    if not read or None in read:
-        raise ValueError(
-            f"path = {brief([str(file) for file in paths])}; allowed: one file, or several of OpenQuake"
-        )
-    names = ", ".join(plain(file.name) for file in paths)
-    ordinates = [ordinate for some in read for ordinate in some or ()]
-    return _of_ordinates(ordinates, names, of, units)
+    ordinates = [ordinate for file in paths for ordinate in _ordinates(file, of, asked)]
+    return _of_ordinates(ordinates, listed(file.name for file in paths), of, units)
 
 
-def _ordinates(path: Path, asked: AskedHazard) -> list[Ordinate] | None:
-    """The hazard curves of a file of a registered format; None for columns of text."""
-    text = read_text(path).replace("\r\n", "\n")
-    known = (of for of in HAZARD_FORMATS.values() if of.start.match(text))
-    of: HazardFormat | None = next(known, None)
-    return None if of is None else of.read(plain(path.name), text, asked)
+def _ordinates(path: Path, of: Hazard, asked: AskedHazard) -> list[Ordinate]:
+    """The hazard curves in a file of a registered format, or the one in columns of text."""
+    text = read_text(path).replace("\r\n", "\n").replace("\r", "\n")
+    if text.lstrip().startswith("{"):
+        return usgs.read(path, text, asked)
+    if site_tables.START.match(text):
+        return site_tables.read(path, text, asked)
+    return [_of_columns(path, of, asked)]
 
 
-def _of_columns(path: Path, of: Hazard, units: str | None, asked: AskedHazard) -> HazardCurve:
-    of_s0, name = of.measure == "intensity", plain(path.name)
+def _of_columns(path: Path, of: Hazard, asked: AskedHazard) -> Ordinate:
+    """The curve in columns, which are known by their names or else the first two."""
+    name, text = plain(path.name), columns_of(path)
     refuse(name, "a file of one site", {"site": asked.site})
-    if of_s0 and units is not None:
-        raise ValueError(
-            f"units = {units!r} with measure = 'intensity'; allowed: none, since that is in m^2/s^3"
-        )
-    intensities, second = (read_series(path, column, None) for column in (0, 1))
-    places = rows_in_words(path)
-    frequencies = _frequencies(second, name, asked.years, places)
-    check_curve(intensities.values, frequencies, places)
-    unit = 1.0 if of_s0 else METRES[stated_units(intensities, name, units)]
-    values = tuple(unit * intensities.values)
-    return HazardCurve(values, tuple(frequencies), measure=of.measure, period=of.period)
+    if wrong := next(filter(_NO_CURVE.search, text.names), None):
+        raise ValueError(f"{name} has {brief(wrong)}; allowed: intensities and annual frequencies")
+    second = _named(text, _FREQUENCY, 1)
+    first = _named(text, _INTENSITY, 0 if second else 1)
+    columns, places = text.columns([first, second]), text.places()
+    other, title = columns[second], text.names[second] if text.names else ""
+    if asked.years is not None:
+        other = annual_frequencies(other, asked.years, places)
+    elif re.search("prob|poe", title, re.IGNORECASE):
+        raise ValueError(f"{name}: {brief(title)} seems to be a probability; give investigation_time")
+    units = S0 if of.measure == "intensity" else text.units_of(first)
+    return Ordinate(of.period or 0.0, columns[first], other, places, units)
 
 
-def _frequencies(second: Series, name: str, years: float | None, places: Sequence[str]) -> Array:
-    if years is not None:
-        return annual_frequencies(second.values, years, places)
-    if any(word in second.column.lower() for word in ("prob", "poe")):
-        raise ValueError(
-            f"column {brief(second.column)} of {name} seems to have probabilities; give "
-            "investigation_time, the years for which they hold, or name it annual frequency"
-        )
-    return second.values
+def _named(text: Text, pattern: re.Pattern[str], usual: int) -> int:
+    """The column whose name matches, or the usual one of two."""
+    named = [n for n, name in enumerate(text.names) if pattern.search(name)]
+    if len(named) != 1 and text.width != 2:
+        raise ValueError(f"{text.name} has {listed(text.names)}; allowed: such as pga [g], annual rate")
+    return named[0] if len(named) == 1 else usual
 
 
 def _of_ordinates(
@@ -158,24 +153,17 @@ def _of_ordinates(
     curves: dict[float, Ordinate] = {}
     for ordinate in ordinates:
         if ordinate.period in curves:
-            raise ValueError(
-                f"{names}: {measure_in_words(ordinate.period)} is there twice; leave one out"
-            )
+            raise ValueError(f"{names}: {measure_in_words(ordinate.period)} is there twice")
         curves[ordinate.period] = points_of(ordinate)
     known = ", ".join(map(measure_in_words, sorted(curves))) or "no hazard curve"
-    if of.measure == "intensity" or (of.measure == "pga" and 0.0 not in curves):
-        raise ValueError(
-            f"measure = {of.measure!r} is not in {names}, which has {known}; allowed: one of these, SA "
-            "by measure = 'sa' with its period"
-        )
+    of_s0 = any(curve.units == S0 for curve in curves.values())
+    if (of.measure == "intensity") != of_s0 or (of.measure == "pga" and 0.0 not in curves):
+        raise ValueError(f"measure = {of.measure!r} is not in {names}; allowed: {known}")
     period = of.period or 0.0
     below = [other for other in curves if 0 < other <= period or other == period]
     above = [other for other in curves if other >= period]
     if not below or not above:
-        raise ValueError(
-            f"period = {period:g} is beyond {names}, which has {known}; allowed: a period between "
-            "two of SA, since nothing is extrapolated"
-        )
+        raise ValueError(f"period = {period:g} is beyond {names}; allowed: within {known}")
     lower, upper = (_in_metres(curves[end], names, units) for end in (max(below), min(above)))
     intensities, frequencies = _between(lower, upper, period)
     return HazardCurve(tuple(intensities), tuple(frequencies), measure=of.measure, period=of.period)
@@ -183,7 +171,7 @@ def _of_ordinates(
 
 def _in_metres(curve: Ordinate, name: str, units: str | None) -> Ordinate:
     check_curve(curve.intensities, curve.frequencies, curve.places or [name])
-    unit = METRES[stated_units(Series(curve.intensities, None, None, curve.units), name, units)]
+    unit = 1.0 if curve.units == S0 else METRES[stated_units(curve.units, name, units)]
     return curve._replace(intensities=unit * curve.intensities)
 
 
@@ -194,10 +182,7 @@ def _between(lower: Ordinate, upper: Ordinate, period: float) -> tuple[Array, Ar
     logarithms = [np.log(curve.frequencies) for curve in (lower, upper)]
     highest, lowest = min(of[0] for of in logarithms), max(of[-1] for of in logarithms)
     if lowest >= highest:
-        raise ValueError(
-            f"{measure_in_words(lower.period)} and {measure_in_words(upper.period)} have no range of "
-            "annual frequencies in common; allowed: curves that overlap"
-        )
+        raise ValueError(f"SA({lower.period:g}) and SA({upper.period:g}) do not overlap in frequency")
     # Rounded, so that frequencies that differ by rounding errors are one.
     common = np.unique(np.clip(np.round(np.concatenate(logarithms), 9), lowest, highest))[::-1]
     short, long = (

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.files import METRES
+from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.simulation.finite_motions import mean_with_error
 from stochlin.analyses.sites.simulated_spectra import PGA_STEP, Motions, peak_accelerations
 from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_goal
@@ -105,10 +105,7 @@ def scale_ground(
     check_scalars(ground, "ground", "numbers")
     check_goal({"pga": pga, "sa": sa}, period)
     if pga is not None and not np.isfinite(rms_acceleration(ground)):
-        raise ValueError(
-            "pga: white noise has no peak, since it grows with smaller time steps; allowed: sa with a "
-            "period, or another ground"
-        )
+        raise ValueError("pga: white noise has no peak; allowed: sa with a period, or another ground")
     at = None if period is None else float(period)
     mean, error = _mean_acceleration(_of_unit_intensity(motions), at, damping)
     wanted = float(pga if sa is None else sa)  # type: ignore[arg-type]

@@ -12,13 +12,13 @@ import xarray as xr
 
 from stochlin.analyses.records.cells import Records, as_list, checked_motions
 from stochlin.analyses.records.envelope_fit import FITTED_ENVELOPES, fit_envelope
-from stochlin.analyses.records.records import checked_record, strong_samples
+from stochlin.analyses.records.records import checked_record, is_horizontal, strong_samples
 from stochlin.analyses.records.response import response_spectrum
 from stochlin.analyses.sites.spectra import BAND, BAND_POINTS, SHORTEST, USUAL_DAMPING, check_band
 from stochlin.analyses.sites.spectrum_fit import LONGEST, POINTS, Wanted, deliver
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.messages import DoubtfulInput, brief, plain
+from stochlin.messages import DoubtfulInput, listed, plain
 from stochlin.models.arguments import (
     Duration,
     OneOf,
@@ -120,29 +120,21 @@ def checked_components(record: Records) -> Components:
     names = motions.names or ["record"]
     records = as_list(record)
     if len(records) > 2:
-        raise ValueError(
-            f"record has {len(records)} components; allowed: one, or both horizontal ones of a station"
-        )
+        raise ValueError(f"record has {len(records)} components; allowed: one, or both of a station")
+    for name, each in zip(names, records, strict=True):
+        if len(records) == 2 and not is_horizontal(each, ""):
+            raise ValueError(f"record: {plain(name)} is vertical or below; allowed: horizontal")
     sizes = [ground.acceleration.size for ground in motions.grounds]
     steps = [ground.dt for ground in motions.grounds]
     both = " and ".join(plain(name, 40) for name in names)
     if len(set(sizes)) > 1:
-        raise ValueError(
-            f"record: {both} have {sizes[0]} and {sizes[1]} samples; allowed: two components of equal "
-            "length, so cut the longer one"
-        )
+        raise ValueError(f"record: {both} have {sizes[0]} and {sizes[1]} samples; allowed: as many")
     if not np.isclose(steps[0], steps[-1], rtol=1e-9, atol=0):
-        raise ValueError(
-            f"record: {both} have time steps of {steps[0]:g} and {steps[1]:g} s; allowed: two "
-            "components of the same time step, so resample one"
-        )
+        raise ValueError(f"record: {both} have steps of {steps[0]:g} and {steps[1]:g} s; allowed: one")
     for key in PLACE:
         known = [str(each.attrs[key]) for each in records if each.attrs.get(key)]
         if len(set(known)) > 1:
-            raise ValueError(
-                f"record: {both} have the {key}s {brief(known[0])} and {brief(known[1])}; allowed: two "
-                "components of one station in one earthquake; fit each station by itself"
-            )
+            raise ValueError(f"record: {both} have the {key}s {listed(known)}; allowed: one {key}")
     return Components(records, np.array([ground.acceleration for ground in motions.grounds]), steps[0])
 
 
@@ -275,9 +267,7 @@ def fit_motion(
     check_band(band)
     duration = components.duration
     if duration < SHORTEST_RECORD:
-        raise ValueError(
-            f"record lasts {duration:.3g} s; allowed: {SHORTEST_RECORD:g} s or more, for a spectrum"
-        )
+        raise ValueError(f"record lasts {duration:.3g} s; allowed: {SHORTEST_RECORD:g} s or more")
     common = components.common()
     shape = fit_envelope(common, envelope)
     time = components.dt * np.arange(common.size)

@@ -1,23 +1,29 @@
-"""Response spectra as labelled arrays, pseudo-acceleration over period, and their checks."""
+"""Response spectra as labelled arrays, pseudo-acceleration over period: from files, and their checks."""
 
 from __future__ import annotations
 
+import os
+import warnings
 from collections.abc import Mapping
-from typing import TypeGuard
+from typing import Annotated, TypeGuard
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.files import spelled
+from stochlin.analyses.records.columns import METRES, Column, acceleration_units, spelled, stated_units
+from stochlin.analyses.records.files import columns_of
+from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief
-from stochlin.models.arguments import is_number
+from stochlin.messages import DoubtfulInput, brief, listed, plain
+from stochlin.models.arguments import DampingRatio, OneOf, checked, is_number
 
 USUAL_DAMPING = 0.05
 SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
 BAND, BAND_POINTS = (0.2, 2.0), 40  # [s] of usual buildings, in which spectra are compared; periods
 FEWEST = 4  # smallest number of points
-WIDEST = 2.0  # largest ratio of two consecutive periods
+WIDEST = 2.0  # ratio of two consecutive periods, beyond which it matters what is between them
+BETWEEN, FINER = ("logarithmic", "linear"), 33  # points from one to the next of a linear spectrum
+LEAST, MOST = 0.0025, 7.5  # plausible ordinates [g], 2.5 times ground accelerations of 0.001 and 3 g
 # Elastic spectra with damping 0.05 rise to 2 to 3 times the peak ground acceleration; spectra divided by
 # a behaviour factor q or R do not.
 _LEAST_RISE, _STIFF = 1.5, 0.02  # smallest rise; longest period of a rigid structure [s]
@@ -59,20 +65,13 @@ def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
     ground acceleration.
     """
     if not isinstance(spectrum, xr.DataArray):
-        raise TypeError(
-            f"spectrum is a {type(spectrum).__name__}; allowed: an xarray.DataArray over period, as "
-            "eurocode_8, asce_7 and read_spectrum give it"
-        )
+        raise TypeError(f"spectrum is a {type(spectrum).__name__}; allowed: an xarray.DataArray")
     if spectrum.dims != ("period",) or "period" not in spectrum.coords:
-        raise ValueError(
-            f"spectrum has the dimensions {spectrum.dims}; allowed: period alone, with its values [s]"
-        )
+        raise ValueError(f"spectrum has the dimensions {spectrum.dims}; allowed: period alone")
     units = spectrum.attrs.get("units")
     if units is None or spelled(units) != "m/s^2":
         said = "no units" if units is None else f"units {brief(units)}"
-        raise ValueError(
-            f"spectrum has {said}; allowed: m/s^2, so convert it and say so in its attributes"
-        )
+        raise ValueError(f"spectrum has {said}; allowed: m/s^2, stated in its attributes")
     damping = spectrum.attrs.get("damping", USUAL_DAMPING)
     if not (is_number(damping) and 0 < damping < 1):
         raise ValueError(f"spectrum is of the damping {brief(damping)}; allowed: 0 < damping < 1")
@@ -91,7 +90,7 @@ def check_goal(goals: Mapping[str, object], period: object) -> None:
     if len(stated) != 1:
         named = ["sa with a period" if name == "sa" else name for name in goals]
         raise ValueError(
-            f"{' and '.join(stated) or 'nothing'} is given; allowed: one of {', '.join(named)}"
+            f"{' and '.join(stated) or 'nothing'} is given; allowed: one of {listed(named)}"
         )
     if (goals.get("sa") is None) != (period is None):
         raise ValueError("sa and period go together; allowed: both, or neither")
@@ -112,20 +111,10 @@ def check_ordinates(period: Array, values: Array, damping: float, places: list[s
         if not (np.isfinite(t) and t >= 0):
             raise ValueError(f"{place}: the period is {t:g} s; allowed: 0 or more, finite")
         if not (np.isfinite(sa) and sa > 0):
-            raise ValueError(
-                f"{place}: the acceleration at {t:g} s is {sa:g}; allowed: positive, finite, so mend it "
-                "or leave it out"
-            )
+            raise ValueError(f"{place}: the acceleration at {t:g} s is {sa:g}; allowed: positive")
     for place, before, t in zip(places[1:], period[:-1], period[1:], strict=True):
         if t <= before:
-            raise ValueError(
-                f"{place}: {t:g} s follows {before:g} s; allowed: increasing periods, so sort them"
-            )
-        if before > 0 and t > WIDEST * before:
-            raise ValueError(
-                f"{place}: nothing stands between {before:g} and {t:g} s; allowed: periods of which "
-                f"each is at most {WIDEST:g} times the last, so fill the gap or cut the spectrum there"
-            )
+            raise ValueError(f"{place}: {t:g} s follows {before:g} s; allowed: increasing periods")
     _check_elastic(period, values, damping, places)
 
 
@@ -144,3 +133,87 @@ def _check_elastic(period: Array, values: Array, damping: float, places: list[st
             f"{places[-_FLAT]}: the spectrum is level from {period[-_FLAT]:g} s on, as a design "
             f"spectrum at its lower bound; {cure}, without that bound"
         )
+
+
+@checked
+def read_spectrum(
+    path: str | os.PathLike[str],
+    *,
+    units: str | None = None,
+    damping: DampingRatio = USUAL_DAMPING,
+    column: Column | None = None,
+    period_column: Column = 0,
+    between: Annotated[str, OneOf(BETWEEN)] | None = None,
+) -> xr.DataArray:
+    r"""Read an elastic response spectrum from a file with columns of text.
+
+    Parameters
+    ----------
+    path : str or path
+        Path of the file, text in UTF-8, with or without a row of names. Text after ``#`` or ``%`` is a
+        comment. Columns are separated as in `read_record`.
+    units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
+        Units of the accelerations. Not needed if the row of names has them, as in ``Sa [g]``.
+    damping : float
+        Damping ratio [-] of the spectrum, between 0 and 1.
+    column, period_column : int or str
+        Columns of the acceleration and of the period [s], each by its index from 0 or by its name.
+        ``column`` is not needed if only one column remains.
+    between : {"logarithmic", "linear"}, optional
+        What the ordinates and periods between two points are, which the code says: linear in their
+        logarithms (default), or linear, as for the few points of the code of Canada.
+
+    Returns
+    -------
+    xarray.DataArray
+        Pseudo-acceleration [m/s^2] over ``period`` [s], with the attributes ``damping`` and ``source``;
+        of a linear one also at periods between the points.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If units are missing or contradict the file; if the periods do not increase, an
+        ordinate is not positive, or there are fewer than 4 points; or if the spectrum seems to be
+        divided by a behaviour factor, since it hardly rises above its value at a period of zero, or is
+        constant at long periods.
+
+    Warns
+    -----
+    UserWarning
+        If the largest ordinate is below 0.0025 g or above 7.5 g, so that the units are probably wrong,
+        or a period is more than twice the last, and ``between`` is not given.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import stochlin as sl
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "site.csv"
+    >>> rows = ["period,Sa [g]", "0,0.2", "0.1,0.4", "0.2,0.5", "0.4,0.5", "0.8,0.25", "1.6,0.12"]
+    >>> _ = path.write_text("\n".join(rows), encoding="utf-8")
+    >>> spectrum = sl.read_spectrum(path)
+    >>> round(float(spectrum.sel(period=0.4)), 4), spectrum.attrs["damping"]
+    (4.9033, 0.05)
+    """
+    path = input_path("path", path)
+    units = None if units is None else acceleration_units(units, "units")
+    name = plain(path.name)
+    text = columns_of(path)
+    series = text.series(column, period_column, False)
+    stated = stated_units(series.units, name, units)
+    assert series.time is not None  # period_column is always given
+    period, values = np.asarray(series.time), series.values * METRES[stated]
+    check_ordinates(period, values, damping, text.places())
+    largest = values.max() / METRES["g"]
+    wide = between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any()
+    doubts = {
+        f"its largest ordinate is {largest:.3g} g; is it in {stated}?": not LEAST < largest < MOST,
+        "its points are far apart; is it linear in logarithms between them, or between='linear'?": wide,
+    }
+    for doubt in (text for text, holds in doubts.items() if holds):
+        warnings.warn(f"{name}: {doubt}", DoubtfulInput, stacklevel=3)
+    if between == BETWEEN[1]:
+        finer = np.unique(np.linspace(period[:-1], period[1:], FINER))
+        period, values = finer, np.interp(finer, period, values)
+    return labelled(period, values, damping, name)

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import csv
 import os
+import re
 import warnings
 from collections.abc import Iterator, Mapping
 from io import StringIO
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.files import Column, is_record
-from stochlin.analyses.records.records import checked_record, read_record
+from stochlin.analyses.records.columns import Column, acceleration_units
+from stochlin.analyses.records.files import UnknownFormatError, chosen, is_record
+from stochlin.analyses.records.formats import as_float
+from stochlin.analyses.records.records import checked_record, is_horizontal, recorded, source_of
 from stochlin.analyses.records.response import response_spectrum
 from stochlin.analyses.sites.spectra import (
     BAND,
@@ -27,7 +30,7 @@ from stochlin.analyses.sites.spectra import (
 )
 from stochlin.analyses.tables.inputs import input_path, read_text
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, plain, sentence
+from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, listed, plain, sentence
 from stochlin.models.arguments import (
     Acceleration,
     DampingRatio,
@@ -38,10 +41,15 @@ from stochlin.models.arguments import (
 )
 
 FILE = "file"  # name of the table column with the paths of the records
+# The table in a download of PEER, below a title, with a column for each component.
+PEER_TABLE, PEER_TITLE = "_SearchResults.csv", "Summary of Metadata of Selected Records"
+PEER_FILES, PEER_FACTOR = re.compile(r"(Horizontal-[12]|Vertical) Acc\. Filename"), "Scale Factor"
+PEER_ABOUT = {"event": ("Earthquake Name", "Year"), "station": ("Station Name",)}
 ABOUT = ("event", "station", "component")  # columns that become attributes
 LARGEST_FACTOR = 10.0
 
 Suite = dict[str, xr.DataArray]
+Row = Mapping[str, str]
 
 
 @checked
@@ -53,23 +61,35 @@ def read_records(
     column: Column | None = None,
     time_column: Column | None = None,
     component: Column | None = None,
+    vertical: Truth = False,
     skip_unreadable: Truth = False,
 ) -> Suite:
     r"""Read a suite of records: all files of a folder, or those listed in a table.
+
+    Vertical components (``U-D``, ``UP``, ``V``, ``HNZ``, ..., by the header or else the name of the
+    file) and those in a borehole are left out with a warning. Two records with the same ``event`` and
+    ``station`` count as one earthquake in the intervals of `recorded_gap`.
 
     Parameters
     ----------
     path : str or path
         Path of a folder or a table. Of a folder and the folders in it, all files that end in .txt, .csv,
         .dat or .acc, or as files of the formats of `read_record` do, such as .at2, .v2, .ns, .asc and
-        .191, are read in the order of their names, also compressed (.gz). A table is comma-separated
-        with a row of names. Its column ``file`` has paths relative to the folder of the table. The
-        columns ``dt`` [s] and ``units``, which are optional, apply to each file. Units such as ``"t s,
-        g"`` mean that the first column of the file is time and the second acceleration; text after a
-        semicolon is a remark. The columns ``event``, ``station`` and ``component`` become attributes of
-        the records; ``component`` also chooses one of several components of a file.
+        .191, are read in the order of their names, also compressed (.gz); those in which no record can
+        be seen are left out with a warning. Of a download of PEER the table ``_SearchResults.csv`` names
+        the files, earthquakes and stations, and its scale factors become the attribute
+        ``scale_factor``, without being applied. Another table is comma-separated with a row of names.
+        Its column ``file`` has paths relative to the folder of the table. The columns ``dt`` [s] and
+        ``units``, which are optional, apply to each file. Units such as ``"t s, g"`` mean that the first
+        column of the file is time and the second acceleration; text after a semicolon is a remark. The
+        columns ``event``, ``station`` and ``component`` become attributes of the records; ``component``
+        also chooses one of several components of a file.
     dt, units, column, time_column, component
-        As in `read_record`, for all files without such an entry in the table.
+        As in `read_record`, for all files without such an entry in the table. Without a ``component``,
+        both horizontal ones of a file are read.
+    vertical : bool
+        Whether vertical components and those in a borehole are read as well, as they are where
+        ``component`` is given here.
     skip_unreadable : bool
         Whether a file that cannot be read is left out with a warning, instead of an error.
 
@@ -77,7 +97,8 @@ def read_records(
     -------
     dict of str to xarray.DataArray
         The records [m/s^2] over ``time`` [s], by their paths in the table or relative to the folder, for
-        `recorded_gap`, `response_spectrum` and `separation`.
+        `recorded_gap`, `response_spectrum` and `separation`; of a file with two, also by the component.
+        The attribute ``file`` is this path.
 
     Raises
     ------
@@ -90,7 +111,7 @@ def read_records(
     Warns
     -----
     UserWarning
-        As in `read_record`, and for each file that is left out.
+        As in `read_record`, and for each file and for all components that are left out.
 
     Examples
     --------
@@ -103,41 +124,58 @@ def read_records(
     ['a.csv', 'b.csv']
     """
     path = input_path("path", path)
-    usual = {
-        "dt": dt,
-        "units": units,
-        "column": column,
-        "time_column": time_column,
-        "component": component,
-    }
     if not path.exists():
         raise FileNotFoundError(f"path = {brief(str(path))} is neither a folder nor a table")
-    listed = _of_folder(path) if path.is_dir() else _of_table(path)
+    if (path / PEER_TABLE).is_file():
+        path /= PEER_TABLE
+    usual: dict[str, Any] = {"dt": dt, "units": units, "component": component}
+    usual |= {"column": column, "time_column": time_column}
+    all_of = vertical or component is not None
+    listed_files = _of_folder(path) if path.is_dir() else _of_table(path, vertical)
     suite: Suite = {}
+    known: set[str] = set()
+    upward: list[str] = []
     folder = path if path.is_dir() else path.parent
-    for name, where, own, about in listed:
-        if name in suite:
+    for name, where, options, about in listed_files:
+        if name in known:
             raise ValueError(f"{where} is listed twice; allowed: each file once")
+        known.add(name)
         try:
-            suite[name] = read_record(folder / name, **usual | own).assign_attrs(about)
+            for label, record in _components(folder / name, name, usual | options):
+                if all_of or is_horizontal(record.assign_attrs(about), name):
+                    suite[label] = record.assign_attrs(about, file=name)
+                else:
+                    upward.append(label)
         except (OSError, ValueError) as error:
-            if not skip_unreadable:
+            no_record = path.is_dir() and isinstance(error, UnknownFormatError)
+            if not skip_unreadable and not no_record:
                 raise ValueError(f"{where}: {sentence(error, LONGEST_MESSAGE)}") from error
-            warnings.warn(
-                f"{where} is left out: {sentence(error, LONGEST_MESSAGE)}", DoubtfulInput, stacklevel=3
-            )
+            text = f"{where} is left out: {sentence(error, LONGEST_MESSAGE)}"
+            warnings.warn(text, DoubtfulInput, stacklevel=3)
+    if upward:
+        which = f"{listed(upward)} {'is' if len(upward) == 1 else 'are'} left out"
+        why = "vertical or in a borehole; vertical=True reads such components as well"
+        warnings.warn(f"{plain(path.name)}: {which}: {why}", DoubtfulInput, stacklevel=3)
     if not suite:
         raise ValueError(f"{plain(path.name)} holds no record that can be read; allowed: one at least")
     return suite
 
 
-class _Listed(NamedTuple):
-    """A file of a suite: its name, its name for messages, options of reading, and attributes."""
+def _components(path: Path, name: str, given: Mapping[str, Any]) -> Iterator[tuple[str, xr.DataArray]]:
+    """The components of a file with their names: the one that is asked for, or both horizontal ones."""
+    units = None if given["units"] is None else acceleration_units(given["units"], "units")
+    source, channels = source_of(path, given["column"], given["time_column"])
+    if given["component"] is None and 1 < len(channels) <= 3:
+        for channel in channels:
+            label = f"{name}, {channel.about.get('component', '')}"
+            yield label, recorded(channel, source, given["dt"], units)
+    else:
+        channel = chosen(channels, given["component"], source)
+        yield name, recorded(channel, source, given["dt"], units)
 
-    name: str
-    where: str
-    options: dict[str, Any]
-    about: dict[str, str]
+
+# A file of a suite: its name, its name for messages, options of reading, and attributes.
+_Listed = tuple[str, str, dict[str, Any], dict[str, Any]]
 
 
 def _of_folder(path: Path) -> Iterator[_Listed]:
@@ -145,37 +183,50 @@ def _of_folder(path: Path) -> Iterator[_Listed]:
     for file in sorted(path.rglob("*")):
         if is_record(file.name) and file.is_file():
             name = file.relative_to(path).as_posix()
-            yield _Listed(name, plain(name), {}, {})
+            yield name, plain(name), {}, {}
 
 
-def _of_table(path: Path) -> Iterator[_Listed]:
+def _of_table(path: Path, vertical: bool) -> Iterator[_Listed]:
     """Each file in a table."""
-    for line, name, row in table_rows(read_text(path), path.name):
+    for line, name, row in table_rows(read_text(path), path.name, vertical):
         where = f"{plain(path.name)}, line {line}, {plain(name)}"
-        about = {key: str(row.get(key) or "").strip() for key in ABOUT}
-        yield _Listed(name, where, _options(row, where), {k: text for k, text in about.items() if text})
+        about: dict[str, Any] = {key: row[key] for key in ABOUT if row.get(key)}
+        if factor := as_float(row.get(PEER_FACTOR, "")):
+            about["scale_factor"] = factor
+        yield name, where, _options(row, where), about
 
 
-def table_rows(text: str, name: str) -> Iterator[tuple[int, str, Mapping[str, str | None]]]:
-    """Line, file and columns of each row of a table of records; a ValueError if it is none."""
-    table = csv.DictReader(StringIO(text, newline=""), skipinitialspace=True)
+def table_rows(text: str, name: str, vertical: bool = False) -> Iterator[tuple[int, str, Row]]:
+    """Line, file and columns of each row of a table of records; a ValueError if it is none.
+
+    A row of PEER's ``_SearchResults.csv`` has both horizontal components, and a vertical one.
+    """
+    lines = text.split("\n")
+    start = next((n for n, line in enumerate(lines, 1) if PEER_TITLE in line), 0)
+    table = csv.DictReader(StringIO("\n".join(lines[start:])), skipinitialspace=True)
+    names = [name.strip() for name in table.fieldnames or ()]
+    files = [name for name in names if name == FILE or PEER_FILES.fullmatch(name)]
+    if not files:
+        raise ValueError(f"{plain(name)} has the columns {listed(names)}; allowed: with {FILE!r}")
     try:
-        if FILE not in (table.fieldnames or ()):
-            raise ValueError(
-                f"{plain(name)} has the columns {', '.join(map(plain, table.fieldnames or ()))}; "
-                f"allowed: a table with a column {FILE!r}, or give the folder of the records"
-            )
         for row in table:
-            yield table.line_num, str(row[FILE] or "").strip(), row
+            if start and None in row.values():  # below the table
+                return
+            cells = dict(zip(names, (str(cell or "").strip() for cell in row.values()), strict=False))
+            for key, parts in PEER_ABOUT.items() if start else ():
+                cells[key] = ", ".join(cells.get(part, "") for part in parts)
+            for column in files:
+                if (vertical or not column.startswith("Vertical")) and cells[column].strip("-"):
+                    yield table.line_num + start, cells[column], cells
     except csv.Error as error:
-        raise ValueError(f"{plain(name)}, line {table.line_num + 1}: {error}") from error
+        raise ValueError(f"{plain(name)}, line {table.line_num + start + 1}: {error}") from error
 
 
-def _options(row: Mapping[str, str | None], where: str) -> dict[str, Any]:
+def _options(row: Row, where: str) -> dict[str, Any]:
     options: dict[str, Any] = {}
-    units, step = (str(row.get(key) or "").strip() for key in ("units", "dt"))
+    units, step = (row.get(key, "") for key in ("units", "dt"))
     of_columns = [part.strip() for part in units.partition(";")[0].split(",")]
-    if component := str(row.get("component") or "").strip():
+    if component := row.get("component"):
         options["component"] = component
     if of_columns[-1]:
         options["units"] = of_columns[-1]
@@ -184,10 +235,9 @@ def _options(row: Mapping[str, str | None], where: str) -> dict[str, Any]:
     elif len(of_columns) > 1:
         raise ValueError(f"{where}: units = {brief(units)}; allowed: one unit, or 't s, ' before it")
     if step:
-        try:
-            options["dt"] = float(step)
-        except ValueError:
-            raise ValueError(f"{where}: dt = {brief(step)} is no number; allowed: seconds") from None
+        options["dt"] = as_float(step)
+        if options["dt"] is None:
+            raise ValueError(f"{where}: dt = {brief(step)} is no number; allowed: seconds")
     return options
 
 
@@ -254,10 +304,7 @@ def scale_records(
     if spectrum is not None:
         own_periods, values, damping = checked_spectrum(spectrum)
         if not own_periods[own_periods > 0][0] <= band[0] < band[1] <= own_periods[-1]:
-            raise ValueError(
-                f"band = {brief(band)} is not within the spectrum, {own_periods[0]:g} to "
-                f"{own_periods[-1]:g} s; allowed: periods that it has"
-            )
+            raise ValueError(f"band = {brief(band)} is not within the spectrum; allowed: its periods")
         target = interpolated(own_periods, values, periods)
     suite = {}
     for name, record in records.items():

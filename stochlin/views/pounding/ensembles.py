@@ -10,7 +10,7 @@ import xarray as xr
 
 from stochlin.analyses.cases.pounding import is_oscillator
 from stochlin.analyses.cases.sites.shaking import doubts
-from stochlin.analyses.records.files import METRES
+from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.views.pounding.floors import ALONE as THIN
 from stochlin.views.pounding.floors import LINE, NAME, WIDTH, levels_of, looks_of, profile

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.pounding import is_oscillator
-from stochlin.analyses.records.files import METRES
+from stochlin.analyses.records.columns import METRES
 from stochlin.views.pounding.pictures import caption_of
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import AS_GIVEN, CURVES, describe, legend_above, styled

@@ -10,7 +10,7 @@ import numpy as np
 from stochlin.analyses.cases.pounding import energy_of, is_oscillator
 from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
-from stochlin.analyses.records.files import METRES
+from stochlin.analyses.records.columns import METRES
 from stochlin.views.shared.blocks import Block, Table, Text, ViewSection, texts
 from stochlin.views.shared.descriptions import site_in_words
 from stochlin.views.shared.screen import cut

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stochlin.analyses.records.files import METRES
+from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.risk.rates import range_of_rate, shares_of_rate
 from stochlin.models.hazards import HazardCurve
 from stochlin.views.separation.subjects import subject_of

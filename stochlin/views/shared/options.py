@@ -339,7 +339,7 @@ def site(record: Path, options: dict[str, Any]) -> tuple[xr.DataArray, Ground]:
     from stochlin.analyses.records.records import read_record
     from stochlin.analyses.sites.ground_fit import fit_ground
 
-    columns = {
+    columns: dict[str, Any] = {
         name: int(value) if value is not None and value.isdigit() else value
         for name, value in ((n, options[n]) for n in ("column", "time_column"))
     }

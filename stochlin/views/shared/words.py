@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.analyses.records.files import METRES
+from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.models.arguments import checked
 from stochlin.models.buildings import ModalBuilding, ShearBuilding

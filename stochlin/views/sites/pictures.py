@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.files import METRES
+from stochlin.analyses.records.columns import METRES
 from stochlin.views.shared.style import (
     AS_GIVEN,
     CURVES,

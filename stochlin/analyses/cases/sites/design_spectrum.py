@@ -14,7 +14,7 @@ from stochlin.analyses.cases.sites.records import SUITE
 from stochlin.analyses.cases.sites.strength import GOALS, HAZARD, INTENSITY
 from stochlin.analyses.sites.design_spectra import asce_7, eurocode_8
 from stochlin.analyses.sites.ground_fit import fit_ground
-from stochlin.analyses.sites.spectrum_files import read_spectrum
+from stochlin.analyses.sites.spectra import read_spectrum
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief, hint

@@ -67,8 +67,8 @@ def read_suite(
             raise section.error(
                 "path", f"has {brief(name)}, which site.records also has; give that another name"
             )
-    files = [(path if path.is_dir() else path.parent) / name for name in suite]
-    return suite, [path, *files]
+    beside = path if path.is_dir() else path.parent
+    return suite, [path, *(beside / record.attrs["file"] for record in suite.values())]
 
 
 def scaled_suite(site: Section, suite: Suite, spectrum: xr.DataArray | None) -> Suite:

@@ -18,7 +18,7 @@ from stochlin.analyses.cases.files.schema import (
     YEARS,
 )
 from stochlin.analyses.cases.files.sections import Section
-from stochlin.analyses.records.files import METRES
+from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.risk.risk import simulated_at
 from stochlin.analyses.sites.hazard_files import read_hazard
 from stochlin.analyses.sites.intensity import paths_for, scale_ground

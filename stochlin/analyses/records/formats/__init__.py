@@ -28,6 +28,7 @@ class Series(NamedTuple):
     units: str | None
     column: str = ""  # name of the column
     about: Mapping[str, str] = MappingProxyType({})  # event, station and component, if stated
+    doubt: str = ""  # a question about the column
 
 
 class RecordFile(NamedTuple):
@@ -62,11 +63,15 @@ class RecordFile(NamedTuple):
         """
         values = self.numbers(first, last, width)
         if values.size != count:
-            raise ValueError(
-                f"{self.name} holds {values.size} values, but line {stated} states {count}; "
-                "the file is cut or damaged: fetch it again"
-            )
+            held = f"{self.name} holds {values.size} values, but line {stated} states {count}"
+            raise ValueError(f"{held}; the file is cut or damaged: fetch it again")
         return values
+
+    def block(self, number: int, count: int, end: re.Pattern[str], width: int) -> tuple[Array, int]:
+        """As many numbers as the line above states, up to a line with ``end``, and their last line."""
+        after = enumerate(self.lines[number:], number)
+        last = next((n for n, text in after if end.search(text)), len(self.lines))
+        return self.counted(number + 1, last, count, number, width), last
 
     def numbers(self, first: int, last: int, width: int = 0) -> Array:
         """The numbers from line ``first`` to ``last``, both included."""
@@ -90,14 +95,14 @@ class Format(NamedTuple):
     """A format of record files.
 
     ``header`` is searched in the first `HEADER_LINES` lines with text, and ``read`` gives the
-    components. Of a folder of records, files with these ``endings``, a regular expression, are read.
+    components, none if it sees no accelerations. Of a folder of records, files with these ``endings``,
+    a regular expression, are read.
     """
 
     title: str  # with its article
     header: re.Pattern[str]
     read: Callable[[RecordFile], list[Series]]
     endings: str
-    has_components: bool = True  # stated in words by which one of several can be chosen
 
 
 HEADER_LINES = 8
@@ -134,16 +139,9 @@ def as_numbers(fields: Sequence[Line], name: str) -> Array:
     values = np.empty(len(fields))
     for i, (number, text) in enumerate(fields):
         value = as_float(text)
-        if value is None:
-            raise ValueError(
-                f"{name}, line {number}: {brief(text)} is not a number; "
-                "allowed: such as -0.5E-3, with a decimal point"
-            )
-        if not math.isfinite(value):
-            raise ValueError(
-                f"{name}, line {number}: {brief(text)} is not finite; "
-                "fill the gap, or cut the record there"
-            )
+        if value is None or not math.isfinite(value):
+            allowed = "a finite number, such as -0.5E-3"
+            raise ValueError(f"{name}, line {number}: {brief(text)} is not a number; allowed: {allowed}")
         values[i] = value
     return values
 

@@ -19,7 +19,6 @@ _DATA = re.compile(r"\s*(\d{1,9})\s+(?:raw\s+)?accel\S*\s+p(?:oin)?ts\b(.*)", re
 _UNITS = re.compile(r"units\s*=\s*([^(,]+)", re.IGNORECASE)
 _END = re.compile(r"end.of.data|/&", re.IGNORECASE)
 _STEP, _LENGTH = 61, 62  # numbers of real values, from 0
-_EXAMPLE = "42000 acceleration pts, approx 210 secs, units=cm/sec2(04),Format=(8F10.5)"
 
 
 def _read(file: RecordFile) -> list[Series]:
@@ -34,17 +33,12 @@ def _read(file: RecordFile) -> list[Series]:
             at, end = number, number + int(match[1])
             reals = file.numbers(number + 1, end, field_width(match[2].rpartition("(")[2]))
         elif match := _DATA.match(line):
-            after = enumerate(file.lines[number:], number + 1)
-            end = next((n for n, text in after if _END.search(text)), len(file.lines) + 1) - 1
-            values = file.counted(
-                number + 1, end, int(match[1]), number, field_width(line.rpartition("(")[2])
-            )
-            units, about = _UNITS.search(match[2]), {"component": name} if name else {}
+            width = field_width(line.rpartition("(")[2])
+            values, end = file.block(number, int(match[1]), _END, width)
+            units, about = _UNITS.search(match[2]), {"component": name}
             dt = _step(file, values.size, reals, at)
             channels.append(Series(values, None, dt, units[1].strip() if units else None, about=about))
             name, reals = "", None
-    if not channels:
-        raise ValueError(f"{file.name} has no accelerations; allowed: such as {_EXAMPLE!r}")
     return channels
 
 

@@ -30,17 +30,13 @@ def _read(file: RecordFile) -> list[Series]:
             channel = _CHANNEL.match(line)
             name = channel[1].strip() if channel else ""
         if match := _DATA.match(line):
-            after = enumerate(file.lines[number:], number + 1)
-            end = next((n for n, text in after if _END.search(text)), len(file.lines) + 1) - 1
             dt, units = as_float(match[2]), _UNITS.search(line[match.end() :])
             if dt is None or not 0 < dt < 1e9:
                 raise file.wrong(number, repr(_EXAMPLE))
             width = field_width(line.rpartition("(")[2]) or _WIDTH
-            values = file.counted(number + 1, end, int(match[1]), number, width)
-            about = {"component": name} if name else {}
+            values, end = file.block(number, int(match[1]), _END, width)
+            about = {"component": name}
             channels.append(Series(values, None, dt, units[1] if units else None, about=about))
-    if not channels:
-        raise ValueError(f"{file.name} has no accelerations; allowed: such as {_EXAMPLE!r}")
     return channels
 
 

@@ -32,7 +32,7 @@ def _read(file: RecordFile) -> list[Series]:
     values = file.counted(first, len(file.lines), round(count), stated["NDATA"][0])
     units = stated.get("UNITS", (0, ""))[1]
     of = {"event": "EVENT_NAME", "station": "STATION_CODE", "component": "STREAM"}
-    about = {name: stated[key][1] for name, key in of.items() if stated.get(key, (0, ""))[1]}
+    about = {name: stated.get(key, (0, ""))[1] for name, key in of.items()}
     if "NOT REMOVED" in stated.get("BASELINE_CORRECTION", (0, ""))[1].upper():
         values, about["comment"] = centred(values, units)
     return [Series(values, None, dt, units or None, about=about)]

@@ -19,6 +19,9 @@ _LABEL = 18  # characters
 _SCALE, _RATE, _LAST = "Scale Factor", "Sampling Freq(Hz)", "Memo."
 _FRACTION = re.compile(r"([\d.]+)\s*\(\s*gal\s*\)\s*/\s*([\d.]+)", re.IGNORECASE)
 _HEADER = re.compile(r"\AOrigin Time\s")
+# KiK-net has numbers of channels for the directions of K-NET; those of three are in a borehole.
+_CHANNELS = {"4": "N-S", "5": "E-W", "6": "U-D"}
+_CHANNELS |= {"1": "N-S borehole", "2": "E-W borehole", "3": "U-D borehole"}
 
 
 def _read(file: RecordFile) -> list[Series]:
@@ -43,12 +46,9 @@ def _read(file: RecordFile) -> list[Series]:
     samples, (at, _) = round(rate * duration), stated["Duration Time(s)"]
     read = file.counted(first + 1, len(file.lines), samples, at)
     values, comment = centred(read * gal / counts, "gal")
-    about = {
-        "event": stated.get("Origin Time", (0, ""))[1],
-        "station": stated.get("Station Code", (0, ""))[1],
-        "component": stated.get("Dir.", (0, ""))[1],
-        "comment": comment,
-    }
+    of = {"event": "Origin Time", "station": "Station Code", "component": "Dir."}
+    about = {name: stated.get(key, (0, ""))[1] for name, key in of.items()} | {"comment": comment}
+    about["component"] = _CHANNELS.get(about["component"], about["component"])
     return [Series(values, None, 1 / rate, "gal", about=about)]
 
 

@@ -1,16 +1,15 @@
-"""Formats of hazard files, each recognized by its beginning: one file for each format."""
+"""Hazard curves as files state them, and what the formats share."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief, plain
-from stochlin.registry import Registry
+from stochlin.messages import brief
 
 Site = int | Sequence[float]
 """Number of a site in its file, from 1, or its longitude and latitude [degrees]."""
@@ -33,19 +32,6 @@ class AskedHazard(NamedTuple):
     years: float | None  # for which a file gives probabilities
 
 
-class HazardFormat(NamedTuple):
-    """A format of hazard files, whose text begins with ``start``, and its reader of name and text."""
-
-    title: str
-    start: re.Pattern[str]
-    read: Callable[[str, str, AskedHazard], list[Ordinate]]
-
-
-HAZARD_FORMATS: Registry[HazardFormat] = Registry(
-    "format of hazards", "stochlin.analyses.sites.hazard_formats"
-)
-
-
 def annual_frequencies(probabilities: Array, years: float, places: Sequence[str]) -> Array:
     """Annual frequencies [1/yr] with these probabilities of exceedance in some years, for rare events.
 
@@ -53,9 +39,7 @@ def annual_frequencies(probabilities: Array, years: float, places: Sequence[str]
     """
     for place, probability in zip(places, probabilities, strict=True):
         if not 0 <= probability <= 1:
-            raise ValueError(
-                f"{place}: the probability is {probability:g}; allowed: from 0 to 1; correct it"
-            )
+            raise ValueError(f"{place}: the probability is {probability:g}; allowed: from 0 to 1")
     with np.errstate(divide="ignore"):
         frequencies: Array = -np.log1p(-probabilities) / years
     return frequencies
@@ -64,17 +48,28 @@ def annual_frequencies(probabilities: Array, years: float, places: Sequence[str]
 def points_of(ordinate: Ordinate) -> Ordinate:
     """The points of a curve that state a frequency of their own.
 
-    Left out are intensities that are never exceeded, those that are always exceeded, whose frequency is
-    infinite, and of intensities with the same frequency all but the largest.
+    Left out are intensities at the end that are never exceeded, those that are always exceeded, whose
+    frequency is infinite, and of intensities with the same frequency all but the largest.
     """
     frequencies = ordinate.frequencies
-    kept = (frequencies != 0) & (frequencies != np.inf)
+    kept = (np.cumsum(frequencies[::-1] != 0)[::-1] > 0) & (frequencies != np.inf)
     kept[:-1] &= frequencies[:-1] != frequencies[1:]
     return ordinate._replace(
         intensities=ordinate.intensities[kept],
         frequencies=frequencies[kept],
         places=[place for place, keep in zip(ordinate.places, kept, strict=True) if keep],
     )
+
+
+_PERIOD = re.compile(r"SA\((\d+\.?\d*)(?:,[^)]*)?\)|SA(\d{1,3})P(\d{1,6})", re.IGNORECASE)
+
+
+def period_of(measure: str) -> float | None:
+    """Period [s] of ``SA(0.5)`` or ``SA0P5``, 0 of ``PGA``; None of another measure."""
+    if measure.upper() == "PGA":
+        return 0.0
+    match = _PERIOD.fullmatch(measure)
+    return (float(match[1] or f"{match[2]}.{match[3]}") or None) if match else None
 
 
 def measure_in_words(period: float) -> str:
@@ -86,7 +81,4 @@ def refuse(name: str, format_of: str, given: Mapping[str, object]) -> None:
     """Raise a ValueError for an argument that does not apply to a format."""
     for parameter, value in given.items():
         if value is not None:
-            raise ValueError(
-                f"{parameter} = {brief(value)} does not apply: {plain(name)} is {format_of}; leave it "
-                "out"
-            )
+            raise ValueError(f"{parameter} = {brief(value)} does not apply: {name} is {format_of}")
