@@ -352,6 +352,17 @@ def test_peru_has_three_ways_to_be_the_largest():
         assert float(rule.gap(peaks, None, height)) == pytest.approx(gap / 2, rel=1e-12)
 
 
+def test_peru_asks_for_more_as_of_2026():
+    """0.02 Z S h with Z = 0.45 and S = 1.05 at 15 m, and 0.006 h of 2018."""
+    for name, value, gap in (("peru_e030", None, 0.09), ("peru_e030_2026", 0.45 * 1.05, 0.14175)):
+        rule = rules.code_rule(name, value)
+        within = rule.gap(0.01, 0.01, 15.0, 20.0, same_property=True)
+        assert float(within) == pytest.approx(gap, rel=1e-12)
+    assert rule.mark == "M"
+    with pytest.raises(ValueError, match="value is not given; peru_e030_2026 needs it"):
+        rules.code_rule("peru_e030_2026")
+
+
 @pytest.mark.parametrize(
     ("name", "value", "gap"), [(*FAMILIES[0], 0.042), (*FAMILIES[1], 0.12), (*FAMILIES[2], 0.1)]
 )

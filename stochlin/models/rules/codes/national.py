@@ -189,7 +189,7 @@ class Taiwan(CodeRule):
     assumptions = "peaks are 1.4 alpha_y Ra times the displacements under design forces"
     multiplies = DEFLECTION
     called: ClassVar = {
-        BEHAVIOUR: "reduction 1.4 alpha_y Fu of the forces",
+        BEHAVIOUR: "1.4 alpha_y Fu, by which forces are less",
         DEFLECTION: "1.4 alpha_y Ra",
     }
     countries = ("Taiwan",)
@@ -211,11 +211,8 @@ class Peru(CodeRule):
 
     assumptions = f"{INELASTIC}; {BETWEEN}"
     multiplies = DEFLECTION
-    called: ClassVar = {
-        BEHAVIOUR: "reduction coefficient R",
-        DEFLECTION: "0.75 R, or 0.85 R if irregular",
-    }
-    countries = ("Peru",)
+    called: ClassVar = {BEHAVIOUR: "reduction R", DEFLECTION: "0.75 R, or 0.85 R if irregular"}
+    countries: ClassVar[tuple[str, ...]] = ("Peru",)
     family = SUM
     needs = OF_HEIGHT
     line = "a building keeps 2/3 of its own displacement and half of the joint for its own height"
@@ -228,10 +225,26 @@ class Peru(CodeRule):
     def from_line(self, site: Site) -> Any:
         return np.maximum(self.least(site.height_1) / 2, site.peak_1 * (2 / 3))
 
-    @staticmethod
-    def least(height: Any) -> Any:
+    def least(self, height: Any) -> Any:
         """The least joint [m] at this height [m]."""
         return np.maximum(0.006 * height, 0.03)
+
+
+@published(CODE_RULES, "peru_e030_2026", "Norma E.030 as of 2026, Peru", "M", 11)
+@dataclass(frozen=True)
+class Peru2026(Peru, Numbered):
+    """E.030 as of 2026: that of 2018 with a least joint of ``0.02 Z S h`` in place of ``0.006 h``.
+
+    The number is ``Z S``, zone factor times soil factor. The text was not compared; what it does not
+    change is taken from the edition of 2018.
+    """
+
+    countries = ()
+
+    zone_and_soil: float
+
+    def least(self, height: Any) -> Any:
+        return np.maximum(0.02 * self.zone_and_soil * height, 0.03)
 
 
 @published(CODE_RULES, "asce_41", "ASCE 41-13, checklist, adjacent buildings; FEMA 310", "M high", 13)
@@ -304,10 +317,7 @@ class NewZealand(CodeRule):
 
     assumptions = f"peaks are those of the ultimate limit state, mu times elastic; {BETWEEN}"
     multiplies = DEFLECTION
-    called: ClassVar = {
-        BEHAVIOUR: "reduction k_mu/Sp of the forces",
-        DEFLECTION: "structural ductility factor mu",
-    }
+    called: ClassVar = {BEHAVIOUR: "reduction k_mu/Sp", DEFLECTION: "structural ductility factor mu"}
     countries = ("New Zealand",)
     family = SUM
     line = "from the boundary a building keeps its own displacement"
