@@ -33,7 +33,7 @@ def test_without_decay_it_is_bouc_wen(exponent):
     found = response(worn(beta=0.7, exponent=exponent, **none))
     expected = response(sl.BoucWen(**GIVEN, beta=0.7, gamma=0.3, exponent=exponent))
     for name in expected:
-        np.testing.assert_allclose(found[name], expected[name], rtol=1e-9, atol=1e-14)
+        np.testing.assert_allclose(found[name], expected[name], rtol=1e-5, atol=1e-8)
 
 
 def test_moments_of_decay_follow_their_differential_equations():
@@ -103,7 +103,7 @@ def test_a_users_law_is_linearized_in_the_same_way():
     law = {"z": (V - slip) / (1 + E / 10), "e": Z * V}
     found, expected = response(sl.Hysteretic(**GIVEN, law=law)), response(worn())
     for name in expected:
-        np.testing.assert_allclose(found[name], expected[name], rtol=1e-9, atol=1e-14)
+        np.testing.assert_allclose(found[name], expected[name], rtol=1e-5, atol=1e-8)
     assert list(found.state.values) == ["e"]
 
 
@@ -113,11 +113,11 @@ def test_arrays_and_scales():
     many = response(worn(strength_decay=np.array([0.0, 0.05]), pinching=np.array([0.0, 0.8])))
     alone = response(worn(strength_decay=0.05, pinching=0.8))
     for name in ("displacement_std", "state_mean", "hysteretic_energy_per_mass"):
-        np.testing.assert_allclose(many[name].isel(case=1), alone[name], rtol=1e-6, atol=1e-12)
+        np.testing.assert_allclose(many[name].isel(case=1), alone[name], rtol=1e-5, atol=1e-12)
     louder = sl.KanaiTajimi(FIRM.period, FIRM.damping, 4 * FIRM.intensity)
     twice = response(worn(strength_decay=0.05, pinching=0.8, yield_displacement=0.04), louder)
-    np.testing.assert_allclose(twice.displacement_std, 2 * alone.displacement_std, rtol=1e-6)
-    np.testing.assert_allclose(twice.state_mean, alone.state_mean, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(twice.displacement_std, 2 * alone.displacement_std, rtol=1e-5)
+    np.testing.assert_allclose(twice.state_mean, alone.state_mean, rtol=1e-5, atol=1e-12)
 
 
 @pytest.mark.slow

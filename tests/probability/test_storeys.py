@@ -8,7 +8,6 @@ import scipy.integrate
 import xarray as xr
 
 import stochlin as sl
-from stochlin.kernels.linearization.transient import RTOL, RTOL_YIELDING
 
 pytestmark = pytest.mark.oracle
 
@@ -77,11 +76,8 @@ def test_one_storey_is_the_oscillator(pair):
             np.testing.assert_allclose(found[name], expected[name], rtol=0, atol=1e-9, err_msg=name)
         least = found.confidence_of_no_pounding_at_least  # of one height
         np.testing.assert_allclose(least, found.confidence_of_no_pounding, rtol=0, atol=1e-15)
-        # Where structures yield, rounding decides on the lengths of panels: two runs differ by the
-        # tolerance of a panel, times some ten panels over which an error is remembered.
-        share = 10 * RTOL_YIELDING if one.yields else RTOL
         for name in ("displacement_std_1", "displacement_std_2", "difference_std", "rho"):
-            atol = share * float(abs(expected[name]).max())
+            atol = 1e-9 * float(abs(expected[name]).max())
             np.testing.assert_allclose(found[name], expected[name], rtol=0, atol=atol, err_msg=name)
 
 
@@ -141,11 +137,11 @@ def test_linear_moments_are_those_of_the_lyapunov_differential_equation(ground):
         u_1, u_2 = seen(space, "u", one), seen(space, "u", two)
         apart = u_1 - u_2
         std_1, std_2, both = (np.sqrt(np.einsum("i,tij,j->t", r, p, r)) for r in (u_1, u_2, apart))
-        atol = 1e-8 * both.max()
+        atol = 1e-5 * both.max()
         here = found.isel(height=number)
         np.testing.assert_allclose(here.difference_std_at_height, both, rtol=0, atol=atol)
         rho = np.einsum("i,tij,j->t", u_1, p, u_2)[1:] / (std_1 * std_2)[1:]
-        np.testing.assert_allclose(here.rho_at_height[1:], rho, rtol=0, atol=1e-7)
+        np.testing.assert_allclose(here.rho_at_height[1:], rho, rtol=0, atol=1e-5)
     np.testing.assert_allclose(found.displacement_std_1, std_1, rtol=0, atol=atol)
     np.testing.assert_allclose(found.difference_std, both, rtol=0, atol=atol)
 

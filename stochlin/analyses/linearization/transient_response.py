@@ -42,9 +42,9 @@ def transient_response(
     """Standard deviations of the response of a structure over time, by transient linearization.
 
     The structure is at rest at first. The coefficients of eqs. (9) and (10) by the Gaussian closure
-    change with the covariance ``X`` of the response. It obeys ``X' = A X + X A' + B C' + C B'``, with
-    the state matrix ``A`` of the structure, the covariance ``C`` of structure and ground, and the input
-    matrix ``B``, which is proportional to the envelope.
+    change with the covariance ``X`` of the response. It obeys ``X' = A X + X A' + b b'``, with the state
+    matrix ``A`` of structure and ground, in which the forcing is proportional to the envelope, and the
+    white noise ``b`` of unit intensity.
 
     A law with memory has further states ``e`` besides ``z``, such as the dissipated energy. Its
     coefficients are those of the law in which ``e`` has its mean, and the means grow with the response,
@@ -86,9 +86,10 @@ def transient_response(
 
     Notes
     -----
-    For linear structures the result is exact to 1e-9. Strong shaking ends when the envelope falls below
-    half of its maximum for the last time. From then on the result does not have the permanent
-    displacement of yielding structures, because the linearized structure returns to zero.
+    The integration has an error of some 1e-5 of the largest standard deviation. Strong shaking ends
+    when the envelope falls below half of its maximum for the last time. From then on the result does not
+    have the permanent displacement of yielding structures, because the linearized structure returns to
+    zero.
 
     Of 200 random structures that degrade, the standard deviation of the displacement was off by -5 % in
     the mean over the strong shaking, and by 11 % or less in nine of ten; the energy at the end by +8 %,

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy.linalg
 import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
@@ -20,21 +18,9 @@ from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.linearization.filters import Matrices
-from stochlin.kernels.linearization.gaussian import ClosureInTime
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
 from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
-from stochlin.kernels.linearization.transient import (
-    NODES,
-    NODES_OF_STOREYS,
-    ChainEquations,
-    Difference,
-    Filters,
-    LawsInTime,
-    Own,
-    StoreyChains,
-    Transient,
-)
+from stochlin.kernels.linearization.transient import Covariances, Difference, Law, Own, Structures
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
@@ -45,8 +31,7 @@ STEPS_PER_PERIOD = 16  # instants in the shortest period, for integrals over tim
 STRONG = 0.5  # share of the envelope's maximum below which shaking is no longer strong
 SCANNED = 4096  # instants at which an envelope is evaluated for checks
 COLUMNS = 8  # numbers that are stored for each structure or pair at an instant
-AT_NODES = 100  # numbers in a panel for each one of the matrices of the filters
-RATES = 20  # evaluations of the rates for each radian of the fastest mode, expected
+RATES = 6  # evaluations of the rates for each radian of the fastest mode, expected
 POINTS = 101  # instants of a result
 TIME = "time"
 
@@ -279,24 +264,22 @@ def solve_course(
     ``pairs`` (2, p) has the numbers of their cells. ``progress`` is called with the share of the
     duration that is done.
     """
-    groups = _groups(sides, ground)
-    fastest = max(group.fastest() for group in groups)
-    n, m = sum(side.period.size for side in sides), max(side.elements for side in sides)
-    k, filters = groups[0].filters.matrix.shape[-1], sum(group.filters.matrix.size for group in groups)
-    evaluations = RATES * fastest * course.duration
+    equations = [_equations(side, ground) for side in sides]
+    states = max(part.matrix.shape[-1] for part in equations)
+    elements = max(side.elements for side in sides)
+    count = sum(side.period.size for side in sides) + 2 * pairs.shape[1]
+    evaluations = RATES * course.duration * max(part.fastest for part in equations)
     check_work(
-        f"{pairs.shape[1]} pairs at {course.times.size} instants, with {m} storeys, would take",
+        f"{pairs.shape[1]} pairs at {course.times.size} instants, with {elements} storeys, would take",
         "take fewer cells at a time, storeys together, or a shorter motion",
         {
-            "cubes of states in motion": evaluations
-            * ((n + 2 * pairs.shape[1]) * (3 * m) ** 3 + 3 * m * k * n + filters),
-            "numbers": COLUMNS * course.times.size * m * (n + pairs.shape[1]) + AT_NODES * filters,
+            "cubes of states in motion": evaluations * count * states**3,
+            "numbers": COLUMNS * course.times.size * elements * count,
         },
     )
-    laws = _laws_in_time(sides) if any(group.yields.any() for group in groups) else None
-    transient = Transient(groups, pairs, laws, course.values)
     kinks = () if course.envelope is None else course.envelope.kinks()
-    return TransientMoments(*transient.solve(course.times, kinks, progress), tuple(sides), course)
+    moments = Covariances(equations, pairs, course.values).solve(course.times, kinks, progress)
+    return TransientMoments(*moments, tuple(sides), course)
 
 
 def over_time(table: xr.Dataset, course: TimeGrid) -> xr.Dataset:
@@ -321,101 +304,20 @@ def over_time(table: xr.Dataset, course: TimeGrid) -> xr.Dataset:
     )
 
 
-def _groups(sides: Sequence[StructureCells], ground: Ground) -> list[ChainEquations]:
-    """Equations of all cells; sides with the same number of elements are one group."""
-    groups = []
-    nodes = NODES_OF_STOREYS if any(side.elements > 1 for side in sides) else NODES
-    for _, members in groupby(sides, lambda side: side.elements):
-        alike = list(members)
-        parts = zip(*map(_structures, alike), strict=True)
-        structures = StoreyChains(*map(np.concatenate, parts))
-        groups.append(ChainEquations(structures, _filters(ground, grounds_of(alike)), nodes))
-    return groups
-
-
-def _structures(side: StructureCells) -> StoreyChains:
-    """Equations of the extensions ``d = E u``, from ``M u'' = -C u' - E' (k d - h y) + M 1 f``."""
-    mass, damping, extensions, _, _, couple, strength = side.stack.system
-    floors, by_forces = np.linalg.inv(extensions), extensions / mass[:, None]
-    shears, seen = by_forces @ extensions.T, side.seen @ floors
-    return StoreyChains(
-        2 * np.pi / side.period,
-        shears * side.stack.system.elastic[:, None],
-        by_forces @ damping @ floors,
-        shears * couple[:, None],
-        strength,
-        side.limits,
-        side.elastic_std,
-        np.broadcast_to(extensions.sum(axis=1), mass.shape),
-        np.broadcast_to(seen, (len(mass), *seen.shape)),
+def _equations(side: StructureCells, ground: Ground) -> Structures:
+    """Equations of the cells of a structure."""
+    system, law = side.stack.system, None
+    if side.structure.yields:
+        law = Law(side.stack.law.closure_in_time(), side.law[:, np.isfinite(system.strength.ravel())])
+    return Structures(
+        system,
+        ground.filter(side.ground),
+        law,
+        scale=side.elastic_std,
+        frequency=2 * np.pi / side.period,
+        seen=side.seen,
+        limit=side.limits,
     )
-
-
-def _laws_in_time(sides: Sequence[StructureCells]) -> LawsInTime:
-    """The closures of all yielding elements by their laws, whose first state is the energy."""
-    yielding = [side for side in sides if side.structure.yields]
-
-    def closure_of(side: StructureCells) -> ClosureInTime:
-        return side.stack.law.closure_in_time()
-
-    def law_of(side: StructureCells) -> Array:
-        return side.law[:, np.isfinite(side.stack.system.strength.ravel())]
-
-    groups = [
-        (closure, np.concatenate([law_of(side) for side in members], axis=1))
-        for closure, members in groupby(yielding, closure_of)
-    ]
-    ends = np.cumsum([law.shape[1] for _, law in groups])
-    states = 1 + max(closure.states for closure, _ in groups)
-
-    def closure(latent: Array, means: Array) -> tuple[Array, Array]:
-        coefficients, rates = np.empty((2, *latent.shape[1:])), np.zeros(means.shape)
-        rates[0] = latent.prod(axis=0)
-        for (of_law, law), end in zip(groups, ends, strict=True):
-            cells, own = slice(end - law.shape[1], end), slice(1, 1 + of_law.states)
-            part = latent[..., cells]
-            spread = law.reshape(len(law), *(1,) * (part.ndim - 2), law.shape[1])
-            spread = np.broadcast_to(spread, (len(law), *part.shape[1:]))
-            rows = np.concatenate([spread, means[own, ..., cells]])
-            flat = part.reshape(3, -1), rows.reshape(len(rows), part[0].size)
-            found = of_law.closure(*flat).coefficients
-            coefficients[..., cells] = found.reshape(2, *part.shape[1:])
-            rates[own, ..., cells] = of_law.mean_rates(*flat).reshape(of_law.states, *part.shape[1:])
-        return coefficients, rates
-
-    return LawsInTime(states, closure)
-
-
-def _filters(ground: Ground, values: Mapping[str, Array]) -> Filters:
-    """Ground filters of the cells; equal filters are computed once."""
-    intensity = 2 * np.pi * values["intensity"]
-    shape = {name: row for name, row in values.items() if name != "intensity"}
-    table = np.stack([np.zeros_like(intensity), *shape.values()])
-    alike, which = np.unique(table, axis=1, return_inverse=True)
-
-    def unit(column: Array) -> Matrices:
-        parameters = dict(zip(shape, column.tolist(), strict=True))
-        return ground.filter({"intensity": 1.0, **parameters}).arrays
-
-    filters = [_in_standard_deviations(unit(column)) for column in alike[1:].T]
-    cells = which.ravel()
-    if len(filters) == 1 and np.ptp(intensity) == 0:  # one ground for all
-        cells, intensity = cells[:1], intensity[:1]
-    matrix, *parts = (np.stack(parts)[cells] for parts in zip(*filters, strict=True))
-    return Filters(
-        matrix, *(np.sqrt(intensity).reshape(-1, *(1,) * (part.ndim - 1)) * part for part in parts)
-    )
-
-
-def _in_standard_deviations(unit: Matrices) -> Filters:
-    """One filter under unit white noise, with states of unit variance."""
-    matrix, noise, output = unit
-    if not noise.size:
-        return Filters(matrix, output, output, np.array(1.0))
-    covariance = scipy.linalg.solve_continuous_lyapunov(matrix, -np.outer(noise, noise))
-    scale = np.sqrt(np.diag(covariance))
-    push = covariance @ output
-    return Filters(matrix * scale / scale[:, None], output * scale, push / scale, np.array(0.0))
 
 
 def spread_over(values: Array, at: xr.DataArray) -> xr.DataArray:

@@ -16,7 +16,7 @@ from numpy.polynomial.laguerre import laggauss
 from scipy.special import erf
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.collocation import exponentials
+from stochlin.kernels.basics.exponentials import exponentials
 from stochlin.kernels.basics.parallel import in_ranges
 from stochlin.kernels.basics.small_systems import solve_3x3
 from stochlin.kernels.linearization.cells.slip import quadrants
