@@ -35,7 +35,7 @@ from stochlin.kernels.linearization.gaussian import ClosureInTime
 if TYPE_CHECKING:
     from scipy.integrate import RK45
 
-# Tolerances of a step, for covariances in units of the elastic response. The standard deviations of 80
+# Tolerances of a step, for covariances in units of the elastic response. The standard deviations of 48
 # random structures and pairs, with up to 20 + 20 storeys, were within 1e-4 of their largest value of
 # those by another method with a tolerance of 1e-7 and less.
 RTOL, ATOL = 1e-5, 1e-9
