@@ -102,6 +102,8 @@ def read_hazard(
     """
     of = Hazard(measure=measure, period=period)  # checks measure and period
     paths = [input_path("path", file) for file in (path if isinstance(path, (list, tuple)) else [path])]
+    if not paths:
+        raise ValueError(f"path = {brief(path)}; allowed: one file, or several")
     if of.measure == "intensity" and units is not None:
         raise ValueError(f"units = {units!r}; allowed with intensity: none, it is in m^2/s^3")
     units = None if units is None else acceleration_units(units, "units")
