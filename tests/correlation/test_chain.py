@@ -104,20 +104,20 @@ def test_a_table_without_a_valid_cell_is_blank():
     usual = sl.correlate(wrong, TABLE[1], LAKE_BED)
     assert (table.status == 3).all()
     for name, array in usual.items():
-        np.testing.assert_allclose(table[name], array, rtol=1e-12, err_msg=name)
+        np.testing.assert_allclose(table[name], array, rtol=1e-10, err_msg=name)
 
 
 @pytest.mark.oracle
-def test_substitution_ends_where_newton_does():
-    """It takes several times the iterations; relaxed or not, it ends at the same coefficients."""
+def test_substitution_ends_where_mixing_does():
+    """It takes more iterations; relaxed or not, it ends at the same coefficients."""
     ground = sl.KanaiTajimi(2.0, 0.6)
-    newton = sl.linearize_system(TABLE, ground)
+    mixed = sl.linearize_system(TABLE, ground)
     for relaxation in (1.0, 0.7):
         table = sl.linearize_system(TABLE, ground, iteration="substitution", relaxation=relaxation)
         assert (table.status == 0).all()
-        assert float(table.iterations.mean()) > 3 * float(newton.iterations.mean())
-        np.testing.assert_allclose(table.c_eq, newton.c_eq, atol=1e-8)
-        np.testing.assert_allclose(table.rho, newton.rho, atol=1e-8)
+        assert float(table.iterations.mean()) > 1.5 * float(mixed.iterations.mean())
+        np.testing.assert_allclose(table.c_eq, mixed.c_eq, atol=1e-8)
+        np.testing.assert_allclose(table.rho, mixed.rho, atol=1e-8)
 
 
 @pytest.mark.invariant

@@ -13,7 +13,6 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.tables import labels
-from stochlin.kernels.linearization.systems.springs import _solve_each
 
 pytestmark = pytest.mark.invariant
 
@@ -133,7 +132,7 @@ ROUNDED = {
     "correlate, lyapunov": lambda one, two: sl.correlate(
         of(one), of(two), LAKE, solver="lyapunov", max_iterations=30
     ),
-    "system, newton": system,
+    "system, anderson": system,
     "system, substitution": partial(system, **RELAXED),
     "system, linked": partial(system, link=sl.Link(2e6, 1e5)),
     "system, yielding link": partial(system, link=sl.Link(2e6, hardening=0.05, yield_displacement=0.01)),
@@ -248,12 +247,6 @@ def test_a_structure_that_falls_has_a_status_and_its_neighbours_their_numbers():
         table = verb([GOOD[0], falls], [BESIDE[0]] * 2)
         assert table.status.values.tolist() == [labels.CONVERGED, labels.NOT_CONVERGED]
         check(table, [verb(GOOD[:1], BESIDE[:1])], 1)
-
-
-def test_equations_beside_singular_ones_are_solved_as_they_are_alone():
-    matrices = np.array([np.zeros((2, 2)), np.diag([1.0, 1e-17]), np.eye(2)])
-    found = _solve_each(matrices, np.ones((3, 2)))
-    np.testing.assert_allclose(found, [[np.nan, np.nan], [1, 1e17], [1, 1]])
 
 
 def test_a_bad_cell_of_a_pair_blanks_its_row_and_nothing_else():

@@ -1,4 +1,4 @@
-"""The Python example of the README; changes below 1e-12 are rounding errors, and are not kept."""
+"""The Python example of the README; changes below 1e-8 have few digits, and are not kept."""
 
 import re
 from pathlib import Path
@@ -10,7 +10,7 @@ readme = (Path(sl.__file__).parents[1] / "README.md").read_text(encoding="utf-8"
 names = {}
 exec(compile(example.replace("print(", "str("), "README.md", "exec"), names)
 changes = names["solved"].covariance_change
-changes.where(changes > 1e-12, drop=True).to_netcdf("changes.nc", engine="scipy")
+changes.where(changes > 1e-8, drop=True).to_netcdf("changes.nc", engine="scipy")
 names["solved"][["c_eq", "k_eq", "rho"]].to_netcdf("solved.nc")
 Path("rho.nc").unlink()
 names["table"].rho.isel(period_ratio=slice(None, None, 16)).to_netcdf("rho.nc")

@@ -46,7 +46,7 @@ class SystemSolution(NamedTuple):
 def solve_equations(
     equations: Equations, tolerance: Tolerance, relaxation: float | None = None
 ) -> SystemSolution:
-    """The equivalent coefficients of all elements, by Newton's method, or by substitution if relaxed."""
+    """The equivalent coefficients of all elements, by mixing, or by plain substitution if relaxed."""
     own, stacks = equations.yields, equations.arrangement.stacks
     problem = springs_of(equations, tolerance.rtol)
     power = problem.power
@@ -63,9 +63,7 @@ def solve_equations(
     failed = np.where(np.isnan(solved.demand), labels.NOT_PHYSICAL, failed)
     calm = np.where(still.all(axis=1), labels.ELASTIC_LIMIT, labels.CONVERGED)
     status = np.where(solved.converged, calm, failed).astype(np.int8)
-    watch = problem.watch
-    changes = watch.changes[: watch.iterations.max(initial=0)]
-    return SystemSolution(c_eq, k_eq, linear, changes, watch.iterations, status)
+    return SystemSolution(c_eq, k_eq, linear, solved.changes, solved.rounds, status)
 
 
 def springs_of(equations: Equations, rtol: float) -> Springs:

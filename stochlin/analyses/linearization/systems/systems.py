@@ -15,8 +15,8 @@ from stochlin.analyses.linearization.systems.state_space import (
     check_one_system,
     checked_system,
 )
-from stochlin.analyses.linearization.systems.variables import VARIABLES
 from stochlin.analyses.linearization.tolerance import USUAL, Tolerance
+from stochlin.analyses.linearization.variables import VARIABLES as LINEARIZATION
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import NONE_VALID, Flat, flat
 from stochlin.analyses.tables.floors import element_coordinates, floor_coordinates
@@ -33,8 +33,22 @@ from stochlin.models.links import Link
 from stochlin.models.parameters import Model, Range
 from stochlin.models.systems import AnyStructure, arrangement_of, check_stationary, stack_of
 
-ITERATIONS = ("newton", "substitution")
-# Variables of `linearize_system` and their dimensions beside those of the cells.
+ANDERSON = "anderson"
+ITERATIONS = (ANDERSON, "substitution")
+VARIABLES: labels.Variables = {
+    **LINEARIZATION,
+    "drift_std": ("m", "standard deviation of the storey drift or link extension"),
+    "ductility_std": ("1", "standard deviation of the storey ductility"),
+    "yield_drift": ("m", "yield drift"),
+    "rho": ("1", "correlation coefficient of the displacements"),
+    "relative_displacement_std": ("m", "standard deviation of the relative displacement of two floors"),
+    "link_force_std": ("N", "standard deviation of the link force"),
+    "equivalent_damping_constant": ("N s/m", "equivalent damping constant of the link"),
+    "residual": ("1", "relative residual of the Lyapunov equation"),
+    "covariance_change": ("1", "largest relative change of the covariance"),
+    "coefficient_change": ("1", "largest change of the equivalent coefficients"),
+}
+# Dimensions of the variables of `linearize_system` beside those of the cells.
 DIMS = {
     **dict.fromkeys(
         ("drift_std", "ductility_std", "z_std", "velocity_z_corr", "c_eq", "k_eq", "yield_drift"),
@@ -56,7 +70,7 @@ def linearize_system(
     ground: Ground,
     links: Sequence[Link | None] = (),
     *,
-    iteration: Annotated[str, OneOf(ITERATIONS)] = "newton",
+    iteration: Annotated[str, OneOf(ITERATIONS)] = ANDERSON,
     relaxation: Annotated[float, Number(Range(0, 1, include_upper=True))] = 1.0,
     rtol: float = USUAL.rtol,
     max_iterations: int = USUAL.max_iterations,
@@ -80,20 +94,21 @@ def linearize_system(
         link name; oscillators then need a mass. A link that yields is an element like a storey. A
         dashpot with an exponent ``a`` is linearized for a Gaussian rate ``v``, with the damping constant
         ``c E|v|^(a+1) / E v^2``, in the same iteration.
-    iteration : {"newton", "substitution"}
-        ``"newton"``: each iteration is a step of a damped Newton's method for the moments of the
-        elements. ``"substitution"``: the coefficients for the moments of the response are substituted
-        directly, as in the paper. It needs more iterations and may cycle without end; see the notes.
+    iteration : {"anderson", "substitution"}
+        ``"substitution"``: the moments of the response give the next coefficients directly, as in the
+        paper, which may cycle without end; see the notes. ``"anderson"``: Anderson's mixing combines
+        the moments of the last rounds so that the mismatch is least.
     relaxation : float
-        Share [-] of the way to the new coefficients that a substitution goes, in (0, 1]; with 0.7 nearly
-        every pair converges, see the notes.
+        Share [-] of the way to the new moments, as logarithms, that a substitution goes, in (0, 1]; with
+        0.7 nearly every pair converges, see the notes.
     rtol : float
         The iteration stops when no covariance changes by more than ``rtol`` times the product of the
         standard deviations, no ``c_eq`` by more than ``rtol``, and no ``k_eq`` by more than ``rtol``
         times the sum of ``k_eq`` and the frequency of the element.
     max_iterations : int
-        Largest number of iterations, and of steps in intensity where the solution is followed, as in
-        `linearize`.
+        Largest number of iterations. Where a law may have several solutions, and where mixing fails,
+        the solution is followed from weak to full shaking, in at most so many steps of up to 30
+        iterations.
 
     Returns
     -------
@@ -125,11 +140,11 @@ def linearize_system(
     Notes
     -----
     Builder of the state matrix, solver, renewal of the coefficients and stop rule are one function each
-    in ``stochlin.kernels.linearization.systems``, beside their equations in ``docs/theory.md``. Newton's
-    method takes about six iterations, substitution 20 to 60. Of the pairs of the charts, 95 % and more
-    converge by substitution with ``relaxation=1``, and all with 0.7. Of 2000 random pairs with periods
-    of 0.1 to 3 s, damping ratios of 0.01 to 0.1, hardening ratios of 0.02 to 0.2 and R of 1 to 6, 69 to
-    92 % converge in 200 iterations with 1, depending on the ground, and 99.8 % or more with 0.7.
+    in ``stochlin.kernels.linearization.systems``, beside their equations in ``docs/theory.md``. With
+    mixing a pair takes about 12 iterations, with substitution 20 to 60. Of the pairs of the charts, 95 %
+    and more converge by substitution with ``relaxation=1``, and all with 0.7. Of 2000 random pairs with
+    periods of 0.1 to 3 s, damping ratios of 0.01 to 0.1, hardening ratios of 0.02 to 0.2 and R of 1 to
+    6, 69 to 92 % converge in 200 iterations with 1, by ground, and 99.8 % or more with 0.7.
 
     The force of a storey depends on its own drift only, so that the closures of single oscillators apply
     to each storey. They also have the same errors: compared with nonlinear simulation, drifts of
@@ -182,10 +197,10 @@ def linearize_system(
 
 
 def relaxation_of(iteration: str, relaxation: float) -> float | None:
-    """The relaxation factor of a substitution, None for Newton's method, which has none."""
-    if iteration == "newton" and relaxation != 1:
+    """The relaxation factor of a substitution, None with mixing, which has none."""
+    if iteration == ANDERSON and relaxation != 1:
         raise ValueError(
-            f"relaxation = {relaxation:g} with iteration = 'newton', which damps its steps by itself; "
+            f"relaxation = {relaxation:g} with iteration = 'anderson', which finds its own steps; "
             "allowed: 1, or iteration='substitution'"
         )
     return float(relaxation) if iteration == "substitution" else None

@@ -14,7 +14,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse.csgraph import connected_components
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.spectral_moments import SpectralMoments
@@ -39,7 +38,6 @@ class SpringMoments(NamedTuple):
 class Basis(NamedTuple):
     """The transformation from the states to those that are solved for, and back."""
 
-    ground: Array  # (g,): numbers of the ground's states among those that are solved for
     into: Array  # (c, k, states): matrix to the ``k`` states that are solved for
     back: Array  # (c, states, k): matrix back
     drifts: Array  # (m, k): rows of the extensions of the yielding springs
@@ -66,10 +64,9 @@ class StationaryResponse:
     """The stationary response of systems that are `alike`; NaN where there is none."""
 
     def __init__(self, system: StateSpace) -> None:
-        self.system, self.basis, self.moves = system, _basis(system), _moves(system)[0]
+        self.system, self.basis = system, _basis(system)
         into, back = self.basis.into, self.basis.back
-        matrix = into @ system.matrix @ back
-        self._equation = Lyapunov(matrix, _parts(matrix, self.basis.ground))
+        self._equation = Lyapunov(into @ system.matrix @ back)
         self._noise = (into @ system.noise[..., None])[..., 0]
         self._solution = self._equation.covariance(self._noise, system.intensity)
 
@@ -103,7 +100,7 @@ class StationaryResponse:
     @cached_property
     def moments(self) -> SpringMoments:
         """Second moments of the yielding springs."""
-        _, _, _, d, v, z, beyond = self.basis
+        _, _, d, v, z, beyond = self.basis
         pairs = (d, d), (v, v), (z, z), (v, beyond)
         return SpringMoments(*(self._product(left, right) for left, right in pairs))
 
@@ -141,35 +138,6 @@ class StationaryResponse:
         transfer = self._equation.transfer(rows, self._noise, frequency)
         density: Array = self.system.intensity[:, None, None] / (2 * np.pi) * np.abs(transfer) ** 2
         return density
-
-    def slopes(self, dashpots: Array, mass: Array) -> Array:
-        """Derivatives (c, 3 m + l, 2 m + l) of the moments by the equivalent coefficients.
-
-        The rows are the last three moments of the yielding springs (3 m) and the variances of the rates
-        of the springs ``dashpots`` (l,). The columns are ``c_eq`` and ``k_eq`` of the yielding springs
-        (2 m) and the constants of the dashpots parallel to the springs ``dashpots``. ``mass`` (c, n) are
-        the masses of the coordinates.
-        """
-        order, basis = self.system.order, self.basis
-        m, cells, states = order.z.size, len(mass), basis.into.shape[1]
-        extensions = self.system.extensions[dashpots]
-        rates = extensions @ basis.back[:, order.velocities]
-        pushes = basis.into[:, :, order.velocities] @ (extensions / mass[:, None]).swapaxes(1, 2)
-        columns, rows = np.zeros((2, cells, 2 * m + dashpots.size, states))
-        own = np.where(
-            self.moves, basis.into[:, :, order.z], basis.into @ self.system.matrix[..., order.z]
-        )
-        columns[:, :m], columns[:, m : 2 * m] = own.swapaxes(1, 2), own.swapaxes(1, 2)
-        rows[:, :m] = -np.where(self.moves[:, None], basis.velocities, basis.drifts)  # else z = -c_eq d
-        rows[:, m : 2 * m] = -np.where(self.moves[:, None], basis.z, 0.0)
-        columns[:, 2 * m :], rows[:, 2 * m :] = pushes.swapaxes(1, 2), -rates
-        velocities = np.broadcast_to(basis.velocities, (cells, m, states))
-        left = np.concatenate([velocities, basis.z, velocities, rates], axis=1)
-        right = np.concatenate([velocities, basis.z, basis.beyond, rates], axis=1)
-        slopes = self._equation.slopes(columns, rows, self._solution, left, right)
-        follows = np.flatnonzero(~self.moves)
-        slopes[:, m + follows, follows] -= 2 * self._product(basis.drifts, basis.z)[:, follows]
-        return slopes
 
     def _std(self, rows: Array) -> Array:
         """Standard deviations of linear functions (c, k, states) of the states that are solved for."""
@@ -217,20 +185,6 @@ def _moves(system: StateSpace) -> Array:
     return np.abs(relaxation) > SLOW * _fastest(system)
 
 
-def _parts(matrix: Array, ground: Array) -> list[Array]:
-    """States (c, k, k) of structures that are not linked, each array a part, and last the ground's.
-
-    They follow from the entries of the matrix that are not zero in a cell whose entries are numbers.
-    """
-    acts = np.asarray((matrix[np.isfinite(matrix).all(axis=(1, 2))] != 0).any(axis=0))
-    acts[:, ground] = False
-    acts[np.ix_(ground, ground)] = True
-    _, part = connected_components(acts, directed=False)
-    driving = np.isin(part, part[ground])
-    apart = [np.flatnonzero(part == number) for number in np.unique(part[~driving])]
-    return [*apart, np.flatnonzero(driving)]
-
-
 def _inverse(extensions: Array) -> Array:
     """Inverse (n, n) of extensions; without rounding errors if all its entries are whole numbers."""
     inverse = np.linalg.inv(extensions)
@@ -240,7 +194,7 @@ def _inverse(extensions: Array) -> Array:
 
 def _basis(system: StateSpace) -> Basis:
     """The transformation that the module's docstring describes."""
-    matrix, (g, q, v, z) = system.matrix, system.order
+    matrix, (_, q, v, z) = system.matrix, system.order
     own, stiff = system.extensions[system.springs], system.extensions[_stiffest(system)[0]]
     moves, coordinates = _moves(system)[0], _inverse(stiff)
     follows = (matrix[:, z[:, None], v] * own).sum(axis=2) / (own**2).sum(axis=1)  # -c_eq
@@ -263,4 +217,4 @@ def _basis(system: StateSpace) -> Basis:
     beyond = np.where(moves[:, None], back[:, z], 0.0)
     of_drift = np.where(moves, by_y, follows)
     back[:, z] = beyond + of_drift[..., None] * drifts
-    return Basis(where[g], into, back, drifts, velocities, back[:, z], beyond)
+    return Basis(into, back, drifts, velocities, back[:, z], beyond)

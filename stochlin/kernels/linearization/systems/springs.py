@@ -1,12 +1,13 @@
-"""Steps of the iteration for systems of springs, many at once.
+"""The iteration of statistical linearization for systems of springs that yield, many at once.
 
-The equivalent coefficients define a linear system (`state_space`). Its covariance, from the Lyapunov
-equation (`respond`), gives the moments of the springs that yield, and the closure gives the coefficients
-for these moments (`coefficients_of`). This is repeated until covariance and coefficients stand still.
-`Substitution` does so directly, which may cycle; `Springs` makes damped steps of Newton's method.
+The unknowns (u, c) of c cells are ``log sigma_v``, ``log sigma_z`` and ``atanh corr(v, z)`` of the m
+springs that yield, and ``log sigma`` of the rates of k dashpots with an exponent. `linear_for` has the
+coefficients of the closure, eqs. (9) and (10), for these moments. `respond` has the moments of the
+response of the linear system with these coefficients. `fixed_points` repeats this, with the moments
+that `Mixing` makes of those of the response, until covariance and coefficients stand still.
 
-A dashpot with an exponent is linearized too, with ``log sigma`` of the rate of its extension as one more
-unknown (Roberts and Spanos 1990, Random vibration and statistical linearization).
+A dashpot with an exponent is linearized too (Roberts and Spanos 1990, Random vibration and statistical
+linearization).
 """
 
 from __future__ import annotations
@@ -17,25 +18,15 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.cells.steps import (
-    LARGEST_MISMATCH,
-    LARGEST_STEP,
-    StepControl,
-    next_delta,
-    slope_of_unknowns,
-)
-from stochlin.kernels.linearization.gaussian import Closure, ClosureValue, equivalent_dashpot
-from stochlin.kernels.linearization.iteration import (
-    BOLD,
-    FixedPoint,
-    State,
-    elastic_limit,
-    iterate,
-    solve,
-)
+from stochlin.kernels.linearization.gaussian import Closure, equivalent_dashpot
+from stochlin.kernels.linearization.iteration import FixedPoint, elastic_limit, solve
+from stochlin.kernels.linearization.systems.mixing import Mixing
 from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
 from stochlin.kernels.linearization.systems.state_space import Mechanics, state_space
 
+DEPTH = 10  # rounds that are mixed
+AT_LEVEL = 30  # rounds at one level of shaking, where a solution is followed
+SOLVED = 1e-7  # largest mismatch of a solution; rounding leaves this much in stiff equations
 IDLE = 1e-6  # ratio of the rate of a link to those of its ends below which it may be a rounding error
 
 
@@ -46,14 +37,6 @@ class Law(NamedTuple):
     closure: Closure
     parameters: Array  # (p, c, i)
 
-    def values(self, latent: Array) -> ClosureValue:
-        """What the closure finds for assumed moments (3, c, m) of all springs; arrays (..., c, i)."""
-        moments = latent[..., self.springs]
-        shape = moments.shape[1:]
-        parameters = self.parameters.reshape(len(self.parameters), moments[0].size)
-        flat = self.closure(moments.reshape(3, -1), parameters)
-        return ClosureValue(*(field.reshape(*field.shape[:-1], *shape) for field in flat))
-
 
 class Linear(NamedTuple):
     """Equivalent coefficients of the springs that yield, and linear dashpots of all links."""
@@ -62,21 +45,6 @@ class Linear(NamedTuple):
     relaxation: Array  # (c, m) k_eq [1/s]
     dashpots: Array  # (c, l) damping constants [N s/m]
 
-    def at(self, cells: Array) -> Linear:
-        """The cells with these numbers."""
-        return Linear(*(part[cells] for part in self))
-
-    @property
-    def rows(self) -> Array:
-        """All coefficients (2 m + l, c)."""
-        return np.concatenate(self, axis=1).T
-
-    @classmethod
-    def of(cls, problem: Springs, rows: Array) -> Linear:
-        """From all coefficients (2 m + l, c)."""
-        m = problem.springs
-        return cls(rows[:m].T, rows[m : 2 * m].T, rows[2 * m :].T)
-
 
 class ResponseMoments(NamedTuple):
     """What the iteration needs of the response; NaN in cells without a stationary one."""
@@ -84,54 +52,6 @@ class ResponseMoments(NamedTuple):
     covariance: Array  # (c, states, states)
     springs: Array  # (3, c, m) Var d', Var z, Cov(d', z) over the square of the strength
     rates: Array  # (c, k) variances of the rates of extension of linearized dashpots
-    slopes: Array  # (c, 3 m + k, 2 m + k) derivatives by the coefficients, if asked for
-
-
-class Watch:
-    """The linear systems of the last iteration of all cells, and the changes in each iteration."""
-
-    def __init__(self, mechanics: Mechanics, linear: Linear) -> None:
-        cells, states = len(mechanics.intensity), sum(part.size for part in mechanics.order)
-        self.linear = linear
-        self.covariance = np.full((cells, states, states), np.nan)
-        self.changes = np.full((0, 2, cells), np.nan)
-        self.iterations = np.zeros(cells, np.int32)
-
-    def forget(self, cells: Array) -> None:
-        """Forget the linear systems of some cells, for which an iteration begins."""
-        for part in (*self.linear, self.covariance):
-            part[cells] = np.nan
-
-    def add(self, springs: Springs, linear: Linear, covariance: Array, good: Array) -> Array:
-        """Add an iteration, and return the largest changes (2, cells) of covariance and coefficients.
-
-        That of a covariance is over the product of the standard deviations, that of ``k_eq`` over
-        ``k_eq`` plus the frequency of the spring, that of a dashpot over its constant. Cells that are
-        not ``good`` have no covariance, and are not added.
-        """
-        cells, before, power = springs.cells, self.linear.at(springs.cells), springs.power
-        std = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
-        std = np.where(std == 0, 1.0, std)
-        moved = np.abs(covariance - self.covariance[cells]) / (std[:, :, None] * std[:, None])
-        slip = np.abs(linear.slip - before.slip)
-        scale = np.abs(linear.relaxation) + springs.mechanics.frequency
-        relaxation = np.abs(linear.relaxation - before.relaxation) / scale
-        rate = np.abs(linear.dashpots - before.dashpots)[:, power]
-        relative = np.where(rate == 0, 0.0, rate / np.abs(before.dashpots[:, power]))
-        parts = np.concatenate([slip, relaxation, relative], axis=1)
-        changes = np.stack([moved.max(axis=(1, 2)), parts.max(axis=1, initial=0.0)])
-        self.covariance[cells[good]] = covariance[good]
-        for old, new in zip(self.linear, linear, strict=True):
-            old[cells[good]] = new[good]
-        self._record(cells[good], changes[:, good])
-        return changes
-
-    def _record(self, cells: Array, changes: Array) -> None:
-        if self.iterations[cells].max(initial=-1) >= len(self.changes):
-            more = np.full((max(16, len(self.changes)), *self.changes.shape[1:]), np.nan)
-            self.changes = np.concatenate([self.changes, more])
-        self.changes[self.iterations[cells], :, cells] = changes.T
-        self.iterations[cells] += 1
 
 
 class Springs(NamedTuple):
@@ -139,14 +59,14 @@ class Springs(NamedTuple):
 
     mechanics: Mechanics
     laws: Sequence[Law]
-    dashpots: Array  # (c, l) damping constants of the links
-    exponents: Array  # (c, l) of the dashpots
-    power: Array  # (k,) numbers of the links whose dashpots are linearized
-    idle: Array  # (c, k) whether the ends of such a link move together
-    level: Array  # (c,) logarithm of the ratio of the shaking to the full one, as standard deviations
-    rtol: float
-    watch: Watch
-    cells: Array  # (c,) their numbers among those that are watched
+    dashpots: Array  # (c, l) constants of the dashpots of the links
+    exponents: Array  # (c, l)
+    power: Array  # (k,) numbers of the links that are linearized: exponents other than 1
+    idle: Array  # (c, k) whether such a link does not move while the response is elastic
+    level: Array  # (c,) logarithm of the ratio of the shaking to the full one
+    rtol: float  # of the stop rule
+    cells: Array  # (c,) their numbers among all cells
+    rounds: list[tuple[Array, Array]]  # cells of all rounds, and their changes as in `stands_still`
 
     @classmethod
     def of(
@@ -157,13 +77,11 @@ class Springs(NamedTuple):
         exponents: Array,
         rtol: float,
     ) -> Springs:
-        """Under full shaking, before the first iteration."""
-        power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
-        none = np.full((len(dashpots), mechanics.springs.size), np.nan)
-        watch = Watch(mechanics, Linear(none, none.copy(), np.full_like(dashpots, np.nan)))
-        idle, level = np.zeros((len(none), power.size), bool), np.zeros(len(none))
+        """All cells under full shaking, before the first round."""
+        count, power = len(dashpots), np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
+        idle, level = np.zeros((count, power.size), bool), np.zeros(count)
         of_links = dashpots, exponents, power, idle
-        return cls(mechanics, laws, *of_links, level, rtol, watch, np.arange(len(none)))
+        return cls(mechanics, laws, *of_links, level, rtol, np.arange(count), [])
 
     @property
     def springs(self) -> int:
@@ -171,14 +89,20 @@ class Springs(NamedTuple):
         return self.mechanics.springs.size
 
     @property
+    def size(self) -> int:
+        """Number of the coefficients of `Linear`."""
+        return 2 * self.springs + int(self.dashpots.shape[1])
+
+    @property
     def strength(self) -> Array:
         """Extensions at yield (c, m) [m]."""
         return self.mechanics.system.strength[:, self.mechanics.springs]
 
     @property
-    def size(self) -> int:
-        """Number of the coefficients of `Linear`."""
-        return 2 * self.springs + int(self.dashpots.shape[1])
+    def linearized_dashpots(self) -> Array:
+        """Numbers (k,) of the springs beside linearized dashpots; links are the last springs."""
+        links = self.dashpots.shape[1]
+        return len(self.mechanics.system.extensions) - links + self.power
 
     def at(self, cells: Array) -> Springs:
         """The cells with these numbers."""
@@ -196,64 +120,125 @@ class Springs(NamedTuple):
         """The cells under other shaking."""
         return self._replace(level=level)
 
-    def settle(self, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
-        """The fixed points from these unknowns (u, c)."""
-        self.watch.forget(self.cells)
-        return iterate(self, unknowns, most, pace)
+    def settle(self, unknowns: Array, most: int, pace: object) -> FixedPoint:
+        """The fixed points at one level of shaking, from these unknowns (u, c)."""
+        return fixed_points(self, unknowns, max(most, AT_LEVEL))
 
-    def coefficients(self, unknowns: Array) -> Array:
-        """`Linear` for these unknowns, as rows (k, c)."""
-        return _linear(self, unknowns)[0].rows
-
-    def advance(self, state: State, pace: StepControl) -> State:
-        """A damped step of Newton's method, which `StepControl` controls."""
-        linear, moments, mismatch, slopes = _newton_round(self, state.unknowns)
-        good = np.asarray(np.isfinite(mismatch).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2)))
-        before, count = state.norm, self.springs + self.power.size
-        now = np.where(good, np.sqrt((mismatch**2).sum(axis=1) / count), np.inf)
-        change = self.watch.add(self, linear, moments.covariance, good)
-        rounding = (now <= self.rtol) | ((before < now) & (now < LARGEST_MISMATCH))
-        delta = np.array(
-            [next_delta(*each, pace) for each in zip(state.delta, before, now, strict=True)]
-        )
-        # Without a stationary response: take back most of the step, or begin with less yielding.
-        weaker = state.step.copy()
-        weaker[self.springs : 2 * self.springs] -= 1.0
-        step = np.where(np.isinf(before), weaker, 0.25 * state.step)
-        damped = np.eye(len(step)) / delta[good, None, None] - slopes[good]
-        forward = _solve_each(damped, mismatch[good])
-        forward /= np.maximum(1.0, np.abs(forward).max(axis=1, keepdims=True, initial=0) / LARGEST_STEP)
-        step[:, good] = forward.T
-        base = np.where(good, state.unknowns, state.base)
-        done = good & rounding & stands_still(change, self.rtol)
-        return State(base, np.where(good, now, before), step, delta, done.astype(float))
+    def split(self, unknowns: Array) -> tuple[Array, Array]:
+        """Unknowns (3, c, m) of the springs and (c, k) of the dashpots."""
+        n = 3 * self.springs
+        of_springs = unknowns[:n].reshape(3, self.springs, unknowns.shape[1])
+        return of_springs.swapaxes(1, 2), unknowns[n:].T
 
 
-class Substitution(NamedTuple):
-    """Springs whose covariance gives the next coefficients directly; these are the unknowns."""
+def coefficients_of(problem: Springs, moments: Array) -> Array:
+    """``1 + c_eq`` and ``k_eq`` (2, c, m) by the closures, eqs. (9) and (10).
 
-    problem: Springs
-    relaxation: float  # share of the way to the new coefficients
+    ``moments`` (3, c, m) are ``sigma_v``, ``sigma_z`` and their correlation.
+    """
+    coefficients = np.empty((2, *moments.shape[1:]))
+    for springs, closure, parameters in problem.laws:
+        own = moments[..., springs]
+        flat = closure(own.reshape(3, -1), parameters.reshape(len(parameters), own[0].size))
+        coefficients[..., springs] = flat.coefficients.reshape(2, *own.shape[1:])
+    return coefficients
 
-    def at(self, cells: Array) -> Substitution:
-        """The cells with these numbers."""
-        return self._replace(problem=self.problem.at(cells))
 
-    def coefficients(self, unknowns: Array) -> Array:
-        """The unknowns."""
-        return unknowns
+def linear_for(problem: Springs, unknowns: Array) -> Linear:
+    """Equivalent linear systems for the unknowns."""
+    (sv, sz, r), rates = problem.split(unknowns)
+    slip, relaxation = coefficients_of(problem, np.stack([np.exp(sv), np.exp(sz), np.tanh(r)]))
+    return Linear(slip, relaxation, _dashpots(problem, rates))
 
-    def advance(self, state: State, pace: StepControl) -> State:
-        """A step of the share ``relaxation``."""
-        problem, old = self.problem, state.unknowns
-        linear = Linear.of(problem, old)
-        moments = respond(problem, linear)
-        change = problem.watch.add(
-            problem, linear, moments.covariance, np.ones(len(problem.cells), bool)
-        )
-        done = stands_still(change, self.relaxation * problem.rtol)
-        step = np.where(done, 0.0, self.relaxation * (_renewed(problem, moments).rows - old))
-        return State(old, change.max(axis=0), step, state.delta, done.astype(float))
+
+def respond(problem: Springs, linear: Linear) -> ResponseMoments:
+    """Covariance of the linear systems, from the Lyapunov equation, and moments of their springs."""
+    mechanics, strength = problem.mechanics, problem.strength
+    system = state_space(mechanics, linear.slip - 1, linear.relaxation, linear.dashpots)
+    links = mechanics.system.extensions[problem.linearized_dashpots]
+    shapes = system.matrix.shape, (3, *strength.shape), (len(strength), len(links))
+    moments = ResponseMoments(*(np.empty(shape) for shape in shapes))
+    for cells, part in alike(system):
+        response = StationaryResponse(part)
+        moments.covariance[cells] = response.covariance
+        moments.springs[:, cells] = np.stack(response.moments[1:]) / strength[cells] ** 2
+        moments.rates[cells] = response.std(links, rates=True) ** 2
+    return moments
+
+
+def mismatch_of(problem: Springs, unknowns: Array, moments: ResponseMoments) -> Array:
+    """Unknowns of these moments less the ``unknowns`` (u, c); NaN without a stationary response."""
+    vv, zz, vz = moments.springs
+    level, k = problem.level[:, None], problem.power.size
+    sv, sz = 0.5 * np.log(vv) + level, 0.5 * np.log(zz) + level
+    rates = 0.5 * np.log(moments.rates) + level
+    mismatch = np.hstack([sv, sz, np.arctanh(vz / np.sqrt(vv * zz)), rates]).T - unknowns
+    mismatch[len(mismatch) - k :][problem.idle.T] = 0.0
+    return np.asarray(mismatch)
+
+
+def largest_change(problem: Springs, now: tuple[Linear, Array], before: tuple[Linear, Array]) -> Array:
+    """Largest changes (2, c) of covariances and of coefficients.
+
+    That of a covariance is over the product of the standard deviations, that of ``k_eq`` over ``k_eq``
+    plus the frequency of the spring, that of a dashpot over its constant.
+    """
+    (linear, covariance), (old, old_covariance) = now, before
+    std = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
+    std = np.where(std == 0, 1.0, std)
+    moved = np.abs(covariance - old_covariance) / (std[:, :, None] * std[:, None])
+    slip, relaxation, dashpots = (np.abs(new - last) for new, last in zip(linear, old, strict=True))
+    relaxation = relaxation / (np.abs(linear.relaxation) + problem.mechanics.frequency)
+    dashpots = np.where(dashpots == 0, 0.0, dashpots / np.abs(old.dashpots))[:, problem.power]
+    parts = np.concatenate([slip, relaxation, dashpots], axis=1)
+    return np.stack([moved.max(axis=(1, 2)), parts.max(axis=1, initial=0.0)])
+
+
+def stands_still(change: Array, rtol: float) -> Array:
+    """Whether neither covariance nor coefficients (2, c) changed by more than ``rtol``."""
+    return np.asarray((change <= rtol).all(axis=0))
+
+
+def fixed_points(
+    problem: Springs, unknowns: Array, most: int, depth: int = DEPTH, relaxation: float = 1.0
+) -> FixedPoint:
+    """The loop: coefficients, response and the next moments, until both stand still in each cell.
+
+    ``depth`` rounds are mixed; with none this is the substitution of the paper, which goes the share
+    ``relaxation`` of the way to the moments of the response.
+    """
+    part, cells, mixing = problem, np.arange(unknowns.shape[1]), Mixing.begin(unknowns, depth)
+    solution = FixedPoint(
+        unknowns.copy(),
+        np.full((problem.size, cells.size), np.nan),
+        np.zeros(cells.size, np.int32),
+        np.full(cells.size, np.nan),
+        np.zeros(cells.size, bool),
+    )
+    weaker = np.zeros((len(unknowns), 1))
+    weaker[problem.springs : 2 * problem.springs] = -1.0  # of log sigma_z: less yielding
+    before = None
+    for _ in range(most):
+        if not cells.size:
+            break
+        linear = linear_for(part, mixing.unknowns)
+        moments = respond(part, linear)
+        mismatch = mismatch_of(part, mixing.unknowns, moments)
+        now = linear, moments.covariance
+        change = largest_change(part, now, before) if before else np.full((2, cells.size), np.nan)
+        part.rounds.append((part.cells, change))
+        norm = np.sqrt((mismatch**2).sum(axis=0) / max(1, part.springs + part.power.size))
+        done = stands_still(change, relaxation * part.rtol) & (norm <= SOLVED)
+        rows = mixing.unknowns, np.concatenate(linear, axis=1).T
+        for field, values in zip(
+            solution, (*rows, solution.iterations[cells] + 1, norm, done), strict=True
+        ):
+            field[..., cells] = values
+        left = np.flatnonzero(~done)
+        mixing = mixing.next(mismatch, weaker, relaxation).at(left)
+        before = Linear(*(values[left] for values in linear)), moments.covariance[left]
+        part, cells = part.at(left), cells[left]
+    return solution
 
 
 class SpringSolution(NamedTuple):
@@ -263,6 +248,8 @@ class SpringSolution(NamedTuple):
     idle: Array  # (c, k) as in `Springs`
     converged: Array  # (c,)
     demand: Array  # (c,) largest elastic standard deviation of an extension over its strength
+    changes: Array  # (rounds, 2, c) as in `stands_still`, NaN after the last round
+    rounds: Array  # (c,)
 
 
 @np.errstate(all="ignore")  # NaN is checked where it matters
@@ -271,27 +258,43 @@ def solve_springs(
 ) -> SpringSolution:
     """Equivalent linear systems of all cells, by substitution if a ``relaxation`` factor is given.
 
-    Otherwise they are found by `solve`, which follows the solution where a law may have several, so that
-    ``one_solution`` (c,) is false.
+    Otherwise by `fixed_points` with mixing. Where a law may have several solutions, so that
+    ``one_solution`` (c,) is false, and where this fails, the solution is followed by `solve`.
     """
     problem, elastic = elastic_start(problem)
     m, count = problem.springs, elastic.shape[1]
+    rows, converged = np.full((problem.size, count), np.nan), np.zeros(count, bool)
     if not len(elastic):  # nothing is to be linearized
-        linear = _linear(problem, elastic)[0]
-        return SpringSolution(linear, problem.idle, np.ones(count, bool), np.zeros(count))
-    tried = np.flatnonzero(np.isfinite(elastic).all(axis=0))
-    part, start = problem.at(tried), elastic[:, tried]
-    if relaxation is None:
-        fixed_point = solve(part, start, one_solution[tried], max_iterations)
+        rows[:], converged[:] = np.concatenate(linear_for(problem, elastic), axis=1).T, True
+
+    def keep(cells: Array, solution: FixedPoint) -> None:
+        converged[cells] = solution.converged
+        rows[:, cells] = np.where(solution.converged, solution.coefficients, np.nan)
+
+    start, tried = elastic_limit(elastic, m), np.isfinite(elastic).all(axis=0) & ~converged
+    if relaxation is not None:
+        cells = np.flatnonzero(tried)
+        part = problem.at(cells)
+        keep(cells, fixed_points(part, start[:, cells], max_iterations, 0, relaxation))
     else:
-        begin = part.coefficients(elastic_limit(start, m))
-        fixed_point = iterate(Substitution(part, relaxation), begin, max_iterations, BOLD)
-    rows, done = np.full((problem.size, count), np.nan), tried[fixed_point.converged]
-    rows[:, done] = fixed_point.coefficients[:, fixed_point.converged]
+        cells = np.flatnonzero(tried & one_solution)
+        keep(cells, fixed_points(problem.at(cells), start[:, cells], max_iterations))
+        cells = np.flatnonzero(tried & ~converged)
+        part, followed = problem.at(cells), np.zeros(cells.size, bool)
+        keep(cells, solve(part, elastic[:, cells], followed, max_iterations))
+    linear = Linear(*np.split(rows.T, [m, 2 * m], axis=1))
     demand = np.exp(elastic[m : 2 * m].max(axis=0, initial=-np.inf))
-    return SpringSolution(
-        Linear.of(problem, rows), problem.idle, np.isin(np.arange(count), done), demand
-    )
+    return SpringSolution(linear, problem.idle, converged, demand, *_history(problem))
+
+
+def _history(problem: Springs) -> tuple[Array, Array]:
+    """Changes (rounds, 2, c) in the rounds of each cell, NaN after its last, and their number (c,)."""
+    count = np.zeros(len(problem.cells), np.int32)
+    changes = np.full((len(problem.rounds), 2, count.size), np.nan)
+    for cells, change in problem.rounds:
+        changes[count[cells], :, cells] = change.T
+        count[cells] += 1
+    return changes[: count.max(initial=0)], count
 
 
 def elastic_start(problem: Springs) -> tuple[Springs, Array]:
@@ -305,124 +308,17 @@ def elastic_start(problem: Springs) -> tuple[Springs, Array]:
     if power.size:
         constants = problem.dashpots.copy()
         constants[:, power] = 0.0
-        links, coordinates = _springs_of(problem), np.eye(mechanics.system.mass.shape[1])
-        ends = np.zeros_like(rates)
+        links = mechanics.system.extensions[problem.linearized_dashpots]
+        coordinates, ends = np.eye(mechanics.system.mass.shape[1]), np.zeros_like(rates)
         for cells, system in alike(state_space(mechanics, none - 1, none, constants)):
             undamped = StationaryResponse(system)
-            rates[cells] = undamped.std(mechanics.system.extensions[links], rates=True)
-            moved = undamped.std(coordinates, rates=True)
-            ends[cells] = moved @ np.abs(mechanics.system.extensions[links]).T
+            rates[cells] = undamped.std(links, rates=True)
+            ends[cells] = undamped.std(coordinates, rates=True) @ np.abs(links).T
         problem = problem._replace(idle=rates < IDLE * ends)
         rates = np.where(problem.idle, 0.0, np.log(rates))
     variances = respond(problem, Linear(none, none, _dashpots(problem, rates))).springs
     sv, sz = 0.5 * np.log(variances[:2])
     return problem, np.hstack([sv, sz, np.where(np.isnan(sv), np.nan, 0.1), rates]).T
-
-
-def respond(problem: Springs, linear: Linear, *, slopes: bool = False) -> ResponseMoments:
-    """Covariance of the linear systems, from the Lyapunov equation, and moments of their springs."""
-    mechanics, strength, dashpots = problem.mechanics, problem.strength, _springs_of(problem)
-    system = state_space(mechanics, linear.slip - 1, linear.relaxation, linear.dashpots)
-    (cells, m), k = strength.shape, dashpots.size
-    size = 3 * m + k if slopes else 0
-    shapes = system.matrix.shape, (3, cells, m), (cells, k), (cells, size, 2 * m + k)
-    moments = ResponseMoments(*(np.empty(shape) for shape in shapes))
-    for group, part in alike(system):
-        response = StationaryResponse(part)
-        moments.covariance[group] = response.covariance
-        moments.springs[:, group] = np.stack(response.moments[1:]) / strength[group] ** 2
-        moments.rates[group] = response.std(mechanics.system.extensions[dashpots], rates=True) ** 2
-        if slopes:
-            moments.slopes[group] = response.slopes(dashpots, mechanics.system.mass[group])
-    return moments
-
-
-def coefficients_of(problem: Springs, latent: Array) -> ClosureValue:
-    """Coefficients by the closure, eqs. (9) and (10), for assumed moments (3, c, m)."""
-    shape = latent.shape[1:]
-    whole = ClosureValue(*(np.empty((*rows, *shape)) for rows in ((2,), (2, 3), (3,), (3, 3))))
-    for law in problem.laws:
-        for field, part in zip(whole, law.values(latent), strict=True):
-            field[..., law.springs] = part
-    return whole
-
-
-def stands_still(change: Array, rtol: float) -> Array:
-    """Whether neither covariance nor coefficients (2, c) changed by more than ``rtol``."""
-    return np.asarray((change <= rtol).all(axis=0))
-
-
-def _newton_round(problem: Springs, unknowns: Array) -> tuple[Linear, ResponseMoments, Array, Array]:
-    """Linear systems for the unknowns (u, c), their moments, and the mismatch (c, u) with its slopes."""
-    linear, values = _linear(problem, unknowns)
-    moments = respond(problem, linear, slopes=True)
-    (u, cells), n, level = unknowns.shape, 3 * problem.springs, problem.level[:, None]
-    reached, by_moments = to_unknowns(moments.springs)
-    reached[:2] += level
-    mismatch = np.empty((cells, u))
-    mismatch[:, :n] = (reached - _of_springs(problem, unknowns)).transpose(1, 0, 2).reshape(cells, n)
-    mismatch[:, n:] = 0.5 * np.log(moments.rates) + level - unknowns[n:].T
-    slopes = _slopes_of_reached(problem, unknowns, linear, values, moments, by_moments) - np.eye(u)
-    still = np.concatenate([np.zeros((cells, n), bool), problem.idle], axis=1)
-    mismatch[still] = 0.0
-    slopes = np.where(still[..., None], -np.eye(u), slopes)
-    return linear, moments, mismatch, slopes
-
-
-def _slopes_of_reached(
-    problem: Springs,
-    unknowns: Array,
-    linear: Linear,
-    values: ClosureValue,
-    moments: ResponseMoments,
-    by_moments: Array,
-) -> Array:
-    """Derivatives (c, u, u) of what the response reaches, as unknowns, by the unknowns.
-
-    They are the product of those of the unknowns by the moments, of the moments by the coefficients, and
-    of the coefficients by the unknowns.
-    """
-    (cells, m), k = problem.strength.shape, problem.power.size
-    n, power = 3 * m, problem.power
-    scaled = (
-        moments.slopes[:, :n].reshape(cells, 3, m, 2 * m + k) / problem.strength[:, None, :, None] ** 2
-    )
-    of_springs = np.einsum("iacm,camx->cimx", by_moments, scaled).reshape(cells, n, 2 * m + k)
-    of_rates = 0.5 / moments.rates[..., None] * moments.slopes[:, n:]
-    reached = np.concatenate([of_springs, of_rates], axis=1)
-    by_unknowns = values.coefficients_jacobian * _by_latent(problem, unknowns)
-    slopes = np.empty((cells, n + k, n + k))
-    by_coefficients = reached[..., : 2 * m].reshape(cells, n + k, 2, m)
-    chain = np.einsum("xyan,alxn->xyln", by_coefficients, by_unknowns)
-    slopes[..., :n] = chain.reshape(cells, n + k, n)
-    of_constants = linear.dashpots[:, power] * (problem.exponents[:, power] - 1)
-    slopes[..., n:] = reached[..., 2 * m :] * of_constants[:, None]
-    return slopes
-
-
-def _by_latent(problem: Springs, unknowns: Array) -> Array:
-    """Derivatives (3, c, m) of the assumed moments by their unknowns."""
-    sv, sz, r = _of_springs(problem, unknowns)
-    return np.stack([np.exp(sv), np.exp(sz), 1 - np.tanh(r) ** 2])
-
-
-def _linear(problem: Springs, unknowns: Array) -> tuple[Linear, ClosureValue]:
-    """Equivalent linear systems for the unknowns, and what the closure finds."""
-    latent = _of_springs(problem, unknowns)
-    values = coefficients_of(
-        problem, np.stack([np.exp(latent[0]), np.exp(latent[1]), np.tanh(latent[2])])
-    )
-    slip, relaxation = values.coefficients
-    return Linear(slip, relaxation, _dashpots(problem, unknowns[3 * problem.springs :].T)), values
-
-
-def _renewed(problem: Springs, moments: ResponseMoments) -> Linear:
-    """Equivalent linear systems for the moments of the response."""
-    vv, zz, vz = moments.springs
-    latent = np.stack([np.sqrt(vv), np.sqrt(zz), vz / np.sqrt(vv * zz)])
-    rates = np.where(problem.idle, 0.0, 0.5 * np.log(moments.rates))
-    slip, relaxation = coefficients_of(problem, latent).coefficients
-    return Linear(slip, relaxation, _dashpots(problem, rates))
 
 
 def _dashpots(problem: Springs, rates: Array) -> Array:
@@ -433,38 +329,3 @@ def _dashpots(problem: Springs, rates: Array) -> Array:
     linear = np.where(exponents == 1, constants, linear)
     dashpots[:, power] = np.where(problem.idle, 0.0, linear)
     return dashpots
-
-
-def _springs_of(problem: Springs) -> Array:
-    """Numbers (k,) of the springs beside linearized dashpots; links are the last springs."""
-    return len(problem.mechanics.system.extensions) - problem.dashpots.shape[1] + problem.power
-
-
-def _of_springs(problem: Springs, unknowns: Array) -> Array:
-    """Unknowns (3, c, m) of the springs that yield."""
-    cells, m = problem.strength.shape
-    return unknowns[: 3 * m].reshape(3, m, cells).swapaxes(1, 2)
-
-
-def _solve_each(matrices: Array, right: Array) -> Array:
-    """Solutions (c, u) of linear equations; NaN for singular matrices."""
-    try:
-        return np.linalg.solve(matrices, right[..., None])[..., 0]
-    except np.linalg.LinAlgError:
-        if len(right) == 1:
-            return np.full_like(right, np.nan)
-        halves = zip(np.array_split(matrices, 2), np.array_split(right, 2), strict=True)
-        return np.concatenate([_solve_each(*half) for half in halves])
-
-
-def to_unknowns(covariance: Array) -> tuple[Array, Array]:
-    """``(log sv, log sz, atanh r)`` of a covariance ``(vv, zz, vz)``, and the Jacobian (3, 3, ...).
-
-    NaN where the three numbers are not a covariance.
-    """
-    vv, zz, vz = covariance
-    root = np.sqrt(vv * zz)
-    r = vz / root
-    columns = [slope_of_unknowns(vv, zz, root, r, unit) for unit in np.eye(3)]
-    unknowns = np.array([0.5 * np.log(vv), 0.5 * np.log(zz), np.arctanh(r)])
-    return unknowns, np.stack([np.stack(column) for column in columns], axis=1)
