@@ -147,6 +147,12 @@ BROKEN = {
     "line 4, column 1: participation is given without modal mass": PLAIN.replace(
         "level", "participation,,1,1\nlevel", 1
     ),
+    ": mode 2 hardly moves along the direction": PLAIN.replace("1,1\n", "1,1e-15\n").replace(
+        "-1.61", "0"
+    ),
+    ": mode 1 hardly moves along the direction": PLAIN.replace("7,200,1", "7,200,-0.62").replace(
+        "level", "participation,,1.4,0.2\nmodal mass [t],,300,60\nlevel", 1
+    ),
     ": two floors are at 3.5 m": PLAIN.replace("\n7,", "\n3.5,"),
     " is no file of modes that is known; allowed: a file with a line 'mode,,1,2'": "height,mass\n3,4\n",
     " is empty": "\n\n",

@@ -163,6 +163,35 @@ def read(tmp_path: Path, text: str, **arguments: object) -> sl.ModalBuilding:
     return sl.read_modes(path, **arguments)
 
 
+def changed(name: str, rows: Cells | None = None, titles: str = "", units: str = "") -> str:
+    """The tables of ETABS with another table in place of one, or without it."""
+    new = [table(titles.partition(":")[0], titles.partition(":")[2], units, rows)] if rows else []
+    return as_text([cells for cells in etabs() if name not in str(cells[0])] + new)
+
+
+def upwards() -> str:
+    """Stories from the ground up, with their elevations above a base at 2 m."""
+    rows: Cells = [[STORIES[f], HEIGHTS[f], 2 + LEVELS[f]] for f in range(3)]
+    return changed("Story Definitions", rows, "Story Data:Name|Height|Elevation", "|m|m")
+
+
+def by_diaphragm() -> str:
+    rows: Cells = [[STORIES[f], "D1", MASSES[f], MASSES[f]] for f in (2, 1, 0)]
+    titles = "Centers Of Mass And Rigidity:Story|Diaphragm|Mass X|Mass Y"
+    return changed("Mass Summary", rows, titles, "||kN-s2/m|kN-s2/m")
+
+
+def in_kips() -> str:
+    """Masses in kip s2/in and heights in inches."""
+    size = 4448.2216152605 / 0.0254 / 1000
+    rows: Cells = [[STORIES[f], MASSES[f] / size, MASSES[f] / size, 0] for f in (2, 1, 0)]
+    titles, unit = "Mass Summary by Story:Story|UX|UY|UZ", "kip-s2/in"
+    text = changed("Mass Summary", rows, titles, f"|{unit}|{unit}|{unit}")
+    for height in {*HEIGHTS}:
+        text = text.replace(f",{height * 1000},", f",{height / 0.0254},")
+    return text.replace(",mm,\n", ",in,\n", 1)
+
+
 VARIANTS: dict[str, Callable[[], str]] = {
     "as exported": lambda: as_text(etabs()),
     "another unit of the shapes": lambda: as_text(etabs(1000.0)),
@@ -174,12 +203,31 @@ VARIANTS: dict[str, Callable[[], str]] = {
         [table("Program Control", "Program|Version", "", [["ETABS", "21.1"]]), *etabs()]
     ),
     "with a trailing separator": lambda: as_text(etabs()).replace("\n", ",,,\n"),
+    "without the lines of names": lambda: re.sub("TABLE:.*\n", "", as_text(etabs())),
+    "titles alone on each page": lambda: re.sub(
+        "TABLE:.*\n", "", as_text([by_page(cells) for cells in etabs()])
+    ),
+    "merged cells": lambda: re.sub(
+        r"\n(Roof|Story\d)(?=,D1,Modal.*,Mode,[2-9],)", "\n", as_text(etabs())
+    ),
+    "from the ground up": upwards,
+    "from the base up": lambda: changed(
+        "Story Definitions",
+        [["Base", 0], *([STORIES[f], HEIGHTS[f]] for f in range(3))],
+        "Story Definitions:Name|Height",
+        "|m",
+    ),
+    "masses of diaphragms": by_diaphragm,
+    "in kips and inches": in_kips,
+    "tons of force": lambda: as_text(etabs()).replace("kN-s²/m", "Ton-s2/m"),
 }
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_tables_of_etabs_are_the_building(tmp_path: Path, variant: str) -> None:
-    table = read(tmp_path, VARIANTS[variant](), direction="UX")
+    table = read(tmp_path, VARIANTS[variant](), direction="ux")
+    if variant == "tons of force":
+        table["mass"], table["modal_mass"] = table["mass"] / 9.80665, table["modal_mass"] / 9.80665
     np.testing.assert_allclose(table["mass"], MASSES * 1000)
     np.testing.assert_allclose(table["height"], HEIGHTS)
     kept = RATIOS[:, 0] >= 1e-3
@@ -337,6 +385,52 @@ def test_a_folder_with_a_file_for_each_table_has_the_same_modes(tmp_path: Path) 
         sl.read_modes(tmp_path / "empty")
 
 
+def towers(second: str, masses: Cells, moves: str = "D2") -> str:
+    """Two towers of two floors, which move in modes of their own: 1 is that of T1, 2 that of T2."""
+    names = {"T1": ("Roof", "Story1"), "T2": ("Roof", "Story1") if second == "same" else ("R2", "S2")}
+    heights: Cells = [[t, n, h] for t in names for n, h in zip(names[t], (3.6, 4.2), strict=True)]
+    found: Cells = [
+        [name, diaphragm, "Modal", mode, move * (mode == which), 0.0]
+        for which, (t, diaphragm) in enumerate((("T1", "D1"), ("T2", moves)), 1)
+        for name, move in zip(names[t], (2.0, 1.0), strict=True)
+        for mode in (1, 2)
+    ]
+    ratios: Cells = [["Modal", 1, 0.4, 0.6, 0], ["Modal", 2, 0.3, 0.3, 0]]
+    titles = "Story|Diaphragm|Mass X|Mass Y" if len(masses[0]) == 4 else "Story|UX|UY"
+    name = "Centers Of Mass And Rigidity" if len(masses[0]) == 4 else "Mass Summary by Story"
+    return as_text(
+        [
+            table("Modal Participating Mass Ratios", "Case|Mode|Period|UX|UY", "||sec||", ratios),
+            table("Story Definitions", "Tower|Story|Height", "||m", heights),
+            table(name, titles, "|".join(["", *["t"] * (len(masses[0]) - 1)]), masses),
+            table(
+                "Diaphragm Center Of Mass Displacements",
+                "Story|Diaphragm|Output Case|Step Number|UX|UY",
+                "||||mm|mm",
+                found,
+            ),
+        ]
+    )
+
+
+OF_NAMES: Cells = [[n, m, m] for n, m in (("Roof", 190), ("Story1", 260), ("R2", 100), ("S2", 150))]
+OF_FLOORS: Cells = [[n, d, m, m] for d, n, m in (("D1", "Roof", 190), ("D1", "Story1", 260))]
+OF_FLOORS += [["Roof", "D2", 100, 100], ["Story1", "D2", 150, 150]]
+
+
+@pytest.mark.parametrize(
+    ("text", "tower"), [(towers("other", OF_NAMES), "T1"), (towers("same", OF_FLOORS), "D1")]
+)
+def test_one_of_two_towers_is_read(tmp_path: Path, text: str, tower: str) -> None:
+    """Its modes alone; the ratios of the file are those of the mass of both."""
+    modes = read(tmp_path, text, direction="UX", tower=tower)
+    np.testing.assert_allclose(modes["level"], [4.2, 7.8])
+    assert modes["mode"].values.tolist() == [1]
+    assert modes["mass"].values.tolist() == [260e3, 190e3]
+    np.testing.assert_allclose(modes["modal_mass"], 0.6 * 700e3)
+    np.testing.assert_allclose(modes["participation"], 0.6 * 700e3 / (260e3 + 2 * 190e3))
+
+
 ETABS, SAP = as_text(etabs()), as_text(sap2000())
 POINTS = {"points": ["11", "21", "31"]}
 BROKEN: dict[str, tuple[str, dict[str, object]]] = {
@@ -348,7 +442,7 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         {},
     ),
     "line 4, column 3: the period is missing": (re.sub(r"(?<=Modal,1,)[^,]*", "", ETABS, count=1), {}),
-    "line 2: table Modal Participating Mass Ratios has no column Period": (
+    "line 2: table Modal Participating Mass Ratios has no column PERIOD; it has Case, Mode, Time, UX": (
         ETABS.replace("Period", "Time", 1),
         {},
     ),
@@ -357,7 +451,7 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         {},
     ),
     "line 23, column 2: 'kN' is not a known unit of a mass": (ETABS.replace("kN-s²/m", "kN"), {}),
-    "table Mass Summary by Story is missing: the file has Modal Participating Mass Ratios": (
+    "table Mass Summary by Story or Centers Of Mass And Rigidity is missing: the file has Modal": (
         as_text([cells for cells in etabs() if "Mass Summary" not in str(cells[0])]),
         {},
     ),
@@ -373,11 +467,11 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         re.sub(r"Story1,D1,Modal,LinModEigen,Mode,5,.*\n", "", ETABS),
         {},
     ),
-    "column 1: a second displacement of 'Roof' in mode 2; allowed: one diaphragm or joint": (
+    "line 35: 'Roof 2' is there twice; allowed: one diaphragm or joint on each floor": (
         re.sub(r"(Roof,D1,Modal,LinModEigen,Mode,2,.*\n)", r"\1\1", ETABS),
         {},
     ),
-    "table Joint Displacements has no displacement of floor 'Roof' in mode": (
+    "table Joint Displacements has no joint 9, which points names; it has 1, 21": (
         ETABS,
         {"points": ["9"]},
     ),
@@ -387,7 +481,7 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
     ),
     "has joints 11 and 12, both at 4 m; name one on each floor, points=['11', ...]": (SAP, {}),
     "has joints with 93% of the mass": (re.sub(r"\n34,MODAL.*", "", SAP), POINTS),
-    "column 1: '11' is there twice; export one of them": (
+    "line 42: '11' is there twice; export one of them": (
         re.sub(r"(11,MSSSRC1.*\n)", r"\1\1", SAP),
         POINTS,
     ),
@@ -395,21 +489,51 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         ETABS.replace("Story1,300.0,300.0,0", "Story1,300,000,300,000,0"),
         {},
     ),
-    "line 19, column 1: 'Story2' is there twice; export one of them": (
+    "line 19: 'Story2' is there twice; export one of them": (
         ETABS.replace("Story1,4000", "Story2,4000"),
         {},
     ),
-    "line 6, column 2: '2' is there twice; export one of them": (
+    "line 6: '2' is there twice; export one of them": (
         ETABS.replace("Modal,3,", "Modal,2,"),
         {},
     ),
-    "column 1: a second displacement of '34' in mode 2": (
+    "line 157: '34 1' is there twice; allowed: one diaphragm": (
         re.sub(r"(\n34,MODAL.*)", r"\1\1", SAP),
         POINTS,
     ),
     "has no joint 99 above the base, which points names": (SAP, {"points": ["11", "21", "99"]}),
     "line 3, column 3: periods are in 'min'; allowed: sec": (ETABS.replace(",sec,", ",min,"), {}),
     "of the mass not at the floors, 4, 7.2 m": (SAP, {"points": ["11", "21"]}),
+    "has T1, T2, which may be several buildings; give that at the gap, tower='T1'": (
+        towers("other", OF_NAMES),
+        {},
+    ),
+    "does not say which masses are those of 'T1'; export Centers Of Mass And Rigidity and name": (
+        towers("same", OF_NAMES[:2], "D1").replace("0.0\nStory1,D1,Modal,1,0.0", "0.0\n"),
+        {"tower": "T1"},
+    ),
+    "tower = 'T3' is not in the tables; allowed: T1, T2": (
+        towers("other", OF_NAMES),
+        {"tower": "T3"},
+    ),
+    "has D1, D2, which may be several buildings; give that at the gap, tower='D1'": (
+        re.sub("T[12],", "T1,", towers("same", OF_FLOORS)),
+        {},
+    ),
+    "tower = 'T1' has no meaning for tables of SAP2000; name the joints": (SAP, {"tower": "T1"}),
+    "has 11 and 22 more than 20 m apart in plan; name the points of the building at the gap": (
+        SAP.replace("-9.0,6.0", "-90.0,6.0"),
+        {"points": ["11", "22", "31"]},
+    ),
+    "hardly moves along the direction, where it has mass; allowed: shapes of the same analysis": (
+        re.sub("(Story.|Roof),D1(.*),Mode,2,[^,]*", r"\1,D1\2,Mode,2,1e-12", ETABS),
+        {},
+    ),
+    "table Story Definitions or Story Data, table Mass Summary by Story or Centers Of Mass And "
+    "Rigidity are missing: the file has Modal Participating": (
+        as_text([*etabs()[:1], *etabs()[3:]]),
+        {},
+    ),
     "tower.csv is no file of modes that is known; allowed": ("# MODAL ANALYSIS REPORT\n", {}),
     "line 21, column 6: 'top' is not a length; allowed: a number": (
         SAP.replace("11,GLOBAL,Cartesian,9.0,6.0,14.0", "11,GLOBAL,Cartesian,9.0,6.0,top"),

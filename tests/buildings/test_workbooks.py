@@ -76,6 +76,9 @@ REFUSED = {
     "list index out of range; save it again": with_rows("<row><c t='s'><v>7</v></c></row>"),
     "mismatched tag: line 1": with_rows("</row>"),
     "'ZZZZ'": with_rows('<row><c r="ZZZZ9"/></row>'),
+    "unclosed token: line 1": {OTHER: TABLE[:-30] + "<row"},
+    "not well-formed (invalid token): line 1": with_rows("<row>\x01</row>"),
+    "no element found: line 1": {BOOK: ""},
     "sharedStrings.xml has a comment, an entity or a very long text": {
         TEXTS: PARTS[TEXTS].replace("n", MANY * "n", 1)
     },
@@ -85,6 +88,9 @@ REFUSED = {
     "too many": {BOOK: PARTS[BOOK].replace("<sheets>", f"<sheets>{MANY * '<sheet/>'}")},
     "it is too long or too wide at line 261": with_rows(9999 * '<row><c r="XFD9"/></row>'),
     "it is too long or too wide at line 1398": with_rows('<row r="99999999"><c><v>1</v></c></row>'),
+    "lines, one with 16384 columns; allowed: less": with_rows(
+        '<row><c r="XFD6"><v>1</v></c></row>' + 600 * "<row><c><v>1</v></c></row>"
+    ),
     "its tables have 17": {"xl/styles.xml": 17_000_000 * " "},
     "it has more than 2000 parts": {f"xl/{n}": "" for n in range(2001)},
 }

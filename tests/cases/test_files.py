@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 import stochlin as sl
 from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.examples import example_case, example_record
-from stochlin.analyses.cases.files.quantities import UNITS, Quantity
+from stochlin.analyses.cases.files.quantities import Quantity, in_si
 from stochlin.analyses.cases.files.sections import Section, key_lines
 from stochlin.analyses.cases.pounding import pound_case
 from stochlin.analyses.cases.probability import judge_gap
@@ -25,6 +25,7 @@ from stochlin.messages import DoubtfulInput
 from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Range
 from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.units import UNITS, size_of
 from stochlin.views.separation.verdict import reason
 
 pytestmark = pytest.mark.invariant
@@ -158,7 +159,22 @@ def test_a_value_is_its_number_times_its_unit(pair: tuple[str, str], value: floa
             section.number("key", Quantity(units, Range()))
         return
     found = section.number("key", Quantity(units, Range()))
-    assert found == pytest.approx(value * UNITS[units][unit], rel=1e-14)
+    assert found == pytest.approx(value * size_of(unit, units), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("text", "units", "value"),
+    [
+        ("2 kip-sec²/in", "kg", 2 * 4448.2216152605 / 0.0254),
+        ("3 KN/m", "N/m", 3e3),
+        ("100 lb/in", "N/m", 444.82216152605 / 0.0254),
+        ("5 tonf*s/m", "N s/m", 5e3 * 9.80665),
+        ("4 ft/s/s", "m/s^2", 4 * 0.3048),
+        ("1 kip/in^1.5", "N/m^1.5", 4448.2216152605 / 0.0254**1.5),
+    ],
+)
+def test_units_are_read_as_people_spell_them(text: str, units: str, value: float) -> None:
+    assert in_si(text, Quantity(units, Range())) == pytest.approx(value, rel=1e-12)
 
 
 @given(st.text(max_size=20))

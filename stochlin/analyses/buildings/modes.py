@@ -5,18 +5,18 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from typing import Annotated
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.buildings.mode_files.base import MODE_FILES, AskedModes, ModesOfFile
-from stochlin.analyses.buildings.sheets import check_alone, sheets_in, sheets_of
 from stochlin.analyses.buildings.variables import VARIABLES
+from stochlin.analyses.sheets.sheets import check_alone, sheets_in, sheets_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import OneOf, checked
+from stochlin.models.buildings import ModalBuilding
 from stochlin.models.buildings.base import FLOOR, MODE
 from stochlin.models.buildings.modal import effective_masses_of
 
@@ -28,8 +28,9 @@ LOWEST = 0.01  # m: floors that are lower are at the ground or below it
 def read_modes(
     path: str | os.PathLike[str],
     *,
-    direction: Annotated[str, OneOf(DIRECTIONS)] | None = None,
+    direction: str | None = None,
     points: Sequence[str] = (),
+    tower: str | None = None,
     mass_units: str | None = None,
     length_units: str | None = None,
 ) -> xr.Dataset:
@@ -50,9 +51,12 @@ def read_modes(
     points : sequence of str, optional
         Names of the points whose displacements are the shapes, such as those of the edge that faces
         the neighbour, one on each floor; needed where the file has several.
+    tower : str, optional
+        Name of the tower, or of the diaphragm on each floor, that is the building at the gap; needed
+        where the file has several.
     mass_units, length_units : str, optional
         Units of masses and of levels, where the file does not state them: ``"kg"``, ``"t"``, or a force
-        over an acceleration such as ``"kN-s2/m"``; ``"m"``, ``"cm"``, ``"mm"``, ``"in"`` or ``"ft"``.
+        over an acceleration such as ``"kip-s2/in"``; ``"m"``, ``"cm"``, ``"mm"``, ``"in"`` or ``"ft"``.
 
     Returns
     -------
@@ -97,25 +101,47 @@ def read_modes(
     path = input_path("path", path)
     if isinstance(points, str) or not isinstance(points, Sequence):
         raise TypeError(f"points = {brief(points)}; allowed: a list of names")
-    for unit, of in ((mass_units, "mass_units"), (length_units, "length_units")):
-        if not isinstance(unit, str | None):
-            raise TypeError(f"{of} = {brief(unit)}; allowed: a text")
-    name, asked = plain(path.name), AskedModes(direction, tuple(points), mass_units, length_units)
+    texts = {"tower": tower, "mass_units": mass_units, "length_units": length_units}
+    for argument, value in texts.items():
+        if not isinstance(value, str | None):
+            raise TypeError(f"{argument} = {brief(value)}; allowed: a text")
+    if direction is not None:
+        known = {name.lower(): name for name in DIRECTIONS}
+        direction = known.get(str(direction).lower(), direction)
+        OneOf(DIRECTIONS)("direction", direction)
+    name = plain(path.name)
+    asked = AskedModes(direction, tuple(points), tower, mass_units, length_units)
     sheets = (sheets_in if path.is_dir() else sheets_of)(path)
-    buildings = [(kind, its) for kind in MODE_FILES.values() for its in kind.buildings(sheets)]
+    buildings = [(kind, *each) for kind in MODE_FILES.values() for each in kind.buildings(sheets)]
     if not buildings:
         begins = " or ".join(kind.header for kind in MODE_FILES.values())
         raise ValueError(
             f"{name} is no file of modes that is known; allowed: a file with {begins}; for OpenSees "
             "docs/buildings.md has a script that writes the plain form"
         )
-    check_alone([its[0] for _, its in buildings], "modes")
-    kind, tables = buildings[0]
+    check_alone([sheet for _, sheet, _ in buildings], "modes")
+    kind, _, content = buildings[0]
     for argument, value in asked._asdict().items():
-        if value and argument not in kind.takes:
+        if value and argument not in kind.accepts:
             what = f"{argument} = {brief(value)} has no meaning for {name}"
             raise ValueError(f"{what}, which has {kind.header}; leave it out")
-    return _labelled(kind.read(tables, asked), name, asked.direction)
+    return _labelled(kind.read(content, asked), name, asked.direction)
+
+
+def with_masses(table: xr.Dataset, building: ModalBuilding) -> xr.Dataset:
+    """The table of modes with the participation factors and modal masses that the building has.
+
+    ``mass_share`` is the effective modal mass over the mass of all floors, and ``floor_move`` the
+    displacement of each floor over that of the oscillator of the mode.
+    """
+    masses = building.effective_masses()
+    table = table.assign(
+        participation=(MODE, building.factors()),
+        modal_mass=(MODE, masses),
+        mass_share=(MODE, masses / float(table["mass"].sum())),
+        floor_move=((FLOOR, MODE), building.moves()),
+    )
+    return labels.label(table, VARIABLES).assign_attrs(building=building.describe())
 
 
 def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Dataset:

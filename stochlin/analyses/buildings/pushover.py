@@ -21,6 +21,7 @@ CURVE, DISPLACEMENT = "base_shear", "displacement"
 FEWEST = 4  # points of a curve
 LEAST_HARDENING = 0.01
 FLAT = 1e-3  # relative difference of base shears that are alike
+SMALL = 1e-3  # share of the largest values up to which the first point is the origin
 EQUAL = 1e-9  # difference of areas, relative to the area
 BEND = 1e-3  # least energy beyond that of a straight line, relative to it
 BEGINNING = 0.1  # share of the largest base shear up to which the curve is taken to be elastic
@@ -127,22 +128,44 @@ def bilinear_of(
     return labels.with_run_information(table, title, call, {}, REFERENCES[method])
 
 
-def check_curve(displacement: Array, force: Array, places: Sequence[str]) -> None:
-    """Raise a ValueError unless these are a pushover curve; ``places`` name its points."""
-    if displacement.size < FEWEST:
-        raise ValueError(f"pushover has {displacement.size} points; allowed: {FEWEST} or more")
-    if n := int(np.argmax(np.diff(displacement, prepend=-np.inf) <= 0)):
-        what = f"the displacement goes from {displacement[n - 1]:g} to {displacement[n]:g} m"
+def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> tuple[Array, Array]:
+    """A pushover curve without repeated points, from the origin; ``places`` name its points.
+
+    Up to the largest base shear displacements must increase. What follows is not looked at, and left
+    out from where the displacement goes back. Raises a ValueError for what is no pushover curve.
+    """
+    small = SMALL * np.abs([displacement, force]).max(axis=1, initial=0.0)
+    at_zero = force.size and abs(displacement[0]) <= small[0] and abs(force[0]) <= small[1]
+    if at_zero:
+        displacement, force = (np.append(0.0, values[1:]) for values in (displacement, force))
+    elif force.size and displacement[0] > 0 and force[0] > 0:
+        displacement, force = (np.append(0.0, values) for values in (displacement, force))
+        places = ["the origin", *places]
+    new = np.append(True, (np.diff(displacement) != 0) | (np.diff(force) != 0))[: force.size]
+    places = [place for place, is_new in zip(places, new, strict=True) if is_new]
+    u, v = displacement[new], force[new]
+    peak = _peak_of(v) if v.size else 0
+    back = np.diff(u, prepend=-np.inf) <= 0
+    if back[: peak + 1].any():
+        n = int(np.argmax(back))
+        what = f"the displacement goes from {u[n - 1]:g} to {u[n]:g} m"
         allowed = "displacements that increase, of one push without unloading"
         raise ValueError(f"{places[n]}: {what}; allowed: {allowed}")
-    if displacement[0] != 0 or force[0] != 0:
-        what = f"the curve begins at {displacement[0]:g} m and {force[0]:g} N; allowed: 0 and 0"
+    for n in np.flatnonzero((np.abs(u) <= small[0]) & (np.arange(u.size) > peak))[:1]:
+        raise ValueError(f"{places[n]}: a second push begins; allowed: one, so take the other out")
+    end = int(np.argmax(back)) if back.any() else u.size
+    u, v = u[:end], v[:end]
+    if u.size < FEWEST:
+        raise ValueError(f"pushover has {u.size} points; allowed: {FEWEST} or more")
+    if u[0] != 0 or v[0] != 0:
+        what = f"the curve begins at {u[0]:g} m and {v[0]:g} N; allowed: 0 and 0"
         raise ValueError(f"{places[0]}: {what}, so take off what the permanent loads cause")
-    if n := int(np.argmax(np.append(1.0, force[1:]) <= 0)):
-        raise ValueError(f"{places[n]}: the base shear is {force[n]:g} N; allowed: positive ones")
-    if _peak_of(force) == 1:
-        what = f"the base shear falls from the start, from {force[1]:g} to {force[2]:g} N"
+    if n := int(np.argmax(np.append(1.0, v[1 : peak + 1]) <= 0)):
+        raise ValueError(f"{places[n]}: the base shear is {v[n]:g} N; allowed: positive ones")
+    if peak == 1:
+        what = f"the base shear falls from the start, from {v[1]:g} to {v[2]:g} N"
         raise ValueError(f"{places[2]}: {what}; allowed: a later peak, so give points in between")
+    return u, v
 
 
 def _peak_of(force: Array) -> int:
@@ -166,8 +189,7 @@ def _curve_of(pushover: object) -> tuple[Array, Array]:
             what = f"pushover has {brief(array.attrs.get('units'))} as units, where {units} is allowed"
             raise ValueError(f"{what}; convert it and say so in its attributes")
     displacement, force = (array.to_numpy().astype(float) for array in arrays)
-    check_curve(displacement, force, [f"pushover, point {n}" for n in range(1, force.size + 1)])
-    return displacement, force
+    return checked_curve(displacement, force, [f"pushover, point {n}" for n in range(1, force.size + 1)])
 
 
 def _hardening(ratio: float, method: str) -> float:

@@ -4,22 +4,13 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.buildings.pushover import CURVE, DISPLACEMENT, check_curve
-from stochlin.analyses.buildings.sheets import (
-    SheetRow,
-    check_alone,
-    number_in,
-    sheets_of,
-    with_unit,
-    without_comments,
-)
-from stochlin.analyses.buildings.units import size_stated
+from stochlin.analyses.buildings.pushover import CURVE, DISPLACEMENT, checked_curve
 from stochlin.analyses.buildings.variables import VARIABLES
+from stochlin.analyses.sheets.sheets import Table, check_alone, sheets_of, table_of, with_unit
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.messages import brief, listed, plain
@@ -87,19 +78,15 @@ def read_pushover(
     """
     path = input_path("path", path)
     name = plain(path.name)
-    tables = [[*map(_fields, without_comments(sheet))] for sheet in sheets_of(path)]
-    tables = [rows for rows in tables if any(map(_is_of_numbers, rows))]
+    pattern = "|".join(words for words, _ in TITLES.values())
+    tables = [table for sheet in sheets_of(path) if (table := table_of(sheet, pattern))]
     if not tables:
         raise ValueError(f"{name} has no line of numbers; allowed: displacements and base shears")
-    check_alone(tables, "lines of numbers")
-    start = next(n for n, row in enumerate(tables[0]) if _is_of_numbers(row))
-    above, points = tables[0][:start], tables[0][start:]
-    titles = max(above, key=_known_titles, default=None)
-    widest = titles if titles is not None and _known_titles(titles) == len(TITLES) else points[0]
-    for row in points:
-        row.check_width(len(widest.cells))
-    asked = {"displacement": (displacement_column, length_units), "force": (force_column, force_units)}
-    columns = {what: _column(what, column, titles, points[0]) for what, (column, _) in asked.items()}
+    check_alone([table.sheet for table in tables], "lines of numbers")
+    table = tables[0]
+    _check_one_case(table)
+    wanted = {"displacement": (displacement_column, length_units), "force": (force_column, force_units)}
+    columns = {what: _column(what, column, table) for what, (column, _) in wanted.items()}
     if len({*columns.values()}) == 1:
         raise ValueError(
             f"{name}: displacement and base shear are both in column {columns['force'] + 1}; give "
@@ -107,15 +94,10 @@ def read_pushover(
         )
     series = []
     for what, column in columns.items():
-        size = _size(TITLES[what][1], column, above, asked[what][1], name)
-        values = np.array([row.number(column, what) for row in points])
-        series.append(size * values * np.sign(values[np.argmax(np.abs(values))]))
-    displacement, force = series
-    places = [row.where for row in points]
-    if displacement[0] > 0 and force[0] > 0:
-        displacement, force = (np.append(0.0, values) for values in (displacement, force))
-        places = ["the origin", *places]
-    check_curve(displacement, force, places)
+        values = table.in_si(column, TITLES[what][1], wanted[what][1], None)
+        series.append(values * np.sign(values[np.argmax(np.abs(values))]))
+    places = [table.sheet.where(line) for line in table.rows.index]
+    displacement, force = checked_curve(series[0], series[1], places)
     units, long_name = VARIABLES[CURVE]
     return xr.DataArray(
         force,
@@ -125,45 +107,33 @@ def read_pushover(
     )
 
 
-def _fields(row: SheetRow) -> SheetRow:
-    """The line with its numbers apart, where only spaces are between them."""
-    apart = row.cells[0].split()
-    alone = len(row.cells) == 1 and all(number_in(field) is not None for field in apart)
-    return row._replace(cells=tuple(apart)) if alone else row
+def _check_one_case(table: Table) -> None:
+    """Raise a ValueError if the lines are of several load cases."""
+    for column in (n for n, name in enumerate(table.names) if "case" in name):
+        cases = table.texts(column).drop_duplicates()
+        if len(cases) > 1 and cases.map(table.sheet.number_in).isna().all():
+            what = f"a second load case, {brief(cases.iloc[1])} beside {brief(cases.iloc[0])}"
+            raise table.sheet.error(cases.index[1], column, f"{what}; export one of them")
 
 
-def _is_of_numbers(row: SheetRow) -> bool:
-    return sum(number_in(cell, not row.has_comma) is not None for cell in row.cells) > 1
-
-
-def _known_titles(row: SheetRow) -> int:
-    """How many columns are known by the titles in a line."""
-    known = "|".join(pattern for pattern, _ in TITLES.values())
-    return sum(re.search(known, cell, re.IGNORECASE) is not None for cell in row.cells)
-
-
-def _column(what: str, asked: int | str | None, titles: SheetRow | None, first: SheetRow) -> int:
+def _column(what: str, wanted: int | str | None, table: Table) -> int:
     """Index of the column of displacements or forces."""
-    names = [] if titles is None else [with_unit(cell)[0] for cell in titles.cells]
-    parameter, width = f"{what}_column", max(len(first.cells), len(names))
+    names, first = [], table.rows.index[0]
+    if table.titles:
+        names = [with_unit(title)[0] for title in table.sheet.row(table.titles)]
+    parameter, width = f"{what}_column", max(len(table.sheet.row(first)), len(names))
     known = f"{width} columns (index 0 to {width - 1})" + (f" titled {listed(names)}" if names else "")
-    if asked is None:
-        found = [n for n, title in enumerate(names) if re.search(TITLES[what][0], title)]
-        if len(found) == 1:
-            return found[0]
+    if wanted is None:
+        fitting = [n for n, name in enumerate(names) if re.search(TITLES[what][0], name)]
+        if len(fitting) == 1:
+            return fitting[0]
         if not names and width == 2:
             return [*TITLES].index(what)
-        raise ValueError(f"{parameter} is missing: {first.where} has {known}; give {parameter}=")
-    if isinstance(asked, str) and (title := with_unit(asked)[0]) in names:
+        where = table.sheet.where(first)
+        raise ValueError(f"{parameter} is missing: {where} has {known}; give {parameter}=")
+    if isinstance(wanted, str) and (title := with_unit(wanted)[0]) in names:
         return names.index(title)
-    if is_whole(asked) and 0 <= asked < width:
-        return int(asked)
-    raise ValueError(f"{parameter} = {brief(asked)} is not in {first.where}; allowed: {known}")
-
-
-def _size(quantity: str, column: int, above: Sequence[SheetRow], asked: str | None, name: str) -> float:
-    """The unit of a column in SI, from its title, from the line below the titles, or as asked for."""
-    stated = next((unit for row in above if (unit := with_unit(row.cell(column))[1])), "")
-    if not stated and len(above) > 1:
-        stated = above[-1].cell(column)
-    return size_stated(quantity, stated, asked, f"{name}, column {column + 1}")
+    if is_whole(wanted) and 0 <= wanted < width:
+        return int(wanted)
+    where = table.sheet.where(first)
+    raise ValueError(f"{parameter} = {brief(wanted)} is not in {where}; allowed: {known}")

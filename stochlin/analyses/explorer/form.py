@@ -90,8 +90,8 @@ class Entry(NamedTuple):
         assert self.key.slider is not None
         written = NUMBER.fullmatch(self.value) if isinstance(self.value, str) else None
         unit = written[2].strip() if written else self.key.slider.unit
-        size = self.key.kind.spellings.get(unit, 1.0) if isinstance(self.key.kind, Quantity) else 1.0
-        return f"{at * self.key.unit_size / size:.6g} {unit}".strip()
+        size = self.key.kind.size(unit) if isinstance(self.key.kind, Quantity) else None
+        return f"{at * self.key.unit_size / (size or 1.0):.6g} {unit}".strip()
 
 
 class Choice(NamedTuple):

@@ -26,10 +26,8 @@ USUAL_DAMPING = 0.05
 @click.command()
 @click.argument("modes", required=False, type=click.Path(path_type=Path))
 @click.option("--direction", help="Direction of the gap, if the file has several: UX or UY.")
-@click.option(
-    "--points",
-    help="Points on the floors whose displacements are the shapes, one on each floor: 11,21,31.",
-)
+@click.option("--points", help="Points whose displacements are the shapes, one a floor: 11,21,31.")
+@click.option("--tower", help="Tower, or diaphragm, if the file has several buildings: T1.")
 @click.option("--mass-units", help="Unit of the masses, if the file does not say it: kg, t, kN-s2/m.")
 @click.option("--length-units", help="Unit of the levels, if the file does not say it: m, cm, mm, ft.")
 @click.option(
@@ -59,6 +57,7 @@ def building(
     modes: Path | None,
     direction: str | None,
     points: str | None,
+    tower: str | None,
     mass_units: str | None,
     length_units: str | None,
     damping: float | None,
@@ -82,10 +81,9 @@ def building(
     """
     with bad_input():
         from stochlin.analyses.buildings.mode_files.plain import EXAMPLE
-        from stochlin.analyses.buildings.modes import read_modes
+        from stochlin.analyses.buildings.modes import read_modes, with_masses
         from stochlin.analyses.buildings.pushover import bilinear_of
         from stochlin.analyses.buildings.pushover_files import read_pushover
-        from stochlin.analyses.buildings.summaries import with_masses
         from stochlin.analyses.tables.storage import FORMATS
         from stochlin.models.buildings import ModalBuilding
         from stochlin.views.buildings.words import building_sections
@@ -99,18 +97,18 @@ def building(
             )
         check_target("--out", out, FORMATS, [modes, *([pushover] if pushover else [])])
         named = [name.strip() for name in points.split(",")] if points else ()
-        units = {"mass_units": mass_units, "length_units": length_units}
+        units = {"tower": tower, "mass_units": mass_units, "length_units": length_units}
         table = read_modes(modes, direction=direction, points=named, **units)
-        tower = ModalBuilding.from_table(table, damping=USUAL_DAMPING if damping is None else damping)
+        of_modes = ModalBuilding.from_table(table, damping=USUAL_DAMPING if damping is None else damping)
         ideal: Any = None
         if pushover is not None:
             names = dict(zip(("length_units", "force_units"), _pair(pushover_units), strict=True))
             ideal = bilinear_of(read_pushover(pushover, **names), pushover_method)
-            tower = tower.with_pushover(ideal)
-        table = with_masses(table, tower)
-        asked = {"modes": modes.name, "direction": direction, "points": named, **units}
-        asked["pushover"] = pushover.name if pushover else None
-        show(lines(building_sections(table, tower, damping is not None, asked, ideal)))
+            of_modes = of_modes.with_pushover(ideal)
+        table = with_masses(table, of_modes)
+        asked = {"modes": modes.name, "direction": table.attrs.get("direction"), "points": named}
+        asked |= units | {"pushover": pushover.name if pushover else None}
+        show(lines(building_sections(table, of_modes, damping is not None, asked, ideal)))
         write(table, out)
 
 

@@ -84,6 +84,10 @@ solver_option = click.option(
 )
 
 
+# A decimal comma in a number with a unit, such as 0,7s; three digits might be thousands.
+_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d{1,2}|\d{4,})(?=\s*[A-Za-z])")
+
+
 class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic type before click 8.2
     """A number with its unit, as case files have it: ``5cm`` or ``"5 cm"``; ratios have none."""
 
@@ -94,7 +98,7 @@ class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic typ
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """In SI."""
-        return self.one(value, param, ctx) if isinstance(value, str) else value
+        return self.one(_COMMA.sub(r"\1.\2", value), param, ctx) if isinstance(value, str) else value
 
     def one(self, text: str, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """The number that a text stands for."""
@@ -125,7 +129,7 @@ class Numbers(QuantityType):
         if not isinstance(value, str):
             return value
         if ":" not in value:
-            return [self.one(item, param, ctx) for item in value.split(",")]
+            return [self.one(item, param, ctx) for item in _COMMA.sub(r"\1.\2", value).split(",")]
         start, stop, *rest = value.split(":")
         if not re.fullmatch(r"\d{1,18}(:log)?", ":".join(rest)) or int(rest[0]) < 2:
             unit = "" if self.units == "1" else "s"
@@ -139,11 +143,10 @@ class Numbers(QuantityType):
             check_work(f"{value!r} takes", "take fewer points", {"numbers of a sweep": float(rest[0])})
         except ValueError as error:
             self.fail(str(error), param, ctx)
-        low, high = self.one(start, param, ctx), self.one(stop, param, ctx)
+        low, high = (self.one(end, param, ctx) for end in (start, stop))
         if rest[1:] and not low * high > 0:
             self.fail(f"{value!r} is geometric and includes 0; allowed: both ends above 0", param, ctx)
-        spread = np.geomspace if rest[1:] else np.linspace
-        return [float(x) for x in spread(low, high, int(rest[0]))]
+        return (np.geomspace if rest[1:] else np.linspace)(low, high, int(rest[0])).tolist()
 
 
 def numbers_option(

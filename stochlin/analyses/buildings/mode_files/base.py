@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
-from stochlin.analyses.buildings.sheets import Sheet
+import numpy as np
+
+from stochlin.analyses.sheets.sheets import Sheet
 from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import listed
 from stochlin.models.parameters import Range
 from stochlin.registry import Registry
 
 MODE_NUMBERS = Range(1, 1e9, include_lower=True, include_upper=True)
+STILL = 0.01  # share of the largest displacements below which a mode does not move along the direction
 
 
 class AskedModes(NamedTuple):
-    """What the caller says of a file that has several directions or points, or states no units."""
+    """What the caller says of a file that has several directions, points or towers, or no units."""
 
     direction: str | None = None  # "UX" or "UY"
     points: tuple[str, ...] = ()
+    tower: str | None = None
     mass_units: str | None = None
     length_units: str | None = None
 
@@ -46,17 +51,27 @@ class ModeFile(ABC):
     """A format of files with modes."""
 
     header: ClassVar[str]  # how a file of this format begins, for messages
-    takes: ClassVar[Sequence[str]]  # the arguments of `AskedModes` that have a meaning for it
+    accepts: ClassVar[Sequence[str]]  # the arguments of `AskedModes` that have a meaning for it
 
     @staticmethod
     @abstractmethod
-    def buildings(sheets: Sequence[Sheet]) -> Sequence[Sequence[Sheet]]:
-        """The sheets of each building whose modes they have in this format."""
+    def buildings(sheets: Sequence[Sheet]) -> Sequence[tuple[Sheet, Any]]:
+        """For each building with modes in this format, its first sheet and what `read` needs."""
 
     @staticmethod
     @abstractmethod
-    def read(sheets: Sequence[Sheet], asked: AskedModes) -> ModesOfFile:
-        """The modes in the sheets; a ValueError names line and column of what does not fit."""
+    def read(content: Any, asked: AskedModes) -> ModesOfFile:
+        """The modes of a building; a ValueError names line and column of what does not fit."""
+
+
+def check_moving(modes: Sequence[int], moved: Array, where: str, most: float = 0.0) -> None:
+    """Raise a ValueError for modes whose displacements are nothing beside the largest ones."""
+    sizes = np.abs(moved)
+    if still := [*np.asarray(modes)[~(sizes > STILL * max(most, *sizes))]]:
+        raise ValueError(
+            f"{where}: mode {listed(still)} hardly moves along the direction, where it has mass; "
+            "allowed: shapes of the same analysis and of the same direction as the masses"
+        )
 
 
 MODE_FILES: Registry[type[ModeFile]] = Registry(

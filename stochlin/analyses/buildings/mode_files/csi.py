@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import pairwise, product
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import ClassVar, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from stochlin.analyses.buildings.mode_files.base import (
     MODE_FILES,
@@ -14,49 +15,53 @@ from stochlin.analyses.buildings.mode_files.base import (
     AskedModes,
     ModeFile,
     ModesOfFile,
+    check_moving,
 )
 from stochlin.analyses.buildings.mode_files.csi_tables import (
-    TITLE,
-    CsiTable,
-    needed_table,
-    spelled,
+    BASES,
+    COORDINATES,
+    HEIGHTS,
+    OF_CENTRES,
+    OF_DIAPHRAGMS,
+    OF_JOINTS,
+    OF_MASSES,
+    OF_STORIES,
+    PLACES,
+    RATIOS,
+    STORY_DATA,
+    needed_tables,
     tables_in,
 )
-from stochlin.analyses.buildings.sheets import Sheet, SheetRow
+from stochlin.analyses.sheets.sheets import Sheet, Table, spelled
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
 from stochlin.models.buildings.modal import ANY
 from stochlin.models.parameters import NOT_NEGATIVE, PERIODS, POSITIVE, Range
 
-RATIOS, OF_JOINTS = "Modal Participating Mass Ratios", "Joint Displacements"
-OF_CENTRES, OF_STORIES = "Diaphragm Center Of Mass Displacements", "Mass Summary by Story"
-HEIGHTS = "Story Definitions", "Story Data"
-BASES = "Tower and Base Story Definitions"
-COORDINATES, OF_MASSES = "Joint Coordinates", "Assembled Joint Masses"
 SHARE = Range(upper=1.0, include_lower=True, include_upper=True)
 LEAST_SHARE = 0.001  # of the mass; programs print ratios to four digits, and less is left out
 AXES = "UX", "UY"
 SAME_LEVEL = 0.01  # largest difference of the levels of joints on one floor [m]
-STILL = 1e-6  # rotation of a floor that does not turn [rad]
+APART = 20.0  # distance in plan of the points of floors that are not of one building [m]
+TURNS = 1e-6  # rotation of a floor that turns [rad]
 ASIDE = 0.02  # largest share of the mass that may be between the floors, or at joints without shapes
-CASE = "Case", "Output Case", "Load Case", "Load Case/Combo"
-STEP = "Mode", "Step Num", "Step Number"
 BASE, SECONDS = "base", ("", "s", "sec")
 
 
 class Floors(NamedTuple):
-    """The floors, and for each mode their shapes and the sum of mass times displacement of the whole."""
+    """The floors with their shapes, and the sums of mass times displacement of the whole model."""
 
     levels: Array  # [m]
     masses: Array  # [kg]
     shapes: Array  # (modes, floors)
     loads: Array  # (modes,)
+    parts: Array  # of these floors alone (modes,)
+    total: float  # mass of the whole model [kg]
 
 
 class Wanted(NamedTuple):
-    """The tables, and the modal case with those of its modes that move along the axis."""
+    """The modal case with those of its modes that move along the axis, and what is asked for."""
 
-    tables: dict[str, CsiTable]
     asked: AskedModes
     axis: str
     case: str
@@ -65,15 +70,16 @@ class Wanted(NamedTuple):
 
 @MODE_FILES.register("csi", 2)
 class CsiModes(ModeFile):
-    """Tables of ETABS and SAP2000: each has a line ``TABLE:  name``, titles, units, and rows.
+    """Tables of ETABS and SAP2000: a line ``TABLE:  name``, titles, units, and rows.
 
     The file needs the table Modal Participating Mass Ratios, and besides, of ETABS, Story Definitions,
-    Mass Summary by Story, Diaphragm Center Of Mass Displacements and, for ``points``, Joint
-    Displacements; of SAP2000, Joint Coordinates, Assembled Joint Masses and Joint Displacements. Their
-    order does not matter, and others are left alone. Stories come from the roof down.
+    Mass Summary by Story or Centers Of Mass And Rigidity, Diaphragm Center Of Mass Displacements and,
+    for ``points``, Joint Displacements; of SAP2000, Joint Coordinates, Assembled Joint Masses and Joint
+    Displacements. Their order does not matter, and others are left alone. Where the line with the name
+    is missing, the columns or the name of the sheet say which table it is.
 
     The participation factor of a mode is its effective mass over the sum of mass times displacement of
-    the whole floors. It holds for floors that turn, and for any scale of the shapes.
+    the whole model. It holds for floors that turn, for several towers, and for any scale of the shapes.
 
     References
     ----------
@@ -82,53 +88,71 @@ class CsiModes(ModeFile):
     """
 
     header: ClassVar[str] = f"a line 'TABLE:  {RATIOS}' of ETABS or SAP2000"
-    takes: ClassVar[Sequence[str]] = AskedModes._fields
+    accepts: ClassVar[Sequence[str]] = AskedModes._fields
 
     @staticmethod
-    def buildings(sheets: Sequence[Sheet]) -> Sequence[Sequence[Sheet]]:
-        """All sheets together in which a line begins with 'TABLE:'."""
-        together = [sheet for sheet in sheets if any(TITLE.match(row.cell(0)) for row in sheet)]
-        return [together] if together else []
-
-    @staticmethod
-    def read(sheets: Sequence[Sheet], asked: AskedModes) -> ModesOfFile:
-        """The modes of all tables together."""
+    def buildings(sheets: Sequence[Sheet]) -> Sequence[tuple[Sheet, Mapping[str, Table]]]:
+        """All tables together."""
         tables = tables_in(sheets)
-        ratios = needed_table(tables, RATIOS)
+        return [(table.sheet, tables) for table in [*tables.values()][:1]]
+
+    @staticmethod
+    def read(content: Mapping[str, Table], asked: AskedModes) -> ModesOfFile:
+        """The modes of all tables together."""
+        etabs = any(spelled(name) in content for name in (HEIGHTS, STORY_DATA, OF_CENTRES, OF_STORIES))
+        ratios, *others = (_etabs_tables if etabs else _sap2000_tables)(content, asked)
         axis = _axis(ratios, asked.direction)
-        period, share, step = ratios.column("Period"), ratios.column(axis), ratios.column(*STEP)
-        for row in ratios.units:
-            if (unit := row.cell(period).lower()) not in SECONDS:
-                raise row.error(period, f"periods are in {brief(unit)}; allowed: sec")
-        modes = ratios.by(step, _whole)
-        periods = {mode: row.number(period, "period", PERIODS) for mode, row in modes.items()}
-        shares = {mode: row.number(share, axis, SHARE) for mode, row in modes.items()}
-        moving = [mode for mode in modes if shares[mode] >= LEAST_SHARE]
-        if not moving:
+        column = ratios.column("period")
+        unit = ratios.sheet.cells.at[ratios.units, column] if ratios.units else ""
+        if unit.lower() not in SECONDS:
+            what = f"periods are in {brief(unit)}; allowed: sec"
+            raise ratios.sheet.error(ratios.units, column, what)
+        ratios.check_once(_keys(ratios, ["mode"]), "export one of them")
+        modes, periods = _modes(ratios), ratios.numbers("period", "period", PERIODS)
+        shares = ratios.numbers(axis.lower(), axis, SHARE)
+        moving = shares >= LEAST_SHARE
+        if not moving.any():
             raise ratios.error(f"has no mode with {LEAST_SHARE:.1%} of the mass along {axis}")
-        of_etabs = any(spelled(name) in tables for name in HEIGHTS)
-        wanted = Wanted(tables, asked, axis, _only_case(ratios), moving)
-        floors = (_of_stories if of_etabs else _of_joints)(wanted)
-        masses = np.array([shares[mode] for mode in moving]) * floors.masses.sum()
-        if not floors.loads.all():
-            still = moving[int(np.argmin(floors.loads != 0))]
-            raise ratios.error(f"has mode {still}, which does not move; export one analysis alone")
+        wanted = Wanted(asked, axis, _only_case(ratios), modes[moving].tolist())
+        floors = (_of_stories if etabs else _of_joints)(content, others, wanted)
+        effective = shares[moving] * floors.total
+        if asked.tower is None:
+            check_moving(wanted.moving, floors.loads / np.sqrt(effective), others[2].sheet.name)
+        factors = np.divide(effective, floors.loads, np.zeros(effective.size), where=floors.loads != 0)
+        masses = factors * floors.parts
+        here = masses >= 0.999 * LEAST_SHARE * floors.masses.sum()
+        chosen = modes[moving][here]
         return ModesOfFile(
-            moving,
-            np.array([periods[mode] for mode in moving]),
-            floors.shapes,
+            chosen.tolist(),
+            periods[moving][here],
+            floors.shapes[here],
             floors.masses,
             floors.levels,
-            masses / floors.loads,
-            masses,
-            [mode for mode in modes if mode not in moving],
-            _turning(needed_table(tables, OF_CENTRES if of_etabs else OF_JOINTS), wanted),
+            factors[here],
+            masses[here],
+            modes[~np.isin(modes, chosen)].tolist(),
+            [] if asked.points else _turning(others[2], wanted._replace(moving=chosen.tolist())),
         )
 
 
-def _axis(ratios: CsiTable, direction: str | None) -> str:
+def _etabs_tables(tables: Mapping[str, Table], asked: AskedModes) -> list[Table]:
+    """Ratios, heights, masses, displacements of centres and, for points, of joints."""
+    masses = [OF_DIAPHRAGMS, OF_STORIES] if asked.tower else [OF_STORIES, OF_DIAPHRAGMS]
+    groups = [[RATIOS], [HEIGHTS, STORY_DATA], masses, [OF_CENTRES], [OF_JOINTS] * bool(asked.points)]
+    return needed_tables(tables, *filter(None, groups))
+
+
+def _sap2000_tables(tables: Mapping[str, Table], asked: AskedModes) -> list[Table]:
+    """Ratios, coordinates, masses and displacements of joints."""
+    if asked.tower:
+        what = f"tower = {brief(asked.tower)} has no meaning for tables of SAP2000"
+        raise ValueError(f"{what}; name the joints of the building, points=")
+    return needed_tables(tables, [RATIOS], [COORDINATES], [OF_MASSES], [OF_JOINTS])
+
+
+def _axis(ratios: Table, direction: str | None) -> str:
     """The direction that is asked for, or the only one."""
-    known = [axis for axis in AXES if ratios.column(axis, needed=False) >= 0]
+    known = [axis for axis in AXES if axis.lower() in ratios.names]
     axis = direction or (known[0] if len(known) == 1 else "missing")
     if axis not in known:
         there = f"table {RATIOS} has modes along {' and '.join(known)}"
@@ -136,161 +160,202 @@ def _axis(ratios: CsiTable, direction: str | None) -> str:
     return axis
 
 
-def _only_case(ratios: CsiTable) -> str:
-    column = ratios.column(*CASE)
-    cases = {row.cell(column): row for row in ratios.rows}
-    first, *others = cases
-    if others:
-        what = f"a second modal case, {brief(others[0])} beside {brief(first)}; export one of them"
-        raise cases[others[0]].error(column, what)
-    return first
+def _only_case(ratios: Table) -> str:
+    cases = ratios.texts("case").drop_duplicates()
+    if len(cases) > 1:
+        what = f"a second modal case, {brief(cases.iloc[1])} beside {brief(cases.iloc[0])}"
+        raise ratios.sheet.error(cases.index[1], ratios.column("case"), f"{what}; export one of them")
+    return str(cases.iloc[0])
 
 
-def _whole(row: SheetRow, column: int) -> int:
-    """The number of a mode."""
-    value = row.number(column, "mode number", MODE_NUMBERS)
-    if value != round(value):
-        raise row.error(column, f"{value:g} is not a mode number; allowed: a whole number")
-    return round(value)
+def _modes(table: Table) -> Array:
+    """Numbers of the modes in the lines of a table."""
+    modes = table.numbers("mode", "mode number", MODE_NUMBERS)
+    for line in table.rows.index[modes % 1 > 0][:1]:
+        what = f"{table.texts('mode')[line]} is not a mode number; allowed: a whole number"
+        raise table.sheet.error(line, table.column("mode"), what)
+    return modes.astype(int)
 
 
-def _displacements(
-    table: CsiTable, title: str, wanted: Wanted, points: Sequence[str] = ()
-) -> dict[tuple[str, int], float]:
-    """What a column has by story or joint and mode, of the points if any are named."""
-    titles = ("Label", "Unique Name", "Joint")
-    labels = [n for label in titles if (n := table.column(label, needed=False)) >= 0]
-    columns = ("Story", "Joint"), CASE, STEP, (title,)
-    column, of_case, step, value = (table.column(*titles) for titles in columns)
-    found: dict[tuple[str, int], float] = {}
-    for row in table.rows:
-        if row.cell(of_case) != wanted.case or (points and not {*points} & {*map(row.cell, labels)}):
-            continue
-        name, mode = row.cell(column), _whole(row, step)
-        if (name, mode) in found:
-            what = f"a second displacement of {brief(name)} in mode {mode}"
-            raise row.error(column, f"{what}; allowed: one diaphragm or joint on each floor")
-        if mode in wanted.moving:
-            found[name, mode] = row.number(value, "displacement")
-    return found
+def _keys(table: Table, names: Sequence[str]) -> pd.DataFrame:
+    return pd.DataFrame({name: table.texts(name) for name in names})
 
 
-def _by_floor(
-    table: CsiTable, floors: Sequence[str], found: dict[tuple[str, int], float], moving: Sequence[int]
-) -> Array:
-    """Displacements of the floors in each mode; a ValueError names a floor without one."""
-    for floor, mode in product(floors, moving):
-        if (floor, mode) not in found:
-            raise table.error(f"has no displacement of floor {brief(floor)} in mode {mode}")
-    return np.array([[found[floor, mode] for floor in floors] for mode in moving])
+def _moves(table: Table, title: str, wanted: Wanted, names: Sequence[str]) -> pd.DataFrame:
+    """What a column has in the modal case, by the columns with these names and by mode."""
+    table = table._replace(rows=table.rows[table.texts("case") == wanted.case])
+    if table.rows.empty:
+        raise ValueError(f"{table.sheet.name}: {table.name} has no case {brief(wanted.case)}")
+    keys = _keys(table, names).assign(mode=_modes(table))
+    table.check_once(keys, "allowed: one diaphragm or joint on each floor; tower= and points= choose")
+    keys["move"] = table.numbers(title, "displacement")
+    return keys.pivot(index=[*names], columns="mode", values="move").reindex(columns=wanted.moving)
 
 
-def _of_stories(wanted: Wanted) -> Floors:
+def _in_si(
+    table: Table, title: str, quantity: str, unit: str | None, allowed: Range, names: Sequence[str]
+) -> pd.Series:
+    """A column in SI by the columns with these names; a ValueError for a place that is there twice."""
+    keys = _keys(table, names)
+    table.check_once(keys, "export one of them")
+    return keys.assign(value=table.in_si(title, quantity, unit, allowed)).set_index([*names])["value"]
+
+
+def _shapes(table: Table, moves: pd.DataFrame, floors: Sequence[str]) -> Array:
+    """Displacements (modes, floors); a ValueError names a floor without one."""
+    shapes = moves.reindex(floors)
+    for floor, mode in np.argwhere(shapes.isna().to_numpy())[:1]:
+        place = f"floor {brief(floors[floor])} in mode {shapes.columns[mode]}"
+        raise table.error(f"has no displacement of {place}")
+    return shapes.to_numpy().T
+
+
+def _of_tower(table: Table, tower: str | None) -> Table:
+    """The lines of a tower; all if the table does not say whose they are."""
+    if "tower" not in table.names or not (here := table.texts("tower") == tower).any():
+        return table
+    return table._replace(rows=table.rows[here])
+
+
+def _chosen(places: pd.Index, heights: Table, weights: Table, tower: str | None) -> Array:
+    """Which places are of the tower; a ValueError unless they are of one building."""
+    stories = heights.texts("story")
+    towers = [] if "tower" not in heights.names else [*heights.texts("tower").unique()]
+    chosen = places.get_level_values("story").isin(_of_tower(heights, tower).texts("story"))
+    groups = {name: places.get_level_values(name) for name in places.names if name != "story"}
+    here = [group == tower for group in groups.values()]
+    known = [*towers, *(name for group in groups.values() for name in group.unique())]
+    if tower is not None and tower not in known:
+        raise ValueError(f"tower = {brief(tower)} is not in the tables; allowed: {listed(known)}")
+    if tower is not None and not np.any(here) and stories.duplicated().any():
+        what = f"does not say which masses are those of {brief(tower)}"
+        raise weights.error(f"{what}; export {OF_DIAPHRAGMS} and name the diaphragm as tower=")
+    if np.any(here):
+        chosen &= np.any(here, axis=0)
+    twice = places[chosen].get_level_values("story").duplicated(keep=False)
+    several = [*pd.unique(places[chosen][twice].get_level_values(-1))]
+    several = towers if tower is None and len(towers) > 1 else several
+    if len(several) > 1:
+        what = f"has {listed(several)}, which may be several buildings"
+        raise heights.error(f"{what}; give that at the gap, tower={several[0]!r}")
+    return chosen
+
+
+def _of_stories(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wanted) -> Floors:
     """The floors of ETABS, with the shapes of centres of mass or of named joints."""
-    (stories, levels), (tables, asked, axis, _, moving) = _levels(wanted), wanted
-    table = needed_table(tables, OF_STORIES)
-    titles = axis, "Mass X" if axis == "UX" else "Mass Y"
-    mass = _by_name(table, titles, "mass", asked.mass_units, NOT_NEGATIVE)
-    if bare := [story for story in stories if not mass.get(story)]:
-        raise table.error(f"has no mass of story {listed(bare)}")
-    masses = np.array([mass[story] for story in stories])
-    table = needed_table(tables, OF_CENTRES)
-    shapes = _by_floor(table, stories, _displacements(table, axis, wanted), moving)
-    loads = shapes @ masses
+    (heights, weights, centres), asked, axis = others[:3], wanted.asked, wanted.axis.lower()
+    names = [name for name in PLACES if name in weights.names and name in centres.names]
+    mass = _in_si(weights, axis, "mass", asked.mass_units, NOT_NEGATIVE, names)
+    stories = mass.index.get_level_values("story")
+    mass = mass[stories.isin(heights.texts("story")) & (stories.str.lower() != BASE)]
+    own = mass[_chosen(mass.index, heights, weights, asked.tower)]
+    moves = _moves(centres, axis, wanted, names)
+    loads = moves.reindex(mass.index).fillna(0.0).T @ mass
+    of_own = moves.reindex(own.index)
+    for each in (own, of_own):
+        each.index = each.index.get_level_values("story")
+    levels = _levels(_of_tower(heights, asked.tower), centres, tables.get(spelled(BASES)), asked)
+    levels = levels[levels.index.isin(own.index) | (asked.tower is None)]
+    if bare := [story for story in levels.index if not own.get(story)]:
+        raise weights.error(f"has no mass of story {listed(bare)}")
+    own, shapes = own[levels.index], _shapes(centres, of_own, levels.index)
+    parts = shapes @ own.to_numpy()
     if asked.points:
-        table = needed_table(tables, OF_JOINTS)
-        moved = _displacements(table, axis, wanted, asked.points)
-        shapes = _by_floor(table, stories, moved, moving)
-    return Floors(levels, masses, shapes, loads)
+        joints = _named(others[3], asked.points)
+        shapes = _shapes(joints, _moves(joints, axis, wanted, ["story"]), levels.index)
+    elif asked.tower is None and {"x", "y"} <= {*centres.names}:
+        _check_near(centres, "story", levels.index)
+    return Floors(levels.to_numpy(), own.to_numpy(), shapes, loads.to_numpy(), parts, mass.sum())
 
 
-def _turning(table: CsiTable, wanted: Wanted) -> list[int]:
-    """Modes in which floors turn, as far as the table says it; none if the caller names points."""
-    title = next((name for name in ("RZ", "R3") if table.column(name, needed=False) >= 0), "")
-    if wanted.asked.points or not title:
+def _named(table: Table, points: Sequence[str]) -> Table:
+    """The lines of the named joints."""
+    names = _keys(table, [name for name in ("label", "uniquename", "joint") if name in table.names])
+    known = pd.unique(names.to_numpy().ravel())
+    if strange := [point for point in points if point not in known]:
+        what = f"has no joint {listed(strange)}, which points names"
+        raise table.error(f"{what}; it has {listed(known)}")
+    return table._replace(rows=table.rows[names.isin([*points]).any(axis=1)])
+
+
+def _check_near(table: Table, name: str, floors: Sequence[str]) -> None:
+    """Raise a ValueError if two floors are so far apart in plan that they are of two buildings."""
+    table = table._replace(rows=table.rows[~table.texts(name).duplicated()])
+    plan = pd.DataFrame(
+        {axis: _in_si(table, axis, "length", None, ANY, [name]) for axis in ("x", "y")}
+    ).loc[[*floors]]
+    for n in np.flatnonzero(np.hypot(*np.diff(plan.to_numpy(), axis=0).T) > APART)[:1]:
+        what = f"has {floors[n]} and {floors[n + 1]} more than {APART:g} m apart in plan"
+        raise table.error(f"{what}; name the points of the building at the gap, points=")
+
+
+def _turning(table: Table, wanted: Wanted) -> list[int]:
+    """Modes in which floors turn, as far as the table says it."""
+    if "rz" not in table.names:
         return []
-    angles = _displacements(table, title, wanted)
-    return sorted({mode for (_, mode), angle in angles.items() if abs(angle) > STILL})
+    angles = _moves(table, "rz", wanted, [name for name in PLACES if name in table.names])
+    return sorted(int(mode) for mode in angles.columns[(angles.abs() > TURNS).any()])
 
 
-def _levels(wanted: Wanted) -> tuple[list[str], Array]:
-    """Names of the stories and their levels above the ground [m]; stories come from the roof down."""
-    table = needed_table(wanted.tables, *HEIGHTS)
-    name, height = table.column("Story", "Name"), table.column("Height")
-    size = table.size("length", height, wanted.asked.length_units)
-    rows = {story: row for story, row in table.by(name, SheetRow.cell).items() if story.lower() != BASE}
-    heights = [row.number(height, "story height", POSITIVE) for row in rows.values()]
-    return [*rows], size * np.cumsum(heights[::-1])[::-1] - _depth(wanted)
+def _levels(heights: Table, centres: Table, bases: Table | None, asked: AskedModes) -> pd.Series:
+    """Levels of the stories above the ground [m], from the ground up, by name."""
+    names, unit = heights.texts("story"), asked.length_units
+    rows = heights.rows[(names.str.lower() != BASE) & ~_keys(heights, ["story", "height"]).duplicated()]
+    heights = heights._replace(rows=rows)
+    height = _in_si(heights, "height", "length", unit, POSITIVE, ["story"])
+    elevations = None
+    for table, title in ((centres, "z"), (heights, "elevation")):
+        if title in table.names:
+            first = table._replace(rows=table.rows[~table.texts("story").duplicated()])
+            level = _in_si(first, title, "length", unit, ANY, ["story"]).reindex(height.index)
+            elevations = elevations if level.isna().any() else level.sort_values(kind="stable")
+    numbers = names.str.extract(r"(\d+)$")[0].dropna().astype(int)
+    if elevations is not None:
+        height = height[elevations.index]
+    elif names.iloc[0].lower() != BASE and not (len(numbers) > 1 and numbers.diff()[1:].min() > 0):
+        height = height[::-1]  # from the roof down, as programs have them
+    if elevations is not None and bases is None:
+        return elevations - max(0.0, elevations.iloc[0] - height.iloc[0])
+    return height.cumsum() - (0.0 if bases is None else _depth(bases, asked))
 
 
-def _depth(wanted: Wanted) -> float:
+def _depth(bases: Table, asked: AskedModes) -> float:
     """Depth of the base below 0, where the ground is [m]; a base above 0 stands on the ground."""
-    table = wanted.tables.get(spelled(BASES))
-    if table is None:
-        return 0.0
-    towers = _by_name(table, ["BSElev"], "length", wanted.asked.length_units)
-    return max(0.0, -max(towers.values(), default=0.0))
+    table = _of_tower(bases, asked.tower)
+    towers = _in_si(table, "bselev", "length", asked.length_units, ANY, ["tower"])
+    return max(0.0, -towers.max()) if len(towers) else 0.0
 
 
-def _of_joints(wanted: Wanted) -> Floors:
+def _of_joints(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wanted) -> Floors:
     """The floors of SAP2000: the levels of the joints that have displacements, or of the named ones."""
-    tables, asked, axis, _, moving = wanted
-    own, moves = f"U{'XY'.index(axis[1]) + 1}", needed_table(tables, OF_JOINTS)
-    places, weights = needed_table(tables, COORDINATES), needed_table(tables, OF_MASSES)
-    height = _by_name(places, ("GlobalZ", "Z"), "length", asked.length_units)
-    level = {name: z - min(height.values()) for name, z in height.items()}
-    mass = _by_name(weights, [own], "mass", asked.mass_units, NOT_NEGATIVE)
-    mass = {name: value for name, value in mass.items() if value and level.get(name, 0.0) > SAME_LEVEL}
-    moved = _displacements(moves, own, wanted)
-    if unknown := {name for name, _ in moved} - level.keys():
-        raise moves.error(f"has joint {listed(sorted(unknown))}, which is not in table {COORDINATES}")
-    known = sum(value for name, value in mass.items() if all((name, mode) in moved for mode in moving))
-    if not mass or known < (1 - ASIDE) * sum(mass.values()):
-        what = f"has joints with {known / (sum(mass.values()) or 1):.0%} of the mass"
-        raise moves.error(f"{what}; export the modal displacements of all joints with mass")
-    of_mass = [[moved.get((name, mode), 0.0) for name in mass] for mode in moving]
-    loads = np.array(of_mass) @ [*mass.values()]
-    chosen = {name for name, _ in moved if level[name] > SAME_LEVEL}
-    if strange := {*asked.points} - chosen:
-        raise moves.error(f"has no joint {listed(sorted(strange))} above the base, which points names")
-    chosen &= {*asked.points} or chosen
-    names = sorted(chosen, key=lambda name: (level[name], name))
-    levels = np.array([level[name] for name in names])
-    _check_one_each(moves, names, level)
-    masses = _of_floors(weights, levels, mass, level)
-    above = levels - max(0.0, -min(height.values()))
-    return Floors(above, masses, _by_floor(moves, names, moved, moving), loads)
-
-
-def _by_name(
-    table: CsiTable, titles: Sequence[str], quantity: str, asked: str | None, allowed: Range = ANY
-) -> dict[str, float]:
-    """A number of each joint, story or tower, in SI; a ValueError for one that is there twice."""
-    rows, column = (
-        table.by(table.column("Story", "Joint", "Tower"), SheetRow.cell),
-        table.column(*titles),
-    )
-    size = table.size(quantity, column, asked)
-    return {name: size * row.number(column, quantity, allowed) for name, row in rows.items()}
-
-
-def _of_floors(table: CsiTable, levels: Array, mass: dict[str, float], level: dict[str, float]) -> Array:
-    """Masses of the floors [kg], each joint at the nearest; a ValueError if too much is between them."""
-    masses, aside = np.zeros(levels.size), 0.0
-    for name, value in mass.items():
-        nearest = int(np.argmin(np.abs(levels - level[name])))
-        masses[nearest] += value
-        aside += value * (abs(levels[nearest] - level[name]) > SAME_LEVEL)
+    (places, weights, table), asked, axis = others, wanted.asked, wanted.axis.lower()
+    height = _in_si(places, "z", "length", asked.length_units, ANY, ["joint"])
+    level = height - height.min()
+    mass = _in_si(weights, axis, "mass", asked.mass_units, NOT_NEGATIVE, ["joint"])
+    mass = mass[(mass > 0) & (level.reindex(mass.index) > SAME_LEVEL)]
+    moves = _moves(table, axis, wanted, ["joint"])
+    if unknown := [*moves.index.difference(level.index)]:
+        raise table.error(f"has joint {listed(unknown)}, which is not in table {COORDINATES}")
+    with_shapes = mass[mass.index.isin(moves.dropna().index)].sum()
+    if not mass.size or with_shapes < (1 - ASIDE) * mass.sum():
+        what = f"has joints with {with_shapes / (mass.sum() or 1):.0%} of the mass"
+        raise table.error(f"{what}; export the modal displacements of all joints with mass")
+    loads = (moves.reindex(mass.index).fillna(0.0).T @ mass).to_numpy()
+    above = moves.index[level[moves.index] > SAME_LEVEL]
+    if strange := [point for point in asked.points if point not in above]:
+        raise table.error(f"has no joint {listed(strange)} above the base, which points names")
+    levels = level[[*asked.points] or above].sort_index().sort_values(kind="stable")
+    for lower, upper in pairwise(levels.index):
+        if levels[upper] - levels[lower] <= SAME_LEVEL:
+            both = f"has joints {lower} and {upper}, both at {levels[lower]:g} m"
+            raise table.error(f"{both}; name one on each floor, points=[{lower!r}, ...]")
+    _check_near(places, "joint", levels.index)
+    away = np.abs(level[mass.index].to_numpy()[:, None] - levels.to_numpy())
+    masses = np.bincount(away.argmin(axis=1), mass, minlength=levels.size)
+    aside = mass[away.min(axis=1) > SAME_LEVEL].sum()
     if aside > ASIDE * masses.sum() or not masses.all():
         floors = listed(f"{height:g}" for height in levels)
         what = f"has {aside / masses.sum():.0%} of the mass not at the floors, {floors} m"
-        raise table.error(f"{what}, or a floor has none; name one joint on each floor with points=")
-    return masses
-
-
-def _check_one_each(table: CsiTable, names: Sequence[str], level: dict[str, float]) -> None:
-    """Raise a ValueError if two joints are on one floor."""
-    for lower, upper in pairwise(names):
-        if level[upper] - level[lower] <= SAME_LEVEL:
-            both = f"has joints {lower} and {upper}, both at {level[lower]:g} m"
-            raise table.error(f"{both}; name one on each floor, points=[{lower!r}, ...]")
+        raise weights.error(f"{what}, or a floor has none; name one joint on each floor with points=")
+    shapes, above_ground = _shapes(table, moves, levels.index), levels + min(0.0, height.min())
+    return Floors(above_ground.to_numpy(), masses, shapes, loads, loads, mass.sum())

@@ -1,92 +1,89 @@
-"""Tables as ETABS and SAP2000 export them: a line with the name, titles, units, and rows."""
+"""Tables as ETABS and SAP2000 export them, with their names above, or as they are copied without."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
 
-from stochlin.analyses.buildings.sheets import Sheet, SheetRow, number_in
-from stochlin.analyses.buildings.units import size_stated
-from stochlin.messages import brief, listed
+from stochlin.analyses.sheets.sheets import Sheet, Table, spelled
+from stochlin.messages import listed
 
 TITLE = re.compile(r"table:\s*(.*)", re.IGNORECASE)
+RATIOS, OF_JOINTS = "Modal Participating Mass Ratios", "Joint Displacements"
+OF_CENTRES, OF_STORIES = "Diaphragm Center Of Mass Displacements", "Mass Summary by Story"
+OF_DIAPHRAGMS, BASES = "Centers Of Mass And Rigidity", "Tower and Base Story Definitions"
+HEIGHTS, STORY_DATA = "Story Definitions", "Story Data"
+COORDINATES, OF_MASSES = "Joint Coordinates", "Assembled Joint Masses"
+# Columns by which a table is known that has no line with its name.
+COLUMNS: Mapping[str, str] = {
+    RATIOS: "period sumux sumuy",
+    OF_DIAPHRAGMS: "story diaphragm massx massy",
+    OF_CENTRES: "story diaphragm ux uy",
+    OF_JOINTS: "story uniquename ux",
+    BASES: "tower bsname bselev",
+    HEIGHTS: "height masterstory",
+    STORY_DATA: "name height elevation",
+    COORDINATES: "joint coordsys z",
+    OF_MASSES: "joint masssource u1",
+    OF_STORIES: "story ux uy uz",
+}
+# Names of columns that differ between the programs and their versions.
+ALIKE = {
+    **dict.fromkeys(("outputcase", "loadcase", "loadcasecombo"), "case"),
+    **dict.fromkeys(("stepnum", "stepnumber"), "mode"),
+    **{"name": "story", "massx": "ux", "massy": "uy", "u1": "ux", "u2": "uy", "r3": "rz"},
+    **{"xorr": "x"} | {f"global{axis}": axis for axis in "xyz"},
+}
+PLACES = "tower", "story", "diaphragm", "joint"  # cells of these may be merged over several lines
 
 
-class CsiTable(NamedTuple):
-    """A table with its titles, its units if a row has them, and its rows."""
-
-    name: str
-    titles: SheetRow
-    units: list[SheetRow]  # none or one
-    rows: list[SheetRow]
-
-    def error(self, what: str) -> ValueError:
-        """A ValueError at the table."""
-        return self.titles.error(None, f"table {self.name} {what}")
-
-    def column(self, *titles: str, needed: bool = True) -> int:
-        """Number of the column with one of these titles; -1 if there is none, and it is not needed."""
-        columns = [spelled(title) for title in self.titles.cells]
-        for title in map(spelled, titles):
-            if title in columns:
-                return columns.index(title)
-        if needed:
-            known = listed(self.titles.cells)
-            raise self.error(f"has no column {' or '.join(titles)}; it has {known}")
-        return -1
-
-    def by(self, column: int, key: Callable[[SheetRow, int], Any]) -> dict[Any, SheetRow]:
-        """The rows by what a column has; a ValueError for what comes twice."""
-        rows: dict[Any, SheetRow] = {}
-        for row in self.rows:
-            if rows.setdefault(key(row, column), row) is not row:
-                raise row.error(column, f"{brief(row.cell(column))} is there twice; export one of them")
-        return rows
-
-    def size(self, quantity: str, column: int, asked: str | None) -> float:
-        """The unit of a column in SI, as its row of units says it or as it is asked for."""
-        row = self.units[0] if self.units else self.titles
-        stated = row.cell(column) if self.units else ""
-        return size_stated(quantity, stated, asked, f"{row.where}, column {column + 1}")
-
-
-def spelled(title: str) -> str:
-    """A title or a name as it is compared: small letters and digits."""
-    return re.sub(r"[^a-z0-9]", "", title.lower())
-
-
-def tables_in(sheets: Sequence[Sheet]) -> dict[str, CsiTable]:
+def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
     """All tables by name; titles and units that are repeated on each page are left out."""
-    tables: dict[str, CsiTable] = {}
+    tables: dict[str, Table] = {}
+    lines: dict[str, list[int]] = {}
     for sheet in sheets:
-        name, current = "", None
-        for row in sheet:
-            if match := TITLE.match(row.cell(0)):
-                name, current = match[1].strip(" \"'"), None
-            elif not name or (current and row.cells == current.titles.cells):
-                continue  # what precedes the tables, or the titles on the next page
-            elif current is None:
-                current = tables.setdefault(spelled(name), CsiTable(name, row, [], []))
-                if current.titles.cells != row.cells or current.titles.sheet != row.sheet:
-                    raise current.error(f"is also at {row.where}; allowed: each table once")
-            elif not any(number_in(cell, not row.has_comma) is not None for cell in row.cells):
-                if current.units and row.cells != current.units[0].cells:
-                    raise row.error(None, f"this row of table {name} has no number")
-                current.units[:] = [row]
-            else:
-                row.check_width(len(current.titles.cells))
-                current.rows.append(row)
+        key, at_titles = "", False
+        for line, *cells in sheet.cells.itertuples():
+            has_number = any(sheet.number_in(cell) is not None for cell in cells[::-1])
+            if match := TITLE.match(cells[0]):
+                name = match[1].strip(" \"'")
+                key, at_titles = spelled(name), True
+            elif at_titles or (not has_number and (name := _name_of(cells))):
+                key, at_titles = spelled(name), False
+                new = Table(f"table {name}", sheet, line, 0, sheet.cells, ALIKE)
+                table = tables.setdefault(key, new)
+                if table.sheet is not sheet or sheet.row(table.titles) != sheet.row(line):
+                    raise table.error(f"is also at {sheet.where(line)}; allowed: each table once")
+            elif key and has_number:
+                lines.setdefault(key, []).append(line)
+            elif key and sheet.row(line) != sheet.row(table.titles):
+                if sheet.row(line) != sheet.row(table.units or line):
+                    raise sheet.error(line, None, f"this row of {table.name} has no number")
+                table = tables[key] = table._replace(units=line)
+    for key, table in tables.items():
+        rows = table.sheet.cells.loc[lines.get(key, [])].copy()
+        table.sheet.check_width(rows.index, len(table.names))
+        for column in (table.column(name) for name in PLACES if name in table.names):
+            rows[column] = rows[column].where(rows[column] != "").ffill().fillna("")
+        tables[key] = table._replace(rows=rows)
     return tables
 
 
-def needed_table(tables: dict[str, CsiTable], *names: str) -> CsiTable:
-    """The table of one of these names; a ValueError if it is missing or empty."""
-    for name in names:
-        if table := tables.get(spelled(name)):
-            if not table.rows:
-                raise table.error("has no rows")
-            return table
-    known = listed(table.name for table in tables.values())
-    what = f"table {' or '.join(names)} is missing: the file has {known}"
-    raise ValueError(f"{what}; export it as well, into the same file")
+def _name_of(cells: Sequence[str]) -> str:
+    """The name of the table whose titles these are, where no line says it; or nothing."""
+    titles = {spelled(cell) for cell in cells if cell}
+    fitting = [name for name, needed in COLUMNS.items() if {*needed.split()} <= titles]
+    of_stories = fitting == [OF_STORIES] and len(titles) > 4  # other tables by story
+    return "" if of_stories else next(iter(fitting), "")
+
+
+def needed_tables(tables: Mapping[str, Table], *groups: Sequence[str]) -> list[Table]:
+    """A table of each group of names; a ValueError names all groups of which the file has none."""
+    there = {key: table for key, table in tables.items() if len(table.rows)}
+    chosen = [[there[spelled(name)] for name in names if spelled(name) in there] for names in groups]
+    missing = [" or ".join(names) for names, known in zip(groups, chosen, strict=True) if not known]
+    if missing:
+        known = listed(table.name.removeprefix("table ") for table in there.values()) or "none"
+        what = f"table {', table '.join(missing)} {'are' if missing[1:] else 'is'} missing"
+        raise ValueError(f"{what}: the file has {known}; export what is missing, into the same file")
+    return [known[0] for known in chosen]

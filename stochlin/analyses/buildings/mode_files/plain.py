@@ -7,6 +7,7 @@ from importlib.resources import files
 from typing import ClassVar
 
 import numpy as np
+import pandas as pd
 
 from stochlin.analyses.buildings.mode_files.base import (
     MODE_FILES,
@@ -14,12 +15,13 @@ from stochlin.analyses.buildings.mode_files.base import (
     AskedModes,
     ModeFile,
     ModesOfFile,
+    check_moving,
 )
-from stochlin.analyses.buildings.sheets import Sheet, SheetRow, with_unit, without_comments
-from stochlin.analyses.buildings.units import size_stated
+from stochlin.analyses.sheets.sheets import Sheet, with_unit
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.parameters import PERIODS, POSITIVE, Range
+from stochlin.models.units import stated_size
 
 MODE, LEVEL, MASS, PERIOD = "mode", "level", "mass", "period"
 FACTOR, MODAL_MASS = "participation", "modal mass"
@@ -46,73 +48,92 @@ class PlainModes(ModeFile):
     """
 
     header: ClassVar[str] = "a line 'mode,,1,2', the plain form"
-    takes: ClassVar[Sequence[str]] = ("mass_units", "length_units")
+    accepts: ClassVar[Sequence[str]] = ("mass_units", "length_units")
 
     @staticmethod
-    def buildings(sheets: Sequence[Sheet]) -> Sequence[Sequence[Sheet]]:
+    def buildings(sheets: Sequence[Sheet]) -> Sequence[tuple[Sheet, Sheet]]:
         """Each sheet whose first line that is no comment begins with 'mode'."""
-        contents = map(without_comments, sheets)
-        return [[rows] for rows in contents if rows and rows[0].cell(0).lower() == MODE]
+        contents = [sheet.without_comments() for sheet in sheets]
+        begins = [sheet.cells[0].iloc[:1].str.lower().tolist() == [MODE] for sheet in contents]
+        return [(sheet, sheet) for sheet, is_plain in zip(contents, begins, strict=True) if is_plain]
 
     @staticmethod
-    def read(sheets: Sequence[Sheet], asked: AskedModes) -> ModesOfFile:
-        """The modes of the only sheet."""
-        rows = sheets[0]
-        at = next((n for n, row in enumerate(rows) if with_unit(row.cell(0))[0] == LEVEL), None)
-        if at in (None, len(rows) - 1):
-            raise rows[-1].error(None, f"the floors are missing; allowed: {FLOORS}")
-        head, titles, floors = rows[:at], rows[at], rows[at + 1 :]
-        count = len(head[0].cells) - FIRST
-        numbers = _over_modes(head[0], count, "mode number", MODE_NUMBERS)
+    def read(content: Sheet, asked: AskedModes) -> ModesOfFile:
+        """The modes of the sheet."""
+        names = content.cells[0].map(lambda title: with_unit(title)[0])
+        titles = next(iter(names.index[names == LEVEL]), names.index[-1])
+        floors = content.cells.loc[titles:].iloc[1:]
+        if floors.empty:
+            what = f"the floors are missing; allowed: {FLOORS}"
+            raise content.error(content.cells.index[-1], None, what)
+        first, *head = names.index[: names.index.get_loc(titles)]
+        count = len(content.row(first)) - FIRST
+
+        def over_modes(lines: Sequence[int], what: str, allowed: Range | None = None) -> Array:
+            content.check_width(lines, FIRST + count)
+            return content.numbers(content.cells.loc[lines, FIRST : FIRST + count - 1], what, allowed)
+
+        numbers = over_modes([first], "mode number", MODE_NUMBERS)[0]
         if (np.diff(numbers, prepend=0) < 1).any() or (numbers % 1).any():
-            raise head[0].error(None, "mode numbers are not 1, 2 and so on; allowed: increasing ones")
-        lines = _lines(head[1:])
+            what = "mode numbers are not 1, 2 and so on; allowed: increasing ones"
+            raise content.error(first, None, what)
+        lines = _lines(content, names[head])
         if PERIOD not in lines:
-            raise head[-1].error(0, "the periods are missing below; allowed: a line 'period [s]'")
-        if (unit := with_unit(lines[PERIOD].cell(0))[1].lower()) not in SECONDS:
-            raise lines[PERIOD].error(0, f"periods are in {brief(unit)}; allowed: 'period [s]'")
-        if with_unit(titles.cell(1))[0] != MASS:
-            raise titles.error(1, f"{brief(titles.cell(1))} is not the title of the masses; {FLOORS}")
-        level_size = _size(titles, 0, "length", asked.length_units)
-        mass_size = _size(titles, 1, "mass", asked.mass_units)
-        factors, modal = lines.get(FACTOR), lines.get(MODAL_MASS)
-        return ModesOfFile(
-            numbers.astype(int).tolist(),
-            _over_modes(lines[PERIOD], count, PERIOD, PERIODS),
-            np.array([_over_modes(row, count, "shape") for row in floors]).T,
-            mass_size * np.array([row.number(1, MASS, POSITIVE) for row in floors]),
-            level_size * np.array([row.number(0, LEVEL, POSITIVE) for row in floors]),
-            factors and _over_modes(factors, count, "participation factor"),
-            modal
-            and _size(modal, 0, "mass", asked.mass_units)
-            * _over_modes(modal, count, MODAL_MASS, POSITIVE),
+            what = "the periods are missing below; allowed: a line 'period [s]'"
+            raise content.error([first, *head][-1], 0, what)
+        unit = with_unit(content.cells.at[lines[PERIOD], 0])[1]
+        if unit.lower() not in SECONDS:
+            what = f"periods are in {brief(unit)}; allowed: 'period [s]'"
+            raise content.error(lines[PERIOD], 0, what)
+        if with_unit(content.cells.at[titles, 1])[0] != MASS:
+            what = f"{brief(content.cells.at[titles, 1])} is not the title of the masses; {FLOORS}"
+            raise content.error(titles, 1, what)
+        sizes = (
+            _size(content, titles, 0, "length", asked.length_units),
+            _size(content, titles, 1, "mass", asked.mass_units),
         )
+        levels, masses = (
+            size * content.numbers(floors[[column]], what, POSITIVE)[:, 0]
+            for column, (what, size) in enumerate(zip((LEVEL, MASS), sizes, strict=True))
+        )
+        shapes = over_modes(floors.index, "shape").T
+        check_moving(numbers.astype(int).tolist(), np.abs(shapes).max(axis=1), content.name)
+        modes = ModesOfFile(
+            numbers.astype(int).tolist(),
+            over_modes([lines[PERIOD]], PERIOD, PERIODS)[0],
+            shapes,
+            masses,
+            levels,
+        )
+        if FACTOR not in lines:
+            return modes
+        factors = over_modes([lines[FACTOR]], "participation factor")[0]
+        size = _size(content, lines[MODAL_MASS], 0, "mass", asked.mass_units)
+        modal = size * over_modes([lines[MODAL_MASS]], MODAL_MASS, POSITIVE)[0]
+        n = int(np.argmax(modal))
+        check_moving([int(numbers[n])], (factors * (shapes @ masses))[n : n + 1], content.name, modal[n])
+        return modes._replace(participation=factors, modal_masses=modal)
 
 
-def _lines(rows: Sequence[SheetRow]) -> dict[str, SheetRow]:
+def _lines(sheet: Sheet, names: pd.Series) -> dict[str, int]:
     """The lines above the floors by their names; a ValueError for an unknown or a repeated one."""
-    lines: dict[str, SheetRow] = {}
-    for row in rows:
-        name, _ = with_unit(row.cell(0))
+    lines: dict[str, int] = {}
+    for line, name in names.items():
         if name not in (PERIOD, FACTOR, MODAL_MASS) or name in lines:
-            what = "is given twice" if name in lines else "is not known here"
-            raise row.error(
-                0, f"{brief(row.cell(0))} {what}; allowed: {PERIOD} [s], {FACTOR}, {MODAL_MASS} [kg]"
+            what = "is there twice" if name in lines else "is not known here"
+            title = brief(sheet.cells.at[line, 0])
+            raise sheet.error(
+                line, 0, f"{title} {what}; allowed: {PERIOD} [s], {FACTOR}, {MODAL_MASS} [kg]"
             )
-        lines[name] = row
+        lines[name] = line
     if (FACTOR in lines) != (MODAL_MASS in lines):
-        given, other = (FACTOR, MODAL_MASS) if FACTOR in lines else (MODAL_MASS, FACTOR)
-        raise lines[given].error(0, f"{given} is given without {other}; allowed: both or neither")
+        there, other = (FACTOR, MODAL_MASS) if FACTOR in lines else (MODAL_MASS, FACTOR)
+        what = f"{there} is given without {other}; allowed: both or neither"
+        raise sheet.error(lines[there], 0, what)
     return lines
 
 
-def _over_modes(row: SheetRow, count: int, what: str, allowed: Range | None = None) -> Array:
-    """The numbers of a line, one for each mode."""
-    row.check_width(FIRST + count)
-    return np.array([row.number(FIRST + n, what, allowed) for n in range(count)])
-
-
-def _size(row: SheetRow, column: int, quantity: str, asked: str | None) -> float:
+def _size(sheet: Sheet, line: int, column: int, quantity: str, unit: str | None) -> float:
     """The unit of a column or a line, in SI, from its title."""
-    where = f"{row.where}, column {column + 1}"
-    return size_stated(quantity, with_unit(row.cell(column))[1], asked, where)
+    stated = with_unit(sheet.cells.at[line, column])[1]
+    return stated_size(quantity, stated, unit, sheet.where(line, column))

@@ -15,7 +15,7 @@ from stochlin.models.buildings import ModalBuilding
 from stochlin.models.buildings.base import FLOOR, MODE
 
 MODES = "modes"
-OF_READING = ("direction", "points", "mass_units", "length_units")  # go with a file
+OF_READING = ("direction", "points", "tower", "mass_units", "length_units")  # go with a file
 OF_TABLES = ("masses", "heights")  # go with tables, since a file has its own
 FACTORS = ("participation", "modal_mass")
 EXAMPLE = '"tower.csv", or a table [[{name}]] with period and shape for each mode'

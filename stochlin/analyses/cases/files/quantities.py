@@ -12,23 +12,10 @@ from stochlin.messages import ImplausibleInput, brief, plain
 from stochlin.models.arguments import is_number, is_whole
 from stochlin.models.parameters import Model, Range
 from stochlin.models.plausible import ANY, PLAUSIBLE, Plausible
+from stochlin.models.units import UNITS, size_of
 
-# Allowed units for each SI unit, with their values in it; the first one is shown in examples.
-UNITS: Mapping[str, Mapping[str, float]] = {
-    "s": {"s": 1.0, "ms": 1e-3},
-    "m": {"cm": 1e-2, "m": 1.0, "mm": 1e-3, "in": 0.0254, "ft": 0.3048},
-    "1/s": {"1/s": 1.0},
-    "kg": {"kg": 1.0, "t": 1e3},
-    "N/m": {"N/m": 1.0, "kN/m": 1e3, "MN/m": 1e6},
-    "N s/m": {"N s/m": 1.0, "kN s/m": 1e3, "MN s/m": 1e6},
-    "m/s^2": {"g": 9.80665, "m/s^2": 1.0, "cm/s^2": 1e-2, "gal": 1e-2},
-    "m^2/s^3": {"m^2/s^3": 1.0, "cm^2/s^3": 1e-4},
-    "yr": {"yr": 1.0, "years": 1.0, "a": 1.0},
-    "1": {"%": 1e-2},
-}
 _OF_POWER = ("N/m^", "N (s/m)^")  # units of nonlinear springs and dashpots, with any exponent
 _COMMA, _THOUSANDS = re.compile(r",\s*\d"), re.compile(r",\d{3}(?!\d)")
-_OTHER_SIGNS = str.maketrans({"²": "^2", "³": "^3", "·": " "})
 NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 SPREAD = re.compile(r"(.+?)(?:\+-|\+/-|±)\s*(\d++\.?\d*+|\.\d++)\s*+%\s*", re.DOTALL)
 _SIGNS = re.compile(r"\+-|\+/-|±|\bto\b")  # signs of an uncertain value
@@ -50,9 +37,14 @@ class Quantity(NamedTuple):
     @property
     def spellings(self) -> Mapping[str, float]:
         """Allowed units of the quantity, with their values in SI."""
+        names = UNITS.get(self.units, (self.units,))
         if self.units.startswith(_OF_POWER):
-            return {self.units: 1.0, f"k{self.units}": 1e3, f"M{self.units}": 1e6}
-        return UNITS.get(self.units, {self.units: 1.0})
+            names = self.units, f"k{self.units}", f"M{self.units}"
+        return {name: self.size(name) or 1.0 for name in names}
+
+    def size(self, unit: str) -> float | None:
+        """A unit of the quantity in SI, also in other spellings; None if it is no such unit."""
+        return 1.0 if unit == self.units != "1" else size_of(unit, self.units)
 
     @property
     def example(self) -> str:
@@ -89,16 +81,16 @@ def is_uncertain(given: object) -> TypeGuard[str]:
 def in_si(given: Any, quantity: Quantity) -> float:
     """A number in SI from a value of a file or an option; a ValueError if it is not valid."""
     value, unit = _split(given, quantity)
-    known = quantity.spellings
+    known, size = quantity.spellings, quantity.size(unit)
     if _COMMA.match(unit):
         pointed, whole = (plain(given.strip().replace(",", sign), 40) for sign in (".", ""))
         thousands = (
             f', or no sign between thousands, as "{whole}"' if value and _THOUSANDS.match(unit) else ""
         )
         raise ValueError(f'has a comma; allowed: a decimal point, as "{pointed}"{thousands}')
-    if unit and unit not in known:
+    if unit and size is None:
         raise ValueError(f"has the unknown unit {brief(unit)}; allowed: {', '.join(known)}")
-    return value * known[unit] if unit else value
+    return value * size if size else value
 
 
 def with_unit(text: str, quantity: Quantity) -> float:
@@ -121,7 +113,7 @@ def _split(given: Any, quantity: Quantity) -> tuple[float, str]:
     if match is None and not a_number:
         allowed = "a number" if ratio else "a text with a number and its unit"
         raise ValueError(f"is no number; allowed: {allowed}, as {quantity.example}")
-    unit = "" if match is None else match[2].strip().translate(_OTHER_SIGNS)
+    unit = "" if match is None else match[2].strip()
     if not unit and not ratio:
         number = plain(match[1], 20) if match else f"{given:g}" if is_number(given) else brief(given)
         value = float(match[1]) if match else float(given) if is_number(given) else math.nan

@@ -1,0 +1,1 @@
+"""Tables in files: texts with separators, and workbooks."""

@@ -1,0 +1,103 @@
+"""Units of all quantities: of arguments, of case files and of the files of other programs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from scipy import constants
+
+from stochlin.messages import brief
+
+# Allowed units of a quantity by its SI unit; the first is shown in examples.
+UNITS: Mapping[str, tuple[str, ...]] = {
+    "s": ("s", "ms"),
+    "m": ("cm", "m", "mm", "in", "ft"),
+    "1/s": ("1/s",),
+    "kg": ("kg", "t", "kN s^2/m", "tonf s^2/m", "kip s^2/in"),
+    "N": ("N", "kN", "MN", "kgf", "tonf", "lb", "kip"),
+    "N/m": ("N/m", "kN/m", "MN/m", "tonf/m", "kip/in"),
+    "N s/m": ("N s/m", "kN s/m", "MN s/m", "tonf s/m", "kip s/in"),
+    "m/s^2": ("g", "m/s^2", "cm/s^2", "gal", "mm/s^2"),
+    "m^2/s^3": ("m^2/s^3", "cm^2/s^3"),
+    "yr": ("yr", "years", "a"),
+    "1": ("%",),
+}
+_FORCES = {"n": 1.0, "kn": 1e3, "mn": 1e6, "kgf": constants.g, "lb": constants.lbf}
+_FORCES |= {"tonf": 1e3 * constants.g, "kip": 1e3 * constants.lbf}
+_FORCES |= {"ton": _FORCES["tonf"], "lbf": _FORCES["lb"], "kips": _FORCES["kip"]}
+# Names with their sizes in SI, by their powers of length, mass, time and years.
+_SIZES: dict[tuple[float, ...], dict[str, float]] = {
+    (0, 0, 0, 0): {"1": 1.0, "%": 0.01},
+    (1, 0, 0, 0): {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048},
+    (0, 1, 0, 0): {"kg": 1.0, "t": 1e3, "tonne": 1e3},
+    (0, 0, 1, 0): {"s": 1.0, "sec": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3},
+    (0, 0, 0, 1): {"yr": 1.0, "years": 1.0, "a": 1.0},
+    (1, 0, -2, 0): {"g": constants.g, "gal": 0.01},
+    (1, 1, -2, 0): _FORCES,
+    (-1, 1, -2, 0): {"psi": constants.psi},
+}
+_QUANTITIES = {"length": "m", "mass": "kg", "force": "N"}
+_KNOWN = {name: (size, powers) for powers, of in _SIZES.items() for name, size in of.items()}
+# Signs of powers and products, also a raised 2 that was read in another encoding.
+_SIGNS = str.maketrans(
+    {"²": "2", "³": "3", "\N{REPLACEMENT CHARACTER}": "2", "*": " ", "·": " ", "-": " ", "^": ""}
+)
+_OF_RATIO = re.compile(r"\((\w+)/(\w+)\)([\d.]+)")  # (s/m)0.5
+_FACTOR = re.compile(r" ?(/?) ?(1(?=/)|[a-z%]+)(\d\.?\d*)?")
+
+
+def size_of(unit: str, quantity: str) -> float | None:
+    """The size of a unit in SI; None if it is unknown, or no unit of the quantity.
+
+    ``quantity`` is the SI unit, such as ``"kg"`` or ``"N/m"``. Units are spelled as people do:
+    ``"kip-sec²/in"``, ``"cm/s/s"``, ``"KN s/m"``. A mass in ``"ton"`` is unknown, since there are
+    several; in a force it is that of 1000 kg, as programs of structural analysis have it.
+    """
+    stated, wanted = _parsed(unit), _parsed("s/s" if quantity == "1" else quantity)
+    return stated[0] / wanted[0] if stated and wanted and stated[1] == wanted[1] else None
+
+
+def stated_size(quantity: str, stated: str, wanted: object, where: str) -> float:
+    """The size of a unit in SI, as a file states it, or as the caller does where the file does not.
+
+    ``quantity`` is ``"length"``, ``"mass"`` or ``"force"``, and ``where`` the place in the file, for
+    messages. Raises a ValueError if neither says it, if both contradict each other, or if it is not
+    known, and a TypeError if the unit that the caller states is no text.
+    """
+    name, of = f"{quantity}_units", _QUANTITIES[quantity]
+    allowed = ", ".join(UNITS[of])
+    size = size_of(stated, of)
+    if wanted is None:
+        if size is None:
+            what = f"{brief(stated)} is not a known unit of a {quantity}"
+            missing = f"the file does not say the unit of the {quantity}"
+            raise ValueError(f"{where}: {what if stated else missing}; give {name}=, allowed: {allowed}")
+        return size
+    if not isinstance(wanted, str):
+        raise TypeError(f"{name} = {brief(wanted)}; allowed: a text, such as {allowed}")
+    known = size_of(wanted, of)
+    if known is None:
+        raise ValueError(f"{name} = {brief(wanted)} is not a known unit; allowed: {allowed}")
+    if size not in (None, known):
+        what = f"{name} = {brief(wanted)} contradicts {where}, which states {brief(stated)}"
+        raise ValueError(f"{what}; correct it, or leave it out")
+    return known
+
+
+def _parsed(unit: str) -> tuple[float, tuple[float, ...]] | None:
+    """Size in SI and powers of length, mass, time and years."""
+    text = " ".join(unit.lower().replace("**", "").translate(_SIGNS).split())
+    text = _OF_RATIO.sub(r"\1\3/\2\3", text)
+    factors = _FACTOR.findall(text)
+    if text[:1] in ("", "/") or "".join(map("".join, factors)) != text.replace(" ", ""):
+        return None
+    size, powers = 1.0, [0.0] * 4
+    for over, name, power in factors:
+        if name not in _KNOWN:
+            return None
+        exponent = float(power or 1) * (-1 if over else 1)
+        own, its = _KNOWN[name]
+        size *= own**exponent
+        powers = [before + exponent * each for before, each in zip(powers, its, strict=True)]
+    return size, tuple(round(each, 6) for each in powers)
