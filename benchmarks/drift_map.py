@@ -1,11 +1,10 @@
 """Remake the map that corrects the drift closure: `python benchmarks/drift_map.py FILE --work FOLDER`.
 
 Simulates 60 structures at a time together with the reference structures, on grounds from narrow to broad
-band: their signatures, which are the correlations with the references, whitened. Then structures
-between the points of the map of the bias, where it is too coarse, and groups of five that are nearly
-equal. Takes three quarters of an hour or so on two cores; a run that was stopped goes on with the parts
-in FOLDER. Then compares with the derived closure, and the map of the bias with it, too. Times are in
-ground periods.
+band: their signatures, which are the correlations with the references, whitened. Then displacements on a
+coarse grid and on white noise, and between its points where that is too coarse, and groups of five
+structures that are nearly equal. Takes two hours or so on two cores; a run that was stopped goes on with
+the parts in FOLDER. Then compares with the derived closure. Times are in ground periods.
 """
 
 import itertools
@@ -15,9 +14,9 @@ import xarray as xr
 from arguments import file_and_work
 
 import stochlin as sl
-from stochlin.analyses.correlation.drift.signatures import derived_gram, derived_signatures
-from stochlin.analyses.linearization.bias_map import bias_map
-from stochlin.analyses.linearization.drift_map import smoothly_between
+from stochlin.analyses.correlation.drift.derived import side_of
+from stochlin.analyses.correlation.drift.signatures import derived_gram, derived_signature
+from stochlin.analyses.linearization.drift_map import between
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.simulation import simulation
@@ -25,6 +24,7 @@ from stochlin.analyses.tables.storage import whole_file
 from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.correlation.nearness import ENTRIES, form_of
 from stochlin.kernels.correlation.signatures import signature
+from stochlin.kernels.simulation.stepping import LANES
 
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.01, 0.02, 0.05, 0.1)
@@ -36,6 +36,19 @@ PATHS = {3.2: 128, 2.0: 128, 1.25: 128, 1.0: 128, 0.8: 64, 0.63: 64, 0.5: 64, 1 
 MEMORIES = {1 / 3: 4}
 LEFT_OUT = (1 / 3, 0.02)  # remembers 18 000 ground periods: corrected as at the next hardening
 STEPS_PER_PERIOD = 16
+# Displacements on a coarse grid: each part of periods rides on one ground, and the first with a period
+# counts. On white noise (infinite ground damping) the period does not matter, and ductilities are means.
+COARSE_PERIOD = 10 ** (0.05 * np.arange(-20, 21))
+COARSE = {
+    "elastic_ductility_std": (3.2, 2.0, 1.25, 0.8, 0.5, 1 / 3),
+    "hardening": HARDENING,
+    "damping": (0.02, 0.05, 0.1),
+    "ground_damping": (*GROUND_DAMPING, np.inf),
+    "period": COARSE_PERIOD,
+}
+WINDOWS = (slice(0, 21), slice(10, 31), slice(20, 41))
+NOISE_WINDOW = slice(10, 21)
+STRUCTURE_STEPS, FEWEST, MOST = 3e9, 64, 256  # of a part, as paths allow between the two limits
 # Where displacements are simulated anew, stiff structures on slow ground: near the resonance of the
 # yielding structure, T = sqrt(hardening) Tg, and where yielding begins to matter, the map is steep.
 FINE = {
@@ -110,8 +123,31 @@ def part(ductility, hardening, ground_damping, seed=1):
     }
 
 
+def coarse_part(ductility, hardening, ground_damping, seed=1):
+    """Ductilities of the structures of the coarse grid, damping by period."""
+    white = np.isinf(ground_damping)
+    ground = sl.WhiteNoise() if white else sl.KanaiTajimi(1.0, ground_damping)
+    found = np.empty((len(COARSE["damping"]), COARSE_PERIOD.size))
+    error, memory = np.zeros(1), 0.0
+    for row, damping in zip(found, COARSE["damping"], strict=True):
+        for window in (NOISE_WINDOW,) if white else WINDOWS[::-1]:
+            structures = [building(p, ductility, hardening, damping) for p in COARSE_PERIOD[window]]
+            options = {"seed": seed, "steps_per_period": STEPS_PER_PERIOD}
+            trial = sl.simulate(structures, ground, paths=LANES, relaxation_times=1, **options).attrs
+            steps = len(structures) * 25 * trial["memory_s"] / trial["step_s"]
+            paths = LANES * round(float(np.clip(STRUCTURE_STEPS / steps, FEWEST, MOST)) / LANES)
+            table = sl.simulate(structures, ground, paths=paths, **options)
+            if (table.status > 1).any():
+                raise ArithmeticError(f"{structures[0].describe()}, {ground.describe()}: not stationary")
+            row[window] = table.ductility_std
+            row[:] = row[window].mean() if white else row
+            relative = table.displacement_std_standard_error / table.displacement_std
+            error, memory = np.append(error, relative), max(memory, trial["memory_s"])
+    return {"ductility_std": found, "error": error, "memory": memory}
+
+
 def fine_part(ductility, hardening, ground_damping, seed=4):
-    """Ductilities of the structures between the points of the map of the bias."""
+    """Ductilities of the structures between the points of the coarse grid."""
     dampings, periods = FINE["refined_damping"], FINE["refined_period"]
     table = sl.simulate(
         [building(p, ductility, hardening, d) for d in dampings for p in periods],
@@ -202,9 +238,10 @@ def derived(structure, ground):
     """Derived signatures."""
     columns = xr.Dataset(reference_arrays())
     solved, known = (
-        solve_derived(s, ground, "drift", USUAL) for s in (structure, building(*columns.values()))
+        side_of(solve_derived(s, ground, "drift", USUAL))
+        for s in (structure, building(*columns.values()))
     )
-    return derived_signatures([solved], known, derived_gram(known))[0]
+    return derived_signature(solved, known, derived_gram(known))
 
 
 def signature_correction(simulated):
@@ -218,16 +255,17 @@ def filled(correction):
     return correction.fillna(correction.shift(hardening=-1))
 
 
-def displacement_corrections(ductility):
-    """Logarithms of exact over derived: from the map of the bias, and for less damping by the ratio."""
-    table = bias_map()
-    white = exact_over_derived(table.displacement_std_bias_white_noise, sl.WhiteNoise())
-    known = table.displacement_std_bias
-    soil = exact_over_derived(known, sl.KanaiTajimi(1.0, known.ground_damping))
+def displacement_corrections(coarse, ductility):
+    """Logarithms of simulated over derived on the coarse grid; for less damping by the ratio of both."""
+    simulated = on_grid(COARSE, coarse)
+    strengths = sorted(simulated.elastic_ductility_std.values)
+    simulated = simulated.sel(elastic_ductility_std=strengths)
+    soil = exact_over_derived(simulated.isel(ground_damping=slice(-1)))
+    white = exact_over_derived(simulated.isel(ground_damping=-1, period=0, drop=True))
     structure, ground = grid(PERIOD, DAMPING[:2])
     logarithm = np.log(solve_derived(structure, ground, "drift", USUAL).ductility_std).transpose(*GRID)
-    simulated = logarithm.copy(data=np.log(ductility[:, :, :2]))
-    change = filled(simulated - logarithm).diff("damping").isel(damping=0, drop=True)  # 0.01 to 0.02
+    change = filled(logarithm.copy(data=np.log(ductility[:, :, :2])) - logarithm)
+    change = change.diff("damping").isel(damping=0, drop=True)  # 0.01 to 0.02
     change = change.sel(elastic_ductility_std=soil.elastic_ductility_std, method="nearest")
     inside = np.log(soil.period.clip(*PERIOD[[0, -1]]))
     change = change.assign_coords(period=np.log(PERIOD)).interp(period=inside.values)
@@ -236,20 +274,14 @@ def displacement_corrections(ductility):
     return xr.concat([least, soil], "damping").transpose(*soil.dims), white
 
 
-def exact_over_derived(bias, ground, hardening=HARDENING):
-    """Its logarithm, from the bias of the Gaussian closure."""
-    bias = bias.sel(hardening=list(hardening))
-    structure = building(
-        bias.period if "period" in bias.dims else 1.0,
-        bias.elastic_ductility_std,
-        bias.hardening,
-        bias.damping,
-    )
-    gaussian, derived = (
-        solve_derived(structure, ground, closure, USUAL).displacement_std
-        for closure in ("gaussian", "drift")
-    )
-    return np.log(gaussian / (1 + bias) / derived).transpose(*bias.dims)
+def exact_over_derived(simulated):
+    """The logarithm of simulated ductilities over those by the closure."""
+    soil = "ground_damping" in simulated.dims
+    names = ("elastic_ductility_std", "hardening", "damping")
+    structure = building(simulated.period if soil else 1.0, *(simulated[name] for name in names))
+    ground = sl.KanaiTajimi(1.0, simulated.ground_damping) if soil else sl.WhiteNoise()
+    derived = solve_derived(structure, ground, "drift", USUAL).ductility_std
+    return np.log(simulated / derived).transpose(*simulated.dims)
 
 
 def points(axes):
@@ -281,13 +313,13 @@ def refinement(ductility, coarse):
         sl.KanaiTajimi(1.0, ground_damping),
     )
     derived = solve_derived(structure, ground, "drift", USUAL).ductility_std.transpose(*FINE)
-    whole = Grid.of([np.log(coarse[name].values) for name in coarse.dims], coarse.values[..., None])
+    whole = Grid.of([np.log(coarse[name].values) for name in coarse.dims], coarse.values)
     place = np.array(np.meshgrid(*(np.log(fine[own].values) for own in FINE), indexing="ij"))
-    added = np.log(fine / derived) - smoothly_between(whole, place)[0]
+    added = np.log(fine / derived) - between(whole, place)[0]
     known = [
         np.isin(fine[own].values, coarse[name]) for name, own in zip(coarse.dims, FINE, strict=True)
     ]
-    known[2] &= fine.refined_damping.values > DAMPING[0]  # not simulated for the map of the bias
+    known[2] &= fine.refined_damping.values > DAMPING[0]  # not on the coarse grid
     known[4] = np.isclose(fine.refined_period.values[:, None], coarse.period.values).any(axis=1)
     added.values[np.ix_(*known)] = 0
     return added.fillna(0)
@@ -355,10 +387,10 @@ def labelled(signatures, displacement, white, added, near):
         history="benchmarks/drift_map.py",
         comment=(
             "The correction factor is the simulated over the derived standard deviation of the "
-            "displacement. The simulated ones are those of the map of the bias. At the smallest damping "
-            "ratio they follow from those at the next one, by the simulated ratio of both; on the finer "
-            "grid they were simulated for this map. Structures with the smallest hardening and R/p take "
-            "too long to simulate, and have the corrections of the next hardening. Structures with the "
+            "displacement, on a coarse grid. At the smallest damping ratio they follow from those at "
+            "the next one, by the simulated ratio of both; on the finer grid all were simulated. "
+            "Structures with the smallest hardening and R/p take too long to simulate, and have the "
+            "corrections of the next hardening. Structures with the "
             "hardening ratio 1, and those that do not yield, are not corrected."
         ),
     )
@@ -370,7 +402,8 @@ def main():
     wanted = itertools.product(ELASTIC_DUCTILITY, HARDENING[::-1], GROUND_DAMPING)
     parts = {point: kept(options.work, *point) for point in wanted if point[:2] != LEFT_OUT}
     simulated, ductility = assembled(parts)
-    displacement, white = displacement_corrections(ductility)
+    coarse = {p: kept(options.work, *p, coarse_part, "coarse_")["ductility_std"] for p in points(COARSE)}
+    displacement, white = displacement_corrections(coarse, ductility)
     fine = {p: kept(options.work, *p, fine_part, "fine_")["ductility_std"] for p in points(FINE)}
     near = {
         p: kept(options.work, *p, near_part, "near_")["rho"]

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.correlation.drift.derived import derived_correlation
+from stochlin.analyses.correlation.drift.derived import derived_correlation, side_of
 from stochlin.analyses.linearization.equivalent_systems import derived_together
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.tables.storage import save_table
@@ -36,7 +36,7 @@ def moments(pairs, ground, closure):
         table = sl.correlate(first, second, ground, closure=closure)
         return [table[name].values for name in MOMENTS]
     sides = derived_together((first, second), ground, "drift", USUAL)
-    return [*(side["displacement_std"] for side in sides), derived_correlation(*sides)]
+    return [*(side["displacement_std"] for side in sides), derived_correlation(*map(side_of, sides))]
 
 
 def renewed(pairs):

@@ -21,7 +21,6 @@ from stochlin.analyses.charts.records import portrait_chart as portrait_chart
 from stochlin.analyses.charts.records import recorded_gap_chart as recorded_gap_chart
 from stochlin.analyses.charts.rules import effective_rules_chart as effective_rules_chart
 from stochlin.analyses.charts.settings import ChartSettings as ChartSettings
-from stochlin.analyses.linearization.bias_map import bias_map as bias_map
 from stochlin.analyses.records.spectra import fit_spectra as fit_spectra
 from stochlin.analyses.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
 from stochlin.removed import missing

@@ -49,6 +49,7 @@ REMOVED: dict[str, str] = {
     "to_at2": 'record.to_series().to_csv("motion.csv") writes a file that read_record reads',
     "plot_loop": "hysteresis_loop gives the loop, whose force_per_mass .plot draws",
     "draw_loop": 'hysteresis_loop(...).set_coords("displacement").force_per_mass.plot(x="displacement")',
+    "bias_map": "linearize and correlate have bias, against the drift closure",
     "narrow_band": "closure='gaussian', or 'drift', which keeps the plastic drift",
     "damage": "peaks over yield displacements are ductilities; collapse_probability says who falls",
     "park_ang": "peaks over yield displacements are ductilities; collapse_probability says who falls",

@@ -1,18 +1,12 @@
-"""Smooth interpolation on a grid: scipy's Hermite splines axis by axis, and slopes without steps."""
+"""Interpolation on a grid: scipy's, linear and by Hermite splines axis by axis."""
 
 import numpy as np
 import pytest
 import scipy.interpolate
 
-from stochlin.kernels.basics.interpolation import Grid, interpolate_smoothly
+from stochlin.kernels.basics.interpolation import Grid, interpolate, smoothly
 
 pytestmark = pytest.mark.oracle
-
-
-def interpolated(axes, values, points):
-    out = np.empty((points.shape[1], values.shape[-1]))
-    interpolate_smoothly(*Grid.of(axes, values), np.ascontiguousarray(points), out)
-    return out
 
 
 def by_splines(axes, values, point):
@@ -34,7 +28,30 @@ def test_interpolation_is_by_splines_along_each_axis(dimensions):
     points[:, :20] = np.array([rng.choice(axis, 20) for axis in axes])
     points[0, 10:20] = rng.uniform(axes[0][0], axes[0][-1], 10)
     expected = [by_splines(axes, values, point) for point in points.T]
-    np.testing.assert_allclose(interpolated(axes, values, points), expected, rtol=0, atol=1e-12)
+    found = interpolate(Grid.of(axes, values), points, smoothly)
+    np.testing.assert_allclose(found.T, expected, rtol=0, atol=1e-12)
+    points[::2] = points[::2, :1]  # equal along every other axis
+    expected = [by_splines(axes, values, point) for point in points.T]
+    found = interpolate(Grid.of(axes, values), points, smoothly)
+    np.testing.assert_allclose(found.T, expected, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 4, 6])
+def test_linear_interpolation_is_scipys(dimensions):
+    rng = np.random.default_rng(dimensions)
+    axes = [np.sort(rng.uniform(-1, 1, rng.integers(2, 6))) for _ in range(dimensions)]
+    values = rng.standard_normal([axis.size for axis in axes])
+    points = rng.uniform(-1.1, 1.1, (400, dimensions))
+    points[:20] = [axis[0] for axis in axes]
+    points[20:40] = [axis[-1] for axis in axes]
+    points[40:60] = [0.5 * (axis[0] + axis[1]) for axis in axes]
+    expected = scipy.interpolate.RegularGridInterpolator(
+        axes, values, bounds_error=False, fill_value=np.nan
+    )(points)
+    (out,) = interpolate(Grid.of(axes, values), points.T)
+    np.testing.assert_allclose(out, expected, rtol=0, atol=1e-13)
+    assert np.isnan(out).any()
+    assert np.isfinite(out).sum() >= 60
 
 
 @pytest.mark.parametrize("wrong", [np.nan, -0.1, 2.1])
@@ -42,6 +59,6 @@ def test_points_outside_are_nan_and_spoil_no_others(wrong):
     axes = [np.array([0.0, 0.5, 2.0])] * 3
     points = np.full((3, 4), 0.7)
     points[1, 2] = wrong
-    out = interpolated(axes, np.ones((3, 3, 3, 2)), points)
-    assert np.isnan(out[2]).all()
-    np.testing.assert_allclose(np.delete(out, 2, axis=0), 1, rtol=0, atol=1e-14)
+    out = interpolate(Grid.of(axes, np.ones((3, 3, 3, 2))), points, smoothly)
+    assert np.isnan(out[:, 2]).all()
+    np.testing.assert_allclose(np.delete(out, 2, axis=1), 1, rtol=0, atol=1e-14)

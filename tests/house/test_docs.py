@@ -56,7 +56,7 @@ LONG = {"stochlin gap case.toml --report gap.html"}
 LONG_SCRIPTS = {
     DOCS / "gallery" / f"plot_{name}.py"
     for name in (
-        *("02_linearized_and_simulated", "03_error_by_strength", "04_error_by_ground", "11_own_law"),
+        *("02_linearized_and_simulated", "03_error_by_strength", "11_own_law"),
         *("12_error_by_way", "14_probability_over_time", "15_drift_closure", "16_error_of_closures"),
         *("17_gaps_in_earthquakes", "19_measures", "20_wall_beside_frame"),
     )

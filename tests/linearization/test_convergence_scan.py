@@ -8,7 +8,7 @@ import pytest
 
 import stochlin as sl
 from stochlin.kernels.linearization.filters import KanaiTajimiFilter
-from stochlin.kernels.linearization.single_structures import SingleStructures, solve_on_all_cores
+from stochlin.kernels.linearization.single_structures import SingleStructures, solve_structures
 from stochlin.models.laws import bilinear
 
 pytestmark = pytest.mark.invariant
@@ -159,7 +159,7 @@ def solve_from(start, structure, ground, uy):
     own = oscillator, np.empty((0, w.size)), KanaiTajimiFilter.of(*soil), np.zeros_like(w)
     latent = start * np.stack([w, np.ones_like(w), np.ones_like(w)])
     problem = SingleStructures(*own, bilinear.gaussian, 1e-10, 1e-12)
-    return solve_on_all_cores(problem, latent, np.full(w.size, True), 200)
+    return solve_structures(problem, latent, np.full(w.size, True), 200)
 
 
 @pytest.mark.slow

@@ -12,14 +12,12 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 from scipy.special import erf
 
 import stochlin as sl
-from stochlin.analyses.linearization.bias_map import bias_map
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.kernels.linearization import drift
-from stochlin.kernels.linearization.cells.slip import quadrants
 from stochlin.kernels.linearization.covariance import EquivalentSystem
 from stochlin.kernels.linearization.filters import Filter, KanaiTajimiFilter
-from stochlin.kernels.linearization.gaussian import SlipQuadrant
+from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
 from stochlin.models.laws import bilinear
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
@@ -123,7 +121,7 @@ def test_relaxation_is_the_flow_when_the_mean_of_z_is_shifted(latent):
     # Slowly: z = -alpha y - d y'/w^2, v = (1 - alpha) y', and y' = P v + (gradient / P(|z~| < 1)) z.
     per_z = gradient / erf(1 / sz / np.sqrt(2))
     expected = alpha * per_z / (1 - (1 - alpha) * probability + d * per_z / w**2)
-    rate = drift._relaxation(system, column, SlipQuadrant(*quadrants(column[1], column[2])))
+    rate = drift._relaxation(system, column, SlipQuadrant(*slip_quadrant(column[1], column[2])))
     assert rate[0] == pytest.approx(expected, rel=1e-4)
 
 
@@ -185,14 +183,18 @@ def test_what_merely_alternates_leaves_nothing():
 )
 def test_correlation_of_drifts_is_one(coherence, shares_1, shares_2, ratio):
     both = [np.array(s)[:, None] / max(sum(s), 1e-300) for s in (shares_1, shares_2)]
-    one, rate = np.ones(1), np.array([ratio])
-    found = drift.drift_correlation(np.array([coherence]), *both, one, rate)
+
+    def side(shares, rate):
+        return drift.DriftingSide(None, None, None, None, rate, np.sqrt(2 * rate * shares))
+
+    first, second = side(both[0], 1.0), side(both[1], ratio)
+    found = drift.drift_covariance(np.array([coherence]), first, second)
     assert abs(found[0]) <= 1 + 1e-12
-    back = drift.drift_correlation(np.array([coherence]), both[1], both[0], rate, one)
+    back = drift.drift_covariance(np.array([coherence]), second, first)
     assert found[0] == pytest.approx(back[0], rel=1e-12, abs=1e-300)
     if sum(shares_1) > 0:
-        same = drift.drift_correlation(one, both[0], both[0], rate, rate)
-        assert same[0] == pytest.approx(1, rel=1e-12)
+        other = side(both[0], ratio)
+        assert drift.drift_covariance(np.ones(1), other, other)[0] == pytest.approx(1, rel=1e-12)
 
 
 # --- limits and symmetries --------------------------------------------------------------------------
@@ -290,20 +292,6 @@ def test_fast_response_is_that_of_the_clipped_closure():
 
 
 # --- against simulation -----------------------------------------------------------------------------
-
-
-def test_nodes_of_the_map_are_given_back():
-    bias = bias_map().displacement_std_bias.sel(damping=[0.05], ground_damping=[0.07])
-    ground = sl.KanaiTajimi(1.0, bias.ground_damping)
-    sizes = bias.period, bias.damping, bias.hardening
-    structure = sl.Bilinear(*sizes, reduction_factor=3 * bias.elastic_ductility_std)
-    exact = solve_derived(structure, ground, "gaussian", TOLERANCE).ductility_std / (1 + bias)
-    table = sl.linearize(structure, ground, "drift")
-    xr.testing.assert_allclose(
-        table.ductility_std.drop_attrs(), exact.transpose(*table.ductility_std.dims), rtol=1e-6
-    )
-    assert float(np.abs(table.bias).max()) < 1e-6
-    assert (table.caution == 0).all()
 
 
 @pytest.mark.parametrize(

@@ -173,13 +173,13 @@ def test_equal_structures_never_pound():
     assert (table.rho[1:] == pytest.approx(1, abs=1e-9)).all()
 
 
-def test_correction_is_nothing_for_linear_and_unknown_for_unmapped_pairs():
+def test_correction_is_nothing_for_linear_and_unknown_for_other_laws():
     table = probability(ONE, TWO, FIRM, 0.12)
     np.testing.assert_array_equal(
         table.confidence_of_no_pounding, table.confidence_of_no_pounding_corrected
     )
-    unequal = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=R) for T, R in ((0.6, 2), (1.0, 4))]
-    table = probability(*unequal, FIRM, 0.12)
+    rounded = [sl.BoucWen(T, 0.05, 0.05, reduction_factor=R) for T, R in ((0.6, 2), (1.0, 4))]
+    table = probability(*rounded, FIRM, 0.12)
     assert table.confidence_of_no_pounding_corrected.isnull().all()
     assert np.isnan(table.required_gap_corrected)
     assert table.confidence_of_no_pounding.notnull().all()

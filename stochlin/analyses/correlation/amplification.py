@@ -97,7 +97,7 @@ def amplification(
     xarray.Dataset
         For standard deviations, over the dimensions of the parameters: ``amplification`` [-],
         ``displacement_std`` [m] and ``ductility_std`` [-] of the inelastic structure, and ``status``.
-        Linearization adds ``bias`` [-], the relative error of these three from a map of simulations, and
+        Linearization adds ``bias`` [-], the relative error of these three against the drift closure, and
         ``caution``, a flag that is set where the bias exceeds 10 % or is unknown, both as in
         `linearize`. Simulation adds ``amplification_standard_error`` [-].
 

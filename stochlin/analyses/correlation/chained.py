@@ -2,7 +2,7 @@
 
 The state matrix of both structures and the ground is formed for each cell, its Lyapunov equation is
 solved, and the coefficients are renewed until both stand still, without the closed forms of
-`linearized`. The errors are those of linearization, from the same map of simulations.
+`linearized`.
 """
 
 from __future__ import annotations
@@ -12,18 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.linearized import SHOWN
-from stochlin.analyses.linearization.bias_map import (
-    between_points,
-    caution_of,
-    place_in_map,
-    rho_bias_map,
-)
-from stochlin.analyses.linearization.equivalent_systems import (
-    STRENGTH_RATIO,
-    bias_of_solved,
-    derived_together,
-)
+from stochlin.analyses.correlation.drift.pairs import SHOWN
 from stochlin.analyses.linearization.systems.solution import solve_equations
 from stochlin.analyses.linearization.systems.systems import (
     check_chain,
@@ -35,15 +24,13 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import CELL, flat
 from stochlin.analyses.tables.cellwise import Cells, cellwise, where_valid
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.interpolation import Grid
 from stochlin.kernels.basics.parallel import Progress, part_of
-from stochlin.kernels.correlation.tiles import EQUAL, SHARED
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
 
 Pair = tuple[Structure, Structure]
-OF_PAIR = ("rho", *SHOWN, "all_elastic")
+OF_PAIR = ("rho", *SHOWN)
 NEEDED = ["rho", "displacement_std", "ductility_std", "yield_drift", "c_eq", "k_eq", "status"]
 AT_ONCE = 1000  # cells that are solved together
 PAIRS_SHARE = 0.9  # share of the work for the pairs
@@ -54,29 +41,12 @@ def chained_pairs(
 ) -> dict[str, Cells]:
     """Variables of `correlate` by linearization with ``solver="lyapunov"``."""
     both = _solved(pair, ground, tolerance, part_of(progress, 0.0, PAIRS_SHARE))
-    sides, biases = list[dict[str, Cells]](), dict[str, Cells]()
-    places, cautions = list[Cells](), list[Cells]()
-    for structure, elastic in zip(pair, derived_together(pair, ground), strict=True):
-        side = _solved((structure,), ground, tolerance)
-        sides.append(side | {STRENGTH_RATIO: elastic[STRENGTH_RATIO]})
-        of_side = bias_of_solved(structure, ground, sides[-1], sides[-1], tolerance)
-        biases[f"bias_{len(sides)}"], caution = of_side
-        cautions.append(caution)
-        places += place_in_map(structure, ground, elastic)
-    of_map = cellwise(_rho_bias, *places, grid=rho_bias_map(*pair, ground))[0]
+    sides = [_solved((structure,), ground, tolerance) for structure in pair]
     statuses = [solution["status"] for solution in (both, *sides)]
     status = cellwise(_largest, *statuses, kinds=(np.int8,))[0]
-    (bias,) = cellwise(np.where, both["all_elastic"] == 1, 0.0, of_map)
-    rho, bias = (where_valid(values, status < labels.NOT_CONVERGED) for values in (both["rho"], bias))
+    rho = where_valid(both["rho"], status < labels.NOT_CONVERGED)
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
-    return {
-        "rho": rho,
-        **shown,
-        "status": status,
-        "bias": bias,
-        **biases,
-        "caution": cellwise(_largest, caution_of(bias), *cautions, kinds=(np.int8,))[0],
-    }
+    return {"rho": rho, **shown, "status": status}
 
 
 def _solved(
@@ -112,29 +82,12 @@ def _solved(
         table.displacement_std[:, -1],
         table.ductility_std[:, -1],
         table.yield_drift[:, -1],
-        np.isposinf(table.yield_drift).all("element"),
     )
     values = {
         name: cells.array(array.values.astype(float)) for name, array in zip(OF_PAIR, parts, strict=True)
     }
     status = table.status.where(~calm, np.int8(labels.ELASTIC_LIMIT)).values
     return {**values, "status": cells.array(status, labels.INVALID_INPUT)}
-
-
-@np.errstate(all="ignore")  # invalid cells are NaN and stay so
-def _rho_bias(*places: Array, grid: Grid | None) -> Array:
-    """Bias of rho in the map; NaN outside and for structures whose shared properties differ."""
-    cells = np.broadcast_arrays(*(np.log(place) for place in places))
-    if grid is None:
-        return np.full(cells[0].shape, np.nan)
-    half = len(cells) // 2
-    place_1, place_2 = cells[:half], cells[half:]
-    alike = np.all(
-        [np.abs(a - b) <= EQUAL for a, b in zip(place_1[:SHARED], place_2[:SHARED], strict=True)], axis=0
-    )
-    longer = np.maximum(place_1[SHARED], place_2[SHARED]) - place_1[-1]
-    ratio = -np.abs(place_1[SHARED] - place_2[SHARED])
-    return np.where(alike, between_points(grid, [*place_1[:SHARED], longer, ratio]), np.nan)
 
 
 def _largest(*arrays: Array) -> Array:

@@ -12,16 +12,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stochlin.analyses.linearization.bias_map import caution_of_error, point_of
-from stochlin.analyses.linearization.drift_map import CORRECTED_GROUNDS, checked
+from stochlin.analyses.linearization.bias import caution_of, caution_of_error
+from stochlin.analyses.linearization.drift_map import CORRECTED_GROUNDS, checked, point_of
 from stochlin.analyses.linearization.equivalent_systems import STRENGTH_RATIO
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import by_slabs
-from stochlin.kernels.correlation.differences import NONE_LEFT, differences
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.structures import Structure
 
+NONE_LEFT = 1e-13  # value of 1 - rho below which it is rounding error, and taken as 0
 # Errors by the smaller R/p of both structures: below the first bound, between them, above the last one.
 BOUNDS = (0.5, 1.0, 2.0)
 # Mean errors of rho: 89 pairs on white noise, 555 on Kanai-Tajimi and 556 on Clough-Penzien ground.
@@ -123,9 +123,8 @@ def difference(table: Solved) -> dict[str, Cells]:
         std, flag = *cellwise(_difference, *values), caution_of_error(error)
     else:
         biases = [table.get(name, np.nan) for name in ("bias_1", "bias_2", "bias")]
-        kinds = (float, float, np.int8)
-        with np.errstate(all="ignore"):  # failed cells are NaN
-            std, bias, flag = cellwise(differences, *values, *biases, kinds=kinds)
+        std, bias = cellwise(_with_bias, *values, *biases, kinds=(float, float))
+        flag = caution_of(bias)
         std = table.get(f"{DIFFERENCE}_std", std)  # a building with storeys has it already
     return {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
 
@@ -133,6 +132,17 @@ def difference(table: Solved) -> dict[str, Cells]:
 @by_slabs(float)
 def _difference(std_1: Array, std_2: Array, rho: Array) -> Array:
     return np.hypot(std_1 - std_2, np.sqrt(2 * _left(rho)) * np.sqrt(std_1) * np.sqrt(std_2))
+
+
+@by_slabs(float, float)
+@np.errstate(all="ignore")  # failed cells are NaN
+def _with_bias(
+    std_1: Array, std_2: Array, rho: Array, bias_1: Array, bias_2: Array, bias: Array
+) -> tuple[Array, Array]:
+    """Standard deviation of ``u_1 - u_2``, and its relative bias from those of both and of ``rho``."""
+    std = _difference(std_1, std_2, rho)
+    truth = _difference(std_1 / (1 + bias_1), std_2 / (1 + bias_2), np.clip(rho - bias, -1, 1))
+    return std, np.where((std == 0) & (truth == 0), 0.0, std / truth - 1)
 
 
 def _left(rho: Array) -> Array:

@@ -19,4 +19,5 @@ VARIABLES: Variables = {
     "relative_displacement_caution": ("1", "caution flag of the relative displacement"),
     "bias": ("1", "bias of rho: linearized minus simulated"),
     **{f"bias_{n}": (UNITS, f"{OF_ONE}, structure {n}") for n in (1, 2)},
+    **{f"bias_error_{n}": ("1", f"expected error of the bias, structure {n}") for n in (1, 2)},
 }

@@ -14,7 +14,8 @@ The corrections of a structure are interpolated between the points of the map; o
 values at its boundary are used. At two boundaries the corrections are exactly 0, because the structure
 is linear there: at the hardening ratio 1, and where the yield displacement is about seven standard
 deviations of the elastic displacement. The more the surrounding points differ, the larger is
-``displacement_error``, the error that is expected after the correction. ``make bias`` computes the map.
+``displacement_error``, the error that is expected after the correction. ``make drift_map`` computes the
+map.
 """
 
 from __future__ import annotations
@@ -26,17 +27,17 @@ from importlib.resources import files
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.bias_map import KNOWN_GROUNDS, between_points, point_of
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array, in_one_shape
-from stochlin.kernels.basics.interpolation import Grid, interpolate_smoothly
-from stochlin.models.grounds import CloughPenzien, Ground, WhiteNoise
+from stochlin.kernels.basics.interpolation import Around, Grid, interpolate, linearly, smoothly
+from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
 FILE = "drift_map.nc"
 # Clough-Penzien ground is a Kanai-Tajimi ground with a high-pass filter. Structures on it are corrected
 # as on the Kanai-Tajimi ground alone.
-CORRECTED_GROUNDS = (*KNOWN_GROUNDS, CloughPenzien)
+CORRECTED_GROUNDS = (KanaiTajimi, WhiteNoise, CloughPenzien)
+RATIO = "elastic_ductility_std"  # R/p: standard deviation of the elastic displacement over uy
 # R/p is the standard deviation of the elastic displacement over the yield displacement. Below this value
 # no drift grows within a million periods.
 ELASTIC = 0.15
@@ -71,6 +72,15 @@ def drift_map() -> xr.Dataset:
     """The map that the package contains; its attributes say how it was computed."""
     with files("stochlin.analyses.linearization").joinpath(FILE).open("rb") as stream:
         return xr.load_dataset(stream, engine="scipy")
+
+
+def point_of(structure: Structure, ground: Ground, solved: Solved) -> list[Cells]:
+    """Place of a solved structure in the map; that on white noise has two axes less."""
+    own, soil = structure.cells(), ground.cells()
+    point = [solved[RATIO], own.get("hardening", 1.0), own["damping"]]
+    if isinstance(ground, WhiteNoise):
+        return point
+    return [*point, soil["damping"], own["period"] / soil["period"]]
 
 
 def with_correction(structure: Structure, ground: Ground, derived: Solved) -> Solved:
@@ -156,7 +166,7 @@ def hold_at_ends(name: str, point: Sequence[Cells]) -> tuple[Cells, ...]:
 
     Outside the map they are those at its boundary. There is one array for each entry of the variable.
     """
-    return cellwise(_held, *point, name=name, kinds=(float,) * _grid(name).sizes[-1])
+    return cellwise(_held, *point, name=name, kinds=(float,) * _grid(name).values.shape[-1])
 
 
 @cache
@@ -172,8 +182,7 @@ def _grid(name: str) -> Grid:
             order = (exact, whole) if before else (whole, exact)
             whole = xr.concat(order, dim).transpose(*whole.dims)
     axes = [np.log(whole[dim].values.astype(float)) for dim in whole.dims if dim not in COLUMNS]
-    columns = whole.values if whole.dims[-1] in COLUMNS else whole.values[..., None]
-    return Grid.of(axes, columns)
+    return Grid.of(axes, whole.values)
 
 
 def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
@@ -186,15 +195,15 @@ def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
     place = np.array(np.meshgrid(*map(np.log, points), indexing="ij"))
     values = np.zeros(place.shape[1:])
     for array, axes in zip((coarse, refinement), parts, strict=True):
-        grid = Grid.of([np.log(axis) for axis in axes], array.values[..., None])
-        values += np.nan_to_num(smoothly_between(grid, place)[0])
+        grid = Grid.of([np.log(axis) for axis in axes], array.values)
+        values += np.nan_to_num(between(grid, place)[0])
     return xr.DataArray(values, dims=coarse.dims, coords=dict(zip(coarse.dims, points, strict=True)))
 
 
 @np.errstate(divide="ignore", invalid="ignore")  # R/p of elastic structures is 0; failed cells are NaN
 def _held(*point: Array, name: str) -> Array | tuple[Array, ...]:
     grid = _grid(name)
-    values = smoothly_between(grid, _inside(grid, point))
+    values = between(grid, _inside(grid, point))
     return tuple(values) if len(values) > 1 else values[0]
 
 
@@ -206,23 +215,23 @@ def _held_with_spread(*point: Array, name: str) -> tuple[Array, Array]:
     """
     grid = _grid(name)
     inside = _inside(grid, point)
-    mean = between_points(grid, inside)
-    square = between_points(grid._replace(values=grid.values**2), inside)
-    return smoothly_between(grid, inside)[0], np.sqrt(np.maximum(square - mean**2, 0))
+    mean, square = between(_with_squares(name), inside, linearly)
+    return between(grid, inside)[0], np.sqrt(np.maximum(square - mean**2, 0))
 
 
-def smoothly_between(grid: Grid, place: Array) -> Array:
-    """Smoothly interpolated values of each column of a map, at ``place`` with a row for each axis."""
-    points = np.ascontiguousarray(place.reshape(len(place), -1))
-    out = np.empty((points.shape[1], grid.sizes[-1]))
-    interpolate_smoothly(*grid, points, out)
-    return np.moveaxis(out, -1, 0).reshape(-1, *place.shape[1:])
+@cache
+def _with_squares(name: str) -> Grid:
+    axes, values = _grid(name)
+    return Grid(axes, np.concatenate([values, values**2], axis=-1))
+
+
+def between(grid: Grid, place: Array, around: Around = smoothly) -> Array:
+    """Interpolated values of each column of a map, at ``place`` with a row for each axis."""
+    values = interpolate(grid, place.reshape(len(place), -1), around)
+    return values.reshape(-1, *place.shape[1:])
 
 
 def _inside(grid: Grid, point: tuple[Array, ...]) -> Array:
     """Logarithms of the parameters, moved to the boundary where they are outside the map."""
     place = np.log(np.array(in_one_shape(*point)))
-    ends = zip(grid.axes, grid.sizes, strict=False)
-    for row, (axis, size) in enumerate(ends):
-        place[row] = np.clip(place[row], axis[0], axis[size - 1])
-    return place
+    return np.array([np.clip(x, axis[0], axis[-1]) for x, axis in zip(place, grid.axes, strict=True)])

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.bias_map import nearest_bilinear, relative_bias
 from stochlin.analyses.linearization.drift_map import with_correction
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
@@ -32,7 +31,7 @@ from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.kernels.linearization.single_structures import (
     SingleStructures,
     moments_of,
-    solve_on_all_cores,
+    solve_structures,
 )
 from stochlin.messages import brief, hint
 from stochlin.models.grounds import Ground
@@ -107,16 +106,6 @@ def solved_together(
         return solved
     pairs = zip(structures, solved, strict=True)
     return [with_correction(structure, ground, results) for structure, results in pairs]
-
-
-def bias_of_solved(
-    structure: Structure, ground: Ground, solved: Solved, gaussian: Solved, tolerance: Tolerance
-) -> tuple[Cells, ...]:
-    """`relative_bias` of a solved structure, for which its nearest bilinear one is solved as well."""
-    near, nearest = nearest_bilinear(structure), gaussian
-    if near is not structure:
-        (nearest,) = solved_together((near,), ground, GAUSSIAN, tolerance)
-    return relative_bias(structure, ground, solved, gaussian, nearest)
 
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
@@ -260,7 +249,7 @@ class _Solver(NamedTuple):
         assert self.law is not None
         limits = tolerance.rtol, tolerance.atol
         problem = SingleStructures(oscillator, law, soil, np.zeros_like(w), self.law, *limits)
-        solved = solve_on_all_cores(problem, latent, one_solution, tolerance.max_iterations)
+        solved = solve_structures(problem, latent, one_solution, tolerance.max_iterations)
         slip, relaxation = solved.coefficients
         still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
         pairs = zip(elastic, (*oscillator, slip, relaxation), strict=True)

@@ -7,8 +7,8 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.bias_map import caution_of_error
-from stochlin.analyses.linearization.equivalent_systems import PUBLIC, bias_of_solved, solved_together
+from stochlin.analyses.linearization.bias import caution_of_error, relative_bias
+from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -67,8 +67,8 @@ def linearize(
         ``velocity_z_corr`` [-] of ``v`` and ``z``, the coefficients ``c_eq`` [-] and ``k_eq`` [1/s],
         ``yield_displacement`` [m] (infinite if elastic), ``iterations``, ``residual`` [-], and
         ``status`` (CF flags; ``elastic_limit`` if elastic); ``bias`` [-], the relative error of
-        ``displacement_std`` from a map of simulations; and ``caution``, a flag that is set where the
-        bias exceeds 10 % or is unknown.
+        ``displacement_std`` against the drift closure; its expected error ``bias_error`` [-]; and
+        ``caution``, a flag that is set where the bias exceeds 10 % or is unknown.
 
         The closure ``"drift"`` adds ``drift_std`` [m], the standard deviation of the displacement by
         the drift alone, and ``drift_time`` [s], its relaxation time (NaN without a drift): a motion of
@@ -166,15 +166,11 @@ def known_error(solved: Solved) -> Cells:
 def judged(
     structure: Structure, ground: Ground, closure: str, solved: Solved, tolerance: Tolerance
 ) -> dict[str, Cells]:
-    """Variables ``bias`` and ``caution`` of a structure that was solved with this closure."""
+    """Variables ``bias``, ``bias_error``, ``caution`` of a structure solved with this closure."""
     if closure == DRIFT:
         error = known_error(solved)
-        return {"bias": 0 * error, "caution": caution_of_error(error)}
-    gaussian = solved
-    if closure != "gaussian":
-        (gaussian,) = solved_together((structure,), ground, "gaussian", tolerance)
-    bias, caution = bias_of_solved(structure, ground, solved, gaussian, tolerance)
-    return {"bias": bias, "caution": caution}
+        return {"bias": 0 * error, "bias_error": error, "caution": caution_of_error(error)}
+    return relative_bias(structure, solved["displacement_std"], ground, tolerance)
 
 
 def caution_in_words(closure: str) -> str:

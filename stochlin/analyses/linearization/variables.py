@@ -16,6 +16,7 @@ VARIABLES: Variables = {
     "drift_std": ("m", "standard deviation of the displacement by plastic drift"),
     "drift_time": ("s", "relaxation time of the plastic drift"),
     "bias": ("1", "bias of the linearized standard deviation of the displacement"),
+    "bias_error": ("1", "expected error of the bias"),
     "displacement_error": ("1", "expected relative error of the standard deviation of the displacement"),
     "period_eq": ("s", "equivalent period"),
     "damping_eq": ("1", "equivalent damping ratio"),

@@ -232,14 +232,14 @@ def _bounds(table: xr.Dataset) -> xr.Dataset:
 
 
 def _is_in_map(structure: AnyStructure) -> TypeGuard[Structure]:
-    """Whether it is an oscillator with a stationary linearization, as the map of the bias has."""
+    """Whether it is an oscillator with a stationary linearization, whose bias may be known."""
     if not isinstance(structure, Structure):
         return False
     return not structure.yields or (structure.linearizes and bool(structure.settles().any()))
 
 
 def _drift(pairs: PairTable, moments: TransientMoments, ground: Ground) -> tuple[Array, Array]:
-    """Variances [m^2] of the plastic drifts and of their difference; NaN outside the map of the bias."""
+    """Variances [m^2] of the plastic drifts and of their difference; NaN where the bias is unknown."""
     own, both, sides, course = moments
     first, second = (side.structure for side in sides)
     if not (_is_in_map(first) and _is_in_map(second)):

@@ -108,7 +108,7 @@ def pounding_probability(
     scatter : float
         Standard deviation [-] of the logarithm of a random factor on each motion, as in `simulate`.
         Formulas are averaged over it, and structures keep the yield displacement that they have for
-        ``ground``. ``_corrected`` is NaN unless the map of the bias covers all strengths of the motion.
+        ``ground``. ``_corrected`` is NaN unless the bias is known at all strengths of the motion.
         Not for ``"hybrid"``.
     points : int
         Number of instants of the result.
@@ -126,8 +126,9 @@ def pounding_probability(
         ``1 - Phi(gap/s)`` that ``u_1 - u_2`` with the standard deviation ``s`` exceeds the gap, and
         ``confidence_of_no_pounding`` [-], the probability of no pounding so far, with crossings in
         clumps (Vanmarcke). Further versions of it have the endings ``_poisson``, for independent
-        crossings; ``_corrected``, with the plastic drift that linearization omits, from the map of its
-        bias (NaN outside the map); and ``_simulated``, with a 95 % interval ``_lower`` and ``_upper``.
+        crossings; ``_corrected``, with the plastic drift that linearization omits, from its
+        bias (NaN where that is unknown); and ``_simulated``, with a 95 % interval ``_lower`` and
+        ``_upper``.
         The standard deviations ``displacement_std_1`` and ``_2`` and ``difference_std`` [m] also have
         ``_corrected`` and ``_simulated`` versions. Also ``rho`` [-], NaN at rest; ``envelope`` [-]; and
         ``permanent_set``, a flag that is 1 after the strong shaking.

@@ -46,12 +46,3 @@ def in_order(
                 progress(done / count)
     finally:
         pool.shutdown(wait=False, cancel_futures=True)  # after an interrupt, do not wait for the rest
-
-
-def in_ranges(task: Callable[[slice], Result], cells: int, size: int) -> list[Result]:
-    """Results of a task for each range of ``size`` of the cells, in order.
-
-    The ranges are computed on all cores. If there are no cells, the task runs once with an empty range.
-    """
-    ranges = [slice(begin, min(begin + size, cells)) for begin in range(0, max(cells, 1), size)]
-    return list(in_order(lambda number: task(ranges[number]), len(ranges)))

@@ -1,4 +1,7 @@
-"""Functions of large tables, computed in contiguous pieces (slabs) that fit the processor's cache."""
+"""Functions of large tables, computed in contiguous pieces (slabs) that fit the processor's cache.
+
+They run on one core: numpy's short operations on a slab would wait for one another in threads.
+"""
 
 from __future__ import annotations
 
@@ -52,6 +55,11 @@ def by_slabs(*kinds: npt.DTypeLike) -> Callable[[Callable[..., Any]], Callable[.
         return whole
 
     return decorate
+
+
+def in_ranges(task: Callable[[slice], Any], cells: int, size: int) -> list[Any]:
+    """Results of a task for each range of ``size`` of the cells; for no cells, of an empty range."""
+    return [task(slice(begin, min(begin + size, cells))) for begin in range(0, max(cells, 1), size)]
 
 
 def _slabs(shape: tuple[int, ...], cells: int) -> Iterator[tuple[slice, ...]]:

@@ -1,21 +1,32 @@
-"""Two bilinear structures by numbers alone, for programs in which each pair depends on the last one."""
+"""Two bilinear structures by numbers alone, for programs in which each pair depends on the last one.
+
+The formulas are those of tables; they are compiled here for numbers.
+"""
 
 from __future__ import annotations
 
 import math
 from typing import NamedTuple
 
-from stochlin.kernels.basics.compiled import called_often, compiled, entry
-from stochlin.kernels.correlation.tables import parameters_of
-from stochlin.kernels.correlation.tiles import correlation
-from stochlin.kernels.linearization.cells.elementary import atanh, log
-from stochlin.kernels.linearization.cells.fixed_points import settle
-from stochlin.kernels.linearization.cells.grounds import forcing_of
-from stochlin.kernels.linearization.covariance import FAST, EquivalentSystem, Forcing, own_covariance
+import numpy as np
+from numba.extending import overload
+
+from stochlin.kernels.basics import elementary
+from stochlin.kernels.basics.compiled import OFTEN, called_often, compiled, entry
+from stochlin.kernels.basics.elementary import solve_3x3
+from stochlin.kernels.linearization import covariance, gaussian, grounds, iteration, single_structures
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
+from stochlin.kernels.linearization.gaussian import clipped_values, gaussian_values
+from stochlin.kernels.linearization.grounds import clough_penzien, kanai_tajimi, white_noise
 from stochlin.kernels.linearization.iteration import BOLD, CAREFUL
+from stochlin.kernels.linearization.single_structures import advance
 
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
 RTOL, ATOL, AT_FIRST, WITH_CARE = 1e-10, 1e-12, 30, 170  # stop rule of `linearize`, largest iterations
+ROOT_HALF = math.sqrt(0.5)
+REACH = 7.75  # standard deviations beyond which the integrand is left out; the relative error is 1e-14
+_X, _W = np.polynomial.legendre.leggauss(36)
+NODES = tuple((float(x) ** 2, float(w)) for x, w in zip(_X[18:], _W[18:], strict=True))
 
 
 class PairResponse(NamedTuple):
@@ -75,52 +86,119 @@ def linearized_pair(
 
 @entry
 def _pair(first, second, ground, oscillators, clipped):
-    """`linearized_pair` on a ground as in `cells.grounds.forcing_of`."""
-    parameters_1, parameters_2 = (
-        _structure(first, ground, oscillators, clipped),
-        _structure(second, ground, oscillators, clipped),
-    )
-    stiff, soft = (parameters_1, parameters_2) if first[0] <= second[0] else (parameters_2, parameters_1)
-    return correlation(stiff, soft, 0, 1), parameters_1[-1], parameters_2[-1]
+    """`linearized_pair`; the ground is that of `grounds.clough_penzien`, filled up."""
+    system_1, forcing_1, std_1 = _structure(first, ground, oscillators, clipped)
+    system_2, forcing_2, std_2 = _structure(second, ground, oscillators, clipped)
+    if first[0] <= second[0]:  # the stiffer structure first, as in `covariance.pair_covariance`
+        joint, _, _ = covariance.pair_row(system_1, forcing_1, system_2, forcing_2)
+    else:
+        joint, _, _ = covariance.pair_row(system_2, forcing_2, system_1, forcing_1)
+    return joint / (std_1 * std_2), std_1, std_2
 
 
 @compiled
 def _structure(structure, ground, oscillators, clipped):
-    """`tables.parameters_of` of a structure, the last of which is its standard deviation."""
+    """Equivalent system of a structure, its forcing, and its standard deviation."""
     period, damping, hardening, uy = structure
     w = 2 * math.pi / period
     nothing = 0.0 * w
     elastic = EquivalentSystem(w * w, 2 * damping * w, nothing, nothing, w)
     _, own = _response(elastic, ground, oscillators)
     std, rate = math.sqrt(own.mu_mu) / uy, math.sqrt(own.v_v) / uy
-    start = log(rate), min(0.0, log(std)), atanh(0.1)
+    start = math.log(rate), min(0.0, math.log(std)), math.atanh(0.1)
     cell = elastic.stiffness, elastic.damping, (1 - hardening) * elastic.stiffness, 0.0
     scaled = ground[0] / (uy * uy), ground[1], ground[2], ground[3], ground[4]
-    problem = clipped, oscillators, cell, scaled, start
-    solution, _ = settle(*problem, BOLD, RTOL, ATOL, AT_FIRST)
-    if solution[6] == 0:
-        solution, _ = settle(*problem, CAREFUL, RTOL, ATOL, WITH_CARE)
-    slip, relaxation = solution[0], solution[1]
-    if solution[6] == 0:
+    slip, relaxation, done = _settle(clipped, oscillators, cell, scaled, start, BOLD, AT_FIRST)
+    if not done:
+        slip, relaxation, done = _settle(clipped, oscillators, cell, scaled, start, CAREFUL, WITH_CARE)
+    if not done:
         slip = relaxation = math.nan * w
     still = abs(slip) < ELASTIC and abs(relaxation) < ELASTIC * w
     system = elastic if still else EquivalentSystem(cell[0], cell[1], cell[2], slip, relaxation)
     forcing, own = _response(system, ground, oscillators)
-    fast = system.relaxation > FAST * w
-    chosen = (
-        (cell[0] - system.coupling, -system.coupling, 0.0, 1 - system.slip, forcing.mu - forcing.slip)
-        if fast
-        else (cell[0], system.coupling, system.relaxation, system.slip, forcing.slip)
-    )
-    return parameters_of(system, forcing, chosen, math.sqrt(own.mu_mu))
+    return system, forcing, math.sqrt(own.mu_mu)
+
+
+@compiled
+def _settle(clipped, oscillators, cell, ground, start, pace, most):
+    """Coefficients of the fixed point from the unknowns ``start``, and whether it was reached."""
+    state = (start, math.inf, (0.0, 0.0, 0.0), pace.first, 0.0)
+    for _ in range(most + 1):
+        base, step = state[0], state[2]
+        moments = (
+            math.exp(base[0] + step[0]), math.exp(base[1] + step[1]), math.tanh(base[2] + step[2])
+        )  # fmt: skip
+        value = clipped_values(moments) if clipped else gaussian_values(moments)
+        if state[4] > 0:
+            return value[0][0], value[0][1], True
+        system = EquivalentSystem(cell[0], cell[1], cell[2], value[0][0], value[0][1])
+        forcings = _forcings(system, ground, oscillators)
+        state = advance(cell, moments, value, forcings, state, pace, RTOL, ATOL)
+    return math.nan, math.nan, False
+
+
+@called_often
+def _forcings(system, ground, oscillators):
+    """Forcing of an equivalent system, with its derivatives by slip and by relaxation."""
+    soil = ground[0], ground[1], ground[2]
+    if oscillators == 0:
+        nothing = 0.0, 0.0, 0.0
+        return white_noise(ground[0]), nothing, nothing
+    if oscillators == 1:
+        signal, rows = kanai_tajimi(system, soil)
+        by_slip, by_relaxation = grounds.kanai_tajimi_slopes(system, soil, rows)
+        return signal, by_slip, by_relaxation
+    signal, rows, of_layer = clough_penzien(system, ground)
+    by_slip, by_relaxation = grounds.clough_penzien_slopes(system, ground, rows, of_layer)
+    return signal, by_slip, by_relaxation
 
 
 @called_often
 def _response(system, ground, oscillators):
     """Forcing of a linear system and its stationary covariances."""
-    terms, _, _ = forcing_of(oscillators, system, ground)
-    forcing = Forcing(terms[0], terms[1], terms[2])
+    signal, _, _ = _forcings(system, ground, oscillators)
+    forcing = Forcing(signal[0], signal[1], signal[2])
     return forcing, own_covariance(system, forcing)
 
 
-called_often(parameters_of)
+@overload(elementary.choose, jit_options=OFTEN)
+def _choose(condition, yes, no):
+    return lambda condition, yes, no: yes if condition else no
+
+
+@overload(elementary.ndtr, jit_options=OFTEN)
+def _ndtr(x):
+    return lambda x: 0.5 * math.erfc(-x * ROOT_HALF)
+
+
+@overload(elementary.owens_t)
+def _owens_t(h, a):
+    def by_quadrature(h, a):
+        """By Gauss-Legendre quadrature; for ``a > 1`` from ``T(a h, 1/a)``."""
+        size = abs(a)
+        steep = size > 1
+        eta, length = (h * size, 1 / size) if steep else (h, size)
+        length = min(length, REACH / eta)
+        total = 0.0
+        for square, weight in NODES:
+            x = length * length * square
+            total += weight * math.exp(-0.5 * eta * eta * (1 + x)) / (1 + x)
+        part = total * length / (2 * math.pi)
+        if steep:
+            tail, beside = 0.5 * math.erfc(h * ROOT_HALF), 0.5 * math.erfc(eta * ROOT_HALF)
+            part = 0.5 * (tail + beside) - tail * beside - part
+        return part if a > 0 else -part
+
+    return by_quadrature
+
+
+for _function in (
+    *(covariance.characteristic, covariance.hurwitz, covariance.stable, covariance.own_covariance),
+    *(covariance.coordinates, covariance.at_poles, covariance.pair_row, solve_3x3),
+    *(gaussian.slip_quadrant, gaussian.within_yield, gaussian.regressed),
+    *(gaussian_values, clipped_values, iteration.next_delta, iteration.slope_of_unknowns),
+    *(value for value in vars(grounds).values() if callable(value) and hasattr(value, "__code__")),
+    *(single_structures.advance, single_structures.mismatch, single_structures.newton_step),
+    *(single_structures._scales, single_structures._slope, single_structures._column),
+):
+    called_often(_function)

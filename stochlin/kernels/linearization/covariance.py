@@ -15,18 +15,15 @@ with ``stiffness = w^2``, ``damping = 2 xi w``, ``coupling = (1 - alpha) w^2``,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.small_systems import solve_3x3
+from stochlin.kernels.basics.elementary import choose, solve_3x3
 
 MEMORYLESS = 1e-12  # largest positive real pole, over w, that is rounding error of a pole at 0
 FAST = 30.0  # relaxation over w above which the third state is z in place of y
-
-Rows3 = tuple[tuple[Array, Array, Array], ...]
 
 
 class EquivalentSystem(NamedTuple):
@@ -152,48 +149,66 @@ def pair_covariance(
     if not stiffer.any():
         return pair_row(second, forcing_2, first, forcing_1)[0]
 
-    def choose(yes: Rows, no: Rows) -> Rows:
+    def either(yes: Rows, no: Rows) -> Rows:
         return type(yes)(*(np.where(stiffer, a, b) for a, b in zip(yes, no, strict=True)))
 
-    stiff, force_stiff = choose(first, second), choose(forcing_1, forcing_2)
-    return pair_row(stiff, force_stiff, choose(second, first), choose(forcing_2, forcing_1))[0]
+    stiff, force_stiff = either(first, second), either(forcing_1, forcing_2)
+    return pair_row(stiff, force_stiff, either(second, first), either(forcing_2, forcing_1))[0]
 
 
-def coordinates(system: EquivalentSystem, forcing: Forcing) -> tuple[Rows3, Array, Array]:
-    """Rows of the state matrix ``A``, covariance of the forcing with the third state, and which it is.
+class Coordinates(NamedTuple):
+    """State matrix of a structure with the third state ``y`` or ``z``, see `coordinates`.
 
-    The third state is ``z`` where the last result is true, otherwise ``y``. With fast relaxation ``y``
-    is nearly equal to ``mu``, and their difference ``z`` would lose its digits by subtraction.
+    The matrix has the rows ``(0, 1, 0)``, ``(-soft, -damping, coupling)`` and ``(back, slip, -fade)``.
+    """
+
+    soft: Array
+    damping: Array
+    coupling: Array
+    back: Array
+    slip: Array
+    fade: Array
+    third: Array  # covariance of the forcing with the third state
+    fast: Array  # whether the third state is z
+
+
+def coordinates(system: EquivalentSystem, forcing: Forcing) -> Coordinates:
+    """The state matrix with the third state ``z`` where relaxation is fast, otherwise ``y``.
+
+    With fast relaxation ``y`` is nearly equal to ``mu``, and their difference ``z`` would lose its
+    digits by subtraction.
     """
     w2, d, h, p, k = system
-    fast = np.asarray(k > FAST * np.sqrt(w2))
-    zeros, ones = np.zeros_like(w2), np.ones_like(w2)
-    rows = (
-        (zeros, ones, zeros),
-        (np.where(fast, h - w2, -w2), -d, np.where(fast, -h, h)),
-        (np.where(fast, 0, k), np.where(fast, 1 - p, p), -k),
+    fast = k > FAST * np.sqrt(w2)
+    return Coordinates(
+        choose(fast, w2 - h, w2),
+        d,
+        choose(fast, -h, h),
+        choose(fast, 0.0, k),
+        choose(fast, 1 - p, p),
+        k,
+        choose(fast, forcing.mu - forcing.slip, forcing.slip),
+        fast,
     )
-    return rows, np.where(fast, forcing.mu - forcing.slip, forcing.slip), fast
 
 
-def at_poles(first: EquivalentSystem, rows: Rows3) -> list[list[Array]]:
+def at_poles(first: EquivalentSystem, second: EquivalentSystem, matrix: Coordinates) -> Any:
     """``D1(-A2)``: characteristic polynomial of the first structure at minus the matrix of the second.
 
-    ``rows`` are those of the matrix ``A2``.
+    By the theorem of Cayley and Hamilton ``A^3 = -a2 A^2 - a1 A - a0``, so that with the coefficients
+    ``'`` of the first structure it is ``(a2' + a2) A^2 + (a1 - a1') A + (a0' + a0)``.
     """
-    a2, a1, a0 = first.characteristic
-    columns = tuple(zip(*rows, strict=True))
-    squares = [_times(rows, column) for column in columns]
-    cubes = [_times(rows, column) for column in squares]
-    return [
-        [a2 * squares[j][i] - cubes[j][i] - a1 * rows[i][j] + (a0 if i == j else 0) for j in range(3)]
-        for i in range(3)
-    ]
-
-
-def _times(rows: Rows3, column: Sequence[Array]) -> tuple[Array, ...]:
-    """A 3 x 3 matrix, given by its rows, times a column."""
-    return tuple(row[0] * column[0] + row[1] * column[1] + row[2] * column[2] for row in rows)
+    w, d, h, back, p, k, _, _ = matrix
+    a2, a1, a0 = characteristic(first[0], first[1], first[2], first[3], first[4])
+    b2, b1, b0 = characteristic(second[0], second[1], second[2], second[3], second[4])
+    e, f, g = a2 + b2, b1 - a1, a0 + b0
+    second_1, second_2, second_3 = d * w + h * back, d * d + h * p - w, -h * (d + k)  # rows of A^2
+    third_1, third_2, third_3 = -p * w - k * back, back - p * (d + k), p * h + k * k
+    return (
+        (g - e * w, f - e * d, e * h),
+        (e * second_1 - f * w, e * second_2 - f * d + g, e * second_3 + f * h),
+        (e * third_1 + f * back, e * third_2 + f * p, e * third_3 - f * k + g),
+    )
 
 
 def pair_row(
@@ -205,15 +220,18 @@ def pair_row(
     3 x 3 system ``D1(-A2) x = r``, where ``D1`` is the characteristic polynomial of ``A1``. It is solved
     by Cramer's rule. No eigenvalues are computed, so that equal eigenvalues cause no errors.
     """
-    rows, third, fast = coordinates(second, forcing_2)
+    matrix = coordinates(second, forcing_2)
+    w, d, h, back, p, k, third, fast = matrix
     p1, k1, h1, d1 = first.slip, first.relaxation, first.coupling, first.damping
     # r = (k1 - A2) [C2 f + e_v E(f v1) - (A2 - d1) e_v E(f mu1)] + h1 (E(f y1) - p1 E(f mu1)) e_v
-    inner = (
-        forcing_2.mu - forcing_1.mu,
-        forcing_2.velocity + forcing_1.velocity + (second.damping + d1) * forcing_1.mu,
-        third - rows[2][1] * forcing_1.mu,
+    inner_1 = forcing_2.mu - forcing_1.mu
+    inner_2 = forcing_2.velocity + forcing_1.velocity + (d + d1) * forcing_1.mu
+    inner_3 = third - p * forcing_1.mu
+    kick = h1 * (forcing_1.slip - p1 * forcing_1.mu)
+    right = (
+        k1 * inner_1 - inner_2,
+        k1 * inner_2 + w * inner_1 + d * inner_2 - h * inner_3 + kick,
+        k1 * inner_3 - back * inner_1 - p * inner_2 + k * inner_3,
     )
-    right = [k1 * u - v for u, v in zip(inner, _times(rows, inner), strict=True)]
-    right[1] = right[1] + h1 * (forcing_1.slip - p1 * forcing_1.mu)
-    displacement, velocity, last = solve_3x3(at_poles(first, rows), right)
-    return displacement, velocity, np.where(fast, displacement - last, last)
+    displacement, velocity, last = solve_3x3(at_poles(first, second, matrix), right)
+    return displacement, velocity, choose(fast, displacement - last, last)

@@ -9,6 +9,7 @@ refer.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,25 +17,27 @@ from numpy.polynomial.laguerre import laggauss
 from scipy.special import erf
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.elementary import solve_3x3
 from stochlin.kernels.basics.exponentials import exponentials
-from stochlin.kernels.basics.parallel import in_ranges
-from stochlin.kernels.basics.small_systems import solve_3x3
-from stochlin.kernels.linearization.cells.slip import quadrants
+from stochlin.kernels.basics.slabs import in_ranges
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
     at_poles,
     coordinates,
     own_covariance,
+    pair_covariance,
 )
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.kernels.linearization.gaussian import SlipQuadrant
+from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
 
 ORDERS = 12  # orders of the Laguerre series; the rest counts as one more order
 NODES = 40  # nodes of the quadrature over amplitudes
 HALF_CYCLES = 40  # summed in eq. (3); even, so that with Bartlett's window (-1)^n has a zero sum
 MOTION = 1e6  # time over which the drift can grow from rest, in elastic periods
 CELLS = 512  # cells computed together, on all cores
+
+NOISE = Forcing(np.zeros(()), np.ones(()), np.zeros(()))  # white noise of the intensity 1
 
 _EXCESS, _WEIGHT = laggauss(NODES)
 
@@ -61,7 +64,7 @@ def drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Dri
     the closure clips, in units of the yield displacement.
     """
     sv, sz, r = latent
-    slip = SlipQuadrant(*quadrants(sz, r))
+    slip = SlipQuadrant(*slip_quadrant(sz, r))
     kick = 2 * sv * slip.first * cycles.time  # mean size over all half-cycles, also without yielding
     orders = np.empty((ORDERS + 1, sz.size))
 
@@ -166,40 +169,63 @@ def _half_cycles(system: EquivalentSystem, ground: Filter) -> tuple[Array, Array
     with_z = np.column_stack([own.mu_z, own.v_z, own.mu_z - own.z_z, with_soil])
     # The variance of z' = (1 - p) v - k z follows with E[z z'] = 0.
     time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
-    states, later = with_z[..., None], np.empty((HALF_CYCLES, w2.size))
-    half_cycle = exponentials(a * time[:, None, None])
-    for row in later:
-        states = half_cycle @ states
-        row[:] = states[:, 0, 0] - states[:, 2, 0]
+    step = exponentials(a * time[:, None, None])
+    states = step @ with_z[..., None]  # after 1 half-cycle; then after 1 and 2, 1 to 4, and so on
+    while states.shape[-1] < HALF_CYCLES:
+        states = np.concatenate([states, step @ states], axis=-1)
+        step = step @ step
+    later = (states[:, 0] - states[:, 2]).T[:HALF_CYCLES]
     return time, np.clip(later / own.z_z, -1, 1)
 
 
-def innovation_coherence(first: EquivalentSystem, second: EquivalentSystem) -> Array:
+class DriftingSide(NamedTuple):
+    """What the correlation of two drifting structures takes of each; all arrays (n,)."""
+
+    system: EquivalentSystem
+    forcing: Forcing
+    std: Array  # of the displacement with its drift
+    unit: Array  # std of the velocity under white noise of the intensity 1
+    rate: Array  # relaxation rate of the drift [1/s]
+    kicks: Sequence[Array]  # ORDERS + 1 square roots of the intensities of the drift by order
+
+    @classmethod
+    def of(
+        cls, system: EquivalentSystem, forcing: Forcing, std: Array, rate: Array, shares: Sequence[Array]
+    ) -> DriftingSide:
+        """A structure whose drift has this standard deviation, relaxation rate, and shares of orders."""
+        total = np.sqrt(own_covariance(system, forcing).mu_mu + std**2)
+        unit = np.sqrt(own_covariance(system, NOISE).v_v)
+        return cls(system, forcing, total, unit, rate, [std * np.sqrt(2 * rate * s) for s in shares])
+
+
+def innovation_coherence(first: DriftingSide, second: DriftingSide) -> Array:
     """Correlation of the velocities of two equivalent systems under one white noise, eq. (7).
 
     It is a measure of what is new and common to both responses in every half-cycle, without a spectral
     line of the ground that both follow.
     """
-    noise = Forcing(np.zeros(()), np.ones(()), np.zeros(()))
-    rows, _, _ = coordinates(first, noise)
-    right = (-rows[0][1], second.relaxation + first.damping, -rows[2][1])  # as in `pair_row`
-    row = solve_3x3(at_poles(second, rows), right)
-    joint = -2 * (rows[1][0] * row[0] + rows[1][1] * row[1] + rows[1][2] * row[2])
-    unit = own_covariance(first, noise).v_v * own_covariance(second, noise).v_v
-    return np.clip(joint / np.sqrt(unit), -1, 1)
+    matrix = coordinates(first.system, NOISE)
+    right = -np.ones(()), second.system.relaxation + matrix.damping, -matrix.slip  # as in `pair_row`
+    row = solve_3x3(at_poles(second.system, first.system, matrix), right)
+    joint = 2 * (matrix.soft * row[0] + matrix.damping * row[1] - matrix.coupling * row[2])
+    return np.clip(joint / (first.unit * second.unit), -1, 1)
 
 
-def drift_correlation(
-    coherence: Array, shares_1: Array, shares_2: Array, rate_1: Array, rate_2: Array
-) -> Array:
-    """Correlation of two drifts, eqs. (6) and (8): at most 1, and 1 for equal structures.
+def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide) -> Array:
+    """Covariance of two drifts, eqs. (6) and (8).
 
-    ``coherence`` is ``r_v`` of eq. (7). Kicks of order ``j`` have the correlation
-    ``r_v |r_v|^(2 j - 2)``, of which the factor ``2 sqrt(l1 l2)/(l1 + l2)`` remains for drifts that
-    relax at the rates ``l1`` and ``l2``.
+    ``coherence`` is ``r_v`` of eq. (7). Kicks of order ``j`` have the correlation ``r_v |r_v|^(2 j -
+    2)``, of which the factor ``2 sqrt(l1 l2)/(l1 + l2)`` remains for drifts that relax at the rates
+    ``l1`` and ``l2``.
     """
-    square, root_1, root_2 = coherence**2, np.sqrt(shares_1), np.sqrt(shares_2)
-    total = root_1[-1] * root_2[-1]
-    for j in range(ORDERS - 1, -1, -1):
-        total = total * square + root_1[j] * root_2[j]
-    return coherence * total * 2 * np.sqrt(rate_1 * rate_2) / (rate_1 + rate_2)
+    square, total = coherence**2, first.kicks[-1] * second.kicks[-1]
+    for kick_1, kick_2 in zip(first.kicks[-2::-1], second.kicks[-2::-1], strict=True):
+        total = total * square + kick_1 * kick_2
+    return coherence * total / (first.rate + second.rate)
+
+
+def drifting_correlation(first: DriftingSide, second: DriftingSide) -> Array:
+    """Correlation of two displacements with their drifts: at most 1, and 1 for equal structures."""
+    joint = pair_covariance(first.system, first.forcing, second.system, second.forcing)
+    joint = joint + drift_covariance(innovation_coherence(first, second), first, second)
+    return joint / (first.std * second.std)

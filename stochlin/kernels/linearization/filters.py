@@ -2,7 +2,7 @@
 
 A ground is white noise of two-sided PSD ``S0`` through a linear `Filter` with any number of states.
 Filters of one oscillator (Kanai-Tajimi) or two (Clough-Penzien) have closed forms, which are much
-faster, in `cells.grounds`.
+faster, in `grounds`.
 """
 
 from __future__ import annotations
@@ -14,9 +14,12 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization import grounds
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 
 Entry = Any  # a number, or an array of cells
+Slopes = Sequence[grounds.Signal | Array]
+NOTHING = 0.0, 0.0, 0.0
 Transform = Callable[[Array], Array]
 AT_ONCE = 4096  # cells for which systems of equations are solved together
 
@@ -105,15 +108,11 @@ class Filter:
             return Forcing(zero, np.pi * self.intensity + zero, zero)
         return self._forcing(self._correlations(system))
 
-    def forcing_and_slopes(self, system: EquivalentSystem) -> Array:
-        """The `forcing` of cells (n,), then its derivatives by slip and by relaxation: (9, n)."""
-        forcings = np.zeros((9, system.stiffness.size))
+    def forcing_and_slopes(self, system: EquivalentSystem) -> Slopes:
+        """The `forcing` of cells (n,), then its derivatives by slip and by relaxation."""
         if not self.states:
-            forcings[:3] = self.forcing(system)
-        else:
-            rows = self._correlations(system, slopes=True).reshape(9, system.stiffness.size, -1)
-            forcings[:] = (self.arrays.output * rows).sum(axis=-1)
-        return forcings
+            return np.array(self.forcing(system)), NOTHING, NOTHING
+        return tuple((self.arrays.output * self._correlations(system, slopes=True)).sum(axis=-1))
 
     def _forcing(self, rows: Array) -> Forcing:
         """The forcing from covariances (3, ..., m) of the structure's with the filter's states."""
@@ -257,30 +256,24 @@ class _OfOscillators(Filter):
         """As in `Filter`."""
         raise NotImplementedError
 
-    def _rows(self, system: EquivalentSystem) -> Array:
-        """Results of `cells.grounds` (9 + 3 m, ...): forcing, its derivatives, and covariances."""
-        # These import numba, which takes long.
-        from stochlin.kernels.basics.compiled import call_for
-        from stochlin.kernels.linearization.cells import grounds
+    @property
+    def _ground(self) -> tuple[Entry, ...]:
+        """Intensity, then stiffness and damping of each oscillator, as `grounds` takes them."""
+        return self.intensity, *self.oscillators
 
-        parts = np.broadcast_arrays(*system, self.intensity, *self.oscillators)
-        rows = np.array([part.ravel() for part in parts])
-        results = np.empty((9 + 3 * len(self.states), rows.shape[1]))
-        call_for(grounds.solve, rows.shape[1], (rows,), results)
-        return results.reshape(len(results), *parts[0].shape)
+    def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, *tuple[grounds.Rows, ...]]:
+        """Signal of the ground, and rows with each oscillator."""
+        raise NotImplementedError
 
     def forcing(self, system: EquivalentSystem) -> Forcing:
         """Covariances of the forcing with the structure's states."""
-        return Forcing(*self._rows(system)[:3])
-
-    def forcing_and_slopes(self, system: EquivalentSystem) -> Array:
-        """As in `Filter`."""
-        return self._rows(system)[:9]
+        return Forcing(*self._solved(system)[0])
 
     def _correlations(self, system: EquivalentSystem, *, slopes: bool = False) -> Array:
         """As in `Filter`, without derivatives."""
-        rows = self._rows(system)[9:]
-        return np.moveaxis(rows.reshape(3, len(self.states), *rows.shape[1:]), 1, -1)
+        _, *oscillators = self._solved(system)
+        rows = [sum(pairs, ()) for pairs in zip(*oscillators, strict=True)]
+        return np.moveaxis(np.array([np.broadcast_arrays(*row) for row in rows]), 1, -1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -313,6 +306,14 @@ class KanaiTajimiFilter(_OfOscillators):
     def oscillators(self) -> Sequence[Entry]:
         """As in `Filter`."""
         return self.output
+
+    def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, grounds.Rows]:
+        return grounds.kanai_tajimi(system, self._ground)
+
+    def forcing_and_slopes(self, system: EquivalentSystem) -> Slopes:
+        """As in `Filter`."""
+        forcing, rows = self._solved(system)
+        return forcing, *grounds.kanai_tajimi_slopes(system, self._ground, rows)
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """As in `Filter`; the initial rate is ``d/dtau E[f mu] = -E[f mu']`` at ``tau = 0``."""
@@ -358,6 +359,14 @@ class CloughPenzienFilter(_OfOscillators):
     def oscillators(self) -> Sequence[Entry]:
         """As in `Filter`."""
         return *self.soil.output, *self._layer
+
+    def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, grounds.Rows, grounds.Rows]:
+        return grounds.clough_penzien(system, self._ground)
+
+    def forcing_and_slopes(self, system: EquivalentSystem) -> Slopes:
+        """As in `Filter`."""
+        forcing, *rows = self._solved(system)
+        return forcing, *grounds.clough_penzien_slopes(system, self._ground, *rows)
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """As in `Filter`: the soil oscillator moves freely and drives the high-pass oscillator."""

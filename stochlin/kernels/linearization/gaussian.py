@@ -1,11 +1,14 @@
 """What a closure computes; the closures of the bilinear law, and Gaussian expectations for dashpots.
 
-The formulas of the closures take the numbers of one cell, and `cells.slip` has the special functions
-among them.
+The closures of the bilinear law consist of the moments of a bivariate Gaussian over the quadrant
+``v > 0, z > 1``, where the law slips (Rosenbaum 1961, J. R. Stat. Soc. B 23). For a correlation ``r >=
+0`` all their terms are positive, so that the relative error remains small if slip is rare. The formulas
+take numbers or arrays of cells.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -13,8 +16,11 @@ import numpy as np
 from scipy.special import gamma
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.elementary import choose, ndtr, owens_t
 
-SQRT_2PI = np.sqrt(2 * np.pi)
+SQRT_2PI = math.sqrt(2 * math.pi)
+# Series of E[x^2; |x| < h]/(h^3 phi(h)) in h^2/2 for h < 1, the highest term first.
+NARROW = tuple(math.gamma(2.5) / (1.5 * math.gamma(2.5 + n)) for n in range(14, -1, -1))
 
 
 class ClosureValue(NamedTuple):
@@ -103,9 +109,31 @@ def regressed(right: Any, covariance: Any) -> Any:
     return (by_v * zz - by_z * vz) / determinant, (by_z * vv - by_v * vz) / determinant
 
 
+def slip_quadrant(sz: Any, r: Any) -> Any:
+    """The fields of `SlipQuadrant`, of ``1/h`` and the correlation."""
+    h, q = 1 / sz, np.sqrt((1 - r) * (1 + r))
+    probability = 0.5 * ndtr(-h) + owens_t(h, r / q)
+    edge = np.exp(-0.5 * h * h) / SQRT_2PI * ndtr(r / q * h)
+    corner = np.exp(-0.5 * (h / q) * (h / q)) / (2 * math.pi)
+    first = ndtr(-h / q) / SQRT_2PI + r * edge
+    second = probability + r * (r * h * edge + q * corner)
+    return probability, first, second, h, q, edge, corner
+
+
+def within_yield(h: Any) -> Any:
+    """``P(|x| < h)``, ``E[x^2; |x| < h]`` and ``P(|x| > h)`` of a standard Gaussian ``x``."""
+    half, tail = 0.5 * h * h, ndtr(-h)
+    between = 2 * h * np.exp(-half) / SQRT_2PI
+    series = 0.0 * h
+    for coefficient in NARROW:
+        series = series * half + coefficient
+    square = choose(h < 1, half * between * series, 1 - 2 * tail - between)
+    return square + between, square, 2 * tail
+
+
 def gaussian(latent: Array, parameters: Array) -> ClosureValue:
     """Gaussian closure: the equivalent coefficients of eqs. (9) and (10) in closed form."""
-    return _of_cells(latent, clipped=False)
+    return _as_arrays(gaussian_values(latent), latent)
 
 
 def clipped(latent: Array, parameters: Array) -> ClosureValue:
@@ -114,44 +142,43 @@ def clipped(latent: Array, parameters: Array) -> ClosureValue:
     ``(v, z~)`` is Gaussian with the latent moments, so that ``|z| <= 1`` always holds. The equivalent
     coefficients are those of the linear regression of the slip rate ``v - G`` on ``(v, z)``.
     """
-    return _of_cells(latent, clipped=True)
+    return _as_arrays(clipped_values(latent), latent)
 
 
-def _of_cells(latent: Array, *, clipped: bool) -> ClosureValue:
-    from stochlin.kernels.linearization.cells import slip  # imports numba, which takes long
+def _as_arrays(value: Any, latent: Array) -> ClosureValue:
+    """The values of a closure with numbers among them as arrays."""
+    coefficients, slopes, covariance, by_latent = value
 
-    rows, n = slip.values(latent, clipped), latent.shape[1]
-    return ClosureValue(rows[:2], rows[2:8].reshape(2, 3, n), rows[8:11], rows[11:].reshape(3, 3, n))
+    def rows(*triples: Any) -> Array:
+        entries = [np.broadcast_to(entry, latent.shape[1]) for row in triples for entry in row]
+        return np.array(entries).reshape(len(triples), 3, -1)
+
+    return ClosureValue(np.array(coefficients), rows(*slopes), np.array(covariance), rows(*by_latent))
 
 
-def gaussian_values(moments: Any, quadrant: Any) -> Any:
-    """Coefficients, slopes of both, covariance and its slopes by the Gaussian closure.
+def gaussian_values(moments: Any) -> Any:
+    """The fields of `ClosureValue` by the Gaussian closure.
 
     ``1 + c_e = 2 P(v > 0, z > 1)`` and ``k_e = 2 sv h (r h B + q E)``, where ``sv`` and ``sz`` are the
-    latent standard deviations, ``r`` their correlation, ``h = 1/sz``, ``q = sqrt(1 - r^2)``, and ``B``
-    and ``E`` the ``edge`` and ``corner`` of `SlipQuadrant`, which is ``quadrant``.
+    standard deviations, ``r`` their correlation, ``h = 1/sz``, ``q = sqrt(1 - r^2)``, and ``B`` and
+    ``E`` the ``edge`` and ``corner`` of `SlipQuadrant`.
     """
     sv, sz, r = moments
-    probability, _, _, h, q, edge, corner = quadrant
+    probability, _, _, h, q, edge, corner = slip_quadrant(sz, r)
     relaxation = 2 * sv * h * (r * h * edge + q * corner)
     steeper = r * h * (2 - h * h) * edge + q * (1 - h * h) * corner
-    return (
-        (2 * probability, relaxation),
-        (0.0, 2 * h * h * edge, 2 * corner / q),
-        (relaxation / sv, -2 * sv * h * h * steeper, 2 * sv * h * (h * edge - r / q * corner)),
-        (sv * sv, sz * sz, r * sv * sz),
-        ((2 * sv, 0.0, 0.0), (0.0, 2 * sz, 0.0), (r * sz, r * sv, sv * sz)),
-    )
+    of_slip = 0.0, 2 * h * h * edge, 2 * corner / q
+    of_relaxation = relaxation / sv, -2 * sv * h * h * steeper, 2 * sv * h * (h * edge - r / q * corner)
+    covariance = sv * sv, sz * sz, r * sv * sz
+    by_latent = (2 * sv, 0.0, 0.0), (0.0, 2 * sz, 0.0), (r * sz, r * sv, sv * sz)
+    return (2 * probability, relaxation), (of_slip, of_relaxation), covariance, by_latent
 
 
-def clipped_values(moments: Any, quadrant: Any, within: Any) -> Any:
-    """As `gaussian_values` by the clipped closure.
-
-    ``within`` are ``P(|z~| < 1)``, ``E[(z~/sz)^2; |z~| < 1]`` and ``P(|z~| > 1)``.
-    """
+def clipped_values(moments: Any) -> Any:
+    """As `gaussian_values` by the clipped closure."""
     sv, sz, r = moments
-    _, first, second, h, q, edge, corner = quadrant
-    inside, inside_square, outside = within
+    _, first, second, h, q, edge, corner = slip_quadrant(sz, r)
+    inside, inside_square, outside = within_yield(h)
     turned, steep = r * h * edge + q * corner, 2 * sv * h * h
     slip_v = 2 * sv * sv * second, 2 * sv * first  # E[(v - G) v] and E[(v - G) z]
     by_v = (
@@ -168,10 +195,5 @@ def clipped_values(moments: Any, quadrant: Any, within: Any) -> Any:
     by_sv = regressed((by_v[0] - p * of_vv - k * of_vz[0], by_z[0] - p * of_vz[0]), covariance)
     by_sz = regressed((by_v[1] - k * of_vz[1], by_z[1] - p * of_vz[1] - k * of_zz), covariance)
     by_r = regressed((by_v[2] - k * of_vz[2], by_z[2] - p * of_vz[2]), covariance)
-    return (
-        coefficients,
-        (by_sv[0], by_sz[0], by_r[0]),
-        (by_sv[1], by_sz[1], by_r[1]),
-        covariance,
-        ((of_vv, 0.0, 0.0), (0.0, of_zz, 0.0), of_vz),
-    )
+    slopes = (by_sv[0], by_sz[0], by_r[0]), (by_sv[1], by_sz[1], by_r[1])
+    return coefficients, slopes, covariance, ((of_vv, 0.0, 0.0), (0.0, of_zz, 0.0), of_vz)

@@ -12,19 +12,29 @@ grows. A `StepControl` says how ``delta`` begins, grows while ``F`` falls, and s
 `solve` decides from where and by which steps to iterate: it tries large ones, then small ones, and then
 follows the solution from weak to full shaking. It leaves each iteration to the `Problem`. A system of
 springs iterates by `iterate` here, which makes the steps of all cells together by `Stepping.advance`,
-each with a Lyapunov equation (`systems.springs`). Single structures have closed forms of the moments
-and so short steps that compiled code makes them (`single_structures`, `cells`); few of them go through
-`iterate` too.
+each with a Lyapunov equation (`systems.springs`) or, for single structures, with closed forms of the
+moments (`single_structures`).
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol, Self
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.cells.steps import StepControl
+from stochlin.kernels.basics.elementary import choose
+
+
+class StepControl(NamedTuple):
+    """Control of the pseudo-time step: its first value and how it changes, see `next_delta`."""
+
+    first: float  # first pseudo-time step
+    restart: float  # upper bound after a rise of the mismatch
+    shorter: float  # factor after a rise of the mismatch
+    longer: float  # factor after a fall, besides the ratio of the mismatches
+    longest: float  # largest factor after a fall
+
 
 # Nearly Newton's method, and short pseudo-time steps.
 BOLD = StepControl(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)
@@ -34,6 +44,9 @@ BOLD_SHARE = 0.15
 WEAK = 0.3  # standard deviation of the elastic ductility at which hardly any structure yields
 FIRST_RISE, LONGER, SHORTER, LEAST_RISE = 0.5, 2.0, 0.5, 1e-4  # rise of the logarithm of the shaking
 AT_LEVEL = 12  # iterations at one level of shaking
+LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
+LEAST_DELTA = 0.05  # smallest pseudo-time step
+LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
 NEAR = 0.05  # largest distance of a solution from its extrapolation for the same branch of solutions
 
 
@@ -129,6 +142,23 @@ class Stepping(Protocol):
     def coefficients(self, unknowns: Array) -> Array:
         """Equivalent coefficients (k, n) for these unknowns."""
         raise NotImplementedError
+
+
+def next_delta(delta: Any, before: Any, now: Any, pace: StepControl) -> Any:
+    """Next pseudo-time step, by switched evolution relaxation: longer if the mismatch has fallen."""
+    ratio = choose(np.isinf(before) | (now == 0), 1.0, before / now)
+    shorter = np.maximum(pace.shorter * np.minimum(delta, pace.restart), LEAST_DELTA)
+    return choose(ratio < 1, shorter, delta * np.minimum(pace.longer * ratio, pace.longest))
+
+
+def slope_of_unknowns(moments: Any, slope: Any) -> Any:
+    """Derivative of ``(log sv, log sz, atanh r)`` if ``(vv, zz, vz)`` changes by ``slope``.
+
+    ``moments`` are ``vv``, ``zz``, the square root of their product, and ``r``.
+    """
+    vv, zz, root, r = moments
+    of_v, of_z = 0.5 * slope[0] / vv, 0.5 * slope[1] / zz
+    return of_v, of_z, (slope[2] / root - r * (of_v + of_z)) / (1 - r * r)
 
 
 def iterate(problem: Stepping, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:

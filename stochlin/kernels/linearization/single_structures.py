@@ -1,27 +1,39 @@
 """Steps of the iteration for single structures, whose stationary covariances have closed forms.
 
-On grounds of at most two oscillators, with the closures of the bilinear law, all steps of a cell are
-made in compiled code. For other closures and grounds, the closure and the forcing are those of arrays.
+The functions of one step take numbers or arrays of cells.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import call_for
-from stochlin.kernels.basics.parallel import in_ranges
-from stochlin.kernels.linearization.cells.fixed_points import FOUND, OF_GROUND, settle_cells
-from stochlin.kernels.linearization.cells.steps import StepControl, advance_cells
-from stochlin.kernels.linearization.covariance import EquivalentSystem
+from stochlin.kernels.basics.elementary import choose, solve_3x3
+from stochlin.kernels.basics.slabs import in_ranges
+from stochlin.kernels.linearization.covariance import (
+    EquivalentSystem,
+    Forcing,
+    hurwitz,
+    own_covariance,
+    stable,
+)
 from stochlin.kernels.linearization.filters import Filter
-from stochlin.kernels.linearization.gaussian import Closure, clipped, gaussian
-from stochlin.kernels.linearization.iteration import FixedPoint, State, iterate, solve
+from stochlin.kernels.linearization.gaussian import Closure
+from stochlin.kernels.linearization.iteration import (
+    LARGEST_MISMATCH,
+    LARGEST_STEP,
+    FixedPoint,
+    State,
+    StepControl,
+    iterate,
+    next_delta,
+    slope_of_unknowns,
+    solve,
+)
 
-CLIPPED: dict[Closure, bool] = {gaussian: False, clipped: True}  # closures that `cells.fixed_points` has
-CHUNK = 2048  # cells solved together: the temporary arrays of a step then stay in the cache
+CHUNK = 4096  # cells solved together: the temporary arrays of a step then stay in the cache
 
 
 class SingleStructures(NamedTuple):
@@ -49,9 +61,7 @@ class SingleStructures(NamedTuple):
         """The cells with these numbers."""
         if self.level[cells].size == self.level.size:  # the selection is all cells
             return self
-        structure, law = (
-            rows[:, cells] if isinstance(cells, slice) else rows.take(cells, axis=1) for rows in self[:2]
-        )
+        structure, law = (rows[:, cells] for rows in self[:2])
         return self._replace(
             structure=structure, law=law, ground=self.ground.at(cells), level=self.level[cells]
         )
@@ -61,55 +71,38 @@ class SingleStructures(NamedTuple):
         return self._replace(level=level)
 
     def settle(self, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
-        """All iterations of a cell in compiled code, if there is any; a few cells in plain Python."""
-        if self.closure not in CLIPPED or self.ground.oscillators is None:
-            return iterate(self, unknowns, most, pace)
-        n, soil = unknowns.shape[1], (self.ground.intensity, *self.ground.oscillators)
-        cells, ground = np.array([*self.structure, self.level]), np.ones((OF_GROUND, n))
-        for row, entry in enumerate(soil):
-            ground[row] = entry
-        results, iterations = np.empty((FOUND, n)), np.zeros(n, np.int32)
-        kind = CLIPPED[self.closure], len(soil) // 2
-        rule = pace, float(self.rtol), float(self.atol), most
-        call_for(settle_cells, n, (cells, ground, unknowns), *kind, *rule, results, iterations)
-        return FixedPoint(results[2:5], results[:2], iterations, results[5], results[6] > 0)
+        """The fixed points from these unknowns (3, n) in at most so many steps."""
+
+        def part(cells: slice) -> FixedPoint:
+            return iterate(self.at(cells), unknowns[:, cells], most, pace)
+
+        parts = in_ranges(part, unknowns.shape[1], CHUNK)
+        return FixedPoint(*map(np.hstack, zip(*parts, strict=True)))
 
     def advance(self, state: State, pace: StepControl) -> State:
-        """One step with a closure or a ground that is not compiled."""
+        """One step of all cells."""
         latent = moments_of(state.unknowns)
         value = self.closure(latent, self.law)
-        system = EquivalentSystem(*self.structure, *value.coefficients)
-        forcings = self.ground.forcing_and_slopes(system)
-        values = np.concatenate([field.reshape(-1, latent.shape[1]) for field in value])
-        cells = np.array([*self.structure, self.level])
-        rows = np.vstack(state)
-        advance_cells(cells, latent, values, forcings, rows, pace, self.rtol, self.atol)
-        return State(rows[:3], rows[3], rows[4:7], rows[7], rows[8])
+        forcings = self.ground.forcing_and_slopes(EquivalentSystem(*self.structure, *value.coefficients))
+        cell, limits = (*self.structure, self.level), (self.rtol, self.atol)
+        return State(*map(np.array, advance(cell, latent, value, forcings, state, pace, *limits)))
 
     def coefficients(self, unknowns: Array) -> Array:
         """``1 + c_e`` and ``k_e`` (2, n)."""
         return self.closure(moments_of(unknowns), self.law).coefficients
 
 
-def solve_on_all_cores(
+@np.errstate(all="ignore")  # an iterate may belong to an unstable system, without moments
+def solve_structures(
     problem: SingleStructures, start: Array, one_solution: Array, max_iterations: int
 ) -> FixedPoint:
-    """`solve` in chunks, on all cores.
+    """`solve` from the moments ``sv, sz, r`` (3, n) of the elastic response.
 
-    ``start`` (3, n) are the moments ``sv, sz, r`` of the elastic response. A cell has converged when
-    ``|dy| <= atol + rtol |y|`` for each of its moments ``y``; ``atol`` applies to the correlation only,
-    since the other two are positive scales.
+    A cell has converged when ``|dy| <= atol + rtol |y|`` for each of its moments ``y``; ``atol`` applies
+    to the correlation only, since the other two are positive scales.
     """
-    elastic = np.empty_like(start)
-    np.log(start[:2], out=elastic[:2])
-    np.arctanh(start[2], out=elastic[2])
-
-    @np.errstate(all="ignore")  # an iterate may belong to an unstable system, without moments
-    def part(cells: slice) -> FixedPoint:
-        return solve(problem.at(cells), elastic[:, cells], one_solution[cells], max_iterations)
-
-    parts = in_ranges(part, start.shape[1], CHUNK)
-    return FixedPoint(*map(np.hstack, zip(*parts, strict=True)))
+    elastic = np.array([*np.log(start[:2]), np.arctanh(start[2])])
+    return solve(problem, elastic, one_solution, max_iterations)
 
 
 def moments_of(unknowns: Array) -> Array:
@@ -117,3 +110,129 @@ def moments_of(unknowns: Array) -> Array:
     moments = np.exp(unknowns)
     np.tanh(unknowns[2], out=moments[2])
     return moments
+
+
+def advance(
+    cell: Any,
+    moments: Any,
+    value: Any,
+    forcings: Any,
+    state: Any,
+    pace: StepControl,
+    rtol: float,
+    atol: float,
+) -> Any:
+    """The next `State` of cells after one evaluation of closure and forcing at their unknowns.
+
+    ``cell`` has stiffness, damping, coupling and level of shaking, ``value`` is what the closure found,
+    and ``forcings`` are the forcing and its derivatives by slip and by relaxation. If the unknowns have
+    no stationary response, a smaller step from the last valid ones is tried.
+    """
+    base, before, old, last, _ = state
+    y = base[0] + old[0], base[1] + old[1], base[2] + old[2]
+    off, columns = mismatch(cell, moments, value, forcings)
+    norm = np.sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2])
+    total = norm
+    for column in columns:
+        total = total + column[0] + column[1] + column[2]
+    valid = np.isfinite(total)
+    now = choose(valid, norm, np.inf)
+    delta = next_delta(last, before, now, pace)
+    new = newton_step(columns, off, 1 / delta)
+    # If not stationary: try a quarter of the step; before the first valid iterate, a more elastic start.
+    untried = np.isinf(before)
+    back = (
+        choose(untried, old[0], 0.25 * old[0]),
+        choose(untried, old[1] - 1.0, 0.25 * old[1]),
+        choose(untried, old[2] - 0.5 * y[2], 0.25 * old[2]),
+    )
+    # Convergence is judged by the Newton step, since a damped step is also small if delta is small.
+    change, r = newton_step(columns, off, 0.0), moments[2]
+    of_r = (1 - r * r) * rtol / (atol + rtol * np.abs(r))
+    still = (np.abs(change[0]) <= rtol) & (np.abs(change[1]) <= rtol)
+    still = still & (np.abs(change[2]) * of_r <= rtol)
+    return (
+        (choose(valid, y[0], base[0]), choose(valid, y[1], base[1]), choose(valid, y[2], base[2])),
+        choose(valid, norm, before),
+        (choose(valid, new[0], back[0]), choose(valid, new[1], back[1]), choose(valid, new[2], back[2])),
+        delta,
+        choose(valid & (norm <= LARGEST_MISMATCH) & still, 1.0, 0.0),
+    )
+
+
+def mismatch(cell: Any, moments: Any, value: Any, forcings: Any) -> Any:
+    """Mismatch of the unknowns, and the three columns of its Jacobian.
+
+    All is NaN for systems that are not stable. This is checked by the criterion of Routh and Hurwitz,
+    since on filtered ground the formulas can also give a valid covariance there.
+    """
+    stiffness, damping, coupling, level = cell
+    coefficients, (of_slip, of_relaxation), (vv, zz, vz), by_latent = value
+    system = EquivalentSystem(stiffness, damping, coupling, coefficients[0], coefficients[1])
+    forcing, by_slip, by_relaxation = forcings
+    own = own_covariance(system, Forcing(forcing[0], forcing[1], forcing[2]))
+    well = stable(stiffness, damping, coupling, coefficients[0], coefficients[1]) & (own.mu_mu > 0)
+    v_v = choose(well, own.v_v, np.nan)
+    response, assumed = _scales(v_v, own.z_z, own.v_z), _scales(vv, zz, vz)
+    r, corr = assumed[3], response[3]
+    off = (
+        0.5 * np.log(v_v / vv) + level,
+        0.5 * np.log(own.z_z / zz) + level,
+        np.arctanh((corr - r) / (1 - corr * r)),
+    )
+    slopes = (
+        slope_of_unknowns(response, _slope(system, own, forcing, by_slip, 1.0, 0.0)),
+        slope_of_unknowns(response, _slope(system, own, forcing, by_relaxation, 0.0, 1.0)),
+    )
+    scales = moments[0], moments[1], 1 - moments[2] * moments[2]
+    closure = of_slip, of_relaxation, by_latent, assumed
+    return off, (
+        _column(0, closure, slopes, scales), _column(1, closure, slopes, scales),
+        _column(2, closure, slopes, scales),
+    )  # fmt: skip
+
+
+def _scales(vv: Any, zz: Any, vz: Any) -> Any:
+    """Variances of a covariance, the square root of their product, and the correlation."""
+    root = np.sqrt(vv * zz)
+    return vv, zz, root, vz / root
+
+
+def _slope(system: Any, own: Any, forcing: Any, slope: Any, dp: float, dk: float) -> Any:
+    """Derivatives of Var v, Var z and Cov(v, z) of `own_covariance` by slip or by relaxation.
+
+    ``slope`` is the derivative of the forcing; ``dp`` is 1 for that by slip, ``dk`` is 1 for relaxation.
+    """
+    w2, d, h, p, k = system
+    f_mu, f_v, f_y = slope[0], slope[1], slope[2]
+    c = 1 - p
+    steeper = dk * (d * (d + 2 * k) + c * h) - dp * h * (d + k)
+    mu_z = (c * f_v - dp * forcing[1] + d * (f_mu - f_y) - own.mu_z * steeper) / hurwitz(w2, d, h, p, k)
+    v_z = k * mu_z + dk * own.mu_z
+    return (f_v - h * v_z) / d, c * mu_z - dp * own.mu_z, v_z
+
+
+def _column(n: int, closure: Any, response: Any, scales: Any) -> Any:
+    """A column of the Jacobian, by the unknown ``n``, whose moment changes by its scale.
+
+    ``closure`` are derivatives of the closure's coefficients and covariance, and this covariance;
+    ``response`` are derivatives of the unknowns of the response by the coefficients.
+    """
+    of_slip, of_relaxation, (of_vv, of_zz, of_vz), assumed = closure
+    slip, relaxation, (by_slip, by_relaxation) = of_slip[n], of_relaxation[n], response
+    less = slope_of_unknowns(assumed, (of_vv[n], of_zz[n], of_vz[n]))
+    return (
+        (by_slip[0] * slip + by_relaxation[0] * relaxation - less[0]) * scales[n],
+        (by_slip[1] * slip + by_relaxation[1] * relaxation - less[1]) * scales[n],
+        (by_slip[2] * slip + by_relaxation[2] * relaxation - less[2]) * scales[n],
+    )
+
+
+def newton_step(columns: Any, mismatch: Any, damping: Any) -> Any:
+    """``(damping - J)^-1 F``, limited to `LARGEST_STEP`; Newton's step for ``damping = 0``."""
+    (a, d, g), (b, e, h), (c, f, i) = columns
+    matrix = (damping - a, -b, -c), (-d, damping - e, -f), (-g, -h, damping - i)
+    step_1, step_2, step_3 = solve_3x3(matrix, mismatch)
+    largest = np.maximum(np.maximum(np.abs(step_1), np.abs(step_2)), np.abs(step_3))
+    shorter = np.maximum(1.0, largest / LARGEST_STEP)
+    return step_1 / shorter, step_2 / shorter, step_3 / shorter

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.models.grounds import KanaiTajimi, WhiteNoise
+from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.views.shared.blocks import Block, Items, Table, Text, ViewSection, texts
 from stochlin.views.shared.uncertain import unknowns
@@ -41,9 +41,9 @@ COLUMNS = (
 STEM = "confidence_of_no_pounding"
 NOT_CORRECTED = (
     "No corrected confidence is given: the error of linearization is only known for bilinear "
-    "oscillators on Kanai-Tajimi ground and white noise, within the range of its map; here {}."
+    "oscillators on grounds of the named kinds, in the range that was simulated; here {}."
 )
-MAPPED = KanaiTajimi, WhiteNoise  # grounds of the map
+MAPPED = KanaiTajimi, CloughPenzien, WhiteNoise  # grounds that were simulated
 UNRELIABLE = (
     "Do not rely on the column {}: for buildings like these it may be far off. The column simulated has "
     "no such error."
@@ -137,7 +137,7 @@ def _beyond_the_map(case: Case) -> str:
 
 
 def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> list[str]:
-    """Four decimals; a word for values outside the map of the bias."""
+    """Four decimals; a word for values whose bias is unknown."""
     confidences = [float(row[STEM + ending]) for _, ending in shown]
     _, low, high = with_interval(row, f"{STEM}_simulated")
     return [

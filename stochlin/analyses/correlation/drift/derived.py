@@ -1,42 +1,49 @@
-"""Correlation of two structures with plastic drift, eq. (8) of ``docs/drift.md``, without a map.
-
-The formulas are evaluated in slabs of cells, so that intermediate arrays stay small.
-"""
+"""Correlation of two structures with plastic drift, eq. (8) of ``docs/drift.md``, without a map."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, SHARES, system_and_forcing
-from stochlin.analyses.tables.cellwise import Solved, cellwise
+from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import by_slabs
-from stochlin.kernels.linearization.covariance import own_covariance, pair_covariance
-from stochlin.kernels.linearization.drift import drift_correlation, innovation_coherence
+from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlation
 
-OF_A_SIDE = ("drift_std", "drift_rate", *INTERNAL, *SHARES)
+Side = Sequence[Cells]  # the fields of a `DriftingSide` as arrays of numbers
+LENGTH = len(INTERNAL) + 3 + len(SHARES)
 
 
-def derived_correlation(first: Solved, second: Solved) -> Any:
-    """``rho`` of two structures that were solved with the drift closure."""
-    (rho,) = cellwise(rho_of_drifts, *(side[name] for side in (first, second) for name in OF_A_SIDE))
-    return rho
+def side_of(solved: Solved) -> Side:
+    """A structure that was solved with the drift closure, for `derived_correlation`."""
+    values = [solved[name] for name in (*INTERNAL, "drift_std", "drift_rate", *SHARES)]
+    return cellwise(_side, *values, kinds=(float,) * LENGTH)
+
+
+@np.errstate(all="ignore")  # failed cells are NaN
+def _side(*values: Array) -> tuple[Array, ...]:
+    end = len(INTERNAL)
+    std, rate, *shares = values[end:]
+    side = DriftingSide.of(*system_and_forcing(values[:end]), std, rate, shares)
+    return tuple(np.broadcast_arrays(*values[:end], side.std, side.unit, side.rate, *side.kicks))
+
+
+def side_from(values: Sequence[Array]) -> DriftingSide:
+    """The structure of the arrays of `side_of`."""
+    end = len(INTERNAL)
+    std, unit, rate, *kicks = values[end:]
+    return DriftingSide(*system_and_forcing(values[:end]), std, unit, rate, kicks)
+
+
+def derived_correlation(first: Side, second: Side) -> Any:
+    """``rho`` of two structures."""
+    return cellwise(_rho, *first, *second)[0]
 
 
 @by_slabs(float)
 @np.errstate(all="ignore")  # cells with extreme parameters become NaN, with a status
-def rho_of_drifts(*parts: Array) -> Array:
-    """``rho`` of pairs; ``parts`` are the arrays `OF_A_SIDE` of the first, then of the second."""
-    half, end = len(parts) // 2, len(INTERNAL)
-    (slow_1, rate_1, *own_1), (slow_2, rate_2, *own_2) = parts[:half], parts[half:]
-    first, second = (system_and_forcing(side[:end]) for side in (own_1, own_2))
-    shares = [np.stack(np.broadcast_arrays(*side[end:])) for side in (own_1, own_2)]
-    coherence = innovation_coherence(first[0], second[0])
-    drifts = drift_correlation(coherence, shares[0], shares[1], rate_1, rate_2)
-    total_1 = own_covariance(*first).mu_mu + slow_1**2
-    total_2 = own_covariance(*second).mu_mu + slow_2**2
-    joint = pair_covariance(*first, *second) + drifts * slow_1 * slow_2
-    rho: Array = joint / np.sqrt(total_1 * total_2)
-    return rho
+def _rho(*values: Array) -> Array:
+    return drifting_correlation(side_from(values[:LENGTH]), side_from(values[LENGTH:]))

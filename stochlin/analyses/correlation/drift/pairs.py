@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stochlin.analyses.correlation.drift.derived import OF_A_SIDE, rho_of_drifts
+from stochlin.analyses.correlation.drift.derived import LENGTH, side_from, side_of
 from stochlin.analyses.correlation.drift.signatures import insight_of, insights
 from stochlin.analyses.correlation.errors import (
     DIFFERENCE,
@@ -14,8 +14,7 @@ from stochlin.analyses.correlation.errors import (
     expected_rho_error,
     relative_error,
 )
-from stochlin.analyses.correlation.linearized import SHOWN, linearized_pairs
-from stochlin.analyses.linearization.bias_map import caution_of, caution_of_error
+from stochlin.analyses.linearization.bias import caution_of, caution_of_error
 from stochlin.analyses.linearization.equivalent_systems import solved_together
 from stochlin.analyses.linearization.linearization import known_error
 from stochlin.analyses.linearization.tolerance import Tolerance
@@ -25,6 +24,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.nearness import with_nearness
 from stochlin.kernels.correlation.signatures import informed_correlation
+from stochlin.kernels.linearization.drift import drifting_correlation
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, Structure
 
@@ -32,51 +32,65 @@ from stochlin.models.structures import DRIFT, Structure
 def drifting_pairs(
     first: Structure, second: Structure, ground: Ground, tolerance: Tolerance
 ) -> dict[str, Cells]:
-    """Table of pairs by the drift closure, with the variables of `linearized_pairs` and their errors.
-
-    The simulated ``rho`` that the bias refers to is the Gaussian ``rho`` less its bias in the map. If it
-    is not in the map, the caution follows from the expected error of ``rho`` instead.
-    """
-    table = linearized_pairs(first, second, ground, "gaussian", tolerance)
-    truth = table["rho"] - table["bias"]
+    """Table of pairs by the drift closure, with the expected errors that remain after the correction."""
     sides = solved_together((first, second), ground, DRIFT, tolerance)
-    raw, doubt, share = _rho_and_doubt((first, second), sides, ground, tolerance)
-    expected = expected_rho_error(first, second, ground, sides)
-    of_rho = (raw, *(side["status"] for side in sides), truth, expected)
-    *judged, unsure = cellwise(_judged_rho, *of_rho, kinds=JUDGED)
-    del raw, truth, expected, of_rho  # each is as large as the whole table
-    table |= zip(("rho", "status", "bias", "rho_error"), judged, strict=True)
-    worst = caution_of(unsure)
+    rho, status, error, doubt, share = drifting_rho((first, second), sides, ground, tolerance)
+    table = {"rho": rho, "status": status, "rho_error": error}
+    table["bias"], worst = 0 * error, caution_of(error)
     for number, side in enumerate(sides, start=1):
         table |= {f"{name}_{number}": side[name] for name in SHOWN}
         own = known_error(side)
         table[f"bias_{number}"] = 0 * own
         (worst,) = cellwise(np.maximum, worst, caution_of_error(own), kinds=(np.int8,))
     of_sides = [side[name] for side in sides for name in ("displacement_std", "displacement_error")]
-    of_pair = (table["rho"], doubt, share, table["rho_error"])
     periods = [structure.cells()["period"] for structure in (first, second)]
-    apart, lean, unsafe = cellwise(_difference_error, *periods, *of_sides, *of_pair, kinds=(float,) * 3)
+    of_pair = *of_sides, rho, doubt, share, error
+    apart, lean, unsafe = cellwise(_difference_error, *periods, *of_pair, kinds=(float,) * 3)
     table |= {f"{DIFFERENCE}_error": apart, f"{DIFFERENCE}_bias": lean}
     return table | {f"{DIFFERENCE}_caution": caution_of_error(unsafe), "caution": worst}
 
 
+def drifting_rho(
+    structures: tuple[Structure, Structure],
+    sides: Sequence[Solved],
+    ground: Ground,
+    tolerance: Tolerance,
+) -> tuple[Cells, ...]:
+    """``rho``, status and expected error of pairs that were solved with the drift closure.
+
+    Then follow the expected relative error of ``1 - rho``, and the weight of eq. (13) for nearly equal
+    pairs.
+    """
+    own = [side_of(side) for side in sides]
+    known = insights(structures, sides, own, ground, tolerance)
+    arrays = *own[0], *known[0], *own[1], *known[1]
+    raw, doubt, share = cellwise(_rho, *arrays, kinds=(float,) * 3)
+    expected = expected_rho_error(*structures, ground, sides)
+    statuses = (side["status"] for side in sides)
+    rho, status, error = cellwise(_checked, raw, *statuses, expected, kinds=(float, np.int8, float))
+    return rho, status, error, doubt, share
+
+
+SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
+ROUNDING = 1e-9  # by which |rho| may exceed 1 by rounding; beyond it the covariance is invalid
 # Logarithm of the ratio of the periods from which the margin of eq. (13) counts in the caution. Of pairs
 # with more similar periods, the difference comes from strength, hardening and damping alone, and its
 # estimate is less certain.
 ALIKE = 0.015
-JUDGED = (float, np.int8, float, float, float)
 
 
-@by_slabs(*JUDGED)
-def _judged_rho(
-    raw: Array, status_1: Array, status_2: Array, truth: Array, expected: Array
-) -> tuple[Array, ...]:
-    """``rho``, status, bias, expected error, and the bias or else the error, for the caution."""
+def checked_rho(rho: Array, status_1: Array, status_2: Array) -> tuple[Array, Array]:
+    """``rho`` of pairs, NaN where one side failed or its size exceeds 1, and the status."""
     status = np.maximum(status_1, status_2)
-    status = np.where((status < labels.NOT_CONVERGED) & np.isnan(raw), labels.NOT_PHYSICAL, status)
-    rho = np.where(status < labels.NOT_CONVERGED, np.clip(raw, -1, 1), np.nan)
-    bias, error = rho - truth, np.where(np.isnan(rho), np.nan, expected)
-    return rho, status, bias, error, np.where(np.isnan(bias), error, bias)
+    wrong = (status < labels.NOT_CONVERGED) & ~(np.abs(rho) <= 1 + ROUNDING)
+    status = np.where(wrong, labels.NOT_PHYSICAL, status)
+    return np.where(status < labels.NOT_CONVERGED, np.clip(rho, -1, 1), np.nan), status
+
+
+@by_slabs(float, np.int8, float)
+def _checked(raw: Array, status_1: Array, status_2: Array, expected: Array) -> tuple[Array, ...]:
+    rho, status = checked_rho(raw, status_1, status_2)
+    return rho, status, np.where(np.isnan(rho), np.nan, expected)
 
 
 @by_slabs(float, float, float)
@@ -96,29 +110,17 @@ def _difference_error(period_1: Array, period_2: Array, *arrays: Array) -> tuple
     return error, bias, error - np.where(unlike, bias / 2, 0.0)
 
 
-def _rho_and_doubt(
-    structures: tuple[Structure, Structure],
-    sides: Sequence[Solved],
-    ground: Ground,
-    tolerance: Tolerance,
-) -> tuple[Cells, ...]:
-    """``rho``, expected relative error of ``1 - rho``, and weight of eq. (13) for nearly equal pairs."""
-    inputs = [[side[name] for name in OF_A_SIDE] for side in sides]
-    known = insights(structures, sides, ground, tolerance)
-    arrays = (*inputs[0], *known[0], *inputs[1], *known[1])
-    return cellwise(_cells, *arrays, kinds=(float,) * 3)
-
-
 @by_slabs(float, float, float)
 @np.errstate(all="ignore")  # cells with extreme parameters become NaN, with a status
-def _cells(*inputs: Array) -> tuple[Array, ...]:
-    half, own = len(inputs) // 2, len(OF_A_SIDE)
+def _rho(*inputs: Array) -> tuple[Array, ...]:
+    """``rho`` of pairs, expected relative error of ``1 - rho``, and weight of eq. (13)."""
+    half = len(inputs) // 2
     of_first, of_second = inputs[:half], inputs[half:]
-    derived = rho_of_drifts(*of_first[:own], *of_second[:own])
-    if half == own:
+    derived = drifting_correlation(*(side_from(part[:LENGTH]) for part in (of_first, of_second)))
+    if half == LENGTH:
         none = np.zeros_like(derived)
-        return derived, doubt_of(derived, none, none, none), 0 * derived
-    (seen_1, like_1), (seen_2, like_2) = insight_of(of_first[own:]), insight_of(of_second[own:])
+        return derived, doubt_of(derived, none, none, none), none
+    (seen_1, like_1), (seen_2, like_2) = insight_of(of_first[LENGTH:]), insight_of(of_second[LENGTH:])
     informed, unseen = derived, np.ones_like(derived)
     if seen_1 is not None and seen_2 is not None:
         informed, unseen = informed_correlation(derived, seen_1, seen_2), seen_1.left * seen_2.left

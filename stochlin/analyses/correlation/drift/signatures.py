@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.drift.derived import OF_A_SIDE, derived_correlation
-from stochlin.analyses.linearization.bias_map import point_of
+from stochlin.analyses.correlation.drift.derived import Side, derived_correlation, side_of
 from stochlin.analyses.linearization.drift_map import (
     CORRECTED_GROUNDS,
     ELASTIC,
@@ -26,6 +25,7 @@ from stochlin.analyses.linearization.drift_map import (
     SIGNATURE,
     drift_map,
     hold_at_ends,
+    point_of,
 )
 from stochlin.analyses.linearization.equivalent_systems import solve_derived
 from stochlin.analyses.linearization.tolerance import Tolerance
@@ -59,24 +59,23 @@ def references(ground: Ground) -> Bilinear:
     )
 
 
-def derived_signatures(solved: Sequence[Solved], known: Solved, gram: xr.DataArray | Array) -> list[Any]:
-    """Signatures, eq. (9), of structures over ``drift_reference``, one for each of ``solved``.
+def derived_signature(side: Side, known: Side, gram: xr.DataArray | Array) -> Any:
+    """Signatures, eq. (9), of structures over ``drift_reference``.
 
-    ``known`` are the references; both are solved by `solve_derived`. ``gram`` holds the correlations of
-    the references with one another.
+    ``known`` are the references, and ``gram`` holds their correlations with one another.
     """
     core = ([REFERENCE], [REFERENCE, OTHER])
-    joint = [derived_correlation(side, known) for side in solved]
-    return [cellwise(_signature, rho, gram, core=core, result=[REFERENCE])[0] for rho in joint]
+    return cellwise(_signature, derived_correlation(side, known), gram, core=core, result=[REFERENCE])[0]
 
 
-def derived_gram(known: xr.Dataset) -> xr.DataArray:
+def derived_gram(known: Side) -> xr.DataArray:
     """Correlations of the references with one another."""
-    return derived_correlation(known, known.rename({REFERENCE: OTHER}))
+    others = [values.rename({REFERENCE: OTHER}) for values in known if isinstance(values, xr.DataArray)]
+    return derived_correlation(known, others)
 
 
-def _solved_references(ground: Ground, tolerance: Tolerance) -> tuple[xr.Dataset, xr.DataArray]:
-    known = solve_derived(references(ground), ground, DRIFT, tolerance)
+def _solved_references(ground: Ground, tolerance: Tolerance) -> tuple[Side, xr.DataArray]:
+    known = side_of(solve_derived(references(ground), ground, DRIFT, tolerance))
     core = [REFERENCE, OTHER]
     return known, cellwise(_definite, derived_gram(known), core=[core], result=core)[0]
 
@@ -93,10 +92,10 @@ _solved_once = lru_cache(maxsize=GROUNDS)(_solved_references)
 
 
 @lru_cache(maxsize=GROUNDS)
-def _plain_references(ground: Ground, tolerance: Tolerance) -> tuple[Solved, Array]:
+def _plain_references(ground: Ground, tolerance: Tolerance) -> tuple[Side, Array]:
     """`_solved_references` as numbers without labels, for single cells."""
     known, gram = _solved_once(ground, tolerance)
-    return {name: array.values for name, array in known.items()}, gram.values
+    return [np.asarray(values) for values in known], gram.values
 
 
 def _signature(joint: Array, gram: Array) -> Array:
@@ -109,6 +108,7 @@ def _signature(joint: Array, gram: Array) -> Array:
 def insights(
     structures: tuple[Structure, Structure],
     solved: Sequence[Solved],
+    sides: Sequence[Side],
     ground: Ground,
     tolerance: Tolerance,
 ) -> list[list[Cells]]:
@@ -119,30 +119,28 @@ def insights(
     """
     if type(ground) not in CORRECTED_GROUNDS or not any(structure.yields for structure in structures):
         return [[], []]
-    pairs = list(zip(structures, solved, strict=True))
-    points = [point_of(structure, ground, side) for structure, side in pairs]
+    pairs = zip(structures, solved, strict=True)
+    points = [point_of(structure, ground, results) for structure, results in pairs]
     if isinstance(ground, WhiteNoise):
         soil = [1.0, AS_ON_WHITE_NOISE]
-        both = zip(points, pairs, strict=True)
-        return [_like([*point, *soil], structure.cells()["period"]) for point, (structure, _) in both]
+        placed = zip(points, structures, strict=True)
+        return [_like([*point, *soil], structure.cells()["period"]) for point, structure in placed]
     one_ground = all(array.ndim == 0 for array in ground.arrays().values())
     labelled = any(is_labelled(*side.values()) for side in solved)
     if one_ground and not labelled:  # two single cells take hardly longer than one
-        sides = {name: np.array([side[name] for side in solved])[:, None] for name in OF_A_SIDE}
+        both = [np.array(values)[:, None] for values in zip(*sides, strict=True)]
         place: list[Cells] = [np.array(values) for values in zip(*points, strict=True)]
         rows = [
-            np.asarray(row) for row in _insight_of(sides, place, *_plain_references(ground, tolerance))
+            np.asarray(row) for row in _insight_of(both, place, *_plain_references(ground, tolerance))
         ]
-        return [[row[n, ...] for row in rows] for n in range(len(pairs))]
+        return [[row[n, ...] for row in rows] for n in range(len(sides))]
     of_arrays = (_solved_once if one_ground else _solved_references)(ground, tolerance)
-    return [_insight_of(side, point, *of_arrays) for point, side in zip(points, solved, strict=True)]
+    return [_insight_of(side, point, *of_arrays) for point, side in zip(points, sides, strict=True)]
 
 
-def _insight_of(
-    side: Solved, point: list[Cells], known: Solved, gram: xr.DataArray | Array
-) -> list[Cells]:
+def _insight_of(side: Side, point: list[Cells], known: Side, gram: xr.DataArray | Array) -> list[Cells]:
     """Arrays of the `Insight`, then of the `Nearness`, from the references and their `derived_gram`."""
-    (own,) = derived_signatures([side], known, gram)
+    own = derived_signature(side, known, gram)
     correction = hold_at_ends(SIGNATURE, point)
     core = ([REFERENCE], *([] for _ in correction))
     kinds = (float,) * (2 * len(correction) + 1)

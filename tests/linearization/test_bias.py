@@ -1,13 +1,10 @@
-"""The map of linearization's bias: its interpolation, its limits, and fresh simulations."""
+"""Bias of linearization: fresh simulations, symmetries, and where it is unknown."""
 
 import numpy as np
 import pytest
-import scipy.interpolate
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.linearization.bias_map import bias_map
-from stochlin.kernels.basics.interpolation import Grid, interpolate
 
 pytestmark = pytest.mark.oracle
 
@@ -17,50 +14,6 @@ UNKNOWN = 2
 
 def building(period, hardening=0.05, reduction_factor=4.0, damping=0.05, **options):
     return sl.Bilinear(period, damping, hardening, reduction_factor=reduction_factor, **options)
-
-
-@pytest.mark.parametrize("dimensions", [1, 2, 4, 6])
-def test_interpolation_is_scipys(dimensions):
-    rng = np.random.default_rng(dimensions)
-    axes = [np.sort(rng.uniform(-1, 1, rng.integers(2, 6))) for _ in range(dimensions)]
-    values = rng.standard_normal([axis.size for axis in axes])
-    points = rng.uniform(-1.1, 1.1, (400, dimensions))
-    points[:20] = [axis[0] for axis in axes]
-    points[20:40] = [axis[-1] for axis in axes]
-    points[40:60] = [0.5 * (axis[0] + axis[1]) for axis in axes]
-    expected = scipy.interpolate.RegularGridInterpolator(
-        axes, values, bounds_error=False, fill_value=np.nan
-    )(points)
-    out = np.empty(len(points))
-    interpolate(*Grid.of(axes, values), np.ascontiguousarray(points.T), out)
-    np.testing.assert_allclose(out, expected, rtol=0, atol=1e-13)
-    assert np.isnan(out).any()
-    assert np.isfinite(out).sum() >= 60
-
-
-def test_map_says_what_it_is():
-    table = bias_map()
-    assert table.nbytes < 4e6
-    for name in (*table.data_vars, *table.coords):
-        assert table[name].attrs["units"] == "1"
-        assert table[name].attrs["long_name"]
-    for name in table.data_vars:
-        assert table[name].attrs["largest_standard_error"] < 0.05
-        assert np.isfinite(table[name]).all()
-
-
-def test_point_of_the_map_is_given_back():
-    table = bias_map()
-    point = {"elastic_ductility_std": 3, "hardening": 1, "damping": 1, "ground_damping": 2}
-    here = table.displacement_std_bias.isel(point).isel(period=[3, 20, 33])
-    ground = sl.KanaiTajimi(2.0, float(here.ground_damping))
-    one = building(
-        2.0 * here.period.values,
-        float(here.hardening),
-        3 * float(here.elastic_ductility_std),
-        float(here.damping),
-    )
-    np.testing.assert_allclose(sl.linearize(one, ground).bias, here, rtol=0, atol=1e-9)
 
 
 CASES = [
@@ -79,10 +32,7 @@ CASES = [
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_bias_is_that_of_a_fresh_simulation(case):
-    """Between the points of the map, within 4 standard errors and .04 or .07 for interpolation.
-
-    Over 120 random pairs it was off by .011 and .023 in the mean, and by more than .03 and .06 in 5 %.
-    """
+    """Within 4 standard errors, and .04 or .07 for the truth's own error."""
     period, hardening, factor, damping, ground_damping = case
     ground = sl.KanaiTajimi(2.0, ground_damping) if ground_damping else sl.WhiteNoise()
     pair = [building(ratio * period, hardening, factor, damping) for ratio in (0.75, 1.0)]
@@ -110,16 +60,17 @@ def test_bias_does_not_change_with_the_scales_of_time_and_strength():
 def test_order_of_the_pair_does_not_matter():
     one = sl.correlate(building(1.2), building(2.0), LAKEBED)
     other = sl.correlate(building(2.0), building(1.2), LAKEBED)
-    assert float(one.bias) == float(other.bias)
-    assert float(one.bias_1) == float(other.bias_2)
-    assert np.isfinite(float(one.bias))
+    assert float(one.bias) == pytest.approx(float(other.bias), abs=1e-12)
+    assert float(one.bias_1) == pytest.approx(float(other.bias_2), abs=1e-12)
 
 
 def test_another_closure_is_judged_by_the_same_truth():
     first, second = building(1.2), building(2.0)
-    one = sl.correlate(first, second, LAKEBED)
+    one, truth = (sl.correlate(first, second, LAKEBED, closure=c) for c in ("gaussian", "drift"))
     other = sl.correlate(first, second, LAKEBED, closure="clipped")
-    assert float(one.rho - one.bias) == pytest.approx(float(other.rho - other.bias), rel=1e-9)
+    for table in (one, other):
+        assert float(table.rho - table.bias) == pytest.approx(float(truth.rho), rel=1e-9)
+        assert float(table.bias_error) == float(truth.rho_error)
     truth = [float(t.displacement_std_1 / (1 + t.bias_1)) for t in (one, other)]
     assert truth[0] == pytest.approx(truth[1], rel=1e-9)
     alone = sl.linearize(first, LAKEBED, "clipped")
@@ -136,17 +87,16 @@ def test_linear_structures_have_no_bias():
 
 
 OUTSIDE = [
-    (building(1.0, hardening=0.01), LAKEBED),
-    (building(1.0, reduction_factor=0.6), LAKEBED),
+    (building(1.0, hardening=0.008), LAKEBED),
     (building(1.0, reduction_factor=20.0), LAKEBED),
-    (building(1.0, damping=0.2), LAKEBED),
+    (building(1.0, damping=0.35), LAKEBED),
     (building(0.1), LAKEBED),
     (building(1.0), sl.KanaiTajimi(2.0, 0.01)),
-    (building(1.0), sl.CloughPenzien(2.0, 0.5, 9.0, 0.6)),
+    (building(1.0), sl.CloughPenzien(2.0, 0.5, 90.0, 0.6)),
     (sl.BoucWen(1.0, 0.05, 0.05, reduction_factor=4, beta=0.2, gamma=0.8), LAKEBED),
     (sl.BoucWen(1.0, 0.05, 0.05, reduction_factor=4, beta=0.5, gamma=0.0), LAKEBED),
     (sl.BoucWen(1.0, 0.05, 0.05, reduction_factor=4, exponent=6.0), LAKEBED),
-    (sl.BoucWen(1.0, 0.05, 0.01, reduction_factor=4), LAKEBED),
+    (sl.BoucWen(1.0, 0.05, 0.008, reduction_factor=4), LAKEBED),
 ]
 
 
@@ -201,22 +151,19 @@ def test_bias_of_bouc_wen_is_that_of_a_fresh_simulation(case, ground):
 
 
 @pytest.mark.parametrize("case", OUTSIDE, ids=range(len(OUTSIDE)))
-def test_outside_of_the_map_the_bias_is_unknown(case):
+def test_where_nothing_was_simulated_the_bias_is_unknown(case):
     structure, ground = case
     table = sl.linearize(structure, ground)
-    assert np.isnan(table.bias)
+    assert np.isnan([table.bias, table.bias_error]).all()
     assert int(table.caution) == UNKNOWN
     assert "outside_of_the_map" in table.caution.attrs["flag_meanings"].split()[UNKNOWN]
     assert float(table.displacement_std) > 0
 
 
-def test_rho_of_unequal_structures_is_unknown_and_their_own_bias_is_known():
+def test_unequal_structures_are_known_and_bouc_wen_pairs_are_not():
     table = sl.correlate(building(1.2), building(2.0, reduction_factor=3.0), LAKEBED)
-    assert np.isnan(table.bias)
-    assert np.isfinite([table.bias_1, table.bias_2]).all()
-    assert int(table.caution) == UNKNOWN
-    far = sl.correlate(building(0.5), building(4.0), LAKEBED)
-    assert np.isnan(far.bias)
+    assert np.isfinite([table[f"bias{end}"] for end in ("", "_error", "_1", "_2")]).all()
+    assert np.isfinite(sl.correlate(building(0.5), building(4.0), LAKEBED).bias)
 
 
 def test_caution_marks_the_cells_of_a_table():
@@ -224,13 +171,3 @@ def test_caution_marks_the_cells_of_a_table():
     table = sl.linearize(building(period), LAKEBED)
     np.testing.assert_array_equal(table.caution, [UNKNOWN, 1, UNKNOWN])
     assert np.isnan(table.bias[2])
-
-
-def test_rho_has_a_bias_where_the_map_covers_both_periods():
-    ratios = np.geomspace(0.1, 4, 60)
-    axes = [xr.DataArray(2 * ratios, dims=f"period_{n}") for n in (1, 2)]
-    table = sl.correlate(*map(building, axes), LAKEBED)
-    longer = np.maximum(*axes) / 2
-    covered = (longer > 10**-0.5) & (np.abs(np.log(axes[0] / axes[1])) < np.log(10) / 2)
-    np.testing.assert_array_equal(table.bias.notnull(), covered)
-    assert np.isfinite([table.bias_1, table.bias_2]).all()

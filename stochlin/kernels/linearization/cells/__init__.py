@@ -1,1 +1,0 @@
-"""Compiled loops over the cells of a table: grounds, fixed point iterations, drift."""

@@ -1,0 +1,154 @@
+"""Covariances of a structure with ground filters of one or two oscillators, in closed form.
+
+The Sylvester equation ``A C + C F' + R = 0`` of a structure with a filter oscillator ``F`` is solved in
+the algebra of polynomials in ``F``: by its characteristic polynomial ``F^2 = -stiffness - e F``, so
+that every element ``a + b F`` is a pair of numbers. The derivative by a coefficient of ``A`` (slip or
+relaxation) solves the same equation, with the derivative of ``A`` times ``C`` in place of ``R``.
+
+All functions take numbers or arrays of cells. A *pair* has the covariances of a state of the structure
+with both states of an oscillator, *rows* are those of ``mu``, ``mu'`` and ``y``, and a *signal* has the
+covariances of these three with an acceleration. An oscillator is its stiffness and damping.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+Pair = tuple[Any, Any]
+Rows = tuple[Pair, Pair, Pair]
+Signal = tuple[Any, Any, Any]
+NOTHING = 0.0, 0.0
+
+
+def _apply(oscillator: Any, u: Any) -> Pair:
+    """``F u`` with the companion matrix ``F = [[0, 1], [-stiffness, -damping]]``."""
+    return u[1], -oscillator[0] * u[0] - oscillator[1] * u[1]
+
+
+def _divide(oscillator: Any, a: Any, b: Any, u: Any) -> Pair:
+    """``(a + b F)^-1 u``, by the conjugate ``a - b e - b F``, with the damping ``e``."""
+    stiffness, damping = oscillator
+    norm = a * a - a * b * damping + b * b * stiffness
+    fu = _apply(oscillator, u)
+    conjugate = a - b * damping
+    return (conjugate * u[0] - b * fu[0]) / norm, (conjugate * u[1] - b * fu[1]) / norm
+
+
+def _sylvester(system: Any, oscillator: Any, r_mu: Any, r_v: Any, r_y: Any) -> Rows:
+    """Rows of ``C`` from the rows ``r_mu``, ``r_v``, ``r_y`` of ``R``."""
+    w2, d, h, p, k = system
+    stiffness, e = oscillator
+    a2, a1, a0 = d + k, w2 + d * k - h * p, (w2 - h) * k
+    # D(-F) = constant + linear F, with the structure's characteristic polynomial D.
+    constant = a0 - (e + a2) * stiffness
+    linear = stiffness - e * e - a2 * e - a1
+    moved = _apply(oscillator, r_mu)
+    drive = r_v[0] + d * r_mu[0] - moved[0], r_v[1] + d * r_mu[1] - moved[1]
+    moved = _apply(oscillator, drive)
+    right = (
+        k * drive[0] - moved[0] + h * (r_y[0] - p * r_mu[0]),
+        k * drive[1] - moved[1] + h * (r_y[1] - p * r_mu[1]),
+    )
+    mu = _divide(oscillator, constant, linear, right)
+    moved = _apply(oscillator, mu)
+    velocity = -moved[0] - r_mu[0], -moved[1] - r_mu[1]
+    flow = k * mu[0] + p * velocity[0] + r_y[0], k * mu[1] + p * velocity[1] + r_y[1]
+    return mu, velocity, _divide(oscillator, k, -1.0, flow)
+
+
+def _signal(oscillator: Any, rows: Any) -> Signal:
+    """The signal of ``stiffness x + damping x'`` of an oscillator."""
+    (mu, mu_rate), (v, v_rate), (y, y_rate) = rows
+    stiffness, damping = oscillator
+    return (
+        stiffness * mu + damping * mu_rate,
+        stiffness * v + damping * v_rate,
+        stiffness * y + damping * y_rate,
+    )
+
+
+def _less(left: Any, right: Any) -> Pair:
+    return left[0] - right[0], left[1] - right[1]
+
+
+def _less_signal(left: Any, right: Any) -> Signal:
+    return left[0] - right[0], left[1] - right[1], left[2] - right[2]
+
+
+def _by_coefficients(system: Any, oscillator: Any, rows: Any) -> tuple[Rows, Rows]:
+    """Derivatives of rows by slip and by relaxation, if their right-hand side does not change."""
+    by_slip = _sylvester(system, oscillator, NOTHING, NOTHING, rows[1])
+    return by_slip, _sylvester(system, oscillator, NOTHING, NOTHING, _less(rows[0], rows[2]))
+
+
+def white_noise(intensity: Any) -> Signal:
+    """Signal of white noise, which does not depend on the structure."""
+    return 0.0 * intensity, np.pi * intensity, 0.0 * intensity
+
+
+def kanai_tajimi(system: Any, ground: Any) -> tuple[Signal, Rows]:
+    """Signal of a Kanai-Tajimi ground, eqs. (11) and (12), and rows with its oscillator.
+
+    ``ground`` is ``S0``, ``wg^2`` and ``2 xig wg``; the acceleration is ``wg^2 xg + 2 xig wg xg'``.
+    """
+    intensity, stiffness, damping = ground
+    soil = stiffness, damping
+    noise = np.pi * intensity / damping, np.pi * intensity
+    rows = _sylvester(system, soil, NOTHING, noise, NOTHING)
+    return _signal(soil, rows), rows
+
+
+def kanai_tajimi_slopes(system: Any, ground: Any, rows: Any) -> tuple[Signal, Signal]:
+    """Derivatives of the signal by slip and by relaxation."""
+    soil = ground[1], ground[2]
+    by_slip, by_relaxation = _by_coefficients(system, soil, rows)
+    return _signal(soil, by_slip), _signal(soil, by_relaxation)
+
+
+def _with_layer(system: Any, layer: Any, still: Any, signal: Any, gained: Any) -> Rows:
+    """Rows with the high-pass oscillator, which the acceleration of the soil drives.
+
+    ``signal`` is that of this acceleration, ``still`` the covariance of the ground acceleration with the
+    oscillator's displacement, and ``gained`` a further right-hand side.
+    """
+    mu, v, y = signal
+    return _sylvester(system, layer, (0.0, mu), (still, v), (gained[0], gained[1] + y))
+
+
+def clough_penzien(system: Any, ground: Any) -> tuple[Signal, Rows, Rows]:
+    """Signal of a Clough-Penzien ground, and rows with the soil and with the high-pass oscillator.
+
+    ``ground`` is that of `kanai_tajimi`, then ``wf^2`` and ``2 xif wf``. The acceleration is ``f =
+    xf'' = f_soil - wf^2 xf - 2 xif wf xf'``. The high-pass oscillator ``xf`` is itself a linear
+    structure on the soil. The equations are block triangular, and are solved first for the soil.
+    """
+    intensity, stiffness, damping, layer_stiffness, layer_damping = ground
+    soil, layer = (stiffness, damping), (layer_stiffness, layer_damping)
+    noise = np.pi * intensity / damping, np.pi * intensity
+    alone = layer_stiffness, layer_damping, 0.0, 0.0, np.sqrt(layer_stiffness)
+    x, v, _ = _sylvester(alone, soil, NOTHING, noise, NOTHING)
+    still = -(stiffness * v[0] + damping * v[1]) / layer_damping
+    right = (  # covariances of the soil's states with f
+        noise[0] - layer_stiffness * x[0] - layer_damping * v[0],
+        noise[1] - layer_stiffness * x[1] - layer_damping * v[1],
+    )
+    of_soil = _sylvester(system, soil, NOTHING, right, NOTHING)
+    signal = _signal(soil, of_soil)
+    of_layer = _with_layer(system, layer, still, signal, NOTHING)
+    return _less_signal(signal, _signal(layer, of_layer)), of_soil, of_layer
+
+
+def clough_penzien_slopes(
+    system: Any, ground: Any, of_soil: Any, of_layer: Any
+) -> tuple[Signal, Signal]:
+    """Derivatives of the signal by slip and by relaxation."""
+    soil, layer = (ground[1], ground[2]), (ground[3], ground[4])
+    by_slip, by_relaxation = _by_coefficients(system, soil, of_soil)
+    slip, relaxation = _signal(soil, by_slip), _signal(soil, by_relaxation)
+    moved = _with_layer(system, layer, 0.0, slip, of_layer[1])
+    drawn = _with_layer(system, layer, 0.0, relaxation, _less(of_layer[0], of_layer[2]))
+    return (
+        _less_signal(slip, _signal(layer, moved)), _less_signal(relaxation, _signal(layer, drawn))
+    )  # fmt: skip
