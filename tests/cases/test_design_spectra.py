@@ -97,7 +97,7 @@ def test_what_is_wrong_with_filters_in_parallel_is_said(tmp_path, lines, message
         ),
         (
             'spectrum = "asce_7"\nsds = "1 g"\nsd1 = "9 g"\ntl = "8 s"\n',
-            "cannot be used: tl = 8 s is not",
+            "cannot be used: tl = 8 s; allowed",
         ),
     ],
 )

@@ -100,7 +100,7 @@ def test_a_file_is_read_as_from_python(tmp_path):
     assert sl.read_hazard(of_s0, "intensity").intensities == (0.001, 0.02)
     again = read(tmp_path, f'{HAZARD.replace("pga", "intensity")}file = "s0.csv"\n')
     assert again.hazard.measure == "intensity"
-    with pytest.raises(ValueError, match=r"units = 'g' with measure = 'intensity'; allowed: none"):
+    with pytest.raises(ValueError, match=r"units = 'g'; allowed with intensity: none"):
         sl.read_hazard(of_s0, "intensity", units="g")
 
 

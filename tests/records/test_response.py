@@ -495,7 +495,7 @@ def test_a_table_of_cells_out_of_range_is_blank():
 
 GOOD = {"period": 0.5, "damping": 0.05}
 BAD_RECORDS = {
-    "uneven": (synthetic().drop_isel(time=20), ValueError, "time has a gap"),
+    "uneven": (synthetic().drop_isel(time=20), ValueError, "time is uneven"),
     "empty": ([], ValueError, "record is empty"),
     "one of two": ([synthetic(), np.ones(3)], TypeError, "record 2: record is a ndarray"),
     "in a mapping": ({"a": synthetic()[:5]}, ValueError, "record a: record has 5 samples"),

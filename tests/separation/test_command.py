@@ -321,7 +321,7 @@ WRONG = [
         "# zone",
         "numbers = { eurocode_8 = 0.7 }\n# zone",
         "numbers = {",
-        ["eurocode_8", "is not a key", "allowed: share_of_sum, share_of_height, fixed_distance"],
+        ["eurocode_8", "is not a key", "allowed: share_of_sum, peru_e030_2026, share_of_height"],
     ),
     (
         "[motion]",

@@ -200,7 +200,7 @@ WRONG = [
     ({"ground": GROUND}, "ground is given, which method = 'white_noise' does not use; leave it out"),
     ({"method": "linearization", "ground": GROUND, "closure": "x"}, "closure = 'x'"),
     ({"method": "effective", "rule": "mine"}, "'mine'"),
-    ({"first": sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=3)}, "first: reduction_factor has no"),
+    ({"first": sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=3)}, "reduction_factor is for a ground"),
     ({"second": BUILDING}, "second = .*oscillator"),
 ]
 
