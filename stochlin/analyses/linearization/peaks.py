@@ -104,13 +104,9 @@ def peak_response(
     used; for peaks in one direction it is taken to grow four times as slowly again, because a drift in
     the other direction leads to no peak. Both factors were fitted to simulations.
 
-    Compared with nonlinear simulation from rest (576 random structures, R 1 to 9, hardening 0.02 to 0.3,
-    T 0.2 to 3 s, durations 10 to 60 s), the error of the mean peak is -25 % on average with the Gaussian
-    closure, and between -76 and +5 % in nine cases of ten. With the drift closure it is -2 % on average,
-    and between -32 and +15 %; with ``caution`` 0 these values are +4 %, -14 % and +17 %, and the mean
-    peak is too small by more than 10 % in one case of twelve and by more than 20 % in one of 150. With
-    ``caution`` 1, mostly for T < Tg/2, the error is -18 % on average. In one direction the errors are
-    2 to 4 % higher. ``peak_std`` is too small by a quarter.
+    With the Gaussian closure mean peaks of yielding structures are mostly too small, most of all for
+    structures much stiffer than the ground. Those with the drift closure are nearer to simulations from
+    rest, and can still be too small where ``caution`` is not 0. ``peak_std`` is too small.
 
     References
     ----------
