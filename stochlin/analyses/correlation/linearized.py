@@ -27,6 +27,7 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT, Structure
 
 SYSTEM = ("displacement_std", *INTERNAL, "status")
+EQUAL = 1e-12  # difference of two correlations that is a rounding error
 Pair = tuple[Structure, Structure]
 
 
@@ -63,8 +64,7 @@ def biases(pair: Pair, linearized: Solved, ground: Ground, tolerance: Tolerance)
     bias, error = cellwise(_bias, rho, true, error, kinds=(float, float))
     table, cautions = {"bias": bias, "bias_error": error}, [caution_of(bias)]
     for n, (structure, truth) in enumerate(zip(pair, truths, strict=True), start=1):
-        std = linearized[f"displacement_std_{n}"]
-        own = relative_bias(structure, std, ground, tolerance, truth)
+        own = relative_bias(structure, linearized[f"displacement_std_{n}"], ground, tolerance, truth)
         cautions.append(own["caution"])
         table |= {f"{name}_{n}": own[name] for name in ("bias", "bias_error")}
     return table | {"caution": cellwise(_largest, *cautions, kinds=(np.int8,))[0]}
@@ -72,7 +72,7 @@ def biases(pair: Pair, linearized: Solved, ground: Ground, tolerance: Tolerance)
 
 def _bias(rho: Array, true: Array, error: Array) -> tuple[Array, Array]:
     """Bias of ``rho`` and the error of the truth; both unknown where the latter is."""
-    bias = rho - true + 0 * error
+    bias = np.where(np.abs(rho - true) < EQUAL, 0.0, rho - true) + 0 * error
     return bias, error + 0 * bias
 
 

@@ -87,8 +87,8 @@ def _where_solved(std: Array, known: Array) -> Array:
 
 
 def _relative(std: Array, truth: Array, error: Array) -> tuple[Array, Array]:
-    """Relative error of ``std``, and that of the truth; both unknown where the latter is."""
-    bias = std / truth - 1 + 0 * error
+    """Relative error of ``std``, and that of the truth; unknown where the latter is, 0 if elastic."""
+    bias = np.where(error == 0, 0.0, std / truth - 1) + 0 * error
     return bias, error + 0 * bias
 
 
