@@ -93,8 +93,8 @@ def assert_same(one: xr.Dataset, other: xr.Dataset, rtol: float) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("analysis", ANALYSES)
 def test_all_modes_of_an_elastic_chain_are_the_chain(analysis: str) -> None:
-    of = ANALYSES[analysis]
-    assert_same(of(TALL), of(BY_MODES), 1e-9)
+    of, over_time = ANALYSES[analysis], analysis == "pounding_probability"
+    assert_same(of(TALL), of(BY_MODES), 1e-5 if over_time else 1e-9)  # of an integration in time
 
 
 @pytest.mark.parametrize(

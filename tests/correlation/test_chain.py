@@ -51,7 +51,7 @@ def test_random_pairs_are_fixed_points_by_scipy(kind):
     chain = sl.correlate(*pair, ground, solver="lyapunov")
     table, moments = sl.linearize_system(pair, ground), np.empty((2, 200, 3))
     for cell in range(200):
-        alone = [replace(s.isel({"case": cell}), reduction_factor=None) for s in pair]
+        alone = [s.isel({"case": cell}) for s in pair]
         equivalent = table.c_eq[cell].values, table.k_eq[cell].values
         space = sl.statespace(alone, ground.isel({"case": cell}), *equivalent)
         a, b, names = space.state_matrix.values, space.noise_vector.values, space.state.values.tolist()

@@ -111,15 +111,18 @@ def test_lines_of_case_files_on_a_page_are_toml(page: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("path", with_slow(SCRIPTS, LONG_SCRIPTS), ids=lambda path: path.stem)
-def test_script_of_the_gallery_draws_one_picture(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_script_of_the_gallery_draws_pictures_for_a_page(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     import matplotlib.pyplot as plt
 
     monkeypatch.chdir(path.parent)  # as the site builds it
     runpy.run_path(str(path))
-    (number,) = plt.get_fignums()
-    figure = plt.figure(number)
-    figure.canvas.draw()
-    assert max(figure.get_size_inches()) <= 7.2  # the width of a printed page
+    assert plt.get_fignums()
+    for number in plt.get_fignums():
+        figure = plt.figure(number)
+        figure.canvas.draw()
+        assert max(figure.get_size_inches()) <= 7.2  # the width of a printed page
 
 
 def test_the_reference_has_a_section_for_every_public_name() -> None:

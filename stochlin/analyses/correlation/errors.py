@@ -30,7 +30,6 @@ ERRORS = {
     KanaiTajimi: np.array([0.02, 0.03, 0.02, 0.03]),
     CloughPenzien: np.array([0.02, 0.03, 0.03, 0.04]),
 }
-NOWHERE = np.full(4, np.nan)
 # Expected relative errors of 1 - rho: of nearly equal structures, and of all others, as a share of rho.
 OF_NEARLY_EQUAL, OF_OTHERS = np.array([0.14, 0.10, 0.06, 0.05]), 0.18
 DIFFERENCE = "relative_displacement"  # start of the names of variables
@@ -50,7 +49,7 @@ def expected_rho_error(
         if type(ground) in CORRECTED_GROUNDS:
             inside = checked(ground, point_of(structure, ground, side))
         arrays += [side[STRENGTH_RATIO], inside, np.isinf(side["yield_displacement"])]
-    (error,) = cellwise(_error, *arrays, values=ERRORS.get(type(ground), NOWHERE))
+    (error,) = cellwise(_error, *arrays, values=ERRORS.get(type(ground), np.full(4, np.nan)))
     return error
 
 
@@ -142,7 +141,8 @@ def _with_bias(
     """Standard deviation of ``u_1 - u_2``, and its relative bias from those of both and of ``rho``."""
     std = _difference(std_1, std_2, rho)
     truth = _difference(std_1 / (1 + bias_1), std_2 / (1 + bias_2), np.clip(rho - bias, -1, 1))
-    return std, np.where((std == 0) & (truth == 0), 0.0, std / truth - 1)
+    equal = (std == 0) & (truth <= np.sqrt(2 * NONE_LEFT) * std_1)  # but for rounding errors
+    return std, np.where(equal, 0.0, std / truth - 1)
 
 
 def _left(rho: Array) -> Array:
