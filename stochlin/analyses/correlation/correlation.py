@@ -100,8 +100,8 @@ def correlate(
     rule : str or EffectiveRule
         Rule for effective properties, one of `stochlin.rules.effective_rule_names` or a rule object.
     bias : bool
-        Whether linearization is compared with the drift closure. Without that, tables of a million pairs
-        take a fifth of the time, and have neither ``bias`` nor ``caution``.
+        Whether linearization is compared with the drift closure. Without that, it is much faster, and
+        has neither ``bias`` nor ``caution``.
     rtol, atol, max_iterations : float, float, int
         As in `linearize`, for linearization and effective properties: stop rule of the iteration.
     paths, seed, steps_per_period, relaxation_times
