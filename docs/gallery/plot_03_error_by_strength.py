@@ -76,10 +76,10 @@ for column, (title, error) in zip(panels.T, errors.items(), strict=True):
             f"share off by more than {'10 %' if of_std else '0.1'}",
             np.linspace(0, 1, 11),
         ),
-        (column[1], median, "median size of the error", np.linspace(0, 0.8 if of_std else 0.16, 9)),
+        (column[1], median, "median size of the error", np.linspace(0, 1 if of_std else 0.5, 11)),
     ):
         x, y = values.period, values.ground_damping
-        filled = panel.contourf(x, y, values, levels=levels, cmap="Greys", extend="max")
+        filled = panel.contourf(x, y, values, levels=levels, cmap="Greys")
         panel.contour(x, y, values, levels=levels, colors="0.4", linewidths=0.4)
         figure.colorbar(filled, ax=panel, format="%.2f")
         panel.set_title(f"{title}\n{text}", size=9)
