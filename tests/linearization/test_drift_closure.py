@@ -17,7 +17,7 @@ from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.kernels.linearization import drift
 from stochlin.kernels.linearization.covariance import EquivalentSystem
 from stochlin.kernels.linearization.filters import Filter, KanaiTajimiFilter
-from stochlin.kernels.linearization.gaussian import SlipQuadrant, slip_quadrant
+from stochlin.kernels.linearization.gaussian import slip_quadrant
 from stochlin.models.laws import bilinear
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
@@ -121,7 +121,7 @@ def test_relaxation_is_the_flow_when_the_mean_of_z_is_shifted(latent):
     # Slowly: z = -alpha y - d y'/w^2, v = (1 - alpha) y', and y' = P v + (gradient / P(|z~| < 1)) z.
     per_z = gradient / erf(1 / sz / np.sqrt(2))
     expected = alpha * per_z / (1 - (1 - alpha) * probability + d * per_z / w**2)
-    rate = drift._relaxation(system, column, SlipQuadrant(*slip_quadrant(column[1], column[2])))
+    rate = drift._relaxation(system, column, slip_quadrant(column[1], column[2]))
     assert rate[0] == pytest.approx(expected, rel=1e-4)
 
 

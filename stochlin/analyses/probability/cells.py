@@ -9,7 +9,6 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from stochlin.analyses.correlation.correlation import correlate
-from stochlin.analyses.linearization.linearization import linearize
 from stochlin.analyses.linearization.transient_systems import (
     TIME,
     StructureCells,
@@ -245,8 +244,8 @@ def _drift(pairs: PairTable, moments: TransientMoments, ground: Ground) -> tuple
     if not (_is_in_map(first) and _is_in_map(second)):
         unknown = np.nan if first.yields or second.yields else 0.0
         return np.full_like(own.displacement, unknown), np.full_like(both.d_d, unknown)
-    solved = zip((linearize(first, ground), linearize(second, ground)), sides, strict=True)
-    biases = [of_cells(table.bias, side.position) for table, side in solved]
-    shared = of_cells(correlate(first, second, ground).bias, pairs.every_pair)
+    table = correlate(first, second, ground)
+    biases = [of_cells(table[f"bias_{n}"], side.position) for n, side in enumerate(sides, start=1)]
+    shared = of_cells(table.bias, pairs.every_pair)
     (_, _, hardening, _), bias = oscillators_of(sides), np.concatenate(biases)
     return drift_variances(own, both, pairs.structures_of_pair, course.times, hardening, bias, shared)

@@ -10,15 +10,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable
 from typing import Any
 
 import numba as nb
 import numpy as np
 from numba.extending import overload, register_jitable
 
-from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.kept import Kept, warn_once
 
 UNCOMPILED = bool(nb.config.DISABLE_JIT)  # type: ignore[attr-defined]
@@ -30,7 +28,6 @@ OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 # Functions that only compiled code calls need no code to be called from elsewhere, a third of the time.
 INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 OFTEN: Any = INNER | {"forceinline": True}
-FEW = 256  # cells that take less time in plain Python than to load compiled code, or to compile it
 _met: dict[Any, int] = {}
 
 not_kept = nb.njit(**OPTIONS)
@@ -46,30 +43,13 @@ def entry(function: Any, **more: Any) -> Any:
     return np.errstate(all="ignore")(function)  # no warnings of overflow, as in compiled code
 
 
-def worth_compiling(function: Any, cells: int, few: int = FEW) -> bool:
-    """Whether to use an `entry` for so many more cells, rather than plain Python with the same result.
+def compiled_or_not(function: Any, cells: int, few: int) -> Any:
+    """An `entry`, or the same in plain Python if it would have to be compiled for few cells.
 
-    Plain Python is taken for the first ``few`` cells of a process, unless the entry is already at hand.
+    Plain Python is taken for the first ``few`` cells of a process, unless the entry is at hand.
     """
     _met[function] = _met.get(function, 0) + cells
-    return not UNCOMPILED and (function.kinds > 0 or _met[function] > few)
-
-
-def call_for(function: Any, cells: int, rows: Sequence[Array], *others: Any) -> None:
-    """Call an `entry` for rows of so many cells; for few, the same in plain Python, with lists as rows.
-
-    Where plain Python raises an error, compiled code goes on with infinity or NaN.
-    """
-    if not (UNCOMPILED or worth_compiling(function, cells)):
-        with suppress(ArithmeticError, ValueError):
-            function.py_func(*(row.tolist() for row in rows), *others)
-            return
-    function(*rows, *others)
-
-
-def compiled_or_not(function: Any, cells: int, few: int) -> Any:
-    """An `entry`, or the same in plain Python if it would have to be compiled for few cells."""
-    if UNCOMPILED or function.kept or worth_compiling(function, cells, few):
+    if UNCOMPILED or function.kept or function.kinds > 0 or _met[function] > few:
         return function
     return np.errstate(all="ignore")(function.py_func)
 

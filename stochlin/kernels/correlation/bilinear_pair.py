@@ -14,7 +14,7 @@ from numba.extending import overload
 from stochlin.kernels.basics import elementary
 from stochlin.kernels.basics.compiled import OFTEN, called_often, compiled, entry
 from stochlin.kernels.basics.elementary import solve_3x3
-from stochlin.kernels.linearization import covariance, gaussian, grounds, iteration, single_structures
+from stochlin.kernels.linearization import covariance, gaussian, grounds, single_structures
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
 from stochlin.kernels.linearization.gaussian import clipped_values, gaussian_values
 from stochlin.kernels.linearization.grounds import clough_penzien, kanai_tajimi, white_noise
@@ -196,7 +196,12 @@ for _function in (
     *(covariance.characteristic, covariance.hurwitz, covariance.stable, covariance.own_covariance),
     *(covariance.coordinates, covariance.at_poles, covariance.pair_row, solve_3x3),
     *(gaussian.slip_quadrant, gaussian.within_yield, gaussian.regressed),
-    *(gaussian_values, clipped_values, iteration.next_delta, iteration.slope_of_unknowns),
+    *(
+        gaussian_values,
+        clipped_values,
+        single_structures.next_delta,
+        single_structures.slope_of_unknowns,
+    ),
     *(value for value in vars(grounds).values() if callable(value) and hasattr(value, "__code__")),
     *(single_structures.advance, single_structures.mismatch, single_structures.newton_step),
     *(single_structures._scales, single_structures._slope, single_structures._column),

@@ -35,24 +35,9 @@ class EquivalentSystem(NamedTuple):
     slip: Array  # 1 + c_e [-]
     relaxation: Array  # k_e [1/s]
 
-    @property
-    def characteristic(self) -> tuple[Array, Array, Array]:
-        """Coefficients ``(a2, a1, a0)`` of ``det(sI - A) = s^3 + a2 s^2 + a1 s + a0``."""
-        return characteristic(*self)
-
-    @property
-    def hurwitz(self) -> Array:
-        """``a2 a1 - a0`` of the characteristic polynomial, computed without cancellation."""
-        return hurwitz(*self)
-
-    @property
-    def stable(self) -> Array:
-        """Whether the system is stable, by the criterion of Routh and Hurwitz."""
-        return stable(*self)
-
     def transfer_squared(self, frequency: Array) -> Array:
         """``|mu/f|^2 = (w^2 + k^2)/|det(i w I - A)|^2`` at circular frequencies [rad/s], in s^4."""
-        a2, a1, a0 = self.characteristic
+        a2, a1, a0 = characteristic(*self)
         square = frequency**2
         real, imaginary = a0 - a2 * square, frequency * (a1 - square)
         return (square + self.relaxation**2) / (real**2 + imaginary**2)
@@ -199,8 +184,8 @@ def at_poles(first: EquivalentSystem, second: EquivalentSystem, matrix: Coordina
     ``'`` of the first structure it is ``(a2' + a2) A^2 + (a1 - a1') A + (a0' + a0)``.
     """
     w, d, h, back, p, k, _, _ = matrix
-    a2, a1, a0 = characteristic(first[0], first[1], first[2], first[3], first[4])
-    b2, b1, b0 = characteristic(second[0], second[1], second[2], second[3], second[4])
+    a2, a1, a0 = characteristic(*first)
+    b2, b1, b0 = characteristic(*second)
     e, f, g = a2 + b2, b1 - a1, a0 + b0
     second_1, second_2, second_3 = d * w + h * back, d * d + h * p - w, -h * (d + k)  # rows of A^2
     third_1, third_2, third_3 = -p * w - k * back, back - p * (d + k), p * h + k * k

@@ -64,7 +64,7 @@ def drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Dri
     the closure clips, in units of the yield displacement.
     """
     sv, sz, r = latent
-    slip = SlipQuadrant(*slip_quadrant(sz, r))
+    slip = slip_quadrant(sz, r)
     kick = 2 * sv * slip.first * cycles.time  # mean size over all half-cycles, also without yielding
     orders = np.empty((ORDERS + 1, sz.size))
 

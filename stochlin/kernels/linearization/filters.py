@@ -84,11 +84,6 @@ class Filter:
         )
 
     @property
-    def oscillators(self) -> Sequence[Entry] | None:
-        """Stiffness and damping of each oscillator of a filter in closed form; None for others."""
-        return None if self.states else ()
-
-    @property
     def fastest(self) -> Entry:
         """Largest natural frequency of the filter [rad/s]; 0 without states."""
         return np.abs(np.linalg.eigvals(self.arrays.matrix)).max(axis=-1, initial=0.0)
@@ -253,7 +248,7 @@ class _OfOscillators(Filter):
 
     @property
     def oscillators(self) -> Sequence[Entry]:
-        """As in `Filter`."""
+        """Stiffness and damping of each oscillator."""
         raise NotImplementedError
 
     @property
@@ -304,7 +299,7 @@ class KanaiTajimiFilter(_OfOscillators):
 
     @property
     def oscillators(self) -> Sequence[Entry]:
-        """As in `Filter`."""
+        """As in `_OfOscillators`."""
         return self.output
 
     def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, grounds.Rows]:
@@ -357,7 +352,7 @@ class CloughPenzienFilter(_OfOscillators):
 
     @property
     def oscillators(self) -> Sequence[Entry]:
-        """As in `Filter`."""
+        """As in `_OfOscillators`."""
         return *self.soil.output, *self._layer
 
     def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, grounds.Rows, grounds.Rows]:

@@ -109,15 +109,15 @@ def regressed(right: Any, covariance: Any) -> Any:
     return (by_v * zz - by_z * vz) / determinant, (by_z * vv - by_v * vz) / determinant
 
 
-def slip_quadrant(sz: Any, r: Any) -> Any:
-    """The fields of `SlipQuadrant`, of ``1/h`` and the correlation."""
+def slip_quadrant(sz: Any, r: Any) -> SlipQuadrant:
+    """The moments for a standard deviation ``sz`` of ``z`` and the correlation ``r``."""
     h, q = 1 / sz, np.sqrt((1 - r) * (1 + r))
     probability = 0.5 * ndtr(-h) + owens_t(h, r / q)
     edge = np.exp(-0.5 * h * h) / SQRT_2PI * ndtr(r / q * h)
     corner = np.exp(-0.5 * (h / q) * (h / q)) / (2 * math.pi)
     first = ndtr(-h / q) / SQRT_2PI + r * edge
     second = probability + r * (r * h * edge + q * corner)
-    return probability, first, second, h, q, edge, corner
+    return SlipQuadrant(probability, first, second, h, q, edge, corner)
 
 
 def within_yield(h: Any) -> Any:

@@ -4,30 +4,25 @@ The unknowns are the moments ``(sigma_v, sigma_z, corr(v, z))`` of the Gaussian 
 assumes for each spring that yields, in the variables ``(log, log, atanh)``, in which every iterate is a
 valid density for any hysteresis law. The mismatch ``F`` is the difference of two sets of moments: those
 of the stationary response of the linear system with the closure's coefficients, less those that the
-closure assumes. The fixed point is the stationary solution of ``y' = F(y)``. It is approached by
-pseudo-transient continuation (Kelley and Keyes 1998, SIAM J. Numer. Anal. 35), with steps from
-``(1/delta - dF/dy) step = F``, which become those of Newton's method as the pseudo-time step ``delta``
-grows. A `StepControl` says how ``delta`` begins, grows while ``F`` falls, and shrinks where it does not.
+closure assumes.
 
 `solve` decides from where and by which steps to iterate: it tries large ones, then small ones, and then
-follows the solution from weak to full shaking. It leaves each iteration to the `Problem`. A system of
-springs iterates by `iterate` here, which makes the steps of all cells together by `Stepping.advance`,
-each with a Lyapunov equation (`systems.springs`) or, for single structures, with closed forms of the
-moments (`single_structures`).
+follows the solution from weak to full shaking. It leaves each iteration to the `Problem`: Newton's
+method with closed forms of the moments for single structures (`single_structures`), and the substitution
+of the paper with Lyapunov equations and mixing for systems of springs (`systems.springs`).
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol, Self
+from typing import NamedTuple, Protocol, Self
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.elementary import choose
 
 
 class StepControl(NamedTuple):
-    """Control of the pseudo-time step: its first value and how it changes, see `next_delta`."""
+    """Control of the pseudo-time step: its first value and how it changes."""
 
     first: float  # first pseudo-time step
     restart: float  # upper bound after a rise of the mismatch
@@ -44,48 +39,7 @@ BOLD_SHARE = 0.15
 WEAK = 0.3  # standard deviation of the elastic ductility at which hardly any structure yields
 FIRST_RISE, LONGER, SHORTER, LEAST_RISE = 0.5, 2.0, 0.5, 1e-4  # rise of the logarithm of the shaking
 AT_LEVEL = 12  # iterations at one level of shaking
-LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
-LEAST_DELTA = 0.05  # smallest pseudo-time step
-LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
 NEAR = 0.05  # largest distance of a solution from its extrapolation for the same branch of solutions
-
-
-class State(NamedTuple):
-    """State of the iteration of n cells with u unknowns."""
-
-    base: Array  # (u, n) the last iterate that has a stationary response
-    norm: Array  # (n,) norm of its mismatch F
-    step: Array  # (u, n) the next iterate less base
-    delta: Array  # (n,) pseudo-time step, from which this step was found
-    done: Array  # (n,) 1 where it has converged
-
-    @classmethod
-    def begin(cls, unknowns: Array, pace: StepControl) -> State:
-        """Before the first evaluation; the first iterate is ``unknowns`` (u, n) itself."""
-        n = unknowns.shape[1]
-        first = np.full(n, np.inf), np.zeros_like(unknowns), np.full(n, pace.first), np.zeros(n)
-        return cls(unknowns.copy(), *first)
-
-    @property
-    def unknowns(self) -> Array:
-        """The next iterate (u, n), at which `Stepping.advance` evaluates the mismatch."""
-        moved: Array = self.base + self.step
-        return moved
-
-    @property
-    def ended(self) -> Array:
-        """The cells (n,) that have converged, or whose next step is not a number."""
-        ended: Array = (self.done > 0) | ~np.isfinite(self.step).all(axis=0)
-        return ended
-
-    def at(self, cells: Array) -> State:
-        """The state of the cells with these numbers."""
-        return State(*(part.take(cells, axis=-1) for part in self))
-
-    def put(self, cells: Array, state: State) -> None:
-        """Replace the state of the cells with these numbers."""
-        for whole, part in zip(self, state, strict=True):
-            whole[..., cells] = part
 
 
 class FixedPoint(NamedTuple):
@@ -124,59 +78,8 @@ class Problem(Protocol):
         raise NotImplementedError
 
     def settle(self, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
-        """The fixed points from these unknowns (u, n) in at most so many steps, as by `iterate`."""
+        """The fixed points from these unknowns (u, n) in at most so many steps."""
         raise NotImplementedError
-
-
-class Stepping(Protocol):
-    """Cells whose iteration is made step by step, as `iterate` needs them."""
-
-    def at(self, cells: Array) -> Self:
-        """The cells with these numbers."""
-        raise NotImplementedError
-
-    def advance(self, state: State, pace: StepControl) -> State:
-        """The state after one evaluation of the mismatch at ``state.unknowns``."""
-        raise NotImplementedError
-
-    def coefficients(self, unknowns: Array) -> Array:
-        """Equivalent coefficients (k, n) for these unknowns."""
-        raise NotImplementedError
-
-
-def next_delta(delta: Any, before: Any, now: Any, pace: StepControl) -> Any:
-    """Next pseudo-time step, by switched evolution relaxation: longer if the mismatch has fallen."""
-    ratio = choose(np.isinf(before) | (now == 0), 1.0, before / now)
-    shorter = np.maximum(pace.shorter * np.minimum(delta, pace.restart), LEAST_DELTA)
-    return choose(ratio < 1, shorter, delta * np.minimum(pace.longer * ratio, pace.longest))
-
-
-def slope_of_unknowns(moments: Any, slope: Any) -> Any:
-    """Derivative of ``(log sv, log sz, atanh r)`` if ``(vv, zz, vz)`` changes by ``slope``.
-
-    ``moments`` are ``vv``, ``zz``, the square root of their product, and ``r``.
-    """
-    vv, zz, root, r = moments
-    of_v, of_z = 0.5 * slope[0] / vv, 0.5 * slope[1] / zz
-    return of_v, of_z, (slope[2] / root - r * (of_v + of_z)) / (1 - r * r)
-
-
-def iterate(problem: Stepping, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
-    """Take at most so many steps from these unknowns, each cell until it converges."""
-    whole = State.begin(unknowns, pace)
-    state, part, cells = whole, problem, np.arange(unknowns.shape[1])
-    iterations = np.zeros(cells.size, np.int32)
-    for _ in range(most):
-        state = part.advance(state, pace)
-        iterations[cells] += 1
-        whole.put(cells, state)
-        left = np.flatnonzero(~state.ended)
-        if not left.size:
-            break
-        if left.size < cells.size:
-            state, part, cells = state.at(left), part.at(left), cells[left]
-    reached = whole.unknowns
-    return FixedPoint(reached, problem.coefficients(reached), iterations, whole.norm, whole.done > 0)
 
 
 def solve(problem: Problem, elastic: Array, one_solution: Array, max_iterations: int) -> FixedPoint:

@@ -1,6 +1,10 @@
-"""Steps of the iteration for single structures, whose stationary covariances have closed forms.
+"""Newton's method for single structures, whose stationary covariances have closed forms.
 
-The functions of one step take numbers or arrays of cells.
+The fixed point of linearization is the stationary solution of ``y' = F(y)``, with the unknowns and the
+mismatch ``F`` of `iteration`. It is approached by pseudo-transient continuation (Kelley and Keyes 1998,
+SIAM J. Numer. Anal. 35), with steps from ``(1/delta - dF/dy) step = F``, which become those of Newton's
+method as the pseudo-time step ``delta`` grows. A `StepControl` says how ``delta`` begins, grows while
+``F`` falls, and shrinks where it does not. The functions of one step take numbers or arrays of cells.
 """
 
 from __future__ import annotations
@@ -21,19 +25,50 @@ from stochlin.kernels.linearization.covariance import (
 )
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import Closure
-from stochlin.kernels.linearization.iteration import (
-    LARGEST_MISMATCH,
-    LARGEST_STEP,
-    FixedPoint,
-    State,
-    StepControl,
-    iterate,
-    next_delta,
-    slope_of_unknowns,
-    solve,
-)
+from stochlin.kernels.linearization.iteration import FixedPoint, StepControl, solve
 
+LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
+LEAST_DELTA = 0.05  # smallest pseudo-time step
+LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
 CHUNK = 4096  # cells solved together: the temporary arrays of a step then stay in the cache
+
+
+class State(NamedTuple):
+    """State of the iteration of n cells, with u = 3 unknowns."""
+
+    base: Array  # (u, n) the last iterate that has a stationary response
+    norm: Array  # (n,) norm of its mismatch F
+    step: Array  # (u, n) the next iterate less base
+    delta: Array  # (n,) pseudo-time step, from which this step was found
+    done: Array  # (n,) 1 where it has converged
+
+    @classmethod
+    def begin(cls, unknowns: Array, pace: StepControl) -> State:
+        """Before the first evaluation; the first iterate is ``unknowns`` (u, n) itself."""
+        n = unknowns.shape[1]
+        first = np.full(n, np.inf), np.zeros_like(unknowns), np.full(n, pace.first), np.zeros(n)
+        return cls(unknowns.copy(), *first)
+
+    @property
+    def unknowns(self) -> Array:
+        """The next iterate (u, n), at which `SingleStructures.advance` evaluates the mismatch."""
+        moved: Array = self.base + self.step
+        return moved
+
+    @property
+    def ended(self) -> Array:
+        """The cells (n,) that have converged, or whose next step is not a number."""
+        ended: Array = (self.done > 0) | ~np.isfinite(self.step).all(axis=0)
+        return ended
+
+    def at(self, cells: Array) -> State:
+        """The state of the cells with these numbers."""
+        return State(*(part.take(cells, axis=-1) for part in self))
+
+    def put(self, cells: Array, state: State) -> None:
+        """Replace the state of the cells with these numbers."""
+        for whole, part in zip(self, state, strict=True):
+            whole[..., cells] = part
 
 
 class SingleStructures(NamedTuple):
@@ -105,6 +140,24 @@ def solve_structures(
     return solve(problem, elastic, one_solution, max_iterations)
 
 
+def iterate(problem: SingleStructures, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
+    """Take at most so many steps from these unknowns, each cell until it converges."""
+    whole = State.begin(unknowns, pace)
+    state, part, cells = whole, problem, np.arange(unknowns.shape[1])
+    iterations = np.zeros(cells.size, np.int32)
+    for _ in range(most):
+        state = part.advance(state, pace)
+        iterations[cells] += 1
+        whole.put(cells, state)
+        left = np.flatnonzero(~state.ended)
+        if not left.size:
+            break
+        if left.size < cells.size:
+            state, part, cells = state.at(left), part.at(left), cells[left]
+    reached = whole.unknowns
+    return FixedPoint(reached, problem.coefficients(reached), iterations, whole.norm, whole.done > 0)
+
+
 def moments_of(unknowns: Array) -> Array:
     """The moments ``sv, sz, r`` (3, n) of the unknowns."""
     moments = np.exp(unknowns)
@@ -160,6 +213,23 @@ def advance(
     )
 
 
+def next_delta(delta: Any, before: Any, now: Any, pace: StepControl) -> Any:
+    """Next pseudo-time step, by switched evolution relaxation: longer if the mismatch has fallen."""
+    ratio = choose(np.isinf(before) | (now == 0), 1.0, before / now)
+    shorter = np.maximum(pace.shorter * np.minimum(delta, pace.restart), LEAST_DELTA)
+    return choose(ratio < 1, shorter, delta * np.minimum(pace.longer * ratio, pace.longest))
+
+
+def slope_of_unknowns(moments: Any, slope: Any) -> Any:
+    """Derivative of ``(log sv, log sz, atanh r)`` if ``(vv, zz, vz)`` changes by ``slope``.
+
+    ``moments`` are ``vv``, ``zz``, the square root of their product, and ``r``.
+    """
+    vv, zz, root, r = moments
+    of_v, of_z = 0.5 * slope[0] / vv, 0.5 * slope[1] / zz
+    return of_v, of_z, (slope[2] / root - r * (of_v + of_z)) / (1 - r * r)
+
+
 def mismatch(cell: Any, moments: Any, value: Any, forcings: Any) -> Any:
     """Mismatch of the unknowns, and the three columns of its Jacobian.
 
@@ -171,7 +241,7 @@ def mismatch(cell: Any, moments: Any, value: Any, forcings: Any) -> Any:
     system = EquivalentSystem(stiffness, damping, coupling, coefficients[0], coefficients[1])
     forcing, by_slip, by_relaxation = forcings
     own = own_covariance(system, Forcing(forcing[0], forcing[1], forcing[2]))
-    well = stable(stiffness, damping, coupling, coefficients[0], coefficients[1]) & (own.mu_mu > 0)
+    well = stable(*system) & (own.mu_mu > 0)
     v_v = choose(well, own.v_v, np.nan)
     response, assumed = _scales(v_v, own.z_z, own.v_z), _scales(vv, zz, vz)
     r, corr = assumed[3], response[3]
@@ -203,11 +273,11 @@ def _slope(system: Any, own: Any, forcing: Any, slope: Any, dp: float, dk: float
 
     ``slope`` is the derivative of the forcing; ``dp`` is 1 for that by slip, ``dk`` is 1 for relaxation.
     """
-    w2, d, h, p, k = system
+    _, d, h, p, k = system
     f_mu, f_v, f_y = slope[0], slope[1], slope[2]
     c = 1 - p
     steeper = dk * (d * (d + 2 * k) + c * h) - dp * h * (d + k)
-    mu_z = (c * f_v - dp * forcing[1] + d * (f_mu - f_y) - own.mu_z * steeper) / hurwitz(w2, d, h, p, k)
+    mu_z = (c * f_v - dp * forcing[1] + d * (f_mu - f_y) - own.mu_z * steeper) / hurwitz(*system)
     v_z = k * mu_z + dk * own.mu_z
     return (f_v - h * v_z) / d, c * mu_z - dp * own.mu_z, v_z
 

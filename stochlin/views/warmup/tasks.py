@@ -8,13 +8,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.correlation import correlate
-from stochlin.analyses.linearization.systems.coefficients import equivalent_coefficients
 from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.response import respond, response_spectrum
 from stochlin.analyses.simulation.simulation import simulate
-from stochlin.kernels.basics.compiled import FEW
 from stochlin.kernels.correlation.bilinear_pair import linearized_pair
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Kelvin, LinearSpring
@@ -65,13 +62,7 @@ def pounding() -> None:
 
 
 def tables() -> None:
-    """Correlation coefficients and the bias maps; of so many pairs that they are compiled."""
-    many, (_, two) = Bilinear(np.linspace(0.5, 1.0, FEW + 1), 0.05, **YIELDING), _pair()
-    for closure in ("gaussian", "drift"):
-        correlate(many, two, _ground(), closure=closure)
-    correlate(many, two, named_ground("firm", intensity=0.01))
-    correlate(BoucWen(0.5, 0.05, **YIELDING), two, _ground())
-    equivalent_coefficients(np.linspace(1.0, 2.0, FEW + 1), 0.5, 0.3)
+    """Two structures by numbers alone; tables of correlation coefficients need no compiled code."""
     linearized_pair((0.8, 0.05, 0.1, 0.01), (0.5, 0.05, 0.1, 0.01), (0.01,))
 
 

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from stochlin.analyses.linearization.equivalent_systems import INTERNAL, SHARES, system_and_forcing
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
+from stochlin.analyses.tables.cellwise import Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlation
 
-Side = Sequence[Cells]  # the fields of a `DriftingSide` as arrays of numbers
+Side = Sequence[Any]  # the fields of a `DriftingSide` as arrays of numbers
 LENGTH = len(INTERNAL) + 3 + len(SHARES)
 
 

@@ -70,8 +70,7 @@ def derived_signature(side: Side, known: Side, gram: xr.DataArray | Array) -> An
 
 def derived_gram(known: Side) -> xr.DataArray:
     """Correlations of the references with one another."""
-    others = [values.rename({REFERENCE: OTHER}) for values in known if isinstance(values, xr.DataArray)]
-    return derived_correlation(known, others)
+    return derived_correlation(known, [values.rename({REFERENCE: OTHER}) for values in known])
 
 
 def _solved_references(ground: Ground, tolerance: Tolerance) -> tuple[Side, xr.DataArray]:
