@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import xarray as xr
 from cases import run_as_printed, with_slow
+from commands import answered
 
 pytestmark = pytest.mark.cli
 
@@ -58,10 +59,17 @@ def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     (example,) = blocks(README, "python")
     with redirect_stdout(StringIO()) as printed:
         exec(compile(example, "README.md", "exec"), {})
-    (shown,) = blocks(README, "text")
+    _, shown = blocks(README, "text")
     # The last change is rounding error.
     assert printed.getvalue().splitlines()[:-1] == shown.splitlines()[:-1]
     assert xr.load_dataset(tmp_path / "rho.nc").rho.notnull().all()
+
+
+def test_the_case_file_gives_the_table(tmp_path: Path) -> None:
+    case = tmp_path / "case.toml"
+    case.write_text("".join(blocks(README, "toml")), encoding="utf-8")
+    printed = iter(answered("gap", case, "--details").output.splitlines())
+    assert all(line in printed for line in blocks(README, "text")[0].splitlines())
 
 
 def test_pictures_and_links_exist() -> None:

@@ -13,4 +13,4 @@ changes = names["solved"].covariance_change
 changes.where(changes > 1e-8, drop=True).to_netcdf("changes.nc", engine="scipy")
 names["solved"][["c_eq", "k_eq", "rho"]].to_netcdf("solved.nc")
 Path("rho.nc").unlink()
-names["table"].rho.isel(period_ratio=slice(None, None, 16)).to_netcdf("rho.nc")
+names["table"].rho.to_netcdf("rho.nc")
