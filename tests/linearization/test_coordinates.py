@@ -10,7 +10,7 @@ import stochlin as sl
 from stochlin.analyses.linearization.systems.systems import equations_of, equivalent_systems, solved
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 
 pytestmark = pytest.mark.oracle
 
@@ -37,8 +37,8 @@ def in_modes(system: System) -> System:
 def motion(equations):
     """Coefficients of the elements, and standard deviations of floors, pairs of floors and springs."""
     solution, system = solved(equations), equations.system
-    ((_, space),) = alike(equivalent_systems(equations, solution))
-    response, floors = StationaryResponse(space), system.shapes
+    response = StationaryResponse(equivalent_systems(equations, solution))
+    floors = system.shapes
     apart = (floors[:, None] - floors).reshape(-1, floors.shape[1])[1:]
     apart = apart[np.abs(apart).max(axis=1) > 0]
     assert response.residual.max() < USUAL.rtol

@@ -5,8 +5,7 @@ import pytest
 import scipy.linalg
 
 import stochlin as sl
-from stochlin.analyses.linearization.systems.solution import springs_of
-from stochlin.analyses.linearization.systems.systems import equations_of
+from stochlin.analyses.linearization.systems.systems import equations_of, springs_of
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.springs import Linear
 from stochlin.kernels.linearization.systems.state_space import state_space
@@ -33,7 +32,7 @@ def building(storeys):
 
 def problem_of(storeys, ground, links=()):
     equations = equations_of([building(n) for n in storeys], GROUNDS[ground], links)
-    return springs_of(equations, 1e-10)
+    return springs_of(equations)
 
 
 def coefficients(problem, seed):

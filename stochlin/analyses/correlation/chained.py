@@ -13,11 +13,11 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.drift.pairs import SHOWN
-from stochlin.analyses.linearization.systems.solution import solve_equations
 from stochlin.analyses.linearization.systems.systems import (
     check_chain,
     equations_of_cells,
     solution_table,
+    solve_equations,
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels

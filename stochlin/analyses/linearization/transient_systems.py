@@ -19,7 +19,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
-from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
+from stochlin.kernels.linearization.systems.response import responses
 from stochlin.kernels.linearization.transient import Covariances, Difference, Law, Own, Structures
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope, envelope_at
@@ -170,8 +170,7 @@ def _building(structure: MultistoreyBuilding, ground: Ground, role: str, first: 
     rows = {name: xr.DataArray(row, dims=CASE) for name, row in below.items()}
     equations = Equations(Arrangement((stack,), ()), ground.with_arrays(rows))
     drifts = np.empty((count, stack.coordinates))
-    for cells, part in alike(equations.state_space(elastic, none, none > 0)):
-        response = StationaryResponse(part)
+    for cells, response in responses(equations.state_space(elastic, none, none > 0)):
         drifts[cells] = response.std(stack.system.extensions)
         if not np.isfinite(drifts[cells]).all():
             raise ArithmeticError(

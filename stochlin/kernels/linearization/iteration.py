@@ -14,6 +14,8 @@ of the paper with Lyapunov equations and mixing for systems of springs (`systems
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple, Protocol, Self
 
 import numpy as np
@@ -92,7 +94,7 @@ def solve(problem: Problem, elastic: Array, one_solution: Array, max_iterations:
     branch.
     """
     m, bold = problem.springs, max(1, int(BOLD_SHARE * max_iterations))
-    yielding, solution = elastic_limit(elastic, m), _nothing(problem, elastic)
+    yielding, solution = elastic_limit(elastic, m), nothing(problem.size, elastic)
     for pace, most in ((BOLD, bold), (CAREFUL, max_iterations - bold), (None, max_iterations - bold)):
         allowed = one_solution if pace else True
         cells = np.flatnonzero(~solution.converged & allowed)
@@ -101,8 +103,9 @@ def solve(problem: Problem, elastic: Array, one_solution: Array, max_iterations:
             if pace:
                 fixed_point = part.settle(yielding[:, cells], most, pace)
             else:
-                fixed_point = _follow(part, elastic[:, cells], most)
-            _add(solution, cells, fixed_point)
+                settle = partial(_settled, part)
+                fixed_point = follow(settle, elastic[:, cells], m, part.size, most)
+            add(solution, cells, fixed_point)
     return solution
 
 
@@ -113,29 +116,43 @@ def elastic_limit(elastic: Array, springs: int) -> Array:
     return limited
 
 
-def _follow(problem: Problem, elastic: Array, most_levels: int) -> FixedPoint:
+def _settled(problem: Problem, cells: Array, level: Array, guess: Array) -> FixedPoint:
+    """The fixed points of some cells at a level of shaking."""
+    return problem.at(cells).shaken(level).settle(guess, AT_LEVEL, BOLD)
+
+
+def follow(
+    settle: Callable[[Array, Array, Array], FixedPoint],
+    elastic: Array,
+    springs: int,
+    size: int,
+    most_levels: int,
+) -> FixedPoint:
     """Follow a branch of solutions from weak to full shaking, level by level.
+
+    ``settle`` has the fixed points, with ``size`` coefficients, of the cells with these numbers, at a
+    level of shaking and from these unknowns.
 
     A level is the logarithm of the ratio of the shaking to the full one. It begins where hardly any
     spring yields. The solution at the next level is extrapolated linearly from the last two. A solution
     that is farther than `NEAR` from its extrapolation belongs to another branch, and the step is
     repeated with a lower level.
     """
-    m, n = problem.springs, elastic.shape[1]
+    m, n = springs, elastic.shape[1]
     slope = np.ones_like(elastic)  # of the unknowns by the level, first that of the elastic response
     slope[2 * m : 3 * m] = 0.0  # which keeps its correlations
     strongest = elastic[m : 2 * m].max(axis=0, initial=-np.inf)
     level = np.minimum(0.0, np.log(WEAK) - strongest) - FIRST_RISE
     y, rise = elastic + slope * level, np.full(n, FIRST_RISE)
     near = np.full(n, np.inf)  # the first solution may be anywhere
-    solution, cells = _nothing(problem, elastic), np.arange(n)
+    solution, cells = nothing(size, elastic), np.arange(n)
     for _ in range(most_levels):
         at = np.minimum(0.0, level[cells] + rise[cells])
         guess = y[:, cells] + slope[:, cells] * (at - level[cells])
-        fixed_point = problem.at(cells).shaken(at).settle(guess, AT_LEVEL, BOLD)
+        fixed_point = settle(cells, at, guess)
         reached = fixed_point.unknowns
         good = fixed_point.converged & (np.abs(reached - guess).max(axis=0) <= near[cells])
-        _add(solution, cells, fixed_point._replace(converged=good & (at == 0)))
+        add(solution, cells, fixed_point._replace(converged=good & (at == 0)))
         on, known = cells[good], np.isfinite(near[cells[good]])
         found_slope = (reached[:, good] - y[:, on]) / (at[good] - level[on])
         slope[:, on] = np.where(known, found_slope, slope[:, on])
@@ -147,14 +164,14 @@ def _follow(problem: Problem, elastic: Array, most_levels: int) -> FixedPoint:
     return solution
 
 
-def _nothing(problem: Problem, unknowns: Array) -> FixedPoint:
+def nothing(size: int, unknowns: Array) -> FixedPoint:
     """The result for cells that are not yet solved."""
     n = unknowns.shape[1]
-    coefficients, none = np.full((problem.size, n), np.nan), np.full(n, np.nan)
+    coefficients, none = np.full((size, n), np.nan), np.full(n, np.nan)
     return FixedPoint(0 * unknowns + np.nan, coefficients, np.zeros(n, np.int32), none, none > 0)
 
 
-def _add(solution: FixedPoint, cells: Array, fixed_point: FixedPoint) -> None:
+def add(solution: FixedPoint, cells: Array, fixed_point: FixedPoint) -> None:
     """Write the results of some cells into those of all, and add their iterations."""
     spent = fixed_point.iterations + solution.iterations[cells]
     for field, value in zip(solution, fixed_point._replace(iterations=spent), strict=True):

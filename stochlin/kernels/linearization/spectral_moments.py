@@ -33,7 +33,7 @@ from stochlin.kernels.linearization.covariance import (
 from stochlin.kernels.linearization.filters import Filter
 
 STEP, REACH = 0.33, 29.0  # step and range of x, with errors e^(-pi^2/h) and 2 e^-reach, about 5e-13
-_NODES = np.exp(STEP * np.arange(-int(REACH / STEP), int(REACH / STEP) + 1))
+NODES = np.exp(STEP * np.arange(-int(REACH / STEP), int(REACH / STEP) + 1))
 ROUNDING = 1e-11  # l0 of the difference over l0 of both, below which it is a rounding error
 CELLS = 128  # cells computed together, so that their values at all nodes stay in the cache
 
@@ -100,7 +100,7 @@ def _with_l1(
     l1 = np.empty_like(l0)
     for begin in range(0, l1.size, CELLS):
         cells = slice(begin, begin + CELLS)
-        s = np.sqrt(l2[cells] / l0[cells])[:, None] * _NODES  # NaN if there is no motion
+        s = np.sqrt(l2[cells] / l0[cells])[:, None] * NODES  # NaN if there is no motion
         below = ground.at((cells, None))
         parts = [(_take(a, cells), _take(b, cells), _take(c, cells)) for a, b, c in structures]
         drive = reduce(subtract, [below.later(system, force)(s) for system, force, _ in parts])

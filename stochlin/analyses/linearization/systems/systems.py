@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from collections.abc import Iterator, Mapping, Sequence
+from functools import reduce
+from operator import and_
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.linearization.equivalent_systems import ELASTIC, STRONG
 from stochlin.analyses.linearization.strength import strength_in_metres
-from stochlin.analyses.linearization.systems.solution import SystemSolution, solve_equations
 from stochlin.analyses.linearization.systems.state_space import (
     Equations,
     check_one_system,
@@ -23,14 +25,22 @@ from stochlin.analyses.tables.floors import element_coordinates, floor_coordinat
 from stochlin.analyses.tables.lazy import check_names
 from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.gaussian import absolute_moment
-from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
+from stochlin.kernels.linearization.gaussian import absolute_moment, gaussian
+from stochlin.kernels.linearization.systems.response import StationaryResponse, responses
+from stochlin.kernels.linearization.systems.springs import (
+    Law,
+    Springs,
+    elastic_start,
+    linear_for,
+    solve_springs,
+)
 from stochlin.kernels.linearization.systems.state_space import StateSpace
 from stochlin.models.arguments import Number, OneOf, checked
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.parameters import Model, Range
+from stochlin.models.structures import GAUSSIAN
 from stochlin.models.systems import AnyStructure, arrangement_of, check_stationary, stack_of
 
 ANDERSON = "anderson"
@@ -120,10 +130,10 @@ def linearize_system(
         elastic). Over ``floor``: ``displacement_std`` [m] and ``velocity_std`` [m/s]. Over (``floor``,
         ``floor_2``): ``rho`` [-] and ``relative_displacement_std`` [m]. Over (``state``, ``state_2``):
         ``covariance``, with the states of `statespace`. Over ``iteration``: ``covariance_change`` and
-        ``coefficient_change`` [-], NaN after the last iteration of a cell. Over ``link``:
-        ``link_force_std`` [N] and, if a link has a dashpot with an exponent,
-        ``equivalent_damping_constant`` [N s/m], which is NaN if the ends of the link do not move
-        relative to each other. And ``iterations``; ``residual`` [-] of the Lyapunov equation, in units
+        ``coefficient_change`` [-], NaN after the last iteration of a cell; where a solution is followed,
+        they are those at full shaking. Over ``link``: ``link_force_std`` [N] and, if a link has a
+        dashpot with an exponent, ``equivalent_damping_constant`` [N s/m], which is NaN if the ends of
+        the link do not move relative to each other. And ``iterations``; ``residual`` [-] of the Lyapunov equation, in units
         of the standard deviations of the states and over the largest entry of the state matrix; and
         ``status``.
 
@@ -194,6 +204,68 @@ def linearize_system(
         f"linearize_system({how})",
         models,
     )
+
+
+class SystemSolution(NamedTuple):
+    """Result of the iteration in c cells; NaN in cells that failed."""
+
+    c_eq: Array  # (c, e), of the elements; -1 if elastic
+    k_eq: Array  # (c, e) [1/s]; 0 if elastic
+    dashpots: Array  # (c, l) constants of the links, NaN for those with an exponent that do not move
+    changes: Array  # (iterations, 2, c) of the covariance and of the coefficients
+    iterations: Array  # (c,)
+    status: Array  # (c,)
+
+
+@np.errstate(all="ignore")  # NaN is checked where it matters
+def solve_equations(
+    equations: Equations, tolerance: Tolerance, relaxation: float | None = None
+) -> SystemSolution:
+    """The equivalent coefficients of all elements, by mixing, or by plain substitution if relaxed."""
+    own = equations.yields
+    problem, elastic = elastic_start(springs_of(equations))
+    m = problem.springs
+    weak = (s.law for s in equations.arrangement.stacks if not np.isposinf(s.system.strength).all())
+    unique = (law.has_one_solution().to_numpy() for law in weak)
+    one_solution = np.broadcast_to(reduce(and_, unique, np.array(True)), equations.cells)
+    rule = tolerance.max_iterations, tolerance.rtol
+    solved, changes = solve_springs(problem, elastic, one_solution, *rule, relaxation)
+    slip, k, dashpots = linear_for(problem, solved.unknowns)
+    still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.mechanics.frequency)
+    c_eq, k_eq = np.full((equations.cells, own.size), -1.0), np.zeros((equations.cells, own.size))
+    c_eq[:, own], k_eq[:, own] = np.where(still, -1.0, slip - 1), np.where(still, 0.0, k)
+    idle = problem.exponents != equations.exponents
+    dashpots = np.where(idle, np.nan, dashpots)
+    demand = np.exp(elastic[m : 2 * m].max(axis=0, initial=-np.inf))
+    failed = np.where(demand > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
+    failed = np.where(np.isnan(demand), labels.NOT_PHYSICAL, failed)
+    calm = np.where(still.all(axis=1), labels.ELASTIC_LIMIT, labels.CONVERGED)
+    status = np.where(solved.converged, calm, failed).astype(np.int8)
+    return SystemSolution(c_eq, k_eq, dashpots, changes, solved.iterations, status)
+
+
+def springs_of(equations: Equations) -> Springs:
+    """What the iteration takes: springs that yield with their laws, and dashpots that it linearizes."""
+    dashpots, exponents = equations.dashpots, equations.exponents
+    power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
+    mechanics, level = equations.mechanics(equations.yields), np.zeros(equations.cells)
+    return Springs(mechanics, list(_laws(equations)), dashpots, exponents, power, level)
+
+
+def _laws(equations: Equations) -> Iterator[Law]:
+    """Closures of the laws, each with the numbers of its yielding elements and their parameters."""
+    begin, cells = 0, equations.cells
+    for stack in equations.arrangement.stacks:
+        yields = ~np.isposinf(np.atleast_2d(stack.system.strength)).all(axis=0)
+        mine = begin + np.arange(yields.sum())
+        if mine.size:
+            values = stack.law_parameters[..., yields, :]
+            wide = np.broadcast_to(values, (cells, mine.size, values.shape[-1]))
+            yield Law(mine, stack.law.closure(GAUSSIAN), np.moveaxis(wide, -1, 0))
+        begin += mine.size
+    links = np.arange(begin, equations.yields.sum())
+    if links.size:
+        yield Law(links, gaussian, np.empty((0, cells, links.size)))
 
 
 def relaxation_of(iteration: str, relaxation: float) -> float | None:
@@ -294,7 +366,7 @@ def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) 
         values[failed] = np.nan
     strength, std = equations.strength, results["displacement_std"]
     z, corr = np.zeros((2, *strength.shape))
-    _, velocity, of_z, velocity_z = np.moveaxis(results.pop("moments"), 1, 0)
+    velocity, of_z, velocity_z = np.moveaxis(results.pop("moments"), 1, 0)
     z[:, own] = np.sqrt(of_z) / strength[:, own]
     corr[:, own] = velocity_z / np.sqrt(velocity * of_z)
     q, floors = equations.order(own).coordinates, equations.system.shapes
@@ -344,8 +416,7 @@ def _responses(equations: Equations, solution: SystemSolution) -> dict[str, Arra
     drifts = np.concatenate([system.drifts @ system.displacements, links])
     parts: list[tuple[Array, dict[str, Array]]] = []
     dashpots = np.nan_to_num(solution.dashpots)
-    for cells, linear in alike(equivalent_systems(equations, solution)):
-        motion = StationaryResponse(linear)
+    for cells, motion in responses(equivalent_systems(equations, solution)):
         part = {
             "drift_std": motion.std(drifts),
             "displacement_std": motion.std(floors),
@@ -353,7 +424,7 @@ def _responses(equations: Equations, solution: SystemSolution) -> dict[str, Arra
             "relative_displacement_std": motion.std(pairs).reshape(-1, n, n),
             "covariance": motion.covariance,
             "residual": motion.residual,
-            "moments": np.stack(motion.moments, axis=1),
+            "moments": motion.moments.swapaxes(0, 1),
         }
         if system.ties:
             part["link_force_std"] = link_forces(equations, dashpots, motion, cells)

@@ -8,10 +8,7 @@ no longer changes. The leading dimension of all arrays is that of the systems, c
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
-import scipy.linalg
 from scipy.linalg import lapack
 
 from stochlin.kernels.basics.arrays import Array
@@ -27,84 +24,53 @@ UNSTABLE = "the state matrix is not stable; allowed: eigenvalues with negative r
 INACCURATE = "the system is too near to one without a stationary covariance"
 
 
-class Lyapunov:
-    """Solver of ``A X + X A' + R = 0`` for stable matrices ``A`` (c, n, n) and any symmetric ``R``.
+def stationary_covariance(matrix: Array, noise: Array, intensity: Array) -> tuple[Array, Array]:
+    """``X`` (c, n, n) of ``A X + X A' + intensity b b' = 0``, and whether each ``A`` is stable.
 
-    ``stable`` (c,) says which matrices are stable; results for the others are NaN.
+    ``X`` is NaN where the matrix is not stable, or so close to instability that rounding errors decide.
     """
+    count, n = noise.shape
+    balanced, scale = matrix.copy(), np.ones((count, n))
+    triangle, vectors = np.tile(-np.eye(n), (2, count, 1, 1))
+    # With rates whose squares overflow, variances would be too small for a number.
+    stable = np.asarray(np.isfinite(matrix * matrix).all(axis=(1, 2)))
+    resolved = stable.copy()  # whether rounding leaves the slowest decay
+    for cell in np.flatnonzero(stable).tolist():
+        balanced[cell], _, _, scale[cell], _ = lapack.dgebal(matrix[cell], scale=1)
+        triangle[cell], _, _, _, vectors[cell], _, failed = lapack.dgees(
+            _any_order, balanced[cell], lwork=(3 + BLOCK) * n
+        )
+        rates = triangle[cell].diagonal()  # the real parts of the eigenvalues
+        stable[cell] = not failed and rates.max() < 0
+        resolved[cell] = rates.max() < np.finfo(float).eps * rates.min()
+    b, units = noise / scale, scale[:, :, None] * scale[:, None]
+    drive = intensity[:, None, None] * b[:, :, None] * b[:, None]
+    x, last = np.zeros_like(drive), np.full(drive.shape, np.inf)
+    cells, before = np.flatnonzero(stable), np.inf
+    for _ in range(REFINEMENTS):
+        flow = balanced[cells] @ x[cells]
+        right = drive[cells] + flow + flow.swapaxes(1, 2)
+        last[cells] = _solution(triangle[cells], vectors[cells], right)
+        x[cells] += last[cells]
+        std = np.sqrt(np.abs(np.diagonal(x[cells], axis1=1, axis2=2)))
+        std[std == 0] = 1.0
+        change = np.abs(last[cells] / (std[:, :, None] * std[:, None])).max(axis=(1, 2))
+        left = (change > STILL) & (change <= WORSE * before)
+        cells, before = cells[left], change[left]
+        if not cells.size:
+            break
+    accurate = np.abs(last).max(axis=(1, 2)) < ACCURATE * np.abs(x).max(axis=(1, 2))
+    covariance = x * units
+    accurate &= stable & resolved & np.isfinite(covariance).all(axis=(1, 2))
+    return np.where(accurate[:, None, None], covariance, np.nan), stable
 
-    def __init__(self, matrix: Array) -> None:
-        count, n, _ = matrix.shape
-        self.matrix, self.scale = matrix.copy(), np.ones((count, n))
-        self.triangle, self.vectors = np.tile(-np.eye(n), (2, count, 1, 1))
-        # With rates whose squares overflow, variances would be too small for a number.
-        self.stable = np.asarray(np.isfinite(matrix * matrix).all(axis=(1, 2)))
-        self.matrix[~self.stable] = -np.eye(n)
-        self.resolved = self.stable.copy()  # whether rounding leaves the slowest decay
-        for cell in np.flatnonzero(self.stable).tolist():
-            balanced, _, _, self.scale[cell], _ = lapack.dgebal(matrix[cell], scale=1)
-            triangle, _, _, _, self.vectors[cell], _, failed = lapack.dgees(
-                _any_order, balanced, lwork=(3 + BLOCK) * n
-            )
-            self.matrix[cell], self.triangle[cell] = balanced, triangle
-            rates = triangle.diagonal()  # the real parts of the eigenvalues
-            self.stable[cell] = not failed and rates.max() < 0
-            self.resolved[cell] = rates.max() < np.finfo(float).eps * rates.min()
 
-    def covariance(self, noise: Array, intensity: Array) -> Array:
-        """Covariances (c, n, n) for ``R = intensity b b'``, with ``b`` the columns ``noise`` (c, n)."""
-        b = noise / self.scale
-        drive = intensity[:, None, None] * b[:, :, None] * b[:, None, :]
-        x, last = np.zeros_like(drive), np.full(drive.shape, np.inf)
-        cells, before = np.flatnonzero(self.stable), np.inf
-        for _ in range(REFINEMENTS):
-            flow = self.matrix[cells] @ x[cells]
-            last[cells] = self._solve(cells, drive[cells] + flow + flow.swapaxes(1, 2))
-            x[cells] += last[cells]
-            std = np.sqrt(np.abs(np.diagonal(x[cells], axis1=1, axis2=2)))
-            std[std == 0] = 1.0
-            change = np.abs(last[cells] / (std[:, :, None] * std[:, None, :])).max(axis=(1, 2))
-            left = (change > STILL) & (change <= WORSE * before)
-            cells, before = cells[left], change[left]
-            if not cells.size:
-                break
-        accurate = np.abs(last).max(axis=(1, 2)) < ACCURATE * np.abs(x).max(axis=(1, 2))
-        covariance = x * self.scale[:, :, None] * self.scale[:, None, :]
-        accurate &= self.stable & self.resolved & np.isfinite(covariance).all(axis=(1, 2))
-        return np.where(accurate[:, None, None], covariance, np.nan)
-
-    def spectral_moments(self, rows: Array, covariance: Array) -> tuple[Array, Array, Array]:
-        """Spectral moments ``l0, l1, l2`` (c, k) of outputs ``c x``, for ``rows`` (c, k, n) of ``c``.
-
-        ``l_m = 2 Int_0^inf w^m S(w) dw`` with the two-sided PSD ``S(w) = Re c (i w - A)^-1 X c' / pi``.
-        The noise must not enter the outputs directly: ``c b = 0``. With the correlation function
-        ``R(t) = c e^(A t) X c'``, ``l1 = -(2/pi) Int_0^inf R'(t)/t dt = (2/pi) c A log(-A) X c'``. The
-        logarithm of the matrix also exists for equal eigenvalues.
-        """
-        c = rows * self.scale[:, None]
-        x = covariance / (self.scale[:, :, None] * self.scale[:, None])
-        rates, with_c = c @ self.matrix, x @ c.swapaxes(1, 2)
-        with warnings.catch_warnings():  # scipy warns when only the last digits are lost
-            warnings.simplefilter("ignore")
-            logarithm = np.stack([np.real(scipy.linalg.logm(-matrix)) for matrix in self.matrix])
-        l0 = np.einsum("aki,aik->ak", c, with_c)
-        l1 = (2 / np.pi) * np.einsum("aki,aik->ak", rates, logarithm @ with_c)
-        return l0, l1, np.einsum("aki,aij,akj->ak", rates, x, rates)
-
-    def transfer(self, rows: Array, noise: Array, frequency: Array) -> Array:
-        """Transfer functions ``c (i w - A)^-1 b`` (c, k, f) for ``rows`` (c, k, n), at ``w`` (f,)."""
-        c, b, identity = rows * self.scale[:, None], noise / self.scale, np.eye(noise.shape[1])
-        answers = [c @ np.linalg.solve(1j * w * identity - self.matrix, b[..., None]) for w in frequency]
-        return np.concatenate(answers, axis=2)
-
-    def _solve(self, cells: Array, right: Array) -> Array:
-        """``X`` of ``A X + X A' + right = 0`` for some cells, with the balanced matrices."""
-        vectors, x = self.vectors[cells], np.empty_like(right)
-        turned = vectors.swapaxes(1, 2) @ right @ vectors
-        for place, cell in enumerate(cells.tolist()):
-            x[place] = _triangular(self.triangle[cell], self.triangle[cell], turned[place])
-        x = vectors @ x @ vectors.swapaxes(1, 2)
-        return 0.5 * (x + x.swapaxes(1, 2))
+def _solution(triangle: Array, vectors: Array, right: Array) -> Array:
+    """``X`` of ``A X + X A' + right = 0`` for the Schur forms of ``A``."""
+    turned = vectors.swapaxes(1, 2) @ right @ vectors
+    solved = [_triangular(t, t, r) for t, r in zip(triangle, turned, strict=True)]
+    x = vectors @ np.reshape(solved, right.shape) @ vectors.swapaxes(1, 2)
+    return np.asarray(0.5 * (x + x.swapaxes(1, 2)))
 
 
 def _triangular(t_1: Array, t_2: Array, right: Array) -> Array:

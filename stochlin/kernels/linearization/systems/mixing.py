@@ -27,10 +27,10 @@ class Mixing(NamedTuple):
     changes: Array  # (d, u, c) of the mismatch with these steps
 
     @classmethod
-    def begin(cls, unknowns: Array, depth: int) -> Mixing:
-        """Before the first round."""
+    def begin(cls, weak: Array, unknowns: Array, depth: int) -> Mixing:
+        """Before the first round; ``weak`` (u, c) have a stationary response in any case."""
         none = np.zeros((depth, *unknowns.shape))
-        return cls(unknowns, np.full_like(unknowns, np.nan), np.zeros_like(unknowns), none, none)
+        return cls(weak, np.full_like(unknowns, np.nan), unknowns - weak, none, none)
 
     @property
     def unknowns(self) -> Array:
@@ -42,14 +42,10 @@ class Mixing(NamedTuple):
         """The cells with these numbers."""
         return Mixing(*(part[..., cells] for part in self))
 
-    def next(self, mismatch: Array, weaker: Array, relaxation: float) -> Mixing:
-        """After a round with this mismatch (u, c).
-
-        Without a stationary response a quarter of the step is tried; before the first response, the step
-        ``weaker`` (u, 1) is added.
-        """
-        good, first = np.isfinite(mismatch).all(axis=0), np.isnan(self.mismatch).any(axis=0)
-        both = good & ~first
+    def next(self, mismatch: Array, relaxation: float) -> Mixing:
+        """After a round with this mismatch (u, c); without a response a quarter of the step is tried."""
+        good = np.isfinite(mismatch).all(axis=0)
+        both = good & np.isfinite(self.mismatch).all(axis=0)
         pairs = (self.moves, self.step), (self.changes, mismatch - self.mismatch)
         moves, changes = (
             np.concatenate([old, np.where(both, new, 0.0)[None]])[1:] for old, new in pairs
@@ -62,11 +58,10 @@ class Mixing(NamedTuple):
         weights = np.linalg.solve(square, right)[..., 0].T / size
         step = relaxation * mismatch - (weights[:, None] * (moves + relaxation * changes)).sum(axis=0)
         step /= np.maximum(1.0, np.abs(step).max(axis=0) / LARGEST_STEP)
-        back = np.where(first, self.step + weaker, 0.25 * self.step)
         return Mixing(
             np.where(good, self.base + self.step, self.base),
             np.where(good, mismatch, self.mismatch),
-            np.where(good, step, back),
+            np.where(good, step, 0.25 * self.step),
             moves,
             changes,
         )

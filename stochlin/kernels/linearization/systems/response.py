@@ -4,81 +4,46 @@ For accuracy the Lyapunov equation is solved in other states than those of the s
 as many springs as there are coordinates, the stiffest ones that are independent, replace the
 coordinates, so that small extensions are not differences of large displacements. The slip ``y = d - z``
 replaces ``z``, as for single oscillators: if a spring hardly yields, all coefficients of its equation
-tend to zero together.
+tend to zero together. In the limit ``z = -c_eq d``, and the difference of both is a state that is zero.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.linearization.spectral_moments import SpectralMoments
-from stochlin.kernels.linearization.systems.lyapunov import Lyapunov
+from stochlin.kernels.linearization.spectral_moments import NODES, STEP, SpectralMoments
+from stochlin.kernels.linearization.systems.lyapunov import stationary_covariance
 from stochlin.kernels.linearization.systems.state_space import StateSpace
 
+AT_ONCE = 1024  # cells that are solved together, which limits the memory for intermediate results
 SLOW = 1e-13  # relaxation over the largest frequency below which z is proportional to the extension
-AT_ONCE = 1024  # cells that are solved together
-DEPENDENT = 1e-8  # part of an extension, as a share, that other extensions do not determine
 FAST = 1e-2  # relaxation over the largest frequency from which z is a state in place of y
 
 
-class SpringMoments(NamedTuple):
-    """Second moments of the yielding springs, each (c, m)."""
-
-    drift: Array  # variance of the extension [m^2]
-    velocity: Array  # variance of its rate [m^2/s^2]
-    z: Array  # variance of z [m^2]
-    velocity_z: Array  # covariance of the rate and z [m^2/s]
-
-
-class Basis(NamedTuple):
-    """The transformation from the states to those that are solved for, and back."""
-
-    into: Array  # (c, k, states): matrix to the ``k`` states that are solved for
-    back: Array  # (c, states, k): matrix back
-    drifts: Array  # (m, k): rows of the extensions of the yielding springs
-    velocities: Array  # (m, k): rows of their rates
-    z: Array  # (c, m, k): rows of z
-    beyond: Array  # (c, m, k): rows of z less its part proportional to d, which has E[d d'] = 0
-
-
-def alike(system: StateSpace) -> Iterator[tuple[Array, StateSpace]]:
-    """Groups of systems that are solved for the same states: numbers of their cells, and the systems.
-
-    A group has at most `AT_ONCE` cells, which limits the memory for intermediate results.
-    """
-    shape = np.concatenate([_stiffest(system), _moves(system)], axis=1)
-    _, group = np.unique(shape, axis=0, return_inverse=True)
-    for number in range(group.max(initial=-1) + 1):
-        cells = np.flatnonzero(group.ravel() == number)
-        for begin in range(0, cells.size, AT_ONCE):
-            part = cells[begin : begin + AT_ONCE]
-            yield part, system.at(part)
+def responses(system: StateSpace) -> Iterator[tuple[Array, StationaryResponse]]:
+    """Numbers of cells, and their response, for all cells in turn."""
+    for begin in range(0, len(system.matrix), AT_ONCE):
+        cells = np.arange(begin, min(begin + AT_ONCE, len(system.matrix)))
+        yield cells, StationaryResponse(system.at(cells))
 
 
 class StationaryResponse:
-    """The stationary response of systems that are `alike`; NaN where there is none."""
+    """The stationary response of linear systems (c,); NaN where there is none."""
 
     def __init__(self, system: StateSpace) -> None:
-        self.system, self.basis = system, _basis(system)
-        into, back = self.basis.into, self.basis.back
-        self._equation = Lyapunov(into @ system.matrix @ back)
-        self._noise = (into @ system.noise[..., None])[..., 0]
-        self._solution = self._equation.covariance(self._noise, system.intensity)
-
-    @property
-    def stable(self) -> Array:
-        """Whether the state matrix of each cell (c,) is stable."""
-        return self._equation.stable
+        self.system = system
+        self._matrix, self._noise, self._back = _in_extensions(system)
+        self._solution, self.stable = stationary_covariance(self._matrix, self._noise, system.intensity)
 
     @cached_property
     def covariance(self) -> Array:
         """Covariance matrix of the states (c, states, states)."""
-        covariance = self.basis.back @ self._solution @ self.basis.back.swapaxes(1, 2)
+        covariance = self._back @ self._solution @ self._back.swapaxes(1, 2)
         return 0.5 * (covariance + covariance.swapaxes(1, 2))
 
     @property
@@ -97,17 +62,21 @@ class StationaryResponse:
         largest: Array = np.abs(off).max(axis=(1, 2)) / np.abs(rates).max(axis=(1, 2))
         return largest
 
-    @cached_property
-    def moments(self) -> SpringMoments:
-        """Second moments of the yielding springs."""
-        _, _, d, v, z, beyond = self.basis
-        pairs = (d, d), (v, v), (z, z), (v, beyond)
-        return SpringMoments(*(self._product(left, right) for left, right in pairs))
+    @property
+    def moments(self) -> Array:
+        """Variances of the rate and of z of the yielding springs, and covariances of both (3, c, m)."""
+        rate, z = self.rows(self.system.yielding, rates=True), self._back[:, self.system.order.z]
+        return np.stack([self._covariances(*both) for both in ((rate, rate), (z, z), (rate, z))])
+
+    def rows(self, weights: Array, *, rates: bool = False) -> Array:
+        """Sums of coordinates, or of their rates, with weights (k, n), of the states solved for."""
+        order = self.system.order
+        rows: Array = weights @ self._back[:, order.velocities if rates else order.coordinates]
+        return rows
 
     def std(self, weights: Array, *, rates: bool = False) -> Array:
         """Standard deviations (c, k) of sums of coordinates, or of their rates, with weights (k, n)."""
-        order = self.system.order
-        return self._std(weights @ self.basis.back[:, order.velocities if rates else order.coordinates])
+        return self._std(self.rows(weights, rates=rates))
 
     def force_std(self, post: Array, couple: Array, dashpots: Array) -> Array:
         """Standard deviations (c, l) [N] of the forces of the last l springs and their dashpots.
@@ -115,106 +84,66 @@ class StationaryResponse:
         ``post`` is the post-yield stiffness, ``couple`` the elastic stiffness less this one, and
         ``dashpots`` the constants of the dashpots parallel to the springs, all (c, l).
         """
-        order, back = self.system.order, self.basis.back
-        numbers = len(self.system.extensions) - dashpots.shape[1] + np.arange(dashpots.shape[1])
-        extensions = self.system.extensions[numbers]
-        drift, rate = extensions @ back[:, order.coordinates], extensions @ back[:, order.velocities]
+        first, springs = len(self.system.extensions) - dashpots.shape[1], self.system.springs
+        extensions, yields = self.system.extensions[first:], springs >= first
+        drift, rate = self.rows(extensions), self.rows(extensions, rates=True)
         z = drift.copy()
-        own = np.isin(self.system.springs, numbers)
-        z[:, np.searchsorted(numbers, self.system.springs[own])] = back[:, order.z[own]]
+        z[:, springs[yields] - first] = self._back[:, self.system.order.z[yields]]
         return self._std(post[..., None] * drift + couple[..., None] * z + dashpots[..., None] * rate)
 
     def spectral_moments(self, weights: Array) -> SpectralMoments:
-        """Spectral moments (c, k) of sums of coordinates with these weights (k, n).
+        """Spectral moments (c, k) of sums ``c x`` of coordinates with these weights (k, n).
 
-        They are integrals over positive frequencies of twice the two-sided PSD, as for oscillators.
+        They are integrals over positive frequencies of twice the two-sided PSD, as for oscillators, with
+        the same integral for ``l1``: the correlation function ``R(t) = c e^(A t) X c'`` gives
+        ``I(s) = -c A (s - A)^-1 X c'``.
         """
-        rows = weights @ self.basis.back[:, self.system.order.coordinates]
-        return SpectralMoments(*self._equation.spectral_moments(rows, self._solution))
+        c, rates = self.rows(weights), self.rows(weights, rates=True)
+        l0, l2 = self._covariances(c, c), self._covariances(rates, rates)
+        with_c, identity = self._solution @ c.swapaxes(1, 2), np.eye(c.shape[-1])
+        scale, decay = np.sqrt(l2 / l0).max(axis=1)[:, None, None], 0.0
+        for s in (scale * node for node in NODES):
+            decay = decay - s * rates @ np.linalg.solve(s * identity - self._matrix, with_c)
+        l1 = (2 / np.pi) * STEP * np.diagonal(decay, axis1=1, axis2=2)
+        return SpectralMoments(l0, l1, l2)
 
     def spectral_density(self, weights: Array, frequency: Array) -> Array:
         """Two-sided PSD (c, k, f) [m^2 s] of sums of coordinates, at circular frequencies (f,)."""
-        rows = weights @ self.basis.back[:, self.system.order.coordinates]
-        transfer = self._equation.transfer(rows, self._noise, frequency)
-        density: Array = self.system.intensity[:, None, None] / (2 * np.pi) * np.abs(transfer) ** 2
-        return density
+        c, b, identity = self.rows(weights), self._noise[..., None], np.eye(self._noise.shape[1])
+        transfer = [c @ np.linalg.solve(1j * w * identity - self._matrix, b) for w in frequency]
+        density: Array = np.abs(np.concatenate(transfer, axis=2)) ** 2
+        return self.system.intensity[:, None, None] / (2 * np.pi) * density
 
     def _std(self, rows: Array) -> Array:
         """Standard deviations of linear functions (c, k, states) of the states that are solved for."""
-        return np.sqrt(np.maximum(self._product(rows, rows), 0.0))
+        return np.sqrt(np.maximum(self._covariances(rows, rows), 0.0))
 
-    def _product(self, left: Array, right: Array) -> Array:
+    def _covariances(self, left: Array, right: Array) -> Array:
         """Covariances (c, k) of linear functions ``left[k]`` and ``right[k]`` of these states."""
         covariances: Array = ((left @ self._solution) * right).sum(axis=-1)
         return covariances
 
 
-def _stiffest(system: StateSpace) -> Array:
-    """Numbers (c, n) of the stiffest springs whose extensions determine all coordinates."""
-    springs, n = system.extensions.shape
-    if springs == n:
-        return np.broadcast_to(np.arange(n), (len(system.matrix), n))
-    orders, which = np.unique(
-        np.argsort(-system.stiffness, axis=1, kind="stable"), axis=0, return_inverse=True
-    )
-    return np.array([_independent(system.extensions, order) for order in orders])[which.ravel()]
-
-
-def _independent(extensions: Array, order: Array) -> Array:
-    """The first springs in this order whose extensions are linearly independent, by Gram and Schmidt."""
-    chosen, directions = [], np.empty((0, extensions.shape[1]))
-    for spring in order:
-        row = extensions[spring] / np.linalg.norm(extensions[spring])
-        rest = row - directions.T @ (directions @ row)
-        if np.linalg.norm(rest) > DEPENDENT:
-            chosen.append(spring)
-            rest -= directions.T @ (directions @ rest)
-            directions = np.vstack([directions, rest / np.linalg.norm(rest)])
-    return np.sort(chosen)
-
-
-def _fastest(system: StateSpace) -> Array:
-    """Largest frequency (c, 1) [rad/s] of the coordinates, about."""
-    _, q, v, _ = system.order
-    return np.sqrt(np.abs(system.matrix[:, v[:, None], q]).max(axis=(1, 2)))[:, None]
-
-
-def _moves(system: StateSpace) -> Array:
-    """Whether z of each spring (c, m) is a state of its own; else it is a multiple of the extension."""
-    relaxation = -system.matrix[:, system.order.z, system.order.z]
-    return np.abs(relaxation) > SLOW * _fastest(system)
-
-
-def _inverse(extensions: Array) -> Array:
-    """Inverse (n, n) of extensions; without rounding errors if all its entries are whole numbers."""
-    inverse = np.linalg.inv(extensions)
-    whole: Array = np.rint(inverse)
-    return whole if np.array_equal(extensions @ whole, np.eye(len(whole))) else inverse
-
-
-def _basis(system: StateSpace) -> Basis:
-    """The transformation that the module's docstring describes."""
-    matrix, (_, q, v, z) = system.matrix, system.order
-    own, stiff = system.extensions[system.springs], system.extensions[_stiffest(system)[0]]
-    moves, coordinates = _moves(system)[0], _inverse(stiff)
-    follows = (matrix[:, z[:, None], v] * own).sum(axis=2) / (own**2).sum(axis=1)  # -c_eq
-    by_y = moves & (-matrix[:, z, z] < FAST * _fastest(system))
-    states = matrix.shape[1]
-    kept = np.delete(np.arange(states), z[~moves])
-    where = np.searchsorted(kept, np.arange(states))
-    e, rate_of_e, third = where[q], where[v], where[z[moves]]
-
-    identity, cells = np.eye(states), len(matrix)
-    into = np.tile(identity[kept], (cells, 1, 1))
-    back = np.tile(identity[:, kept], (cells, 1, 1))
-    for here, there in ((e, q), (rate_of_e, v)):
-        into[:, here[:, None], there], back[:, there[:, None], here] = stiff, coordinates
-    sign = np.where(by_y, -1.0, 1.0)[:, moves]
-    into[:, third, z[moves]] = back[:, z[moves], third] = sign
-    into[:, third[:, None], q] = by_y[:, moves, None] * own[moves]
-    drifts, velocities = np.zeros((2, z.size, kept.size))
-    drifts[:, e] = velocities[:, rate_of_e] = own @ coordinates
-    beyond = np.where(moves[:, None], back[:, z], 0.0)
-    of_drift = np.where(moves, by_y, follows)
-    back[:, z] = beyond + of_drift[..., None] * drifts
-    return Basis(into, back, drifts, velocities, back[:, z], beyond)
+def _in_extensions(system: StateSpace) -> tuple[Array, Array, Array]:
+    """State matrix and noise in the states that are solved for, and the matrix back from these."""
+    matrix, (_, q, v, z), yielding = system.matrix, system.order, system.yielding
+    weighted = system.extensions.T * np.sqrt(system.stiffness.mean(axis=0))
+    *_, stiffest = scipy.linalg.qr(weighted, mode="r", pivoting=True)
+    extensions = system.extensions[np.sort(stiffest[: q.size])]
+    coordinates = np.linalg.inv(extensions)
+    into, back = np.tile(np.eye(matrix.shape[1]), (2, len(matrix), 1, 1))
+    for states in (q, v):
+        into[:, states[:, None], states] = extensions
+        back[:, states[:, None], states] = coordinates
+    fastest = np.sqrt(np.abs(matrix[:, v[:, None], q]).max(axis=(1, 2)))[:, None]
+    relaxation = -matrix[:, z, z]
+    slow, slips = np.abs(relaxation) <= SLOW * fastest, relaxation < FAST * fastest
+    c_eq = -(matrix[:, z[:, None], v] * yielding).sum(axis=2) / (yielding**2).sum(axis=1)
+    sign, of_drift = np.where(slips & ~slow, -1.0, 1.0), np.where(slow, -c_eq, slips)[..., None]
+    into[:, z, z] = back[:, z, z] = sign
+    into[:, z[:, None], q] = -sign[..., None] * of_drift * yielding
+    back[:, z[:, None], q] = of_drift * (yielding @ coordinates)
+    matrix = into @ matrix @ back
+    matrix[:, z] *= ~slow[..., None]
+    matrix[:, z, z] -= slow * fastest
+    return matrix, (into @ system.noise[..., None])[..., 0], back

@@ -19,13 +19,14 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure, equivalent_dashpot
-from stochlin.kernels.linearization.iteration import FixedPoint, elastic_limit, solve
+from stochlin.kernels.linearization.iteration import FixedPoint, add, elastic_limit, follow, nothing
 from stochlin.kernels.linearization.systems.mixing import Mixing
-from stochlin.kernels.linearization.systems.response import StationaryResponse, alike
+from stochlin.kernels.linearization.systems.response import responses
 from stochlin.kernels.linearization.systems.state_space import Mechanics, state_space
 
 DEPTH = 10  # rounds that are mixed
 AT_LEVEL = 30  # rounds at one level of shaking, where a solution is followed
+HARDLY = 2.0  # by which log sigma_z of a system that hardly yields is smaller
 SOLVED = 1e-7  # largest mismatch of a solution; rounding leaves this much in stiff equations
 IDLE = 1e-6  # ratio of the rate of a link to those of its ends below which it may be a rounding error
 
@@ -55,33 +56,14 @@ class ResponseMoments(NamedTuple):
 
 
 class Springs(NamedTuple):
-    """Systems with m springs that yield and l links, in c cells: a `Problem` of the iteration."""
+    """Systems with m springs that yield and l links, in c cells."""
 
     mechanics: Mechanics
     laws: Sequence[Law]
     dashpots: Array  # (c, l) constants of the dashpots of the links
     exponents: Array  # (c, l)
     power: Array  # (k,) numbers of the links that are linearized: exponents other than 1
-    idle: Array  # (c, k) whether such a link does not move while the response is elastic
     level: Array  # (c,) logarithm of the ratio of the shaking to the full one
-    rtol: float  # of the stop rule
-    cells: Array  # (c,) their numbers among all cells
-    rounds: list[tuple[Array, Array]]  # cells of all rounds, and their changes as in `stands_still`
-
-    @classmethod
-    def of(
-        cls,
-        mechanics: Mechanics,
-        laws: Sequence[Law],
-        dashpots: Array,
-        exponents: Array,
-        rtol: float,
-    ) -> Springs:
-        """All cells under full shaking, before the first round."""
-        count, power = len(dashpots), np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
-        idle, level = np.zeros((count, power.size), bool), np.zeros(count)
-        of_links = dashpots, exponents, power, idle
-        return cls(mechanics, laws, *of_links, level, rtol, np.arange(count), [])
 
     @property
     def springs(self) -> int:
@@ -89,46 +71,40 @@ class Springs(NamedTuple):
         return self.mechanics.springs.size
 
     @property
-    def size(self) -> int:
-        """Number of the coefficients of `Linear`."""
-        return 2 * self.springs + int(self.dashpots.shape[1])
-
-    @property
     def strength(self) -> Array:
         """Extensions at yield (c, m) [m]."""
         return self.mechanics.system.strength[:, self.mechanics.springs]
 
     @property
-    def linearized_dashpots(self) -> Array:
-        """Numbers (k,) of the springs beside linearized dashpots; links are the last springs."""
-        links = self.dashpots.shape[1]
-        return len(self.mechanics.system.extensions) - links + self.power
+    def linearized(self) -> Array:
+        """Rows (k, n) that give the extensions of linearized dashpots; links are the last springs."""
+        extensions = self.mechanics.system.extensions
+        rows: Array = extensions[len(extensions) - self.dashpots.shape[1] :][self.power]
+        return rows
 
     def at(self, cells: Array) -> Springs:
         """The cells with these numbers."""
-        return self._replace(
-            mechanics=self.mechanics.at(cells),
-            laws=[law._replace(parameters=law.parameters[:, cells]) for law in self.laws],
-            dashpots=self.dashpots[cells],
-            exponents=self.exponents[cells],
-            idle=self.idle[cells],
-            level=self.level[cells],
-            cells=self.cells[cells],
-        )
+        mechanics, laws, dashpots, exponents, power, level = self
+        laws = [law._replace(parameters=law.parameters[:, cells]) for law in laws]
+        of_links = dashpots[cells], exponents[cells], power
+        return Springs(mechanics.at(cells), laws, *of_links, level[cells])
 
-    def shaken(self, level: Array) -> Springs:
-        """The cells under other shaking."""
-        return self._replace(level=level)
 
-    def settle(self, unknowns: Array, most: int, pace: object) -> FixedPoint:
-        """The fixed points at one level of shaking, from these unknowns (u, c)."""
-        return fixed_points(self, unknowns, max(most, AT_LEVEL))
+def linear_for(problem: Springs, unknowns: Array) -> Linear:
+    """Equivalent linear systems for the unknowns."""
+    m = problem.springs
+    sv, sz, r = unknowns[: 3 * m].reshape(3, m, unknowns.shape[1]).swapaxes(1, 2)
+    slip, relaxation = coefficients_of(problem, np.stack([np.exp(sv), np.exp(sz), np.tanh(r)]))
+    return Linear(slip, relaxation, _dashpots(problem, unknowns[3 * m :].T))
 
-    def split(self, unknowns: Array) -> tuple[Array, Array]:
-        """Unknowns (3, c, m) of the springs and (c, k) of the dashpots."""
-        n = 3 * self.springs
-        of_springs = unknowns[:n].reshape(3, self.springs, unknowns.shape[1])
-        return of_springs.swapaxes(1, 2), unknowns[n:].T
+
+def _dashpots(problem: Springs, rates: Array) -> Array:
+    """Damping constants (c, l) of all links; ``rates`` are ``log sigma`` of those with an exponent."""
+    dashpots, power = problem.dashpots.copy(), problem.power
+    constants, exponents = dashpots[:, power], problem.exponents[:, power]
+    linear = equivalent_dashpot(constants, exponents, np.exp(rates))
+    dashpots[:, power] = np.where(exponents == 1, constants, linear)
+    return dashpots
 
 
 def coefficients_of(problem: Springs, moments: Array) -> Array:
@@ -144,37 +120,27 @@ def coefficients_of(problem: Springs, moments: Array) -> Array:
     return coefficients
 
 
-def linear_for(problem: Springs, unknowns: Array) -> Linear:
-    """Equivalent linear systems for the unknowns."""
-    (sv, sz, r), rates = problem.split(unknowns)
-    slip, relaxation = coefficients_of(problem, np.stack([np.exp(sv), np.exp(sz), np.tanh(r)]))
-    return Linear(slip, relaxation, _dashpots(problem, rates))
-
-
 def respond(problem: Springs, linear: Linear) -> ResponseMoments:
     """Covariance of the linear systems, from the Lyapunov equation, and moments of their springs."""
-    mechanics, strength = problem.mechanics, problem.strength
-    system = state_space(mechanics, linear.slip - 1, linear.relaxation, linear.dashpots)
-    links = mechanics.system.extensions[problem.linearized_dashpots]
-    shapes = system.matrix.shape, (3, *strength.shape), (len(strength), len(links))
-    moments = ResponseMoments(*(np.empty(shape) for shape in shapes))
-    for cells, part in alike(system):
-        response = StationaryResponse(part)
-        moments.covariance[cells] = response.covariance
-        moments.springs[:, cells] = np.stack(response.moments[1:]) / strength[cells] ** 2
-        moments.rates[cells] = response.std(links, rates=True) ** 2
-    return moments
+    system = state_space(problem.mechanics, linear.slip - 1, linear.relaxation, linear.dashpots)
+    parts = [
+        (part.covariance, part.moments, part.std(problem.linearized, rates=True) ** 2)
+        for _, part in responses(system)
+    ]
+    covariance, springs, rates = zip(*parts, strict=True)
+    moments = np.concatenate(springs, axis=1) / problem.strength**2
+    return ResponseMoments(np.concatenate(covariance), moments, np.concatenate(rates))
 
 
 def mismatch_of(problem: Springs, unknowns: Array, moments: ResponseMoments) -> Array:
     """Unknowns of these moments less the ``unknowns`` (u, c); NaN without a stationary response."""
     vv, zz, vz = moments.springs
-    level, k = problem.level[:, None], problem.power.size
+    level, before = problem.level[:, None], unknowns[3 * problem.springs :].T
     sv, sz = 0.5 * np.log(vv) + level, 0.5 * np.log(zz) + level
-    rates = 0.5 * np.log(moments.rates) + level
-    mismatch = np.hstack([sv, sz, np.arctanh(vz / np.sqrt(vv * zz)), rates]).T - unknowns
-    mismatch[len(mismatch) - k :][problem.idle.T] = 0.0
-    return np.asarray(mismatch)
+    plain = problem.exponents[:, problem.power] == 1
+    rates = np.where(plain, before, 0.5 * np.log(moments.rates) + level)
+    after = np.hstack([sv, sz, np.arctanh(vz / np.sqrt(vv * zz)), rates]).T
+    return np.asarray(after - unknowns)
 
 
 def largest_change(problem: Springs, now: tuple[Linear, Array], before: tuple[Linear, Array]) -> Array:
@@ -200,132 +166,115 @@ def stands_still(change: Array, rtol: float) -> Array:
 
 
 def fixed_points(
-    problem: Springs, unknowns: Array, most: int, depth: int = DEPTH, relaxation: float = 1.0
-) -> FixedPoint:
+    problem: Springs,
+    unknowns: Array,
+    most: int,
+    rtol: float,
+    depth: int = DEPTH,
+    relaxation: float = 1.0,
+) -> tuple[FixedPoint, Array]:
     """The loop: coefficients, response and the next moments, until both stand still in each cell.
 
     ``depth`` rounds are mixed; with none this is the substitution of the paper, which goes the share
-    ``relaxation`` of the way to the moments of the response.
+    ``relaxation`` of the way to the moments of the response. The changes of all rounds (rounds, 2, c)
+    are those of `stands_still`, and NaN after the last round of a cell.
     """
-    part, cells, mixing = problem, np.arange(unknowns.shape[1]), Mixing.begin(unknowns, depth)
-    solution = FixedPoint(
-        unknowns.copy(),
-        np.full((problem.size, cells.size), np.nan),
-        np.zeros(cells.size, np.int32),
-        np.full(cells.size, np.nan),
-        np.zeros(cells.size, bool),
-    )
-    weaker = np.zeros((len(unknowns), 1))
-    weaker[problem.springs : 2 * problem.springs] = -1.0  # of log sigma_z: less yielding
-    before = None
+    part, cells, before = problem, np.arange(unknowns.shape[1]), None
+    solution, changes = nothing(0, unknowns), []
+    weak = unknowns.copy()
+    weak[part.springs : 2 * part.springs] -= HARDLY
+    mixing = Mixing.begin(weak, unknowns, depth)
     for _ in range(most):
-        if not cells.size:
-            break
         linear = linear_for(part, mixing.unknowns)
         moments = respond(part, linear)
         mismatch = mismatch_of(part, mixing.unknowns, moments)
         now = linear, moments.covariance
         change = largest_change(part, now, before) if before else np.full((2, cells.size), np.nan)
-        part.rounds.append((part.cells, change))
         norm = np.sqrt((mismatch**2).sum(axis=0) / max(1, part.springs + part.power.size))
-        done = stands_still(change, relaxation * part.rtol) & (norm <= SOLVED)
-        rows = mixing.unknowns, np.concatenate(linear, axis=1).T
-        for field, values in zip(
-            solution, (*rows, solution.iterations[cells] + 1, norm, done), strict=True
-        ):
-            field[..., cells] = values
+        done = stands_still(change, relaxation * rtol) & (norm <= SOLVED)
+        state = mixing.unknowns, solution.coefficients[:, cells], np.ones_like(cells), norm, done
+        add(solution, cells, FixedPoint(*state))
+        changes.append(np.full((2, unknowns.shape[1]), np.nan))
+        changes[-1][:, cells] = change
         left = np.flatnonzero(~done)
-        mixing = mixing.next(mismatch, weaker, relaxation).at(left)
+        if not left.size:
+            break
+        mixing = mixing.next(mismatch, relaxation).at(left)
         before = Linear(*(values[left] for values in linear)), moments.covariance[left]
         part, cells = part.at(left), cells[left]
-    return solution
+    return solution, np.stack(changes)
 
 
-class SpringSolution(NamedTuple):
-    """Result of the iteration."""
-
-    linear: Linear  # NaN in cells that have not converged
-    idle: Array  # (c, k) as in `Springs`
-    converged: Array  # (c,)
-    demand: Array  # (c,) largest elastic standard deviation of an extension over its strength
-    changes: Array  # (rounds, 2, c) as in `stands_still`, NaN after the last round
-    rounds: Array  # (c,)
-
-
-@np.errstate(all="ignore")  # NaN is checked where it matters
 def solve_springs(
-    problem: Springs, one_solution: Array, max_iterations: int, relaxation: float | None = None
-) -> SpringSolution:
-    """Equivalent linear systems of all cells, by substitution if a ``relaxation`` factor is given.
+    problem: Springs,
+    elastic: Array,
+    one_solution: Array,
+    most: int,
+    rtol: float,
+    relaxation: float | None = None,
+) -> tuple[FixedPoint, Array]:
+    """The `fixed_points` of all cells, by substitution if a ``relaxation`` factor is given.
 
-    Otherwise by `fixed_points` with mixing. Where a law may have several solutions, so that
-    ``one_solution`` (c,) is false, and where this fails, the solution is followed by `solve`.
+    ``elastic`` (u, c) are the unknowns of the elastic response. Where a law may have several solutions,
+    so that ``one_solution`` (c,) is false, and where mixing fails, the iteration begins at the end of
+    the branch of solutions from weak to full shaking.
     """
-    problem, elastic = elastic_start(problem)
-    m, count = problem.springs, elastic.shape[1]
-    rows, converged = np.full((problem.size, count), np.nan), np.zeros(count, bool)
-    if not len(elastic):  # nothing is to be linearized
-        rows[:], converged[:] = np.concatenate(linear_for(problem, elastic), axis=1).T, True
+    m, how = problem.springs, (DEPTH, 1.0) if relaxation is None else (0, relaxation)
+    solution, changes = nothing(0, elastic), np.full((most, 2, elastic.shape[1]), np.nan)
+    solution.converged[:] = not len(elastic)  # nothing is to be linearized
 
-    def keep(cells: Array, solution: FixedPoint) -> None:
-        converged[cells] = solution.converged
-        rows[:, cells] = np.where(solution.converged, solution.coefficients, np.nan)
+    def iterate(cells: Array, start: Array) -> None:
+        if cells.size:
+            run, of_cells = fixed_points(problem.at(cells), start, most, rtol, *how)
+            add(solution, cells, run)
+            changes[:, :, cells] = np.nan
+            changes[: len(of_cells), :, cells] = of_cells
 
-    start, tried = elastic_limit(elastic, m), np.isfinite(elastic).all(axis=0) & ~converged
-    if relaxation is not None:
-        cells = np.flatnonzero(tried)
+    tried = np.isfinite(elastic).all(axis=0) & ~solution.converged
+    cells = np.flatnonzero(tried & (one_solution | (relaxation is not None)))
+    iterate(cells, elastic_limit(elastic, m)[:, cells])
+    cells = np.flatnonzero(tried & ~solution.converged & (relaxation is None))
+    if cells.size:
         part = problem.at(cells)
-        keep(cells, fixed_points(part, start[:, cells], max_iterations, 0, relaxation))
-    else:
-        cells = np.flatnonzero(tried & one_solution)
-        keep(cells, fixed_points(problem.at(cells), start[:, cells], max_iterations))
-        cells = np.flatnonzero(tried & ~converged)
-        part, followed = problem.at(cells), np.zeros(cells.size, bool)
-        keep(cells, solve(part, elastic[:, cells], followed, max_iterations))
-    linear = Linear(*np.split(rows.T, [m, 2 * m], axis=1))
-    demand = np.exp(elastic[m : 2 * m].max(axis=0, initial=-np.inf))
-    return SpringSolution(linear, problem.idle, converged, demand, *_history(problem))
 
+        def settle(cells: Array, level: Array, guess: Array) -> FixedPoint:
+            return fixed_points(part.at(cells)._replace(level=level), guess, AT_LEVEL, rtol)[0]
 
-def _history(problem: Springs) -> tuple[Array, Array]:
-    """Changes (rounds, 2, c) in the rounds of each cell, NaN after its last, and their number (c,)."""
-    count = np.zeros(len(problem.cells), np.int32)
-    changes = np.full((len(problem.rounds), 2, count.size), np.nan)
-    for cells, change in problem.rounds:
-        changes[count[cells], :, cells] = change.T
-        count[cells] += 1
-    return changes[: count.max(initial=0)], count
+        branch = follow(settle, elastic[:, cells], m, 0, most)
+        solution.iterations[cells] += branch.iterations
+        iterate(cells[branch.converged], branch.unknowns[:, branch.converged])
+    solution.unknowns[:, ~solution.converged] = np.nan
+    shown = np.flatnonzero(np.isfinite(changes).any(axis=(1, 2)))
+    return solution, changes[: shown.max(initial=-1) + 1]
 
 
 def elastic_start(problem: Springs) -> tuple[Springs, Array]:
-    """The problem with its idle dashpots, and the unknowns (3 m + k, c) of the elastic response.
+    """The problem, and the unknowns (3 m + k, c) of the elastic response.
 
-    Dashpots with an exponent are linearized for the rates without them.
+    Dashpots with an exponent are linearized for the rates without them. Those that do not move have an
+    exponent of 1 and no constant in the problem that is returned.
     """
-    mechanics, power = problem.mechanics, problem.power
-    none = np.zeros_like(problem.strength)
-    rates = np.zeros(problem.idle.shape)
+    power, system = problem.power, problem.mechanics.system
+    rates = np.zeros((len(problem.dashpots), power.size))
     if power.size:
-        constants = problem.dashpots.copy()
+        constants, exponents = problem.dashpots.copy(), problem.exponents.copy()
         constants[:, power] = 0.0
-        links = mechanics.system.extensions[problem.linearized_dashpots]
-        coordinates, ends = np.eye(mechanics.system.mass.shape[1]), np.zeros_like(rates)
-        for cells, system in alike(state_space(mechanics, none - 1, none, constants)):
-            undamped = StationaryResponse(system)
-            rates[cells] = undamped.std(links, rates=True)
-            ends[cells] = undamped.std(coordinates, rates=True) @ np.abs(links).T
-        problem = problem._replace(idle=rates < IDLE * ends)
-        rates = np.where(problem.idle, 0.0, np.log(rates))
-    variances = respond(problem, Linear(none, none, _dashpots(problem, rates))).springs
-    sv, sz = 0.5 * np.log(variances[:2])
+        _, rates = _elastic_std(problem, constants, problem.linearized)
+        _, ends = _elastic_std(problem, constants, np.eye(system.mass.shape[1]))
+        idle = rates < IDLE * ends @ np.abs(problem.linearized).T
+        constants[:, power] = np.where(idle, 0.0, problem.dashpots[:, power])
+        exponents[:, power] = np.where(idle, 1.0, exponents[:, power])
+        problem = problem._replace(dashpots=constants, exponents=exponents)
+        rates = np.where(idle, 0.0, np.log(rates))
+    yielding = system.extensions[problem.mechanics.springs]
+    drift, rate = _elastic_std(problem, _dashpots(problem, rates), yielding) / problem.strength
+    sv, sz = np.log(rate), np.log(drift)
     return problem, np.hstack([sv, sz, np.where(np.isnan(sv), np.nan, 0.1), rates]).T
 
 
-def _dashpots(problem: Springs, rates: Array) -> Array:
-    """Damping constants (c, l) of all links; ``rates`` are ``log sigma`` of those with an exponent."""
-    dashpots, power = problem.dashpots.copy(), problem.power
-    constants, exponents = dashpots[:, power], problem.exponents[:, power]
-    linear = equivalent_dashpot(constants, exponents, np.exp(rates))
-    linear = np.where(exponents == 1, constants, linear)
-    dashpots[:, power] = np.where(problem.idle, 0.0, linear)
-    return dashpots
+def _elastic_std(problem: Springs, dashpots: Array, weights: Array) -> Array:
+    """Standard deviations of sums of coordinates (k, n) and of their rates (2, c, k) while elastic."""
+    none = np.empty((len(dashpots), 0))
+    system = state_space(problem.mechanics.elastic, none, none, dashpots)
+    parts = [[part.std(weights, rates=r) for r in (False, True)] for _, part in responses(system)]
+    return np.concatenate(parts, axis=1)

@@ -17,6 +17,7 @@ dimension of all arrays is that of the systems, called cells (c), which have the
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -51,6 +52,13 @@ class Mechanics(NamedTuple):
         square: Array = self.system.elastic[:, self.springs] * ((1 / self.system.mass) @ (own**2).T)
         return np.sqrt(square)
 
+    @property
+    def elastic(self) -> Mechanics:
+        """The same without states z."""
+        begins = np.cumsum([0, *(states.size for states in self.order[:3])]).tolist()
+        states = [np.arange(*ends) for ends in pairwise([*begins, begins[-1]])]
+        return self._replace(order=Order(*states), springs=np.empty(0, int))
+
     def at(self, cells: Array) -> Mechanics:
         """The cells with these numbers."""
         return self._replace(
@@ -70,6 +78,12 @@ class StateSpace(NamedTuple):
     springs: Array  # (m,) number of the spring of each z
     extensions: Array  # (s, n)
     stiffness: Array  # (c, s) [N/m], elastic
+
+    @property
+    def yielding(self) -> Array:
+        """Rows (m, n) that give the extensions of the springs that yield."""
+        rows: Array = self.extensions[self.springs]
+        return rows
 
     def at(self, cells: Array) -> StateSpace:
         """The systems with these numbers."""
