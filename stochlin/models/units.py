@@ -37,7 +37,7 @@ _SIZES: dict[tuple[float, ...], dict[str, float]] = {
     (1, 1, -2, 0): _FORCES,
     (-1, 1, -2, 0): {"psi": constants.psi},
 }
-_QUANTITIES = {"length": "m", "mass": "kg", "force": "N"}
+_QUANTITIES = {"length": "m", "mass": "kg", "force": "N", "acceleration": "m/s^2"}
 _KNOWN = {name: (size, powers) for powers, of in _SIZES.items() for name, size in of.items()}
 # Signs of powers and products, also a raised 2 that was read in another encoding.
 _SIGNS = str.maketrans(
@@ -54,39 +54,38 @@ def size_of(unit: str, quantity: str) -> float | None:
     ``"kip-sec²/in"``, ``"cm/s/s"``, ``"KN s/m"``. A mass in ``"ton"`` is unknown, since there are
     several; in a force it is that of 1000 kg, as programs of structural analysis have it.
     """
-    stated, wanted = _parsed(unit), _parsed("s/s" if quantity == "1" else quantity)
+    stated, wanted = parsed(unit), parsed("s/s" if quantity == "1" else quantity)
     return stated[0] / wanted[0] if stated and wanted and stated[1] == wanted[1] else None
 
 
 def stated_size(quantity: str, stated: str, wanted: object, where: str) -> float:
     """The size of a unit in SI, as a file states it, or as the caller does where the file does not.
 
-    ``quantity`` is ``"length"``, ``"mass"`` or ``"force"``, and ``where`` the place in the file, for
-    messages. Raises a ValueError if neither says it, if both contradict each other, or if it is not
-    known, and a TypeError if the unit that the caller states is no text.
+    ``quantity`` is ``"length"``, ``"mass"``, ``"force"`` or ``"acceleration"``, and ``where`` the place
+    in the file, for messages. Raises a ValueError if neither says it, if both contradict each other, or
+    if it is not known, and a TypeError if the unit that the caller states is no text.
     """
-    name, of = f"{quantity}_units", _QUANTITIES[quantity]
+    of, name = _QUANTITIES[quantity], "units" if quantity == "acceleration" else f"{quantity}_units"
     allowed = ", ".join(UNITS[of])
     size = size_of(stated, of)
     if wanted is None:
-        if size is None:
-            what = f"{brief(stated)} is not a known unit of a {quantity}"
-            missing = f"the file does not say the unit of the {quantity}"
-            raise ValueError(f"{where}: {what if stated else missing}; give {name}=, allowed: {allowed}")
-        return size
+        if size is not None:
+            return size
+        what = f"{brief(stated)} is not a known" if stated else "the file does not say the"
+        raise ValueError(f"{where}: {what} unit of the {quantity}; give {name}=, allowed: {allowed}")
     if not isinstance(wanted, str):
         raise TypeError(f"{name} = {brief(wanted)}; allowed: a text, such as {allowed}")
     known = size_of(wanted, of)
     if known is None:
         raise ValueError(f"{name} = {brief(wanted)} is not a known unit; allowed: {allowed}")
-    if size not in (None, known):
+    if size not in (None, known) or any(size_of(stated, other) for other in {"m", "m/s"} - {of}):
         what = f"{name} = {brief(wanted)} contradicts {where}, which states {brief(stated)}"
         raise ValueError(f"{what}; correct it, or leave it out")
     return known
 
 
-def _parsed(unit: str) -> tuple[float, tuple[float, ...]] | None:
-    """Size in SI and powers of length, mass, time and years."""
+def parsed(unit: str) -> tuple[float, tuple[float, ...]] | None:
+    """Size in SI and powers of length, mass, time and years of any unit; None if it is unknown."""
     text = " ".join(unit.lower().replace("**", "").translate(_SIGNS).split())
     text = _OF_RATIO.sub(r"\1\3/\2\3", text)
     factors = _FACTOR.findall(text)

@@ -120,7 +120,7 @@ BROKEN = {
     "line 6, column 4: the shape is missing": PLAIN.replace(",-1.61", ""),
     "line 6, column 5: '1' is beyond the 4 columns above": PLAIN.replace("-1.61", "-1.61,1"),
     "line 6, column 3: '0.6.2' is not a shape": PLAIN.replace("0.62", "0.6.2"),
-    "line 6, column 3: '0,62' is not a shape; allowed: a number, with a decimal point": PLAIN.replace(
+    "line 6, column 3: '0,62' is not a shape; allowed: a number, with '.' bef": PLAIN.replace(
         "0.62", '"0,62"'
     ),
     "line 2: mode numbers are not 1, 2 and so on": PLAIN.replace("mode,,1,2", "mode,,1,1"),
@@ -140,7 +140,7 @@ BROKEN = {
     "line 4, column 2: the file does not say the unit of the mass; give mass_units=": PLAIN.replace(
         "[t]", ""
     ),
-    "line 4, column 2: 'ton' is not a known unit of a mass": PLAIN.replace("[t]", "[ton]"),
+    "line 4, column 2: 'ton' is not a known unit of the mass": PLAIN.replace("[t]", "[ton]"),
     "line 4, column 2: 'weight [kN]' is not the title of the masses": PLAIN.replace(
         "mass [t]", "weight [kN]"
     ),

@@ -442,7 +442,7 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         {},
     ),
     "line 4, column 3: the period is missing": (re.sub(r"(?<=Modal,1,)[^,]*", "", ETABS, count=1), {}),
-    "line 2: table Modal Participating Mass Ratios has no column PERIOD; it has Case, Mode, Time, UX": (
+    "line 2: table Modal Participating Mass Ratios has no column 'period'; allowed: 9 columns": (
         ETABS.replace("Period", "Time", 1),
         {},
     ),
@@ -450,7 +450,7 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         ETABS.replace("\n,mm,\n", "\n"),
         {},
     ),
-    "line 23, column 2: 'kN' is not a known unit of a mass": (ETABS.replace("kN-s²/m", "kN"), {}),
+    "line 23, column 2: 'kN' is not a known unit of the mass": (ETABS.replace("kN-s²/m", "kN"), {}),
     "table Mass Summary by Story or Centers Of Mass And Rigidity is missing: the file has Modal": (
         as_text([cells for cells in etabs() if "Mass Summary" not in str(cells[0])]),
         {},

@@ -265,7 +265,7 @@ UNREADABLE: dict[str, tuple[str, dict[str, Any], str]] = {
     "no such column": (
         f"{HEAD}0,0\n1,2\n",
         {"force_column": 5},
-        r"force_column = 5 is not in push\.csv, line 2; allowed: 2 columns \(index 0 to 1\)",
+        r"push\.csv has no column 5; allowed: 2 columns \(index 0 to 1\) named roof .mm., shear .kN.",
     ),
     "one column": (f"{HEAD}0,0\n1,2\n", {"force_column": 0}, "are both in column 1"),
     "no numbers": ("roof,shear\n", {}, "has no line of numbers"),
@@ -290,7 +290,7 @@ UNREADABLE: dict[str, tuple[str, dict[str, Any], str]] = {
     "other brackets": (
         "roof u(t),shear [kN]\n0,0\n1,2\n2,3\n3,3.1\n",
         {},
-        r"line 1, column 1: 't' is not a known unit of a length; give length_units=",
+        r"line 1, column 1: 't' is not a known unit of the length; give length_units=",
     ),
     "open quotation": (f'{HEAD}0,0\n"1,2\n2,3\n', {}, r"line 3, column 1: '1,2' is not a length"),
     "wide": (

@@ -144,7 +144,7 @@ def test_a_hazard_that_is_wrong_names_the_line(tmp_path):
         return str(caught.value)
 
     head = "# by the survey\npga [g],per year\n"
-    assert "hazard.csv, line 4, row 2: the annual frequency 0.02" in message(head + "0.1,.01\n0.2,.02\n")
+    assert "hazard.csv, line 4: the annual frequency 0.02" in message(head + "0.1,.01\n0.2,.02\n")
     assert "1 points; allowed: 2 or more" in message(head + "0.2,.01\n")
 
 

@@ -137,12 +137,20 @@ def test_a_file_gives_what_was_written(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "head", "message"),
     [
-        (of_code(), "T,Sa", "units is missing and site.csv does not state it; allowed: 'g'"),
-        ([*of_code()[:5], "0.25,-1"], None, "row 6: the acceleration at 0.25 s is -9.8.*allowed: posit"),
+        (
+            of_code(),
+            "T,Sa",
+            "does not say the unit .*; give units=, allowed: g, m/s",
+        ),
+        (
+            [*of_code()[:5], "0.25,-1"],
+            None,
+            "line 7: the acceleration at .* -9.8.*allowed: posit",
+        ),
         ([*of_code()[:5], "0.15,1"], None, "(time|period|increas)"),
         (of_code()[:3], None, "spectrum has 3 points; allowed: 4 or more"),
-        (of_code(divided=3.0), None, "row 1: the spectrum rises to .* divided by a behaviour factor"),
-        (of_code(floor=0.16)[1:], None, "row 11: the spectrum is level from 2 s on"),
+        (of_code(divided=3.0), None, "line 2: the spectrum rises to .* divided by a behaviour factor"),
+        (of_code(floor=0.16)[1:], None, "line 12: the spectrum is level from 2 s on"),
     ],
 )
 def test_a_file_that_holds_no_elastic_spectrum_is_refused(tmp_path, rows, head, message):

@@ -157,7 +157,7 @@ REFUSALS = {
     "site 0": (SITES, {"site": 0}, "site = 0 is not in"),
     "far site": (SITES, {"site": (-99.1, 19.33)}, r"where the nearest is 2 \(-99\.05, 19\.4\)"),
     "site of text": (SITES, {"site": "CU"}, "site = 'CU' is not in"),
-    "units": (SITES, {"site": 1, "units": "gal"}, r"units = 'cm/s\^2' contradicts .* states 'g'"),
+    "units": (SITES, {"site": 1, "units": "gal"}, r"units = 'gal' contradicts .* states 'g'"),
     "period": (
         SITES,
         {"site": 1, "measure": "sa", "period": 1.0},
@@ -216,7 +216,7 @@ REFUSALS = {
     "three columns": (
         columns("n,m,pga [g]", *[LEVELS] * 3),
         {},
-        "has n, m, pga .*; allowed: such as pga",
+        "3 columns .* named n, m, pga .*; allowed: such as pga",
     ),
     "no investigation": (
         columns("pga [g],poe", LEVELS, probability()),
@@ -226,12 +226,12 @@ REFUSALS = {
     "rare": (
         "0.1,0.9\n0.2,0.8\n\n0.3,1.5\n",
         {"investigation_time": 50},
-        "line 4, row 3: the probability is 1.5",
+        "line 4: the probability is 1.5",
     ),
     "zero within": (
         columns("pga [g],rate", [0.1, 0.2, 0.3], [1, 0, 0.1]),
         {},
-        "row 2: the annual frequency is 0",
+        "line 3: the annual frequency is 0",
     ),
     "a site of columns": (
         columns("pga [g],rate", LEVELS, frequency()),
@@ -244,7 +244,11 @@ REFUSALS = {
     "no total": (USGS.replace("Total", "Sum"), {}, "has no numbers of PGA"),
     "text": (USGS.replace("[0.05,", '["0.05",'), {}, "no numbers of PGA"),
     "unequal": (USGS.replace("[0.05, ", "[", 1), {}, "PGA: 7 levels, 8 frequencies"),
-    "no units": (USGS.replace("(g)", ""), {}, "units is missing and .* does not state it"),
+    "no units": (
+        USGS.replace("(g)", ""),
+        {},
+        "does not say the unit of the acceleration; give units=",
+    ),
     "NaN": (USGS.replace("[0.05, ", "[NaN, ", 1), {}, "PGA, number 1: the intensity is nan; allowed"),
     "between": (USGS, {"measure": "sa", "period": 0.1}, r"period = 0\.1 is beyond .*PGA, SA\(0\.2"),
     "beyond": (USGS, {"measure": "sa", "period": 3.0}, r"period = 3 is beyond .*SA\(2\)"),

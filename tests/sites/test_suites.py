@@ -172,7 +172,7 @@ def test_a_table_of_records_that_were_measured():
         ("file\nnone.at2", "suite.csv, line 2, none.at2: .*there is no such file"),
         ("file\none.AT2\none.AT2", "line 3, one.AT2 is listed twice"),
         ("file,dt\nplain.txt,soon", "line 2, plain.txt: dt = 'soon' is no number"),
-        ("file,units\nplain.txt,feet", "line 2, plain.txt: units = 'feet' is no acc"),
+        ("file,units\nplain.txt,feet", "line 2, plain.txt: units = 'feet' is not a known unit"),
         ('file,units\nplain.txt,"a, b, c"', "units = 'a, b, c'; allowed: one unit"),
         ('file,dt,units\ntimed.txt,0.02,"t s, g"', "line 2, timed.txt: dt = 0.02 contradicts"),
         ("file", "suite.csv holds no record that can be read"),

@@ -13,8 +13,8 @@ from stochlin.analyses.buildings.variables import VARIABLES
 from stochlin.analyses.sheets.sheets import Table, check_alone, sheets_of, table_of, with_unit
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.inputs import input_path
-from stochlin.messages import brief, listed, plain
-from stochlin.models.arguments import checked, is_whole
+from stochlin.messages import brief, plain
+from stochlin.models.arguments import checked
 
 # Words by which the titles of the columns are known, and the quantity of each column.
 TITLES = {"displacement": ("displ|roof", "length"), "force": ("shear|force", "force")}
@@ -84,6 +84,7 @@ def read_pushover(
         raise ValueError(f"{name} has no line of numbers; allowed: displacements and base shears")
     check_alone([table.sheet for table in tables], "lines of numbers")
     table = tables[0]
+    table.sheet.check_width(table.rows.index, table.width)
     _check_one_case(table)
     wanted = {"displacement": (displacement_column, length_units), "force": (force_column, force_units)}
     columns = {what: _column(what, column, table) for what, (column, _) in wanted.items()}
@@ -96,8 +97,7 @@ def read_pushover(
     for what, column in columns.items():
         values = table.in_si(column, TITLES[what][1], wanted[what][1], None)
         series.append(values * np.sign(values[np.argmax(np.abs(values))]))
-    places = [table.sheet.where(line) for line in table.rows.index]
-    displacement, force = checked_curve(series[0], series[1], places)
+    displacement, force = checked_curve(series[0], series[1], table.places())
     units, long_name = VARIABLES[CURVE]
     return xr.DataArray(
         force,
@@ -111,29 +111,20 @@ def _check_one_case(table: Table) -> None:
     """Raise a ValueError if the lines are of several load cases."""
     for column in (n for n, name in enumerate(table.names) if "case" in name):
         cases = table.texts(column).drop_duplicates()
-        if len(cases) > 1 and cases.map(table.sheet.number_in).isna().all():
+        if len(cases) > 1 and not any(table.sheet.columns_of_numbers(n) & {column} for n in cases.index):
             what = f"a second load case, {brief(cases.iloc[1])} beside {brief(cases.iloc[0])}"
             raise table.sheet.error(cases.index[1], column, f"{what}; export one of them")
 
 
 def _column(what: str, wanted: int | str | None, table: Table) -> int:
     """Index of the column of displacements or forces."""
-    names, first = [], table.rows.index[0]
-    if table.titles:
-        names = [with_unit(title)[0] for title in table.sheet.row(table.titles)]
-    parameter, width = f"{what}_column", max(len(table.sheet.row(first)), len(names))
-    known = f"{width} columns (index 0 to {width - 1})" + (f" titled {listed(names)}" if names else "")
-    if wanted is None:
-        fitting = [n for n, name in enumerate(names) if re.search(TITLES[what][0], name)]
-        if len(fitting) == 1:
-            return fitting[0]
-        if not names and width == 2:
-            return [*TITLES].index(what)
-        where = table.sheet.where(first)
-        raise ValueError(f"{parameter} is missing: {where} has {known}; give {parameter}=")
-    if isinstance(wanted, str) and (title := with_unit(wanted)[0]) in names:
-        return names.index(title)
-    if is_whole(wanted) and 0 <= wanted < width:
-        return int(wanted)
-    where = table.sheet.where(first)
-    raise ValueError(f"{parameter} = {brief(wanted)} is not in {where}; allowed: {known}")
+    parameter, names = f"{what}_column", [with_unit(title)[0] for title in table.title_cells]
+    if wanted is not None:
+        return table.column(wanted, several=False)
+    fitting = [n for n, name in enumerate(names) if re.search(TITLES[what][0], name)]
+    if len(fitting) == 1:
+        return fitting[0]
+    if not names and table.width == 2:
+        return [*TITLES].index(what)
+    where = table.sheet.where(table.rows.index[0])
+    raise ValueError(f"{parameter} is missing: {where} has {table.in_words}; give {parameter}=")

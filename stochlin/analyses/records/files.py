@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from stochlin.analyses.records.columns import Column, Text, acceleration_units, content
+from stochlin.analyses.records.columns import Column, Text
 from stochlin.analyses.records.formats import FORMATS, HEADER_LINES, RecordFile, Series
 from stochlin.analyses.tables.inputs import read_text
 from stochlin.messages import brief, plain
 from stochlin.models.arguments import is_label, is_whole
+from stochlin.models.units import size_of
 
-_LINE_ENDS = ("\r\n", *"\r\x0b\x0c\x1c\x1d\x1e\x85\u2028\u2029")
+_COMMENT = re.compile(r"^([-+.,;\dDEde\s]*)[#%].*")
 
 
 class UnknownFormatError(ValueError):
@@ -40,8 +41,8 @@ def read_channels(
     skip: int = 0,
 ) -> list[Series]:
     """The components in a record file of any format."""
-    name, lines = plain(path.name), _text(path).split("\n")
-    first = "\n".join(line for _, line in islice(content(lines, skip), HEADER_LINES))
+    name, lines = plain(path.name), _lines(path)
+    first = "\n".join(islice(filter(str.strip, islice(lines, skip, None)), HEADER_LINES))
     if not first:
         raise ValueError(f"{name} is empty: it holds no line of numbers")
     of = next((of for of in FORMATS.values() if of.header.search(first)), None)
@@ -54,8 +55,10 @@ def read_channels(
     channels = of.read(RecordFile(name, lines))
     if not channels:
         raise unknown_format(name)
-    place = f"{name}: units"
-    return [c._replace(units=c.units and acceleration_units(c.units, place)) for c in channels]
+    for unit in (channel.units for channel in channels if channel.units):
+        if size_of(unit, "m/s^2") is None:
+            raise ValueError(f"{name} has {brief(unit)}; allowed: units of an acceleration")
+    return channels
 
 
 def of_trace(trace: Any) -> Series:
@@ -100,17 +103,16 @@ def is_record(name: str) -> bool:
     return re.search(rf"\.({endings})(\.gz)?$", name, re.IGNORECASE) is not None
 
 
-def _text(path: Path) -> str:
-    """Text of the file with one kind of line ends."""
-    text = read_text(path)
-    for other in _LINE_ENDS:
-        text = text.replace(other, "\n")
-    return text
+def _lines(path: Path) -> list[str]:
+    """The lines of a file without comments."""
+    text = read_text(path).replace("\x1a", "")  # control-Z, the end of old DOS files
+    lines = text.splitlines()
+    return [_COMMENT.sub(r"\1", line) for line in lines] if "#" in text or "%" in text else lines
 
 
 def columns_of(path: Path) -> Text:
     """The columns in a text of numbers alone."""
     name = plain(path.name)
-    if (text := Text.of(name, _text(path).split("\n"), 0)) is None:
+    if (text := Text.of(name, _lines(path), 0)) is None:
         raise ValueError(f"{name} has no columns of numbers; allowed: names and numbers below")
     return text

@@ -11,14 +11,16 @@ from typing import Annotated, Any, Protocol
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from scipy import constants
 
-from stochlin.analyses.records.columns import METRES, Column, acceleration_units, spelled, stated_units
+from stochlin.analyses.records.columns import Column
 from stochlin.analyses.records.files import chosen, letters, of_trace, read_channels
 from stochlin.analyses.records.formats import Series
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, plain
 from stochlin.models.arguments import Seconds, Truth, Whole, checked, is_number
+from stochlin.models.units import size_of, stated_size
 
 MINIMUM_SAMPLES = 16
 
@@ -29,7 +31,7 @@ _TIME_TOLERANCE = 0.25
 _STEP_TOLERANCE = 2e-3
 _CURE = "correct it, or leave it out"
 SHORTEST_STEP = 1e-6  # s
-LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * METRES["g"]  # s, m/s^2; larger values give a warning
+LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * constants.g  # s, m/s^2; larger values give a warning
 _NO_ACCELERATION = re.compile(r"\b(vel|velocity|disp|displacement|time)\b", re.IGNORECASE)
 
 
@@ -61,8 +63,9 @@ def read_record(
     are read here. A file with columns of text, separated by comma, semicolon or white space, may begin
     with two lines of titles, a row of names and a row of units. It states the time step only in a first
     row of the number of samples and it, such as ``1559 0.02``, and the units only in a name such as
-    ``acc [g]``. Between semicolons or tabs numbers may have decimal commas. Text after ``#`` or ``%`` is
-    a comment. Missing information is never guessed.
+    ``acc [g]``. Between semicolons or tabs numbers may have decimal commas. A line that begins with
+    ``#`` or ``%``, and what follows them beside numbers, is a comment. Missing information is never
+    guessed.
 
     Parameters
     ----------
@@ -72,10 +75,12 @@ def read_record(
         the ``units`` have to be given.
     dt : float, optional
         Time step [s], positive. Not needed if the header states it or with a ``time_column``.
-    units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
-        Units of the numbers in the file. Not needed if the file states them.
+    units : str, optional
+        Units of the numbers in the file, such as ``"g"``, ``"m/s^2"``, ``"gal"`` or ``"in/s^2"``. Not
+        needed if the file states them.
     column, time_column : int or str, optional
-        Columns of the acceleration and of the time [s], each by its index from 0 or by its name.
+        Columns of the acceleration and of the time, in seconds if its name has no other unit, each by
+        its index from 0 or by its name, also without its unit.
         ``column`` is not needed if only one column remains.
     component : int or str, optional
         Component of a file that holds several, by its name there, such as ``"N00E"``, or by its number
@@ -123,7 +128,6 @@ def read_record(
     >>> record.sizes["time"], record.attrs["dt"], float(record.max())
     (100, 0.02, 0.01)
     """
-    units = None if units is None else acceleration_units(units, "units")
     name, channels = source_of(path, column, time_column, wrapped, skip)
     return recorded(chosen(channels, component, name), name, dt, units)
 
@@ -159,7 +163,7 @@ def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
     """Texts of warnings on an implausible record, each as a question."""
     peak, step = float(np.abs(record).max()), record.attrs["dt"]
     if peak > LARGEST_PEAK:
-        yield f"its peak is {peak / METRES['g']:.4g} g, more than 3 g; are the units right?"
+        yield f"its peak is {peak / constants.g:.4g} g, more than 3 g; are the units right?"
     if step > LONGEST_STEP:
         yield f"its time step is {step:.6g} s, and that of records a hundredth; is time in seconds?"
     if _NO_ACCELERATION.search(series.column):
@@ -203,7 +207,7 @@ def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float
     if record.dims != ("time",) or "time" not in record.coords:
         raise ValueError(f"record has the dimensions {record.dims}; allowed: time with its coordinate")
     units = record.attrs.get("units", "m/s^2")
-    if spelled(units) != "m/s^2":
+    if size_of(str(units), "m/s^2") != 1:
         raise ValueError(f"record has units {brief(units)}; allowed: m/s^2, so convert it first")
     if not {record.dtype.kind, record["time"].dtype.kind} <= set("iuf"):
         raise TypeError(f"record and its time are {record.dtype}, {record.time.dtype}; allowed: numbers")
@@ -219,7 +223,7 @@ def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float
 
 
 def _labelled(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:
-    stated = stated_units(series.units, name, units)
+    size = stated_size("acceleration", series.units or "", units, name)
     if dt and series.dt and not np.isclose(dt, series.dt, rtol=_STEP_TOLERANCE, atol=0):
         raise ValueError(f"dt = {dt:g} contradicts {name}, which states {series.dt:g}; {_CURE}")
     step, start = dt or series.dt, 0.0
@@ -232,7 +236,7 @@ def _labelled(series: Series, name: str, dt: float | None, units: str | None) ->
     time = start + step * np.arange(series.values.size)
     about = {key: text for key, text in series.about.items() if text}
     record = xr.DataArray(
-        series.values * METRES[stated],
+        series.values * size,
         dims="time",
         coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
         name="acceleration",

@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
+from statistics import mode
 from typing import NamedTuple
 
 import numpy as np
@@ -16,13 +18,15 @@ from stochlin.analyses.sheets.workbooks import rows_of
 from stochlin.analyses.tables.inputs import read_input, read_text
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, plain
+from stochlin.models.arguments import is_whole
 from stochlin.models.parameters import Range
-from stochlin.models.units import stated_size
+from stochlin.models.units import parsed, stated_size
 
-_WORKBOOK = b"PK\x03\x04"  # signature of .xlsx, which is a zip archive
-_OLE = b"\xd0\xcf\x11\xe0"  # signature of .xls, and of .xlsx with a password
-_SAMPLE = 50  # lines in which the separator is looked for
+_WORKBOOKS = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"  # signatures of .xlsx, and of .xls or with a password
+_SAMPLE = 50  # lines in which the separator is looked for, and where the numbers begin
 MOST_CELLS = 2**23  # lines times columns
+_DECIMAL_COMMA = re.compile(r"(^|[;\s])[-+]?\d*,\d+([;\s]|$)")
+_BETWEEN_TITLES = r"\t+|\s{2,}", r"\s+(?![(\[])", r"\s+"  # white space, which may be within titles
 _UNIT = re.compile(r"(.*)[(\[]([^()\[\]]*)[)\]](.*)")  # the last pair of brackets
 
 
@@ -36,7 +40,8 @@ class Sheet(NamedTuple):
 
     name: str  # the file, and the sheet of a workbook
     cells: pd.DataFrame
-    has_comma: bool = False  # columns are separated by commas, so that numbers have a point
+    decimal: str = ".,"  # the signs that numbers may have before their decimals
+    separator: str | None = None  # between the columns of a text; None for white space
 
     def row(self, line: int) -> tuple[str, ...]:
         """The cells of a line up to the last one that is not empty."""
@@ -51,13 +56,9 @@ class Sheet(NamedTuple):
         """A ValueError at a cell, or at the whole line."""
         return ValueError(f"{self.where(line, column)}: {what}")
 
-    def number_in(self, text: str) -> float | None:
-        """The finite number that a cell stands for; None if it is none."""
-        return number_in(text, decimal_comma=not self.has_comma)
-
-    def has_numbers(self, cells: Sequence[str]) -> bool:
-        """Whether two of the cells are numbers."""
-        return sum(self.number_in(cell) is not None for cell in cells) > 1
+    def columns_of_numbers(self, line: int) -> set[int]:
+        """The columns that have a number in a line."""
+        return {n for n, cell in enumerate(self.row(line)) if number_in(cell, self.decimal) is not None}
 
     def numbers(self, cells: pd.DataFrame, what: str, allowed: Range | None = None) -> Array:
         """The numbers in a part of the cells, each of them ``what`` in messages.
@@ -65,7 +66,8 @@ class Sheet(NamedTuple):
         Raises a ValueError at the first cell that is missing, no number, or out of the range.
         """
         texts = cells.to_numpy(dtype=object)
-        values = np.array([self.number_in(text) for text in texts.ravel()], dtype=float)  # None: NaN
+        # None becomes NaN.
+        values = np.array([number_in(text, self.decimal) for text in texts.ravel()], dtype=float)
         wrong = np.isnan(values) if allowed is None else ~allowed.contains(values)
         if wrong.any():
             raise self._refused(cells, int(np.argmax(wrong)), what, allowed)
@@ -74,13 +76,11 @@ class Sheet(NamedTuple):
     def _refused(self, cells: pd.DataFrame, n: int, what: str, allowed: Range | None) -> ValueError:
         line, column = cells.index[n // cells.shape[1]], cells.columns[n % cells.shape[1]]
         text = self.cells.at[line, column]
-        if not text:
-            return self.error(line, column, f"the {what} is missing; allowed: a number")
-        value = self.number_in(text)
-        if value is None:
-            sign = ", with a decimal point" if self.has_comma and "," in text else ""
-            return self.error(line, column, f"{brief(text)} is not a {what}; allowed: a number{sign}")
-        return self.error(line, column, f"the {what} is {value:g}; allowed: {allowed}")
+        value, signs = number_in(text, self.decimal), " or ".join(map(repr, self.decimal))
+        if value is not None:
+            return self.error(line, column, f"the {what} is {value:g}; allowed: {allowed}")
+        said = f"{brief(text)} is not a {what}" if text else f"the {what} is missing"
+        return self.error(line, column, f"{said}; allowed: a number, with {signs} before its decimals")
 
     def check_width(self, lines: Sequence[int], width: int) -> None:
         """Raise a ValueError for cells beyond the columns, such as the rest of 190,000."""
@@ -110,20 +110,41 @@ class Table(NamedTuple):
         return self.sheet.error(self.titles or self.rows.index[0], None, f"{self.name} {what}")
 
     @property
+    def title_cells(self) -> tuple[str, ...]:
+        """The titles as they are written; empty if there are none."""
+        return self.sheet.row(self.titles) if self.titles else ()
+
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return max(len(self.sheet.row(self.rows.index[0])), len(self.title_cells))
+
+    @property
+    def in_words(self) -> str:
+        """The columns, for messages."""
+        named = f" named {listed(self.title_cells)}" if self.titles else ""
+        return f"{self.width} columns (index 0 to {self.width - 1}){named}"
+
+    def places(self) -> list[str]:
+        """Name of file and line of each row, for messages."""
+        return [self.sheet.where(line) for line in self.rows.index]
+
+    @property
     def names(self) -> list[str]:
         """Names of the columns, in small letters and digits alone."""
-        titles = self.sheet.row(self.titles) if self.titles else ()
-        names = [spelled(with_unit(title)[0]) for title in titles]
+        names = [spelled(with_unit(title)[0]) for title in self.title_cells]
         return [self.alike.get(name, name) for name in names]
 
-    def column(self, name: str | int) -> int:
-        """The last column of a name; a ValueError with all of them if there is none."""
-        if isinstance(name, int):
+    def column(self, name: str | int, several: bool = True) -> int:
+        """The column of an index or a title, the last of ``several``; a ValueError if there is none."""
+        wanted = spelled(with_unit(name)[0]) if isinstance(name, str) else name
+        exact = [n for n, title in enumerate(self.title_cells) if title == name]
+        fitting = exact or [n for n, other in enumerate(self.names) if other == wanted]
+        if is_whole(name) and 0 <= name < self.width:
             return name
-        if name not in self.names:
-            known = listed(self.sheet.row(self.titles))
-            raise self.error(f"has no column {name.upper()}; it has {known}")
-        return len(self.names) - 1 - self.names[::-1].index(name)
+        if not fitting or (fitting[1:] and not several):
+            raise self.error(f"has no column {brief(name)}; allowed: {self.in_words}")
+        return fitting[-1]
 
     def texts(self, name: str | int) -> pd.Series:
         """The texts of a column."""
@@ -131,46 +152,48 @@ class Table(NamedTuple):
 
     def numbers(self, name: str | int, what: str, allowed: Range | None = None) -> Array:
         """The numbers of a column, each of them ``what`` in messages."""
+        if self.rows[self.column(name)].dtype.kind == "f":
+            return self.rows[self.column(name)].to_numpy()
         return self.sheet.numbers(self.rows[[self.column(name)]], what, allowed)[:, 0]
+
+    def unit_of(self, column: int) -> str:
+        """The unit in the title of a column or in the line of units; empty if there is none."""
+        cells = [self.sheet.cells.at[line, column] for line in (self.titles, self.units) if line]
+        stated = max((with_unit(cell)[1] for cell in cells), default="", key=len)
+        return stated or (cells[-1] if self.units else "")
 
     def in_si(self, name: str | int, quantity: str, unit: str | None, allowed: Range | None) -> Array:
         """The numbers of a column in SI, by the unit of its title, of the line of units, or this one."""
         column, line = self.column(name), self.units or self.titles or self.rows.index[0]
-        titles = self.sheet.cells.loc[[n for n in (self.titles, self.units) if n], column]
-        stated = [with_unit(title)[1] for title in titles]
-        if self.units and not any(stated):
-            stated = [titles.iloc[-1]]
-        size = stated_size(
-            quantity, max(stated, default="", key=len), unit, self.sheet.where(line, column)
-        )
+        size = stated_size(quantity, self.unit_of(column), unit, self.sheet.where(line, column))
         return size * self.numbers(column, quantity, allowed)
 
-    def check_once(self, keys: pd.DataFrame, allowed: str) -> None:
-        """Raise a ValueError for the first line whose keys an earlier line has."""
-        for line in keys.index[keys.duplicated()][:1]:
-            names = " ".join(map(str, keys.loc[line]))
-            raise self.sheet.error(line, None, f"{brief(names)} is there twice; {allowed}")
 
+def table_of(sheet: Sheet, pattern: str = "") -> Table | None:
+    """The table below titles; None if there are no numbers.
 
-def table_of(sheet: Sheet, pattern: str) -> Table | None:
-    """The table whose numbers begin in the first line with two of them; None if there is none.
-
-    Its titles are the line above with the most names that have a word of the pattern, also after ``#``.
+    They begin in the first line of numbers alone, or with a number in a column where the next line has
+    one. The titles are the line above with the most names that have a word of the pattern, also after
+    ``#``.
     """
-    start = next((line for line, *cells in sheet.cells.itertuples() if sheet.has_numbers(cells)), None)
+    below = sheet.without_comments().cells
+    numbers, row, lines = sheet.columns_of_numbers, sheet.row, [*below.index]
+    pairs = zip(lines, [*lines[1:], *lines[-1:]], strict=True)
+    begins = (n for n, after in pairs if numbers(n) & numbers(after) or len(numbers(n)) == len(row(n)))
+    start = next(begins, None)
     if start is None:
         return None
+    above = [n for n in sheet.cells.index if n < start and (n in below.index or len(row(n)) > 1)]
 
-    def known(line: int) -> int:
-        return sum(re.search(pattern, cell, re.IGNORECASE) is not None for cell in sheet.row(line))
+    def known(line: int) -> tuple[int, int]:
+        return sum(re.search(pattern, cell, re.IGNORECASE) is not None for cell in row(line)), line
 
-    below = sheet.without_comments().cells
-    above = [n for n in sheet.cells.index if n < start and (n in below.index or len(sheet.row(n)) > 1)]
-    titles = max(above, key=known, default=0)
-    units = next((line for line in above if line > titles), 0)
-    table = Table(sheet.name, sheet, titles, units, below.loc[start:])
-    sheet.check_width(table.rows.index, len(table.names) or len(sheet.row(start)))
-    return table
+    wide = [line for line in above if len(row(line)) >= len(row(start))]
+    if wide[1:] and all(parsed(cell.strip("()[]")) for cell in row(wide[-1]) if cell):
+        wide = wide[:-1]
+    titles = max(wide, key=known, default=0)
+    units = next((line for line in above if line > titles > 0), 0)
+    return Table(sheet.name, sheet, titles, units, below.loc[start:])
 
 
 def spelled(title: str) -> str:
@@ -181,27 +204,15 @@ def spelled(title: str) -> str:
 def sheets_of(path: Path) -> list[Sheet]:
     """All sheets of a workbook, or the one of a text; an OSError or ValueError if it is neither."""
     name, content = plain(path.name), read_input(path)
-    if content.startswith(_OLE):
-        raise ValueError(f"{name} is an .xls workbook or has a password; save it as .xlsx without one")
-    if content.startswith(_WORKBOOK):
-        sheets = [
-            Sheet(f"{name}, sheet {title}", _frame(rows, name))
-            for title, rows in rows_of(content, name).items()
-        ]
+    if content.startswith(_WORKBOOKS):
+        cells = {f"{name}, sheet {title}": rows for title, rows in rows_of(content, name).items()}
+        sheets = [Sheet(place, _frame(rows, place)) for place, rows in cells.items()]
     else:
-        sheets = [_text(read_text(path), name)]
+        sheets = [text_sheet(read_text(path).splitlines(), name)]
     sheets = [sheet for sheet in sheets if sheet.cells.size]
     if not sheets:
         raise ValueError(f"{name} is empty: it holds no visible table")
     return sheets
-
-
-def sheets_in(folder: Path) -> list[Sheet]:
-    """The sheets of all files ``.csv`` in a folder; a ValueError if it holds none."""
-    files = sorted(f for f in folder.iterdir() if f.suffix.lower() == ".csv" and f.is_file())
-    if not files:
-        raise ValueError(f"the folder {plain(folder.name)} holds no file .csv")
-    return [sheet for file in files for sheet in sheets_of(file)]
 
 
 def check_alone(sheets: Sequence[Sheet], what: str) -> None:
@@ -211,44 +222,50 @@ def check_alone(sheets: Sequence[Sheet], what: str) -> None:
         raise ValueError(f"{first} and {second} both have {what}; allowed: one, so take the other out")
 
 
-def number_in(text: str, decimal_comma: bool = True) -> float | None:
-    """The finite number that a text stands for; None if it is none, or has signs between thousands."""
-    if decimal_comma and text.count(",") == 1 and "." not in text:
-        text = text.replace(",", ".")
+def number_in(text: str, decimal: str = ".") -> float | None:
+    """The finite number that a text is, also as Fortran writes it; None if it is none.
+
+    Before its decimals is one of the signs in ``decimal``, and none between thousands.
+    """
+    point = text.replace(",", ".", 1) if "," in decimal and "." not in text else text
     try:
-        value = float(text)
+        value = float(point.upper().replace("D", "E"))  # Fortran writes .5D-03
     except ValueError:
         return None
-    return value if math.isfinite(value) and "_" not in text else None
+    known = math.isfinite(value) and "_" not in text and (decimal != "," or "." not in text)
+    return value if known else None
 
 
 def with_unit(title: str) -> tuple[str, str]:
     """The name and the unit in a title such as ``S(T) [g]``, in lower case; the unit may be empty."""
     match = _UNIT.fullmatch(title)
-    if match is None:
-        return title.strip().lower(), ""
-    return f"{match[1].strip()} {match[3].strip()}".strip().lower(), match[2].strip()
+    name, unit, rest = match.groups() if match else (title, "", "")
+    return f"{name.strip()} {rest.strip()}".strip().lower(), unit.strip()
 
 
-def _text(text: str, name: str) -> Sheet:
-    lines = dict(enumerate(text.splitlines(), 1))
-    first = [line for line in lines.values() if line.strip(" \t;,") and not line.startswith("#")]
-    marks = (mark for mark in ";\t," if any(mark in line for line in first[:_SAMPLE]))
-    if (separator := next(marks, None)) is None:  # only spaces, which also titles have
-        return Sheet(name, _frame({number: _apart(line) for number, line in lines.items()}, name))
-    rows = {}
-    for number, line in lines.items():
+def text_sheet(lines: Sequence[str], name: str) -> Sheet:
+    """The cells of a text: columns are between ``;``, tabs or commas of half of its lines, or spaces."""
+    first = (line for line in lines if line.strip(" \t;,") and not line.startswith("#"))
+    sample = [*islice(first, _SAMPLE)]
+    often = (mark for mark in ";\t," if 2 * sum(mark in line for line in sample) >= len(sample))
+    separator = next(often, None)
+    decimal = "," if separator != "," and any(map(_DECIMAL_COMMA.search, lines)) else "."
+    width, rows = mode([len(line.split()) for line in sample] or [0]), {}
+    for number, line in enumerate(lines, 1):
+        ways = csv.reader([line], delimiter=separator) if separator else _apart(line, width)
         try:
-            rows[number] = next(csv.reader([line], delimiter=separator), [])
+            rows[number] = next(ways, [])
         except csv.Error as error:
             raise ValueError(f"{name}, line {number}: {error}; allowed: cells of less text") from error
-    return Sheet(name, _frame(rows, name), separator == ",")
+    return Sheet(name, _frame(rows, name), decimal, separator)
 
 
-def _apart(line: str) -> list[str]:
-    """The numbers of a line, or the line itself if it has other words."""
-    words = line.split()
-    return words if all(number_in(word) is not None for word in words) else [line]
+def _apart(line: str, width: int) -> Iterator[list[str]]:
+    """The numbers of a line, or as many titles as there are columns, or the line itself."""
+    if all(number_in(word, ".,") is not None for word in line.split()):
+        yield line.split()
+    yield from (row for way in _BETWEEN_TITLES if len(row := re.split(way, line.strip())) == width)
+    yield [line]
 
 
 def _frame(rows: Mapping[int, Sequence[str]], name: str) -> pd.DataFrame:

@@ -30,19 +30,15 @@ _OTHER, _ATTRIBUTE, MOST_COST = 50, 20, 5_000_000
 
 def rows_of(content: bytes, name: str) -> dict[str, dict[int, list[str]]]:
     """The cells of the visible sheets by title and line; a ValueError if they cannot be read."""
-    openpyxl = needed(
-        "openpyxl", f"{name} is a workbook, which", "tables", "save its tables as one .csv file"
-    )
+    openpyxl = needed("openpyxl", f"{name} is a workbook, which", "tables", "save its tables as .csv")
     sheets: dict[str, dict[int, list[str]]] = {}
     try:
         with warnings.catch_warnings(action="ignore"):  # of formats, which are not read
             for title, line, row in _rows(openpyxl.reader.excel.ExcelReader, _unpacked(content)):
                 sheets.setdefault(title, {})[line] = row
     except Exception as error:  # of any library within: zip, XML
-        raise ValueError(
-            f"{name} cannot be read as a workbook: {sentence(error.__cause__ or error)}; save it again "
-            "in a spreadsheet program, or its tables as .csv files"
-        ) from None
+        what = f"{name} cannot be read as a workbook: {sentence(error.__cause__ or error)}"
+        raise ValueError(f"{what}; save it again as .xlsx without a password, or as .csv") from None
     return sheets
 
 

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy import constants
 
-from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.sites.spectra import labelled
 from stochlin.messages import brief
 from stochlin.models.arguments import Acceleration, DampingOrZero, Seconds, checked, is_number
@@ -110,7 +110,7 @@ def eurocode_8(
         1 + period / rise * (2.5 * eta - 1),
         2.5 * eta * plateau / after * np.minimum(1, long / after),
     )
-    source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag / METRES['g']:.4g} g"
+    source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag / constants.g:.4g} g"
     curve = labelled(period, peak * shape, damping, source)
     return curve.assign_attrs(code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}")
 
@@ -186,7 +186,7 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
         0.4 + 0.6 * period / (0.2 * corner),
         corner / after * np.minimum(1, tl / after),
     )
-    short, long = (value / METRES["g"] for value in (sds, sd1))
+    short, long = (value / constants.g for value in (sds, sd1))
     source = f"ASCE 7, SDS = {short:.4g} g, SD1 = {long:.4g} g, TL = {tl:g} s"
     curve = labelled(period, sds * shape, 0.05, source)
     return curve.assign_attrs(code="asce_7", sds=float(sds), sd1=float(sd1), tl=float(tl))

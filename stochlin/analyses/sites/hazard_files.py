@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stochlin.analyses.records.columns import METRES, Text, acceleration_units, stated_units
+from stochlin.analyses.records.columns import Text
 from stochlin.analyses.records.files import columns_of
 from stochlin.analyses.sites.hazard_formats import (
     AskedHazard,
@@ -27,6 +27,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed, plain
 from stochlin.models.arguments import Years, checked
 from stochlin.models.hazards import Hazard, HazardCurve, check_curve
+from stochlin.models.units import stated_size
 
 FilePath = str | os.PathLike[str]
 S0 = "m^2/s^3"
@@ -60,8 +61,8 @@ def read_hazard(
         in `read_record`. Several files may be given, for several periods.
     measure : {"pga", "sa", "intensity"}
         As in `HazardCurve`.
-    units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
-        Units of the accelerations. Not needed if the row of names has them, as in ``pga [g]``, or for
+    units : str, optional
+        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as in ``pga [g]``, or for
         the other formats, which are in g. Not allowed for ``"intensity"``, which is in m^2/s^3.
     period : float, optional
         Period [s] of ``"sa"``. Between two periods of the files, the logarithm of the spectral
@@ -106,7 +107,6 @@ def read_hazard(
         raise ValueError(f"path = {brief(path)}; allowed: one file, or several")
     if of.measure == "intensity" and units is not None:
         raise ValueError(f"units = {units!r}; allowed with intensity: none, it is in m^2/s^3")
-    units = None if units is None else acceleration_units(units, "units")
     asked = AskedHazard(site, investigation_time)
     ordinates = [ordinate for file in paths for ordinate in _ordinates(file, of, asked)]
     return _of_ordinates(ordinates, listed(file.name for file in paths), of, units)
@@ -126,25 +126,27 @@ def _of_columns(path: Path, of: Hazard, asked: AskedHazard) -> Ordinate:
     """The curve in columns, which are known by their names or else the first two."""
     name, text = plain(path.name), columns_of(path)
     refuse(name, "a file of one site", {"site": asked.site})
-    if wrong := next(filter(_NO_CURVE.search, text.names), None):
+    if wrong := next(filter(_NO_CURVE.search, text.head.title_cells), None):
         raise ValueError(f"{name} has {brief(wrong)}; allowed: intensities and annual frequencies")
     second = _named(text, _FREQUENCY, 1)
     first = _named(text, _INTENSITY, 0 if second else 1)
-    columns, places = text.columns([first, second]), text.places()
-    other, title = columns[second], text.names[second] if text.names else ""
+    table = text.table()
+    places, other = table.places(), table.numbers(second, "frequency")
+    title = table.title_cells[second] if table.titles else ""
     if asked.years is not None:
         other = annual_frequencies(other, asked.years, places)
     elif re.search("prob|poe", title, re.IGNORECASE):
         raise ValueError(f"{name}: {brief(title)} seems to be a probability; give investigation_time")
     units = S0 if of.measure == "intensity" else text.units_of(first)
-    return Ordinate(of.period or 0.0, columns[first], other, places, units)
+    return Ordinate(of.period or 0.0, table.numbers(first, "intensity"), other, places, units)
 
 
 def _named(text: Text, pattern: re.Pattern[str], usual: int) -> int:
     """The column whose name matches, or the usual one of two."""
-    named = [n for n, name in enumerate(text.names) if pattern.search(name)]
-    if len(named) != 1 and text.width != 2:
-        raise ValueError(f"{text.name} has {listed(text.names)}; allowed: such as pga [g], annual rate")
+    named = [n for n, title in enumerate(text.head.title_cells) if pattern.search(title)]
+    if len(named) != 1 and text.head.width != 2:
+        what = f"{text.head.sheet.name} has {text.head.in_words}"
+        raise ValueError(f"{what}; allowed: such as pga [g], annual rate")
     return named[0] if len(named) == 1 else usual
 
 
@@ -173,7 +175,7 @@ def _of_ordinates(
 
 def _in_metres(curve: Ordinate, name: str, units: str | None) -> Ordinate:
     check_curve(curve.intensities, curve.frequencies, curve.places or [name])
-    unit = 1.0 if curve.units == S0 else METRES[stated_units(curve.units, name, units)]
+    unit = 1.0 if curve.units == S0 else stated_size("acceleration", curve.units or "", units, name)
     return curve._replace(intensities=unit * curve.intensities)
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from scipy import constants
 
-from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.simulation.finite_motions import mean_with_error
 from stochlin.analyses.sites.simulated_spectra import PGA_STEP, Motions, peak_accelerations
 from stochlin.analyses.sites.spectra import USUAL_DAMPING, check_goal
@@ -113,7 +113,7 @@ def scale_ground(
     what = of_peak if sa is None else f"Sa({period:g} s), damping {damping:g},"
     under = "stationary" if envelope is None else envelope.describe()
     text = (
-        f"{_TOLD} {what} of {wanted / METRES['g']:.4g} g in motions of {duration:g} s, {under}, "
+        f"{_TOLD} {what} of {wanted / constants.g:.4g} g in motions of {duration:g} s, {under}, "
         f"with a standard error of {100 * error / mean:.2g} % from {paths} of them"
     )
     source = ground.source.partition(_TOLD)[0].rstrip("; ")

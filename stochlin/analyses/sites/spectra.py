@@ -9,13 +9,15 @@ from typing import Annotated, TypeGuard
 
 import numpy as np
 import xarray as xr
+from scipy import constants
 
-from stochlin.analyses.records.columns import METRES, Column, acceleration_units, spelled, stated_units
+from stochlin.analyses.records.columns import Column
 from stochlin.analyses.records.files import columns_of
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import DampingRatio, OneOf, checked, is_number
+from stochlin.models.units import size_of, stated_size
 
 USUAL_DAMPING = 0.05
 SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
@@ -69,7 +71,7 @@ def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
     if spectrum.dims != ("period",) or "period" not in spectrum.coords:
         raise ValueError(f"spectrum has the dimensions {spectrum.dims}; allowed: period alone")
     units = spectrum.attrs.get("units")
-    if units is None or spelled(units) != "m/s^2":
+    if size_of(str(units), "m/s^2") != 1:
         said = "no units" if units is None else f"units {brief(units)}"
         raise ValueError(f"spectrum has {said}; allowed: m/s^2, stated in its attributes")
     damping = spectrum.attrs.get("damping", USUAL_DAMPING)
@@ -150,10 +152,10 @@ def read_spectrum(
     Parameters
     ----------
     path : str or path
-        Path of the file, text in UTF-8, with or without a row of names. Text after ``#`` or ``%`` is a
-        comment. Columns are separated as in `read_record`.
-    units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
-        Units of the accelerations. Not needed if the row of names has them, as in ``Sa [g]``.
+        Path of the file, text in UTF-8, with or without a row of names. Columns are separated
+        and comments are written as in `read_record`.
+    units : str, optional
+        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as in ``Sa [g]``.
     damping : float
         Damping ratio [-] of the spectrum, between 0 and 1.
     column, period_column : int or str
@@ -197,18 +199,17 @@ def read_spectrum(
     (4.9033, 0.05)
     """
     path = input_path("path", path)
-    units = None if units is None else acceleration_units(units, "units")
     name = plain(path.name)
     text = columns_of(path)
     series = text.series(column, period_column, False)
-    stated = stated_units(series.units, name, units)
+    size = stated_size("acceleration", series.units or "", units, name)
     assert series.time is not None  # period_column is always given
-    period, values = np.asarray(series.time), series.values * METRES[stated]
-    check_ordinates(period, values, damping, text.places())
-    largest = values.max() / METRES["g"]
+    period, values = np.asarray(series.time), series.values * size
+    check_ordinates(period, values, damping, text.table().places())
+    largest = values.max() / constants.g
     wide = between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any()
     doubts = {
-        f"its largest ordinate is {largest:.3g} g; is it in {stated}?": not LEAST < largest < MOST,
+        f"its largest ordinate is {largest:.3g} g; are the units right?": not LEAST < largest < MOST,
         "its points are far apart; is it linear in logarithms between them, or between='linear'?": wide,
     }
     for doubt in (text for text, holds in doubts.items() if holds):

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.columns import Column, acceleration_units
+from stochlin.analyses.records.columns import Column
 from stochlin.analyses.records.files import UnknownFormatError, chosen, is_record
-from stochlin.analyses.records.formats import as_float
 from stochlin.analyses.records.records import checked_record, is_horizontal, recorded, source_of
 from stochlin.analyses.records.response import response_spectrum
+from stochlin.analyses.sheets.sheets import number_in
 from stochlin.analyses.sites.spectra import (
     BAND,
     BAND_POINTS,
@@ -163,15 +163,15 @@ def read_records(
 
 def _components(path: Path, name: str, given: Mapping[str, Any]) -> Iterator[tuple[str, xr.DataArray]]:
     """The components of a file with their names: the one that is asked for, or both horizontal ones."""
-    units = None if given["units"] is None else acceleration_units(given["units"], "units")
+    dt, units = given["dt"], given["units"]
     source, channels = source_of(path, given["column"], given["time_column"])
     if given["component"] is None and 1 < len(channels) <= 3:
         for channel in channels:
             label = f"{name}, {channel.about.get('component', '')}"
-            yield label, recorded(channel, source, given["dt"], units)
+            yield label, recorded(channel, source, dt, units)
     else:
         channel = chosen(channels, given["component"], source)
-        yield name, recorded(channel, source, given["dt"], units)
+        yield name, recorded(channel, source, dt, units)
 
 
 # A file of a suite: its name, its name for messages, options of reading, and attributes.
@@ -191,7 +191,7 @@ def _of_table(path: Path, vertical: bool) -> Iterator[_Listed]:
     for line, name, row in table_rows(read_text(path), path.name, vertical):
         where = f"{plain(path.name)}, line {line}, {plain(name)}"
         about: dict[str, Any] = {key: row[key] for key in ABOUT if row.get(key)}
-        if factor := as_float(row.get(PEER_FACTOR, "")):
+        if factor := number_in(row.get(PEER_FACTOR, "")):
             about["scale_factor"] = factor
         yield name, where, _options(row, where), about
 
@@ -235,7 +235,7 @@ def _options(row: Row, where: str) -> dict[str, Any]:
     elif len(of_columns) > 1:
         raise ValueError(f"{where}: units = {brief(units)}; allowed: one unit, or 't s, ' before it")
     if step:
-        options["dt"] = as_float(step)
+        options["dt"] = number_in(step)
         if options["dt"] is None:
             raise ValueError(f"{where}: dt = {brief(step)} is no number; allowed: seconds")
     return options

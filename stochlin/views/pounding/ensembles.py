@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from scipy import constants
 
 from stochlin.analyses.cases.pounding import is_oscillator
 from stochlin.analyses.cases.sites.shaking import doubts
-from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.views.pounding.floors import ALONE as THIN
 from stochlin.views.pounding.floors import LINE, NAME, WIDTH, levels_of, looks_of, profile
@@ -169,7 +169,7 @@ def _building_rows(table: xr.Dataset, heads: list[str]) -> list[list[str]]:
     rows = []
     for name, place, stem, scale in (
         ("displacement [cm]", top, "peak", 100.0),
-        (f"acceleration [g]{at_floor}", shaken, "peak_acceleration", 1 / METRES["g"]),
+        (f"acceleration [g]{at_floor}", shaken, "peak_acceleration", 1 / constants.g),
         ("base shear [MN]", table, "peak_base_shear", 1e-6),
     ):
         rows.append(_row(f"  {name}", place, stem, scale))
@@ -237,7 +237,7 @@ def draw_ensemble(dataset: xr.Dataset) -> Figure:
         _gaps(panels[0], panels[1], dataset)
     storeys = "floor" in dataset.dims
     for axes, stem, scale, name in (
-        (panels[-2], "peak_acceleration", 1 / METRES["g"], "acceleration [g]"),
+        (panels[-2], "peak_acceleration", 1 / constants.g, "acceleration [g]"),
         (panels[-1], "peak", 100.0, "displacement [cm]"),
     ):
         (_over_height if storeys else _exceeded)(axes, dataset, stem, scale)

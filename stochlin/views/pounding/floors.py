@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from scipy import constants
 
 from stochlin.analyses.cases.pounding import is_oscillator
-from stochlin.analyses.records.columns import METRES
 from stochlin.views.pounding.pictures import caption_of
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import AS_GIVEN, CURVES, describe, legend_above, styled
@@ -103,7 +103,7 @@ def _profiles(
     """Peaks of one building at its floors, and at the middle of its storeys."""
     middle = levels if is_oscillator(table) else 0.5 * (levels + np.append(0.0, levels[:-1]))
     for axes, peak, scale, at in (
-        (panels[0], "peak_acceleration", 1 / METRES["g"], levels),
+        (panels[0], "peak_acceleration", 1 / constants.g, levels),
         (panels[1], "peak_storey_shear", MEGA, middle),
     ):
         with_hits, alone = (scale * table[f"{peak}{end}"].values[: at.size] for end in ("", "_alone"))

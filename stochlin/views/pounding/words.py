@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy import constants
 
 from stochlin.analyses.cases.pounding import energy_of, is_oscillator
 from stochlin.analyses.cases.sites.shaking import doubts
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
-from stochlin.analyses.records.columns import METRES
 from stochlin.views.shared.blocks import Block, Table, Text, ViewSection, texts
 from stochlin.views.shared.descriptions import site_in_words
 from stochlin.views.shared.screen import cut
@@ -211,7 +211,7 @@ def _borne(table: xr.Dataset) -> Table:
             building.isel(floor=int(building.peak_acceleration.argmax("floor"))) if storeys else building
         )
         row = [f"{place + 1}  {cut(str(name), SHORTER_NAME)}"]
-        row += [f"{float(most[f'peak_acceleration{end}']) / METRES['g']:.2f}" for end in ("", "_alone")]
+        row += [f"{float(most[f'peak_acceleration{end}']) / constants.g:.2f}" for end in ("", "_alone")]
         row += [str(int(most.floor)) if known else MISSING] if storeys else []
         row += [number(float(building[f"peak_base_shear{end}"]), "MN") for end in ("", "_alone")]
         row += [_shear(building) if known else MISSING] if storeys else []

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy import constants
 
-from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.risk.rates import range_of_rate, shares_of_rate
 from stochlin.models.hazards import HazardCurve
 from stochlin.views.separation.subjects import subject_of
@@ -181,4 +181,4 @@ def _measure(answer: CaseAnswer) -> tuple[str, str, float]:
     if hazard.measure == "intensity":
         return "S0", "m²/s³", 1.0
     name = "PGA" if hazard.period is None else f"Sa({hazard.period:.3g} s)"
-    return name, "g", METRES["g"]
+    return name, "g", constants.g

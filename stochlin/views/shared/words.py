@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy import constants
 
-from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.models.arguments import checked
 from stochlin.models.buildings import ModalBuilding, ShearBuilding
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 BEYOND = "\N{RIGHTWARDS ARROW}"
-IN_SI = {"1": 1.0, "g": METRES["g"], "m/s": 1.0, "ms": 1e-3, "kJ": 1e3, "MN": 1e6, "MN/m": 1e6}
+IN_SI = {"1": 1.0, "g": constants.g, "m/s": 1.0, "ms": 1e-3, "kJ": 1e3, "MN": 1e6, "MN/m": 1e6}
 LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
 SHORT = 0.5  # m: lengths below, such as drifts, are in cm
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn

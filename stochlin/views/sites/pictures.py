@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from scipy import constants
 
-from stochlin.analyses.records.columns import METRES
 from stochlin.views.shared.style import (
     AS_GIVEN,
     CURVES,
@@ -123,11 +123,11 @@ def spectrum_panels(
 
 
 def _in_g(acceleration: Any) -> Any:
-    return acceleration / METRES["g"]
+    return acceleration / constants.g
 
 
 def _of_g(acceleration: Any) -> Any:
-    return acceleration * METRES["g"]
+    return acceleration * constants.g
 
 
 def _ratio(axes: Axes, dataset: xr.Dataset) -> None:

@@ -107,7 +107,7 @@ class CsiModes(ModeFile):
         if unit.lower() not in SECONDS:
             what = f"periods are in {brief(unit)}; allowed: sec"
             raise ratios.sheet.error(ratios.units, column, what)
-        ratios.check_once(_keys(ratios, ["mode"]), "export one of them")
+        _check_once(ratios, _keys(ratios, ["mode"]), "export one of them")
         modes, periods = _modes(ratios), ratios.numbers("period", "period", PERIODS)
         shares = ratios.numbers(axis.lower(), axis, SHARE)
         moving = shares >= LEAST_SHARE
@@ -187,7 +187,7 @@ def _moves(table: Table, title: str, wanted: Wanted, names: Sequence[str]) -> pd
     if table.rows.empty:
         raise ValueError(f"{table.sheet.name}: {table.name} has no case {brief(wanted.case)}")
     keys = _keys(table, names).assign(mode=_modes(table))
-    table.check_once(keys, "allowed: one diaphragm or joint on each floor; tower= and points= choose")
+    _check_once(table, keys, "allowed: one diaphragm or joint on each floor; tower= and points= choose")
     keys["move"] = table.numbers(title, "displacement")
     return keys.pivot(index=[*names], columns="mode", values="move").reindex(columns=wanted.moving)
 
@@ -197,7 +197,7 @@ def _in_si(
 ) -> pd.Series:
     """A column in SI by the columns with these names; a ValueError for a place that is there twice."""
     keys = _keys(table, names)
-    table.check_once(keys, "export one of them")
+    _check_once(table, keys, "export one of them")
     return keys.assign(value=table.in_si(title, quantity, unit, allowed)).set_index([*names])["value"]
 
 
@@ -359,3 +359,10 @@ def _of_joints(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wan
         raise weights.error(f"{what}, or a floor has none; name one joint on each floor with points=")
     shapes, above_ground = _shapes(table, moves, levels.index), levels + min(0.0, height.min())
     return Floors(above_ground.to_numpy(), masses, shapes, loads, loads, mass.sum())
+
+
+def _check_once(table: Table, keys: pd.DataFrame, allowed: str) -> None:
+    """Raise a ValueError for the first line whose keys an earlier line has."""
+    for line in keys.index[keys.duplicated()][:1]:
+        names = " ".join(map(str, keys.loc[line]))
+        raise table.sheet.error(line, None, f"{brief(names)} is there twice; {allowed}")

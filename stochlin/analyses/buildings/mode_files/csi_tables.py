@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-from stochlin.analyses.sheets.sheets import Sheet, Table, spelled
+from stochlin.analyses.sheets.sheets import Sheet, Table, number_in, spelled
 from stochlin.messages import listed
 
 TITLE = re.compile(r"table:\s*(.*)", re.IGNORECASE)
@@ -44,7 +44,7 @@ def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
     for sheet in sheets:
         key, at_titles = "", False
         for line, *cells in sheet.cells.itertuples():
-            has_number = any(sheet.number_in(cell) is not None for cell in cells[::-1])
+            has_number = any(number_in(cell, sheet.decimal) is not None for cell in cells[::-1])
             if match := TITLE.match(cells[0]):
                 name = match[1].strip(" \"'")
                 key, at_titles = spelled(name), True

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
+from scipy import constants
 
 from stochlin.analyses.cases.files.schema import (
     ACCELERATION,
@@ -18,7 +19,6 @@ from stochlin.analyses.cases.files.schema import (
     YEARS,
 )
 from stochlin.analyses.cases.files.sections import Section
-from stochlin.analyses.records.columns import METRES
 from stochlin.analyses.risk.risk import simulated_at
 from stochlin.analyses.sites.hazard_files import read_hazard
 from stochlin.analyses.sites.intensity import paths_for, scale_ground
@@ -95,7 +95,7 @@ def chosen_key(section: Section, keys: Sequence[str], companions: Mapping[str, s
 def doubtful_peak(pga: float) -> str:
     """Text of a warning on an implausible peak ground acceleration [m/s^2]; empty if plausible."""
     known = PLAUSIBLE["pga"]
-    return "" if known.holds(pga) else f"{pga / METRES['g']:.3g} g, and {known.usually}"
+    return "" if known.holds(pga) else f"{pga / constants.g:.3g} g, and {known.usually}"
 
 
 def doubtful_hazard(hazard: Hazard) -> str:
@@ -108,7 +108,7 @@ def doubtful_hazard(hazard: Hazard) -> str:
     rate = float(hazard.frequency(strong))
     if rate * OFTEN < 1:
         return ""
-    unit, size = ("m^2/s^3", 1.0) if hazard.measure == INTENSITY else ("g", METRES["g"])
+    unit, size = ("m^2/s^3", 1.0) if hazard.measure == INTENSITY else ("g", constants.g)
     units = "is it in m/s^2 where it says g?" if unit == "g" else "are its units right?"
     return (
         f"it exceeds {hazard.measure} = {strong / size:.3g} {unit} once in {1 / rate:.3g} years, and no "
@@ -154,7 +154,7 @@ def described_hazard(section: Section, folder: Path) -> Hazard:
     if measure == "sa":
         of["period"] = section.read("sa_period")
     if way == "file":
-        units = section.text("units", tuple(METRES)) if "units" in section else None
+        units = section.text("units", tuple(ACCELERATION.spellings)) if "units" in section else None
         place = chosen_key(section, ("site", "coordinates"), {})
         if place:
             of["site"] = section.read(place) if place == "site" else section.numbers(place, DEGREES)
@@ -168,7 +168,7 @@ def described_hazard(section: Section, folder: Path) -> Hazard:
         raise section.error("", f"has no numbers; allowed: one of {HAZARD_EXAMPLES}")
     k0, k = (section.read(key) for key in ("k0", "k"))
     # k0 is the annual frequency of exceedance of 1 in the unit of the file, for instance 1 g.
-    units_of = SPECTRAL_DENSITY.spellings if measure == INTENSITY else METRES
+    units_of = (SPECTRAL_DENSITY if measure == INTENSITY else ACCELERATION).spellings
     unit = units_of[section.text("units", tuple(units_of))]
     try:
         k0 *= unit**k

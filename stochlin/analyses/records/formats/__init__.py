@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple
@@ -11,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from stochlin.analyses.sheets.sheets import number_in
 from stochlin.messages import brief
 from stochlin.registry import Registry
 
@@ -45,7 +47,7 @@ class RecordFile(NamedTuple):
     def positive(self, stated: Mapping[str, Line], key: str, example: str) -> float:
         """The positive number that the line of this key states in the header."""
         number, text = self.line(stated, key, example)
-        value = as_float(text)
+        value = number_in(text)
         if value is None or not 0 < value < math.inf:
             raise self.wrong(number, f"a positive number, as in {example!r}")
         return value
@@ -76,11 +78,15 @@ class RecordFile(NamedTuple):
     def numbers(self, first: int, last: int, width: int = 0) -> Array:
         """The numbers from line ``first`` to ``last``, both included."""
         lines = self.lines[first - 1 : last]
+        text = "\n".join(lines)
         try:
-            values = np.array("\n".join(lines).split(), dtype=float)
-        except ValueError:
+            with warnings.catch_warnings(
+                action="error", category=DeprecationWarning
+            ):  # before numpy 2.3
+                values = np.fromstring(text, sep=" ")
+        except (ValueError, DeprecationWarning):  # other text
             values = np.array([np.nan])
-        if np.isfinite(values).all():
+        if np.isfinite(values).all() and values.size == len(text.split()):
             return values
         fields = [(n, field) for n, line in enumerate(lines, first) for field in _fields(line, width)]
         return as_numbers(fields, self.name)
@@ -109,11 +115,6 @@ HEADER_LINES = 8
 FORMATS: Registry[Format] = Registry("format of records", "stochlin.analyses.records.formats")
 
 
-def without_comment(line: str) -> str:
-    """The text of a line before a comment, without white space and the control-Z of old DOS files."""
-    return re.split("[#%]", line, maxsplit=1)[0].strip(" \t\n\x1a")
-
-
 def field_width(stated: str) -> int:
     """Width of the fields of a Fortran format such as ``8F10.5``; 0 if it is not known."""
     width = re.search(r"[DEFGI](\d{1,3})", stated.upper())
@@ -128,7 +129,7 @@ def centred(values: Array, units: str) -> tuple[Array, str]:
 
 def _fields(line: str, width: int) -> list[str]:
     fields = line.split()
-    if width and any(as_float(field) is None for field in fields):
+    if width and any(number_in(field) is None for field in fields):
         line = line.rstrip()
         return [line[start : start + width].strip() for start in range(0, len(line), width)]
     return fields
@@ -138,17 +139,9 @@ def as_numbers(fields: Sequence[Line], name: str) -> Array:
     """The numbers of some fields with their lines; a ValueError names the first that is none."""
     values = np.empty(len(fields))
     for i, (number, text) in enumerate(fields):
-        value = as_float(text)
-        if value is None or not math.isfinite(value):
+        value = number_in(text)
+        if value is None:
             allowed = "a finite number, such as -0.5E-3"
             raise ValueError(f"{name}, line {number}: {brief(text)} is not a number; allowed: {allowed}")
         values[i] = value
     return values
-
-
-def as_float(text: str) -> float | None:
-    """The number that a text is, also as Fortran writes it; None if it is none."""
-    try:
-        return float(text.upper().replace("D", "E"))  # Fortran writes .5D-03
-    except ValueError:
-        return None

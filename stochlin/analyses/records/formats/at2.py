@@ -13,9 +13,8 @@ from stochlin.analyses.records.formats import (
     Format,
     RecordFile,
     Series,
-    as_float,
-    without_comment,
 )
+from stochlin.analyses.sheets.sheets import number_in
 from stochlin.registry import LAST
 
 _HEADER = re.compile(r"\bNPTS\b", re.IGNORECASE)
@@ -32,7 +31,7 @@ _EXAMPLES = "'NPTS= 5372, DT= .0100 SEC' or '4096 0.0100 NPTS, DT', the time ste
 
 
 def _read(file: RecordFile) -> list[Series]:
-    lines = [without_comment(line) for line in file.lines]
+    lines = file.lines
     number = next(n for n, line in enumerate(lines, 1) if _HEADER.search(line))
     # The time step may stand on the line of the number of samples, below it, or above it.
     places = ((number, number), (number, number + 1), (number - 1, number))
@@ -41,7 +40,7 @@ def _read(file: RecordFile) -> list[Series]:
     if stated is None:
         raise file.wrong(number, _EXAMPLES)
     count, dt = stated
-    values = RecordFile(file.name, lines).counted(last + 1, len(lines), count, number)
+    values = file.counted(last + 1, len(lines), count, number)
     units = next((unit[1] for line in lines[:last] if (unit := _UNITS.search(line))), None)
     return [Series(values, None, dt, units, about=_title(file))]
 
@@ -55,7 +54,7 @@ def _stated(text: str) -> tuple[int, float] | None:
         samples, dt, unit = count[1], *step.groups()
     else:
         return None
-    seconds = (as_float(dt) or 0.0) * _SECONDS.get(unit.upper(), 0.0)
+    seconds = (number_in(dt) or 0.0) * _SECONDS.get(unit.upper(), 0.0)
     return (int(samples), seconds) if samples.isdigit() and 0 < seconds < float("inf") else None
 
 

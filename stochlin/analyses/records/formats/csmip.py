@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import re
 
-from stochlin.analyses.records.formats import FORMATS, Format, RecordFile, Series, as_float, field_width
+from stochlin.analyses.records.formats import FORMATS, Format, RecordFile, Series, field_width
+from stochlin.analyses.sheets.sheets import number_in
 
 _HEADER = re.compile(r"\A\s*corrected accelerogram\b", re.IGNORECASE)
 _CHANNEL = re.compile(r".*\bchan\s*\d+\s*:\s*(.*?)(?:\s{2,}|\s+from\b|$)", re.IGNORECASE)
@@ -30,7 +31,7 @@ def _read(file: RecordFile) -> list[Series]:
             channel = _CHANNEL.match(line)
             name = channel[1].strip() if channel else ""
         if match := _DATA.match(line):
-            dt, units = as_float(match[2]), _UNITS.search(line[match.end() :])
+            dt, units = number_in(match[2]), _UNITS.search(line[match.end() :])
             if dt is None or not 0 < dt < 1e9:
                 raise file.wrong(number, repr(_EXAMPLE))
             width = field_width(line.rpartition("(")[2]) or _WIDTH

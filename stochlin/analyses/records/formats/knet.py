@@ -13,7 +13,8 @@ from __future__ import annotations
 
 import re
 
-from stochlin.analyses.records.formats import FORMATS, Format, RecordFile, Series, as_float, centred
+from stochlin.analyses.records.formats import FORMATS, Format, RecordFile, Series, centred
+from stochlin.analyses.sheets.sheets import number_in
 
 _LABEL = 18  # characters
 _SCALE, _RATE, _LAST = "Scale Factor", "Sampling Freq(Hz)", "Memo."
@@ -40,7 +41,7 @@ def _read(file: RecordFile) -> list[Series]:
         raise file.wrong(number, "'Sampling Freq(Hz) 100Hz'")
     number, text = file.line(stated, _SCALE, "Scale Factor      3920(gal)/6182761")
     fraction = _FRACTION.fullmatch(text)
-    gal, counts = (as_float(fraction[n]) or 0.0 if fraction else 0.0 for n in (1, 2))
+    gal, counts = (number_in(fraction[n]) or 0.0 if fraction else 0.0 for n in (1, 2))
     if not (gal > 0 and counts > 0):
         raise file.wrong(number, "'Scale Factor      3920(gal)/6182761'")
     samples, (at, _) = round(rate * duration), stated["Duration Time(s)"]

@@ -15,9 +15,9 @@ from stochlin.analyses.records.formats import (
     Format,
     RecordFile,
     Series,
-    as_float,
     field_width,
 )
+from stochlin.analyses.sheets.sheets import number_in
 
 _HEADER = re.compile(r"ARCHIVO EST.NDAR DE ACELERACI.N", re.IGNORECASE)
 _DATA, _RULE = re.compile(r"\s*DATOS DE ACELERACI.N"), re.compile(r"-{9}")
@@ -74,7 +74,7 @@ def _values(header: RecordFile, key: str, example: str) -> tuple[int, list[str]]
 
 def _numbers(header: RecordFile, of: tuple[str, str], channels: int) -> list[float]:
     number, texts = _values(header, *of)
-    values = [as_float(text) or 0.0 for text in texts]
+    values = [number_in(text) or 0.0 for text in texts]
     if len(values) != channels or not all(0 < value < 1e9 for value in values):
         raise header.wrong(number, f"a positive number for each of {channels} channels, as in {of[1]!r}")
     return values

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from stochlin.analyses.records.formats import as_float
+from stochlin.analyses.sheets.sheets import number_in
 from stochlin.analyses.sites.hazard_formats import (
     AskedHazard,
     Ordinate,
@@ -61,11 +61,11 @@ def read(path: Path, text: str, asked: AskedHazard) -> list[Ordinate]:
             curves.append(_ordinate(name, str(imt), levels, values, [*part.index], years))
         return curves
     columns = [column for column in names if column.startswith(_LEVEL)]
-    known = [as_float(column.removeprefix(_LEVEL)) for column in columns]
+    known = [number_in(column.removeprefix(_LEVEL)) for column in columns]
     of_poe = bool(columns)
     if not of_poe:  # of nshmp-haz, with frequencies
-        columns = [column for column in names if as_float(column) is not None]
-        known, measure = [as_float(column) for column in columns], path.parent.name
+        columns = [column for column in names if number_in(column) is not None]
+        known, measure = [number_in(column) for column in columns], path.parent.name
     if not columns or None in known:
         raise ValueError(f"{name}: {listed(names, 6)}; allowed: a hazard curve, as poe-0.005")
     line = table.index[_chosen(name, places, asked.site)]
@@ -119,7 +119,7 @@ def _ordinate(
 
 def _years(name: str, comments: str, given: float | None) -> float:
     stated = _YEARS.search(comments)
-    years = (as_float(stated[1]) or 0.0) if stated else given
+    years = (number_in(stated[1]) or 0.0) if stated else given
     if years is None:
         raise ValueError(f"investigation_time is missing and {name} does not state it; give it in years")
     if not 0 < years < np.inf:
