@@ -431,13 +431,41 @@ def test_one_of_two_towers_is_read(tmp_path: Path, text: str, tower: str) -> Non
     np.testing.assert_allclose(modes["participation"], 0.6 * 700e3 / (260e3 + 2 * 190e3))
 
 
+def with_neighbour(away: float) -> str:
+    """The tables of SAP2000 with the same building again at this distance [m], in modes of its own."""
+    ratios, places, weights, moved = sap2000()
+    rows = [[*row[:3], *[x / 2 for x in row[3:]]] for row in ratios[3:-1]]
+    again = [[row[0], 9 + row[1], row[2], *row[3:]] for row in rows]
+    others = [[[f"B{row[0]}", *row[1:]] for row in cells[3:-1]] for cells in (places, weights, moved)]
+    for row in others[0]:
+        row[3] += away
+    still = [[*row[:4], row[4] + 9, 0.0, 0.0] for row in moved[3:-1]]
+    still += [[*row[:5], 0.0, 0.0] for row in others[2]]
+    for row in others[2]:
+        row[4] += 9
+    more = [*rows, *again], [*places[3:-1], *others[0]], [*weights[3:-1], *others[1]]
+    tables = [*more, [*moved[3:-1], *others[2], *still]]
+    heads = (cells[:3] for cells in (ratios, places, weights, moved))
+    return as_text([[*head, *rows, []] for head, rows in zip(heads, tables, strict=True)])
+
+
+@pytest.mark.parametrize("away", [18.5, 60.0])
+def test_one_of_two_buildings_of_sap2000_is_read(tmp_path: Path, away: float) -> None:
+    """Their levels are equal; the masses and the modes are those of the building with the points."""
+    alone = read(tmp_path, SAP, direction="UX", **POINTS)
+    modes = read(tmp_path, with_neighbour(away), direction="UX", **POINTS)
+    assert modes["mode"].values.tolist() == alone["mode"].values.tolist()
+    for name in ("period", "shape", "mass", "height", "participation", "modal_mass"):
+        np.testing.assert_allclose(modes[name], alone[name], err_msg=name)
+
+
 ETABS, SAP = as_text(etabs()), as_text(sap2000())
 POINTS = {"points": ["11", "21", "31"]}
 BROKEN: dict[str, tuple[str, dict[str, object]]] = {
     "tower.csv: no floor is above the ground; allowed: levels above 0.01 m": (as_text(based(-99.0)), {}),
     "direction is missing: table Modal Participating Mass Ratios has modes along UX and UY": (ETABS, {}),
     "direction = 'UZ' is not known; allowed: UX, UY": (ETABS, {"direction": "UZ"}),
-    "line 5, column 4: 'n/a' is not a UX; allowed: a number": (
+    "line 5, column 4: 'n/a' is not a UX": (
         re.sub(r"(?<=Modal,2,)([^,]*),[^,]*", r"\1,n/a", ETABS, count=1),
         {},
     ),
@@ -475,7 +503,7 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         ETABS,
         {"points": ["9"]},
     ),
-    "line 5, column 1: a second modal case, 'Ritz' beside 'Modal'": (
+    "line 5, column 1: a second load case, 'Ritz' beside 'Modal'": (
         ETABS.replace("Modal,2,", "Ritz,2,"),
         {},
     ),
@@ -502,7 +530,10 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         POINTS,
     ),
     "has no joint 99 above the base, which points names": (SAP, {"points": ["11", "21", "99"]}),
-    "line 3, column 3: periods are in 'min'; allowed: sec": (ETABS.replace(",sec,", ",min,"), {}),
+    "line 3, column 3: periods are in 'min'; allowed: s": (
+        ETABS.replace(",sec,", ",min,"),
+        {},
+    ),
     "of the mass not at the floors, 4, 7.2 m": (SAP, {"points": ["11", "21"]}),
     "has T1, T2, which may be several buildings; give that at the gap, tower='T1'": (
         towers("other", OF_NAMES),
@@ -520,6 +551,11 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         re.sub("T[12],", "T1,", towers("same", OF_FLOORS)),
         {},
     ),
+    "has joints 11 and 12, both at 4 m; name one on each floor": (with_neighbour(60.0), {}),
+    "has 11, 31 and B21, which move in different modes, as two buildings; name those": (
+        with_neighbour(18.5),
+        {"points": ["11", "B21", "31"]},
+    ),
     "tower = 'T1' has no meaning for tables of SAP2000; name the joints": (SAP, {"tower": "T1"}),
     "has 11 and 22 more than 20 m apart in plan; name the points of the building at the gap": (
         SAP.replace("-9.0,6.0", "-90.0,6.0"),
@@ -535,7 +571,7 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         {},
     ),
     "tower.csv is no file of modes that is known; allowed": ("# MODAL ANALYSIS REPORT\n", {}),
-    "line 21, column 6: 'top' is not a length; allowed: a number": (
+    "line 21, column 6: 'top' is not a length": (
         SAP.replace("11,GLOBAL,Cartesian,9.0,6.0,14.0", "11,GLOBAL,Cartesian,9.0,6.0,top"),
         POINTS,
     ),

@@ -140,12 +140,12 @@ def test_a_file_gives_what_was_written(tmp_path):
         (
             of_code(),
             "T,Sa",
-            "does not say the unit .*; give units=, allowed: g, m/s",
+            "the file does not say the unit of the acceleration; give units=, allowed: g",
         ),
         (
             [*of_code()[:5], "0.25,-1"],
             None,
-            "line 7: the acceleration at .* -9.8.*allowed: posit",
+            "line 7: the acceleration at 0.25 s is -9.8.*allowed: posit",
         ),
         ([*of_code()[:5], "0.15,1"], None, "(time|period|increas)"),
         (of_code()[:3], None, "spectrum has 3 points; allowed: 4 or more"),

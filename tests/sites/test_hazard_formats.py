@@ -153,18 +153,22 @@ def test_points_without_a_frequency_of_their_own_are_left_out(tmp_path):
 ONE = samples.openquake(LEVELS, {(0.0, 0.0): probability()})
 REFUSALS = {
     "no site": (SITES, {}, r"site is missing: .* has 1 \(-99\.17, 19\.33\), 2 .*; give its number"),
-    "another site": (SITES, {"site": 4}, r"site = 4 is not in .*; allowed: 1 \(-99"),
-    "site 0": (SITES, {"site": 0}, "site = 0 is not in"),
+    "another site": (SITES, {"site": 4}, r"site = 4 is unknown: .* has 1 \(-99"),
+    "site 0": (SITES, {"site": 0}, "site = 0 is unknown"),
     "far site": (SITES, {"site": (-99.1, 19.33)}, r"where the nearest is 2 \(-99\.05, 19\.4\)"),
-    "site of text": (SITES, {"site": "CU"}, "site = 'CU' is not in"),
-    "units": (SITES, {"site": 1, "units": "gal"}, r"units = 'gal' contradicts .* states 'g'"),
+    "site of text": (SITES, {"site": "CU"}, "site = 'CU' is unknown"),
+    "units": (SITES, {"site": 1, "units": "gal"}, "units = 'gal' contradicts .* states 'g'"),
     "period": (
         SITES,
         {"site": 1, "measure": "sa", "period": 1.0},
         "period = 1 is beyond .*: within PGA",
     ),
     "measure": (SITES, {"site": 1, "measure": "intensity"}, "measure = 'intensity' is not in .*: PGA"),
-    "years": (SITES, {"site": 1, "investigation_time": 1}, "= 1 contradicts .* which states 50"),
+    "years": (
+        SITES,
+        {"site": 1, "investigation_time": 1},
+        "states 50 years, which investigation_time = 1 contradicts",
+    ),
     "no years": (
         SITES,
         {"site": 1, "investigation_time": -1},
@@ -180,7 +184,11 @@ REFUSALS = {
         {},
         "pga-0.02; allowed: a hazard curve",
     ),
-    "no comment": (ONE.partition("\n")[2], {}, "investigation_time is missing and"),
+    "no comment": (
+        ONE.partition("\n")[2],
+        {},
+        "line 1: the table does not state the time of its probabilities; give investigation_time=",
+    ),
     "total of nowhere": (
         TOTAL,
         {"site": 1},
@@ -189,44 +197,48 @@ REFUSALS = {
     "number": (
         re.sub(r"\d\.\d+E", "x.0E", ONE, count=1),
         {},
-        "line 3: .*allowed: numbers below poe-0.05",
+        "line 3, column 4: 'x.0E-02' is not a probability",
     ),
-    "cut": (ONE.rpartition(",")[0], {}, "line 3: 10 cells; allowed: 11"),
+    "cut": (ONE.rpartition(",")[0], {}, "line 3, column 11: the probability is missing"),
     "no row": ("\n".join(ONE.split("\n")[:2]), {}, "has no site, or a name twice; allowed"),
-    "no time": (ONE.replace("investigation_time", "time"), {}, "investigation_time is missing and"),
-    "time": (ONE.replace("50.0", "0"), {}, "line 1: investigation_time = 0; allowed: a positive number"),
+    "no time": (ONE.replace("investigation_time", "time"), {}, "the table does not state the time"),
+    "time": (
+        ONE.replace("50.0", "0"),
+        {},
+        "line 2: the table has investigation_time = 0; allowed: a positive number",
+    ),
     "velocity": (ONE.replace("'PGA'", "'PGV'"), {}, r"'PGV'; allowed: imt='PGA' or imt='SA\(0\.5\)'"),
     "no measure": (ONE.replace("imt=", "of="), {}, "no imt; allowed: imt='PGA'"),
     "rising": (
         samples.openquake([0.1, 0.2, 0.3], {(0, 0): [0.1, 0.2, 0.01]}),
         {},
-        "line 3, column poe-0.2000000: the annual frequency .* follows .*; allowed: falling",
+        "line 3, column 5: the annual frequency .* follows .*; allowed: falling",
     ),
     "negative": (
         samples.openquake([0.1, 0.2], {(0, 0): [-0.1, -0.2]}),
         {},
-        "line 3, column poe-0.1000000: the probability is -0.1; allowed",
+        "line 3, column 4: the probability is -0.1; allowed",
     ),
     "return periods": (
         "pga [g],return period [yr]\n.1,475\n.2,100\n",
         {},
         "has 'return period .*; allowed: int",
     ),
-    "places": ("latitude [deg];rate\n.1;475\n.2;100\n", {}, "has 'latitude .*; allowed: intensities"),
+    "places": ("latitude [deg];rate\n.1;475\n.2;100\n", {}, "has latitude .*; allowed: a hazard curve"),
     "three columns": (
         columns("n,m,pga [g]", *[LEVELS] * 3),
         {},
-        "3 columns .* named n, m, pga .*; allowed: such as pga",
+        "has 3 columns .* named n, m, pga .*; allowed: such as pga",
     ),
     "no investigation": (
         columns("pga [g],poe", LEVELS, probability()),
         {},
-        "'poe' seems to be a probability; give",
+        "has 'poe', a probability; give investigation_time=",
     ),
     "rare": (
         "0.1,0.9\n0.2,0.8\n\n0.3,1.5\n",
         {"investigation_time": 50},
-        "line 4: the probability is 1.5",
+        "line 4, column 2: the probability is 1.5",
     ),
     "zero within": (
         columns("pga [g],rate", [0.1, 0.2, 0.3], [1, 0, 0.1]),
@@ -247,7 +259,7 @@ REFUSALS = {
     "no units": (
         USGS.replace("(g)", ""),
         {},
-        "does not say the unit of the acceleration; give units=",
+        "the file does not say the unit of the acceleration; give units=",
     ),
     "NaN": (USGS.replace("[0.05, ", "[NaN, ", 1), {}, "PGA, number 1: the intensity is nan; allowed"),
     "between": (USGS, {"measure": "sa", "period": 0.1}, r"period = 0\.1 is beyond .*PGA, SA\(0\.2"),

@@ -5,14 +5,13 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.buildings.mode_files.base import MODE_FILES, AskedModes, ModesOfFile
 from stochlin.analyses.buildings.variables import VARIABLES
-from stochlin.analyses.sheets.sheets import Sheet, check_alone, sheets_of
+from stochlin.analyses.sheets.sheets import check_alone, sheets_of
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.messages import DoubtfulInput, brief, listed, plain
@@ -112,7 +111,12 @@ def read_modes(
         OneOf(DIRECTIONS)("direction", direction)
     name = plain(path.name)
     asked = AskedModes(direction, tuple(points), tower, mass_units, length_units)
-    sheets = (_sheets_in if path.is_dir() else sheets_of)(path)
+    files = [path]
+    if path.is_dir():
+        files = sorted(f for f in path.iterdir() if f.suffix.lower() == ".csv" and f.is_file())
+        if not files:
+            raise ValueError(f"the folder {name} holds no file .csv")
+    sheets = [sheet for file in files for sheet in sheets_of(file)]
     buildings = [(kind, *each) for kind in MODE_FILES.values() for each in kind.buildings(sheets)]
     if not buildings:
         begins = " or ".join(kind.header for kind in MODE_FILES.values())
@@ -194,11 +198,3 @@ def _doubt_order(table: xr.Dataset, name: str) -> None:
             DoubtfulInput,
             stacklevel=4,
         )
-
-
-def _sheets_in(folder: Path) -> list[Sheet]:
-    """The sheets of all files ``.csv`` in a folder; a ValueError if it holds none."""
-    files = sorted(f for f in folder.iterdir() if f.suffix.lower() == ".csv" and f.is_file())
-    if not files:
-        raise ValueError(f"the folder {plain(folder.name)} holds no file .csv")
-    return [sheet for file in files for sheet in sheets_of(file)]

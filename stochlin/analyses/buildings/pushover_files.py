@@ -8,12 +8,13 @@ import re
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.buildings.mode_files.csi_tables import check_one_case
 from stochlin.analyses.buildings.pushover import CURVE, DISPLACEMENT, checked_curve
 from stochlin.analyses.buildings.variables import VARIABLES
-from stochlin.analyses.sheets.sheets import Table, check_alone, sheets_of, table_of, with_unit
+from stochlin.analyses.sheets.sheets import Table, table_in, with_unit
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.inputs import input_path
-from stochlin.messages import brief, plain
+from stochlin.messages import plain
 from stochlin.models.arguments import checked
 
 # Words by which the titles of the columns are known, and the quantity of each column.
@@ -78,14 +79,10 @@ def read_pushover(
     """
     path = input_path("path", path)
     name = plain(path.name)
-    pattern = "|".join(words for words, _ in TITLES.values())
-    tables = [table for sheet in sheets_of(path) if (table := table_of(sheet, pattern))]
-    if not tables:
-        raise ValueError(f"{name} has no line of numbers; allowed: displacements and base shears")
-    check_alone([table.sheet for table in tables], "lines of numbers")
-    table = tables[0]
-    table.sheet.check_width(table.rows.index, table.width)
-    _check_one_case(table)
+    words = "|".join(words for words, _ in TITLES.values())
+    table = table_in(path, words, "displacements and base shears")
+    for column in (n for n, name in enumerate(table.names) if "case" in name):
+        check_one_case(table, column)
     wanted = {"displacement": (displacement_column, length_units), "force": (force_column, force_units)}
     columns = {what: _column(what, column, table) for what, (column, _) in wanted.items()}
     if len({*columns.values()}) == 1:
@@ -105,15 +102,6 @@ def read_pushover(
         name=CURVE,
         attrs={"units": units, "long_name": long_name, "source": name},
     )
-
-
-def _check_one_case(table: Table) -> None:
-    """Raise a ValueError if the lines are of several load cases."""
-    for column in (n for n, name in enumerate(table.names) if "case" in name):
-        cases = table.texts(column).drop_duplicates()
-        if len(cases) > 1 and not any(table.sheet.columns_of_numbers(n) & {column} for n in cases.index):
-            what = f"a second load case, {brief(cases.iloc[1])} beside {brief(cases.iloc[0])}"
-            raise table.sheet.error(cases.index[1], column, f"{what}; export one of them")
 
 
 def _column(what: str, wanted: int | str | None, table: Table) -> int:

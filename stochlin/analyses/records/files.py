@@ -108,11 +108,3 @@ def _lines(path: Path) -> list[str]:
     text = read_text(path).replace("\x1a", "")  # control-Z, the end of old DOS files
     lines = text.splitlines()
     return [_COMMENT.sub(r"\1", line) for line in lines] if "#" in text or "%" in text else lines
-
-
-def columns_of(path: Path) -> Text:
-    """The columns in a text of numbers alone."""
-    name = plain(path.name)
-    if (text := Text.of(name, _lines(path), 0)) is None:
-        raise ValueError(f"{name} has no columns of numbers; allowed: names and numbers below")
-    return text

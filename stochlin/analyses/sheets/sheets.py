@@ -6,6 +6,7 @@ import csv
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from statistics import mode
@@ -66,33 +67,30 @@ class Sheet(NamedTuple):
         Raises a ValueError at the first cell that is missing, no number, or out of the range.
         """
         texts = cells.to_numpy(dtype=object)
-        # None becomes NaN.
         values = np.array([number_in(text, self.decimal) for text in texts.ravel()], dtype=float)
         wrong = np.isnan(values) if allowed is None else ~allowed.contains(values)
-        if wrong.any():
-            raise self._refused(cells, int(np.argmax(wrong)), what, allowed)
+        for n in np.flatnonzero(wrong)[:1]:
+            line, column = cells.index[n // cells.shape[1]], cells.columns[n % cells.shape[1]]
+            text, signs = self.cells.at[line, column], " or ".join(map(repr, self.decimal))
+            if not np.isnan(values[n]):
+                raise self.error(line, column, f"the {what} is {values[n]:g}; allowed: {allowed}")
+            said = f"{brief(text)} is not a {what}" if text else f"the {what} is missing"
+            raise self.error(
+                line, column, f"{said}; allowed: a number, with {signs} before its decimals"
+            )
         return values.reshape(texts.shape)
-
-    def _refused(self, cells: pd.DataFrame, n: int, what: str, allowed: Range | None) -> ValueError:
-        line, column = cells.index[n // cells.shape[1]], cells.columns[n % cells.shape[1]]
-        text = self.cells.at[line, column]
-        value, signs = number_in(text, self.decimal), " or ".join(map(repr, self.decimal))
-        if value is not None:
-            return self.error(line, column, f"the {what} is {value:g}; allowed: {allowed}")
-        said = f"{brief(text)} is not a {what}" if text else f"the {what} is missing"
-        return self.error(line, column, f"{said}; allowed: a number, with {signs} before its decimals")
 
     def check_width(self, lines: Sequence[int], width: int) -> None:
         """Raise a ValueError for cells beyond the columns, such as the rest of 190,000."""
         beyond = self.cells.loc[lines].iloc[:, width:]
-        for line in beyond.index[(beyond != "").any(axis=1)][:1]:
-            column = next(n for n in beyond.columns if beyond.at[line, n])
-            what = f"{brief(beyond.at[line, column])} is beyond the {width} columns above"
-            raise self.error(line, column, f"{what}; allowed: no signs between thousands")
+        for n, m in np.argwhere((beyond != "").to_numpy())[:1]:
+            where = self.where(beyond.index[n], beyond.columns[m])
+            what = f"{brief(beyond.iat[n, m])} is beyond the {width} columns above"
+            raise ValueError(f"{where}: {what}; allowed: no signs between thousands")
 
     def without_comments(self) -> Sheet:
-        """The lines that do not begin with #."""
-        return self._replace(cells=self.cells[~self.cells[0].str.startswith("#")])
+        """The lines that do not begin with # or %."""
+        return self._replace(cells=self.cells[~self.cells[0].str.startswith(("#", "%"))])
 
 
 class Table(NamedTuple):
@@ -193,7 +191,18 @@ def table_of(sheet: Sheet, pattern: str = "") -> Table | None:
         wide = wide[:-1]
     titles = max(wide, key=known, default=0)
     units = next((line for line in above if line > titles > 0), 0)
-    return Table(sheet.name, sheet, titles, units, below.loc[start:])
+    return Table("the table", sheet, titles, units, below.loc[start:])
+
+
+def table_in(path: Path, pattern: str, what: str) -> Table:
+    """The only table of numbers in a file; a ValueError if there is none, or if there are several."""
+    sheets = sheets_of(path)
+    tables = [table for sheet in sheets if (table := table_of(sheet, pattern))]
+    if not tables:
+        raise ValueError(f"{sheets[0].name} has no line of numbers; allowed: {what}")
+    check_alone([table.sheet for table in tables], "lines of numbers")
+    tables[0].sheet.check_width(tables[0].rows.index, tables[0].width)
+    return tables[0]
 
 
 def spelled(title: str) -> str:
@@ -209,8 +218,7 @@ def sheets_of(path: Path) -> list[Sheet]:
         sheets = [Sheet(place, _frame(rows, place)) for place, rows in cells.items()]
     else:
         sheets = [text_sheet(read_text(path).splitlines(), name)]
-    sheets = [sheet for sheet in sheets if sheet.cells.size]
-    if not sheets:
+    if not (sheets := [sheet for sheet in sheets if sheet.cells.size]):
         raise ValueError(f"{name} is empty: it holds no visible table")
     return sheets
 
@@ -218,8 +226,7 @@ def sheets_of(path: Path) -> list[Sheet]:
 def check_alone(sheets: Sequence[Sheet], what: str) -> None:
     """Raise a ValueError if there are several sheets with what is wanted."""
     if len(sheets) > 1:
-        first, second = (sheet.name for sheet in sheets[:2])
-        raise ValueError(f"{first} and {second} both have {what}; allowed: one, so take the other out")
+        raise ValueError(f"{sheets[0].name} and {sheets[1].name} both have {what}; allowed: one of them")
 
 
 def number_in(text: str, decimal: str = ".") -> float | None:
@@ -243,16 +250,17 @@ def with_unit(title: str) -> tuple[str, str]:
     return f"{name.strip()} {rest.strip()}".strip().lower(), unit.strip()
 
 
-def text_sheet(lines: Sequence[str], name: str) -> Sheet:
-    """The cells of a text: columns are between ``;``, tabs or commas of half of its lines, or spaces."""
+def text_sheet(lines: Sequence[str], name: str, marks: str = ";\t,") -> Sheet:
+    """The cells of a text: columns are between the marks that half of its lines have, or spaces."""
     first = (line for line in lines if line.strip(" \t;,") and not line.startswith("#"))
     sample = [*islice(first, _SAMPLE)]
-    often = (mark for mark in ";\t," if 2 * sum(mark in line for line in sample) >= len(sample))
+    often = (mark for mark in marks if 2 * sum(mark in line for line in sample) >= len(sample))
     separator = next(often, None)
     decimal = "," if separator != "," and any(map(_DECIMAL_COMMA.search, lines)) else "."
+    reader = partial(csv.reader, delimiter=separator or " ", skipinitialspace=True)
     width, rows = mode([len(line.split()) for line in sample] or [0]), {}
     for number, line in enumerate(lines, 1):
-        ways = csv.reader([line], delimiter=separator) if separator else _apart(line, width)
+        ways = reader([line]) if separator else _apart(line, width)
         try:
             rows[number] = next(ways, [])
         except csv.Error as error:
@@ -270,8 +278,8 @@ def _apart(line: str, width: int) -> Iterator[list[str]]:
 
 def _frame(rows: Mapping[int, Sequence[str]], name: str) -> pd.DataFrame:
     """The lines that are not empty, and their cells without what surrounds them."""
-    lines = {line: [cell.strip(" \t\"'\xa0") for cell in row] for line, row in rows.items() if any(row)}
-    lines = {line: row for line, row in lines.items() if any(row)}
+    edge = " \t\"'\xa0"
+    lines = {n: row for n, cells in rows.items() if any(row := [cell.strip(edge) for cell in cells])}
     width = max(map(len, lines.values()), default=0)
     if width * len(lines) > MOST_CELLS:
         raise ValueError(f"{name} has {len(lines)} lines, one with {width} columns; allowed: less")

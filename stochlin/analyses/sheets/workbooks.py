@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 import warnings
 import zipfile
-from collections import Counter
-from collections.abc import Iterator
 from io import BytesIO
 from typing import Any
 
@@ -22,28 +20,25 @@ _WITHOUT_RESULT = re.compile(
     rb"(\s*<\w*:?v(?:\s*/>|>\s*</\w*:?v>))?\s*</\w*:?c>"
 )
 MOST_PARTS, MOST_BYTES, MOST_SIGNS = 2000, 16 * 2**20, 16 * 2**20  # of a workbook, unpacked
-# What openpyxl takes for an element, in half microseconds, and how much a workbook may take.
-_ELEMENT, _RANGES = re.compile(rb"<(?:\w+:)?(\w+)"), re.compile(rb"sqref\s*=[^<>]*")
-_COSTS = {b"c": 8, b"v": 3, b"t": 3, b"f": 3, b"row": 25, b"si": 20, b"is": 30}
-_OTHER, _ATTRIBUTE, MOST_COST = 50, 20, 5_000_000
+# What openpyxl takes for a sign < of cells and texts, a row, another element and an attribute, in half
+# microseconds, and how much a workbook may take.
+_SIGN, _ROW, _OTHER, _ATTRIBUTE, MOST_COST = 5, 10, 50, 20, 5_000_000
+_OTHERS, _RANGES = re.compile(rb"<(?![/?]|(?:\w+:)?(?:c|v|t|f|is|si|row)[\s/>])"), rb"sqref\s*=[^<>]*"
 
 
 def rows_of(content: bytes, name: str) -> dict[str, dict[int, list[str]]]:
     """The cells of the visible sheets by title and line; a ValueError if they cannot be read."""
     openpyxl = needed("openpyxl", f"{name} is a workbook, which", "tables", "save its tables as .csv")
-    sheets: dict[str, dict[int, list[str]]] = {}
     try:
         with warnings.catch_warnings(action="ignore"):  # of formats, which are not read
-            for title, line, row in _rows(openpyxl.reader.excel.ExcelReader, _unpacked(content)):
-                sheets.setdefault(title, {})[line] = row
+            return _rows(openpyxl.reader.excel.ExcelReader, _unpacked(content))
     except Exception as error:  # of any library within: zip, XML
         what = f"{name} cannot be read as a workbook: {sentence(error.__cause__ or error)}"
         raise ValueError(f"{what}; save it again as .xlsx without a password, or as .csv") from None
-    return sheets
 
 
-def _rows(kind: Any, archive: BytesIO) -> Iterator[tuple[str, int, list[str]]]:
-    """Title, line and cells of the rows of all sheets that are not hidden."""
+def _rows(kind: Any, archive: BytesIO) -> dict[str, dict[int, list[str]]]:
+    """The cells of all sheets that are not hidden, by title and line."""
     reader = kind(archive, read_only=True, data_only=True, keep_links=False)
     reader.read_manifest()
     reader.read_workbook()
@@ -51,16 +46,19 @@ def _rows(kind: Any, archive: BytesIO) -> Iterator[tuple[str, int, list[str]]]:
     if len({*parts}) < len(parts):
         raise ValueError("two sheets are the same part of the file")
     reader.read()
+    sheets: dict[str, dict[int, list[str]]] = {}
     work = 0
     for sheet in (sheet for sheet in reader.wb.worksheets if sheet.sheet_state == "visible"):
-        title = plain(sheet.title)
+        rows = sheets[plain(sheet.title)] = {}
         sheet.reset_dimensions()  # many programs write them wrong, and what is beyond is then lost
         for line, row in enumerate(sheet.iter_rows(values_only=True), 1):
-            cells = ["" if cell is None else str(cell) for cell in row]
+            rows[line] = cells = ["" if cell is None else str(cell) for cell in row]
             work += 4 * (3 + len(cells)) + sum(map(len, cells))
             if work > MOST_SIGNS:
-                raise ValueError(f"it is too long or too wide at line {line} of sheet {title}")
-            yield title, line, cells
+                raise ValueError(
+                    f"it is too long or too wide at line {line} of sheet {plain(sheet.title)}"
+                )
+    return sheets
 
 
 def _unpacked(content: bytes) -> BytesIO:
@@ -72,8 +70,6 @@ def _unpacked(content: bytes) -> BytesIO:
         parts = [part for part in archive.infolist() if _PART.fullmatch(part.filename)]
         if (size := sum(part.file_size for part in parts)) > MOST_BYTES:
             raise ValueError(f"its tables have {size} bytes unpacked; allowed: {MOST_BYTES}")
-        if not {part.compress_type for part in parts} <= {zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED}:
-            raise ValueError("it is packed in a way that spreadsheet programs do not use")
         for part in parts:
             with archive.open(part) as file:
                 xml = file.read(part.file_size)  # which ends there, whatever follows
@@ -91,10 +87,7 @@ def _unpacked(content: bytes) -> BytesIO:
 
 def _cost(xml: bytes) -> int:
     """The time that openpyxl takes for a part of a workbook."""
-    cost, usual = xml.count(b"<"), sum(map(xml.count, (b" r=", b" s=", b" t=")))
-    cost += _ATTRIBUTE * (xml.count(b"=") - usual)
-    cost += sum(5 * len(text) + len(text) ** 2 // 60 for text in _RANGES.findall(xml))
-    if cost < MOST_COST:  # else its elements might not even be counted
-        counts = Counter(_ELEMENT.findall(xml))
-        cost += sum(_COSTS.get(name, _OTHER) * count for name, count in counts.items())
-    return cost
+    usual = sum(map(xml.count, (b" r=", b" s=", b" t=")))
+    cost = _SIGN * xml.count(b"<") + _ROW * xml.count(b"row") + _ATTRIBUTE * (xml.count(b"=") - usual)
+    cost += sum(5 * len(text) + len(text) ** 2 // 60 for text in re.findall(_RANGES, xml))
+    return cost + (_OTHER * len(_OTHERS.findall(xml)) if cost < MOST_COST else 0)

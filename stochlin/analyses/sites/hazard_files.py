@@ -3,37 +3,29 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from stochlin.analyses.records.columns import Text
-from stochlin.analyses.records.files import columns_of
 from stochlin.analyses.sites.hazard_formats import (
+    S0,
     AskedHazard,
     Ordinate,
     Site,
-    annual_frequencies,
     measure_in_words,
     points_of,
-    refuse,
-    site_tables,
+    tables,
     usgs,
 )
-from stochlin.analyses.tables.inputs import input_path, read_text
+from stochlin.analyses.tables.inputs import input_path, read_input, read_text
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief, listed, plain
+from stochlin.messages import brief, listed
 from stochlin.models.arguments import Years, checked
 from stochlin.models.hazards import Hazard, HazardCurve, check_curve
 from stochlin.models.units import stated_size
 
 FilePath = str | os.PathLike[str]
-S0 = "m^2/s^3"
-_INTENSITY = re.compile(r"\b(pga|p?sa|iml?|level|intensity|acceleration|s0)\b", re.IGNORECASE)
-_FREQUENCY = re.compile(r"freq|rate|prob|poe|annual|per year|\bafe\b|\b1/yr", re.IGNORECASE)
-_NO_CURVE = re.compile(r"\b(lon|lat|depth|site|return|tr|longitude|latitude)\b", re.IGNORECASE)
 
 
 @checked
@@ -57,12 +49,12 @@ def read_hazard(
     ----------
     path : str, path, or list of them
         Path of the file. Columns of intensities and annual frequencies of exceedance [1/yr] are known by
-        their names, as ``iml`` and ``annual rate``, or are the first and the second of two, separated as
-        in `read_record`. Several files may be given, for several periods.
+        their names, as ``iml`` and ``annual rate``, or are the first and the second of two. Several
+        files may be given, for several periods.
     measure : {"pga", "sa", "intensity"}
         As in `HazardCurve`.
-    units : str, optional
-        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as in ``pga [g]``, or for
+    units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
+        Units of the accelerations. Not needed if the row of names has them, as in ``pga [g]``, or for
         the other formats, which are in g. Not allowed for ``"intensity"``, which is in m^2/s^3.
     period : float, optional
         Period [s] of ``"sa"``. Between two periods of the files, the logarithm of the spectral
@@ -113,41 +105,10 @@ def read_hazard(
 
 
 def _ordinates(path: Path, of: Hazard, asked: AskedHazard) -> list[Ordinate]:
-    """The hazard curves in a file of a registered format, or the one in columns of text."""
-    text = read_text(path).replace("\r\n", "\n").replace("\r", "\n")
-    if text.lstrip().startswith("{"):
-        return usgs.read(path, text, asked)
-    if site_tables.START.match(text):
-        return site_tables.read(path, text, asked)
-    return [_of_columns(path, of, asked)]
-
-
-def _of_columns(path: Path, of: Hazard, asked: AskedHazard) -> Ordinate:
-    """The curve in columns, which are known by their names or else the first two."""
-    name, text = plain(path.name), columns_of(path)
-    refuse(name, "a file of one site", {"site": asked.site})
-    if wrong := next(filter(_NO_CURVE.search, text.head.title_cells), None):
-        raise ValueError(f"{name} has {brief(wrong)}; allowed: intensities and annual frequencies")
-    second = _named(text, _FREQUENCY, 1)
-    first = _named(text, _INTENSITY, 0 if second else 1)
-    table = text.table()
-    places, other = table.places(), table.numbers(second, "frequency")
-    title = table.title_cells[second] if table.titles else ""
-    if asked.years is not None:
-        other = annual_frequencies(other, asked.years, places)
-    elif re.search("prob|poe", title, re.IGNORECASE):
-        raise ValueError(f"{name}: {brief(title)} seems to be a probability; give investigation_time")
-    units = S0 if of.measure == "intensity" else text.units_of(first)
-    return Ordinate(of.period or 0.0, table.numbers(first, "intensity"), other, places, units)
-
-
-def _named(text: Text, pattern: re.Pattern[str], usual: int) -> int:
-    """The column whose name matches, or the usual one of two."""
-    named = [n for n, title in enumerate(text.head.title_cells) if pattern.search(title)]
-    if len(named) != 1 and text.head.width != 2:
-        what = f"{text.head.sheet.name} has {text.head.in_words}"
-        raise ValueError(f"{what}; allowed: such as pga [g], annual rate")
-    return named[0] if len(named) == 1 else usual
+    """The hazard curves in a file: of the USGS, or in a table."""
+    if read_input(path).lstrip().startswith(b"{"):
+        return usgs.read(path, read_text(path), asked)
+    return tables.read(path, of, asked)
 
 
 def _of_ordinates(
@@ -175,7 +136,7 @@ def _of_ordinates(
 
 def _in_metres(curve: Ordinate, name: str, units: str | None) -> Ordinate:
     check_curve(curve.intensities, curve.frequencies, curve.places or [name])
-    unit = 1.0 if curve.units == S0 else stated_size("acceleration", curve.units or "", units, name)
+    unit = 1.0 if curve.units == S0 else stated_size("acceleration", curve.units, units, name)
     return curve._replace(intensities=unit * curve.intensities)
 
 

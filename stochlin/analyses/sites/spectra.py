@@ -11,18 +11,18 @@ import numpy as np
 import xarray as xr
 from scipy import constants
 
-from stochlin.analyses.records.columns import Column
-from stochlin.analyses.records.files import columns_of
+from stochlin.analyses.sheets.sheets import table_in
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed, plain
 from stochlin.models.arguments import DampingRatio, OneOf, checked, is_number
-from stochlin.models.units import size_of, stated_size
+from stochlin.models.units import size_of
 
 USUAL_DAMPING = 0.05
 SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
 BAND, BAND_POINTS = (0.2, 2.0), 40  # [s] of usual buildings, in which spectra are compared; periods
 FEWEST = 4  # smallest number of points
+_WORDS = r"period|\bt\b|\bs?a\b|s\(t\)|acc|spectr"  # of titles
 WIDEST = 2.0  # ratio of two consecutive periods, beyond which it matters what is between them
 BETWEEN, FINER = ("logarithmic", "linear"), 33  # points from one to the next of a linear spectrum
 LEAST, MOST = 0.0025, 7.5  # plausible ordinates [g], 2.5 times ground accelerations of 0.001 and 3 g
@@ -71,7 +71,7 @@ def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
     if spectrum.dims != ("period",) or "period" not in spectrum.coords:
         raise ValueError(f"spectrum has the dimensions {spectrum.dims}; allowed: period alone")
     units = spectrum.attrs.get("units")
-    if size_of(str(units), "m/s^2") != 1:
+    if not isinstance(units, str) or size_of(units, "m/s^2") != 1:
         said = "no units" if units is None else f"units {brief(units)}"
         raise ValueError(f"spectrum has {said}; allowed: m/s^2, stated in its attributes")
     damping = spectrum.attrs.get("damping", USUAL_DAMPING)
@@ -143,8 +143,8 @@ def read_spectrum(
     *,
     units: str | None = None,
     damping: DampingRatio = USUAL_DAMPING,
-    column: Column | None = None,
-    period_column: Column = 0,
+    column: int | str | None = None,
+    period_column: int | str = 0,
     between: Annotated[str, OneOf(BETWEEN)] | None = None,
 ) -> xr.DataArray:
     r"""Read an elastic response spectrum from a file with columns of text.
@@ -152,10 +152,10 @@ def read_spectrum(
     Parameters
     ----------
     path : str or path
-        Path of the file, text in UTF-8, with or without a row of names. Columns are separated
-        and comments are written as in `read_record`.
-    units : str, optional
-        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as in ``Sa [g]``.
+        Path of the file, text in UTF-8 or a workbook, with or without a row of names, below which units
+        may follow. Lines that begin with ``#`` or ``%`` are comments.
+    units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
+        Units of the accelerations. Not needed if the row of names has them, as in ``Sa [g]``.
     damping : float
         Damping ratio [-] of the spectrum, between 0 and 1.
     column, period_column : int or str
@@ -200,16 +200,20 @@ def read_spectrum(
     """
     path = input_path("path", path)
     name = plain(path.name)
-    text = columns_of(path)
-    series = text.series(column, period_column, False)
-    size = stated_size("acceleration", series.units or "", units, name)
-    assert series.time is not None  # period_column is always given
-    period, values = np.asarray(series.time), series.values * size
-    check_ordinates(period, values, damping, text.table().places())
+    table = table_in(path, _WORDS, "periods and accelerations")
+    of_period = table.column(period_column, several=False)
+    if column is None and table.width != 2:
+        raise ValueError(f"column is missing: {name} has {table.in_words}; give column=")
+    of_values = 1 - of_period if column is None else table.column(column, several=False)
+    if (size := size_of(table.unit_of(of_period) or "s", "s")) is None:
+        raise table.error(f"has periods in {brief(table.unit_of(of_period))}; allowed: s, ms")
+    period = size * table.numbers(of_period, "period")
+    values = table.in_si(of_values, "acceleration", units, None)
+    check_ordinates(period, values, damping, table.places())
     largest = values.max() / constants.g
     wide = between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any()
     doubts = {
-        f"its largest ordinate is {largest:.3g} g; are the units right?": not LEAST < largest < MOST,
+        f"its largest ordinate is {largest:.3g} g; are its units right?": not LEAST < largest < MOST,
         "its points are far apart; is it linear in logarithms between them, or between='linear'?": wide,
     }
     for doubt in (text for text, holds in doubts.items() if holds):

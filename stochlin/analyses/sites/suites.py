@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import re
 import warnings
 from collections.abc import Iterator, Mapping
-from io import StringIO
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +17,7 @@ from stochlin.analyses.records.columns import Column
 from stochlin.analyses.records.files import UnknownFormatError, chosen, is_record
 from stochlin.analyses.records.records import checked_record, is_horizontal, recorded, source_of
 from stochlin.analyses.records.response import response_spectrum
-from stochlin.analyses.sheets.sheets import number_in
+from stochlin.analyses.sheets.sheets import number_in, text_sheet
 from stochlin.analyses.sites.spectra import (
     BAND,
     BAND_POINTS,
@@ -42,8 +41,8 @@ from stochlin.models.arguments import (
 
 FILE = "file"  # name of the table column with the paths of the records
 # The table in a download of PEER, below a title, with a column for each component.
-PEER_TABLE, PEER_TITLE = "_SearchResults.csv", "Summary of Metadata of Selected Records"
-PEER_FILES, PEER_FACTOR = re.compile(r"(Horizontal-[12]|Vertical) Acc\. Filename"), "Scale Factor"
+PEER_TABLE = "_SearchResults.csv"
+PEER_FILES, PEER_FACTOR = r"(Horizontal-[12]|Vertical) Acc\. Filename", "Scale Factor"
 PEER_ABOUT = {"event": ("Earthquake Name", "Year"), "station": ("Station Name",)}
 ABOUT = ("event", "station", "component")  # columns that become attributes
 LARGEST_FACTOR = 10.0
@@ -201,25 +200,23 @@ def table_rows(text: str, name: str, vertical: bool = False) -> Iterator[tuple[i
 
     A row of PEER's ``_SearchResults.csv`` has both horizontal components, and a vertical one.
     """
-    lines = text.split("\n")
-    start = next((n for n, line in enumerate(lines, 1) if PEER_TITLE in line), 0)
-    table = csv.DictReader(StringIO("\n".join(lines[start:])), skipinitialspace=True)
-    names = [name.strip() for name in table.fieldnames or ()]
-    files = [name for name in names if name == FILE or PEER_FILES.fullmatch(name)]
-    if not files:
-        raise ValueError(f"{plain(name)} has the columns {listed(names)}; allowed: with {FILE!r}")
-    try:
-        for row in table:
-            if start and None in row.values():  # below the table
-                return
-            cells = dict(zip(names, (str(cell or "").strip() for cell in row.values()), strict=False))
-            for key, parts in PEER_ABOUT.items() if start else ():
-                cells[key] = ", ".join(cells.get(part, "") for part in parts)
-            for column in files:
-                if (vertical or not column.startswith("Vertical")) and cells[column].strip("-"):
-                    yield table.line_num + start, cells[column], cells
-    except csv.Error as error:
-        raise ValueError(f"{plain(name)}, line {table.line_num + start + 1}: {error}") from error
+    sheet = text_sheet(text.splitlines(), plain(name), ",")
+    rows = {line: sheet.row(line) for line in sheet.cells.index}
+    is_file = re.compile(f"{FILE}|{PEER_FILES}").fullmatch
+    start = next((line for line, row in rows.items() if any(map(is_file, row))), None)
+    if start is None:
+        known = listed(next(iter(rows.values()), ()))
+        raise ValueError(f"{sheet.name} has the columns {known}; allowed: with {FILE!r}")
+    names = rows[start]
+    for line, row in rows.items():
+        if line > start and FILE not in names and len(row) < len(names):
+            return  # below the table of PEER
+        cells = dict(zip_longest(names, row, fillvalue=""))
+        for key, parts in PEER_ABOUT.items() if FILE not in names else ():
+            cells[key] = ", ".join(cells.get(part, "") for part in parts)
+        for column in filter(is_file, names if line > start else ()):
+            if (vertical or not column.startswith("Vertical")) and cells[column].strip("-"):
+                yield line, cells[column], cells
 
 
 def _options(row: Row, where: str) -> dict[str, Any]:

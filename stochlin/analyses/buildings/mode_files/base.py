@@ -10,8 +10,9 @@ import numpy as np
 
 from stochlin.analyses.sheets.sheets import Sheet
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import listed
+from stochlin.messages import brief, listed
 from stochlin.models.parameters import Range
+from stochlin.models.units import size_of
 from stochlin.registry import Registry
 
 MODE_NUMBERS = Range(1, 1e9, include_lower=True, include_upper=True)
@@ -72,6 +73,12 @@ def check_moving(modes: Sequence[int], moved: Array, where: str, most: float = 0
             f"{where}: mode {listed(still)} hardly moves along the direction, where it has mass; "
             "allowed: shapes of the same analysis and of the same direction as the masses"
         )
+
+
+def check_seconds(unit: str, where: str) -> None:
+    """Raise a ValueError for periods in another unit, if a file states it."""
+    if size_of(unit or "s", "s") != 1:
+        raise ValueError(f"{where}: periods are in {brief(unit)}; allowed: s")
 
 
 MODE_FILES: Registry[type[ModeFile]] = Registry(

@@ -8,6 +8,7 @@ from typing import ClassVar, NamedTuple
 
 import numpy as np
 import pandas as pd
+from scipy.sparse import csgraph
 
 from stochlin.analyses.buildings.mode_files.base import (
     MODE_FILES,
@@ -16,6 +17,7 @@ from stochlin.analyses.buildings.mode_files.base import (
     ModeFile,
     ModesOfFile,
     check_moving,
+    check_seconds,
 )
 from stochlin.analyses.buildings.mode_files.csi_tables import (
     BASES,
@@ -29,6 +31,8 @@ from stochlin.analyses.buildings.mode_files.csi_tables import (
     PLACES,
     RATIOS,
     STORY_DATA,
+    check_once,
+    check_one_case,
     needed_tables,
     tables_in,
 )
@@ -43,14 +47,16 @@ LEAST_SHARE = 0.001  # of the mass; programs print ratios to four digits, and le
 AXES = "UX", "UY"
 SAME_LEVEL = 0.01  # largest difference of the levels of joints on one floor [m]
 APART = 20.0  # distance in plan of the points of floors that are not of one building [m]
+TOGETHER = 0.1  # share of the largest displacement of a mode from which a floor moves in it
 TURNS = 1e-6  # rotation of a floor that turns [rad]
 ASIDE = 0.02  # largest share of the mass that may be between the floors, or at joints without shapes
-BASE, SECONDS = "base", ("", "s", "sec")
+BASE = "base"
 
 
 class Floors(NamedTuple):
     """The floors with their shapes, and the sums of mass times displacement of the whole model."""
 
+    names: pd.Index  # of stories or joints
     levels: Array  # [m]
     masses: Array  # [kg]
     shapes: Array  # (modes, floors)
@@ -100,21 +106,29 @@ class CsiModes(ModeFile):
     def read(content: Mapping[str, Table], asked: AskedModes) -> ModesOfFile:
         """The modes of all tables together."""
         etabs = any(spelled(name) in content for name in (HEIGHTS, STORY_DATA, OF_CENTRES, OF_STORIES))
-        ratios, *others = (_etabs_tables if etabs else _sap2000_tables)(content, asked)
+        if etabs:
+            of_mass = [OF_DIAPHRAGMS, OF_STORIES] if asked.tower else [OF_STORIES, OF_DIAPHRAGMS]
+            joints = [[OF_JOINTS]] if asked.points else []
+            groups = [[RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES], *joints]
+        elif asked.tower:
+            what = f"tower = {brief(asked.tower)} has no meaning for tables of SAP2000"
+            raise ValueError(f"{what}; name the joints of the building, points=")
+        else:
+            groups = [[RATIOS], [COORDINATES], [OF_MASSES], [OF_JOINTS]]
+        ratios, *others = needed_tables(content, *groups)
         axis = _axis(ratios, asked.direction)
+        check_once(ratios, _keys(ratios, ["mode"]), "export one of them")
+        check_one_case(ratios, "case")
         column = ratios.column("period")
-        unit = ratios.sheet.cells.at[ratios.units, column] if ratios.units else ""
-        if unit.lower() not in SECONDS:
-            what = f"periods are in {brief(unit)}; allowed: sec"
-            raise ratios.sheet.error(ratios.units, column, what)
-        _check_once(ratios, _keys(ratios, ["mode"]), "export one of them")
+        check_seconds(ratios.unit_of(column), ratios.sheet.where(ratios.units or ratios.titles, column))
         modes, periods = _modes(ratios), ratios.numbers("period", "period", PERIODS)
         shares = ratios.numbers(axis.lower(), axis, SHARE)
         moving = shares >= LEAST_SHARE
         if not moving.any():
             raise ratios.error(f"has no mode with {LEAST_SHARE:.1%} of the mass along {axis}")
-        wanted = Wanted(asked, axis, _only_case(ratios), modes[moving].tolist())
+        wanted = Wanted(asked, axis, str(ratios.texts("case").iloc[0]), modes[moving].tolist())
         floors = (_of_stories if etabs else _of_joints)(content, others, wanted)
+        _check_one_building(floors, others[2])
         effective = shares[moving] * floors.total
         if asked.tower is None:
             check_moving(wanted.moving, floors.loads / np.sqrt(effective), others[2].sheet.name)
@@ -135,21 +149,6 @@ class CsiModes(ModeFile):
         )
 
 
-def _etabs_tables(tables: Mapping[str, Table], asked: AskedModes) -> list[Table]:
-    """Ratios, heights, masses, displacements of centres and, for points, of joints."""
-    masses = [OF_DIAPHRAGMS, OF_STORIES] if asked.tower else [OF_STORIES, OF_DIAPHRAGMS]
-    groups = [[RATIOS], [HEIGHTS, STORY_DATA], masses, [OF_CENTRES], [OF_JOINTS] * bool(asked.points)]
-    return needed_tables(tables, *filter(None, groups))
-
-
-def _sap2000_tables(tables: Mapping[str, Table], asked: AskedModes) -> list[Table]:
-    """Ratios, coordinates, masses and displacements of joints."""
-    if asked.tower:
-        what = f"tower = {brief(asked.tower)} has no meaning for tables of SAP2000"
-        raise ValueError(f"{what}; name the joints of the building, points=")
-    return needed_tables(tables, [RATIOS], [COORDINATES], [OF_MASSES], [OF_JOINTS])
-
-
 def _axis(ratios: Table, direction: str | None) -> str:
     """The direction that is asked for, or the only one."""
     known = [axis for axis in AXES if axis.lower() in ratios.names]
@@ -158,14 +157,6 @@ def _axis(ratios: Table, direction: str | None) -> str:
         there = f"table {RATIOS} has modes along {' and '.join(known)}"
         raise ValueError(f"direction is {axis}: {there}; give that of the gap, direction={AXES[0]!r}")
     return axis
-
-
-def _only_case(ratios: Table) -> str:
-    cases = ratios.texts("case").drop_duplicates()
-    if len(cases) > 1:
-        what = f"a second modal case, {brief(cases.iloc[1])} beside {brief(cases.iloc[0])}"
-        raise ratios.sheet.error(cases.index[1], ratios.column("case"), f"{what}; export one of them")
-    return str(cases.iloc[0])
 
 
 def _modes(table: Table) -> Array:
@@ -187,7 +178,7 @@ def _moves(table: Table, title: str, wanted: Wanted, names: Sequence[str]) -> pd
     if table.rows.empty:
         raise ValueError(f"{table.sheet.name}: {table.name} has no case {brief(wanted.case)}")
     keys = _keys(table, names).assign(mode=_modes(table))
-    _check_once(table, keys, "allowed: one diaphragm or joint on each floor; tower= and points= choose")
+    check_once(table, keys, "allowed: one diaphragm or joint on each floor; tower= and points= choose")
     keys["move"] = table.numbers(title, "displacement")
     return keys.pivot(index=[*names], columns="mode", values="move").reindex(columns=wanted.moving)
 
@@ -197,7 +188,7 @@ def _in_si(
 ) -> pd.Series:
     """A column in SI by the columns with these names; a ValueError for a place that is there twice."""
     keys = _keys(table, names)
-    _check_once(table, keys, "export one of them")
+    check_once(table, keys, "export one of them")
     return keys.assign(value=table.in_si(title, quantity, unit, allowed)).set_index([*names])["value"]
 
 
@@ -265,7 +256,8 @@ def _of_stories(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wa
         shapes = _shapes(joints, _moves(joints, axis, wanted, ["story"]), levels.index)
     elif asked.tower is None and {"x", "y"} <= {*centres.names}:
         _check_near(centres, "story", levels.index)
-    return Floors(levels.to_numpy(), own.to_numpy(), shapes, loads.to_numpy(), parts, mass.sum())
+    levels_, masses = levels.to_numpy(), own.to_numpy()
+    return Floors(levels.index, levels_, masses, shapes, loads.to_numpy(), parts, mass.sum())
 
 
 def _named(table: Table, points: Sequence[str]) -> Table:
@@ -340,7 +332,6 @@ def _of_joints(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wan
     if not mass.size or with_shapes < (1 - ASIDE) * mass.sum():
         what = f"has joints with {with_shapes / (mass.sum() or 1):.0%} of the mass"
         raise table.error(f"{what}; export the modal displacements of all joints with mass")
-    loads = (moves.reindex(mass.index).fillna(0.0).T @ mass).to_numpy()
     above = moves.index[level[moves.index] > SAME_LEVEL]
     if strange := [point for point in asked.points if point not in above]:
         raise table.error(f"has no joint {listed(strange)} above the base, which points names")
@@ -350,19 +341,34 @@ def _of_joints(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wan
             both = f"has joints {lower} and {upper}, both at {levels[lower]:g} m"
             raise table.error(f"{both}; name one on each floor, points=[{lower!r}, ...]")
     _check_near(places, "joint", levels.index)
+    shapes, moved = _shapes(table, moves, levels.index), moves.reindex(mass.index).to_numpy().T
     away = np.abs(level[mass.index].to_numpy()[:, None] - levels.to_numpy())
-    masses = np.bincount(away.argmin(axis=1), mass, minlength=levels.size)
-    aside = mass[away.min(axis=1) > SAME_LEVEL].sum()
+    floor = away.argmin(axis=1)
+    joints, floors = _moving(moved, moves), _moving(shapes, moves)[floor]
+    here = (joints & floors).any(axis=1) | ~floors.any(axis=1) | np.isnan(moved).any(axis=0)
+    masses = np.bincount(floor[here], mass[here], minlength=levels.size)
+    aside = mass[here & (away.min(axis=1) > SAME_LEVEL)].sum()
     if aside > ASIDE * masses.sum() or not masses.all():
-        floors = listed(f"{height:g}" for height in levels)
-        what = f"has {aside / masses.sum():.0%} of the mass not at the floors, {floors} m"
+        heights = listed(f"{height:g}" for height in levels)
+        what = f"has {aside / masses.sum():.0%} of the mass not at the floors, {heights} m"
         raise weights.error(f"{what}, or a floor has none; name one joint on each floor with points=")
-    shapes, above_ground = _shapes(table, moves, levels.index), levels + min(0.0, height.min())
-    return Floors(above_ground.to_numpy(), masses, shapes, loads, loads, mass.sum())
+    loads, parts = (np.nan_to_num(moved) @ (mass * counted) for counted in (1.0, here))
+    above_ground = (levels + min(0.0, height.min())).to_numpy()
+    return Floors(levels.index, above_ground, masses, shapes, loads, parts, mass.sum())
 
 
-def _check_once(table: Table, keys: pd.DataFrame, allowed: str) -> None:
-    """Raise a ValueError for the first line whose keys an earlier line has."""
-    for line in keys.index[keys.duplicated()][:1]:
-        names = " ".join(map(str, keys.loc[line]))
-        raise table.sheet.error(line, None, f"{brief(names)} is there twice; {allowed}")
+def _moving(shapes: Array, moves: pd.DataFrame) -> Array:
+    """In which modes the places move beside the largest displacements (places, modes)."""
+    return np.abs(shapes.T) >= TOGETHER * np.nanmax(np.abs(moves.to_numpy()), axis=0)
+
+
+def _check_one_building(floors: Floors, table: Table) -> None:
+    """Raise a ValueError if some floors move in modes of their own, as another building."""
+    moving = np.abs(floors.shapes.T) >= TOGETHER * np.abs(floors.shapes).max(axis=1)
+    still = ~moving.any(axis=1)
+    together = (moving.astype(int) @ moving.T.astype(int) > 0) | still | still[:, None]
+    count, part = csgraph.connected_components(together)
+    if count > 1:
+        parts = (listed(floors.names[part == n], 4) for n in range(2))
+        what = f"has {' and '.join(parts)}, which move in different modes, as two buildings"
+        raise table.error(f"{what}; name those of the building at the gap, points= or tower=")

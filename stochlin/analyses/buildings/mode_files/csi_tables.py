@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
+import pandas as pd
+
 from stochlin.analyses.sheets.sheets import Sheet, Table, number_in, spelled
-from stochlin.messages import listed
+from stochlin.messages import brief, listed
 
 TITLE = re.compile(r"table:\s*(.*)", re.IGNORECASE)
 RATIOS, OF_JOINTS = "Modal Participating Mass Ratios", "Joint Displacements"
@@ -87,3 +89,19 @@ def needed_tables(tables: Mapping[str, Table], *groups: Sequence[str]) -> list[T
         what = f"table {', table '.join(missing)} {'are' if missing[1:] else 'is'} missing"
         raise ValueError(f"{what}: the file has {known}; export what is missing, into the same file")
     return [known[0] for known in chosen]
+
+
+def check_one_case(table: Table, name: str | int) -> None:
+    """Raise a ValueError for the first line of a second load case in the column."""
+    column = table.column(name)
+    cases = table.rows[column].drop_duplicates()
+    if len(cases) > 1 and not any(table.sheet.columns_of_numbers(n) & {column} for n in cases.index):
+        what = f"a second load case, {brief(cases.iloc[1])} beside {brief(cases.iloc[0])}"
+        raise table.sheet.error(cases.index[1], column, f"{what}; export one of them")
+
+
+def check_once(table: Table, keys: pd.DataFrame, allowed: str) -> None:
+    """Raise a ValueError for the first line whose keys an earlier line has."""
+    for line in keys.index[keys.duplicated()][:1]:
+        names = " ".join(map(str, keys.loc[line]))
+        raise table.sheet.error(line, None, f"{brief(names)} is there twice; {allowed}")

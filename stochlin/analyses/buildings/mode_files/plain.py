@@ -16,8 +16,9 @@ from stochlin.analyses.buildings.mode_files.base import (
     ModeFile,
     ModesOfFile,
     check_moving,
+    check_seconds,
 )
-from stochlin.analyses.sheets.sheets import Sheet, with_unit
+from stochlin.analyses.sheets.sheets import Sheet, Table, with_unit
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.parameters import PERIODS, POSITIVE, Range
@@ -27,7 +28,6 @@ MODE, LEVEL, MASS, PERIOD = "mode", "level", "mass", "period"
 FACTOR, MODAL_MASS = "participation", "modal mass"
 FIRST = 2  # column of the first mode, from 0: before it are level and mass
 EXAMPLE = files(__package__).joinpath("example_modes.csv").read_text(encoding="utf-8")
-SECONDS = ("s", "sec")
 FLOORS = "titles 'level [m]', 'mass [kg]' and 'shape' for each mode, and below a line for each floor"
 
 
@@ -62,16 +62,16 @@ class PlainModes(ModeFile):
         """The modes of the sheet."""
         names = content.cells[0].map(lambda title: with_unit(title)[0])
         titles = next(iter(names.index[names == LEVEL]), names.index[-1])
-        floors = content.cells.loc[titles:].iloc[1:]
-        if floors.empty:
+        floors = Table("the table", content, titles, 0, content.cells.loc[titles:].iloc[1:])
+        if floors.rows.empty:
             what = f"the floors are missing; allowed: {FLOORS}"
             raise content.error(content.cells.index[-1], None, what)
         first, *head = names.index[: names.index.get_loc(titles)]
-        count = len(content.row(first)) - FIRST
+        columns = range(FIRST, len(content.row(first)))
 
         def over_modes(lines: Sequence[int], what: str, allowed: Range | None = None) -> Array:
-            content.check_width(lines, FIRST + count)
-            return content.numbers(content.cells.loc[lines, FIRST : FIRST + count - 1], what, allowed)
+            content.check_width(lines, columns.stop)
+            return content.numbers(content.cells.loc[lines, [*columns]], what, allowed)
 
         numbers = over_modes([first], "mode number", MODE_NUMBERS)[0]
         if (np.diff(numbers, prepend=0) < 1).any() or (numbers % 1).any():
@@ -81,37 +81,26 @@ class PlainModes(ModeFile):
         if PERIOD not in lines:
             what = "the periods are missing below; allowed: a line 'period [s]'"
             raise content.error([first, *head][-1], 0, what)
-        unit = with_unit(content.cells.at[lines[PERIOD], 0])[1]
-        if unit.lower() not in SECONDS:
-            what = f"periods are in {brief(unit)}; allowed: 'period [s]'"
-            raise content.error(lines[PERIOD], 0, what)
-        if with_unit(content.cells.at[titles, 1])[0] != MASS:
-            what = f"{brief(content.cells.at[titles, 1])} is not the title of the masses; {FLOORS}"
-            raise content.error(titles, 1, what)
-        sizes = (
-            _size(content, titles, 0, "length", asked.length_units),
-            _size(content, titles, 1, "mass", asked.mass_units),
-        )
-        levels, masses = (
-            size * content.numbers(floors[[column]], what, POSITIVE)[:, 0]
-            for column, (what, size) in enumerate(zip((LEVEL, MASS), sizes, strict=True))
-        )
-        shapes = over_modes(floors.index, "shape").T
-        check_moving(numbers.astype(int).tolist(), np.abs(shapes).max(axis=1), content.name)
+        check_seconds(with_unit(content.cells.at[lines[PERIOD], 0])[1], content.where(lines[PERIOD], 0))
+        shapes = over_modes(floors.rows.index, "shape").T
         modes = ModesOfFile(
             numbers.astype(int).tolist(),
             over_modes([lines[PERIOD]], PERIOD, PERIODS)[0],
             shapes,
-            masses,
-            levels,
+            floors.in_si(MASS, "mass", asked.mass_units, POSITIVE),
+            floors.in_si(LEVEL, "length", asked.length_units, POSITIVE),
         )
+        check_moving(modes.modes, np.abs(shapes).max(axis=1), content.name)
         if FACTOR not in lines:
             return modes
         factors = over_modes([lines[FACTOR]], "participation factor")[0]
-        size = _size(content, lines[MODAL_MASS], 0, "mass", asked.mass_units)
-        modal = size * over_modes([lines[MODAL_MASS]], MODAL_MASS, POSITIVE)[0]
+        line = lines[MODAL_MASS]
+        unit = with_unit(content.cells.at[line, 0])[1]
+        size = stated_size("mass", unit, asked.mass_units, content.where(line, 0))
+        modal = size * over_modes([line], MODAL_MASS, POSITIVE)[0]
         n = int(np.argmax(modal))
-        check_moving([int(numbers[n])], (factors * (shapes @ masses))[n : n + 1], content.name, modal[n])
+        loads = (factors * (shapes @ modes.masses))[n : n + 1]
+        check_moving(modes.modes[n : n + 1], loads, content.name, modal[n])
         return modes._replace(participation=factors, modal_masses=modal)
 
 
@@ -131,9 +120,3 @@ def _lines(sheet: Sheet, names: pd.Series) -> dict[str, int]:
         what = f"{there} is given without {other}; allowed: both or neither"
         raise sheet.error(lines[there], 0, what)
     return lines
-
-
-def _size(sheet: Sheet, line: int, column: int, quantity: str, unit: str | None) -> float:
-    """The unit of a column or a line, in SI, from its title."""
-    stated = with_unit(sheet.cells.at[line, column])[1]
-    return stated_size(quantity, stated, unit, sheet.where(line, column))

@@ -11,6 +11,7 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 
+S0 = "m^2/s^3"
 Site = int | Sequence[float]
 """Number of a site in its file, from 1, or its longitude and latitude [degrees]."""
 
@@ -22,7 +23,7 @@ class Ordinate(NamedTuple):
     intensities: Array
     frequencies: Array  # 1/yr
     places: Sequence[str]  # of each point, for messages
-    units: str | None  # of the intensities
+    units: str  # of the intensities; empty if the file does not state them
 
 
 class AskedHazard(NamedTuple):
@@ -32,14 +33,11 @@ class AskedHazard(NamedTuple):
     years: float | None  # for which a file gives probabilities
 
 
-def annual_frequencies(probabilities: Array, years: float, places: Sequence[str]) -> Array:
+def annual_frequencies(probabilities: Array, years: float) -> Array:
     """Annual frequencies [1/yr] with these probabilities of exceedance in some years, for rare events.
 
     They are those of a Poisson process, and infinite for a probability of 1.
     """
-    for place, probability in zip(places, probabilities, strict=True):
-        if not 0 <= probability <= 1:
-            raise ValueError(f"{place}: the probability is {probability:g}; allowed: from 0 to 1")
     with np.errstate(divide="ignore"):
         frequencies: Array = -np.log1p(-probabilities) / years
     return frequencies

@@ -40,11 +40,11 @@ def read(path: Path, text: str, asked: AskedHazard) -> list[Ordinate]:
     if not isinstance(curves, list):
         raise _without(name, "response.hazardCurves")
     label = str(_at(response, "metadata", "xlabel"))
-    ordinates = [_ordinate(name, curve, "g" if "(g)" in label else None) for curve in curves]
+    ordinates = [_ordinate(name, curve, "g" if "(g)" in label else "") for curve in curves]
     return [ordinate for ordinate in ordinates if ordinate is not None]
 
 
-def _ordinate(name: str, curve: Any, units: str | None) -> Ordinate | None:
+def _ordinate(name: str, curve: Any, units: str) -> Ordinate | None:
     """The total of one curve; None for another measure than PGA and SA."""
     if not isinstance(imt := _at(curve, "imt", "value"), str):
         raise _without(name, "imt.value")
