@@ -66,14 +66,14 @@ class Link(Model):
     --------
     >>> import stochlin as sl
     >>> sl.Link(stiffness=2e7, damping_constant=1e6).describe()
-    'Link(stiffness=2e+07, damping_constant=1e+06)'
+    'Link (stiffness 20 MN/m, damping constant 1 MN s/m)'
     >>> sl.Link(5e7, hardening=0.02, yield_displacement=0.01, floors=(5, 5)).describe()
-    'Link(stiffness=5e+07, damping_constant=0, hardening=0.02, yield_displacement=0.01, floors=(5, 5))'
+    'Link (stiffness 50 MN/m, hardening 0.02, yield displacement 1 cm, floors 5 and 5)'
 
     A fluid damper in the first storey of structure 1:
 
     >>> sl.Link(0, 2e6, damping_exponent=0.3, structures=(1, 1), floors=(1, 0)).describe()
-    'Link(stiffness=0, damping_constant=2e+06, damping_exponent=0.3, floors=(1, 0), structures=(1, 1))'
+    'Link (damping constant 2 MN s/m, damping exponent 0.3, floors 1 and ground, inside building 1)'
     """
 
     stiffness: Parameter = parameter("N/m", "stiffness of the link", NOT_NEGATIVE, 0.0)
@@ -87,18 +87,13 @@ class Link(Model):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.yield_displacement is not None and self.hardening is None:
+        if (self.yield_displacement is None) != (self.hardening is None):
             raise ValueError(
-                f"Link: hardening is not given; a link that yields needs it, allowed: {HARDENING}"
-            )
-        if self.hardening is not None and self.yield_displacement is None:
-            raise ValueError(
-                f"Link: hardening = {brief(self.hardening)} is of a link that yields; allowed: beside a "
-                "yield_displacement, so give that, too, or leave it out"
+                f"Link: hardening = {brief(self.hardening)} and yield_displacement = "
+                f"{brief(self.yield_displacement)}; allowed: both for a link that yields, or neither"
             )
         for name in ("structures", "floors"):
-            numbers = getattr(self, name)
-            if numbers is not None:
+            if (numbers := getattr(self, name)) is not None:
                 from_ground = name == "floors" and self.within_one
                 object.__setattr__(self, name, _two_numbers(name, numbers, from_ground))
         if self.within_one:
@@ -137,10 +132,17 @@ class Link(Model):
         """Whether a yield displacement is given."""
         return self.yield_displacement is not None
 
-    def describe(self) -> str:
-        """The link with its parameters in one line."""
-        parts = [f"{n}={getattr(self, n)}" for n in ("floors", "structures") if getattr(self, n)]
-        return ", ".join([super().describe()[:-1], *parts]) + ")"
+    def further(self) -> list[str]:
+        """The floors that the link ties, and where it is."""
+        one, two = self.structures or (0, 0)
+        where = f"inside building {one}" if one == two else f"between buildings {one} and {two}"
+        return [*([self.ends] if self.floors else []), *([where] if self.structures else [])]
+
+    @property
+    def ends(self) -> str:
+        """The floors that the link ties, in words; empty if they are not named."""
+        one, two = (floor or "ground" for floor in self.floors or (0, 0))
+        return f"floors {one} and {two}" if self.floors else ""
 
     @property
     def springs(self) -> tuple[Any, Any, Any]:

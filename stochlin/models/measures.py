@@ -9,12 +9,11 @@ import xarray as xr
 
 from stochlin.messages import brief
 from stochlin.models.contacts import Contact
+from stochlin.models.descriptions import stated
 from stochlin.models.links import Link
 from stochlin.models.parameters import NOT_NEGATIVE, Model, Range, expect, parameter
 
 BETWEEN = (1, 2)  # the structures that a link ties if it does not name them
-ALWAYS = ("added_damping_1", "added_damping_2")  # shown by `describe` even with their default values
-
 FACTOR = Range(1e-3, 1e3, include_lower=True, include_upper=True)
 
 
@@ -59,13 +58,13 @@ class Measure(Model):
     --------
     >>> import stochlin as sl
     >>> sl.Measure(added_damping_1=0.1, link=sl.Link(damping_constant=1e6)).describe()
-    'Measure(added_damping_1=0.1, added_damping_2=0, link=Link(stiffness=0, damping_constant=1e+06))'
+    'added damping of building 1: 0.1, Link (damping constant 1 MN s/m)'
     >>> braces = [
     ...     sl.Link(5e7, hardening=0.02, yield_displacement=0.003, structures=(2, 2), floors=(n, n - 1))
     ...     for n in (1, 2, 3)
     ... ]
     >>> sl.Measure(link=braces, strengthening_2=1.3).describe().partition(" at ")[2]
-    'floors (1, 0), (2, 1), (3, 2))'
+    'floors 1 and ground, floors 2 and 1, floors 3 and 2'
     """
 
     added_damping_1: float = parameter("1", "damping added to structure 1", NOT_NEGATIVE, 0.0)
@@ -106,22 +105,24 @@ class Measure(Model):
 
     def describe(self) -> str:
         """The measure in one line; links that differ only in their floors are listed together."""
-        parts = [
-            f"{field.name}={getattr(self, field.name):.6g}"
-            for field in self._declared()
-            if field.name in ALWAYS or getattr(self, field.name) != field.default
-        ]
+        return ", ".join([*self.stated(), *self.further()])
+
+    def stated(self) -> list[str]:
+        """The parameters that are not as built."""
+        as_built = {field.name: field.default for field in self._declared()}
+        changed = (pair for pair in self.cells().items() if pair[1] != as_built[pair[0]])
+        return [stated(name, value, self.units(name)) for name, value in changed]
+
+    def further(self) -> list[str]:
+        """The links, and the contact."""
         alike: dict[str, list[Link]] = {}
-        links = (self.link,) if isinstance(self.link, Link) else self.link or ()
-        for each in links:
-            alike.setdefault(each.describe().replace(f", floors={each.floors}", ""), []).append(each)
-        texts = [
-            f"{len(those)} of {kind} at floors "
-            f"{', '.join(str(link.floors or 'level') for link in those)}"
+        for link in (self.link,) if isinstance(self.link, Link) else self.link or ():
+            kind = link.describe().replace(f", {link.ends}", "") if link.ends else link.describe()
+            alike.setdefault(kind, []).append(link)
+        parts = [
+            f"{len(those)} times {kind} at {', '.join(link.ends or 'level floors' for link in those)}"
             if those[1:]
             else those[0].describe()
             for kind, those in alike.items()
         ]
-        parts += [f"link={' + '.join(texts)}"] if texts else []
-        parts += [] if self.contact is None else [f"contact={self.contact.describe()}"]
-        return f"Measure({', '.join(parts)})"
+        return parts + ([] if self.contact is None else [f"contact {self.contact.describe()}"])

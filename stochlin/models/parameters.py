@@ -13,7 +13,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from stochlin.messages import Named, brief, sentence
+from stochlin.messages import Named, brief, hyphenated, sentence
+from stochlin.models.descriptions import stated
 from stochlin.models.plausible import implausible, warn_caller
 from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel, median_of
 
@@ -208,8 +209,21 @@ class Model(metaclass=_Kind):
 
     def describe(self) -> str:
         """The model with its parameters in one line, for metadata and charts; arrays by their range."""
-        parts = [f"{name}={_brief(value)}" for name, value in self.cells().items()]
-        return f"{type(self).__name__}({', '.join(parts)})"
+        shown = ", ".join([*self.stated(), *self.further()])
+        name = getattr(self, "name", hyphenated(type(self).__name__))
+        return shown if self.of_arguments else f"{name} ({shown})"
+
+    def stated(self) -> list[str]:
+        """The parameters that are set, with their units, without zeros that are their defaults."""
+        return [
+            stated(name, value, self.units(name))
+            for name, value in self.cells().items()
+            if np.ndim(value) or value or self.__dataclass_fields__[name].default != 0
+        ]
+
+    def further(self) -> list[str]:
+        """What describes the model besides its parameters."""
+        return []
 
 
 def _plainly_alike(arrays: Sequence[xr.DataArray]) -> bool:
@@ -274,14 +288,3 @@ def check(prefix: str, name: str, value: Any, declared: Mapping[str, Any]) -> fl
         axis = array.coords[name]
         array = array.assign_coords({name: axis.assign_attrs(described | axis.attrs)})
     return array
-
-
-def _brief(value: float | xr.DataArray) -> str:
-    if not isinstance(value, xr.DataArray) or value.ndim == 0:
-        return f"{float(value):.6g}"
-    if value.chunks is not None:  # the range of a lazy array would have to be computed
-        return f"[{value.size} values in chunks over {', '.join(map(str, value.dims))}]"
-    low, high = (f"{end.reduce(value.to_numpy(), axis=None):.6g}" for end in (np.fmin, np.fmax))
-    many = f"{value.size} times {low}" if value.size > 1 else low
-    shown = f"{low} to {high}" if low != high else many
-    return f"[{shown} over {', '.join(map(str, value.dims))}]"

@@ -14,7 +14,8 @@ import xarray as xr
 from scipy.special import ndtri
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import Named, brief, check_names
+from stochlin.messages import Named, brief, check_names, hyphenated
+from stochlin.models.descriptions import span, stated
 from stochlin.models.plausible import implausible, warn_caller
 
 One = TypeVar("One")
@@ -64,7 +65,7 @@ class Uncertain(metaclass=Named):
     >>> sl.Uncertain.between(0.8, 1.2).at(0.25).round(9)
     np.float64(0.9)
     >>> sl.Bilinear(period=period, damping=0.05).describe()
-    'Bilinear(period=1 +- 20 %, damping=0.05)'
+    'Bilinear (period 1 s ± 20 %, damping 0.05)'
     """
 
     median: float | npt.ArrayLike
@@ -107,18 +108,12 @@ class Uncertain(metaclass=Named):
         """Quantile in the unit of the parameter, at the probability ``share``."""
         return np.asarray(self.median) * self.factor(share)
 
-    def describe(self) -> str:
-        """The median and the spread in a few words."""
+    def describe(self, units: str = "1") -> str:
+        """Median and spread, or both ends, of a parameter in these units."""
         median = np.asarray(self.median, float)
         if self.kind == "uniform":
-            low, high = median * (1 - self.spread), median * (1 + self.spread)
-            return f"{_brief(low)} to {_brief(high)}"
-        return f"{_brief(median)} +- {100 * self.spread:.4g} %"
-
-
-def _brief(values: Array) -> str:
-    ends = [f"{end:.6g}" for end in (values.min(), values.max())]
-    return ends[0] if values.ndim == 0 else f"[{', '.join(ends)}]"
+            return span(np.array([median * (1 - self.spread), median * (1 + self.spread)]), units)
+        return f"{span(median, units)} ± {100 * self.spread:.4g} %"
 
 
 @dataclass(frozen=True)
@@ -196,8 +191,12 @@ class UncertainModel:
 
     def describe(self) -> str:
         """The model with its parameters in one line."""
-        parts = [f"{n}={brief(v)}" for n, v in self.arguments.items() if not isinstance(v, type)]
-        return f"{self.build.__qualname__}({', '.join(parts)})"
+        kind = inspect.unwrap(self.build)
+        fields = getattr(kind, "__dataclass_fields__", {}).items()
+        units = {name: field.metadata.get("units") for name, field in fields}
+        shown = {n: value for n, value in self.arguments.items() if not isinstance(value, type)}
+        parts = [stated(name, value, units.get(name)) for name, value in shown.items()]
+        return f"{hyphenated(kind.__qualname__)} ({', '.join(parts)})"
 
 
 def median_of(model: Any) -> Any:

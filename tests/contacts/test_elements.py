@@ -450,6 +450,9 @@ def test_cells_out_of_range_do_not_spoil_their_neighbours():
 
 
 def test_elements_describe_themselves_with_their_numbers():
-    assert sl.Jankowski(2e9, damping_ratio=0.3).describe() == "Jankowski(stiffness=2e+09, damping=0.3)"
-    assert sl.Stereomechanical(0.5).describe() == "Stereomechanical(restitution=0.5)"
+    assert (
+        sl.Jankowski(2e9, damping_ratio=0.3).describe()
+        == "Jankowski (stiffness 2e+09 N/m^1.5, damping 0.3)"
+    )
+    assert sl.Stereomechanical(0.5).describe() == "Stereomechanical (restitution 0.5)"
     assert sl.Stereomechanical(0.5).e == 0.5

@@ -229,7 +229,7 @@ def test_charts_say_what_they_are():
         check_labels(chart)
         assert {variable.attrs["units"] for variable in chart.data_vars.values()} == {"1"}
         assert chart.element.attrs["long_name"]
-    assert charts[1].attrs["Kelvin"] == "Kelvin(stiffness=1, damping=0.5)"
+    assert charts[1].attrs["Kelvin"] == "Kelvin (stiffness 1e-06 MN/m, damping 0.5)"
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ def test_rho_of_a_law_from_outside(toy, tmp_path, method):
     firm = sl.named_ground("firm", intensity=0.01)
     expected = sl.correlate(first, second, firm, method, paths=32, seed=3)
     with xr.open_dataset(tmp_path / "table.nc") as table:
-        assert "Pinched(" in table.attrs["first"]
+        assert "Pinched (" in table.attrs["first"]
         assert not table.status.any()
         for name in ("rho", "displacement_std_1", "displacement_std_2"):
             np.testing.assert_allclose(table[name], expected[name], rtol=ROUNDING, err_msg=name)

@@ -26,7 +26,7 @@ class Broken:
         ("\x1b[2J", r"'\x1b[2J'"),
         (Broken(), "a Broken"),
         (np.zeros((2, 2)), "array([[0., 0.], [0., 0.]])"),
-        (sl.Bilinear(1.0, 0.05), "Bilinear(period=1, damping=0.05, peak_factor=3)"),
+        (sl.Bilinear(1.0, 0.05), "Bilinear (period 1 s, damping 0.05, peak factor 3)"),
         (sl.Bilinear, "<class 'stochlin.models.laws.bilinear.Bilinear'>"),
     ],
     ids=lambda value: type(value).__name__,

@@ -296,13 +296,8 @@ def test_a_measure_says_what_it_does():
     measure = sl.Measure(
         link=[LINK, *dampers], contact=RUBBER, bumper_thickness=0.03, strengthening_1=1.5
     )
-    assert measure.describe() == (
-        "Measure(added_damping_1=0, added_damping_2=0, bumper_thickness=0.03, strengthening_1=1.5, "
-        "link=Link(stiffness=2e+07, damping_constant=2e+06) + 3 of Link(stiffness=0, "
-        "damping_constant=1e+06, structures=(2, 2)) at floors (1, 0), (2, 1), (3, 2), "
-        f"contact={RUBBER.describe()})"
-    )
-    assert sl.Measure(link=[LINK] * 2).describe().endswith("at floors level, level)")
+    assert measure.describe().endswith(f"contact {RUBBER.describe()}")
+    assert sl.Measure(link=[LINK] * 2).describe().endswith("at level floors, level floors")
     assert sl.Measure().links == ()
     assert sl.Measure(link=LINK).links == (sl.Link(2e7, 2e6, structures=(1, 2)),)
 

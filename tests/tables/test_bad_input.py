@@ -214,7 +214,7 @@ def test_table_without_a_valid_cell_still_answers():
 def test_lone_case_that_does_not_converge_raises_with_the_cure(closure):
     structure = sl.Bilinear(**STRUCTURE)
     with pytest.raises(
-        ArithmeticError, match=r"Bilinear\(period=1.*not converged; raise max_iterations"
+        ArithmeticError, match=r"Bilinear \(period 1 s.*not converged; raise max_iterations"
     ):
         sl.linearize(structure, SOIL, closure, max_iterations=1)
     with pytest.raises(ArithmeticError, match="not converged; raise max_iterations"):

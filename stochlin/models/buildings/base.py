@@ -180,11 +180,11 @@ class MultistoreyBuilding(Model):
                 raise ValueError(f"law_parameters: {dimension} {bad[0] + 1}, {error}") from error
         return law
 
-    def _told_law(self) -> list[str]:
-        """The law and its parameters, for a description, if it is not the bilinear one."""
-        parts = [] if self.law == "bilinear" else [f"law={in_words(self.law)}"]
+    def further(self) -> list[str]:
+        """The law and its parameters, if it is not the bilinear one."""
+        parts = [] if self.law == "bilinear" else [f"law {in_words(self.law)}"]
         own = self._own_parameters()
-        return parts + [f"{name}={brief(np.asarray(value).tolist())}" for name, value in own]
+        return parts + [f"{name} {brief(np.asarray(value).tolist())}" for name, value in own]
 
     def _own_parameters(self) -> list[tuple[str, Any]]:
         """Names and values of the ``law_parameters``; arrays are over the elements."""

@@ -130,6 +130,7 @@ class ModalBuilding(MultistoreyBuilding):
     array([0.726, 1.17 ])
     """
 
+    name: ClassVar[str] = "building by its modes"
     strength_name: ClassVar[str] = "yield_displacements"
 
     periods: Parameter = parameter("s", "period of the mode", PERIODS)
@@ -374,10 +375,6 @@ class ModalBuilding(MultistoreyBuilding):
         hardenings = [hardening, *self._of_yielding(self.hardening)[1:]]
         strengths = [yield_displacement, *self._of_yielding(self.yield_displacements)[1:]]
         return replace(self, periods=periods, hardening=hardenings, yield_displacements=strengths)
-
-    def describe(self) -> str:
-        """The building with its parameters in one line."""
-        return ", ".join([super().describe()[:-1], *self._told_law()]) + ")"
 
     @property
     def _shapes_and_masses(self) -> tuple[Array, Array]:

@@ -136,6 +136,7 @@ class ShearBuilding(MultistoreyBuilding):
     [3.5, 7.0, 10.5]
     """
 
+    name: ClassVar[str] = "shear building"
     strength_name: ClassVar[str] = "yield_drifts"
 
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
@@ -451,12 +452,12 @@ class ShearBuilding(MultistoreyBuilding):
         by_modes = (modal * (2 * self._ratios(w) * w)) @ modal.T
         return by_modes + (drifts.T * values.get("dampers", np.zeros(w.size))) @ drifts
 
-    def describe(self) -> str:
-        """The building with its parameters in one line."""
-        parts = self._told_law()
-        parts += ["p_delta=True"] if self.p_delta else []
-        parts += [f"damping_modes={self.damping_modes}"] if self.damping_modes else []
-        return ", ".join([super().describe()[:-1], *parts]) + ")"
+    def further(self) -> list[str]:
+        """The law, and what changes the stiffness and the damping."""
+        parts = [*super().further(), "P-delta" if self.p_delta else ""]
+        modes = self.damping_modes
+        parts += [f"damping of modes {modes[0]} and {modes[1]}" if modes else ""]
+        return [part for part in parts if part]
 
     def _of_elements(self, name: str, value: Any) -> Any:
         if np.isscalar(value):

@@ -94,7 +94,7 @@ class Kelvin(LinearDamped):
     --------
     >>> import stochlin as sl
     >>> sl.Kelvin(stiffness=1e8, restitution=0.65).describe()
-    'Kelvin(stiffness=1e+08, damping=0.135851)'
+    'Kelvin (stiffness 100 MN/m, damping 0.135851)'
     >>> round(sl.Kelvin.restitution(0.5), 4), round(sl.Kelvin.damping_ratio(0.65), 4)
     (0.163, 0.1359)
     """

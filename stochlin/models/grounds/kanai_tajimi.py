@@ -52,7 +52,7 @@ class KanaiTajimi(Ground):
     --------
     >>> import stochlin as sl
     >>> sl.KanaiTajimi(period=2.0, damping=0.05).describe()
-    'KanaiTajimi(period=2, damping=0.05, intensity=1)'
+    'Kanai-Tajimi (period 2 s, damping 0.05, intensity 1 m²/s³)'
     """
 
     name: ClassVar[str] = "Kanai-Tajimi"

@@ -86,7 +86,7 @@ def named_ground(name: str, intensity: Parameter = 1.0) -> KanaiTajimi | CloughP
     --------
     >>> import stochlin as sl
     >>> sl.named_ground("sct_1985_ns").describe()
-    'KanaiTajimi(period=2.03339, damping=0.054, intensity=1)'
+    'Kanai-Tajimi (period 2.03339 s, damping 0.054, intensity 1 m²/s³)'
     >>> sl.named_ground("EC8_D", intensity=0.01).source
     'Giaralis & Spanos, fitted to the Eurocode 8 spectrum of ground type D'
     """

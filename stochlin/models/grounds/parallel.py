@@ -101,7 +101,6 @@ class ParallelGround(Ground):
         parts = [ground.psd(frequency) for ground in self.grounds]
         return sum(parts[1:], parts[0]) / self._own_intensity
 
-    def describe(self) -> str:
-        """The grounds and their total intensity in one line."""
-        parts = " + ".join(ground.describe() for ground in self.grounds)
-        return f"ParallelGround({parts}, {super().describe().partition('(')[2]}"
+    def further(self) -> list[str]:
+        """The grounds."""
+        return [" + ".join(ground.describe() for ground in self.grounds)]

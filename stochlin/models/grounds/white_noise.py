@@ -30,7 +30,7 @@ class WhiteNoise(Ground):
     --------
     >>> import stochlin as sl
     >>> sl.WhiteNoise(intensity=0.01).describe()
-    'WhiteNoise(intensity=0.01)'
+    'white noise (intensity 0.01 m²/s³)'
     """
 
     name: ClassVar[str] = "white noise"

@@ -80,7 +80,7 @@ class Bilinear(Structure):
     --------
     >>> import stochlin as sl
     >>> sl.Bilinear(period=1.0, damping=0.05, hardening=0.05, reduction_factor=4).describe()
-    'Bilinear(period=1, damping=0.05, hardening=0.05, reduction_factor=4, peak_factor=3)'
+    'Bilinear (period 1 s, damping 0.05, hardening 0.05, reduction factor 4, peak factor 3)'
     """
 
     closures: ClassVar[Mapping[str, Closure]] = {

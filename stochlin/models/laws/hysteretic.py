@@ -107,9 +107,9 @@ class Hysteretic(Structure):
             )
         return tuple(name for name in further if name in names)
 
-    def describe(self) -> str:
-        """The structure in one line, with its parameters and its law."""
-        return f"{super().describe()[:-1]}, law={in_words(self.law)})"
+    def further(self) -> list[str]:
+        """The law."""
+        return [f"law {in_words(self.law)}"]
 
 
 def law_of(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.descriptions import in_words, roles_in_words
+from stochlin.views.shared.descriptions import roles_in_words
 from stochlin.views.shared.style import AS_GIVEN, CURVES, describe, filled, legend_above, styled
 from stochlin.views.shared.words import along
 
@@ -126,5 +126,5 @@ def _caption(dataset: xr.Dataset) -> str:
     lines.append(f"{motions}; bars: 95 % interval")
     for row in along(dataset, "measure"):
         if row.kind.item() == "given":
-            lines.append(f"{row.measure.item()}: {in_words(row.description.item(), 'measure')}")
+            lines.append(f"{row.measure.item()}: {row.description.item()}")
     return filled(lines, CAPTION, "    ")

@@ -17,7 +17,7 @@ from stochlin.analyses.cases.pounding import (
     hardness,
 )
 from stochlin.analyses.pounding.rows import COLUMN
-from stochlin.views.shared.descriptions import in_words, roles_in_words
+from stochlin.views.shared.descriptions import roles_in_words
 from stochlin.views.shared.style import AS_GIVEN, CURVES, describe, filled, styled
 
 if TYPE_CHECKING:
@@ -184,7 +184,7 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
 def caption_of(dataset: xr.Dataset) -> str:
     """The buildings, the contact, the gaps and the source of the motions, in lines."""
     texts = [
-        f"{name}: {in_words(dataset.attrs[f'structure_{number}'])}"
+        f"{name}: {dataset.attrs[f'structure_{number}']}"
         for number, name in enumerate(dataset.building.values, start=1)
     ]
     if "contact" in dataset.dims:

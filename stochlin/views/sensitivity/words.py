@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from stochlin.models.buildings import OF_STOREYS
+from stochlin.models.descriptions import shown_unit
 from stochlin.views.shared.blocks import Block, Table, Text, texts
-from stochlin.views.shared.words import MINUS, SPACE, per_cent, short, shown_unit
+from stochlin.views.shared.words import MINUS, SPACE, per_cent, short
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -85,7 +86,7 @@ def _value(one: xr.Dataset, key: str, factor: float) -> str:
     if unit == "1" and key in OF_STOREYS:
         return f"{factor:.2f}{SPACE}times"
     unit, scale = shown_unit(unit, median)
-    return f"{short(scale * median * factor)}{unit}"
+    return f"{short(scale * median * factor)}{SPACE}{unit}".rstrip()
 
 
 def _signed(value: float, digits: int) -> str:

@@ -10,6 +10,7 @@ from scipy import constants
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.models.arguments import checked
 from stochlin.models.buildings import ModalBuilding, ShearBuilding
+from stochlin.models.descriptions import shown_unit
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.views.shared.blocks import Text, ViewSection
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 BEYOND = "\N{RIGHTWARDS ARROW}"
 IN_SI = {"1": 1.0, "g": constants.g, "m/s": 1.0, "ms": 1e-3, "kJ": 1e3, "MN": 1e6, "MN/m": 1e6}
-LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
-SHORT = 0.5  # m: lengths below, such as drifts, are in cm
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
 CAPITALS = {
     **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb", "cqc", "tbdy", "ntc")},
@@ -127,21 +126,13 @@ def valued(value: npt.ArrayLike, units: str, digits: int = 4) -> str:
     numbers = np.ravel(value)
     unit, scale = shown_unit(units, np.abs(numbers).max())
     each = [rounded(number, digits) for number in scale * numbers]
-    return ", ".join(each if len(set(each)) > 1 else each[:1]) + unit
+    behind = f"{SPACE}{unit}".rstrip().replace(" ", SPACE)
+    return ", ".join(each if len(set(each)) > 1 else each[:1]) + behind
 
 
 def rounded(value: float, digits: int = 4) -> str:
     """So many digits, and all of those before the point, without an exponent for large numbers."""
     return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
-
-
-def shown_unit(units: str, largest: float = np.inf) -> tuple[str, float]:
-    """A unit as it stands behind numbers up to this size, and what a number in SI is multiplied by."""
-    unit, scale = LARGE.get(units, (units, 1.0))
-    if units == "m" and largest < SHORT:
-        unit, scale = "cm", 100.0
-    unit = unit.replace("^2", "²").replace("^3", "³").replace(" ", SPACE)
-    return f"{SPACE}{unit}" if units != "1" else "", scale
 
 
 def scatter(case: Case) -> str:

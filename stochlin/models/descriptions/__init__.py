@@ -1,0 +1,51 @@
+"""Parameters in words, with their numbers in the units that are shown."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief
+
+LARGE = {"kg": ("t", 1e-3), "N/m": ("MN/m", 1e-6), "N s/m": ("MN s/m", 1e-6)}
+SHORT = 0.5  # m: lengths below, such as drifts, are shown in cm
+OF_BUILDING = re.compile(r"_([12])$")
+
+
+def shown_unit(units: str, largest: float = math.inf) -> tuple[str, float]:
+    """The unit in which numbers up to this size are shown, and what one in SI is multiplied by."""
+    unit, scale = LARGE.get(units, (units, 1.0))
+    if units == "m" and largest < SHORT:
+        unit, scale = "cm", 100.0
+    return "" if units == "1" else unit.replace("^2", "²").replace("^3", "³"), scale
+
+
+def span(values: Array, units: str) -> str:
+    """A number in SI in the unit that is shown, or the range of several: ``100 to 300 MN/m``."""
+    ends = np.fmin.reduce(values, axis=None), np.fmax.reduce(values, axis=None)
+    unit, scale = shown_unit(units, np.abs(ends).max())
+    return f"{' to '.join(dict.fromkeys(f'{scale * end:.6g}' for end in ends))} {unit}".rstrip()
+
+
+def stated(name: str, value: Any, units: str | None) -> str:
+    """A parameter with its value in words; without units if these are None."""
+    if hasattr(value, "spread"):  # uncertain
+        text = value.describe(units or "1")
+    elif isinstance(value, xr.DataArray) and value.ndim:
+        over = f"over {', '.join(map(str, value.dims))}"
+        if value.chunks is None:  # the range of a lazy array would have to be computed
+            numbers = value.to_numpy()
+            shown = span(numbers, units or "1")
+            several = numbers.size > 1 and np.ptp(numbers) == 0
+            text = f"{f'{numbers.size} times ' if several else ''}{shown} {over}"
+        else:
+            text = f"{value.size} values in chunks {over}"
+    else:
+        text = brief(value) if units is None or value is None else span(np.asarray(value), units)
+    label = OF_BUILDING.sub(r" of building \1:", name).replace("_", " ")
+    return f"{label} {text}"
