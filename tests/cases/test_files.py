@@ -265,7 +265,7 @@ WRONG = {
     "no digit before the point": ("= 4\nheight", "= .5\nheight", "reduction_factor = .5", ["as 0.5"]),
     "path": ('"Annex"', r'"C:\annex"', 'name = "C:', [r'name = "C:\annex"', "'single quotes', or with"]),
     "path with a tab": ('"Annex"', r'"C:\taft"', 'name = "C:', ["no line of text", "'single quotes'"]),
-    "key twice": ("storeys = 8", "storeys = 8\nstoreys  = 8", "storeys  =", ["'storeys'", "line 131"]),
+    "key twice": ("storeys = 8", "storeys = 8\nstoreys  = 8", "storeys  =", ["'storeys'", "line 135"]),
     "dotted key": ("[contact]", "[contact]\na.b.c = 3", "a.b.c", ["contact.a is not a key"]),
     "nothing to fit to": (GROUND, 'ground = "fitted"', "intensity", ["site.intensity", "estimator"]),
 }

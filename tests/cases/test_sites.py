@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.stats
 import xarray as xr
 from click.testing import CliRunner
 from motions import write_at2
@@ -66,7 +67,11 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("suite")
     (folder / "records").mkdir()
     for number, motion in enumerate(MOTIONS):
-        write_at2(motion, folder / "records" / f"m{number:02d}.at2")
+        path = folder / "records" / f"m{number:02d}.at2"
+        write_at2(motion, path)
+        rest = path.read_text(encoding="utf-8").split("\n")[2:]
+        title = f"Quake {number // 2}, 1/1/2000, Place, {number % 2 * 90:03d}"  # two of a station
+        path.write_text("\n".join(["PEER STRONG MOTION", title, *rest]), encoding="utf-8")
     (folder / "bad.txt").write_text("1\ntwo\n", encoding="utf-8")
     listed = ["records/m00.at2", "bad.txt", "records/m01.at2"]
     (folder / "suite.csv").write_text("\n".join(["file,units,dt", *(f"{n},g,0.01" for n in listed)]))
@@ -252,6 +257,25 @@ def test_a_factor_that_is_hardly_meant_is_asked_about(suite, factor):
         read(suite, f'{FIRM}intensity = "0.01 m^2/s^3"\n{record}')
 
 
+def test_files_are_read_as_in_python(tmp_path):
+    rows = "\n".join("a: b" if n < 3 else f"{n % 7 - 3} {n % 5 - 2} {n % 11 - 5}" for n in range(20))
+    (tmp_path / "a.txt").write_text(f"{rows}\n", encoding="utf-8")
+    points = "\n".join(f"{T},{sa}" for T, sa in ((0.2, 0.5), (0.5, 0.4), (1, 0.2), (2, 0.1), (4, 0.05)))
+    (tmp_path / "site.csv").write_text(f"T [s],Sa [g]\n{points}\n", encoding="utf-8")
+    reading = {"units": "gal", "wrapped": True, "skip": 3}
+    keys = 'units = "gal"\ndt = "0.02 s"\nwrapped = true\nskip = 3\n'
+    site = 'spectrum = "site.csv"\nbetween = "linear"\n[[site.records]]\npath = "a.txt"\n'
+    case = read(tmp_path, f"{site}{keys}")
+    expected = sl.read_record(tmp_path / "a.txt", dt=0.02, **reading)
+    np.testing.assert_array_equal(case.records["a.txt"], expected)
+    linear = sl.read_spectrum(tmp_path / "site.csv", between="linear")
+    np.testing.assert_array_equal(case.spectrum, linear)
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "a.txt").rename(tmp_path / "folder" / "a-up.txt")
+    vertical = read(tmp_path, f"{SUITE.format('folder')}{keys}vertical = true\n")
+    np.testing.assert_array_equal(vertical.records["a-up.txt"], expected)
+
+
 @pytest.mark.slow
 @pytest.mark.oracle
 def test_the_gap_screen_says_of_many_records_quantiles_and_the_share(suite):
@@ -269,9 +293,17 @@ def test_the_gap_screen_says_of_many_records_quantiles_and_the_share(suite):
         answer = float(table.gap[0])
         np.testing.assert_allclose(table.record_gap_quantile, np.quantile(gaps, [0.5, 0.84, 0.9]))
         held = float(table.record_no_pounding_probability)
+        ends = [float(table[f"record_no_pounding_probability_{end}"]) for end in ("lower", "upper")]
+        low, high = (float(table[f"record_gap_quantile_{end}"][0]) for end in ("lower", "upper"))
         assert table.record_gap_quantile.attrs["units"] == "m"
         assert float(table.peak_ground_acceleration) > 0
     assert held == pytest.approx((gaps <= answer).mean())
+    of_events = gaps.reshape(6, 2)  # of which a median is above the first with 98 %
+    assert (low, high) == (of_events.min(axis=1).min(), of_events.max(axis=1).max())
+    within = [(of(axis=1) <= answer).sum() for of in (of_events.max, of_events.min)]
+    exact = [scipy.stats.binomtest(int(n), 6).proportion_ci(0.95) for n in within]
+    assert ends == pytest.approx([exact[0].low, exact[1].high])
+    assert ", with 6 of them independent)" in words
     assert (
         f"The 12 recorded motions would have needed {100 * np.median(gaps):.1f} cm in 50 % of them"
         in words

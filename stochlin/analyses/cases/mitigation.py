@@ -8,10 +8,9 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.case import Case
-from stochlin.analyses.cases.sites.shaking import LEVELS, MOST_RECORDS, shaking_of
+from stochlin.analyses.cases.sites.shaking import LEVELS, MOST_RECORDS, shaking_of, share_apart
 from stochlin.analyses.cases.variables import RECORDED
 from stochlin.analyses.mitigation.mitigation import mitigate
-from stochlin.analyses.simulation.finite_motions import keeping_apart
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
@@ -65,7 +64,7 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
     table = table.assign(shaking_of(case).data_vars)
     table = table.assign_coords(measure=table.measure.copy(data=_of_buildings(case, table)))
     if pounding and len(case.records) > MOST_RECORDS:
-        table = table.assign(_over_records(table))
+        table = table.assign(_over_records(case, table))
     return table.assign_attrs(title=f"{case.title}: {table.attrs['title']}", case=case.title)
 
 
@@ -78,22 +77,17 @@ def _of_buildings(case: Case, table: xr.Dataset) -> list[str]:
     ]
 
 
-def _over_records(table: xr.Dataset) -> xr.Dataset:
+def _over_records(case: Case, table: xr.Dataset) -> xr.Dataset:
     """Quantiles over many records, and the share of records without an impact, for each measure."""
     known = table.amplification_1.notnull()
     quiet = table.largest_force.where(table.impacts > 0, 0.0)  # without an impact the force is 0
     columns = {name: table[name] for name in ("amplification_1", "amplification_2", "impacts")}
-    quantiles = (
-        xr.Dataset({**columns, "largest_force": quiet})
-        .where(known)
-        .quantile(LEVELS, "record", skipna=False)
-    )
+    of_records = xr.Dataset({**columns, "largest_force": quiet}).where(known)
+    quantiles = of_records.quantile(LEVELS, "record", skipna=False)
     quantiles = quantiles.rename({name: f"record_{name}" for name in quantiles.data_vars})
-    apart = keeping_apart(table.impacts.rename(record="path"), 0.5)
+    apart = share_apart(case, table.impacts, 0.5)
     of_all = known.all("record")
-    quantiles = quantiles.assign(
-        {f"record_{name}": share.where(of_all) for name, share in apart.items()}
-    )
+    quantiles = quantiles.assign({name: share.where(of_all) for name, share in apart.items()})
     level = labels.axis("quantile", "quantile", quantiles["quantile"].to_numpy())
     return labels.label(quantiles.assign_coords(quantile=level), RECORDED)
 

@@ -74,7 +74,7 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
         pair = [strength_in_metres(building.structure, case.ground) for building in case.pair]
         rest = part_of(progress, BEFORE_RECORDS, 1.0)
         separations = recorded_gap(pair[0], pair[1], dict(case.records), progress=rest).separation
-        suite = over_records(separations, gap, case.confidence)
+        suite = over_records(case, separations, gap)
     return ProbabilityAnswer(case, gap, table, hybrid, shaking_of(case), suite)
 
 

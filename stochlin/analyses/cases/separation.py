@@ -138,7 +138,7 @@ def answer_case(
         matters = sensitivity(*pair, case.sampled_ground, **motion)
     records = None
     if len(case.records) > MOST_RECORDS:
-        records = over_records(table.record_separation, float(table.gap[0]), case.confidence)
+        records = over_records(case, table.record_separation, float(table.gap[0]))
     risk = None if risky is None else _risk_table(risky, case, float(table.gap[0]))
     results = existing, _spectrum(case), shaking_of(case), records, risk, matters
     return CaseAnswer(case, table, *results, every_rule)

@@ -37,7 +37,6 @@ class RecordedMotions(NamedTuple):
 
     grounds: list[SampledMotion]
     names: list[str] | None  # None for a single record, which adds no dimension to results
-    events: Sequence[object] = ()  # equal for the components of a station in one earthquake
 
     @property
     def longest_step(self) -> float:
@@ -47,10 +46,8 @@ class RecordedMotions(NamedTuple):
     def describe(self) -> str:
         """The records in one line, for the run information."""
         names = self.names or ["record"]
-        return "; ".join(
-            f"{name}: {len(ground.acceleration)} samples at {ground.dt:g} s"
-            for name, ground in zip(names, self.grounds, strict=True)
-        )
+        named = zip(names, self.grounds, strict=True)
+        return "; ".join(f"{name}: {len(values)} samples at {dt:g} s" for name, (values, dt) in named)
 
 
 class RecordCells(NamedTuple):
@@ -88,8 +85,7 @@ def checked_motions(record: Records) -> RecordedMotions:
             grounds.append(SampledMotion(*checked_record(each)))
         except (TypeError, ValueError) as error:
             raise type(error)(f"record {name}: {error}") from error
-    stated = [(each.attrs.get("event"), each.attrs.get("station")) for each in records]
-    return RecordedMotions(grounds, names, [pair if all(pair) else n for n, pair in enumerate(stated)])
+    return RecordedMotions(grounds, names)
 
 
 def as_list(record: Records) -> list[xr.DataArray]:
@@ -97,6 +93,24 @@ def as_list(record: Records) -> list[xr.DataArray]:
     if isinstance(record, xr.DataArray):
         return [record]
     return [*(record.values() if isinstance(record, Mapping) else record)]
+
+
+def events_of(record: Records) -> list[object]:
+    """What is equal for the components of a station in one earthquake, for each record."""
+    stated = [(each.attrs.get("event"), each.attrs.get("station")) for each in as_list(record)]
+    return [pair if all(pair) else n for n, pair in enumerate(stated)]
+
+
+def ends_of_events(values: xr.DataArray, events: Sequence[object]) -> list[xr.DataArray]:
+    """The smallest and the largest values of each event, over ``record``.
+
+    Components of a station are not independent: the lower end of an interval is that of the smallest
+    values, its upper end that of the largest.
+    """
+    numbers = [[n for n, each in enumerate(events) if each == event] for event in dict.fromkeys(events)]
+    parts = [values.isel({RECORD: of_event}) for of_event in numbers]
+    ends = ([getattr(part, end)(RECORD, skipna=False) for part in parts] for end in ("min", "max"))
+    return [xr.concat(each, RECORD) for each in ends]
 
 
 def check_structure(role: str, structure: AnyStructure) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy import optimize
+from scipy import integrate, optimize
 
 from stochlin.analyses.records.records import checked_record
 from stochlin.kernels.basics.arrays import Array
@@ -109,8 +109,5 @@ def fit_envelope(
 
 def _build_up(values: Array, dt: float) -> Array:
     """Cumulative energy over its total [-], by the trapezoidal rule."""
-    square = values**2
-    steps = 0.5 * dt * (square[1:] + square[:-1])
-    energy = np.concatenate([[0.0], np.cumsum(steps)])
-    total: Array = energy / energy[-1]
-    return total
+    energy: Array = integrate.cumulative_trapezoid(values**2, dx=dt, initial=0.0)
+    return energy / energy[-1]

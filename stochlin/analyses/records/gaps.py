@@ -16,6 +16,8 @@ from stochlin.analyses.records.cells import (
     check_run,
     checked_motions,
     dims_of,
+    ends_of_events,
+    events_of,
     table_over,
 )
 from stochlin.analyses.records.stepped import stepped_gap
@@ -114,7 +116,7 @@ def recorded_gap(
     else:
         table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions, progress), roles)
     if RECORD in table.dims:
-        table = table.merge(_over_records(table.separation, motions.events))
+        table = table.merge(_over_records(table.separation, events_of(record)))
     title, known = "Gap of two structures in recorded motions", VARIABLES
     if second is None:
         title, known = SET_BACK, {**VARIABLES, **ALONE}
@@ -123,20 +125,15 @@ def recorded_gap(
 
 
 def _over_records(separation: xr.DataArray, events: Sequence[object]) -> xr.Dataset:
-    """Quantiles of the separation over the records, with their 95 % intervals.
-
-    The lower end is that of the smallest separation in each event, the upper end of the largest.
-    """
-    samples = separation.transpose(RECORD, ...)
-    values = samples.to_numpy()
-    of_events = [values[[n for n, each in enumerate(events) if each == event]] for event in {*events}]
-    ends = [np.array([of(each, axis=0) for each in of_events]) for of in (np.min, np.max)]
+    """Quantiles of the separation over the records, with their 95 % intervals over events."""
+    like = separation.isel({RECORD: 0}, drop=True)
+    samples = [separation, *ends_of_events(separation, events)]
+    values = [each.transpose(RECORD, ...).to_numpy() for each in samples]
     names = [f"separation_quantile{end}" for end in labels.VALUE_AND_ENDS]
-    parts = [quantile_columns("separation", samples.dims[1:], of, QUANTILES) for of in (values, *ends)]
+    parts = [quantile_columns("separation", like.dims, of, QUANTILES) for of in values]
     columns = {name: part[name] for name, part in zip(names, parts, strict=True)}
-    like = samples.isel({RECORD: 0}, drop=True).coords
     levels = labels.axis("quantile", "quantile", QUANTILES)
-    return xr.Dataset(columns, coords={**like, "quantile": levels})
+    return xr.Dataset(columns, coords={**like.coords, "quantile": levels})
 
 
 def _exactly(

@@ -128,16 +128,17 @@ def read_record(
     >>> record.sizes["time"], record.attrs["dt"], float(record.max())
     (100, 0.02, 0.01)
     """
-    name, channels = source_of(path, column, time_column, wrapped, skip)
+    reading = {"column": column, "time_column": time_column, "wrapped": wrapped, "skip": skip}
+    name, channels = source_of(path, **reading)
     return recorded(chosen(channels, component, name), name, dt, units)
 
 
-def source_of(path: Any, *options: Any) -> tuple[str, list[Series]]:
+def source_of(path: Any, **options: Any) -> tuple[str, list[Series]]:
     """Name and components of a record file, read with the options of `read_channels`, or of a trace."""
     if hasattr(path, "data") and hasattr(path, "stats"):
         return plain(getattr(path, "id", "the trace")), [of_trace(path)]
     path = input_path("path", path)
-    return plain(path.name), read_channels(path, *options)
+    return plain(path.name), read_channels(path, **options)
 
 
 def recorded(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:

@@ -53,9 +53,10 @@ def read_hazard(
         files may be given, for several periods.
     measure : {"pga", "sa", "intensity"}
         As in `HazardCurve`.
-    units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
-        Units of the accelerations. Not needed if the row of names has them, as in ``pga [g]``, or for
-        the other formats, which are in g. Not allowed for ``"intensity"``, which is in m^2/s^3.
+    units : str, optional
+        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as in
+        ``pga [g]``, or for the other formats, which are in g. Not allowed for ``"intensity"``, which is
+        in m^2/s^3.
     period : float, optional
         Period [s] of ``"sa"``. Between two periods of the files, the logarithm of the spectral
         acceleration that is exceeded with the same frequency is interpolated linearly in the logarithm

@@ -154,8 +154,9 @@ def read_spectrum(
     path : str or path
         Path of the file, text in UTF-8 or a workbook, with or without a row of names, below which units
         may follow. Lines that begin with ``#`` or ``%`` are comments.
-    units : {"g", "m/s^2", "cm/s^2", "gal", "mm/s^2"}, optional
-        Units of the accelerations. Not needed if the row of names has them, as in ``Sa [g]``.
+    units : str, optional
+        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as in
+        ``Sa [g]``.
     damping : float
         Damping ratio [-] of the spectrum, between 0 and 1.
     column, period_column : int or str

@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterator, Mapping
 from itertools import zip_longest
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -36,6 +36,7 @@ from stochlin.models.arguments import (
     Seconds,
     Truth,
     TwoNumbers,
+    Whole,
     checked,
 )
 
@@ -60,6 +61,8 @@ def read_records(
     column: Column | None = None,
     time_column: Column | None = None,
     component: Column | None = None,
+    wrapped: Truth = False,
+    skip: Annotated[int, Whole(0)] = 0,
     vertical: Truth = False,
     skip_unreadable: Truth = False,
 ) -> Suite:
@@ -83,7 +86,7 @@ def read_records(
         column of the file is time and the second acceleration; text after a semicolon is a remark. The
         columns ``event``, ``station`` and ``component`` become attributes of the records; ``component``
         also chooses one of several components of a file.
-    dt, units, column, time_column, component
+    dt, units, column, time_column, component, wrapped, skip
         As in `read_record`, for all files without such an entry in the table. Without a ``component``,
         both horizontal ones of a file are read.
     vertical : bool
@@ -128,7 +131,7 @@ def read_records(
     if (path / PEER_TABLE).is_file():
         path /= PEER_TABLE
     usual: dict[str, Any] = {"dt": dt, "units": units, "component": component}
-    usual |= {"column": column, "time_column": time_column}
+    usual |= {"column": column, "time_column": time_column, "wrapped": wrapped, "skip": skip}
     all_of = vertical or component is not None
     listed_files = _of_folder(path) if path.is_dir() else _of_table(path, vertical)
     suite: Suite = {}
@@ -140,7 +143,7 @@ def read_records(
             raise ValueError(f"{where} is listed twice; allowed: each file once")
         known.add(name)
         try:
-            for label, record in _components(folder / name, name, usual | options):
+            for label, record in _components(folder / name, name, **usual | options):
                 if all_of or is_horizontal(record.assign_attrs(about), name):
                     suite[label] = record.assign_attrs(about, file=name)
                 else:
@@ -160,17 +163,17 @@ def read_records(
     return suite
 
 
-def _components(path: Path, name: str, given: Mapping[str, Any]) -> Iterator[tuple[str, xr.DataArray]]:
+def _components(
+    path: Path, name: str, dt: float | None, units: str | None, component: Column | None, **reading: Any
+) -> Iterator[tuple[str, xr.DataArray]]:
     """The components of a file with their names: the one that is asked for, or both horizontal ones."""
-    dt, units = given["dt"], given["units"]
-    source, channels = source_of(path, given["column"], given["time_column"])
-    if given["component"] is None and 1 < len(channels) <= 3:
+    source, channels = source_of(path, **reading)
+    if component is None and 1 < len(channels) <= 3:
         for channel in channels:
             label = f"{name}, {channel.about.get('component', '')}"
             yield label, recorded(channel, source, dt, units)
     else:
-        channel = chosen(channels, given["component"], source)
-        yield name, recorded(channel, source, dt, units)
+        yield name, recorded(chosen(channels, component, source), source, dt, units)
 
 
 # A file of a suite: its name, its name for messages, options of reading, and attributes.
@@ -220,11 +223,9 @@ def table_rows(text: str, name: str, vertical: bool = False) -> Iterator[tuple[i
 
 
 def _options(row: Row, where: str) -> dict[str, Any]:
-    options: dict[str, Any] = {}
+    options: dict[str, Any] = {key: row[key] for key in ("component",) if row.get(key)}
     units, step = (row.get(key, "") for key in ("units", "dt"))
     of_columns = [part.strip() for part in units.partition(";")[0].split(",")]
-    if component := row.get("component"):
-        options["component"] = component
     if of_columns[-1]:
         options["units"] = of_columns[-1]
     if len(of_columns) == 2 and of_columns[0].split() == ["t", "s"]:

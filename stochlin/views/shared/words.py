@@ -202,7 +202,7 @@ def over_records(found: xr.Dataset, count: int, gap: float, what: str = "gap") -
     return (
         f"The {count} recorded motions would have needed {', '.join(parts)}. A {what} of {length(gap)} "
         f"is enough in {round(share * count)} of {count}, {per_cent(share)} ({per_cent(low)} to "
-        f"{per_cent(high)}, as if they were independent)."
+        f"{per_cent(high)}, with {found.attrs['independent']} of them independent)."
     )
 
 

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from stochlin.analyses.buildings.modes import DIRECTIONS
 from stochlin.analyses.cases.files.keys import NEEDED, Column, Key, Place, Slider, declared, table
 from stochlin.analyses.cases.files.quantities import Quantity
+from stochlin.analyses.sites.spectra import BETWEEN
 from stochlin.models.arguments import Whole
 from stochlin.models.buildings import (
     STOREYS,
@@ -66,14 +67,7 @@ SITE = table(
     Key("pga", PEAK, "Peak acceleration, mean", slider=Slider(0.01, 1.0, 0.01, 0.3, "g")),
     Key("sa", RESPONSE, "Spectral acceleration, mean", slider=Slider(0.01, 2.0, 0.01, 0.6, "g")),
     Key("sa_period", TIME, "Its period", slider=Slider(0.1, 4.0, 0.01, 1.0, "s")),
-    Key(
-        "scale",
-        NUMBER,
-        "Scale of the spectrum",
-        1.0,
-        Slider(0.1, 4.0, 0.05, 1.0),
-        (FILE,),
-    ),
+    Key("scale", NUMBER, "Scale of the spectrum", 1.0, Slider(0.1, 4.0, 0.05, 1.0), (FILE,)),
     declared(CloughPenzien, "intensity", "Intensity S0", Slider(5e-4, 0.05, 5e-4, 0.01, "m^2/s^3")),
     declared(CloughPenzien, "period", "Ground period", Slider(0.1, 4.0, 0.01, 1.0, "s")),
     declared(CloughPenzien, "damping", "Ground damping ratio", Slider(0.02, 1.0, 0.01, 0.3)),
@@ -88,6 +82,7 @@ SITE = table(
     Key("units", str, "Unit of the accelerations in the file", None),
     Key("column", Column, "Column of the accelerations", None),
     Key("period_column", Column, "Column of the periods", None),
+    Key("between", BETWEEN, "What the spectrum of a file is between its points", BETWEEN[0]),
 )
 READING = (
     Key("units", str, "Unit of the accelerations", None),
@@ -95,6 +90,8 @@ READING = (
     Key("column", Column, "Column of the accelerations", None),
     Key("time_column", Column, "Column of the times, in place of the time step", None),
     Key("component", Column, "Component of a file with several, by its name or number from 1", None),
+    Key("wrapped", bool, "Read all numbers as one series, written in rows", False),
+    Key("skip", Whole(0), "Number of lines at the beginning that are left out", 0),
 )
 RECORD = table(
     Key("path", str, "File, beside the case file"),
@@ -105,6 +102,7 @@ RECORD = table(
 SUITE = table(
     Key("path", str, "Folder, or table of files"),
     *READING,
+    Key("vertical", bool, "Read vertical components as well", False),
     Key("skip_unreadable", bool, "Leave out what cannot be read, with a warning", False),
     Key("pga", PEAK, "Peak acceleration to which each record is scaled"),
     Key("sa", RESPONSE, "Spectral acceleration to which each record is scaled"),

@@ -25,7 +25,8 @@ from stochlin.models.parameters import Range
 SPECTRUM = "spectrum"
 DAMPING = Quantity("1", Range(0.0, 1.0))
 _SHARED = (SPECTRUM, "filters", "records", SUITE)
-_OF_FILES = ("units", "damping", "column", "period_column", "scale")
+_READING = ("units", "column", "period_column", "between")
+_OF_FILES = (*_READING, "damping", "scale")
 
 
 def spectrum_file(site: Section, folder: Path) -> list[Path]:
@@ -75,7 +76,7 @@ def _of_file(site: Section, folder: Path, known: Known) -> xr.DataArray:
     name = site.text(SPECTRUM)
     path = known.of("file", name, lambda: _existing(site, folder / name))
     _check_keys(site, (*_OF_FILES, *GOALS), strength="the file and scale, or pga, sa and return_period")
-    options = {key: site.read(key) for key in ("units", "column", "period_column") if key in site}
+    options = {key: site.read(key) for key in _READING if key in site}
     if "damping" in site:
         options["damping"] = site.number("damping", DAMPING)
     spectrum = known.of(SPECTRUM, [name, options], lambda: read_spectrum(path, **options))

@@ -59,9 +59,9 @@ def read_suite(
     section.only(*section.keys)
     path = folder / section.read("path")
     _goal(section, spectrum)
-    skip = section.read("skip_unreadable")
+    kept = {key: section.read(key) for key in ("vertical", "skip_unreadable")}
     with section.naming("path"):
-        suite = read_records(path, **_reading(section), skip_unreadable=skip)
+        suite = read_records(path, **_reading(section), **kept)
     for name in suite:
         if name in records:
             raise section.error(

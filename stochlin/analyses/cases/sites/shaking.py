@@ -9,6 +9,7 @@ import xarray as xr
 
 from stochlin.analyses.cases.sites.strength import doubtful_peak
 from stochlin.analyses.cases.variables import RECORDED
+from stochlin.analyses.records.cells import ends_of_events, events_of
 from stochlin.analyses.records.records import strong_part
 from stochlin.analyses.records.response import response_spectrum
 from stochlin.analyses.simulation.finite_motions import keeping_apart, quantile_intervals
@@ -40,16 +41,28 @@ def recorded_shaking(record: xr.DataArray, periods: list[float]) -> dict[str, xr
     }
 
 
-def over_records(separations: xr.DataArray, gap: float, confidence: float) -> xr.Dataset:
-    """Quantiles of the separations [m] in records, and the share of records without pounding."""
-    levels = np.unique([*LEVELS, confidence])
-    quantiles = quantile_intervals(separations.to_numpy(), levels)
+def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Dataset:
+    """Quantiles of the separations [m] in records, and the share of records without pounding.
+
+    The intervals are those of `ends_of_events`.
+    """
+    levels = np.unique([*LEVELS, case.confidence])
     table = xr.Dataset(coords={"quantile": labels.axis("quantile", "quantile", levels)})
-    for end, values in zip(labels.VALUE_AND_ENDS, quantiles, strict=True):
+    events = events_of(case.records)
+    samples = separations, *ends_of_events(separations, events)
+    for n, end in enumerate(labels.VALUE_AND_ENDS):
+        values = quantile_intervals(samples[n].to_numpy(), levels)[n]
         table[f"record_gap_quantile{end}"] = "quantile", values
-    held = keeping_apart(separations.rename(record="path"), gap)
-    table = table.assign({f"record_{name}": share for name, share in held.items()})
+    table = table.assign(share_apart(case, separations, gap)).assign_attrs(independent=len({*events}))
     return labels.label(table, RECORDED)
+
+
+def share_apart(case: Case, values: xr.DataArray, most: float) -> dict[str, xr.DataArray]:
+    """Share of the records with values up to ``most``, and its 95 % interval, that of events."""
+    smallest, largest = ends_of_events(values, events_of(case.records))
+    samples = values, largest, smallest  # most events are within by the smallest values
+    shares = [keeping_apart(each.rename(record="path"), most) for each in samples]
+    return {f"record_{name}": share[name] for name, share in zip(shares[0], shares, strict=True)}
 
 
 def doubts(
