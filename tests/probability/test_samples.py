@@ -78,13 +78,13 @@ def test_an_uncertain_ground_widens_what_is_needed():
 def test_the_hybrid_method_is_of_what_is_known():
     record = sl.simulated_motions(GROUND, duration=10.0, paths=2)[0]
     one = sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05)
-    with pytest.raises((TypeError, ValueError), match=r"first = .* \+- 20 %.*give its median\(\)"):
+    with pytest.raises((TypeError, ValueError), match=r"first = .* ± 20 %.*give its median\(\)"):
         sl.pounding_probability(one, SECOND, GROUND, 0.05, method="hybrid", record=record)
 
 
 def test_a_fragility_is_of_what_is_known():
     one = sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05)
-    with pytest.raises((TypeError, ValueError), match=r"first = .* \+- 20 %.*give its median\(\)"):
+    with pytest.raises((TypeError, ValueError), match=r"first = .* ± 20 %.*give its median\(\)"):
         sl.pounding_fragility(one, SECOND, GROUND, 0.05, [0.01, 0.02], duration=10.0)
 
 

@@ -111,33 +111,6 @@ def test_rules_that_give_less_than_the_answer_are_marked_so(example: Done) -> No
         assert not re.search(r"\b(un)?safe\b", said)
 
 
-def test_the_readme_shows_numbers_of_the_example(example: Done) -> None:
-    readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    of_line = {
-        "**nonlinear simulation**": "simulation",
-        "eq. (3), rho of linearization": "eq_3_linearized",
-        "eq. (3), rho of the drift closure": "eq_3_drift",
-        "eq. (3), as in the paper": "eq_3_paper",
-        "square root of the sum of squares": "srss",
-    }
-    lines = [line.split("|")[1:-1] for line in readme.splitlines() if line.count("|") == 6]
-    shown = {name.strip(): [text.strip() for text in cells] for name, *cells in lines[2:]}
-    assert list(shown) == list(of_line)
-    with xr.open_dataset(example.folder / "gap.nc") as table:
-        meanings = table.verdict.attrs["flag_meanings"].split()
-        for name, rule in of_line.items():
-            one = table.sel(rule=rule)
-            gap, error, share, verdict = shown[name]
-            wanted = f"{100 * float(one.gap):.1f}"
-            if rule == "simulation":
-                ends = (100 * float(one[f"gap_{end}"]) for end in ("lower", "upper"))
-                wanted += " ({:.1f} to {:.1f})".format(*ends)
-            assert gap == wanted
-            assert error == ("" if rule == "simulation" else f"{100 * float(one.error):+.0f} %")
-            assert share == f"{100 * float(one.no_pounding_probability):.0f} %"
-            assert verdict == meanings[int(one.verdict)].replace("_", " ")
-
-
 def test_the_table_has_no_samples_in_csv(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(few(example_case()))
     answered("gap", tmp_path / "case.toml", "--out", tmp_path / "t.csv")
