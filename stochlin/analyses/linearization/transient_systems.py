@@ -305,11 +305,10 @@ def over_time(table: xr.Dataset, course: TimeGrid) -> xr.Dataset:
 
 def _equations(side: StructureCells, ground: Ground) -> Structures:
     """Equations of the cells of a structure."""
-    system, law = side.stack.system, None
-    if side.structure.yields:
-        law = Law(side.stack.law.closure_in_time(), side.law[:, np.isfinite(system.strength.ravel())])
+    yields = side.structure.yields
+    law = Law(side.stack.law.closure_in_time(), side.law) if yields else None
     return Structures(
-        system,
+        side.stack.system,
         ground.filter(side.ground),
         law,
         scale=side.elastic_std,

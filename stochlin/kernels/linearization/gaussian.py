@@ -148,10 +148,10 @@ def clipped(latent: Array, parameters: Array) -> ClosureValue:
 def _as_arrays(value: Any, latent: Array) -> ClosureValue:
     """The values of a closure with numbers among them as arrays."""
     coefficients, slopes, covariance, by_latent = value
+    none = np.zeros(latent.shape[1])
 
     def rows(*triples: Any) -> Array:
-        entries = [np.broadcast_to(entry, latent.shape[1]) for row in triples for entry in row]
-        return np.array(entries).reshape(len(triples), 3, -1)
+        return np.array([entry + none for row in triples for entry in row]).reshape(len(triples), 3, -1)
 
     return ClosureValue(np.array(coefficients), rows(*slopes), np.array(covariance), rows(*by_latent))
 

@@ -70,10 +70,10 @@ class Difference(NamedTuple):
 
 
 class Law(NamedTuple):
-    """The linearized law of the elements that yield, y in all."""
+    """The linearized law of the elements; those without a strength stay elastic."""
 
     closure: ClosureInTime
-    parameters: Array  # (k, y)
+    parameters: Array  # (k, n m)
 
 
 class Structures:
@@ -113,21 +113,20 @@ class Structures:
         start = np.zeros_like(matrix)
         if k:
             power = 2 * np.pi * ground.intensity[:, None, None]
-            start[:, q, q] = power * stationary(matrix[:, q, q], noise[0, :, q])
+            start[:, q, q] = power * stationary(matrix[:, q, q], noise[:, q])
         rates = scale * frequency[:, None]
         of_ground = np.sqrt(np.diagonal(start, axis1=1, axis2=2)[:, q])
         units = np.concatenate([of_ground, scale, rates, scale], axis=1)
         ratio = units[:, None] / units[:, :, None]
-        self.matrix, self.modulated = matrix * ratio, modulated * ratio
+        self.matrix, self.modulated, self.white = matrix * ratio, modulated * ratio, not k
         self.noise = noise * np.sqrt(2 * np.pi * ground.intensity)[:, None] / units
         self.start = start / (units[:, None] * units[:, :, None])
         weights = seen @ np.linalg.inv(system.extensions)
         self.seen = {D: weights * scale[:, None], V: weights * rates[:, None]}
         self.scale, self.most, self.law = scale, (limit / scale) ** 2, law
+        self.rate_of, self.z_of = np.arange(v.start, v.stop), np.arange(z.start, z.stop)
         self.yields = np.isfinite(system.strength)
-        self.cells, element = np.nonzero(self.yields)
-        self.rate_of, self.z_of = v.start + element, z.start + element
-        self.unit, self.frequency = (scale / system.strength)[self.yields], frequency[self.cells]
+        self.unit, self.frequency = scale / system.strength, frequency[:, None]
 
     @property
     def states(self) -> int:
@@ -142,29 +141,36 @@ class Structures:
     def linearized(self, level: float, covariance: Array, means: Array) -> tuple[Array, Array]:
         """``A`` at a level of the envelope, and the rates of the means."""
         matrix = self.matrix + level * self.modulated
-        slip, relaxation, rates = self.coefficients(covariance, means)
-        matrix[self.cells, self.z_of, self.rate_of] = self.frequency * (1 - slip)
-        matrix[self.cells, self.z_of, self.z_of] = -relaxation
-        return matrix, rates
+        if self.law is None:
+            return matrix, np.zeros_like(means)
+        slip, relaxation, rates = self.coefficients(covariance[None], means[None])
+        matrix[:, self.z_of, self.rate_of] = self.frequency * (1 - slip[0])
+        matrix[:, self.z_of, self.z_of] = -relaxation[0]
+        return matrix, rates[0]
 
     def coefficients(self, covariance: Array, means: Array) -> tuple[Array, Array, Array]:
-        """``1 + c_e`` and ``k_e`` (y,) of the elements that yield, and the rates of the means.
+        """``1 + c_e`` and ``k_e`` (times, n, m), and the rates of the means.
 
-        They follow from ``covariance`` (n, states, states) and ``means`` (states, y).
+        They follow from ``covariance`` (times, n, states, states) and ``means`` (times, states, n m).
         """
+        v, z = self.rate_of, self.z_of
+        v_v, z_z, v_z = covariance[..., v, v], covariance[..., z, z], covariance[..., v, z]
+        rates, none = np.zeros_like(means), np.zeros_like(v_v)
         if self.law is None:
-            return np.empty(0), np.empty(0), means
-        cells, v, z = self.cells, self.rate_of, self.z_of
-        v_v, z_z, v_z = covariance[cells, v, v], covariance[cells, z, z], covariance[cells, v, z]
+            return none, none, rates
         sv = np.maximum(np.sqrt(np.maximum(v_v, 0)) * self.unit, LEAST_RATE)
         sz = np.maximum(np.sqrt(np.maximum(z_z, 0)) * self.unit, LEAST_Z)
         r = np.clip(v_z * self.unit**2 / (sv * sz), -LARGEST_CORRELATION, LARGEST_CORRELATION)
         closure, parameters = self.law
-        latent, further = np.array([sv * self.frequency, sz, r]), slice(1, 1 + closure.states)
-        rows = np.concatenate([parameters, means[further]])
+        latent, further = np.array([sv * self.frequency, sz, r]).reshape(3, -1), slice(1, self.states)
+        states = means[:, further].swapaxes(0, 1).reshape(closure.states, latent.shape[1])
+        rows = np.concatenate([np.tile(parameters, len(means)), states])
         slip, relaxation = closure.closure(latent, rows).coefficients
-        rates = np.zeros_like(means)
-        rates[0], rates[further] = latent.prod(axis=0), closure.mean_rates(latent, rows)
+        of_means = np.vstack([latent.prod(axis=0), closure.mean_rates(latent, rows)])
+        rates[:, : self.states] = of_means.reshape(self.states, *rates[:, 0].shape).swapaxes(0, 1)
+        slip, relaxation = (
+            np.where(self.yields, values.reshape(none.shape), 0.0) for values in (slip, relaxation)
+        )
         return slip, relaxation, rates
 
     def product(self, a: int, b: int, covariance: Array) -> Array:
@@ -172,23 +178,18 @@ class Structures:
         return _weighted(self.seen[a], covariance[..., self.blocks[a], self.blocks[b]], self.seen[b])
 
     def moments(self, covariance: Array, means: Array) -> Own:
-        """Moments from covariances (times, n, states, states) and means (times, states, y)."""
-        pairs = (self.coefficients(*at)[:2] for at in zip(covariance, means, strict=True))
-        slip, relaxation = np.moveaxis(np.array(list(pairs)), 1, 0)
-        z_z = self.scale**2 * np.diagonal(covariance, axis1=-2, axis2=-1)[..., self.blocks[Z]]
-        u_u, v_v = (self.product(kind, kind, covariance) for kind in (D, V))
-        rows = (part.reshape(len(part), -1) for part in (u_u, v_v, z_z))
-        return Own(*rows, *(self._of_all(values) for values in (slip, relaxation, means)))
-
-    def _of_all(self, values: Array) -> Array:
-        """Values (..., y) of the elements that yield as those of all elements, 0 for the others."""
-        every = np.zeros((*values.shape[:-1], self.yields.size))
-        every[..., self.yields.ravel()] = values
-        return every
+        """Moments from covariances (times, n, states, states) and means (times, states, n m)."""
+        slip, relaxation, _ = self.coefficients(covariance, means)
+        z_z = self.scale**2 * covariance[..., self.z_of, self.z_of]
+        u_u, v_v = (self.product(k, k, covariance).reshape(len(means), -1) for k in (D, V))
+        if self.law is None:
+            means = np.zeros((*means.shape[:2], self.scale.size))
+        z_z, slip, k = (part.reshape(len(part), -1) for part in (z_z, slip, relaxation))
+        return Own(u_u, v_v, z_z, slip, k, means)
 
 
 def _in_metres(system: System, ground: Filter, blocks: Sequence[slice]) -> tuple[Array, Array, Array]:
-    """``A`` while elastic, the part of it that the envelope multiplies, and ``b`` (2, n, states).
+    """``A`` while elastic, the part of it that the envelope multiplies, and ``b`` (n, states).
 
     The noise acts on the states of the filter or, without a filter and times the envelope, on the
     structures. It has unit intensity.
@@ -197,14 +198,14 @@ def _in_metres(system: System, ground: Filter, blocks: Sequence[slice]) -> tuple
     (n, m), extensions = system.mass.shape, system.extensions
     forces, shaken = extensions / system.mass[:, None], extensions.sum(axis=1)
     matrix, modulated = np.zeros((2, n, z.stop, z.stop))
-    noise = np.zeros((2, n, z.stop))
-    matrix[:, q, q], noise[0, :, q], output = ground.arrays
+    noise = np.zeros((n, z.stop))
+    matrix[:, q, q], noise[:, q], output = ground.arrays
     matrix[:, d, v] = matrix[:, z, v] = np.eye(m)
     matrix[:, v, d] = -(forces @ extensions.T) * system.post[:, None]
     matrix[:, v, v] = -forces @ system.damping @ np.linalg.inv(extensions)
     matrix[:, v, z] = -(forces @ extensions.T) * system.couple[:, None]
     modulated[:, v, q] = shaken[:, None] * output[..., None, :]
-    noise[1, :, v] = 0.0 if ground.states else shaken
+    noise[:, v] = 0.0 if ground.states else shaken
     return matrix, modulated, noise
 
 
@@ -223,12 +224,9 @@ class Covariances:
         ground, states = sides[0].blocks[Q], max(side.states for side in sides)
         both = np.zeros((i.size, sides[0].matrix.shape[-1], sides[-1].matrix.shape[-1]))
         both[:, ground, ground] = sides[0].start[i, ground, ground]
-        noises = [
-            *((side.noise, side.noise) for side in sides),
-            (sides[0].noise[:, i], sides[-1].noise[:, j]),
-        ]
-        self.noises = [a[..., None] * b[..., None, :] for a, b in noises]  # of the filter, and white
-        means = (np.zeros((states, side.cells.size)) for side in sides)
+        noises = [*((side.noise, side.noise) for side in sides), (sides[0].noise[i], sides[-1].noise[j])]
+        self.drives = [a[..., None] * b[..., None, :] for a, b in noises]
+        means = (np.zeros((states, side.scale.size if side.law else 0)) for side in sides)
         start = [*(side.start for side in sides), *means, both]
         self.shapes, ends = [part.shape for part in start], np.cumsum([part.size for part in start])
         self.places = [slice(end - part.size, end) for end, part in zip(ends, start, strict=True)]
@@ -243,34 +241,33 @@ class Covariances:
         )
         return list(zip(parts[:count], parts[count:], strict=True)), both
 
-    @np.errstate(all="ignore")  # a step that is too long may overflow, and is repeated
     def rates(self, time: float, numbers: Array) -> Array:
         """The rates of all numbers at a time [s]."""
         level, (of_sides, both) = float(self.envelope(np.array(time))), self.parts(numbers)
-        linear = [
-            side.linearized(level, *parts) for side, parts in zip(self.sides, of_sides, strict=True)
-        ]
-        matrices, rates_of_means = zip(*linear, strict=True)
-        flows = [a @ covariance for a, (covariance, _) in zip(matrices, of_sides, strict=True)]
-        rates = [flow + flow.swapaxes(1, 2) for flow in flows]
+        *drives, drive = (level**2 * d for d in self.drives) if self.sides[0].white else self.drives
+        matrices, rates, of_means = [], [], []
+        for side, (covariance, means), own in zip(self.sides, of_sides, drives, strict=True):
+            matrix, rates_of_means = side.linearized(level, covariance, means)
+            flow = matrix @ covariance
+            matrices.append(matrix)
+            rates.append(flow + flow.swapaxes(1, 2) + own)
+            of_means.append(rates_of_means)
         (i, j), transposed = self.pairs, np.ascontiguousarray(matrices[-1].swapaxes(1, 2))
-        rates.append(matrices[0][i] @ both + both @ transposed[j])
-        for flow, (soil, white) in zip(rates, self.noises, strict=True):
-            flow += soil + level**2 * white  # noqa: PLW2901
-        return np.concatenate([part.ravel() for part in (*rates[:-1], *rates_of_means, rates[-1])])
+        across = matrices[0][i] @ both + both @ transposed[j] + drive
+        return np.concatenate([part.ravel() for part in (*rates, *of_means, across)])
 
     def _steps(self, ends: Sequence[float]) -> Iterator[RK45]:
         """The integrator after each of its steps, from rest on; steps also end at each of ``ends``."""
         from scipy.integrate import RK45  # takes long to import
 
         count = self.pairs[0].size + sum(len(side.matrix) for side in self.sides)
-        share = 1 / np.sqrt(count)  # the integrator takes the mean square error over all numbers
+        # The integrator takes the mean square error over all numbers.
+        rtol, atol = RTOL / np.sqrt(count), ATOL / np.sqrt(count)
         fastest = max(side.fastest for side in self.sides)
         begin, numbers = 0.0, self.start
         for end in ends:
             first = min(FIRST_PHASE / fastest, end - begin)
-            tolerances = {"rtol": share * RTOL, "atol": share * ATOL}
-            solver = RK45(self.rates, begin, numbers, end, first_step=first, **tolerances)
+            solver = RK45(self.rates, begin, numbers, end, first_step=first, rtol=rtol, atol=atol)
             steps = 0
             while solver.status == "running":
                 solver.step()
@@ -299,6 +296,7 @@ class Covariances:
                     "hardening, or simulate"
                 )
 
+    @np.errstate(all="ignore")  # a step that is too long may overflow, and is repeated
     def solve(
         self, times: Array, kinks: Sequence[float] = (), progress: Progress | None = None
     ) -> tuple[Own, Difference]:

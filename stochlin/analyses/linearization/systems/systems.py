@@ -133,9 +133,9 @@ def linearize_system(
         ``coefficient_change`` [-], NaN after the last iteration of a cell; where a solution is followed,
         they are those at full shaking. Over ``link``: ``link_force_std`` [N] and, if a link has a
         dashpot with an exponent, ``equivalent_damping_constant`` [N s/m], which is NaN if the ends of
-        the link do not move relative to each other. And ``iterations``; ``residual`` [-] of the Lyapunov equation, in units
-        of the standard deviations of the states and over the largest entry of the state matrix; and
-        ``status``.
+        the link do not move relative to each other. And ``iterations``; ``residual`` [-] of the Lyapunov
+        equation, in units of the standard deviations of the states and over the largest entry of the
+        state matrix; and ``status``.
 
     Raises
     ------
