@@ -152,8 +152,8 @@ def read_records(
             no_record = path.is_dir() and isinstance(error, UnknownFormatError)
             if not skip_unreadable and not no_record:
                 raise ValueError(f"{where}: {sentence(error, LONGEST_MESSAGE)}") from error
-            text = f"{where} is left out: {sentence(error, LONGEST_MESSAGE)}"
-            warnings.warn(text, DoubtfulInput, stacklevel=3)
+            why = "no record can be seen in it" if no_record else sentence(error, LONGEST_MESSAGE)
+            warnings.warn(f"{where} is left out: {why}", DoubtfulInput, stacklevel=3)
     if upward:
         which = f"{listed(upward)} {'is' if len(upward) == 1 else 'are'} left out"
         why = "vertical or in a borehole; vertical=True reads such components as well"

@@ -77,9 +77,9 @@ class Section:
         return ValueError(f"{where}: {subject} {what}".replace(":  ", ": "))
 
     def doubt(self, key: str, what: str) -> None:
-        """Warn, once, of the value of a key, which is allowed but implausible."""
-        if (*self.place, key) not in self.doubts:
-            self.doubts.add((*self.place, key))
+        """Warn, once in the same words, of the value of a key, which is allowed but implausible."""
+        if (*self.place, key, what) not in self.doubts:
+            self.doubts.add((*self.place, key, what))
             warnings.warn(str(self.error(key, what)), DoubtfulInput, stacklevel=2)
 
     @contextmanager
