@@ -67,7 +67,7 @@ def test_what_the_file_gives_and_leaves_out_is_told(tmp_path: Path) -> None:
 
 
 def test_errors_name_options_and_no_input_is_overwritten(wall: Path) -> None:
-    assert "--direction 'UX' has no meaning for wall.csv" in refused(
+    assert "direction = 'UX' has no meaning for wall.csv" in refused(
         "building", wall, "--direction", "UX"
     )
     bare = wall.with_name("bare.csv")

@@ -74,5 +74,5 @@ def test_the_command_draws_for_print(tmp_path):
     answered(*command, "--print-width", "84mm")
     points = 72 * 0.084 / 0.0254
     assert f'width="{points:.6g}'[:10] in (tmp_path / "fig3a.svg").read_text()
-    assert "--print-width 0.84 is out of range" in refused(*command, "--print-width", "84cm")
+    assert "print_width = 0.84 is out of range" in refused(*command, "--print-width", "84cm")
     assert mpl.rcParams["font.size"] == mpl.rcParamsDefault["font.size"]

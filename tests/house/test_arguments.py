@@ -140,7 +140,7 @@ def test_whole_numbers_beyond_64_bits_are_numbers() -> None:
 def test_an_uncertain_number_is_told_as_it_was_given() -> None:
     one, two = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.05)
     uncertain = sl.Uncertain(1.0, 0.2)
-    with pytest.raises(TypeError, match=r"envelope = 1 \+- 20 % is of the wrong kind"):
+    with pytest.raises(TypeError, match=r"envelope = 1 ± 20 % is of the wrong kind"):
         sl.existing_gap(one, two, FIRM, 10.0, 0.1, envelope=uncertain)  # type: ignore[arg-type]
 
 

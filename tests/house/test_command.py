@@ -19,7 +19,6 @@ from stochlin.analyses.cases.examples import example_case, example_record
 from stochlin.analyses.tables import storage
 from stochlin.models.laws import closure_names
 from stochlin.views.command import main
-from stochlin.views.shared.screen import as_options
 
 pytestmark = pytest.mark.cli
 
@@ -132,11 +131,11 @@ def test_the_package_runs_without_its_script() -> None:
     ("arguments", "says"),
     [
         (("--period-2", "1s"), "--period-1"),
-        (("--period", "-1s"), "Bilinear: --period -1 is out"),
+        (("--period", "-1s"), "Bilinear: period = -1 is out"),
         (("--period", "one"), "'one' is no number"),
         (("--period", "1s:2s"), "start:stop:count"),
         (("--period", "1s:2s:1"), "count >= 2"),
-        (("--period", "1s", "--reduction-factor", "4"), "--hardening is not given"),
+        (("--period", "1s", "--reduction-factor", "4"), "Bilinear: hardening is not given"),
         (("--period", "1s", "--ground", "moon"), "firm"),
         (("--period", "1s", *KANAI_TAJIMI), "--ground-period, --ground-damping"),
         (("--period", "1s", "--ground-period", "2s"), "does not apply"),
@@ -211,24 +210,6 @@ def test_a_command_that_is_not_there_brings_the_nearest_to_mind() -> None:
     assert "No such command 'gaps'." in result
     if hasattr(click.exceptions, "NoSuchCommand"):  # older ones suggest nothing
         assert "Did you mean 'gap'?" in result
-
-
-@pytest.mark.parametrize(
-    ("told", "says"),
-    [
-        ("dt is missing; give dt= in seconds", "--dt is missing; give --dt in seconds"),
-        ("dt = 0 is out of range", "--dt 0 is out of range"),
-        ("a.txt needs dt=0.01, units=g", "a.txt needs --dt 0.01, --units g"),
-        ("raise max_iterations", "raise --max-iterations"),
-        ("the column is wide; units are g", "the column is wide; --units are g"),
-        ("case.toml, line 3: site.dt = 0; dt is missing", None),
-    ],
-)
-def test_arguments_of_functions_are_told_as_options(told: str, says: str | None) -> None:
-    options = {
-        name: f"--{name.replace('_', '-')}" for name in ("dt", "units", "max_iterations", "column")
-    }
-    assert as_options(told, options) == (says or told)
 
 
 def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stochlin.messages import brief
-from stochlin.views.shared.screen import FILE, bad_input, naming_options
+from stochlin.views.shared.screen import FILE, bad_input
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -291,16 +291,14 @@ def structures(options: dict[str, Any]) -> tuple[Structure, Structure]:
     pair = []
     for number, kind in enumerate(kinds, start=1):
         names = (*STRUCTURE_OPTIONS, *kind.own_parameters())
-        option_of = {name: chosen(name, number) for name in names}
         values = {
             name: parameter_of(option, options[option])
-            for name, option in option_of.items()
-            if options[option] is not None
+            for name in names
+            if options[option := chosen(name, number)] is not None
         }
         if "period" not in values:
             raise click.UsageError(f"Missing option '--period-{number}' (or '--period' for both).")
-        with naming_options(option_of):
-            pair.append(kind(**values))
+        pair.append(kind(**values))
     return pair[0], pair[1]
 
 
@@ -329,8 +327,7 @@ def ground(options: dict[str, Any]) -> Ground:
     missing = [n for n, model in own.items() if n not in present and fields[model].default is MISSING]
     if missing:
         raise click.UsageError(f"--ground {chosen} needs {_flags(missing)}.")
-    with naming_options({model: option for option, model in own.items()}):
-        return kind(**values)
+    return kind(**values)
 
 
 def _flags(names: Iterable[str]) -> str:

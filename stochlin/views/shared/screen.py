@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import codecs
 import math
-import re
 import sys
 import textwrap
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import cache
 from itertools import pairwise
@@ -72,38 +71,9 @@ def bad_input() -> Iterator[None]:
         message = sentence(error, LONGEST_MESSAGE)
         if isinstance(error, OSError) and error.errno in FULL:
             raise click.ClickException(message) from error
-        context = click.get_current_context(silent=True)
-        parameters = context.command.params if context else ()
-        options = {
-            str(option.name): option.opts[0] for option in parameters if isinstance(option, click.Option)
-        }
-        raise click.UsageError(as_options(message, options)) from error
+        raise click.UsageError(message) from error
     except (ArithmeticError, RuntimeError, ImportError) as error:
         raise click.ClickException(sentence(error, LONGEST_MESSAGE)) from error
-
-
-def as_options(message: str, options: Mapping[str, str]) -> str:
-    """A message with options, ``--dt``, in place of the arguments of functions that they give."""
-    if re.match(r"\S+, line \d+: ", message):
-        return message  # its names are those of a file
-    for name, option in options.items():
-        before = r"(?<![\w.'-])"
-        message = re.sub(rf"{before}{name}(?: = |=(?=[\w'\"]))", f"{option} ", message)
-        alone, start = r"(?:=|\b)", before
-        if "_" not in name:  # it may be a word of the sentence
-            alone, start = r"(?:=|(?= (?:is|are) ))", rf"(?:^|(?<=[:;] )|{before}(?=\w+=))"
-        message = re.sub(f"{start}{name}{alone}", option, message)
-    return message
-
-
-@contextmanager
-def naming_options(options: Mapping[str, str]) -> Iterator[None]:
-    """Name options in errors, in place of the arguments that they give."""
-    try:
-        yield
-    except (ValueError, TypeError) as error:
-        flags = {name: f"--{option.replace('_', '-')}" for name, option in options.items()}
-        raise ValueError(as_options(str(error), flags)) from error
 
 
 @contextmanager
