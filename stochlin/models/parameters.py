@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import dataclasses
 import functools
+import inspect
 import operator
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, ClassVar, Self
@@ -13,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from stochlin.messages import Named, brief, hyphenated, sentence
+from stochlin.messages import Named, brief, check_names, hyphenated, sentence
 from stochlin.models.descriptions import stated
 from stochlin.models.plausible import implausible, warn_caller
 from stochlin.models.uncertain import TAKERS, Uncertain, UncertainModel, median_of
@@ -73,12 +74,17 @@ def parameter(units: str, long_name: str, allowed: Range, default: Any = datacla
 
 
 class _Kind(Named):
-    """The type of models, which warn of implausible values."""
+    """The type of models: a model is made here, with a warning of implausible values."""
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        made = super().__call__(*args, **kwargs)
-        # Only functions that give metres ask about the intensity.
-        values = dict(zip(self.__match_args__, args, strict=False)) | kwargs | {"intensity": None}
+        """A new model, or an `UncertainModel` if an argument is `Uncertain`."""
+        values = dict(zip(self.__match_args__, args, strict=False)) | kwargs
+        uncertain = [name for name, value in values.items() if isinstance(value, Uncertain)]
+        if uncertain:
+            self.check_uncertain(uncertain)
+            check_names(self.__name__, kwargs, inspect.signature(self).parameters)
+        made = UncertainModel.of(self, args, kwargs) if uncertain else super().__call__(*args, **kwargs)
+        values["intensity"] = None  # only functions that give metres ask about it
         warn_caller(self.__name__, [*implausible(values)] or median_of(made).doubts())
         return made
 
@@ -94,12 +100,9 @@ class Model(metaclass=_Kind):
     of_arguments: ClassVar[bool] = False  # arguments of a function; messages then omit the class name
     instead: ClassVar[str] = ""  # advice in the message of a function that does not take this model
 
-    def __new__(cls, *args: Any, **kwargs: Any) -> Self:
-        """A new model, or an `UncertainModel` if an argument is `Uncertain`."""
-        for value in (*args, *kwargs.values()):
-            if isinstance(value, Uncertain):
-                return UncertainModel.of(cls, args, kwargs)  # type: ignore[return-value]
-        return super().__new__(cls)
+    @classmethod
+    def check_uncertain(cls, names: Collection[str]) -> None:
+        """Raise a ValueError if a parameter with one of these names cannot be uncertain."""
 
     def __post_init__(self) -> None:
         prefix = "" if self.of_arguments else f"{type(self).__name__}: "
@@ -159,10 +162,7 @@ class Model(metaclass=_Kind):
 
     @functools.cached_property
     def _arrays(self) -> dict[str, xr.DataArray]:
-        values = self._cells.items()
-        return {
-            n: value if isinstance(value, xr.DataArray) else xr.DataArray(value) for n, value in values
-        }
+        return {name: xr.DataArray(value) for name, value in self._cells.items()}
 
     def arrays(self) -> dict[str, xr.DataArray]:
         """The parameters that are set, by name, as labelled arrays (0-d for scalars)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -26,7 +26,7 @@ from stochlin.models.buildings.base import (
 from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, Range, as_array, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
-from stochlin.models.uncertain import Uncertain, takes_uncertain
+from stochlin.models.uncertain import takes_uncertain
 
 if TYPE_CHECKING:
     import sympy
@@ -146,16 +146,14 @@ class ModalBuilding(MultistoreyBuilding):
     law: str | sympy.Expr | Mapping[str, sympy.Expr] = "bilinear"
     law_parameters: Mapping[str, Any] | None = None
 
-    def __new__(cls, *args: Any, **kwargs: Any) -> Self:
-        """A new building, or an `UncertainModel`; which shapes cannot make."""
-        given = {**dict(zip(("periods", "shapes"), args, strict=False)), **kwargs}
-        for name in ("shapes", "participation"):
-            if isinstance(given.get(name), Uncertain):
-                raise ValueError(
-                    f"{cls.__name__}: {name} is uncertain; allowed: numbers. Let periods, damping or "
-                    "yield displacements be uncertain"
-                )
-        return super().__new__(cls, *args, **kwargs)
+    @classmethod
+    def check_uncertain(cls, names: Collection[str]) -> None:
+        """Raise a ValueError if the shapes or what follows from them are uncertain."""
+        for name in {"shapes", "participation"}.intersection(names):
+            raise ValueError(
+                f"{cls.__name__}: {name} is uncertain; allowed: numbers. Let periods, damping or "
+                "yield displacements be uncertain"
+            )
 
     @classmethod
     @takes_uncertain
