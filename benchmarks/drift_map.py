@@ -14,14 +14,16 @@ import xarray as xr
 from arguments import file_and_work
 
 import stochlin as sl
-from stochlin.analyses.correlation.drift.derived import side_of
-from stochlin.analyses.correlation.drift.signatures import derived_gram, derived_signature
-from stochlin.analyses.linearization.drift_map import between
-from stochlin.analyses.linearization.equivalent_systems import solve_derived
+from stochlin.analyses.correlation.signatures import (
+    derived_signatures,
+    drifting_side,
+    solved_references,
+)
+from stochlin.analyses.linearization.equivalent_systems import solved_together
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.simulation import simulation
 from stochlin.analyses.tables.storage import whole_file
-from stochlin.kernels.basics.interpolation import Grid
+from stochlin.kernels.correlation.interpolation import Grid, interpolate, smoothly
 from stochlin.kernels.correlation.nearness import ENTRIES, form_of
 from stochlin.kernels.correlation.signatures import signature
 from stochlin.kernels.simulation.stepping import LANES
@@ -236,12 +238,17 @@ def reference_arrays():
 
 def derived(structure, ground):
     """Derived signatures."""
-    columns = xr.Dataset(reference_arrays())
-    solved, known = (
-        side_of(solve_derived(s, ground, "drift", USUAL))
-        for s in (structure, building(*columns.values()))
-    )
-    return derived_signature(solved, known, derived_gram(known))
+    solved = solved_together((structure,), ground, "drift", corrected=False)
+    grounds, place = np.unique(solved.oscillators.soil, axis=1, return_inverse=True)
+    known = solved_references(ground, grounds, USUAL, xr.Dataset(reference_arrays()))
+    rows = derived_signatures(drifting_side(solved.values), known, place.ravel())
+    (table,) = solved.tables
+    return xr.DataArray(table.table(rows.T, ("drift_reference",)), table.shape.coords)
+
+
+def derived_ductility(structure, ground):
+    """Ductilities by the drift closure without its map."""
+    return solved_together((structure,), ground, "drift", corrected=False).dataset().ductility_std
 
 
 def signature_correction(simulated):
@@ -263,7 +270,7 @@ def displacement_corrections(coarse, ductility):
     soil = exact_over_derived(simulated.isel(ground_damping=slice(-1)))
     white = exact_over_derived(simulated.isel(ground_damping=-1, period=0, drop=True))
     structure, ground = grid(PERIOD, DAMPING[:2])
-    logarithm = np.log(solve_derived(structure, ground, "drift", USUAL).ductility_std).transpose(*GRID)
+    logarithm = np.log(derived_ductility(structure, ground)).transpose(*GRID)
     change = filled(logarithm.copy(data=np.log(ductility[:, :, :2])) - logarithm)
     change = change.diff("damping").isel(damping=0, drop=True)  # 0.01 to 0.02
     change = change.sel(elastic_ductility_std=soil.elastic_ductility_std, method="nearest")
@@ -280,7 +287,7 @@ def exact_over_derived(simulated):
     names = ("elastic_ductility_std", "hardening", "damping")
     structure = building(simulated.period if soil else 1.0, *(simulated[name] for name in names))
     ground = sl.KanaiTajimi(1.0, simulated.ground_damping) if soil else sl.WhiteNoise()
-    derived = solve_derived(structure, ground, "drift", USUAL).ductility_std
+    derived = derived_ductility(structure, ground)
     return np.log(simulated / derived).transpose(*simulated.dims)
 
 
@@ -312,10 +319,11 @@ def refinement(ductility, coarse):
         building(period, strength, hardening, damping),
         sl.KanaiTajimi(1.0, ground_damping),
     )
-    derived = solve_derived(structure, ground, "drift", USUAL).ductility_std.transpose(*FINE)
+    derived = derived_ductility(structure, ground).transpose(*FINE)
     whole = Grid.of([np.log(coarse[name].values) for name in coarse.dims], coarse.values)
     place = np.array(np.meshgrid(*(np.log(fine[own].values) for own in FINE), indexing="ij"))
-    added = np.log(fine / derived) - between(whole, place)[0]
+    (between,) = interpolate(whole, place.reshape(len(place), -1), smoothly)
+    added = np.log(fine / derived) - between.reshape(fine.shape)
     known = [
         np.isin(fine[own].values, coarse[name]) for name, own in zip(coarse.dims, FINE, strict=True)
     ]

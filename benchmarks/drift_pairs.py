@@ -10,10 +10,11 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.correlation.drift.derived import derived_correlation, side_of
-from stochlin.analyses.linearization.equivalent_systems import derived_together
-from stochlin.analyses.linearization.tolerance import USUAL
+from stochlin.analyses.correlation.signatures import drifting_side
+from stochlin.analyses.linearization.equivalent_systems import solved_together
 from stochlin.analyses.tables.storage import save_table
+from stochlin.kernels.basics.arrays import on_arrays
+from stochlin.kernels.linearization.drift import drifting_correlation
 
 FILE = Path(__file__).parents[1] / "docs" / "gallery" / "drift_pairs.nc"
 SIMULATION, DERIVED = "simulation", "derived"  # the latter: the drift closure without its map
@@ -35,8 +36,12 @@ def moments(pairs, ground, closure):
     if closure != DERIVED:
         table = sl.correlate(first, second, ground, closure=closure)
         return [table[name].values for name in MOMENTS]
-    sides = derived_together((first, second), ground, "drift", USUAL)
-    return [*(side["displacement_std"] for side in sides), derived_correlation(*map(side_of, sides))]
+    solved = solved_together((first, second), ground, "drift", corrected=False)
+    side = drifting_side(solved.values)
+    one, two = solved.parts
+    sides = on_arrays(lambda x: x[..., one], side), on_arrays(lambda x: x[..., two], side)
+    stds = [solved.values["displacement_std"][part] for part in solved.parts]
+    return [*stds, drifting_correlation(*sides)]
 
 
 def renewed(pairs):

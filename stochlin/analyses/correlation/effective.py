@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from functools import partial
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.variables import VARIABLES
+from stochlin.analyses.linearization.equivalent_systems import Solved
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, valid_cells
+from stochlin.analyses.tables.cellwise import Cells, cellwise, valid_cells
 from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.white_noise import white_noise_correlation
 from stochlin.models.arguments import checked
 from stochlin.models.parameters import Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, YieldingPair, effective_rule
-from stochlin.models.structures import Structure
 
 EQ_4 = ("period_eq_1", "period_eq_2", "damping_eq_1", "damping_eq_2")  # arguments of eq. (4)
 
@@ -101,21 +100,21 @@ def _of_rule(rule: EffectiveRule, pair: YieldingPair) -> xr.Dataset:
     return xr.Dataset({"rho": rho, **effective, "status": status})
 
 
-@by_slabs(float, np.int8)
 def _eq_4(valid: Array, *pair: Array) -> tuple[Array, Array]:
     rho = white_noise_correlation(*pair)
     status = np.where(np.isnan(rho), labels.NOT_PHYSICAL, labels.CONVERGED)
     return rho, np.where(valid, status, labels.INVALID_INPUT)
 
 
-def effective_properties(values: Solved, rule: EffectiveRule, valid: Cells = True) -> dict[str, Cells]:
+def effective_properties(
+    values: Mapping[str, Cells], rule: EffectiveRule, valid: Cells = True
+) -> dict[str, Cells]:
     """Effective periods [s] and damping ratios, each over the dimensions of its structure.
 
     ``values`` has the names of `YieldingPair`. Cells that are not ``valid`` are NaN.
     """
     properties: dict[str, Cells] = dict.fromkeys(EQ_4, np.nan)
 
-    @by_slabs(float, float)
     @np.errstate(all="ignore")  # invalid cells, and periods that overflow, are NaN
     def effective(good: Array, *own: Array) -> tuple[Array, Array]:
         mu, alpha, period, xi = (np.where(good, value, np.nan) for value in own)
@@ -130,16 +129,14 @@ def effective_properties(values: Solved, rule: EffectiveRule, valid: Cells = Tru
     return properties
 
 
-def effective_pair(
-    first: Structure, second: Structure, sides: Sequence[Solved], rule: EffectiveRule
-) -> dict[str, Cells]:
-    """Effective properties of linearized structures at their peak ductilities ``p ductility_std``.
+def effective_pair(solved: Solved, rule: EffectiveRule) -> dict[str, Cells]:
+    """Effective properties of two linearized structures at their peak ductilities ``p ductility_std``.
 
     The ductility of an elastic structure is 0, so that it keeps its period and damping ratio.
     """
     values: dict[str, Cells] = {}
-    for n, (structure, side) in enumerate(zip((first, second), sides, strict=True), start=1):
-        own = structure.cells()
+    for n, structure in enumerate(solved.structures, start=1):
+        own, side = structure.cells(), solved.labelled(n - 1, ["ductility_std"])
         values |= {f"{name}_{n}": own[name] for name in ("period", "damping")}
         values[f"hardening_{n}"] = own.get("hardening", 1.0)
         values[f"ductility_{n}"] = own["peak_factor"] * side["ductility_std"]

@@ -8,18 +8,12 @@ of ``docs/drift.md``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from stochlin.analyses.linearization.bias import caution_of, caution_of_error
-from stochlin.analyses.linearization.drift_map import CORRECTED_GROUNDS, checked, point_of
-from stochlin.analyses.linearization.equivalent_systems import STRENGTH_RATIO
+from stochlin.analyses.linearization.bias import EXPECTED, OFF, caution_of
 from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
-from stochlin.models.structures import Structure
 
 NONE_LEFT = 1e-13  # value of 1 - rho below which it is rounding error, and taken as 0
 # Errors by the smaller R/p of both structures: below the first bound, between them, above the last one.
@@ -36,46 +30,19 @@ DIFFERENCE = "relative_displacement"  # start of the names of variables
 SAFE_SIDE = 0.06  # relative bias, on the safe side, of u_1 - u_2 of nearly equal structures by eq. (13)
 
 
-def expected_rho_error(
-    first: Structure, second: Structure, ground: Ground, sides: Sequence[Solved]
-) -> Cells:
-    """Mean absolute error of ``rho`` of pairs of this strength.
-
-    It is 0 if both structures are elastic, and NaN where no pairs were simulated.
-    """
-    arrays: list[Cells] = []
-    for structure, side in zip((first, second), sides, strict=True):
-        inside: Cells = False
-        if type(ground) in CORRECTED_GROUNDS:
-            inside = checked(ground, point_of(structure, ground, side))
-        arrays += [side[STRENGTH_RATIO], inside, np.isinf(side["yield_displacement"])]
-    (error,) = cellwise(_error, *arrays, values=ERRORS.get(type(ground), np.full(4, np.nan)))
-    return error
+def errors_on(ground: Ground) -> Array:
+    """Mean errors of ``rho`` on this kind of ground; NaN where no pairs were simulated."""
+    return ERRORS.get(type(ground), np.full(len(BOUNDS) + 1, np.nan))
 
 
-@by_slabs(float)
-def _error(
-    strength_1: Array,
-    inside_1: Array,
-    elastic_1: Array,
-    strength_2: Array,
-    inside_2: Array,
-    elastic_2: Array,
-    *,
-    values: Array,
-) -> Array:
-    error = np.where(inside_1 & inside_2, values[_row(strength_1, strength_2)], np.nan)
-    return np.asarray(np.where(elastic_1 & elastic_2, 0.0, error))
-
-
-def _row(strength_1: Array, strength_2: Array) -> Array:
-    """Number of the range of the smaller R/p."""
-    return np.searchsorted(BOUNDS, np.minimum(strength_1, strength_2), side="right")
+def mean_error(errors: Array, strength_1: Array, strength_2: Array) -> Array:
+    """The entry of `errors_on` for the smaller R/p of both structures."""
+    return np.asarray(errors[np.searchsorted(BOUNDS, np.minimum(strength_1, strength_2), side="right")])
 
 
 def doubt_of(rho: Array, share: Array, strength_1: Array, strength_2: Array) -> Array:
     """Expected relative error of ``1 - rho``; ``share`` is the weight of eq. (13)."""
-    near = OF_NEARLY_EQUAL[_row(strength_1, strength_2)]
+    near = mean_error(OF_NEARLY_EQUAL, strength_1, strength_2)
     return np.asarray(share * near + (1 - share) * OF_OTHERS * np.maximum(rho, 0))
 
 
@@ -119,21 +86,20 @@ def difference(table: Solved) -> dict[str, Cells]:
         doubt = table["rho_standard_error"] / (1 - table["rho"])
         of_sides = (values[0], shares[0], values[1], shares[1])
         error, bias = cellwise(relative_error, *of_sides, values[2], doubt, kinds=(float, float))
-        std, flag = *cellwise(_difference, *values), caution_of_error(error)
+        std, off, most = cellwise(_difference, *values)[0], error, EXPECTED
     else:
         biases = [table.get(name, np.nan) for name in ("bias_1", "bias_2", "bias")]
         std, bias = cellwise(_with_bias, *values, *biases, kinds=(float, float))
-        flag = caution_of(bias)
+        off, most = bias, OFF
         std = table.get(f"{DIFFERENCE}_std", std)  # a building with storeys has it already
+    (flag,) = cellwise(caution_of, off, kinds=(np.int8,), most=most)
     return {f"{DIFFERENCE}_std": std, f"{DIFFERENCE}_bias": bias, f"{DIFFERENCE}_caution": flag}
 
 
-@by_slabs(float)
 def _difference(std_1: Array, std_2: Array, rho: Array) -> Array:
     return np.hypot(std_1 - std_2, np.sqrt(2 * _left(rho)) * np.sqrt(std_1) * np.sqrt(std_2))
 
 
-@by_slabs(float, float)
 @np.errstate(all="ignore")  # failed cells are NaN
 def _with_bias(
     std_1: Array, std_2: Array, rho: Array, bias_1: Array, bias_2: Array, bias: Array

@@ -5,20 +5,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.drift_map import with_correction
-from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.analyses.linearization.drift_map import point_of, with_correction
+from stochlin.analyses.linearization.tolerance import USUAL, Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, is_labelled, lone, valid_cells
+from stochlin.analyses.tables.cells import Flat, flat
+from stochlin.analyses.tables.cellwise import Cells
 from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.analyses.tables.work import check_table
-from stochlin.kernels.basics.arrays import Array, in_one_shape
-from stochlin.kernels.basics.slabs import in_slabs
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
@@ -45,12 +45,9 @@ INTERNAL = (
     *(f"system_{n}" for n in EquivalentSystem._fields),
     *(f"forcing_{n}" for n in Forcing._fields),
 )
-# Variables of the drift closure, from which the correlation of two drifts follows.
-SHARES = tuple(f"drift_share_{j}" for j in range(1, ORDERS + 2))
-OF_DRIFT = ("drift_std", "drift_rate", *SHARES)
 STRENGTH_RATIO = "elastic_ductility_std"  # R/p: standard deviation of the elastic displacement over uy
 STRONG = 1e3  # R/p above which a cell that does not converge has the status of too strong shaking
-PUBLIC = (
+SHOWN = (
     "displacement_std",
     "velocity_std",
     "ductility_std",
@@ -59,12 +56,119 @@ PUBLIC = (
     "c_eq",
     "k_eq",
     "yield_displacement",
-    "iterations",
-    "residual",
-    "status",
 )
-KINDS = {"iterations": np.int32, "status": np.int8}  # types of variables; the others are float
-BLANK = {"iterations": 0, "status": labels.INVALID_INPUT}  # values of invalid cells; the others are NaN
+PUBLIC = (*SHOWN, "iterations", "residual", "status")
+OF_DRIFT = ("drift_std", "drift_rate")
+JUDGED = ("bias", "bias_error", "caution")
+# Values of invalid cells; the others are NaN.
+BLANK = {"iterations": 0, "status": labels.INVALID_INPUT, "caution": len(labels.CAUTION_MEANINGS) - 1}
+
+
+class Oscillators(NamedTuple):
+    """Structures on their ground, a column for each cell; all parameters are in range."""
+
+    period: Array
+    damping: Array
+    hardening: Array
+    strength: Array  # yield displacement [m], or reduction factor; infinite if elastic
+    by_factor: Array  # whether the strength is a reduction factor
+    peak_factor: Array
+    soil: Array  # (g, n) parameters of the ground
+
+    @classmethod
+    def of(cls, table: Flat) -> Oscillators:
+        """The valid cells of a ``structure`` on a ``ground``."""
+        structure, own = table.models["structure"], table.models["structure"].cells()
+        rows = (
+            own["period"],
+            own["damping"],
+            own.get("hardening", 1.0),
+            own.get("yield_displacement", own.get("reduction_factor", np.inf)),
+            structure.reduction_factor is not None,
+            own["peak_factor"],
+            *table.models["ground"].cells().values(),
+        )
+        columns = in_columns(rows, table.where.size)
+        period, damping, hardening, strength, by_factor, peak_factor = columns[:6]
+        return cls(period, damping, hardening, strength, by_factor, peak_factor, columns[6:])
+
+    def at(self, cells: Array | slice) -> Oscillators:
+        """Some of the cells."""
+        return Oscillators(*(part[..., cells] for part in self))
+
+    def point(self, ground: Ground, ratio: Array) -> Array:
+        """Their places in the map of the drift closure, for their R/p on this ground."""
+        return point_of(ground, [ratio, self.hardening, self.damping], self.period, self.soil)
+
+
+class Law(NamedTuple):
+    """The cells that yield by one law."""
+
+    cells: Array  # (k,) their numbers
+    parameters: Array  # (m, k)
+    one_solution: Array  # (k,)
+    closure: Closure
+
+    @classmethod
+    def of(cls, table: Flat, closure: str, first: int = 0) -> Law:
+        """The law of the ``structure`` of a table, whose cells have numbers from ``first`` on."""
+        structure, count = table.models["structure"], table.where.size
+        own = structure.cells()
+        parameters = in_columns([own[n] for n in structure.own_parameters() if n in own], count)
+        one_solution = np.broadcast_to(structure.has_one_solution().to_numpy(), count)
+        cells = np.arange(first, first + count)
+        return cls(cells, parameters, one_solution, structure.closure(closure))
+
+    def among(self, cells: Array) -> Law:
+        """The same for a selection of the cells with these numbers."""
+        at = np.searchsorted(self.cells, cells)
+        rows = self.parameters[:, at], self.one_solution[at]
+        return Law(np.arange(cells.size), *rows, self.closure)
+
+    def at(self, part: slice) -> Law:
+        """The cells with numbers in this range, counted from its start."""
+        inside = (self.cells >= part.start) & (self.cells < part.stop)
+        rows = self.parameters[:, inside], self.one_solution[inside]
+        return Law(self.cells[inside] - part.start, *rows, self.closure)
+
+
+class Solved(NamedTuple):
+    """Structures on one ground, solved together: the valid cells of one after those of another."""
+
+    structures: Sequence[Structure]
+    ground: Ground
+    tables: Sequence[Flat]
+    oscillators: Oscillators
+    values: Mapping[str, Array]  # (n,) by name; also ``system``, ``forcing`` and ``drift_shares``
+
+    @property
+    def parts(self) -> list[slice]:
+        """The cells of each structure."""
+        ends = np.cumsum([table.where.size for table in self.tables])
+        return [slice(end - t.where.size, end) for end, t in zip(ends, self.tables, strict=True)]
+
+    @property
+    def point(self) -> Array:
+        """Places in the map of the drift closure."""
+        return self.oscillators.point(self.ground, self.values[STRENGTH_RATIO])
+
+    def labelled(self, number: int, names: Sequence[str]) -> dict[str, Cells]:
+        """Variables of a structure over its dimensions."""
+        table, part = self.tables[number], self.parts[number]
+        return {name: table.array(self.values[name][part], BLANK.get(name, np.nan)) for name in names}
+
+    def dataset(self) -> xr.Dataset:
+        """Dataset of a single structure: the variables `PUBLIC`, and those that a pair needs."""
+        more = [n for n in (*OF_DRIFT, "displacement_error", *JUDGED) if n in self.values]
+        return xr.Dataset(self.labelled(0, [*PUBLIC, *INTERNAL, STRENGTH_RATIO, *more]))
+
+
+def in_columns(rows: Sequence[Any], count: int) -> Array:
+    """Numbers, or arrays (count,), in the rows of one array."""
+    columns = np.empty((len(rows), count))
+    for column, row in zip(columns, rows, strict=True):
+        column[:] = row
+    return columns
 
 
 def system_and_forcing(arrays: Sequence[Array]) -> tuple[EquivalentSystem, Forcing]:
@@ -88,24 +192,7 @@ def solve_structure(
     structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
 ) -> xr.Dataset:
     """Dataset of a linearized structure: the variables `PUBLIC`, and those that a pair needs."""
-    return xr.Dataset(solved_together((structure,), ground, closure, tolerance)[0])
-
-
-def solved_together(
-    structures: Sequence[Structure], ground: Ground, closure: str, tolerance: Tolerance
-) -> list[Solved]:
-    """Variables of `solve_structure` of each structure; those of a single cell are numbers.
-
-    Single cells with the same law are solved in one call, which takes hardly longer than for one.
-    """
-    for structure in structures:
-        check_closure(structure, closure)
-        check_table("structures with drift" if closure == DRIFT else "structures", structure, ground)
-    solved = derived_together(structures, ground, closure, tolerance)
-    if closure != DRIFT:
-        return solved
-    pairs = zip(structures, solved, strict=True)
-    return [with_correction(structure, ground, results) for structure, results in pairs]
+    return solved_together((structure,), ground, closure, tolerance).dataset()
 
 
 def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
@@ -114,228 +201,195 @@ def solve_elastic(structure: Structure, ground: Ground) -> xr.Dataset:
 
 
 def _elastic(structure: Structure, ground: Ground) -> xr.Dataset:
-    return xr.Dataset(derived_together((structure,), ground)[0])
+    return solved_together((structure,), ground).dataset()
 
 
-def solve_derived(
-    structure: Structure, ground: Ground, closure: str, tolerance: Tolerance
-) -> xr.Dataset:
-    """As `solve_structure`, but without the corrections of the drift closure by simulation."""
-    return xr.Dataset(derived_together((structure,), ground, closure, tolerance)[0])
-
-
-def derived_together(
+def solved_together(
     structures: Sequence[Structure],
     ground: Ground,
     closure: str | None = None,
-    tolerance: Tolerance | None = None,
-) -> list[Solved]:
-    """As `solved_together`, but without the corrections of the drift closure by simulation.
+    tolerance: Tolerance = USUAL,
+    corrected: bool = True,
+) -> Solved:
+    """Responses of structures on one ground, which stay elastic without a ``closure``.
 
-    The structures stay elastic if ``closure`` is None.
+    Those by the drift closure are corrected by the map of simulations if they are to be ``corrected``.
     """
-    problems = [_problem_of(structure, ground, closure, tolerance) for structure in structures]
-    solver = problems[0][0]
-    alike = len(problems) > 1 and all(other == solver for other, _ in problems)
-    if not alike or any(is_labelled(*inputs) for _, inputs in problems):
-        return [_solved_cells(*problem) for problem in problems]
-    rows = solver.solve(*map(np.array, zip(*(inputs for _, inputs in problems), strict=True)))
-    return [
-        {name: row[n, ...] for name, row in zip(solver.names, rows, strict=True)}
-        for n in range(len(problems))
-    ]
-
-
-def _problem_of(
-    structure: Structure, ground: Ground, closure: str | None, tolerance: Tolerance | None
-) -> tuple[_Solver, list[Cells]]:
-    """Solver of a structure on its ground, and the arrays that it takes."""
-    values, soil = structure.cells(), ground.cells()
-    law = [values[name] for name in structure.own_parameters() if name in values]
-    elastic = closure is None or not structure.yields
-    good = valid_cells(structure)
-    if not elastic:
-        structure.check_settles(type(structure).__name__)
-        good = good & structure.settles() if is_labelled(values["hardening"]) else good
-    solver = _Solver(
-        len(law),
-        structure.reduction_factor is not None,
-        ground.filter_of,
-        list(soil).index("intensity"),
-        None if elastic else structure.closure(str(closure)),
-        tolerance,
-        closure == DRIFT,
+    tables, laws = list[Flat](), dict[Closure, list[Law]]()
+    for structure in structures:
+        yields = closure is not None and structure.yields
+        if closure is not None:
+            check_closure(structure, closure)
+            check_table("structures with drift" if closure == DRIFT else "structures", structure, ground)
+        if yields:
+            structure.check_settles(type(structure).__name__)
+        table = flat({"structure": structure, "ground": ground}, settled=yields)
+        if yields:
+            law = Law.of(table, str(closure), sum(other.where.size for other in tables))
+            laws.setdefault(law.closure, []).append(law)
+        tables.append(table)
+    oscillators = _joined([Oscillators.of(table) for table in tables])
+    same = [_joined(parts) for parts in laws.values()]
+    solved = Solved(structures, ground, tables, oscillators, {})
+    values = solve_oscillators(
+        oscillators, same, ground, tolerance, closure == DRIFT, parts=solved.parts
     )
-    inputs = [
-        good,
-        valid_cells(ground),
-        values["period"],
-        values["damping"],
-        values.get("hardening", 1.0),
-        values.get("yield_displacement", values.get("reduction_factor", np.inf)),
-        values["peak_factor"],
-        lone(structure.has_one_solution()),
-        *law,
-        *soil.values(),
-    ]
-    return solver, inputs
+    solved = solved._replace(values=values)
+    if closure == DRIFT and corrected:
+        values = with_correction(ground, solved.point, oscillators.soil, values)
+    return solved._replace(values=values)
 
 
-def _solved_cells(solver: _Solver, inputs: Sequence[Cells]) -> Solved:
-    names = solver.names
-    kinds = [KINDS.get(name, float) for name in names]
-    outputs = cellwise(solver.solve, *inputs, kinds=kinds)
-    return dict(zip(names, outputs, strict=True))
+def _joined(parts: Sequence[Any]) -> Any:
+    """Named tuples of arrays, one after another along the last axis; the rest is equal in all."""
+    if len(parts) == 1:
+        return parts[0]
+    columns = zip(*parts, strict=True)
+    return type(parts[0])(
+        *(np.concatenate(c, axis=-1) if isinstance(c[0], np.ndarray) else c[0] for c in columns)
+    )
 
 
-class _Solver(NamedTuple):
-    """Solution of all cells from arrays: they are flattened, and invalid cells are NaN."""
+def solve_oscillators(
+    cells: Oscillators,
+    laws: Sequence[Law],
+    ground: Ground,
+    tolerance: Tolerance,
+    drifts: bool = False,
+    parts: Sequence[slice] = (),
+) -> dict[str, Array]:
+    """The values of `Solved`, without corrections by simulation; cells without a law stay elastic.
 
-    laws: int  # number of parameters of the law
-    by_factor: bool  # whether the strength is given as a reduction factor
-    filter_of: Callable[[Iterable[Array]], Filter]
-    intensity: int  # row of the intensity among the parameters of the ground
-    law: Closure | None  # None: elastic
-    tolerance: Tolerance | None
-    drifts: bool  # whether there are variables of the drift; those of elastic structures are 0
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        return (*PUBLIC, *INTERNAL, STRENGTH_RATIO, *(OF_DRIFT if self.drifts else ()))
-
-    @np.errstate(all="ignore")  # cells with extreme parameters get a status
-    def solve(self, *inputs: Array) -> tuple[Array, ...]:
-        kinds = [KINDS.get(name, float) for name in self.names]
-        return in_slabs(self._solve_some, *inputs, kinds=kinds, cells=AT_ONCE)
-
-    def _solve_some(
-        self, structure_valid: Array, ground_valid: Array, *parameters: Array
-    ) -> tuple[Array, ...]:
-        arrays = in_one_shape(structure_valid & ground_valid, *parameters)
-        shape = arrays[0].shape
-        where = np.flatnonzero(arrays[0])
-        columns = np.array([array.reshape(-1)[where] for array in arrays[1:]])
-        solution = self._solve_valid(columns)
-        outputs = []
-        for name in self.names:
-            value = solution[name]
-            if where.size < arrays[0].size:
-                value = np.full(arrays[0].size, BLANK.get(name, np.nan), KINDS.get(name, float))
-                value[where] = solution[name]
-            outputs.append(value.reshape(shape))
-        return tuple(outputs)
-
-    def _solve_valid(self, columns: Array) -> dict[str, Array]:
-        period, damping, hardening, strength, peak_factor, one_solution = columns[:6]
-        law, ground = columns[6 : 6 + self.laws], columns[6 + self.laws :]
-        w = 2 * np.pi / period
-        elastic, soil = linear_system(w, damping), self.filter_of(ground)
+    ``drifts`` says whether there are variables of the drift; those of elastic structures are 0.
+    ``parts`` are the cells of each structure.
+    """
+    if len(ranges := _ranges(cells.period.size, parts)) > 1:
+        solved = [
+            solve_oscillators(cells.at(part), [law.at(part) for law in laws], ground, tolerance, drifts)
+            for part in ranges
+        ]
+        return {name: np.concatenate([each[name] for each in solved], axis=-1) for name in solved[0]}
+    with np.errstate(all="ignore"):  # cells with extreme parameters get a status
+        w = 2 * np.pi / cells.period
+        elastic, soil = linear_system(w, cells.damping), ground.filter_of(cells.soil)
         own = own_covariance(elastic, soil.forcing(elastic))
-        uy = peak_factor * np.sqrt(own.mu_mu) / strength if self.by_factor else strength
-        # A given reduction factor is used as it is, so that equal structures have exactly equal ratios.
-        ratio = strength / peak_factor if self.by_factor else np.sqrt(own.mu_mu) / uy
-        if self.law is None or self.tolerance is None:
-            return self._report(_Solution.elastic(elastic), soil, uy, ratio)
-        scaled = ground.copy()
-        scaled[self.intensity] /= uy**2  # the equation of motion is that of the ductility u/uy
-        start = np.sqrt(np.array([own.mu_mu, own.v_v])) / uy
-        batch = _Batch(elastic, w, hardening, law, one_solution > 0, self.filter_of(scaled), start)
-        return self._report(self._fixed_point(batch, self.tolerance), soil, uy, ratio)
-
-    def _fixed_point(self, batch: _Batch, tolerance: Tolerance) -> _Solution:
-        elastic, w, hardening, law, one_solution, soil, start = batch
-        oscillator = np.array([w**2, elastic.damping, (1 - hardening) * w**2])
-        latent = np.array([start[1], start[0], np.full_like(w, 0.1)])
-        assert self.law is not None
-        limits = tolerance.rtol, tolerance.atol
-        problem = SingleStructures(oscillator, law, soil, np.zeros_like(w), self.law, *limits)
-        solved = solve_structures(problem, latent, one_solution, tolerance.max_iterations)
-        slip, relaxation = solved.coefficients
-        still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
-        pairs = zip(elastic, (*oscillator, slip, relaxation), strict=True)
-        system = EquivalentSystem(*(np.where(still, e, s) for e, s in pairs))
-        counts = solved.iterations, solved.residual, solved.converged
-        return _Solution(system, *counts, still, moments_of(solved.unknowns))
-
-    def _drift(self, solution: _Solution, soil: Filter, uy: Array) -> dict[str, Array]:
-        """Variables `OF_DRIFT`, in m and 1/s; an elastic structure has no drift."""
-        nothing = dict.fromkeys(OF_DRIFT, np.zeros_like(uy)) | {"drift_rate": np.ones_like(uy)}
-        if solution.latent is None:
-            return nothing
-        cycles = half_cycles(solution.system, soil)
-        drift = drift_of(solution.system, solution.latent, cycles)
-        values = uy * np.sqrt(drift.variance), drift.rate, *drift.shares
-        return {
-            name: np.where(solution.still, nothing[name], value)
-            for name, value in zip(OF_DRIFT, values, strict=True)
-        }
-
-    def _report(self, solution: _Solution, soil: Filter, uy: Array, ratio: Array) -> dict[str, Array]:
-        system, elastic = solution.system, solution.still
-        forcing = soil.forcing(system)
-        own = own_covariance(system, forcing)
-        displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
-        corr = own.v_z / (velocity * z)
-        share = own.mu_z / (displacement * z)
-        drift = self._drift(solution, soil, uy) if self.drifts else {}
-        total = np.hypot(displacement, drift.get("drift_std", 0.0))
-        physical = (own.mu_mu > 0) & (own.v_v > 0)
-        for extent in (total, velocity, total / uy):
-            physical &= np.isfinite(extent)
-        z, corr = np.where(elastic, displacement, z), np.where(elastic, 0, corr)
-        c_eq, k_eq = np.where(elastic, -1, system.slip - 1), np.where(elastic, 0, system.relaxation)
-        correlated = np.maximum(np.abs(corr), np.abs(share))
-        physical &= elastic | ((z > 0) & (correlated <= 1 + ROUNDING))
-        status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
-        status = np.where(physical, status, labels.NOT_PHYSICAL)
-        lost = np.where(ratio > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
-        status = np.where(solution.converged, status, lost)
-        values = {
-            "displacement_std": total,
-            "velocity_std": velocity,
-            "ductility_std": total / uy,
-            "z_std": z / uy,
-            "velocity_z_corr": corr,
-            "c_eq": c_eq,
-            "k_eq": k_eq,
-            "yield_displacement": uy,
-            **dict(zip(INTERNAL, (*system, *forcing), strict=True)),
-            **drift,
-        }
-        usable = status < labels.NOT_CONVERGED
-        shown = np.where(usable, np.array(list(values.values())), np.nan)
-        return {
-            **dict(zip(values, shown, strict=True)),
-            STRENGTH_RATIO: ratio,
-            "iterations": solution.iterations,
-            "residual": solution.residual,
-            "status": status.astype(np.int8),
-        }
+        std, by_factor = np.sqrt(own.mu_mu), cells.by_factor > 0
+        uy = np.where(by_factor, cells.peak_factor * std / cells.strength, cells.strength)
+        # A reduction factor is used as it is, so that equal structures have exactly equal ratios.
+        ratio = np.where(by_factor, cells.strength / cells.peak_factor, std / uy)
+        response = Response.elastic(elastic, drifts)
+        for law in laws:
+            start = np.array([np.sqrt(own.v_v), std, 0.1 * uy]) / uy
+            at = law.cells
+            part = _yielding(cells.at(at), law, ground, tolerance, start[:, at], uy[at])
+            response.put(at, _with_drift(part, soil.at(at), uy[at]) if drifts else part)
+        return _report(response, soil, uy, ratio)
 
 
-class _Batch(NamedTuple):
-    """Yielding structures, with displacements in units of the yield displacement."""
+def _ranges(count: int, parts: Sequence[slice]) -> list[slice]:
+    """Cells that are solved together: single ones of all structures, otherwise those of a structure.
 
-    elastic: EquivalentSystem
-    w: Array  # (n,) [rad/s]
-    hardening: Array
-    law: Array  # (m, n)
-    one_solution: Array
-    soil: Filter
-    start: Array  # (2, n) standard deviations of u/uy and its rate, of the elastic structure
+    The rounding errors of a number depend on its place among others. Tables of equal structures have
+    equal places, so that they are solved to the same bits.
+    """
+    whole = [slice(0, count)] if count <= len(parts) or not parts else parts
+    starts = ((part, n) for part in whole for n in range(part.start, part.stop, AT_ONCE))
+    return [slice(n, min(n + AT_ONCE, part.stop)) for part, n in starts]
 
 
-class _Solution(NamedTuple):
-    """Equivalent systems of yielding structures, and how their iteration ended."""
+class Response(NamedTuple):
+    """Equivalent systems of structures, and how their iteration ended."""
 
-    system: EquivalentSystem
+    system: Array  # (5, n) the rows of an `EquivalentSystem`
+    still: Array  # whether there is no slip, so that the elastic system is used
     iterations: Array
     residual: Array
     converged: Array
-    still: Array  # whether there is no slip, so that the elastic system is used
-    latent: Array | None  # (3, n) std and correlation of the Gaussian variables (v, z~) of the closure
+    latent: Array  # (3, n) std and correlation of the Gaussian variables (v, z~) of the closure
+    drift: Array  # (2 + orders, n) its standard deviation and rate, then its shares, or none
 
     @classmethod
-    def elastic(cls, system: EquivalentSystem) -> _Solution:
-        none = np.zeros(system.stiffness.size)
-        return cls(system, none.astype(np.int32), none, none == 0, none == 0, None)
+    def elastic(cls, system: EquivalentSystem, drifts: bool) -> Response:
+        """Structures that do not yield."""
+        n = system.stiffness.size
+        drift = np.zeros((ORDERS + 3 if drifts else 0, n))
+        drift[1:2] = 1.0
+        nothing, yes = np.zeros(n), np.ones(n, bool)
+        counts = nothing.astype(np.int32), nothing, yes.copy()
+        return cls(np.array(system), yes, *counts, np.empty((3, n)), drift)
+
+    def put(self, cells: Array, part: Response) -> None:
+        """Replace some of the cells."""
+        for whole, rows in zip(self, part, strict=True):
+            whole[..., cells] = rows
+
+
+def _yielding(
+    cells: Oscillators, law: Law, ground: Ground, tolerance: Tolerance, start: Array, uy: Array
+) -> Response:
+    """Fixed points of cells of one law, from the moments ``start`` (3, n) of their elastic response."""
+    soil = cells.soil.copy()
+    soil[list(ground.cells()).index("intensity")] /= uy**2  # the equation of motion is that of u/uy
+    w, none = 2 * np.pi / cells.period, np.zeros_like(uy)
+    oscillator = np.array([w**2, 2 * cells.damping * w, (1 - cells.hardening) * w**2])
+    limits = tolerance.rtol, tolerance.atol
+    problem = SingleStructures(
+        oscillator, law.parameters, ground.filter_of(soil), none, law.closure, *limits
+    )
+    solved = solve_structures(problem, start, law.one_solution, tolerance.max_iterations)
+    slip, relaxation = solved.coefficients
+    still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
+    elastic = np.array([*oscillator[:2], none, none, w])
+    system = np.where(still, elastic, np.array([*oscillator, slip, relaxation]))
+    counts = solved.iterations, solved.residual, solved.converged
+    return Response(system, still, *counts, moments_of(solved.unknowns), np.empty((0, uy.size)))
+
+
+def _with_drift(response: Response, soil: Filter, uy: Array) -> Response:
+    """The response with the drift, in m and 1/s."""
+    system = EquivalentSystem(*response.system)
+    drift = drift_of(system, response.latent, half_cycles(system, soil))
+    rows = np.array([uy * np.sqrt(drift.variance), drift.rate, *drift.shares])
+    rows[:, response.still] = np.eye(len(rows))[1][:, None]
+    return response._replace(drift=rows)
+
+
+def _report(response: Response, soil: Filter, uy: Array, ratio: Array) -> dict[str, Array]:
+    system, elastic = EquivalentSystem(*response.system), response.still
+    forcing = soil.forcing(system)
+    own = own_covariance(system, forcing)
+    displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
+    corr = np.where(elastic, 0.0, own.v_z / (velocity * z))
+    share = own.mu_z / (displacement * z)
+    total = np.hypot(displacement, response.drift[0]) if len(response.drift) else displacement
+    extents = np.array([total, velocity, total / uy])
+    physical = (own.mu_mu > 0) & (own.v_v > 0) & np.isfinite(extents).all(axis=0)
+    correlated = np.maximum(np.abs(corr), np.abs(share))
+    physical &= elastic | ((z > 0) & (correlated <= 1 + ROUNDING))
+    status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
+    status = np.where(physical, status, labels.NOT_PHYSICAL)
+    lost = np.where(ratio > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
+    status = np.where(response.converged, status, lost).astype(np.int8)
+    rows = (
+        *extents,
+        np.where(elastic, displacement, z) / uy,
+        corr,
+        np.where(elastic, -1.0, system.slip - 1),
+        np.where(elastic, 0.0, system.relaxation),
+        uy,
+        *response.system,
+        *forcing,
+        *response.drift,
+    )
+    shown, end = np.array(rows), len(SHOWN) + len(INTERNAL)
+    shown[:, status >= labels.NOT_CONVERGED] = np.nan
+    return {
+        **dict(zip((*SHOWN, *INTERNAL, *OF_DRIFT), shown, strict=False)),
+        "system": shown[len(SHOWN) : end - 3],
+        "forcing": shown[end - 3 : end],
+        "drift_shares": shown[end + len(OF_DRIFT) :],
+        STRENGTH_RATIO: ratio,
+        "iterations": response.iterations,
+        "residual": response.residual,
+        "status": status,
+    }

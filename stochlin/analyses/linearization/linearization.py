@@ -7,14 +7,12 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.linearization.bias import caution_of_error, relative_bias
+from stochlin.analyses.linearization.bias import judged
 from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise, where_valid
 from stochlin.analyses.tables.lazy import in_blocks
-from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
@@ -139,35 +137,16 @@ def linearize(
     )
 
 
+@np.errstate(divide="ignore")  # an elastic structure does not drift
 def _solved(closure: str, tolerance: Tolerance, structure: Structure, ground: Ground) -> xr.Dataset:
     """The variables that `linearize` returns."""
-    (solved,) = solved_together((structure,), ground, closure, tolerance)
-    variables = {name: solved[name] for name in PUBLIC}
-    variables |= judged(structure, ground, closure, solved, tolerance)
+    solved = judged(solved_together((structure,), ground, closure, tolerance), closure, tolerance)
+    names, values = [*PUBLIC, "bias", "bias_error", "caution"], solved.values
     if closure == DRIFT:
-        variables |= {"displacement_error": known_error(solved), "drift_std": solved["drift_std"]}
-        (variables["drift_time"],) = cellwise(_drift_time, solved["drift_std"], solved["drift_rate"])
-    return xr.Dataset(variables)
-
-
-@np.errstate(divide="ignore")  # an elastic structure does not drift
-def _drift_time(std: Array, rate: Array) -> Array:
-    return np.where(std > 0, 1 / rate, np.nan)
-
-
-def known_error(solved: Solved) -> Cells:
-    """Expected relative error of ``displacement_std`` by the drift closure; NaN for failed cells."""
-    return where_valid(solved["displacement_error"], ~np.isnan(solved["displacement_std"]))
-
-
-def judged(
-    structure: Structure, ground: Ground, closure: str, solved: Solved, tolerance: Tolerance
-) -> dict[str, Cells]:
-    """Variables ``bias``, ``bias_error``, ``caution`` of a structure solved with this closure."""
-    if closure == DRIFT:
-        error = known_error(solved)
-        return {"bias": 0 * error, "bias_error": error, "caution": caution_of_error(error)}
-    return relative_bias(structure, solved["displacement_std"], ground, tolerance)
+        std, time = values["drift_std"], 1 / values["drift_rate"]
+        solved = solved._replace(values={**values, "drift_time": np.where(std > 0, time, np.nan)})
+        names += ["displacement_error", "drift_std", "drift_time"]
+    return xr.Dataset(solved.labelled(0, names))
 
 
 def caution_in_words(closure: str) -> str:

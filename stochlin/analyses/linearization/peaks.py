@@ -8,13 +8,15 @@ from typing import Annotated
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.linearization.bias import judged
 from stochlin.analyses.linearization.equivalent_systems import (
     INTERNAL,
+    JUDGED,
     check_closure,
-    solve_structure,
+    solved_together,
     system_and_forcing,
 )
-from stochlin.analyses.linearization.linearization import caution_in_words, judged
+from stochlin.analyses.linearization.linearization import caution_in_words
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -125,7 +127,7 @@ def peak_response(
     domain = chosen.domain(sides)
     check_closure(structure, closure)
     motion = StationaryMotion(duration)
-    solved = solve_structure(structure, ground, closure, USUAL)
+    solved = judged(solved_together((structure,), ground, closure), closure, USUAL).dataset()
     labels.raise_if_lone_failure(solved, "peak_response", structure, ground)
     time = motion.arrays()["duration"]
     length = time.where(motion.valid())
@@ -143,8 +145,7 @@ def peak_response(
         )
     status = solved.status.where(~outside, labels.INVALID_INPUT)
     table = table.assign(status=status.astype(np.int8))
-    errors = judged(structure, ground, closure, solved, USUAL)
-    table = table.assign(errors | {"displacement_std": solved.displacement_std})
+    table = table.assign(solved[[*JUDGED, "displacement_std"]])
     table["caution"] = _caution(structure, ground, solved, table.caution)
     table = labels.label(table, VARIABLES if sides == 2 else {**VARIABLES, **ONE_SIDED})
     comment = f"{type(chosen).__name__} is defined for {domain}; NaN elsewhere."

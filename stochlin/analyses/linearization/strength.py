@@ -10,17 +10,24 @@ import numpy as np
 import xarray as xr
 from scipy.optimize import elementwise
 
+from stochlin.analyses.linearization.bias import judged
+from stochlin.analyses.linearization.drift_map import with_correction
 from stochlin.analyses.linearization.equivalent_systems import (
+    JUDGED,
     STRENGTH_RATIO,
+    Law,
+    Oscillators,
     check_closure,
-    derived_together,
+    in_columns,
     solve_elastic,
-    solve_structure,
+    solve_oscillators,
+    solved_together,
 )
-from stochlin.analyses.linearization.linearization import caution_in_words, judged
+from stochlin.analyses.linearization.linearization import caution_in_words
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
+from stochlin.analyses.tables.cells import flat
 from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
@@ -28,14 +35,13 @@ from stochlin.models.arguments import checked
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
-from stochlin.models.structures import GAUSSIAN, Structure
+from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.models.systems import AnyStructure
 
 TOLERANCE = Tolerance(1e-12, 1e-13, 200)
 # Largest relative error of the ductility that is found. Where the ductility jumps with R, a search ends
 # at the jump, with a larger error.
 REACHED = 1e-6
-CELL = "cell"
 SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
 
 
@@ -160,15 +166,16 @@ def _with_strength(
             "extreme parameters"
         )
     yielding = replace(structure, reduction_factor=reduction)
-    solved = solve_structure(yielding, ground, closure, TOLERANCE)
+    solved = judged(
+        solved_together((yielding,), ground, closure, TOLERANCE), closure, TOLERANCE
+    ).dataset()
     valid = structure.valid() & structure.settles() & ground.valid() & target.valid()
     peak = yielding.arrays()["peak_factor"] * solved.ductility_std
     reached = np.abs(peak / target.arrays()["ductility"] - 1) < REACHED
     status = solved.status.where(reached, labels.NOT_CONVERGED).where(valid, labels.INVALID_INPUT)
     table = solved[list(SHOWN)].assign(reduction_factor=reduction, ductility_peak=peak).where(reached)
     table["status"] = status.astype(np.int8)
-    table = table.assign(judged(yielding, ground, closure, solved, TOLERANCE))
-    return table.assign(bias=table.bias.where(reached))
+    return table.assign(solved[list(JUDGED)]).assign(bias=solved.bias.where(reached))
 
 
 @checked
@@ -235,42 +242,28 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
 
 def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closure: str) -> xr.DataArray:
     """Reduction factor of every cell by Chandrupatla's method in a bracket; NaN where it fails."""
-    models = {"structure": structure, "ground": ground, "target": target}
-    named = {
-        (role, name): array
-        for role, model in models.items()
-        for name, array in model.arrays().items()
-        if name != "mass"  # the strength does not depend on it
-    }
-    arrays = xr.broadcast(*named.values())
-    usable = structure.valid() & structure.settles() & ground.valid() & target.valid()
-    valid = xr.broadcast(usable, arrays[0])[0].transpose(*arrays[0].dims).values
-    flat = {key: array.values[valid] for key, array in zip(named, arrays, strict=True)}
-    result = np.full(valid.shape, np.nan)
-    wanted = flat["target", "ductility"]
+    table = flat({"structure": structure, "ground": ground, "target": target})
+    cells, law = Oscillators.of(table), Law.of(table, closure)
+    (wanted,) = in_columns([table.models["target"].ductility], cells.period.size)
+    result = np.full(wanted.size, np.nan)
 
     def excess(log_r: Array, index: Array) -> Array:
         """Logarithm of the ratio of the peak ductility to its target, for the cells of ``index``."""
-        cells = index.astype(int)
-
-        def some(role: str) -> dict[str, Any]:
-            return {n: xr.DataArray(v[cells], dims=CELL) for (r, n), v in flat.items() if r == role}
-
-        weaker = some("structure") | {"reduction_factor": xr.DataArray(np.exp(log_r), dims=CELL)}
-        yielding, shaken = replace(structure, **weaker), replace(ground, **some("ground"))
-        solved = solve_structure(yielding, shaken, closure, TOLERANCE)
-        ratio: Array = (
-            flat["structure", "peak_factor"][cells] * solved.ductility_std.values / wanted[cells]
-        )
-        return np.log(ratio)
+        at = index.astype(int)
+        weaker = cells.at(at)._replace(strength=np.exp(log_r))
+        values = solve_oscillators(weaker, [law.among(at)], ground, TOLERANCE, closure == DRIFT)
+        if closure == DRIFT:
+            point = weaker.point(ground, values[STRENGTH_RATIO])
+            values = with_correction(ground, point, weaker.soil, values)
+        return np.log(weaker.peak_factor * values["ductility_std"] / wanted[at])
 
     if wanted.size:
         index = np.arange(wanted.size, dtype=float)
         start = np.log(wanted)  # the solution if the structure stays elastic
         around = elementwise.bracket_root(excess, start - 0.4, start + 0.4, args=(index,), maxiter=30)
         root = elementwise.find_root(excess, around.bracket, args=(index,), maxiter=60)
-        result[valid] = np.where(root.success, np.exp(root.x), np.nan)
-    return xr.DataArray(result, dims=arrays[0].dims, coords=arrays[0].coords)
+        result = np.where(root.success, np.exp(root.x), np.nan)
+    return xr.DataArray(table.array(result))
 
 
 def solved_reduction_factor(structure: Structure, solved: xr.Dataset) -> float:
@@ -283,7 +276,7 @@ def strength_in_metres(structure: AnyStructure, ground: Ground) -> Any:
     """The structure with its strength as a yield displacement [m] instead of a reduction factor."""
     if isinstance(structure, MultistoreyBuilding) or structure.reduction_factor is None:
         return structure
-    uy = derived_together((structure,), ground)[0]["yield_displacement"]
+    uy = solved_together((structure,), ground).labelled(0, ["yield_displacement"])["yield_displacement"]
     if not np.ndim(uy) and not 0 < float(uy) < np.inf:
         raise ArithmeticError(
             f"the elastic response of {structure.describe()} to {ground.describe()}, to which its "

@@ -12,7 +12,6 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise, valid_cells
 from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.slabs import by_slabs
 from stochlin.kernels.correlation.combination import double_difference
 from stochlin.models.arguments import checked
 from stochlin.models.parameters import NOT_NEGATIVE, Model, Parameter, Range, parameter
@@ -91,6 +90,5 @@ def equation_3(peak_1: Array, peak_2: Array, rho: Array) -> Array:
     return np.where(gaps < ALIKE * np.maximum(peak_1, peak_2), 0.0, gaps)
 
 
-@by_slabs(float)
 def _valid_gap(valid: Array, *pair: Array) -> Array:
     return double_difference(*(np.where(valid, value, np.nan) for value in pair))

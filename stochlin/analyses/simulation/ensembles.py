@@ -15,7 +15,7 @@ import numpy.typing as npt
 import scipy.linalg
 import xarray as xr
 
-from stochlin.analyses.linearization.equivalent_systems import derived_together, solve_structure
+from stochlin.analyses.linearization.equivalent_systems import solve_structure, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.simulation.connected_structures import SteppedGroup, laws_of
 from stochlin.analyses.tables import labels
@@ -90,7 +90,7 @@ def cells_of(
     The decay time of the plastic drift is only computed for a ``stationary`` run, which needs it for its
     duration. Otherwise it is 0.
     """
-    (elastic,) = derived_together((structure,), ground)
+    elastic = solved_together((structure,), ground).labelled(0, ["yield_displacement", "status"])
     values = structure.arrays()
     like = xr.DataArray(elastic["yield_displacement"])
     k_eq = xr.zeros_like(like)

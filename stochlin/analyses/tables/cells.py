@@ -12,7 +12,7 @@ import pandas as pd
 import xarray as xr
 
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cellwise import lone, row_of
+from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.lazy import arrays_of, check_names, computed, in_blocks, is_lazy
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.parameters import Model
@@ -23,6 +23,7 @@ USABLE = "usable"
 NONE_VALID = "no cell has valid parameters; correct those that are out of range"
 OfCell = Callable[..., xr.Dataset]
 ALL, NOTHING = xr.DataArray(True), dict[str, Model]()  # usable cells, and models beside those of a table
+ONE = xr.DataArray(0.0)  # the shape of a single cell
 
 
 def over_cells(
@@ -68,18 +69,36 @@ class Flat(NamedTuple):
     where: Array  # (c,) places of the valid cells in the flat table
     models: dict[str, Any]  # their parameters are numbers, or arrays over the valid cells
 
+    def whole(self, values: Array, blank: float = np.nan) -> Array:
+        """Values (..., c) of the valid cells in the shape of the table, and ``blank`` elsewhere."""
+        if self.where.size < self.shape.size:
+            filled = np.full((*values.shape[:-1], self.shape.size), blank, values.dtype)
+            filled[..., self.where] = values
+            values = filled
+        return values.reshape((*values.shape[:-1], *self.shape.shape))
+
+    def beside(self, values: Array, table: xr.DataArray) -> Array:
+        """`whole` with the axes of a larger table, of length 1 along dimensions that are not here.
+
+        Integers of cells that are not valid are the status of invalid input.
+        """
+        blank = labels.INVALID_INPUT if values.dtype.kind == "i" else np.nan
+        whole, dims = self.whole(values, blank), self.shape.dims
+        if dims == table.dims:
+            return whole
+        order = [values.ndim - 1 + dims.index(dim) for dim in table.dims if dim in dims]
+        axes = (slice(None) if dim in dims else None for dim in table.dims)
+        return whole.transpose(*range(values.ndim - 1), *order)[(..., *axes)]
+
     def table(self, values: Array, dims: Sequence[str] = (), blank: float = np.nan) -> xr.Variable:
         """Values (c, ...) of the valid cells over the dimensions of the cells and ``dims``."""
-        whole = np.full((self.shape.size, *values.shape[1:]), blank, values.dtype)
-        whole[self.where] = values
-        return xr.Variable(
-            (*self.shape.dims, *dims), whole.reshape((*self.shape.shape, *values.shape[1:]))
-        )
+        whole = self.whole(np.moveaxis(values, 0, -1), blank)
+        return xr.Variable((*dims, *self.shape.dims), whole).transpose(*self.shape.dims, *dims)
 
     def array(self, values: Array, blank: float = np.nan) -> Any:
         """Values (c,) of the valid cells as a labelled array, or the number of a single cell."""
-        coords = {name: self.shape.coords[name] for name in self.shape.coords}
-        return lone(xr.DataArray(self.table(values, blank=blank), coords))
+        whole = self.whole(values, blank)
+        return xr.DataArray(whole, self.shape.coords, self.shape.dims) if whole.ndim else whole
 
     def part(self, part: slice) -> Flat:
         """Some of the valid cells alone, along one dimension that no model has."""
@@ -88,28 +107,33 @@ class Flat(NamedTuple):
         return Flat(xr.DataArray(np.zeros(count), dims=CELL), np.arange(count), models)
 
 
-def flat(models: Mapping[str, Model]) -> Flat:
+def flat(models: Mapping[str, Model], settled: bool = True) -> Flat:
     """The valid cells of models whose arrays broadcast by dimension name, in one row.
 
-    Structures that would drift away have no stationary response, and are left out.
+    Structures that would drift away have no stationary response, and are left out if ``settled``.
 
     Raises a ValueError if dimensions of the same name differ in coordinates or length.
     """
     arrays = arrays_of(models)
     if not arrays:
-        return Flat(xr.DataArray(0.0), np.zeros(1, int), dict(models))
-    shape = xr.broadcast(*arrays.values())[0]
-    settles = [m.settles() for m in models.values() if isinstance(m, Structure)]
-    where = np.flatnonzero(row_of(_good(models, reduce(and_, settles, xr.DataArray(True))), shape))
+        return Flat(ONE, np.zeros(1, int), dict(models))
+    shape = over_all(*arrays.values())
+    settles = [m.settles() for m in models.values() if settled and isinstance(m, Structure)]
+    where = np.flatnonzero(row_of(_good(models, reduce(and_, settles, ALL)), shape))
 
     def row(model: Model) -> Model:
-        several = {name: array for name, array in model.over_cells().items() if array.ndim}
-        rows = {name: row_of(array, shape)[where] for name, array in several.items()}
-        return model.with_arrays(
-            {name: xr.DataArray(values, dims=CELL) for name, values in rows.items()}
-        )
+        arrays = ((name, array) for name, array in model.over_cells().items() if array.ndim)
+        rows = {name: row_of(array, shape)[where] for name, array in arrays}
+        return model.with_arrays({name: xr.DataArray(row, dims=CELL) for name, row in rows.items()})
 
     return Flat(shape, where, {role: row(model) for role, model in models.items()})
+
+
+def over_all(*arrays: xr.DataArray) -> xr.DataArray:
+    """An array with the dimensions and coordinates of a result of these arrays."""
+    if not any(array.ndim for array in arrays):
+        return ONE
+    return xr.apply_ufunc(lambda *x: np.broadcast_arrays(*x)[0], *arrays, join="exact")
 
 
 def _one_by_one(

@@ -99,7 +99,7 @@ def arrays_of(models: Mapping[str, Model]) -> dict[str, xr.DataArray]:
 def is_lazy(models: Mapping[str, Model]) -> bool:
     """Whether a parameter is a dask array."""
     arrays = [array for model in models.values() for array in model.over_cells().values()]
-    return any(array.chunks is not None for array in arrays)
+    return any(array.ndim and array.chunks is not None for array in arrays)
 
 
 def computed(model: Model) -> Any:

@@ -8,13 +8,12 @@ from collections.abc import Hashable, Mapping
 
 import xarray as xr
 
-from stochlin.kernels.basics.compiled import UNCOMPILED
 from stochlin.models.parameters import Model
 
 SHARE = 0.5  # share of the memory of the machine that one calculation may take
 MEMORY = 8e9  # assumed memory [bytes] if the system does not state it
 MOST_SECONDS = 900.0  # longest estimated time [s]
-SLOWER = 1000.0 if UNCOMPILED else 1.0  # estimates are those of compiled code
+SLOWER = 1000.0  # how much longer it takes what is not compiled
 
 
 # What one unit of each kind of work takes, approximately: seconds of one core, or memory. The seconds
@@ -65,9 +64,12 @@ def check_work(what: str, cure: str, work: Mapping[str, float], cores: int = 1) 
     most = SHARE * _installed()
     if not need["bytes"] <= most:
         raise ValueError(f"{what} {need['bytes'] / 1e9:.1f} GB; allowed: {most / 1e9:.0f} GB; {cure}")
-    seconds = SLOWER * need["s"]
-    if UNCOMPILED:
-        cure += ", or unset NUMBA_DISABLE_JIT"
+    if not need["s"]:
+        return
+    from stochlin.kernels.basics.compiled import UNCOMPILED  # which imports the compiler
+
+    seconds = need["s"] * (SLOWER if UNCOMPILED else 1.0)
+    cure += ", or unset NUMBA_DISABLE_JIT" if UNCOMPILED else ""
     if not seconds <= MOST_SECONDS:
         allowed = f"{MOST_SECONDS / 60:.0f} minutes on this machine"
         raise ValueError(f"{what} about {_in_words(seconds)}; allowed: {allowed}; {cure}")

@@ -1,7 +1,7 @@
-"""The array type of the kernels, arrays for vector registers, and broadcasting to one shape."""
+"""The array type of the kernels, named tuples of arrays, and arrays for vector registers."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,10 +12,11 @@ Array = npt.NDArray[Any]
 CACHE_LINE = 64  # [bytes]
 
 
-def in_one_shape(*arrays: Array) -> Sequence[Array]:
-    """The arrays, broadcast to one shape; returned as they are if they have one, which is faster."""
-    alike = all(array.shape == arrays[0].shape for array in arrays)
-    return arrays if alike else np.broadcast_arrays(*arrays)
+def on_arrays(function: Callable[[Array], Array], parts: Any) -> Any:
+    """The function of an array, or of all arrays in named tuples; None stays None."""
+    if isinstance(parts, tuple):
+        return type(parts)(*(on_arrays(function, part) for part in parts))
+    return None if parts is None else function(parts)
 
 
 def zeros_on_a_line(*shape: int) -> Array:

@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
-from stochlin.kernels.basics.compiled import UNCOMPILED
-
 Result = TypeVar("Result")
 Progress = Callable[[float], None]
 """A function that is called with the share of the work that is done, from 0 to 1."""
@@ -16,6 +14,8 @@ Progress = Callable[[float], None]
 
 def cores() -> int:
     """Number of processor cores that this process may use; what is not compiled uses one at a time."""
+    from stochlin.kernels.basics.compiled import UNCOMPILED  # which imports the compiler
+
     if UNCOMPILED:
         return 1
     try:

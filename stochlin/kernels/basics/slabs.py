@@ -7,54 +7,40 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial, wraps
+from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.arrays import Array, on_arrays
 
 CHUNK = 8192  # cells of a slab
 
 
 def in_slabs(
     function: Callable[..., Any],
-    *inputs: Array,
+    *inputs: Any,
     kinds: Sequence[npt.DTypeLike] = (float,),
-    cells: int = CHUNK,
+    shape: tuple[int, ...] | None = None,
 ) -> tuple[Array, ...]:
     """Results of ``function`` for inputs that broadcast, without temporary arrays of the table's size.
 
-    The function is called for slabs of about ``cells`` cells. It returns one array for each data type of
-    ``kinds``: the array itself for one type, a tuple for several.
+    The function is called for slabs of about `CHUNK` cells. It returns one array for each data type of
+    ``kinds``: the array itself for one type, a tuple for several. With the ``shape`` of the table,
+    inputs may be tuples of arrays that have the axes of the table last, and further ones before.
     """
-    shape = np.broadcast_shapes(*{array.shape for array in inputs})
+    if shape is None:
+        shape = np.broadcast_shapes(*{array.shape for array in inputs})
+        inputs = tuple(array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs)
     results = tuple(np.empty(shape, kind) for kind in kinds)
-    padded = [array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs]
-    small = math.prod(shape) <= cells
-    for slab in [(slice(None),) * len(shape)] if small else _slabs(shape, cells):
-        outputs = function(*(padded if small else (array[_clip(slab, array.shape)] for array in padded)))
+    small = math.prod(shape) <= CHUNK
+    for slab in [()] if small else _slabs(shape, CHUNK):
+        parts = inputs if small else [on_arrays(partial(_cut, slab), part) for part in inputs]
+        outputs = function(*parts)
         for result, output in zip(results, outputs if len(kinds) > 1 else (outputs,), strict=True):
             result[slab] = output
     return results
-
-
-def by_slabs(*kinds: npt.DTypeLike) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Decorator of a function of arrays that broadcast, which is then called slab by slab.
-
-    It returns an array for each of the ``kinds``, the array itself for one; its options are keywords.
-    """
-
-    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
-        @wraps(function)
-        def whole(*inputs: Array, **options: Any) -> Any:
-            results = in_slabs(partial(function, **options), *inputs, kinds=kinds)
-            return results if len(kinds) > 1 else results[0]
-
-        return whole
-
-    return decorate
 
 
 def in_ranges(task: Callable[[slice], Any], cells: int, size: int) -> list[Any]:
@@ -78,6 +64,8 @@ def _slabs(shape: tuple[int, ...], cells: int) -> Iterator[tuple[slice, ...]]:
             yield (*(slice(i, i + 1) for i in lead), slice(begin, begin + step), *whole)
 
 
-def _clip(slab: tuple[slice, ...], shape: tuple[int, ...]) -> tuple[slice, ...]:
-    """The slab's index into an input that broadcasts: dimensions of length 1 are taken whole."""
-    return tuple(slice(None) if n == 1 else s for s, n in zip(slab, shape, strict=True))
+def _cut(slab: tuple[slice, ...], part: Array) -> Array:
+    """The slab of an array that broadcasts to the table: dimensions of length 1 are taken whole."""
+    whole = slice(None)
+    before, sizes = [whole] * (part.ndim - len(slab)), part.shape[part.ndim - len(slab) :]
+    return part[(*before, *(whole if n == 1 else s for s, n in zip(slab, sizes, strict=True)))]

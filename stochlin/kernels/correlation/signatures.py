@@ -38,9 +38,15 @@ def signature(joint: Array, gram: Array) -> Array:
 
     ``joint`` (..., k) are the correlations with the references, ``gram`` (..., k, k) those among them.
     """
-    size = gram.shape[-1]
-    basis = np.linalg.inv(np.linalg.cholesky((1 - OWN) * gram + OWN * np.eye(size)))
-    return np.sqrt(1 - OWN) * (basis @ joint[..., None])[..., 0]
+    return np.asarray((basis_of(gram) @ joint[..., None])[..., 0])
+
+
+def basis_of(gram: Array) -> Array:
+    """Matrix (..., k, k) of which a signature is the product with the correlations; NaN if one is."""
+    good = np.isfinite(gram).all(axis=(-2, -1), keepdims=True)
+    size = np.eye(gram.shape[-1])
+    factor = np.linalg.cholesky((1 - OWN) * np.where(good, gram, size) + OWN * size)
+    return np.where(good, np.sqrt(1 - OWN) * np.linalg.inv(factor), np.nan)
 
 
 def insight(derived: Array, correction: Array) -> Insight:

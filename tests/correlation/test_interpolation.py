@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.interpolate
 
-from stochlin.kernels.basics.interpolation import Grid, interpolate, smoothly
+from stochlin.kernels.correlation.interpolation import Grid, interpolate, smoothly
 
 pytestmark = pytest.mark.oracle
 

@@ -1,1 +1,0 @@
-"""Correlation by the drift closure."""
