@@ -539,7 +539,7 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         towers("other", OF_NAMES),
         {},
     ),
-    "does not say which masses are those of 'T1'; export Centers Of Mass And Rigidity and name": (
+    "does not say which masses are those of 'T1'; name a diaphragm as tower=, of Centers Of": (
         towers("same", OF_NAMES[:2], "D1").replace("0.0\nStory1,D1,Modal,1,0.0", "0.0\n"),
         {"tower": "T1"},
     ),

@@ -353,6 +353,7 @@ WRONG = [
         "has 'Grece', which is not known; did you mean 'Greece'? allowed:",
     ),
     ('"Greece"', '"srss"', "codes = ", "has srss, which states no factor on displacements under design"),
+    ('"Greece"', '"peru_e030_2026"', "codes = ", "has peru_e030_2026, but its number is missing, as"),
     ("importance_factor = 1.25", "importance_factor = 5", "= 5", "codes have 0.8 to 1.5"),
 ]
 

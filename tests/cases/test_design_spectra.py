@@ -46,7 +46,10 @@ def test_a_file_of_a_spectrum_is_read_and_kept_from_being_overwritten(tmp_path):
     values = sl.asce_7(G, 0.6 * G, 8.0).interp(period=period).values
     rows = [f"{t:.6g},{a:.9g}" for t, a in zip(period, values, strict=True)]
     (tmp_path / "site.csv").write_text("\n".join(["T,Sa", *rows]), encoding="utf-8")
-    one = read(tmp_path, 'spectrum = "site.csv"\nunits = "m/s^2"\nfilters = 1\n')
+    options = 'units = "m/s^2"\nbetween = "linear"\nfilters = 1\n'
+    one = read(tmp_path, f'spectrum = "site.csv"\n{options}')
+    linear = sl.read_spectrum(tmp_path / "site.csv", units="m/s^2", between="linear")
+    np.testing.assert_array_equal(one.spectrum, linear)
     two = read(tmp_path, 'spectrum = "asce_7"\nsds = "1 g"\nsd1 = "0.6 g"\ntl = "8 s"\nfilters = 1\n')
     assert tmp_path / "site.csv" in one.inputs
     frequency = np.array([2.0, 5.0, 20.0])

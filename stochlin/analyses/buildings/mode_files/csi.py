@@ -218,14 +218,16 @@ def _chosen(places: pd.Index, heights: Table, weights: Table, tower: str | None)
     known = [*towers, *(name for group in groups.values() for name in group.unique())]
     if tower is not None and tower not in known:
         raise ValueError(f"tower = {brief(tower)} is not in the tables; allowed: {listed(known)}")
-    if tower is not None and not np.any(here) and stories.duplicated().any():
+    by_name = "tower" in groups or not stories.duplicated().any()
+    choices = towers if by_name else [*places.unique("diaphragm")] if "diaphragm" in groups else []
+    if tower is not None and not np.any(here) and not by_name:
         what = f"does not say which masses are those of {brief(tower)}"
-        raise weights.error(f"{what}; export {OF_DIAPHRAGMS} and name the diaphragm as tower=")
+        raise weights.error(f"{what}; name a diaphragm as tower=, of {listed(choices) or OF_DIAPHRAGMS}")
     if np.any(here):
         chosen &= np.any(here, axis=0)
     twice = places[chosen].get_level_values("story").duplicated(keep=False)
     several = [*pd.unique(places[chosen][twice].get_level_values(-1))]
-    several = towers if tower is None and len(towers) > 1 else several
+    several = choices or towers if tower is None and len(towers) > 1 else several
     if len(several) > 1:
         what = f"has {listed(several)}, which may be several buildings"
         raise heights.error(f"{what}; give that at the gap, tower={several[0]!r}")
@@ -241,7 +243,7 @@ def _of_stories(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wa
     mass = mass[stories.isin(heights.texts("story")) & (stories.str.lower() != BASE)]
     own = mass[_chosen(mass.index, heights, weights, asked.tower)]
     moves = _moves(centres, axis, wanted, names)
-    loads = moves.reindex(mass.index).fillna(0.0).T @ mass
+    loads = (moves.reindex(mass.index).fillna(0.0).T @ mass).to_numpy()
     of_own = moves.reindex(own.index)
     for each in (own, of_own):
         each.index = each.index.get_level_values("story")
@@ -256,8 +258,7 @@ def _of_stories(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wa
         shapes = _shapes(joints, _moves(joints, axis, wanted, ["story"]), levels.index)
     elif asked.tower is None and {"x", "y"} <= {*centres.names}:
         _check_near(centres, "story", levels.index)
-    levels_, masses = levels.to_numpy(), own.to_numpy()
-    return Floors(levels.index, levels_, masses, shapes, loads.to_numpy(), parts, mass.sum())
+    return Floors(levels.index, levels.to_numpy(), own.to_numpy(), shapes, loads, parts, mass.sum())
 
 
 def _named(table: Table, points: Sequence[str]) -> Table:
@@ -365,9 +366,8 @@ def _moving(shapes: Array, moves: pd.DataFrame) -> Array:
 def _check_one_building(floors: Floors, table: Table) -> None:
     """Raise a ValueError if some floors move in modes of their own, as another building."""
     moving = np.abs(floors.shapes.T) >= TOGETHER * np.abs(floors.shapes).max(axis=1)
-    still = ~moving.any(axis=1)
-    together = (moving.astype(int) @ moving.T.astype(int) > 0) | still | still[:, None]
-    count, part = csgraph.connected_components(together)
+    moving[~moving.any(axis=1)] = True
+    count, part = csgraph.connected_components(moving.astype(int) @ moving.T.astype(int))
     if count > 1:
         parts = (listed(floors.names[part == n], 4) for n in range(2))
         what = f"has {' and '.join(parts)}, which move in different modes, as two buildings"

@@ -17,6 +17,7 @@ from stochlin.models.rules.codes import (
     DEFLECTION,
     IMPORTANCE,
     CodeRule,
+    code_rule_names,
     rules_of,
 )
 
@@ -109,17 +110,17 @@ def read_codes(
             countries = sorted({country for rule in CODE_RULES.values() for country in rule.countries})
             said = hint(name, [*CODE_RULES, *countries])
             known = f"{', '.join(CODE_RULES)}, or a country: {', '.join(countries)}"
-            raise wanted.error(
-                "codes", f"has {plain(name)!r}, which is not known; {said}allowed: {known}"
-            )
+            what = f"has {plain(name)!r}, which is not known"
+            raise wanted.error("codes", f"{what}; {said}allowed: {known}")
         rules += named
     for rule in rules:
         if rule.takes_peaks() and not rule.multiplies:
-            what = (
-                f"has {rule.name}, which states no factor on displacements under design forces; leave "
-                "it out: 'stochlin gap --all-rules' shows what it makes of the simulated peaks"
-            )
-            raise wanted.error("codes", what)
+            what = f"has {rule.name}, which states no factor on displacements under design forces"
+            cure = "leave it out: 'stochlin gap --all-rules' shows what it makes of the simulated peaks"
+            raise wanted.error("codes", f"{what}; {cure}")
+        if rule.name not in (*code_rule_names(), *wanted.section("numbers", needed=False).values):
+            what = f"has {rule.name}, but its number is missing"
+            raise wanted.error("codes", f"{what}, as numbers = {{ {rule.name} = 0.02 }}")
         for design in designs:
             if lacking := design.missing(rule, spectrum is not None):
                 assert design.section is not None
