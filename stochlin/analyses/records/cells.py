@@ -38,11 +38,6 @@ class RecordedMotions(NamedTuple):
     grounds: list[SampledMotion]
     names: list[str] | None  # None for a single record, which adds no dimension to results
 
-    @property
-    def longest_step(self) -> float:
-        """Longest time step of the records [s]."""
-        return max(ground.dt for ground in self.grounds)
-
     def describe(self) -> str:
         """The records in one line, for the run information."""
         names = self.names or ["record"]
@@ -146,7 +141,7 @@ def cells_of(structure: Bilinear, like: xr.DataArray, motions: RecordedMotions) 
     elastic = np.isposinf(uy)
     if structure.yields:
         structure = dataclasses.replace(structure, yield_displacement=uy.where(~elastic, 1.0))
-    shortest = SHORTEST * motions.longest_step
+    shortest = SHORTEST * max(ground.dt for ground in motions.grounds)
     if values["period"].ndim == 0 and values["period"] < shortest:
         value = float(values["period"])
         raise ValueError(

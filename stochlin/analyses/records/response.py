@@ -31,9 +31,8 @@ from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, arrangement_of
 
-ENERGIES = tuple(
-    f"{kind}_energy_per_mass" for kind in ("input", "viscous", "hysteretic", "kinetic", "elastic")
-)
+_KINDS = ("input", "viscous", "hysteretic", "kinetic", "elastic")
+ENERGIES = tuple(f"{kind}_energy_per_mass" for kind in _KINDS)
 REFERENCES = (
     f"{labels.PAPER} Nigam, N. C. and Jennings, P. C. (1969). Calculation of response spectra from "
     "strong-motion earthquake records. Bull. Seismol. Soc. Am. 59."

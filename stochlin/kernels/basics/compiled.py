@@ -28,7 +28,6 @@ OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 # Functions that only compiled code calls need no code to be called from elsewhere, a third of the time.
 INNER: Any = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 OFTEN: Any = INNER | {"forceinline": True}
-_met: dict[Any, int] = {}
 
 not_kept = nb.njit(**OPTIONS)
 compiled: Callable[[Any], Any] = register_jitable(**INNER)
@@ -41,17 +40,6 @@ def entry(function: Any, **more: Any) -> Any:
         return Kept(function, OPTIONS | more)
     warn_once(NOT_COMPILED)
     return np.errstate(all="ignore")(function)  # no warnings of overflow, as in compiled code
-
-
-def compiled_or_not(function: Any, cells: int, few: int) -> Any:
-    """An `entry`, or the same in plain Python if it would have to be compiled for few cells.
-
-    Plain Python is taken for the first ``few`` cells of a process, unless the entry is at hand.
-    """
-    _met[function] = _met.get(function, 0) + cells
-    if UNCOMPILED or function.kept or function.kinds > 0 or _met[function] > few:
-        return function
-    return np.errstate(all="ignore")(function.py_func)
 
 
 def of_lane(value: Any, lane: int) -> Any:

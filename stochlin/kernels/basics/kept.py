@@ -221,11 +221,6 @@ class Kept:
         """Number of kinds of arguments for which the function is compiled in this process."""
         return len(self.dispatcher.overloads)
 
-    @property
-    def kept(self) -> bool:
-        """Whether the function has an archive, from which it is ready in a tenth of a second."""
-        return any(map(os.path.exists, self._archive.files))
-
     def __call__(self, *args: Any) -> Any:
         """The function, compiled."""
         if self._process != os.getpid():  # at the first call, also in the child of a fork

@@ -8,12 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import compiled_or_not, entry
+from stochlin.kernels.basics.compiled import entry
 from stochlin.kernels.basics.parallel import Progress, in_order
 from stochlin.kernels.records.oscillator import PEAKS, STATE, run, substeps, top, workspace
 
 PARTS = 16  # number of tasks into which the structures on a record are divided
-FEW_STEPS = 50_000  # which take less than a second in plain Python, a third of the time of compiling
 PAIR = 2.0  # number of sub-steps of a pair over that of its stiffer structure alone
 
 
@@ -84,8 +83,7 @@ def gaps_on_records(
 def history(ground: SampledMotion, parameters: Array, refine: int) -> Array:
     """States (STATE, times) of one structure, at ``refine`` times in each interval of the record."""
     out = np.empty((STATE, refine * (len(ground.acceleration) - 1) + 1))
-    steps = len(out[0])
-    compiled_or_not(_history, steps, FEW_STEPS)(*ground, parameters, refine, out)
+    _history(*ground, parameters, refine, out)
     return out
 
 
@@ -102,15 +100,13 @@ def _spread(
     """
     count = len(structures[0])
     parts = max(1, min(count, PARTS))
-    steps = count * sum(len(ground.acceleration) for ground in grounds)
-    respond = compiled_or_not(fill, steps, FEW_STEPS)
     result = np.empty((len(grounds), count, columns))
 
     def task(number: int) -> None:
         """One part of the structures on one record."""
         record, part = number // parts, slice(number % parts, None, parts)
         out = np.empty(result[record, part].shape)
-        respond(*grounds[record], *(np.ascontiguousarray(rows[part]) for rows in structures), out)
+        fill(*grounds[record], *(np.ascontiguousarray(rows[part]) for rows in structures), out)
         result[record, part] = out
 
     list(in_order(task, parts * len(grounds), progress))
