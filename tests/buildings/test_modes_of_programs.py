@@ -461,97 +461,71 @@ def test_one_of_two_buildings_of_sap2000_is_read(tmp_path: Path, away: float) ->
 
 ETABS, SAP = as_text(etabs()), as_text(sap2000())
 POINTS = {"points": ["11", "21", "31"]}
-BROKEN: dict[str, tuple[str, dict[str, object]]] = {
-    "tower.csv: no floor is above the ground; allowed: levels above 0.01 m": (as_text(based(-99.0)), {}),
-    "direction is missing: table Modal Participating Mass Ratios has modes along UX and UY": (ETABS, {}),
+BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
+    "tower.csv: no floor is above the ground; allowed: levels above 0.01 m": as_text(based(-99.0)),
+    "direction is missing: table Modal Participating Mass Ratios has modes along UX and UY": ETABS,
     "direction = 'UZ' is not known; allowed: UX, UY": (ETABS, {"direction": "UZ"}),
-    "line 5, column 4: 'n/a' is not a UX": (
-        re.sub(r"(?<=Modal,2,)([^,]*),[^,]*", r"\1,n/a", ETABS, count=1),
-        {},
+    "line 5, column 4: 'n/a' is not a UX": re.sub(
+        r"(?<=Modal,2,)([^,]*),[^,]*", r"\1,n/a", ETABS, count=1
     ),
-    "line 4, column 3: the period is missing": (re.sub(r"(?<=Modal,1,)[^,]*", "", ETABS, count=1), {}),
-    "line 2: table Modal Participating Mass Ratios has no column 'period'; allowed: 9 columns": (
-        ETABS.replace("Period", "Time", 1),
-        {},
+    "line 4, column 3: the period is missing": re.sub(r"(?<=Modal,1,)[^,]*", "", ETABS, count=1),
+    "line 2: table Modal Participating Mass Ratios has no column 'period'": ETABS.replace(
+        "Period", "Time", 1
     ),
-    "line 15, column 2: the file does not say the unit of the length; give length_units=": (
-        ETABS.replace("\n,mm,\n", "\n"),
-        {},
+    "line 15, column 2: the file does not say the unit of the length; give length_units=": ETABS.replace(
+        "\n,mm,\n", "\n"
     ),
-    "line 23, column 2: 'kN' is not a known unit of the mass": (ETABS.replace("kN-s²/m", "kN"), {}),
-    "table Mass Summary by Story or Centers Of Mass And Rigidity is missing: the file has Modal": (
-        as_text([cells for cells in etabs() if "Mass Summary" not in str(cells[0])]),
-        {},
+    "line 23, column 2: 'kN' is not a known unit of the mass": ETABS.replace("kN-s²/m", "kN"),
+    "table Mass Summary by Story or Centers Of Mass And Rigidity is missing: the file has": as_text(
+        [cells for cells in etabs() if "Mass Summary" not in str(cells[0])]
     ),
-    "line 22: table Mass Summary by Story has no mass of story Story2": (
-        ETABS.replace("Story2,300.0,300.0,0\n", ""),
-        {},
+    "line 22: table Mass Summary by Story has no mass of story Story2": ETABS.replace(
+        "Story2,300.0,300.0,0\n", ""
     ),
-    "line 25, column 2: the mass is -300; allowed: 0 <= value": (
-        ETABS.replace("Story2,300.0,", "Story2,-300.0,"),
-        {},
+    "line 25, column 2: the mass is -300; allowed: 0 <= value": ETABS.replace(
+        "Story2,300.0,", "Story2,-300.0,"
     ),
-    "has no displacement of floor 'Story1' in mode 5": (
-        re.sub(r"Story1,D1,Modal,LinModEigen,Mode,5,.*\n", "", ETABS),
-        {},
+    "has no displacement of floor 'Story1' in mode 5": re.sub(
+        r"Story1,D1,Modal,LinModEigen,Mode,5,.*\n", "", ETABS
     ),
-    "line 35: 'Roof 2' is there twice; allowed: one diaphragm or joint on each floor": (
-        re.sub(r"(Roof,D1,Modal,LinModEigen,Mode,2,.*\n)", r"\1\1", ETABS),
-        {},
+    "line 35: 'Roof 2' is there twice; allowed: one diaphragm or joint on each floor": re.sub(
+        r"(Roof,D1,Modal,LinModEigen,Mode,2,.*\n)", r"\1\1", ETABS
     ),
     "table Joint Displacements has no joint 9, which points names; it has 1, 21": (
         ETABS,
         {"points": ["9"]},
     ),
-    "line 5, column 1: a second load case, 'Ritz' beside 'Modal'": (
-        ETABS.replace("Modal,2,", "Ritz,2,"),
-        {},
-    ),
-    "has joints 11 and 12, both at 4 m; name one on each floor, points=['11', ...]": (SAP, {}),
+    "line 5, column 1: a second load case, 'Ritz' beside 'Modal'": ETABS.replace("Modal,2,", "Ritz,2,"),
+    "has joints 11 and 12, both at 4 m; name one on each floor, points=['11', ...]": SAP,
     "has joints with 93% of the mass": (re.sub(r"\n34,MODAL.*", "", SAP), POINTS),
     "line 42: '11' is there twice; export one of them": (
         re.sub(r"(11,MSSSRC1.*\n)", r"\1\1", SAP),
         POINTS,
     ),
-    "line 26, column 5: '000' is beyond the 4 columns above; allowed: no signs between": (
-        ETABS.replace("Story1,300.0,300.0,0", "Story1,300,000,300,000,0"),
-        {},
+    "line 26, column 5: '000' is beyond the 4 columns above; allowed: no signs between": ETABS.replace(
+        "Story1,300.0,300.0,0", "Story1,300,000,300,000,0"
     ),
-    "line 19: 'Story2' is there twice; export one of them": (
-        ETABS.replace("Story1,4000", "Story2,4000"),
-        {},
-    ),
-    "line 6: '2' is there twice; export one of them": (
-        ETABS.replace("Modal,3,", "Modal,2,"),
-        {},
-    ),
+    "line 19: 'Story2' is there twice; export one of them": ETABS.replace("Story1,4000", "Story2,4000"),
+    "line 6: '2' is there twice; export one of them": ETABS.replace("Modal,3,", "Modal,2,"),
     "line 157: '34 1' is there twice; allowed: one diaphragm": (
         re.sub(r"(\n34,MODAL.*)", r"\1\1", SAP),
         POINTS,
     ),
     "has no joint 99 above the base, which points names": (SAP, {"points": ["11", "21", "99"]}),
-    "line 3, column 3: periods are in 'min'; allowed: s": (
-        ETABS.replace(",sec,", ",min,"),
-        {},
-    ),
+    "line 3, column 3: periods are in 'min'; allowed: s": ETABS.replace(",sec,", ",min,"),
     "of the mass not at the floors, 4, 7.2 m": (SAP, {"points": ["11", "21"]}),
-    "has T1, T2, which may be several buildings; give that at the gap, tower='T1'": (
-        towers("other", OF_NAMES),
-        {},
+    "has T1, T2, which may be several buildings; give that at the gap, tower='T1'": towers(
+        "other", OF_NAMES
     ),
     "does not say which masses are those of 'T1'; name a diaphragm as tower=, of Centers Of": (
         towers("same", OF_NAMES[:2], "D1").replace("0.0\nStory1,D1,Modal,1,0.0", "0.0\n"),
         {"tower": "T1"},
     ),
-    "tower = 'T3' is not in the tables; allowed: T1, T2": (
-        towers("other", OF_NAMES),
-        {"tower": "T3"},
+    "tower = 'T3' is not in the tables; allowed: T1, T2": (towers("other", OF_NAMES), {"tower": "T3"}),
+    "has D1, D2, which may be several buildings; give that at the gap, tower='D1'": re.sub(
+        "T[12],", "T1,", towers("same", OF_FLOORS)
     ),
-    "has D1, D2, which may be several buildings; give that at the gap, tower='D1'": (
-        re.sub("T[12],", "T1,", towers("same", OF_FLOORS)),
-        {},
-    ),
-    "has joints 11 and 12, both at 4 m; name one on each floor": (with_neighbour(60.0), {}),
+    "has joints 11 and 12, both at 4 m; name one on each floor": with_neighbour(60.0),
     "has 11, 31 and B21, which move in different modes, as two buildings; name those": (
         with_neighbour(18.5),
         {"points": ["11", "B21", "31"]},
@@ -561,16 +535,12 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
         SAP.replace("-9.0,6.0", "-90.0,6.0"),
         {"points": ["11", "22", "31"]},
     ),
-    "hardly moves along the direction, where it has mass; allowed: shapes of the same analysis": (
-        re.sub("(Story.|Roof),D1(.*),Mode,2,[^,]*", r"\1,D1\2,Mode,2,1e-12", ETABS),
-        {},
+    "hardly moves along the direction, where it has mass; allowed: shapes of the same analysis": re.sub(
+        "(Story.|Roof),D1(.*),Mode,2,[^,]*", r"\1,D1\2,Mode,2,1e-12", ETABS
     ),
     "table Story Definitions or Story Data, table Mass Summary by Story or Centers Of Mass And "
-    "Rigidity are missing: the file has Modal Participating": (
-        as_text([*etabs()[:1], *etabs()[3:]]),
-        {},
-    ),
-    "tower.csv is no file of modes that is known; allowed": ("# MODAL ANALYSIS REPORT\n", {}),
+    "Rigidity are missing: the file has Modal Participating": as_text([*etabs()[:1], *etabs()[3:]]),
+    "tower.csv is no file of modes that is known; allowed": "# MODAL ANALYSIS REPORT\n",
     "line 21, column 6: 'top' is not a length": (
         SAP.replace("11,GLOBAL,Cartesian,9.0,6.0,14.0", "11,GLOBAL,Cartesian,9.0,6.0,top"),
         POINTS,
@@ -580,7 +550,7 @@ BROKEN: dict[str, tuple[str, dict[str, object]]] = {
 
 @pytest.mark.parametrize("message", BROKEN)
 def test_a_broken_export_is_refused_with_its_place(tmp_path: Path, message: str) -> None:
-    text, arguments = BROKEN[message]
+    text, arguments = row if isinstance(row := BROKEN[message], tuple) else (row, {})
     along = {} if "direction is missing" in message else {"direction": "UX"}
     with pytest.raises(ValueError, match=re.escape(message)):
         read(tmp_path, text, **along | arguments)
