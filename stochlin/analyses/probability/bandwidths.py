@@ -95,14 +95,13 @@ def _of_storeys(moments: TransientMoments, pairs: Array, ground: Ground) -> Spec
         begins = i * first.elements, cells * first.elements + (j - cells) * second.elements
         storeys = [b + np.arange(s.coordinates) for b, s in zip(begins, stacks, strict=True)]
         equations = Equations(Arrangement(stacks, ()), ground_of(ground, first.ground, int(i)))
-        rate = np.sqrt(np.concatenate([stack.system.elastic / stack.system.mass for stack in stacks]))
-        systems.append((equations, np.concatenate(storeys), NO_SLIP * rate))
+        systems.append((equations, np.concatenate(storeys)))
 
     def spectrum(slip: Array, relaxation: Array) -> SpectralMoments:
         spectral = np.full((3, pairs.shape[1], len(seen)), np.nan)
-        for number, (equations, storeys, least) in enumerate(systems):
+        for number, (equations, storeys) in enumerate(systems):
             c, k = slip[storeys], relaxation[storeys]
-            response = StationaryResponse(equations.state_space(c - 1, k, (c > NO_SLIP) & (k > least)))
+            response = StationaryResponse(equations.state_space(c - 1, k, equations.yields))
             spectral[:, number] = np.stack(response.spectral_moments(seen))[:, 0]
         return SpectralMoments(*spectral.reshape(3, -1))
 

@@ -1,4 +1,4 @@
-"""The iteration of statistical linearization, for single structures and for systems of springs.
+"""How a solution of statistical linearization is searched, and followed from weak to full shaking.
 
 The unknowns are the moments ``(sigma_v, sigma_z, corr(v, z))`` of the Gaussian density that a closure
 assumes for each spring that yields, in the variables ``(log, log, atanh)``, in which every iterate is a
@@ -6,10 +6,10 @@ valid density for any hysteresis law. The mismatch ``F`` is the difference of tw
 of the stationary response of the linear system with the closure's coefficients, less those that the
 closure assumes.
 
-`solve` decides from where and by which steps to iterate: it tries large ones, then small ones, and then
-follows the solution from weak to full shaking. It leaves each iteration to the `Problem`: Newton's
-method with closed forms of the moments for single structures (`single_structures`), and the substitution
-of the paper with Lyapunov equations and mixing for systems of springs (`systems.springs`).
+`solve` decides from where and by which steps to iterate single structures: it tries large steps, then
+small ones, and then follows the solution from weak to full shaking. The iteration is that of the
+`Problem`, Newton's method with closed forms of the moments (`single_structures`). Systems of springs
+have the substitution of the paper with mixing (`systems.springs`), and are followed by `follow` too.
 """
 
 from __future__ import annotations
@@ -57,8 +57,7 @@ class FixedPoint(NamedTuple):
 class Problem(Protocol):
     """Cells whose equivalent coefficients are sought, as `solve` needs them.
 
-    The unknowns are ``log sigma_v`` of the m springs, their ``log sigma_z``, their ``atanh corr``, and
-    ``log sigma`` of the rates of dashpots.
+    The unknowns are ``log sigma_v`` of the m springs, their ``log sigma_z`` and their ``atanh corr``.
     """
 
     @property
