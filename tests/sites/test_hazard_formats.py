@@ -167,9 +167,7 @@ REFUSALS = {
     "= -1 is out of range; allowed: a positive": (SITES, {"site": 1, "investigation_time": -1}),
     "lon, lat, depth, poe-low.*allowed: a hazard curve": ONE.replace("poe-0.0500000", "poe-low"),
     "pga-0.02; allowed: a hazard curve": "lon,lat,PGA-0.1,PGA-0.02\n12,41,.3,.7\n13,41,.3,.6\n",
-    "line 1: the table does not state the time of its probabilities; give investigation_time=": ONE.partition(
-        "\n"
-    )[2],
+    "line 1: the table does not state the time of its": ONE.partition("\n")[2],
     r"allowed: imt='PGA' or imt='SA\(0\.5\)', or a folder SA0P5": (TOTAL, {"site": 1}),
     "line 3, column 4: 'x.0E-02' is not a probability": re.sub(r"\d\.\d+E", "x.0E", ONE, count=1),
     "line 3, column 11: the probability is missing": ONE.rpartition(",")[0],
