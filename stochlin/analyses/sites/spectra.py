@@ -77,8 +77,7 @@ def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
     damping = spectrum.attrs.get("damping", USUAL_DAMPING)
     if not (is_number(damping) and 0 < damping < 1):
         raise ValueError(f"spectrum is of the damping {brief(damping)}; allowed: 0 < damping < 1")
-    kinds = {spectrum.dtype.kind, spectrum.period.dtype.kind}
-    if not kinds <= set("iuf"):
+    if not {spectrum.dtype.kind, spectrum.period.dtype.kind} <= set("iuf"):
         raise TypeError(f"spectrum is {spectrum.dtype} over {spectrum.period.dtype}; allowed: numbers")
     period, values = (array.to_numpy().astype(float) for array in (spectrum.period, spectrum))
     places = [f"spectrum, number {n}" for n in range(1, period.size + 1)]
@@ -203,9 +202,10 @@ def read_spectrum(
     name = plain(path.name)
     table = table_in(path, _WORDS, "periods and accelerations")
     of_period = table.column(period_column, several=False)
-    if column is None and table.width != 2:
-        raise ValueError(f"column is missing: {name} has {table.in_words}; give column=")
-    of_values = 1 - of_period if column is None else table.column(column, several=False)
+    left = 1 - of_period if table.width == 2 else of_period
+    of_values = left if column is None else table.column(column, several=False)
+    if of_values == of_period:
+        raise table.error(f"has {table.in_words}; give column=, another than that of the periods")
     if (size := size_of(table.unit_of(of_period) or "s", "s")) is None:
         raise table.error(f"has periods in {brief(table.unit_of(of_period))}; allowed: s, ms")
     period = size * table.numbers(of_period, "period")
