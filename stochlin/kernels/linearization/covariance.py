@@ -35,13 +35,6 @@ class EquivalentSystem(NamedTuple):
     slip: Array  # 1 + c_e [-]
     relaxation: Array  # k_e [1/s]
 
-    def transfer_squared(self, frequency: Array) -> Array:
-        """``|mu/f|^2 = (w^2 + k^2)/|det(i w I - A)|^2`` at circular frequencies [rad/s], in s^4."""
-        a2, a1, a0 = characteristic(*self)
-        square = frequency**2
-        real, imaginary = a0 - a2 * square, frequency * (a1 - square)
-        return (square + self.relaxation**2) / (real**2 + imaginary**2)
-
 
 def characteristic(w2: Array, d: Array, h: Array, p: Array, k: Array) -> tuple[Array, Array, Array]:
     """Characteristic polynomial ``(a2, a1, a0)`` of an `EquivalentSystem` with these coefficients.

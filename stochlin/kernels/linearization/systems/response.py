@@ -107,13 +107,6 @@ class StationaryResponse:
         l1 = (2 / np.pi) * STEP * np.diagonal(decay, axis1=1, axis2=2)
         return SpectralMoments(l0, l1, l2)
 
-    def spectral_density(self, weights: Array, frequency: Array) -> Array:
-        """Two-sided PSD (c, k, f) [m^2 s] of sums of coordinates, at circular frequencies (f,)."""
-        c, b, identity = self.rows(weights), self._noise[..., None], np.eye(self._noise.shape[1])
-        transfer = [c @ np.linalg.solve(1j * w * identity - self._matrix, b) for w in frequency]
-        density: Array = np.abs(np.concatenate(transfer, axis=2)) ** 2
-        return self.system.intensity[:, None, None] / (2 * np.pi) * density
-
     def _std(self, rows: Array) -> Array:
         """Standard deviations of linear functions (c, k, states) of the states that are solved for."""
         return np.sqrt(np.maximum(self._covariances(rows, rows), 0.0))
