@@ -19,4 +19,4 @@ def test_the_example_of_the_page_is_listed_and_runs(toy):
     assert done.stdout == f"{float(expected):.4g} m\n"
     wrong = toy("toy", "--period", -1)
     assert wrong.returncode == 2
-    assert "--period -1 is" in wrong.stderr
+    assert "period = -1 is" in wrong.stderr

@@ -61,7 +61,9 @@ def test_an_element_from_outside_pounds_as_its_force_law_says(toy, tmp_path):
     with xr.open_dataset(tmp_path / "p.nc") as table:
         assert table.sizes["impact"] > 3
         assert float(table.energy_balance_error.max()) < 1e-6
-        xi = float(re.search(r"^Tsuji\(stiffness=9e\+11, damping=(.*)\)$", table.attrs["contact"])[1])
+        xi = float(
+            re.search(r"^Tsuji \(stiffness 9e\+11 N/m\^1.5, damping (.*)\)$", table.attrs["contact"])[1]
+        )
         assert integrated_restitution(xi) == pytest.approx(RESTITUTION, abs=1e-5)  # damping is rounded
         mass = 3.2e6 * 1.5e6 / 4.7e6
         alone = 0.5 * (1 - RESTITUTION**2) * mass * table.approach_velocity**2

@@ -228,15 +228,13 @@ def solved_together(
             law = Law.of(table, str(closure), sum(other.where.size for other in tables))
             laws.setdefault(law.closure, []).append(law)
         tables.append(table)
-    oscillators = _joined([Oscillators.of(table) for table in tables])
+    cells = _joined([Oscillators.of(table) for table in tables])
     same = [_joined(parts) for parts in laws.values()]
-    solved = Solved(structures, ground, tables, oscillators, {})
-    values = solve_oscillators(
-        oscillators, same, ground, tolerance, closure == DRIFT, parts=solved.parts
-    )
+    solved = Solved(structures, ground, tables, cells, {})
+    values = solve_oscillators(cells, same, ground, tolerance, closure == DRIFT, parts=solved.parts)
     solved = solved._replace(values=values)
     if closure == DRIFT and corrected:
-        values = with_correction(ground, solved.point, oscillators.soil, values)
+        values = with_correction(ground, solved.point, cells.soil, values)
     return solved._replace(values=values)
 
 

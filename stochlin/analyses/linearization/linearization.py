@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.bias import judged
-from stochlin.analyses.linearization.equivalent_systems import PUBLIC, solved_together
+from stochlin.analyses.linearization.equivalent_systems import PUBLIC, check_closure, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -123,6 +123,7 @@ def linearize(
     >>> round(float(sl.linearize(building, sl.WhiteNoise(0.1 / np.pi), "drift").ductility_std), 2)
     1.35
     """
+    check_closure(structure, closure)
     tolerance = Tolerance(rtol, atol, max_iterations)
     models: dict[str, Model] = {"structure": structure, "ground": ground}
     table = labels.label(in_blocks(partial(_solved, closure, tolerance), models), VARIABLES)
