@@ -377,7 +377,7 @@ REFUSALS = [
 ]
 
 
-@pytest.mark.parametrize(("message", "text", "options"), REFUSALS)
+@pytest.mark.parametrize(("message", "text", "options"), REFUSALS, ids=[row[0] for row in REFUSALS])
 def test_refusals_say_what_and_where(tmp_path, message, text, options):
     source = write(tmp_path, text) if isinstance(text, (str, bytes)) else text
     with pytest.raises(ValueError, match=message):
