@@ -161,7 +161,8 @@ def test_building_of_one_storey_is_an_oscillator(law, drift):
     oscillator = one.oscillator()
     tables = [sl.linearize_system([s, LOW], GROUND) for s in (one, oscillator)]
     for name in ("drift_std", "z_std", "c_eq", "k_eq", "displacement_std", "velocity_std", "rho"):
-        np.testing.assert_allclose(tables[0][name].values, tables[1][name].values, rtol=1e-12)
+        # Both iterations end when changes are below 1e-10.
+        np.testing.assert_allclose(tables[0][name].values, tables[1][name].values, rtol=1e-10)
     alone = sl.linearize(oscillator, GROUND)
     assert float(tables[0].drift_std[0]) == pytest.approx(float(alone.displacement_std), rel=1e-12)
 
