@@ -11,7 +11,7 @@ import xarray as xr
 from stochlin.analyses.buildings.mode_files.csi_tables import check_one_case
 from stochlin.analyses.buildings.pushover import CURVE, DISPLACEMENT, checked_curve
 from stochlin.analyses.buildings.variables import VARIABLES
-from stochlin.analyses.sheets.sheets import Table, table_in, with_unit
+from stochlin.analyses.sheets.sheets import Table, sheets_of, table_in, with_unit
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.messages import plain
@@ -80,7 +80,7 @@ def read_pushover(
     path = input_path("path", path)
     name = plain(path.name)
     words = "|".join(words for words, _ in TITLES.values())
-    table = table_in(path, words, "displacements and base shears")
+    table = table_in(sheets_of(path), words, "displacements and base shears")
     for column in (n for n, name in enumerate(table.names) if "case" in name):
         check_one_case(table, column)
     wanted = {"displacement": (displacement_column, length_units), "force": (force_column, force_units)}

@@ -8,10 +8,13 @@ of ``docs/drift.md``.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 
 from stochlin.analyses.linearization.bias import EXPECTED, OFF, caution_of
-from stochlin.analyses.tables.cellwise import Cells, Solved, cellwise
+from stochlin.analyses.tables.cellwise import Cells, cellwise
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 
@@ -71,7 +74,7 @@ def relative_error(
     return np.where(equal, 0.0, error), np.where(equal, 0.0, bias)
 
 
-def difference(table: Solved) -> dict[str, Cells]:
+def difference(table: Mapping[Any, Cells]) -> dict[str, Cells]:
     """Standard deviation of ``u_1 - u_2`` of a table of pairs, with its bias and its caution.
 
     Bias and caution follow from the standard errors in the table, or else from its biases; without

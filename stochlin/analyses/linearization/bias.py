@@ -6,6 +6,8 @@ It is known for bilinear structures on the kinds of ground and in the ranges tha
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from stochlin.analyses.linearization.drift_map import with_correction
@@ -49,10 +51,9 @@ def bilinear_like(solved: Solved, closure: str, tolerance: Tolerance) -> Solved:
     ]
     at = np.concatenate([cells[:0], *like])
     law = Law(at, np.empty((0, at.size)), np.ones(at.size, bool), Bilinear.closures[closure])
-    drifts = closure == DRIFT
-    own = solved.oscillators, [law] if at.size else [], solved.ground, tolerance, drifts
+    own = solved.oscillators, [law] if at.size else [], solved.ground, tolerance, closure == DRIFT
     other = solved._replace(values=solve_oscillators(*own, parts=solved.parts))
-    if not drifts:
+    if closure != DRIFT:
         return other
     corrected = with_correction(solved.ground, other.point, other.oscillators.soil, other.values)
     return other._replace(values=corrected)
@@ -66,10 +67,10 @@ def relative_bias(solved: Solved, truth: Solved, tolerance: Tolerance) -> dict[s
     true = truth.values[STD], truth.values["displacement_error"]
     bias, error = _relative(solved.values[STD], *true)
     counted = bias.copy()
+    of_bilinear = cache(lambda: bilinear_like(solved, GAUSSIAN, tolerance).values[STD])
     for structure, table, part in zip(solved.structures, solved.tables, solved.parts, strict=True):
         if isinstance(structure, BoucWen) and structure.yields:
-            like = bilinear_like(solved, GAUSSIAN, tolerance).values[STD]
-            of_near, _ = _relative(like[part], *(row[part] for row in true))
+            of_near, _ = _relative(of_bilinear()[part], *(row[part] for row in true))
             law = (np.asarray(table.models["structure"].cells()[name]) for name in OF_LAW)
             bias[part], counted[part] = _of_bouc_wen(of_near, bias[part], *law)
             error[part] = np.nan

@@ -194,9 +194,8 @@ def table_of(sheet: Sheet, pattern: str = "") -> Table | None:
     return Table("the table", sheet, titles, units, below.loc[start:])
 
 
-def table_in(path: Path, pattern: str, what: str) -> Table:
+def table_in(sheets: Sequence[Sheet], pattern: str, what: str) -> Table:
     """The only table of numbers in a file; a ValueError if there is none, or if there are several."""
-    sheets = sheets_of(path)
     tables = [table for sheet in sheets if (table := table_of(sheet, pattern))]
     if not tables:
         raise ValueError(f"{sheets[0].name} has no line of numbers; allowed: {what}")

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from scipy import constants
 
-from stochlin.analyses.sheets.sheets import table_in
+from stochlin.analyses.sheets.sheets import sheets_of, table_in
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief, listed, plain
@@ -200,7 +200,7 @@ def read_spectrum(
     """
     path = input_path("path", path)
     name = plain(path.name)
-    table = table_in(path, _WORDS, "periods and accelerations")
+    table = table_in(sheets_of(path), _WORDS, "periods and accelerations")
     of_period = table.column(period_column, several=False)
     left = 1 - of_period if table.width == 2 else of_period
     of_values = left if column is None else table.column(column, several=False)

@@ -6,7 +6,7 @@ numbers, without the cost of labels.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -20,8 +20,6 @@ from stochlin.models.parameters import Model
 
 Cells = xr.DataArray | Array | float
 """Values of the cells of a table with labels, or the number of a single cell."""
-Solved = Mapping[Any, Cells]
-"""Computed variables by name: a dataset, or the variables for one."""
 
 
 def row_of(array: xr.DataArray, like: xr.DataArray) -> Array:

@@ -25,10 +25,11 @@ def shown_unit(units: str, largest: float = math.inf) -> tuple[str, float]:
     return "" if units == "1" else unit.replace("^2", "²").replace("^3", "³"), scale
 
 
-def span(values: Array, units: str) -> str:
+def span(values: Array | float, units: str) -> str:
     """A number in SI in the unit that is shown, or the range of several: ``100 to 300 MN/m``."""
-    ends = np.fmin.reduce(values, axis=None), np.fmax.reduce(values, axis=None)
-    unit, scale = shown_unit(units, np.abs(ends).max())
+    one = np.ndim(values) == 0
+    ends = [float(values)] if one else [reach.reduce(values, axis=None) for reach in (np.fmin, np.fmax)]
+    unit, scale = shown_unit(units, max(map(abs, ends)))
     return f"{' to '.join(dict.fromkeys(f'{scale * end:.6g}' for end in ends))} {unit}".rstrip()
 
 
@@ -46,6 +47,6 @@ def stated(name: str, value: Any, units: str | None) -> str:
         else:
             text = f"{value.size} values in chunks {over}"
     else:
-        text = brief(value) if units is None or value is None else span(np.asarray(value), units)
+        text = brief(value) if units is None or value is None else span(value, units)
     label = OF_BUILDING.sub(r" of building \1:", name).replace("_", " ")
     return f"{label} {text}"

@@ -9,7 +9,7 @@ import numpy as np
 from stochlin.models.buildings import OF_STOREYS
 from stochlin.models.descriptions import shown_unit
 from stochlin.views.shared.blocks import Block, Table, Text, texts
-from stochlin.views.shared.words import MINUS, SPACE, per_cent, short
+from stochlin.views.shared.words import MINUS, SPACE, behind, per_cent, short
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -86,7 +86,7 @@ def _value(one: xr.Dataset, key: str, factor: float) -> str:
     if unit == "1" and key in OF_STOREYS:
         return f"{factor:.2f}{SPACE}times"
     unit, scale = shown_unit(unit, median)
-    return f"{short(scale * median * factor)}{SPACE}{unit}".rstrip()
+    return f"{short(scale * median * factor)}{behind(unit)}"
 
 
 def _signed(value: float, digits: int) -> str:

@@ -27,8 +27,7 @@ ERRORS_OF_FIT = re.compile(r", have this spectrum in the mean with errors of .*?
 
 def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
     """A line for each of these roles that the attributes of a dataset describe; all if none is named."""
-    present = (role for role in roles or ROLES if role in attrs)
-    return [f"{ROLES[role]}: {attrs[role].removeprefix(f'{role} ')}" for role in present]
+    return [f"{ROLES[r]}: {attrs[r].removeprefix(f'{r} ')}" for r in roles or ROLES if r in attrs]
 
 
 def site_in_words(case: Case) -> str:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import wraps
+from functools import partial, wraps
 from inspect import signature
 from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 
@@ -47,6 +48,7 @@ CURVES = (
 PRINT = 300  # points an inch
 SCREEN = 150
 TICKS = (0.1, 0.25, 0.5, 1, 2, 4)
+BEFORE_UNIT = re.compile(r"(?<=\d) (?=[^\W\d])")
 Given = ParamSpec("Given")
 
 
@@ -70,8 +72,9 @@ def styled(
 
 
 def filled(lines: Iterable[str], width: int, hang: str = "") -> str:
-    """The lines of a caption, none longer than so many characters."""
-    return "\n".join(textwrap.fill(line, width, subsequent_indent=hang) for line in lines)
+    """The lines of a caption, none longer than so many characters; units stay with their numbers."""
+    fill = partial(textwrap.fill, width=width, subsequent_indent=hang)
+    return "\n".join(fill(BEFORE_UNIT.sub("\0", line)) for line in lines).replace("\0", " ")
 
 
 @checked

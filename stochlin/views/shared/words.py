@@ -125,14 +125,13 @@ def valued(value: npt.ArrayLike, units: str, digits: int = 4) -> str:
     """A parameter with its unit; storey by storey where they differ, and mode by mode before that."""
     numbers = np.ravel(value)
     unit, scale = shown_unit(units, np.abs(numbers).max())
-    each = [rounded(number, digits) for number in scale * numbers]
-    behind = f"{SPACE}{unit}".rstrip().replace(" ", SPACE)
-    return ", ".join(each if len(set(each)) > 1 else each[:1]) + behind
+    each = [f"{x:.{digits}g}" if abs(x) < 10**digits else f"{x:.0f}" for x in scale * numbers]
+    return ", ".join(each if len(set(each)) > 1 else each[:1]) + behind(unit)
 
 
-def rounded(value: float, digits: int = 4) -> str:
-    """So many digits, and all of those before the point, without an exponent for large numbers."""
-    return f"{value:.{digits}g}" if abs(value) < 10**digits else f"{value:.0f}"
+def behind(unit: str) -> str:
+    """A unit as it stands behind a number, on the same line; empty if there is none."""
+    return f" {unit}".rstrip().replace(" ", SPACE)
 
 
 def scatter(case: Case) -> str:

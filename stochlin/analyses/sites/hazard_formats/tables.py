@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from stochlin.analyses.sheets.sheets import Table, number_in, sheets_of, table_in
+from stochlin.analyses.sheets.sheets import Sheet, Table, number_in, sheets_of, table_in
 from stochlin.analyses.sites.hazard_formats import (
     S0,
     AskedHazard,
@@ -52,12 +52,12 @@ def read(path: Path, of: Hazard, asked: AskedHazard) -> list[Ordinate]:
     if len(sheets) == 1 and len(content) and content.iloc[0].map(_SITES.match).any():
         line = content.index[0]
         return _of_sites(Table("the table", sheets[0], line, 0, content.iloc[1:]), path, asked)
-    return [_of_columns(path, of, asked)]
+    return [_of_columns(sheets, of, asked)]
 
 
-def _of_columns(path: Path, of: Hazard, asked: AskedHazard) -> Ordinate:
+def _of_columns(sheets: Sequence[Sheet], of: Hazard, asked: AskedHazard) -> Ordinate:
     """The curve in columns, which are known by their names or else the first two."""
-    table = table_in(path, f"{_INTENSITY}|{_FREQUENCY}", "intensities and annual frequencies")
+    table = table_in(sheets, f"{_INTENSITY}|{_FREQUENCY}", "intensities and annual frequencies")
     refuse(table.sheet.name, "a file of one site", {"site": asked.site})
     if wrong := next(filter(_NO_CURVE.search, table.title_cells), None):
         raise table.error(f"has {brief(wrong)}; allowed: intensities and annual frequencies")
