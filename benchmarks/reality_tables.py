@@ -148,7 +148,7 @@ def figures_of(all_cases: xr.Dataset, gaps: xr.DataArray) -> xr.Dataset:
 
 def tables_of(figures: xr.Dataset) -> dict[str, str]:
     """The tables of the page by their names there."""
-    made = {"held": _held, "scatter": _scatter, "rules": _rules, "components": _components}
+    made = {"held": _held, "rules": _rules, "components": _components}
     return {name: table(figures) for name, table in made.items()}
 
 
@@ -203,58 +203,25 @@ def _held(figures: xr.Dataset) -> str:
 
 # --- scatter ------------------------------------------------------------------------------------------
 
-_MISFIT_COLUMNS = {
-    "misfit_mean": "mean of ln (record/simulated)",
-    "misfit_std": "its standard deviation",
-    "simulated_std": "standard deviation of ln (simulated)",
-}
-
 
 def _scatters(cases: xr.Dataset) -> xr.Dataset:
-    """The most likely scatter, of each strength too, and misfits without scatter."""
+    """The most likely scatter, of each strength too."""
     parts = *KNOWN_PLACE, *((OWN, suite) for suite in SUITES)
     groups = {", ".join(each): [of(cases, *each)] for each in parts}
     joint = {
         "other component, both suites": [of(cases, *each) for each in KNOWN_PLACE[2:]],
         "first four rows": [of(cases, *each) for each in KNOWN_PLACE],
     }
-    first = [group.isel(scatter=0) for (group,) in groups.values()]
-    misfits = [
-        (float(f.off.mean()), float(f.off.std()), float(np.sqrt((f.spread**2).mean()))) for f in first
-    ]
     by_strength = [
         [scatter_of([group.sel(strength=[s])])[0] for s in cases.strength.values]
         for (group,) in groups.values()
     ]
-    unknown = [[np.nan] * 3] * len(joint)
-    dims = ("source",)
-    columns = {
-        name: (dims, column, _attrs(text))
-        for (name, text), column in zip(
-            _MISFIT_COLUMNS.items(), np.transpose([*misfits, *unknown]), strict=True
-        )
-    }
+    unknown = [[np.nan] * cases.sizes["strength"]] * len(joint)
     likely = [scatter_of(each) for each in (groups | joint).values()]
-    columns |= _with_interval("likely_scatter", dims, likely, "most likely scatter")
+    columns = _with_interval("likely_scatter", ("source",), likely, "most likely scatter")
     attrs = _attrs("most likely scatter by strength")
-    columns["likely_scatter_by_strength"] = (*dims, "strength"), [*by_strength, *unknown], attrs
+    columns["likely_scatter_by_strength"] = ("source", "strength"), [*by_strength, *unknown], attrs
     return xr.Dataset(columns, {"source": list(groups | joint), "strength": cases.strength.values})
-
-
-def _scatter(figures: xr.Dataset) -> str:
-    rows = []
-    for name in figures.source.values:
-        one = figures.sel(source=name)
-        likely = _likely(_ends(one, "likely_scatter"))
-        if np.isnan(one.misfit_mean):
-            bold = "**{}** {} {} {}".format(*likely.split())
-            rows.append((f"{name}, with the same weight", "", "", "", bold, "", "", ""))
-            continue
-        by_strength = (f"{value:.2f}" for value in one.likely_scatter_by_strength.values)
-        off = f"{one.misfit_mean:+.2f}", f"{one.misfit_std:.2f}", f"{one.simulated_std:.2f}"
-        rows.append((name, *off, likely, *by_strength))
-    strengths = ("elastic" if s == 1 else f"R = {s:g}" for s in figures.strength.values)
-    return _table(("", *_MISFIT_COLUMNS.values(), "scatter", *strengths), rows)
 
 
 # --- rules --------------------------------------------------------------------------------------------
