@@ -24,7 +24,8 @@ from stochlin.models.structures import LAWS
 pytestmark = pytest.mark.invariant
 
 V, Z = sympy.symbols("v z")
-REGISTRIES = (CONTACTS, ENVELOPES, GROUNDS, LAWS, CODE_RULES, EFFECTIVE_RULES, PEAK_FACTORS)
+REGISTRIES = (CONTACTS, ENVELOPES, GROUNDS, LAWS)
+RULES = (CODE_RULES, EFFECTIVE_RULES, PEAK_FACTORS)
 # What the parameters of a class do not tell by their ranges.
 GIVEN: dict[str, dict[str, Any]] = {
     "AminAng": {"strong_end": 9.0},
@@ -47,6 +48,7 @@ UNHASHABLE = {"ModalBuilding", "ShearBuilding"}  # they hold arrays and mappings
 OTHERS = {
     "Case": open_case({"case.toml": example_case().encode()})[0],
     "ChartSettings": ChartSettings(),
+    **{name: rule for registry in RULES for name, rule in registry.items()},
 }
 
 

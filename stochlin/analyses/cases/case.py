@@ -42,7 +42,6 @@ from stochlin.models.measures import Measure
 from stochlin.models.parameters import POSITIVE
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.rules.codes import CODE_RULES
-from stochlin.models.rules.codes.families import Numbered
 from stochlin.models.uncertain import UncertainModel
 
 TOUCHING = 1e-6  # m, in place of a gap of 0: any motion towards each other closes it, and formulas hold
@@ -393,6 +392,6 @@ def _risk(wanted: Section, hazard: Hazard | None) -> str | float | None:
 
 def _numbers(section: Section) -> dict[str, float]:
     """Numbers of code rules in place of their defaults, by name."""
-    known = {name: rule.units for name, rule in CODE_RULES.items() if issubclass(rule, Numbered)}
+    known = {name: rule.number.units for name, rule in CODE_RULES.items() if rule.number}
     section.only(*known)
     return {name: section.number(name, Quantity(known[name], POSITIVE)) for name in section.values}

@@ -75,7 +75,7 @@ def sources(case: Case) -> str:
     return ", ".join(f"those of {' and '.join(names)} are {where}" for where, names in parts.items())
 
 
-def _applied(case: Case, rule: type[CodeRule], table: xr.Dataset) -> Rule:
+def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
     """A code as the engineer applies it, at each height at which the buildings could meet."""
     buildings, heights = case.one_or_two, np.atleast_1d(table.get("height", np.nan))
     name, nothing = f"{rule.name}{APPLIED}", np.full(heights.size, np.nan)
@@ -107,7 +107,7 @@ def _applied(case: Case, rule: type[CodeRule], table: xr.Dataset) -> Rule:
     return replace(row, name=name, assumptions=f"{row.assumptions}; {_stated(case, rule)}")
 
 
-def design_displacements(case: Case, building: AnyBuilding, rule: type[CodeRule]) -> Array:
+def design_displacements(case: Case, building: AnyBuilding, rule: CodeRule) -> Array:
     """Displacements of the floors of a building under the design forces of a code [m].
 
     They are those of the file, or those of the first mode under the spectrum of the site, reduced by the
@@ -134,14 +134,14 @@ def design_displacements(case: Case, building: AnyBuilding, rule: type[CodeRule]
     return displacements
 
 
-def _reduces(case: Case, building: AnyBuilding, rule: type[CodeRule]) -> bool:
+def _reduces(case: Case, building: AnyBuilding, rule: CodeRule) -> bool:
     """Whether the design spectrum of Eurocode 8 is used, with a known behaviour factor."""
     code = "" if case.spectrum is None else case.spectrum.attrs.get("code")
     by_spectrum = not building.design.displacements and BEHAVIOUR in building.design.factors
     return by_spectrum and rule.name == EC8 == code
 
 
-def _factors(rule: type[CodeRule], designs: Sequence[Design]) -> dict[str, float]:
+def _factors(rule: CodeRule, designs: Sequence[Design]) -> dict[str, float]:
     """The factors of both buildings as `code_gaps` takes them; one that has no effect is 1."""
     factors = {
         f"{rule.multiplies}_{n}": design.factors.get(rule.multiplies, 1.0)
@@ -152,7 +152,7 @@ def _factors(rule: type[CodeRule], designs: Sequence[Design]) -> dict[str, float
     return factors | dict(zip(names, importances, strict=False))
 
 
-def _stated(case: Case, rule: type[CodeRule]) -> str:
+def _stated(case: Case, rule: CodeRule) -> str:
     """The displacements of the buildings and the factors of the code, in words."""
     told = [f"displacements: {sources(case)}"]
     if any(_reduces(case, building, rule) for building in case.one_or_two):

@@ -141,23 +141,23 @@ def peak_response(
     if outside.ndim == 0 and bool(outside):
         raise ValueError(
             f"duration = {float(time):g} holds {float(table.crossings):.3g} zero crossings; allowed for "
-            f"{type(chosen).__name__}, sides={sides}: {domain}; give a longer duration, or simulate"
+            f"{chosen.name}, sides={sides}: {domain}; give a longer duration, or simulate"
         )
     status = solved.status.where(~outside, labels.INVALID_INPUT)
     table = table.assign(status=status.astype(np.int8))
     table = table.assign(solved[[*JUDGED, "displacement_std"]])
     table["caution"] = _caution(structure, ground, solved, table.caution)
     table = labels.label(table, VARIABLES if sides == 2 else {**VARIABLES, **ONE_SIDED})
-    comment = f"{type(chosen).__name__} is defined for {domain}; NaN elsewhere."
+    comment = f"{chosen.name} is defined for {domain}; NaN elsewhere."
     if structure.yields:
         comment = f"{caution_in_words(closure)} {comment}"
     table = table.assign_attrs(
-        comment=comment, closure=closure, peak_factor_model=type(chosen).__name__, sides=sides
+        comment=comment, closure=closure, peak_factor_model=chosen.name, sides=sides
     )
     return labels.with_run_information(
         table,
-        f"Peak displacement in a stationary motion, {type(chosen).__name__}, {ground.name} ground",
-        f"peak_response(model={type(chosen).__name__!r}, closure={closure!r}, sides={sides})",
+        f"Peak displacement in a stationary motion, {chosen.name}, {ground.name} ground",
+        f"peak_response(model={chosen.name!r}, closure={closure!r}, sides={sides})",
         {"structure": structure, "ground": ground, "motion": motion},
         f"{labels.PAPER} {chosen.reference}.",
     )

@@ -31,7 +31,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
-from stochlin.models.rules.peak_factors.vanmarcke import Vanmarcke1975
+from stochlin.models.rules.peak_factors import peak_factor_model
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 from stochlin.models.systems import Arrangement, arrangement_of, first_mode
 
@@ -249,6 +249,6 @@ def peak_quantile(
 ) -> xr.DataArray:
     """Quantile of the peak of a Gaussian motion [m] at ``confidence``, by a Gumbel distribution."""
     l0, l1, l2 = moments
-    peak = peak_table(l0, l1, l2, xr.DataArray(seconds), Vanmarcke1975(), sides)
+    peak = peak_table(l0, l1, l2, xr.DataArray(seconds), peak_factor_model("vanmarcke"), sides)
     reduced = -np.log(-np.log(confidence))
     return peak.peak_mean + GUMBEL * (reduced - np.euler_gamma) * peak.peak_std

@@ -16,7 +16,7 @@ from stochlin.analyses.separation.pairs import SHORT, PairInMotion, peak_quantil
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.rules.codes import CODE_RULES, Neighbours
 from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
-from stochlin.models.rules.peak_factors.vanmarcke import Vanmarcke1975
+from stochlin.models.rules.peak_factors import PEAK_FACTORS
 from stochlin.models.structures import DRIFT, GAUSSIAN
 
 EQ_3 = "eq. (3) with the peaks of both structures"
@@ -191,7 +191,7 @@ def linearized_rule(
         "linearization",
         "linearization",
         gaps,
-        reference=Vanmarcke1975.reference,
+        reference=PEAK_FACTORS["Vanmarcke1975"].reference,
         mark="C",
         assumptions=_unsimulated(seconds, scatter),
         missing="" if np.isfinite(gaps).all() else SHORT,

@@ -1,4 +1,4 @@
-"""The base of published formulas (rules), with name, reference and mark, and the search by name.
+"""What published formulas (rules) have in common: name, reference and mark, and the search by name.
 
 The mark says how a formula was verified: S, compared with a copy of its source; P, in the
 available text of Valles-Mattox and Reinhorn (1996); C, derived and checked here; M, not compared with
@@ -8,41 +8,32 @@ its source, with a high or a low confidence that the formula and its constants a
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from typing import ClassVar, Self, TypeVar
+from typing import TypeVar
 
 from stochlin.messages import brief
 from stochlin.registry import LAST, Registry
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Published:
-    """Base of the rules; `published` sets name, reference, mark and title of a subclass."""
+    """A published formula, by name."""
 
-    name: ClassVar[str]
-    reference: ClassVar[str]
-    mark: ClassVar[str] = ""
-    title: ClassVar[str] = ""  # published name, authors and year
-    abbreviation: ClassVar[str] = ""
-    reason: ClassVar[str] = ""  # why the rule is too uncertain to be listed with the others, if it is
-
-    @classmethod
-    @cache
-    def usual(cls) -> Self:
-        """The rule with its default numbers, as one shared instance."""
-        return cls()
+    name: str
+    reference: str
+    mark: str = ""
+    title: str = ""  # published name, authors and year
+    abbreviation: str = ""
+    reason: str = ""  # why the rule is too uncertain to be listed with the others, if it is
 
     @property
     def verified(self) -> bool:
         """Whether the rule is certain enough to be listed with the others."""
         return not self.reason
 
-    @classmethod
-    def published_name(cls) -> str:
+    def published_name(self) -> str:
         """The title of the rule, or else its name, with a remark if its constants are unverified."""
-        return f"{cls.title or cls.name}{', constants unverified' if cls.reason else ''}"
+        return f"{self.title or self.name}{', constants unverified' if self.reason else ''}"
 
     def describe(self) -> str:
         """Name, reference, mark and any reason for doubt in one line, for metadata."""
@@ -52,36 +43,23 @@ class Published:
 Rule = TypeVar("Rule", bound=Published)
 
 
-def published(
-    registry: Registry[type[Rule]],
-    name: str,
-    reference: str,
-    mark: str = "",
-    place: int = LAST,
-    title: str = "",
-) -> Callable[[type[Rule]], type[Rule]]:
-    """Decorator that registers a rule by its name and sets its reference, mark and title."""
-
-    def add(rule: type[Rule]) -> type[Rule]:
-        rule.name, rule.reference, rule.mark, rule.title = name, reference, mark, title
-        return registry.register(name, place)(rule)
-
-    return add
+def publish(registry: Registry[Rule], rule: Rule, place: int = LAST) -> None:
+    """Make a rule known by its name; lists show a lower ``place`` first."""
+    registry.register(rule.name, place)(rule)
 
 
-def look_up(registry: Registry[type[Rule]], name: object, parameter: str) -> type[Rule]:
+def look_up(registry: Registry[Rule], name: object, parameter: str) -> Rule:
     """The rule with this name, in any case, with or without the year, or with this abbreviation.
 
     For an unknown name a ValueError lists all rules; ``parameter`` is the name of the argument.
     """
     known = {_plain(key).rstrip("0123456789"): rule for key, rule in registry.items()}
     for key, rule in registry.items():
-        known |= {_plain(own): rule for own in (rule.abbreviation or key, rule.__name__, key)}
+        known |= {_plain(spelling): rule for spelling in (rule.abbreviation or key, key)}
     if _plain(name) in known:
         return known[_plain(name)]
     allowed = ", ".join(
-        f"{rule.__name__} ({rule.abbreviation})" if rule.abbreviation else key
-        for key, rule in registry.items()
+        f"{key} ({rule.abbreviation})" if rule.abbreviation else key for key, rule in registry.items()
     )
     raise ValueError(f"{parameter} = {brief(name)} is not a known {registry.kind}; allowed: {allowed}")
 

@@ -38,7 +38,7 @@ class Design:
     factors: Mapping[str, float] = field(default_factory=dict)
     section: Section | None = field(default=None, compare=False, repr=False)  # for messages
 
-    def needed(self, rule: type[CodeRule]) -> list[str]:
+    def needed(self, rule: CodeRule) -> list[str]:
         """The factors that the rule takes.
 
         Without displacements those of the spectrum are divided by the behaviour factor first, which has
@@ -48,7 +48,7 @@ class Design:
             return [rule.multiplies]
         return [] if rule.multiplies == BEHAVIOUR else [BEHAVIOUR, rule.multiplies]
 
-    def missing(self, rule: type[CodeRule], has_spectrum: bool) -> str:
+    def missing(self, rule: CodeRule, has_spectrum: bool) -> str:
         """The first key that is missing for the rule, with the cure; empty if nothing is."""
         if not rule.multiplies:
             return ""
@@ -104,7 +104,7 @@ def read_codes(
             if unused := [key for key in OF_DESIGN if key in section]:
                 section.doubt(unused[0], 'is not used; name your code, as codes = ["eurocode_8"]')
         return ()
-    rules: list[type[CodeRule]] = []
+    rules: list[CodeRule] = []
     for name in wanted.texts("codes"):
         if not (named := rules_of(name)):
             countries = sorted({country for rule in CODE_RULES.values() for country in rule.countries})

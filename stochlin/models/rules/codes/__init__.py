@@ -7,9 +7,9 @@ from its property line.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import MISSING, dataclass, fields, replace
-from typing import Annotated, Any, ClassVar
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
@@ -21,16 +21,10 @@ from stochlin.registry import Registry
 
 ZONES: Mapping[str, float] = {"I": 0.001, "II": 0.003, "III": 0.006}  # share of the height, Mexico City
 Zone = Annotated[str, OneOf(ZONES)]
-# Families of rules in the paper, by the quantity from which the gap is computed.
-SRSS, SUM, HEIGHT, FIXED = FAMILIES = ("SRSS", "sum", "height", "fixed")
+HEIGHT, FIXED = "height", "fixed"  # families of rules, besides "SRSS" and "sum" of the peaks
 INELASTIC = "peaks are largest displacements, inelastic where the structure yields"
-ALIGNED = "the factor for floors that align accepts contact at slab level"
-ALIKE = "half for the same height, structural system and slab levels, which accepts contact of slabs"
-BETWEEN = "between two properties the gap is the sum of both distances from the line"
-BESIDE = "the neighbour stands on the boundary and has left no joint"
-OF_PAIRS = (ALIGNED, ALIKE, BETWEEN, BESIDE)  # statements that say nothing of one building
 TWO = "a second building: what it says of a property line is not known here"
-CODE_RULES: Registry[type[CodeRule]] = Registry("code rule", "stochlin.models.rules.codes")
+CODE_RULES: Registry[CodeRule] = Registry("code rule", "stochlin.models.rules.codes")
 # Factors of codes on displacements under design forces, as `stochlin.code_gaps` names them.
 FACTORS = BEHAVIOUR, DEFLECTION, IMPORTANCE = "behaviour", "deflection", "importance"
 AT_LEAST_1 = Range(1.0, include_lower=True, reason="it multiplies displacements under design forces")
@@ -68,47 +62,75 @@ class BuildingPeaks(Model):
     )
 
 
-@dataclass(frozen=True)
+class Number(NamedTuple):
+    """The number of a rule: its name, its unit, and its usual value, if it has one."""
+
+    name: str
+    units: str = "1"
+    usual: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
 class CodeRule(Published):
-    """Base of the separation rules; the number of a rule, if it has one, is a field of its class.
+    """A separation rule: a formula, and what must be known to use it.
 
     A code that takes the displacements of a design says in ``multiplies`` by which of its factors those
     under design forces are multiplied, times ``share``, and over the importance factor if
     ``over_importance``. ``called`` has the names that it gives to its factors.
     """
 
-    assumptions: ClassVar[str] = INELASTIC
-    family: ClassVar[str] = ""  # one of FAMILIES, the one that usually governs
-    needs: ClassVar[tuple[str, ...]] = ()  # arguments of `gap` required besides the peaks
-    line: ClassVar[str] = ""  # statement on one building and its property line, empty if not known
-    multiplies: ClassVar[str] = ""  # BEHAVIOUR or DEFLECTION; empty if it takes no such displacements
-    share: ClassVar[float] = 1.0
-    over_importance: ClassVar[bool] = False
-    larger_factor: ClassVar[bool] = False  # of both buildings, for both, where floors do not align
-    called: ClassVar[Mapping[str, str]] = {}  # by name in FACTORS
-    countries: ClassVar[tuple[str, ...]] = ()  # in which the code is in use
+    gap_of: Callable[[Site], Any] = field(compare=False)  # required separation of two buildings [m]
+    # Required distance of building 1 from a property line [m]; by default the gap to a building of the
+    # same height that does not move.
+    line_of: Callable[[Site], Any] | None = field(default=None, compare=False)
+    assumptions: str = INELASTIC
+    of_pairs: Sequence[str] = ()  # further assumptions, which say nothing of one building
+    family: str = ""  # the quantity from which the gap is computed: "SRSS", "sum", "height" or "fixed"
+    between: str = ""  # the same between two properties, if it differs
+    needs: Sequence[str] = ()  # arguments of `gap` required besides the peaks
+    line: str = ""  # statement on one building and its property line, empty if not known
+    multiplies: str = ""  # BEHAVIOUR or DEFLECTION; empty if it takes no such displacements
+    share: float = 1.0
+    over_importance: bool = False
+    larger_factor: bool = False  # of both buildings, for both, where floors do not align
+    called: Mapping[str, str] = field(default_factory=dict, hash=False)  # by name in FACTORS
+    countries: Sequence[str] = ()  # in which the code is in use
+    number: Number | None = None
+    value: float | None = None  # of its number
 
-    @classmethod
-    def takes_peaks(cls) -> bool:
+    def __post_init__(self) -> None:
+        if self.number is None:
+            return
+        if self.value is None:
+            object.__setattr__(self, "value", self.number.usual)
+        elif not 0 < self.value < np.inf:
+            raise ValueError(
+                f"{self.name}: {self.number.name} = {brief(self.value)}; allowed: a positive number"
+            )
+
+    @property
+    def lacks_number(self) -> bool:
+        """Whether the rule needs a number that it does not have."""
+        return self.number is not None and self.value is None
+
+    def takes_peaks(self) -> bool:
         """Whether the rule uses displacements at all."""
-        return cls.family not in (HEIGHT, FIXED)
+        return self.family not in (HEIGHT, FIXED)
 
-    @classmethod
-    def designed(cls, displacement: Any, factor: Any, importance: Any = 1.0) -> Any:
+    def designed(self, displacement: Any, factor: Any, importance: Any = 1.0) -> Any:
         """The displacement of the code [m], for that of a building under design forces [m].
 
         ``factor`` is the one that the code ``multiplies`` displacements by.
         """
-        return cls.share * factor * displacement / (importance if cls.over_importance else 1.0)
+        return self.share * factor * displacement / (importance if self.over_importance else 1.0)
 
-    @classmethod
-    def under_design_forces(cls, displacement: Any, behaviour: Any, importance: Any = 1.0) -> Any:
+    def under_design_forces(self, displacement: Any, behaviour: Any, importance: Any = 1.0) -> Any:
         """The displacement under design forces [m], for that of the elastic spectrum [m].
 
         Design forces are those of the spectrum over the behaviour factor. A code that divides
         displacements by the importance factor has multiplied the forces by it.
         """
-        return displacement * (importance if cls.over_importance else 1.0) / behaviour
+        return displacement * (importance if self.over_importance else 1.0) / behaviour
 
     @checked
     def gap(
@@ -138,22 +160,19 @@ class CodeRule(Published):
         """
         if peak_2 is None and not self.line:
             raise ValueError(f"{self.name} needs {TWO}; give peak_2")
-        values = {
-            **{"height_1": height_1, "height_2": height_2, "zone": zone, "design_pga": design_pga},
-            **{"storeys_1": storeys_1, "storeys_2": storeys_2},
-            **{"importance_1": importance_1, "importance_2": importance_2},
-        }
-        names = [name for name, value in values.items() if value is not None]
-        if missing := self.missing(names, peak_2 is None):
+        neighbours = Neighbours(floors_align, same_property, same_system)
+        pair = peak_1, peak_2, height_1, height_2, zone, storeys_1, storeys_2
+        site = Site(*pair, importance_1, importance_2, design_pga, neighbours, self.value)
+        given = [name for name, value in vars(site).items() if value is not None]
+        if missing := self.missing(given, peak_2 is None):
             raise ValueError(
                 f"{self.name} needs {', '.join(missing)}, which is not given; allowed: heights [m], "
                 f"numbers of storeys, design_pga [m/s^2], zone one of {', '.join(ZONES)}"
             )
-        known = {name: values[name] for name in names}
-        if peak_2 is None:
-            return self.from_line(Site(peak_1, 0 * peak_1, **known))
-        neighbours = Neighbours(floors_align, same_property, same_system)
-        return self.of_site(Site(peak_1, peak_2, neighbours=neighbours, **known))
+        if peak_2 is not None:
+            return self.gap_of(site)
+        alone = replace(site, peak_2=0 * peak_1, height_2=height_1, neighbours=Neighbours())
+        return (self.line_of or self.gap_of)(alone)
 
     def missing(self, given: Collection[str], alone: bool) -> list[str]:
         """Arguments that the rule requires and that are not ``given``, for two buildings or for one."""
@@ -161,24 +180,9 @@ class CodeRule(Published):
             return [TWO]
         return [n for n in self.needs if n not in given and not (alone and n.endswith("_2"))]
 
-    def of_site(self, site: Site) -> Any:
-        """Required separation [m] of two buildings."""
-        raise NotImplementedError
-
-    def from_line(self, site: Site) -> Any:
-        """Required distance of building 1 from a property line [m].
-
-        By default this is the gap to a building of the same height that does not move.
-        """
-        return self.of_site(replace(site, height_2=site.height_1))
-
-    def from_both_lines(self, site: Site) -> Any:
-        """Sum of the distances of both buildings from the line between them [m]."""
-        return self.from_line(site) + self.from_line(site.mirrored())
-
     def governed_by(self, same_property: bool) -> str:
         """The family of the rule for two buildings of one property or of two."""
-        return self.family
+        return self.family if same_property else self.between or self.family
 
     def told(self, alone: bool) -> str:
         """The assumptions of the rule in words, with its number before them if it is not the default.
@@ -186,15 +190,16 @@ class CodeRule(Published):
         For one building (``alone``) they begin with the statement on property lines, and those on two
         buildings are left out.
         """
-        stated = [
-            f"{field.name} {getattr(self, field.name):g}"
-            for field in fields(self)
-            if getattr(self, field.name) != field.default
-        ]
-        if alone and self.line:
-            of_one = [text for text in self.assumptions.split("; ") if text not in OF_PAIRS]
-            return "; ".join([*stated, self.line, *of_one])
-        return "; ".join([*stated, self.assumptions])
+        of_line = alone and bool(self.line)
+        own = self.number is not None and self.value != self.number.usual
+        return "; ".join(
+            [
+                *([f"{self.number.name} {self.value:g}"] if self.number and own else []),
+                *([self.line] if of_line else []),
+                self.assumptions,
+                *([] if of_line else self.of_pairs),
+            ]
+        )
 
 
 @dataclass(frozen=True)
@@ -228,16 +233,7 @@ class Site:
     importance_2: Any = 1.0
     design_pga: Any = None
     neighbours: Neighbours = Neighbours()
-
-    @property
-    def root_of_squares(self) -> Any:
-        """Square root of the sum of the squared peaks [m]."""
-        return np.hypot(self.peak_1, self.peak_2)
-
-    @property
-    def total(self) -> Any:
-        """Sum of the peaks [m]."""
-        return self.peak_1 + self.peak_2
+    number: Any = None  # of the rule
 
     @property
     def lower_height(self) -> Any:
@@ -254,12 +250,6 @@ class Site:
         """The factor if the floors align, else 1."""
         return factor if self.neighbours.floors_align else 1.0
 
-    @property
-    def alike(self) -> Any:
-        """Whether floors, heights and structural systems of both buildings are the same."""
-        stated = self.neighbours.floors_align and self.neighbours.same_system
-        return stated * (self.height_1 == self.height_2)
-
 
 def code_rule_names() -> tuple[str, ...]:
     """Names of the separation rules in the table of `stochlin.code_gaps`.
@@ -275,7 +265,7 @@ def code_rule_names() -> tuple[str, ...]:
     >>> sl.rules.code_rule_names()[:4]
     ('srss', 'share_of_sum', 'asce_7', 'canada')
     """
-    return tuple(name for name, rule in CODE_RULES.items() if not _lacks_number(rule))
+    return tuple(name for name, rule in CODE_RULES.items() if not rule.lacks_number)
 
 
 @checked
@@ -317,17 +307,15 @@ def code_rule(name: str, value: float | None = None) -> CodeRule:
     0.12
     """
     rule = look_up(CODE_RULES, name, "name")
-    if value is None and _lacks_number(rule):
+    if value is None and rule.lacks_number:
         raise ValueError(f"value is not given; {rule.name} needs it; allowed: a positive number")
-    if value is None:
-        return rule.usual()
-    if not fields(rule):
-        families = ", ".join(name for name, kind in CODE_RULES.items() if fields(kind))
-        raise ValueError(f"value = {brief(value)} is given to {rule.name}; allowed for {families} only")
-    return rule(value)  # type: ignore[call-arg]
+    if value is not None and rule.number is None:
+        known = ", ".join(name for name, each in CODE_RULES.items() if each.number)
+        raise ValueError(f"value = {brief(value)} is given to {rule.name}; allowed for {known} only")
+    return rule if value is None else replace(rule, value=value)
 
 
-def rules_of(name: str) -> tuple[type[CodeRule], ...]:
+def rules_of(name: str) -> tuple[CodeRule, ...]:
     """The rules of a code by its name or by the name of a country; empty if there are none."""
     plain = name.strip().lower()
     of_country = [
@@ -335,8 +323,3 @@ def rules_of(name: str) -> tuple[type[CodeRule], ...]:
     ]
     key = plain.replace("-", "_").replace(" ", "_")
     return tuple(of_country or ([CODE_RULES[key]] if key in CODE_RULES else []))
-
-
-def _lacks_number(rule: type[CodeRule]) -> bool:
-    """Whether the rule has a number without a default."""
-    return any(field.default is MISSING for field in fields(rule))

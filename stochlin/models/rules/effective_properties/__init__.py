@@ -7,9 +7,9 @@ elastic.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from math import inf
-from typing import ClassVar
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import Truth, checked
@@ -18,31 +18,25 @@ from stochlin.models.rules.published import Published, look_up
 from stochlin.models.structures import STATIONARY_HARDENING, LinearPair
 from stochlin.registry import Registry
 
-EFFECTIVE_RULES: Registry[type[EffectiveRule]] = Registry(
+EFFECTIVE_RULES: Registry[EffectiveRule] = Registry(
     "effective rule", "stochlin.models.rules.effective_properties"
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class EffectiveRule(Published):
-    """Base of the rules for the effective period ``T*`` and damping ratio ``xi*`` of a linear structure.
+    """A rule for the effective period ``T*`` and damping ratio ``xi*`` of a linear structure.
 
-    The linear structure replaces a yielding one. The methods take numbers or arrays that broadcast:
-    ``ductility`` is the peak ductility [-], ``hardening`` the hardening ratio [-] and ``damping`` the
-    viscous damping ratio [-] of the yielding structure. ``largest_ductility`` [-] is that to which a
-    rule was fitted, infinite for one that was derived or whose source was not seen; the methods go on
-    beyond it, charts do not.
+    The linear structure replaces a yielding one. The functions take numbers or arrays that broadcast:
+    ``period_ratio(ductility, hardening)`` is ``T*/T`` [-], ``damping(ductility, hardening, damping)`` is
+    ``xi*`` [-], for the peak ductility, the hardening ratio and the viscous damping ratio of the
+    yielding structure. ``largest_ductility`` [-] is that to which a rule was fitted, infinite for one
+    that was derived or whose source was not seen; the functions go on beyond it, charts do not.
     """
 
-    largest_ductility: ClassVar[float] = inf
-
-    def period_ratio(self, ductility: Array, hardening: Array) -> Array:
-        """Effective over elastic period ``T*/T`` [-]."""
-        raise NotImplementedError
-
-    def damping(self, ductility: Array, hardening: Array, damping: Array) -> Array:
-        """Effective damping ratio ``xi*`` [-]."""
-        raise NotImplementedError
+    period_ratio: Callable[[Array, Array], Array] = field(compare=False)
+    damping: Callable[[Array, Array, Array], Array] = field(compare=False)
+    largest_ductility: float = inf
 
 
 @checked
@@ -86,7 +80,7 @@ def effective_rule(name: str | EffectiveRule) -> EffectiveRule:
     Returns
     -------
     EffectiveRule
-        The rule, with the methods ``period_ratio(ductility, hardening)`` and
+        The rule, with the functions ``period_ratio(ductility, hardening)`` and
         ``damping(ductility, hardening, damping)`` [-] and the attributes ``reference``, ``mark`` and
         ``verified``.
 
@@ -104,7 +98,7 @@ def effective_rule(name: str | EffectiveRule) -> EffectiveRule:
     """
     if isinstance(name, EffectiveRule):
         return name
-    return look_up(EFFECTIVE_RULES, name, "rule").usual()
+    return look_up(EFFECTIVE_RULES, name, "rule")
 
 
 @dataclass(frozen=True)

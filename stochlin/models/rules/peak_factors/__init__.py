@@ -11,8 +11,8 @@ shorter motion may have no peak at all, and the formulas are for peaks.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -23,51 +23,53 @@ from stochlin.models.parameters import POSITIVE, Model, Parameter, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
 
-PEAK_FACTORS: Registry[type[PeakFactor]] = Registry("peak factor", "stochlin.models.rules.peak_factors")
+PEAK_FACTORS: Registry[PeakFactor] = Registry("peak factor", "stochlin.models.rules.peak_factors")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class PeakFactor(Published):
-    """Base of the peak factors: mean and standard deviation of the peak over that of the response."""
+    """A peak factor: mean and standard deviation of the peak over that of the response.
 
+    ``formula(N, delta)`` gives both, ``p`` and ``q``, of two-sided peaks for 1-D arrays of cells.
+    """
+
+    formula: Callable[[Array, Array], tuple[Array, Array]] = field(compare=False)
     # For one-sided peaks only half of the crossings count, and a clump has half as many of them. The
     # formula takes this into account by a bandwidth that is larger by this factor.
-    spread: ClassVar[float] = 1.0
+    spread: float = 1.0
+    fewest: float = 1.0  # counted crossings from which the formula is defined
+    needs: str = ""  # besides the crossings, for messages
 
     def mean(self, crossings: Array, bandwidth: Array, sides: int = 2) -> Array:
         """Mean peak factor ``p`` [-] for ``N`` crossings and the bandwidth ``delta``.
 
         ``sides`` is 2 for two-sided and 1 for one-sided peaks. Cells outside the domain are NaN.
         """
-        return self._evaluate(crossings, bandwidth, sides)[0]
+        return self._both(crossings, bandwidth, sides)[0]
 
     def std(self, crossings: Array, bandwidth: Array, sides: int = 2) -> Array:
         """Standard deviation ``q`` of the peak factor [-]; arguments as in `mean`."""
-        return self._evaluate(crossings, bandwidth, sides)[1]
+        return self._both(crossings, bandwidth, sides)[1]
 
-    @staticmethod
-    def domain(sides: int = 2) -> str:
+    def domain(self, sides: int = 2) -> str:
         """The domain of the model in words, for messages."""
-        return f"at least {3 - sides} zero crossings (both ways) in the duration, 0 <= bandwidth <= 1"
+        crossings = f"at least {self.fewest * (3 - sides):.3g} zero crossings (both ways)"
+        return f"{crossings} in the duration{self.needs}"
 
-    def _evaluate(self, crossings: Array, bandwidth: Array, sides: int) -> tuple[Array, Array]:
+    def _both(self, crossings: Array, bandwidth: Array, sides: int) -> tuple[Array, Array]:
         if sides not in {1, 2}:
             raise ValueError(
                 f"sides = {brief(sides)}; allowed: 2 (largest absolute value), 1 (one direction)"
             )
         n, delta = np.broadcast_arrays(np.asarray(crossings, float), np.asarray(bandwidth, float))
+        widest = 1.0
         if sides == 1:
-            n, delta = n / 2, delta * self.spread
-        widest = 1.0 if sides == 2 else self.spread
+            n, delta, widest = n / 2, delta * self.spread, self.spread
         inside = (n >= 1) & (n < np.inf) & (delta >= 0) & (delta <= widest)
         values = np.full((2, n.size), np.nan)
         values[:, inside.ravel()] = self.formula(n[inside], delta[inside])
         mean, std = values.reshape(2, *n.shape)
         return mean, std
-
-    def formula(self, n: Array, delta: Array) -> tuple[Array, Array]:
-        """``(p, q)`` for two-sided peaks; ``n`` and ``delta`` are 1-D arrays of cells."""
-        raise NotImplementedError
 
 
 def peak_factor_names() -> tuple[str, ...]:
@@ -84,7 +86,7 @@ def peak_factor_names() -> tuple[str, ...]:
     >>> sl.rules.peak_factor_names()
     ('Davenport1964', 'DerKiureghian1980', 'Vanmarcke1975')
     """
-    return tuple(model.__name__ for model in PEAK_FACTORS.values())
+    return tuple(PEAK_FACTORS)
 
 
 @checked
@@ -99,7 +101,7 @@ def peak_factor_model(name: str) -> PeakFactor:
 
     Returns
     -------
-    Davenport1964, DerKiureghian1980 or Vanmarcke1975
+    PeakFactor
         The model. Its methods ``mean`` and ``std`` give the mean and the standard deviation of the peak
         over the standard deviation of the response [-].
 
@@ -115,7 +117,7 @@ def peak_factor_model(name: str) -> PeakFactor:
     >>> round(float(model.mean(40, 0.2463)), 2), round(float(model.mean(40, 0.2463, sides=1)), 2)
     (2.63, 2.53)
     """
-    return look_up(PEAK_FACTORS, name, "model").usual()
+    return look_up(PEAK_FACTORS, name, "model")
 
 
 @dataclass(frozen=True)
