@@ -46,7 +46,7 @@ def test_energies_balance(period, damping, hardening, strength):
     table = sl.respond(one, RECORD)
     assert imbalance(table) < 1e-9
     for name in ("viscous_energy_per_mass", "hysteretic_energy_per_mass"):
-        assert (table[name].diff("time") >= 0).all()
+        assert (table[name].diff("time") >= -1e-12 * table.input_energy_per_mass.max()).all()
     last = sl.response_spectrum(
         RECORD, period, damping, hardening=hardening, yield_displacement=strength * peak
     )

@@ -390,12 +390,6 @@ def test_refusals_say_what_and_where(tmp_path, message, text, options):
         (lines([i * 10 for i in range(40)], WAVE), TIMED, "its time step is 10 s.*is time in seconds"),
         (lines(100 * WAVE), PLAIN, "its peak is 10 g.*are the units right"),
         (lines(["vel", *WAVE]), PLAIN, "its column is named 'vel'; is that an acceleration"),
-        (TABLE, {**PLAIN, "column": 0}, "its values increase throughout.*the right column"),
-        (
-            lines(np.round(np.sin(np.arange(800) / 10), 5), width=8),
-            {**PLAIN, "column": 0},
-            "its rows may be one series of 800 numbers; is it one, with wrapped=True",
-        ),
     ],
 )
 def test_what_is_hardly_meant_is_asked_about(tmp_path, text, options, message):
@@ -403,14 +397,6 @@ def test_what_is_hardly_meant_is_asked_about(tmp_path, text, options, message):
         read(tmp_path, text, **options)
     assert len(caught) == 1
     assert caught[0].filename == __file__
-
-
-def test_columns_beside_each_other_are_no_rows_of_one_series(tmp_path):
-    wave = np.sin(np.arange(800) / 10)
-    channels = [np.round(each, 5) for each in (wave, np.roll(wave, 200), 0.8 * np.roll(wave, 400))]
-    np.testing.assert_allclose(
-        read(tmp_path, lines(*channels), column=1, dt=0.02, units="g"), G * channels[1]
-    )
 
 
 def test_a_case_file_names_the_component(tmp_path):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -17,6 +17,7 @@ from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.linear_branch import LONGEST
 from stochlin.kernels.basics.parallel import cores
+from stochlin.kernels.records.oscillator import HIGHEST, LOWEST
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.arguments import OfClass, check_label
 from stochlin.models.laws.bilinear import Bilinear
@@ -43,19 +44,6 @@ class RecordedMotions(NamedTuple):
         names = self.names or ["record"]
         named = zip(names, self.grounds, strict=True)
         return "; ".join(f"{name}: {len(values)} samples at {dt:g} s" for name, (values, dt) in named)
-
-
-class RecordCells(NamedTuple):
-    """Parameters of a structure for the n cells of a table."""
-
-    parameters: Array  # (n, 4): w, damping, hardening and yield displacement, infinite if elastic
-    valid: Array  # (n,)
-
-    @property
-    def limits(self) -> Array:
-        """Displacement at which the structure of each valid cell falls [m]; see `Stack.limits`."""
-        _, _, hardening, uy = self.parameters[self.valid].T
-        return falls_at(hardening, 1 - hardening, uy)
 
 
 def checked_motions(record: Records) -> RecordedMotions:
@@ -122,74 +110,83 @@ OnRecord = Annotated[AnyStructure, check_structure]
 OscillatorOnRecord = Annotated[Structure, OfClass((Structure,)), check_structure]
 
 
-def dims_of(*structures: Bilinear) -> xr.DataArray:
-    """An array of False over all dimensions of the structures, with their coordinates."""
-    arrays = arrays_of(dict(zip(("first", "second"), structures, strict=False)))
-    like: xr.DataArray = xr.broadcast(xr.DataArray(False), *arrays.values())[0]
-    check_names((*like.dims, *like.coords), (RECORD, "status"))
-    return like
+class RecordCells(NamedTuple):
+    """One or two bilinear structures on records, in the valid cells of a table of their parameters."""
 
+    motions: RecordedMotions
+    like: xr.DataArray  # False over the dimensions of the table
+    valid: Array  # (n,): whether the parameters of each cell are valid
+    sides: list[Array]  # (valid cells, 4) each: w, damping, hardening and yield displacement
 
-def cells_of(structure: Bilinear, like: xr.DataArray, motions: RecordedMotions) -> RecordCells:
-    """The cells of a structure over the dimensions of ``like``, in their order.
+    @classmethod
+    def of(cls, motions: RecordedMotions, *structures: Bilinear) -> RecordCells:
+        """The cells of structures, elastic where the yield displacement is infinite.
 
-    A cell with an infinite yield displacement is elastic. A cell that is out of range, or has a period
-    below a tenth of the records' longest time step, is not valid.
-    """
-    values = structure.arrays()
-    uy = values.get("yield_displacement", xr.DataArray(np.inf))
-    elastic = np.isposinf(uy)
-    if structure.yields:
-        structure = dataclasses.replace(structure, yield_displacement=uy.where(~elastic, 1.0))
-    shortest = SHORTEST * max(ground.dt for ground in motions.grounds)
-    if values["period"].ndim == 0 and values["period"] < shortest:
-        value = float(values["period"])
-        raise ValueError(
-            f"period = {value:g} s; allowed: {shortest:g} s, a tenth of the record's step, or more"
-        )
-    valid = structure.valid() & (values["period"] >= shortest)
-    hardening = values.get("hardening", xr.DataArray(1.0))
-    columns = [2 * np.pi / values["period"].where(valid, 1.0), values["damping"], hardening, uy, valid]
-    *parameters, usable = (row_of(column, like) for column in columns)
-    return RecordCells(np.stack(parameters, axis=1).astype(float), usable.astype(bool))
+        A cell that is out of range, or has a period below a tenth of the records' longest time step, is
+        not valid.
+        """
+        arrays = arrays_of(dict(zip(("first", "second"), structures, strict=False)))
+        like = xr.broadcast(xr.DataArray(False), *arrays.values())[0]
+        check_names((*like.dims, *like.coords), (RECORD, "status"))
+        shortest = SHORTEST * max(ground.dt for ground in motions.grounds)
+        sides, valid = [], np.ones(like.size, bool)
+        for structure in structures:
+            values = structure.arrays()
+            period, uy = values["period"], values.get("yield_displacement", xr.DataArray(np.inf))
+            if period.ndim == 0 and period < shortest:
+                allowed = f"{shortest:g} s, a tenth of the record's step, or more"
+                raise ValueError(f"period = {float(period):g} s; allowed: {allowed}")
+            finite: dict[str, Any] = (
+                {"yield_displacement": uy.where(~np.isposinf(uy), 1.0)} if structure.yields else {}
+            )
+            usable = dataclasses.replace(structure, **finite).valid() & (period >= shortest)
+            w = 2 * np.pi / period.where(usable, 1.0)
+            columns = (w, values["damping"], values.get("hardening", xr.DataArray(1.0)), uy)
+            sides.append(np.stack([row_of(column, like) for column in columns], axis=1).astype(float))
+            valid &= row_of(usable, like)
+        return cls(motions, like, valid, [side[valid] for side in sides])
 
+    def check_run(self, more: float = 1.0, numbers: int = 0) -> None:
+        """Raise a ValueError if the responses would take too long.
 
-def check_run(motions: RecordedMotions, frequencies: Array, kept: int = 0) -> None:
-    """Raise a ValueError if structures of these circular frequencies [rad/s] would take too long.
+        There are ``more`` sub-steps than those of the stiffest structure of each cell, and so many
+        ``numbers`` of each are stored while a cell runs.
+        """
+        w = more * np.max([side[:, 0] for side in self.sides], axis=0)
+        samples = np.array([len(acceleration) for acceleration, _ in self.motions.grounds])
+        dt = np.array([dt for _, dt in self.motions.grounds])
+        steps = samples[:, None] * np.maximum(1.0, dt[:, None] * w / LONGEST)
+        stored = numbers * cores() * float(steps.max(initial=0.0))
+        work = {"sub-steps on a record": float(steps.sum()), "numbers": stored}
+        cure = "take longer periods, or fewer structures or records at a time"
+        check_work("structures on records would take", cure, work, cores())
 
-    ``kept`` is how many numbers of each sub-step are stored while a structure runs.
-    """
-    dt, samples = np.array([(ground.dt, len(ground.acceleration)) for ground in motions.grounds]).T
-    steps = samples[:, None] * np.maximum(1.0, dt[:, None] * frequencies / LONGEST)
-    numbers = kept * cores() * float(steps.max(initial=0.0))
-    work = {"sub-steps on a record": float(steps.sum()), "numbers": numbers}
-    cure = "take longer periods, or fewer structures or records at a time"
-    check_work("structures on records would take", cure, work, cores())
+    def peak(self, number: int, peaks: Array) -> Array:
+        """Peak displacements of a structure (records, valid cells) [m], infinite where it falls."""
+        _, _, hardening, uy = self.sides[number].T
+        peak = np.maximum(peaks[..., HIGHEST], peaks[..., LOWEST])
+        return np.where(peak <= falls_at(hardening, 1 - hardening, uy), peak, np.inf)
 
+    def table(self, columns: Mapping[str, Array], peaks: Sequence[Array]) -> xr.Dataset:
+        """Columns (records, valid cells) as a labelled table over the records and the dimensions.
 
-def table_over(
-    columns: Mapping[str, Array],
-    elastic: Array,
-    like: xr.DataArray,
-    motions: RecordedMotions,
-    valid: Array,
-) -> xr.Dataset:
-    """Columns (records, valid cells) as a labelled table over the records and the cells' dimensions.
-
-    The status of a cell is ``elastic_limit`` if the structure did not yield, ``elastic`` being True, and
-    ``invalid_input`` if the cell is NaN.
-    """
-    check_names((*like.dims, *like.coords), columns)
-    status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
-    several, count = motions.names is not None, len(motions.grounds)
-    dims, shape = (RECORD, *like.dims) if several else like.dims, (count, *like.shape)
-    variables = {}
-    for name, values in {**columns, "status": status}.items():
-        filled = np.full((count, valid.size), np.nan)
-        filled[:, valid] = values
-        variables[name] = (dims, filled.reshape(shape if several else like.shape))
-    table = xr.Dataset(variables, coords=like.coords)
-    if several:
-        table = table.assign_coords({RECORD: (RECORD, motions.names, {"long_name": "record"})})
-    known = table[next(iter(columns))].notnull()
-    return table.assign(status=table.status.where(known, labels.INVALID_INPUT).astype(np.int8))
+        The status of a cell is ``elastic_limit`` if no structure yielded in its peak displacement, and
+        ``invalid_input`` if the cell is NaN.
+        """
+        check_names((*self.like.dims, *self.like.coords), columns)
+        stayed = [peak <= side[:, 3] for peak, side in zip(peaks, self.sides, strict=True)]
+        status = np.where(np.all(stayed, axis=0), labels.ELASTIC_LIMIT, labels.CONVERGED)
+        names, count = self.motions.names, len(self.motions.grounds)
+        dims, shape = self.like.dims, self.like.shape
+        if names is not None:
+            dims, shape = (RECORD, *dims), (count, *shape)
+        variables = {}
+        for name, values in {**columns, "status": status}.items():
+            filled = np.full((count, self.valid.size), np.nan)
+            filled[:, self.valid] = values
+            variables[name] = (dims, filled.reshape(shape))
+        table = xr.Dataset(variables, coords=self.like.coords)
+        if names is not None:
+            table = table.assign_coords({RECORD: (RECORD, names, {"long_name": "record"})})
+        known = table[next(iter(columns))].notnull()
+        return table.assign(status=table.status.where(known, labels.INVALID_INPUT).astype(np.int8))

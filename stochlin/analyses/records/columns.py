@@ -22,8 +22,6 @@ _HEAD = 50  # lines in which the numbers begin
 # Lines of other formats: "SAMPLING INTERVAL (sec) : 0.01", "UNITS OF ACCEL ARE SEC AND G/10".
 _STATEMENT = re.compile(r"[:=]\s*\S|\bunits?\b", re.IGNORECASE)
 _COMMA = re.compile(r"[-+]?\d+,\d{2,}")
-_FEWEST = 8  # rows of a series in rows
-_ALIKE, _NEARER = 2.0, 0.7  # scatter of columns, and steps along rows over those between rows
 
 
 def head_of(lines: Sequence[str], name: str) -> Table | None:
@@ -90,8 +88,7 @@ class Text(NamedTuple):
         values = table.numbers(chosen, "number")
         times = None if time is None else self._seconds(time) * table.numbers(time, "number")
         named = self.head.title_cells[chosen] if self.head.titles else ""
-        doubt = self._may_be_one_series(table) if column is not None and not named else ""
-        return Series(values, times, None, self.units_of(chosen), named, doubt=doubt)
+        return Series(values, times, None, self.units_of(chosen), named)
 
     def table(self) -> Table:
         """The table of all lines, which are as wide as the first."""
@@ -141,19 +138,6 @@ class Text(NamedTuple):
         return (
             "" if self.head.titles else f", or wrapped=True, if these are one series of {count} numbers"
         )
-
-    def _may_be_one_series(self, table: Table) -> str:
-        """A doubt on columns that go on from the end of a row to the beginning of the next."""
-        values = table.rows.to_numpy()
-        if values.dtype.kind != "f" or len(values) < _FEWEST or table.width < 3:
-            return ""
-        with np.errstate(over="ignore", invalid="ignore"):
-            scatter = values.std(axis=0)
-            along, between = values[1:, 0] - values[:-1, -1], np.diff(values[:, 0])
-            nearer = np.abs(along).mean() < _NEARER * np.abs(between).mean()
-            alike = scatter.max() <= _ALIKE * scatter.min()
-        question = f"its rows may be one series of {values.size} numbers; is it one, with wrapped=True?"
-        return question if alike and nearer else ""
 
     def _chosen(self, column: Column | None, time: int | None) -> int:
         """The column that is asked for, or the only one but the time."""

@@ -8,10 +8,11 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy import integrate, optimize
+from scipy import integrate
 
 from stochlin.analyses.records.records import checked_record
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.records.least_squares import best_fit
 from stochlin.models.arguments import OneOf, checked
 from stochlin.models.envelopes import AminAng, Envelope, GammaEnvelope, ShinozukaSato
 
@@ -99,12 +100,11 @@ def fit_envelope(
         envelope = make(*np.exp(logs) * unit)
         return _build_up(envelope.at(time), dt)[chosen] - target
 
-    starts = product(*(unknown.starts for unknown in unknowns))
-    trials = [optimize.least_squares(residual, np.log(start), bounds=bounds) for start in starts]
-    fits = [fit for fit in trials if fit.success]
-    if not fits:
+    starts = product(*(np.log(unknown.starts) for unknown in unknowns))
+    fit = best_fit(residual, map(np.array, starts), bounds)
+    if not fit.success:
         raise ArithmeticError(f"no {model} fits the energy of the record; give another model")
-    return make(*np.exp(min(fits, key=lambda fit: float(fit.cost)).x) * unit)
+    return make(*np.exp(fit.x) * unit)
 
 
 def _build_up(values: Array, dt: float) -> Array:

@@ -10,17 +10,14 @@ import xarray as xr
 from stochlin.analyses.records.cells import (
     RECORD,
     OnRecord,
+    RecordCells,
     RecordedMotions,
     Records,
-    cells_of,
-    check_run,
     checked_motions,
-    dims_of,
     ends_of_events,
     events_of,
-    table_over,
 )
-from stochlin.analyses.records.stepped import stepped_gap
+from stochlin.analyses.records.stepped import gap_columns, stepped_gap
 from stochlin.analyses.records.variables import ALONE, VARIABLES
 from stochlin.analyses.simulation.finite_motions import quantile_columns
 from stochlin.analyses.tables import labels
@@ -140,33 +137,20 @@ def _exactly(
     structures: list[Bilinear], motions: RecordedMotions, progress: Progress | None
 ) -> xr.Dataset:
     """Exact results for bilinear structures in all cells, without labels."""
-    like = dims_of(*structures)
-    cells = [cells_of(structure, like, motions) for structure in structures]
-    valid = np.all([side.valid for side in cells], axis=0)
-    sides = [side.parameters[valid] for side in cells]
-    if len(sides) == 1:
-        check_run(motions, sides[0][:, 0])
-        each = [peaks_on_records(motions.grounds, sides[0], progress)]
-        columns = {"separation": each[0][..., recorded.HIGHEST]}
+    cells = RecordCells.of(motions, *structures)
+    if len(structures) == 1:
+        cells.check_run()
+        each = [peaks_on_records(motions.grounds, cells.sides[0], progress)]
+        separation, rho = each[0][..., recorded.HIGHEST], None
     else:
-        check_run(motions, 2 * PAIR * np.maximum(sides[0][:, 0], sides[1][:, 0]), kept=6)
-        gaps = gaps_on_records(motions.grounds, sides[0], sides[1], progress)
+        cells.check_run(2 * PAIR, numbers=6)
+        first, second = cells.sides
+        gaps = gaps_on_records(motions.grounds, first, second, progress)
         *each, together = np.split(gaps, [recorded.PEAKS, 2 * recorded.PEAKS], axis=-1)
         separation, rho = np.moveaxis(together, -1, 0)
-        columns = {"separation": separation, "rho": rho}
-    stayed = np.ones(columns["separation"].shape, bool)
-    fell = np.zeros_like(stayed)
-    for number, (peaks, side, parameters) in enumerate(zip(each, cells, sides, strict=True), start=1):
-        peak = np.maximum(peaks[..., recorded.HIGHEST], peaks[..., recorded.LOWEST])
-        falls = ~(peak <= side.limits[valid[side.valid]])
-        columns[f"peak_{number}"] = np.where(falls, np.inf, peak)
-        columns[f"pseudo_energy_radius_{number}"] = np.where(falls, np.inf, peaks[..., recorded.RADIUS])
-        stayed &= peak <= parameters[:, 3]
-        fell |= falls
-    columns["separation"] = np.where(fell, np.inf, columns["separation"])
-    if len(sides) == 2:
-        columns["rho"] = np.where(fell, np.nan, columns["rho"])
-        columns["srss"] = np.hypot(columns["peak_1"], columns["peak_2"])
-        with np.errstate(invalid="ignore"):  # infinite where a structure falls
-            columns["separation_over_srss"] = columns["separation"] / columns["srss"]
-    return table_over(columns, stayed, like, motions, valid)
+    peaks = [cells.peak(number, of) for number, of in enumerate(each)]
+    columns = gap_columns(separation, peaks, rho)
+    for number, (peak, of) in enumerate(zip(peaks, each, strict=True), start=1):
+        radius = np.where(np.isfinite(peak), of[..., recorded.RADIUS], np.inf)
+        columns[f"pseudo_energy_radius_{number}"] = radius
+    return cells.table(columns, peaks)

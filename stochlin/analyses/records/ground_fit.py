@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy import optimize
 
 from stochlin.analyses.records.records import strong_part
 from stochlin.analyses.records.spectra import (
@@ -21,6 +20,7 @@ from stochlin.analyses.records.spectra import (
     energy_band,
     periodogram,
 )
+from stochlin.kernels.records.least_squares import best_fit
 from stochlin.models.arguments import OneOf, TwoNumbers, checked
 from stochlin.models.grounds import GROUNDS, Ground
 
@@ -34,41 +34,22 @@ _START_PERIODS = 16
 _STEP, _ON_BOUND = 1e-4, 1e-3  # in the logarithm of a parameter
 
 
-class _Unknown(NamedTuple):
-    """A parameter of the ground to be fitted by its logarithm, between bounds."""
-
-    name: str
-    lower: float
-    upper: float
-
-    over_period: bool = False  # a time, fitted as a multiple of the ground period
-
-    @property
-    def shown(self) -> str:
-        return f"{self.name} / period" if self.over_period else self.name
-
-
 class _Problem(NamedTuple):
-    """The kind of ground to be fitted, its unknowns and their starting values."""
+    """A kind of ground; its parameters are fitted by their logarithms, times over the ground period."""
 
     kind: type[Ground]
-    unknowns: tuple[_Unknown, ...]  # the period, the parameters of `Fit`, the intensity
-    starts: Sequence[tuple[float, ...]]
+    bounds: Mapping[str, tuple[float, float]]  # of the period, the parameters of `Fit`, the intensity
+    starts: Sequence[tuple[float, ...]]  # of the parameters of `Fit`
 
-    @classmethod
-    def of(cls, kind: type[Ground], shortest: float, longest: float) -> _Problem:
-        assert kind.fit is not None
-        own = (
-            _Unknown(name, *bounds, kind.units(name) == "s") for name, bounds in kind.fit.bounds.items()
-        )
-        period, intensity = _Unknown("period", shortest, longest), _Unknown("intensity", 0.0, np.inf)
-        return cls(kind, (period, *own, intensity), kind.fit.starts)
+    def over_period(self, name: str) -> bool:
+        """Whether a parameter is fitted as a multiple of the ground period."""
+        return name != "period" and self.kind.units(name) == "s"
 
     def parameters(self, values: Sequence[Any] | Matrix) -> dict[str, Any]:
         """Those of the ground, by name: numbers, or arrays of cells."""
         return {
-            unknown.name: value * values[0] if unknown.over_period else value
-            for unknown, value in zip(self.unknowns, values, strict=True)
+            name: value * values[0] if self.over_period(name) else value
+            for name, value in zip(self.bounds, values, strict=True)
         }
 
     def psd(self, logs: Matrix, frequency: Vector) -> Matrix:
@@ -106,7 +87,10 @@ def ground_of_record(
     used = (frequency >= low) & (frequency <= high) & (frequency > 0) & (density > 0)
     frequency, density = frequency[used], density[used]
     scale = density.mean()
-    problem = _Problem.of(kinds[model], 2 * np.pi / high, 2 * np.pi / frequency[0])
+    fit, periods = kinds[model].fit, (2 * np.pi / high, 2 * np.pi / frequency[0])
+    assert fit is not None
+    bounds = {"period": periods, **fit.bounds, "intensity": (0.0, np.inf)}
+    problem = _Problem(kinds[model], bounds, fit.starts)
     logs = _minimize(frequency, density / scale, problem, chosen)
     errors = _standard_errors(frequency, logs, problem, chosen)
     values = np.exp(logs) * [*np.ones(logs.size - 1), scale]
@@ -130,17 +114,15 @@ def _minimize(frequency: Vector, density: Vector, problem: _Problem, estimator: 
         return (residual(logs + shifts) - residual(logs - shifts)).T / (2 * _STEP)
 
     with np.errstate(divide="ignore"):
-        bounds = np.log([[u.lower for u in problem.unknowns], [u.upper for u in problem.unknowns]])
-    fits = [
-        optimize.least_squares(lambda logs: residual(logs)[0], start, slope, bounds)
-        for start in _starts(frequency, density, problem, residual)
-    ]
-    best = min(fits, key=lambda fit: float(fit.cost))
+        bounds = np.log(np.transpose([*problem.bounds.values()]))
+    starts = _starts(frequency, density, problem, residual)
+    best = best_fit(lambda logs: residual(logs)[0], starts, tuple(bounds), slope)
     if not best.success:
         raise ValueError(f"the fit failed ({best.message}); try another estimator or frequency_range")
-    for unknown, value, lower, upper in zip(problem.unknowns, best.x, *bounds, strict=True):
+    for name, value, lower, upper in zip(problem.bounds, best.x, *bounds, strict=True):
         if min(value - lower, upper - value) < _ON_BOUND:
-            which = f"{unknown.shown} = {np.exp(value):.3g}, which the record does not define"
+            shown = f"{name} / period" if problem.over_period(name) else name
+            which = f"{shown} = {np.exp(value):.3g}, which the record does not define"
             raise ValueError(
                 f"the fit ends on a bound, {which}; try another estimator, part or WhiteNoise"
             )
@@ -158,8 +140,7 @@ def _starts(
 
     The intensity is that with the energy of the record.
     """
-    period = problem.unknowns[0]
-    periods = np.geomspace(period.lower, period.upper, _START_PERIODS + 2)[1:-1]
+    periods = np.geomspace(*problem.bounds["period"], _START_PERIODS + 2)[1:-1]
     peak = 2 * np.pi / frequency[np.argmax(density)]
     periods = np.append(periods, np.clip(peak, periods[0], periods[-1]))
     starts = []

@@ -113,9 +113,8 @@ def read_record(
     Warns
     -----
     UserWarning
-        If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, values
-        that increase throughout, a column named as a velocity, a displacement or a time, or columns that
-        may be rows of one series.
+        If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, or a
+        column named as a velocity, a displacement or a time.
 
     Examples
     --------
@@ -169,10 +168,6 @@ def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
         yield f"its time step is {step:.6g} s, and that of records a hundredth; is time in seconds?"
     if _NO_ACCELERATION.search(series.column):
         yield f"its column is named {brief(series.column)}; is that an acceleration?"
-    if series.doubt:
-        yield series.doubt
-    if (np.diff(series.values) > 0).all():
-        yield "its values increase throughout, as times do; is it the right column?"
 
 
 def strong_samples(motions: Array, start: float = 0.05, end: float = 0.95) -> tuple[Array, Array]:

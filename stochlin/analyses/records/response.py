@@ -10,13 +10,10 @@ import xarray as xr
 from stochlin.analyses.records.cells import (
     SCALARS,
     OnRecord,
+    RecordCells,
     RecordedMotions,
     Records,
-    cells_of,
-    check_run,
     checked_motions,
-    dims_of,
-    table_over,
 )
 from stochlin.analyses.records.stepped import stepped_history
 from stochlin.analyses.records.variables import VARIABLES
@@ -164,13 +161,11 @@ def response_spectrum(
         yield_displacement = None
     structure = Bilinear(period, damping, hardening, yield_displacement)
     motions = checked_motions(record)
-    like = dims_of(structure)
-    cells = cells_of(structure, like, motions)
-    parameters = cells.parameters[cells.valid]
-    check_run(motions, parameters[:, 0])
+    cells = RecordCells.of(motions, structure)
+    cells.check_run()
+    [parameters] = cells.sides
     peaks = peaks_on_records(motions.grounds, parameters, progress)
-    w, _, hardening_ratio, uy = parameters.T
-    displacement = np.maximum(peaks[..., recorded.HIGHEST], peaks[..., recorded.LOWEST])
+    w, displacement = parameters[:, 0], cells.peak(0, peaks)
     columns = {
         "displacement_max": displacement,
         "velocity_max": peaks[..., recorded.VELOCITY],
@@ -183,11 +178,10 @@ def response_spectrum(
     if structure.yields:
         # At rest alpha u + (1 - alpha) y = 0, while u - y stays as it is.
         slip = peaks[..., recorded.LAST] - peaks[..., recorded.LAST_Y]
-        columns["permanent_set"] = (1 - hardening_ratio) * slip
-    falls = ~(displacement <= cells.limits)
-    columns = {name: np.where(falls, np.nan, values) for name, values in columns.items()}
-    columns["displacement_max"] = np.where(falls, np.inf, displacement)
-    table = table_over(columns, displacement <= uy, like, motions, cells.valid)
+        columns["permanent_set"] = (1 - parameters[:, 2]) * slip
+    stands = np.isfinite(displacement)
+    columns = {name: np.where(stands, values, np.nan) for name, values in columns.items()}
+    table = cells.table({**columns, "displacement_max": displacement}, [displacement])
     return _with_information(table, "Response spectrum", "response_spectrum()", structure, motions)
 
 
@@ -281,7 +275,7 @@ def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
 
 def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -> xr.Dataset:
     """The response history of a bilinear oscillator for `respond`; without times."""
-    parameters = cells_of(structure, dims_of(structure), motions).parameters[0]
+    [[parameters]] = RecordCells.of(motions, structure).sides
     displacement, velocity, strain, *spent = history(motions.grounds[0], parameters, refine)
     w, _, hardening, uy = parameters
     kept = displacement**2

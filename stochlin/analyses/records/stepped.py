@@ -161,6 +161,21 @@ def stepped_gap(
     return xr.concat(tables, names.rename(RECORD), data_vars="all", coords="minimal", compat="equals")
 
 
+def gap_columns(separation: Any, peaks: Sequence[Any], rho: Any | None) -> dict[str, Any]:
+    """The gap, the peaks and, of two structures, their correlation ``rho``, as arrays of any shape.
+
+    Peaks are infinite where a structure falls.
+    """
+    stands = np.all(np.isfinite(peaks), axis=0)
+    columns = {"separation": np.where(stands, separation, np.inf)}
+    columns |= {f"peak_{number}": peak for number, peak in enumerate(peaks, start=1)}
+    if rho is not None:
+        columns |= {"rho": np.where(stands, rho, np.nan), "srss": np.hypot(*peaks)}
+        with np.errstate(invalid="ignore", divide="ignore"):
+            columns["separation_over_srss"] = columns["separation"] / columns["srss"]
+    return columns
+
+
 def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
     """Results for one record.
 
@@ -175,15 +190,13 @@ def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
         at_height[:], peaks[fallen], drifts[fallen[system.owners]] = np.inf, np.inf, np.inf
     strength = system.watched_strength
     stayed = not (drifts > strength).any()
-    columns = {"separation": at_height.max()}
-    columns |= {f"peak_{number}": peak for number, peak in enumerate(peaks, start=1)}
+    rho = None
     if count == 2:
         u_1, u_2 = values[:, 0], values[:, 1]
-        srss = np.hypot(*peaks)
         with np.errstate(invalid="ignore", divide="ignore"):
             power = np.sqrt(np.trapezoid(u_1**2) * np.trapezoid(u_2**2))
-            columns["rho"] = np.trapezoid(u_1 * u_2) / power if not fallen.any() else np.nan
-            columns |= {"srss": srss, "separation_over_srss": at_height.max() / srss}
+            rho = np.trapezoid(u_1 * u_2) / power
+    columns = gap_columns(at_height.max(), [*peaks], rho)
     table = xr.Dataset(columns).assign(
         step_error=motion.error, status=np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
     )

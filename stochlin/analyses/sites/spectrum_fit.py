@@ -13,8 +13,8 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from scipy import optimize
 
+from stochlin.kernels.records.least_squares import best_fit
 from stochlin.analyses.sites.simulated_spectra import Motions, peak_accelerations
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -40,7 +40,6 @@ _UPPER = np.log([150.0, 3.0, 8.0, 1.5, 1e20])
 _SOILS = np.log([(4.0, 0.3), (4.0, 0.8), (12.0, 0.3), (12.0, 0.8), (30.0, 0.5)])
 _HIGH_PASS = np.log([(0.6, 0.6), (2.5, 0.6)])
 _DRAWN = 6  # number of random combinations of these starts for two or three filters
-_SLACK = 1e-6  # smallest distance of a start from the bounds
 _END = 1e-11  # tolerances of the least-squares search, whose minimum is flat
 
 
@@ -185,18 +184,14 @@ class _Search:
             jacobian: Array = 0.5 * weight[:, None] * (rows @ slopes) / (rows @ psd)[:, None]
             return jacobian
 
-        fits = []
-        for start in starts:
+        def of_energy(start: Array) -> Array:
             logs = start.copy()
             logs[:, -1] -= 2 * (residual(logs) / weight).mean()
-            lower, upper = (np.tile(bound, len(start)) for bound in (_LOWER, _UPPER))
-            inside = np.clip(logs.ravel(), lower + _SLACK, upper - _SLACK)
-            fits.append(
-                optimize.least_squares(
-                    residual, inside, slope, (lower, upper), ftol=_END, xtol=_END, gtol=_END
-                )
-            )
-        best = min(fits, key=lambda fit: float(fit.cost))
+            return logs.ravel()
+
+        starts = [*starts]
+        bounds = np.tile(_LOWER, len(starts[0])), np.tile(_UPPER, len(starts[0]))
+        best = best_fit(residual, map(of_energy, starts), bounds, slope, ftol=_END, xtol=_END, gtol=_END)
         return FittedFilters(best.x.reshape(-1, 5), best.fun[: target.size - self._ground.size])
 
 

@@ -36,21 +36,6 @@ def evaluate(c, t):
 
 
 @compiled
-def transition(damping, stiffness, c):
-    """Displacements, then velocities, one sub-step after ``x = 0``, per unit velocity, push and slope.
-
-    ``c`` (TERMS,) is working space.
-    """
-    expand(c, 1.0, 0.0, 0.0, damping, stiffness)
-    xv, vv = evaluate(c, 1.0)
-    expand(c, 0.0, 1.0, 0.0, damping, stiffness)
-    xp, vp = evaluate(c, 1.0)
-    expand(c, 0.0, 0.0, 1.0, damping, stiffness)
-    xs, vs = evaluate(c, 1.0)
-    return xv, xp, xs, vv, vp, vs
-
-
-@compiled
 def first_exit(c, lower, upper, end, rows, marks):
     """Time at which a polynomial first leaves the interval from ``lower`` to ``upper``, up to ``end``.
 

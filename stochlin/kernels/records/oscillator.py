@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import compiled
 from stochlin.kernels.basics.linear_branch import (
     LONGEST,
@@ -22,7 +21,6 @@ from stochlin.kernels.basics.linear_branch import (
     evaluate,
     expand,
     first_exit,
-    transition,
 )
 
 # Columns of the peaks: largest u and largest -u [m]; largest velocity, absolute acceleration and energy
@@ -32,9 +30,7 @@ PEAKS = 10
 STATE = 6  # rows of a history: u, u', y, and the three energies so far
 MOST_LEGS = 64  # changes of branch in one sub-step; more than six are unusual
 SMALLEST = 1e-12  # smallest advance past a change of branch, in sub-steps
-# Gauss points and weights of the integrals of energy, with a relative error of 1e-11 in a sub-step.
-_X, _W = np.polynomial.legendre.leggauss(4)
-NODES, WEIGHTS = tuple(0.5 + 0.5 * _X), tuple(0.5 * _W)
+Unit = tuple[float, float, float]
 
 
 class Oscillator(NamedTuple):
@@ -48,9 +44,8 @@ class Oscillator(NamedTuple):
     post: float  # alpha (w h)^2
     couple: float  # (1 - alpha) (w h)^2
     uy: float  # yield displacement [m]
-    elastic: tuple[float, float, float, float, float, float]  # `transition` of the elastic branch
-    plastic: tuple[float, float, float, float, float, float]  # that of the yielding branches
-    velocities: Array  # (2, NODES, 3): `velocities_at` of the elastic and the yielding branches
+    elastic: tuple[Unit, Unit, Unit]  # `_transition` of the elastic branch
+    plastic: tuple[Unit, Unit, Unit]  # that of the yielding branches
 
 
 @compiled
@@ -64,32 +59,34 @@ def oscillator(parameters, h, c):
     """The structure with ``parameters`` (4,) as in `run`, for sub-steps of ``h`` seconds."""
     w, xi, alpha, uy = parameters
     damping, stiffness = 2 * xi * w * h, (w * h) ** 2
-    velocities = np.empty((2, len(NODES), 3))
-    for branch in range(2):
-        velocities_at(damping, stiffness if branch == 0 else alpha * stiffness, c, velocities[branch])
-    return Oscillator(
-        damping,
-        stiffness,
-        alpha * stiffness,
-        (1 - alpha) * stiffness,
-        uy,
-        transition(damping, stiffness, c),
-        transition(damping, alpha * stiffness, c),
-        velocities,
-    )
+    post = alpha * stiffness
+    elastic, plastic = _transition(damping, stiffness, c), _transition(damping, post, c)
+    return Oscillator(damping, stiffness, post, (1 - alpha) * stiffness, uy, elastic, plastic)
 
 
 @compiled
-def velocities_at(damping, stiffness, c, out):
-    """Write velocities at the Gauss points of a sub-step to ``out`` (NODES, 3).
+def _transition(damping, stiffness, c):
+    """Results of a sub-step per unit velocity, push and slope at its beginning, as in `expand`."""
+    of_velocity = _after(c, 1.0, 0.0, 0.0, damping, stiffness)
+    of_push = _after(c, 0.0, 1.0, 0.0, damping, stiffness)
+    return of_velocity, of_push, _after(c, 0.0, 0.0, 1.0, damping, stiffness)
 
-    They are per unit of velocity, push and slope at its beginning, as in `linear_branch.expand`.
-    """
-    for unit in range(3):
-        velocity, push = 1.0 if unit == 0 else 0.0, 1.0 if unit == 1 else 0.0
-        expand(c, velocity, push, 1.0 - velocity - push, damping, stiffness)
-        for n in range(len(NODES)):
-            out[n, unit] = evaluate(c, NODES[n])[1]
+
+@compiled
+def _after(c, velocity, push, slope, damping, stiffness):
+    """Change of the displacement in a sub-step, velocity at its end, and integral of the change."""
+    expand(c, velocity, push, slope, damping, stiffness)
+    change, rate = evaluate(c, 1.0)
+    return change, rate, _integral(c, 1.0)
+
+
+@compiled
+def _integral(c, t):
+    """Integral from 0 to ``t`` of the polynomial with coefficients ``c``."""
+    total = 0.0
+    for n in range(TERMS - 1, -1, -1):
+        total = (total + c[n] / (n + 1)) * t
+    return total
 
 
 @compiled
@@ -100,44 +97,48 @@ def _stride(o, u, v, y, side, ground, h, cuts, at, peaks, each, out):
     is written to ``out``, none if ``each`` is 0. Returns the number of the sub-step and the state.
     """
     stiffness = o.stiffness if side == 0 else o.post
-    xv, xp, xs, vv, vp, vs = o.elastic if side == 0 else o.plastic
-    between = o.velocities[0 if side == 0 else 1]
-    push = 0.0
-    first, begin = at // cuts, at % cuts
-    for s in range(first, ground.size - 1):
-        start, rise = ground[s] * h * h, (ground[s + 1] - ground[s]) * h * h / cuts
-        for cut in range(begin, cuts):
-            if each and at % each == 0:
-                _keep(out[:, at // each], u, v, y, h, peaks)
-            now = start + cut * rise
-            push = -now - o.post * u - o.couple * y
-            change = xv * v + xp * push - xs * rise
-            v1 = vv * v + vp * push - vs * rise
-            u1, y1 = u + change, y + change if side == 0 else y
-            a = push - o.damping * v
-            a1 = -now - rise - o.post * u1 - o.couple * y1 - o.damping * v1
-            if o.uy < np.inf and _may_change(o, stiffness, v, a, y, v1, a1, y1, rise, side):
-                return at, u, v, y
-            _update(o, 1.0, stiffness, u, v, a, now, u1, v1, a1, now + rise, peaks)
-            for n in range(len(NODES)):
-                rate = between[n, 0] * v + between[n, 1] * push - between[n, 2] * rise
-                peaks[INPUT] -= WEIGHTS[n] * (now + NODES[n] * rise) * rate
-                peaks[VISCOUS] += WEIGHTS[n] * o.damping * rate * rate
-            peaks[HYSTERETIC] += 0.0 if side == 0 else o.couple * o.uy * abs(change)
-            u, v, y = u1, v1, y1
-            at += 1
-        begin = 0
+    (xv, vv, sv), (xp, vp, sp), (xs, vs, ss) = o.elastic if side == 0 else o.plastic
+    while at < cuts * (ground.size - 1):
+        if each and at % each == 0:
+            _keep(o, u, v, y, h, peaks, out[:, at // each])
+        now, rise = _ground_in(ground, h, cuts, at)
+        push = -now - o.post * u - o.couple * y
+        change = xv * v + xp * push - xs * rise
+        v1 = vv * v + vp * push - vs * rise
+        u1, y1 = u + change, y + change if side == 0 else y
+        a = push - o.damping * v
+        a1 = -now - rise - o.post * u1 - o.couple * y1 - o.damping * v1
+        if o.uy < np.inf and _may_change(o, stiffness, v, a, y, v1, a1, y1, rise, side):
+            return at, u, v, y
+        integral = sv * v + sp * push - ss * rise
+        _update(o, 1.0, side, u, v, a, now, u1, v1, a1, now + rise, integral, peaks)
+        u, v, y, at = u1, v1, y1, at + 1
     if each:
-        _keep(out[:, at // each], u, v, y, h, peaks)
+        _keep(o, u, v, y, h, peaks, out[:, at // each])
     return at, u, v, y
 
 
 @compiled
-def _keep(state, u, v, y, h, peaks):
+def _ground_in(ground, h, cuts, at):
+    """Ground acceleration at the beginning of a sub-step, and its rise within it."""
+    s = at // cuts
+    rise = (ground[s + 1] - ground[s]) * h * h / cuts
+    return ground[s] * h * h + (at - s * cuts) * rise, rise
+
+
+@compiled
+def _viscous(o, u, v, y, peaks):
+    """Energy per unit mass dissipated by damping: the input less what yielding took and what is left."""
+    left = v * v + o.post * u * u + o.couple * y * y
+    return peaks[INPUT] - peaks[HYSTERETIC] - 0.5 * left
+
+
+@compiled
+def _keep(o, u, v, y, h, peaks, state):
     """Write a state of a history (STATE,), with time in seconds."""
     state[0], state[1], state[2] = u, v / h, y
-    for n in range(3):
-        state[3 + n] = peaks[INPUT + n] / (h * h)
+    state[3], state[5] = peaks[INPUT] / (h * h), peaks[HYSTERETIC] / (h * h)
+    state[4] = _viscous(o, u, v, y, peaks) / (h * h)
 
 
 @compiled
@@ -189,20 +190,21 @@ def _legs(o, u, v, y, side, ground, rise, peaks, space):
             v1, next_side = 0.0, 0
         then = now + rise * length
         a1 = -then - o.post * u1 - o.couple * y1 - o.damping * v1
-        _update(o, length, stiffness, u, v, a, now, u1, v1, a1, then, peaks)
-        for n in range(len(NODES)):
-            rate = evaluate(c, NODES[n] * length)[1]
-            peaks[INPUT] -= length * WEIGHTS[n] * (now + NODES[n] * rise * length) * rate
-            peaks[VISCOUS] += length * WEIGHTS[n] * o.damping * rate * rate
-        peaks[HYSTERETIC] += 0.0 if side == 0 else o.couple * o.uy * abs(change)
+        _update(o, length, side, u, v, a, now, u1, v1, a1, then, _integral(c, length), peaks)
         u, v, y, side = u1, v1, y1, next_side
         t = 1.0 if way == 0 else t + length
     return u, v, y, side
 
 
 @compiled
-def _update(o, length, stiffness, u, v, a, ground, u1, v1, a1, ground1, peaks):
-    """Update the peaks by a part of a sub-step on one branch, of this ``length``."""
+def _update(o, length, side, u, v, a, ground, u1, v1, a1, ground1, integral, peaks):
+    """Update peaks and energies by a part of a sub-step on one branch, of this ``length``.
+
+    ``integral`` is that of the change of displacement over the part: by parts, the input is exact.
+    """
+    stiffness = o.stiffness if side == 0 else o.post
+    peaks[INPUT] -= ground1 * (u1 - u) - (ground1 - ground) / length * integral
+    peaks[HYSTERETIC] += 0.0 if side == 0 else o.couple * o.uy * abs(u1 - u)
     peaks[HIGHEST] = max(peaks[HIGHEST], top(length, u, v, u1, v1))
     peaks[LOWEST] = max(peaks[LOWEST], top(length, -u, -v, -u1, -v1))
     peaks[VELOCITY] = max(peaks[VELOCITY], top(length, v, a, v1, a1), top(length, -v, -a, -v1, -a1))
@@ -268,19 +270,14 @@ def run(parameters, ground, dt, cuts, peaks, each, out, space):
     """
     h = dt / cuts
     o = oscillator(parameters, h, space[0])
-    total = cuts * (ground.size - 1)
     u, v, y, side = 0.0, 0.0, 0.0, 0
-    for n in range(PEAKS):
-        peaks[n] = 0.0
-    at, u, v, y = _stride(o, u, v, y, side, ground, h, cuts, side, peaks, each, out)
-    while at < total:
-        s, cut = at // cuts, at % cuts
-        start, rise = ground[s] * h * h, (ground[s + 1] - ground[s]) * h * h / cuts
-        u, v, y, side = _legs(o, u, v, y, side, start + cut * rise, rise, peaks, space)
+    peaks[:] = 0.0
+    at, u, v, y = _stride(o, u, v, y, side, ground, h, cuts, 0, peaks, each, out)
+    while at < cuts * (ground.size - 1):
+        u, v, y, side = _legs(o, u, v, y, side, *_ground_in(ground, h, cuts, at), peaks, space)
         at, u, v, y = _stride(o, u, v, y, side, ground, h, cuts, at + 1, peaks, each, out)
     peaks[VELOCITY] /= h
     peaks[ACCELERATION] /= h * h
     peaks[RADIUS] = max(np.sqrt(peaks[RADIUS]), peaks[HIGHEST], peaks[LOWEST])
-    peaks[LAST], peaks[LAST_Y] = u, y
-    for n in range(INPUT, PEAKS):
-        peaks[n] /= h * h
+    peaks[LAST], peaks[LAST_Y], peaks[VISCOUS] = u, y, _viscous(o, u, v, y, peaks)
+    peaks[INPUT:] /= h * h

@@ -30,7 +30,6 @@ class Series(NamedTuple):
     units: str | None
     column: str = ""  # name of the column
     about: Mapping[str, str] = MappingProxyType({})  # event, station and component, if stated
-    doubt: str = ""  # a question about the column
 
 
 class RecordFile(NamedTuple):
