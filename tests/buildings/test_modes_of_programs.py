@@ -488,7 +488,7 @@ BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
     "has no displacement of floor 'Story1' in mode 5": re.sub(
         r"Story1,D1,Modal,LinModEigen,Mode,5,.*\n", "", ETABS
     ),
-    "line 35: 'Roof 2' is there twice; allowed: one diaphragm or joint on each floor": re.sub(
+    "line 35: 'Roof 2' is there twice; export one of them, or choose by tower= or points=": re.sub(
         r"(Roof,D1,Modal,LinModEigen,Mode,2,.*\n)", r"\1\1", ETABS
     ),
     "table Joint Displacements has no joint 9, which points names; it has 1, 21": (
@@ -507,7 +507,7 @@ BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
     ),
     "line 19: 'Story2' is there twice; export one of them": ETABS.replace("Story1,4000", "Story2,4000"),
     "line 6: '2' is there twice; export one of them": ETABS.replace("Modal,3,", "Modal,2,"),
-    "line 157: '34 1' is there twice; allowed: one diaphragm": (
+    "line 157: '34 1' is there twice; export": (
         re.sub(r"(\n34,MODAL.*)", r"\1\1", SAP),
         POINTS,
     ),

@@ -9,7 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.buildings.mode_files.base import MODE_FILES, AskedModes, ModesOfFile
+from stochlin.analyses.buildings.mode_files import csi
+from stochlin.analyses.buildings.mode_files import plain as plain_form
+from stochlin.analyses.buildings.mode_files.base import AskedModes, ModesOfFile
+from stochlin.analyses.buildings.mode_files.csi_tables import RATIOS, tables_in
 from stochlin.analyses.buildings.variables import VARIABLES
 from stochlin.analyses.sheets.sheets import check_alone, sheets_of
 from stochlin.analyses.tables import labels
@@ -101,10 +104,6 @@ def read_modes(
     path = input_path("path", path)
     if isinstance(points, str) or not isinstance(points, Sequence):
         raise TypeError(f"points = {brief(points)}; allowed: a list of names")
-    texts = {"tower": tower, "mass_units": mass_units, "length_units": length_units}
-    for argument, value in texts.items():
-        if not isinstance(value, str | None):
-            raise TypeError(f"{argument} = {brief(value)}; allowed: a text")
     if direction is not None:
         known = {name.lower(): name for name in DIRECTIONS}
         direction = known.get(str(direction).lower(), direction)
@@ -117,20 +116,17 @@ def read_modes(
         if not files:
             raise ValueError(f"the folder {name} holds no file .csv")
     sheets = [sheet for file in files for sheet in sheets_of(file)]
-    buildings = [(kind, *each) for kind in MODE_FILES.values() for each in kind.buildings(sheets)]
-    if not buildings:
-        begins = " or ".join(kind.header for kind in MODE_FILES.values())
+    tables, of_plain = tables_in(sheets), plain_form.sheets_in(sheets)
+    found = [*of_plain, *(table.sheet for table in [*tables.values()][:1])]
+    if not found:
+        begins = f"{plain_form.HEADER} or a line 'TABLE:  {RATIOS}' of ETABS or SAP2000"
         raise ValueError(
             f"{name} is no file of modes that is known; allowed: a file with {begins}; for OpenSees "
             "docs/buildings.md has a script that writes the plain form"
         )
-    check_alone([sheet for _, sheet, _ in buildings], "modes")
-    kind, _, content = buildings[0]
-    for argument, value in asked._asdict().items():
-        if value and argument not in kind.accepts:
-            what = f"{argument} = {brief(value)} has no meaning for {name}"
-            raise ValueError(f"{what}, which has {kind.header}; leave it out")
-    return _labelled(kind.read(content, asked), name, asked.direction)
+    check_alone(found, "modes")
+    modes = csi.read(tables, asked) if tables else plain_form.read(found[0], asked)
+    return _labelled(modes, name, asked.direction)
 
 
 def with_masses(table: xr.Dataset, building: ModalBuilding) -> xr.Dataset:

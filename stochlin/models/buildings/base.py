@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
@@ -14,10 +14,10 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.messages import DoubtfulInput, brief
-from stochlin.models.laws.hysteretic import law_of
+from stochlin.models.laws.hysteretic import Hysteretic, law_of
 from stochlin.models.parameters import CASE, Model, as_array
 from stochlin.models.states import in_words
-from stochlin.models.structures import Structure
+from stochlin.models.structures import HARDENING, Structure
 
 if TYPE_CHECKING:
     import sympy
@@ -38,11 +38,42 @@ class MultistoreyBuilding(Model):
         "for a building with storeys use linearize_system, simulate or pound, or give the "
         "building's oscillator()"
     )
+    element: ClassVar[str]  # the dimension of the elements, which are storeys or modes
     strength_name: ClassVar[str]  # the parameter with the strength of the elements [m]
+    dimensions: ClassVar[Mapping[str, str]]  # of the parameters that are lists
+    one_for_all: ClassVar[Sequence[str]]  # parameters of which one number may stand for a list
     damping: Any
     hardening: Any
     law: str | sympy.Expr | Mapping[str, sympy.Expr]
     law_parameters: Mapping[str, Any] | None
+
+    def __post_init__(self) -> None:
+        name = f"{type(self).__name__}: "
+        for field, dimension in self.dimensions.items():
+            value = getattr(self, field)
+            if value is not None and not (field in self.one_for_all and np.isscalar(value)):
+                object.__setattr__(self, field, along(f"{name}{field}", value, dimension))
+        counts = self._counts()
+        for field, dimension in self.dimensions.items():
+            value, wanted = getattr(self, field), counts.get(dimension)
+            if wanted and isinstance(value, xr.DataArray) and value.size != wanted:
+                allowed = f"one for each {dimension}, {wanted} in all"
+                raise ValueError(f"{name}{field} has {value.size} values; allowed: {allowed}")
+        super().__post_init__()
+        check_ranges(self, name)
+        if self.yields and self.hardening is None:
+            what = f"{name}hardening is not given; what yields needs a hardening ratio"
+            raise ValueError(f"{what}, allowed: {HARDENING}")
+        self._check(name)
+        _ = self.element_law
+
+    @abstractmethod
+    def _counts(self) -> Mapping[str, int]:
+        """Number of values that lists over a dimension must have."""
+
+    @abstractmethod
+    def _check(self, name: str) -> None:
+        """Raise a ValueError for values that do not fit together; ``name`` begins messages."""
 
     def over_cells(self) -> dict[str, xr.DataArray]:
         """Empty: arrays of one building are over its storeys, and are not dimensions of a result."""
@@ -93,6 +124,14 @@ class MultistoreyBuilding(Model):
     @abstractmethod
     def oscillator(self) -> Structure:
         """The first mode as an oscillator, with its effective modal mass [kg]."""
+
+    def _as_oscillator(self, element: int, **changed: Any) -> Structure:
+        """An element as an oscillator, with some of its parameters changed."""
+        law = self.element_law.isel({self.element: element})
+        values: dict[str, Any] = {name: float(array) for name, array in law.arrays().items()}
+        if isinstance(law, Hysteretic):
+            values["law"] = law.law
+        return type(law)(**values | changed)
 
     @abstractmethod
     def stiffened(self, factor: float) -> Self:
@@ -193,9 +232,24 @@ class MultistoreyBuilding(Model):
             raise TypeError(f"law_parameters = {brief(values)}; allowed: a mapping of numbers by name")
         return [(name, self._of_elements(name, value)) for name, value in values.items()]
 
-    @abstractmethod
     def _of_elements(self, name: str, value: Any) -> Any:
         """A parameter of the law, checked: a number, or an array over the elements."""
+        if np.isscalar(value):
+            return value
+        array = along(f"law_parameters: {name}", value, self.element)
+        if array.size != self._yielding:
+            allowed = f"a number, or one for each of the {self._yielding} {self.element}s that may yield"
+            raise ValueError(f"law_parameters: {name} has {array.size} values; allowed: {allowed}")
+        return self._over_elements(array)
+
+    @property
+    @abstractmethod
+    def _yielding(self) -> int:
+        """Number of the elements that may yield, which are the first ones."""
+
+    def _over_elements(self, value: xr.DataArray) -> xr.DataArray:
+        """A parameter of the elements that may yield over all elements."""
+        return value
 
 
 def check_ranges(model: Model, prefix: str) -> None:

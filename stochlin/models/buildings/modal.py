@@ -20,10 +20,7 @@ from stochlin.models.buildings.base import (
     MOST_STOREYS,
     STOREY,
     MultistoreyBuilding,
-    along,
-    check_ranges,
 )
-from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, Range, as_array, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
 from stochlin.models.uncertain import takes_uncertain
@@ -45,7 +42,6 @@ DIMENSIONS = {
 }
 OF_STRENGTH = ("hardening", "yield_displacement")
 OF_TABLE = {"period", "shape", "mass", "height"}
-MAYBE_ONE = ("damping", "hardening", "yield_displacements")  # one number may stand for a list
 
 
 @dataclass(frozen=True)
@@ -131,7 +127,10 @@ class ModalBuilding(MultistoreyBuilding):
     """
 
     name: ClassVar[str] = "building by its modes"
+    element: ClassVar[str] = MODE
     strength_name: ClassVar[str] = "yield_displacements"
+    dimensions: ClassVar[Mapping[str, str]] = DIMENSIONS
+    one_for_all: ClassVar[tuple[str, ...]] = ("damping", "hardening", "yield_displacements")
 
     periods: Parameter = parameter("s", "period of the mode", PERIODS)
     shapes: Parameter = parameter("1", "shape of the mode at the floor", ANY)
@@ -213,26 +212,24 @@ class ModalBuilding(MultistoreyBuilding):
     def __post_init__(self) -> None:
         name = f"{type(self).__name__}: "
         object.__setattr__(self, "shapes", _table(f"{name}shapes", self.shapes))
-        for field, dimension in DIMENSIONS.items():
-            value = getattr(self, field)
-            if value is not None and not (field in MAYBE_ONE and np.isscalar(value)):
-                object.__setattr__(self, field, along(f"{name}{field}", value, dimension))
-        self._check_counts(name)
         super().__post_init__()
-        check_ranges(self, name)
+
+    def _counts(self) -> dict[str, int]:
+        assert isinstance(self.shapes, xr.DataArray)
+        modes, floors = self.shapes.shape
+        if self._yielding > modes:
+            allowed = f"one for each of at most {modes} modes"
+            raise ValueError(
+                f"ModalBuilding: yield_displacements has {self._yielding} values; allowed: {allowed}"
+            )
+        return {MODE: modes, FLOOR: floors, STOREY: floors, YIELDING: self._yielding}
+
+    def _check(self, name: str) -> None:
         periods = self.arrays()["periods"].to_numpy()
-        rising = np.flatnonzero(np.diff(periods) > 0)
-        if rising.size:
-            n = rising[0] + 1
-            raise ValueError(
-                f"{name}periods of modes {n} and {n + 1} are {periods[n - 1]:g} and {periods[n]:g} s; "
-                "allowed: periods in seconds, the longest first"
-            )
-        if self.yields and self.hardening is None:
-            raise ValueError(
-                f"{name}hardening is not given; modes with a yield displacement need their hardening "
-                f"ratio, allowed: {HARDENING}"
-            )
+        for n in np.flatnonzero(np.diff(periods) > 0)[:1]:
+            both = f"{periods[n]:g} and {periods[n + 1]:g} s"
+            what = f"{name}periods of modes {n + 1} and {n + 2} are {both}"
+            raise ValueError(f"{what}; allowed: periods in seconds, the longest first")
         if (self.participation is None) != (self.modal_masses is None):
             raise ValueError(
                 f"{name}participation and modal_masses belong together; allowed: both, as the "
@@ -241,7 +238,6 @@ class ModalBuilding(MultistoreyBuilding):
         if self.participation is None:
             self._check_orthogonal(name)
         self._check_masses(name)
-        _ = self.element_law
 
     @property
     def storeys(self) -> int:
@@ -351,13 +347,9 @@ class ModalBuilding(MultistoreyBuilding):
         >>> tower.oscillator().period
         0.5
         """
-        law, n = self.element_law.isel({MODE: self.leading}), self.leading
-        own: dict[str, Any] = {name: float(a) for name, a in law.arrays().items()}
-        if n >= self._yielding:
-            own = {name: value for name, value in own.items() if name not in OF_STRENGTH}
-        if isinstance(law, Hysteretic):
-            own["law"] = law.law
-        return type(law)(**own, mass=float(self.effective_masses()[n]))
+        n = self.leading
+        elastic = dict.fromkeys(OF_STRENGTH) if self.yields and n >= self._yielding else {}
+        return self._as_oscillator(n, mass=float(self.effective_masses()[n]), **elastic)
 
     def stiffened(self, factor: float) -> Self:
         """The building with its elastic stiffness multiplied by a factor, and all shapes kept."""
@@ -394,39 +386,8 @@ class ModalBuilding(MultistoreyBuilding):
         """A parameter of the modes that yield, of each of them."""
         return np.broadcast_to(np.asarray(value, float), self._yielding)
 
-    def _of_elements(self, name: str, value: Any) -> Any:
-        if np.isscalar(value):
-            return value
-        array = along(f"law_parameters: {name}", value, MODE)
-        if array.size != self._yielding:
-            raise ValueError(
-                f"law_parameters: {name} has {array.size} values; allowed: a number, or one for each of "
-                f"the {self._yielding} modes that yield"
-            )
-        return self._over_modes(array.to_numpy())
-
-    def _check_counts(self, name: str) -> None:
-        assert isinstance(self.shapes, xr.DataArray)
-        modes, floors = self.shapes.shape
-        counts = {MODE: modes, FLOOR: floors, STOREY: floors}
-        for field, dimension in DIMENSIONS.items():
-            value, wanted = getattr(self, field), counts.get(dimension)
-            if wanted and isinstance(value, xr.DataArray) and value.size != wanted:
-                what = MODE if dimension == MODE else FLOOR
-                raise ValueError(
-                    f"{name}{field} has {value.size} values, shapes has {modes} modes of {floors} "
-                    f"floors; allowed: one for each {what} in both"
-                )
-        if self._yielding > modes:
-            raise ValueError(
-                f"{name}yield_displacements has {self._yielding} values; allowed: one for each of at "
-                f"most {modes} modes"
-            )
-        if np.asarray(self.hardening).size not in (1, self._yielding):
-            raise ValueError(
-                f"{name}hardening has {np.asarray(self.hardening).size} values; allowed: one number, "
-                f"or one for each of the {self._yielding} modes that yield"
-            )
+    def _over_elements(self, value: xr.DataArray) -> xr.DataArray:
+        return self._over_modes(value.to_numpy())
 
     def _check_orthogonal(self, name: str) -> None:
         shapes, masses = self._shapes_and_masses

@@ -21,11 +21,9 @@ from stochlin.models.buildings.base import (
     MOST_STOREYS,
     STOREY,
     MultistoreyBuilding,
-    along,
     check_ranges,
 )
 from stochlin.models.buildings.chains import chain_modes
-from stochlin.models.laws.hysteretic import Hysteretic
 from stochlin.models.parameters import (
     NOT_NEGATIVE,
     PERIODS,
@@ -43,7 +41,6 @@ if TYPE_CHECKING:
     import sympy
 
 OF_STOREYS = ("masses", "stiffnesses", "heights", "yield_drifts", "dampers")
-ONE_FOR_ALL = ("yield_drifts", "dampers")  # one number may stand for all storeys
 STOREYS = Whole(1, MOST_STOREYS)
 DRIFT_LIMIT = 0.1  # largest plausible yield drift over the height of a storey
 SHEAR = Range(upper=100.0, include_upper=True, reason="of the weight; a stronger one is elastic")
@@ -137,7 +134,10 @@ class ShearBuilding(MultistoreyBuilding):
     """
 
     name: ClassVar[str] = "shear building"
+    element: ClassVar[str] = STOREY
     strength_name: ClassVar[str] = "yield_drifts"
+    dimensions: ClassVar[Mapping[str, str]] = dict.fromkeys(OF_STOREYS, STOREY)
+    one_for_all: ClassVar[tuple[str, ...]] = ("yield_drifts", "dampers")
 
     masses: Parameter = parameter("kg", "mass of the floor", POSITIVE)
     stiffnesses: Parameter = parameter("N/m", "stiffness of the storey", POSITIVE)
@@ -152,38 +152,25 @@ class ShearBuilding(MultistoreyBuilding):
     p_delta: bool = False
     damping_modes: tuple[int, int] | None = None
 
-    def __post_init__(self) -> None:
-        name = type(self).__name__
-        values = {key: getattr(self, key) for key in OF_STOREYS if getattr(self, key) is not None}
-        for field, value in values.items():
-            if field not in ONE_FOR_ALL or not np.isscalar(value):
-                object.__setattr__(self, field, along(f"{name}: {field}", value, STOREY))
-        arrays = {key: each for key in values if isinstance(each := getattr(self, key), xr.DataArray)}
-        if len({array.sizes[STOREY] for array in arrays.values()}) > 1:
-            counts = ", ".join(f"{key} has {array.sizes[STOREY]}" for key, array in arrays.items())
-            raise ValueError(f"{name}: {counts} values; allowed: one for each storey in all of them")
-        for key, array in arrays.items():
-            if array.size > MOST_STOREYS:
-                raise ValueError(
-                    f"{name}: {key} has {array.size} values; allowed: one for each of at most "
-                    f"{MOST_STOREYS} storeys"
-                )
-        super().__post_init__()
+    def _counts(self) -> dict[str, int]:
+        assert isinstance(self.masses, xr.DataArray)
+        storeys = self.masses.size
+        if storeys > MOST_STOREYS:
+            raise ValueError(
+                f"{type(self).__name__}: masses has {storeys} values; allowed: one for each of at most "
+                f"{MOST_STOREYS} storeys"
+            )
+        return {STOREY: storeys}
+
+    def _check(self, name: str) -> None:
         for field in ("damping", "hardening"):
             if isinstance(getattr(self, field), xr.DataArray):
-                raise ValueError(f"{name}: {field} is an array; allowed: one number for the building")
-        check_ranges(self, f"{name}: ")
-        if self.yield_drifts is not None and self.hardening is None:
-            raise ValueError(
-                f"{name}: hardening is not given; storeys with a yield drift need their hardening "
-                f"ratio, allowed: {HARDENING}"
-            )
+                raise ValueError(f"{name}{field} is an array; allowed: one number for the building")
         if not isinstance(self.p_delta, bool):
-            raise TypeError(f"{name}: p_delta = {brief(self.p_delta)}; allowed: True or False")
+            raise TypeError(f"{name}p_delta = {brief(self.p_delta)}; allowed: True or False")
         self._check_weight()
         if self.damping_modes is not None:
             self._check_damping_modes()
-        _ = self.element_law
 
     @classmethod
     @takes_uncertain
@@ -348,13 +335,8 @@ class ShearBuilding(MultistoreyBuilding):
         floors = {FLOOR: np.arange(1, mass.size + 1)}
         return xr.DataArray((mass @ shape) * shape, dims=FLOOR, coords=floors, attrs=attrs)
 
-    def mode_periods(self) -> xr.DataArray:
-        """The same as `periods`, under a name that all buildings have."""
-        return self.periods()
-
-    def first_mode_moves(self) -> xr.DataArray:
-        """The same as `participation`, under a name that all buildings have."""
-        return self.participation()
+    mode_periods = periods  # names that all buildings have
+    first_mode_moves = participation
 
     def oscillator(self) -> Structure:
         """The first mode as an oscillator, with its effective modal mass [kg].
@@ -378,22 +360,17 @@ class ShearBuilding(MultistoreyBuilding):
         """
         mass, shape = self._over_all["masses"], self._modes()[1][:, 0]
         moves = self.participation().to_numpy()
-        law = self.element_law
-        weakest, strength = 0, dict[str, Any]()
+        weakest, strength = 0, dict[str, float]()
         if self.yields:
             at_yield = self._over_all["yield_drifts"] / np.abs(np.diff(moves, prepend=0.0))
             weakest = int(np.argmin(at_yield))
-            strength = {"hardening": self.hardening, "yield_displacement": float(at_yield[weakest])}
-        at = law.isel({STOREY: weakest}).arrays()
-        own = dict[str, Any]((name, at[name].item()) for name in law.own_parameters() if name in at)
-        if isinstance(law, Hysteretic):
-            own["law"] = law.law
-        return type(law)(
+            strength["yield_displacement"] = float(at_yield[weakest])
+        return self._as_oscillator(
+            weakest,
             period=float(self.periods()[0]),
             damping=float(self.damping_ratios()[0]),
-            **strength,
-            **own,
             mass=float((mass @ shape) ** 2),
+            **strength,
         )
 
     def doubts(self) -> Iterator[str]:
@@ -459,16 +436,9 @@ class ShearBuilding(MultistoreyBuilding):
         parts += [f"damping of modes {modes[0]} and {modes[1]}" if modes else ""]
         return [part for part in parts if part]
 
-    def _of_elements(self, name: str, value: Any) -> Any:
-        if np.isscalar(value):
-            return value
-        array = along(f"law_parameters: {name}", value, STOREY)
-        if array.size != self.storeys:
-            raise ValueError(
-                f"law_parameters: {name} has {array.size} values; allowed: a number, or one for each of "
-                f"the {self.storeys} storeys"
-            )
-        return array
+    @property
+    def _yielding(self) -> int:
+        return self.storeys
 
     @cached_property
     def _over_all(self) -> dict[str, Array]:

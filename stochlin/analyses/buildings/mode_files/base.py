@@ -1,19 +1,16 @@
-"""What all formats of files with modes have in common, and the registry of the formats."""
+"""What the forms of files with modes have in common."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.sheets.sheets import Sheet
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
 from stochlin.models.parameters import Range
 from stochlin.models.units import size_of
-from stochlin.registry import Registry
 
 MODE_NUMBERS = Range(1, 1e9, include_lower=True, include_upper=True)
 STILL = 0.01  # share of the largest displacements below which a mode does not move along the direction
@@ -48,23 +45,6 @@ class ModesOfFile(NamedTuple):
     turning: Sequence[int] = ()
 
 
-class ModeFile(ABC):
-    """A format of files with modes."""
-
-    header: ClassVar[str]  # how a file of this format begins, for messages
-    accepts: ClassVar[Sequence[str]]  # the arguments of `AskedModes` that have a meaning for it
-
-    @staticmethod
-    @abstractmethod
-    def buildings(sheets: Sequence[Sheet]) -> Sequence[tuple[Sheet, Any]]:
-        """For each building with modes in this format, its first sheet and what `read` needs."""
-
-    @staticmethod
-    @abstractmethod
-    def read(content: Any, asked: AskedModes) -> ModesOfFile:
-        """The modes of a building; a ValueError names line and column of what does not fit."""
-
-
 def check_moving(modes: Sequence[int], moved: Array, where: str, most: float = 0.0) -> None:
     """Raise a ValueError for modes whose displacements are nothing beside the largest ones."""
     sizes = np.abs(moved)
@@ -79,8 +59,3 @@ def check_seconds(unit: str, where: str) -> None:
     """Raise a ValueError for periods in another unit, if a file states it."""
     if size_of(unit or "s", "s") != 1:
         raise ValueError(f"{where}: periods are in {brief(unit)}; allowed: s")
-
-
-MODE_FILES: Registry[type[ModeFile]] = Registry(
-    "format of modes", "stochlin.analyses.buildings.mode_files"
-)

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import ClassVar, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 from scipy.sparse import csgraph
 
 from stochlin.analyses.buildings.mode_files.base import (
-    MODE_FILES,
-    MODE_NUMBERS,
     AskedModes,
-    ModeFile,
     ModesOfFile,
     check_moving,
     check_seconds,
@@ -23,6 +20,7 @@ from stochlin.analyses.buildings.mode_files.csi_tables import (
     BASES,
     COORDINATES,
     HEIGHTS,
+    MODE,
     OF_CENTRES,
     OF_DIAPHRAGMS,
     OF_JOINTS,
@@ -31,12 +29,11 @@ from stochlin.analyses.buildings.mode_files.csi_tables import (
     PLACES,
     RATIOS,
     STORY_DATA,
-    check_once,
     check_one_case,
+    keyed,
     needed_tables,
-    tables_in,
 )
-from stochlin.analyses.sheets.sheets import Sheet, Table, spelled
+from stochlin.analyses.sheets.sheets import Table, spelled
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed
 from stochlin.models.buildings.modal import ANY
@@ -71,14 +68,13 @@ class Wanted(NamedTuple):
     asked: AskedModes
     axis: str
     case: str
-    moving: Sequence[int]
+    moving: pd.Index
 
 
-@MODE_FILES.register("csi", 2)
-class CsiModes(ModeFile):
-    """Tables of ETABS and SAP2000: a line ``TABLE:  name``, titles, units, and rows.
+def read(content: Mapping[str, Table], asked: AskedModes) -> ModesOfFile:
+    """The modes of tables of ETABS or SAP2000: a line ``TABLE:  name``, titles, units, and rows.
 
-    The file needs the table Modal Participating Mass Ratios, and besides, of ETABS, Story Definitions,
+    Needed are Modal Participating Mass Ratios, and besides, of ETABS, Story Definitions,
     Mass Summary by Story or Centers Of Mass And Rigidity, Diaphragm Center Of Mass Displacements and,
     for ``points``, Joint Displacements; of SAP2000, Joint Coordinates, Assembled Joint Masses and Joint
     Displacements. Their order does not matter, and others are left alone. Where the line with the name
@@ -92,61 +88,47 @@ class CsiModes(ModeFile):
     Computers and Structures, Inc., ETABS and SAP2000, database tables; the names of their fields are
     those of ``Results.ModalParticipatingMassRatios`` in the CSI application programming interface.
     """
-
-    header: ClassVar[str] = f"a line 'TABLE:  {RATIOS}' of ETABS or SAP2000"
-    accepts: ClassVar[Sequence[str]] = AskedModes._fields
-
-    @staticmethod
-    def buildings(sheets: Sequence[Sheet]) -> Sequence[tuple[Sheet, Mapping[str, Table]]]:
-        """All tables together."""
-        tables = tables_in(sheets)
-        return [(table.sheet, tables) for table in [*tables.values()][:1]]
-
-    @staticmethod
-    def read(content: Mapping[str, Table], asked: AskedModes) -> ModesOfFile:
-        """The modes of all tables together."""
-        etabs = any(spelled(name) in content for name in (HEIGHTS, STORY_DATA, OF_CENTRES, OF_STORIES))
-        if etabs:
-            of_mass = [OF_DIAPHRAGMS, OF_STORIES] if asked.tower else [OF_STORIES, OF_DIAPHRAGMS]
-            joints = [[OF_JOINTS]] if asked.points else []
-            groups = [[RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES], *joints]
-        elif asked.tower:
-            what = f"tower = {brief(asked.tower)} has no meaning for tables of SAP2000"
-            raise ValueError(f"{what}; name the joints of the building, points=")
-        else:
-            groups = [[RATIOS], [COORDINATES], [OF_MASSES], [OF_JOINTS]]
-        ratios, *others = needed_tables(content, *groups)
-        axis = _axis(ratios, asked.direction)
-        check_once(ratios, _keys(ratios, ["mode"]), "export one of them")
-        check_one_case(ratios, "case")
-        column = ratios.column("period")
-        check_seconds(ratios.unit_of(column), ratios.sheet.where(ratios.units or ratios.titles, column))
-        modes, periods = _modes(ratios), ratios.numbers("period", "period", PERIODS)
-        shares = ratios.numbers(axis.lower(), axis, SHARE)
-        moving = shares >= LEAST_SHARE
-        if not moving.any():
-            raise ratios.error(f"has no mode with {LEAST_SHARE:.1%} of the mass along {axis}")
-        wanted = Wanted(asked, axis, str(ratios.texts("case").iloc[0]), modes[moving].tolist())
-        floors = (_of_stories if etabs else _of_joints)(content, others, wanted)
-        _check_one_building(floors, others[2])
-        effective = shares[moving] * floors.total
-        if asked.tower is None:
-            check_moving(wanted.moving, floors.loads / np.sqrt(effective), others[2].sheet.name)
-        factors = np.divide(effective, floors.loads, np.zeros(effective.size), where=floors.loads != 0)
-        masses = factors * floors.parts
-        here = masses >= 0.999 * LEAST_SHARE * floors.masses.sum()
-        chosen = modes[moving][here]
-        return ModesOfFile(
-            chosen.tolist(),
-            periods[moving][here],
-            floors.shapes[here],
-            floors.masses,
-            floors.levels,
-            factors[here],
-            masses[here],
-            modes[~np.isin(modes, chosen)].tolist(),
-            [] if asked.points else _turning(others[2], wanted._replace(moving=chosen.tolist())),
-        )
+    etabs = any(spelled(name) in content for name in (HEIGHTS, STORY_DATA, OF_CENTRES, OF_STORIES))
+    if etabs:
+        of_mass = [OF_DIAPHRAGMS, OF_STORIES] if asked.tower else [OF_STORIES, OF_DIAPHRAGMS]
+        joints = [[OF_JOINTS]] if asked.points else []
+        groups = [[RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES], *joints]
+    elif asked.tower:
+        what = f"tower = {brief(asked.tower)} has no meaning for tables of SAP2000"
+        raise ValueError(f"{what}; name the joints of the building, points=")
+    else:
+        groups = [[RATIOS], [COORDINATES], [OF_MASSES], [OF_JOINTS]]
+    ratios, *others = needed_tables(content, *groups)
+    axis = _axis(ratios, asked.direction)
+    check_one_case(ratios, "case")
+    column = ratios.column("period")
+    check_seconds(ratios.unit_of(column), ratios.sheet.where(ratios.units or ratios.titles, column))
+    periods = keyed(ratios, [MODE], "period", "period", PERIODS)
+    shares = keyed(ratios, [MODE], axis.lower(), axis, SHARE)
+    moving = shares[shares >= LEAST_SHARE]
+    if moving.empty:
+        raise ratios.error(f"has no mode with {LEAST_SHARE:.1%} of the mass along {axis}")
+    wanted = Wanted(asked, axis, str(ratios.texts("case").iloc[0]), moving.index)
+    floors = (_of_stories if etabs else _of_joints)(content, others, wanted)
+    _check_one_building(floors, others[2])
+    effective = moving.to_numpy() * floors.total
+    if asked.tower is None:
+        check_moving([*moving.index], floors.loads / np.sqrt(effective), others[2].sheet.name)
+    factors = np.divide(effective, floors.loads, np.zeros(effective.size), where=floors.loads != 0)
+    masses = factors * floors.parts
+    here = masses >= 0.999 * LEAST_SHARE * floors.masses.sum()
+    chosen = moving.index[here]
+    return ModesOfFile(
+        chosen.tolist(),
+        periods[chosen].to_numpy(),
+        floors.shapes[here],
+        floors.masses,
+        floors.levels,
+        factors[here],
+        masses[here],
+        shares.index[~shares.index.isin(chosen)].tolist(),
+        [] if asked.points else _turning(others[2], wanted._replace(moving=chosen)),
+    )
 
 
 def _axis(ratios: Table, direction: str | None) -> str:
@@ -159,37 +141,13 @@ def _axis(ratios: Table, direction: str | None) -> str:
     return axis
 
 
-def _modes(table: Table) -> Array:
-    """Numbers of the modes in the lines of a table."""
-    modes = table.numbers("mode", "mode number", MODE_NUMBERS)
-    for line in table.rows.index[modes % 1 > 0][:1]:
-        what = f"{table.texts('mode')[line]} is not a mode number; allowed: a whole number"
-        raise table.sheet.error(line, table.column("mode"), what)
-    return modes.astype(int)
-
-
-def _keys(table: Table, names: Sequence[str]) -> pd.DataFrame:
-    return pd.DataFrame({name: table.texts(name) for name in names})
-
-
 def _moves(table: Table, title: str, wanted: Wanted, names: Sequence[str]) -> pd.DataFrame:
     """What a column has in the modal case, by the columns with these names and by mode."""
     table = table._replace(rows=table.rows[table.texts("case") == wanted.case])
     if table.rows.empty:
         raise ValueError(f"{table.sheet.name}: {table.name} has no case {brief(wanted.case)}")
-    keys = _keys(table, names).assign(mode=_modes(table))
-    check_once(table, keys, "allowed: one diaphragm or joint on each floor; tower= and points= choose")
-    keys["move"] = table.numbers(title, "displacement")
-    return keys.pivot(index=[*names], columns="mode", values="move").reindex(columns=wanted.moving)
-
-
-def _in_si(
-    table: Table, title: str, quantity: str, unit: str | None, allowed: Range, names: Sequence[str]
-) -> pd.Series:
-    """A column in SI by the columns with these names; a ValueError for a place that is there twice."""
-    keys = _keys(table, names)
-    check_once(table, keys, "export one of them")
-    return keys.assign(value=table.in_si(title, quantity, unit, allowed)).set_index([*names])["value"]
+    moves = keyed(table, [*names, MODE], title, "displacement", None)
+    return moves.unstack(MODE).reindex(columns=wanted.moving)
 
 
 def _shapes(table: Table, moves: pd.DataFrame, floors: Sequence[str]) -> Array:
@@ -210,21 +168,20 @@ def _of_tower(table: Table, tower: str | None) -> Table:
 
 def _chosen(places: pd.Index, heights: Table, weights: Table, tower: str | None) -> Array:
     """Which places are of the tower; a ValueError unless they are of one building."""
-    stories = heights.texts("story")
-    towers = [] if "tower" not in heights.names else [*heights.texts("tower").unique()]
-    chosen = places.get_level_values("story").isin(_of_tower(heights, tower).texts("story"))
-    groups = {name: places.get_level_values(name) for name in places.names if name != "story"}
-    here = [group == tower for group in groups.values()]
-    known = [*towers, *(name for group in groups.values() for name in group.unique())]
+    towers = [*heights.texts("tower").unique()] if "tower" in heights.names else []
+    groups = [places.get_level_values(name) for name in places.names if name != "story"]
+    known = [*dict.fromkeys([*towers, *(name for group in groups for name in group)])]
     if tower is not None and tower not in known:
         raise ValueError(f"tower = {brief(tower)} is not in the tables; allowed: {listed(known)}")
-    by_name = "tower" in groups or not stories.duplicated().any()
-    choices = towers if by_name else [*places.unique("diaphragm")] if "diaphragm" in groups else []
+    by_name = "tower" in places.names or not heights.texts("story").duplicated().any()
+    choices = towers if by_name else [*places.unique("diaphragm")] if "diaphragm" in places.names else []
+    chosen = places.get_level_values("story").isin(_of_tower(heights, tower).texts("story"))
+    here = np.any([group == tower for group in groups], axis=0)
     if tower is not None and not np.any(here) and not by_name:
         what = f"does not say which masses are those of {brief(tower)}"
         raise weights.error(f"{what}; name a diaphragm as tower=, of {listed(choices) or OF_DIAPHRAGMS}")
     if np.any(here):
-        chosen &= np.any(here, axis=0)
+        chosen &= here
     twice = places[chosen].get_level_values("story").duplicated(keep=False)
     several = [*pd.unique(places[chosen][twice].get_level_values(-1))]
     several = choices or towers if tower is None and len(towers) > 1 else several
@@ -238,7 +195,7 @@ def _of_stories(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wa
     """The floors of ETABS, with the shapes of centres of mass or of named joints."""
     (heights, weights, centres), asked, axis = others[:3], wanted.asked, wanted.axis.lower()
     names = [name for name in PLACES if name in weights.names and name in centres.names]
-    mass = _in_si(weights, axis, "mass", asked.mass_units, NOT_NEGATIVE, names)
+    mass = keyed(weights, names, axis, "mass", NOT_NEGATIVE, asked.mass_units)
     stories = mass.index.get_level_values("story")
     mass = mass[stories.isin(heights.texts("story")) & (stories.str.lower() != BASE)]
     own = mass[_chosen(mass.index, heights, weights, asked.tower)]
@@ -263,7 +220,8 @@ def _of_stories(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wa
 
 def _named(table: Table, points: Sequence[str]) -> Table:
     """The lines of the named joints."""
-    names = _keys(table, [name for name in ("label", "uniquename", "joint") if name in table.names])
+    titles = [name for name in ("label", "uniquename", "joint") if name in table.names]
+    names = pd.DataFrame({title: table.texts(title) for title in titles})
     known = pd.unique(names.to_numpy().ravel())
     if strange := [point for point in points if point not in known]:
         what = f"has no joint {listed(strange)}, which points names"
@@ -274,10 +232,8 @@ def _named(table: Table, points: Sequence[str]) -> Table:
 def _check_near(table: Table, name: str, floors: Sequence[str]) -> None:
     """Raise a ValueError if two floors are so far apart in plan that they are of two buildings."""
     table = table._replace(rows=table.rows[~table.texts(name).duplicated()])
-    plan = pd.DataFrame(
-        {axis: _in_si(table, axis, "length", None, ANY, [name]) for axis in ("x", "y")}
-    ).loc[[*floors]]
-    for n in np.flatnonzero(np.hypot(*np.diff(plan.to_numpy(), axis=0).T) > APART)[:1]:
+    plan = pd.DataFrame({axis: keyed(table, [name], axis, "length", ANY) for axis in ("x", "y")})
+    for n in np.flatnonzero(np.hypot(*np.diff(plan.loc[[*floors]].to_numpy(), axis=0).T) > APART)[:1]:
         what = f"has {floors[n]} and {floors[n + 1]} more than {APART:g} m apart in plan"
         raise table.error(f"{what}; name the points of the building at the gap, points=")
 
@@ -293,14 +249,15 @@ def _turning(table: Table, wanted: Wanted) -> list[int]:
 def _levels(heights: Table, centres: Table, bases: Table | None, asked: AskedModes) -> pd.Series:
     """Levels of the stories above the ground [m], from the ground up, by name."""
     names, unit = heights.texts("story"), asked.length_units
-    rows = heights.rows[(names.str.lower() != BASE) & ~_keys(heights, ["story", "height"]).duplicated()]
+    twice = names.duplicated() & heights.texts("height").duplicated()
+    rows = heights.rows[(names.str.lower() != BASE) & ~twice]
     heights = heights._replace(rows=rows)
-    height = _in_si(heights, "height", "length", unit, POSITIVE, ["story"])
+    height = keyed(heights, ["story"], "height", "length", POSITIVE, unit)
     elevations = None
     for table, title in ((centres, "z"), (heights, "elevation")):
         if title in table.names:
             first = table._replace(rows=table.rows[~table.texts("story").duplicated()])
-            level = _in_si(first, title, "length", unit, ANY, ["story"]).reindex(height.index)
+            level = keyed(first, ["story"], title, "length", ANY, unit).reindex(height.index)
             elevations = elevations if level.isna().any() else level.sort_values(kind="stable")
     numbers = names.str.extract(r"(\d+)$")[0].dropna().astype(int)
     if elevations is not None:
@@ -315,16 +272,16 @@ def _levels(heights: Table, centres: Table, bases: Table | None, asked: AskedMod
 def _depth(bases: Table, asked: AskedModes) -> float:
     """Depth of the base below 0, where the ground is [m]; a base above 0 stands on the ground."""
     table = _of_tower(bases, asked.tower)
-    towers = _in_si(table, "bselev", "length", asked.length_units, ANY, ["tower"])
+    towers = keyed(table, ["tower"], "bselev", "length", ANY, asked.length_units)
     return max(0.0, -towers.max()) if len(towers) else 0.0
 
 
 def _of_joints(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wanted) -> Floors:
     """The floors of SAP2000: the levels of the joints that have displacements, or of the named ones."""
     (places, weights, table), asked, axis = others, wanted.asked, wanted.axis.lower()
-    height = _in_si(places, "z", "length", asked.length_units, ANY, ["joint"])
+    height = keyed(places, ["joint"], "z", "length", ANY, asked.length_units)
     level = height - height.min()
-    mass = _in_si(weights, axis, "mass", asked.mass_units, NOT_NEGATIVE, ["joint"])
+    mass = keyed(weights, ["joint"], axis, "mass", NOT_NEGATIVE, asked.mass_units)
     mass = mass[(mass > 0) & (level.reindex(mass.index) > SAME_LEVEL)]
     moves = _moves(table, axis, wanted, ["joint"])
     if unknown := [*moves.index.difference(level.index)]:

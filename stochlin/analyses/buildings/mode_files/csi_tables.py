@@ -7,8 +7,10 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
+from stochlin.analyses.buildings.mode_files.base import MODE_NUMBERS
 from stochlin.analyses.sheets.sheets import Sheet, Table, number_in, spelled
 from stochlin.messages import brief, listed
+from stochlin.models.parameters import Range
 
 TITLE = re.compile(r"table:\s*(.*)", re.IGNORECASE)
 RATIOS, OF_JOINTS = "Modal Participating Mass Ratios", "Joint Displacements"
@@ -36,6 +38,7 @@ ALIKE = {
     **{"name": "story", "massx": "ux", "massy": "uy", "u1": "ux", "u2": "uy", "r3": "rz"},
     **{"xorr": "x"} | {f"global{axis}": axis for axis in "xyz"},
 }
+MODE = "mode"
 PLACES = "tower", "story", "diaphragm", "joint"  # cells of these may be merged over several lines
 
 
@@ -100,8 +103,27 @@ def check_one_case(table: Table, name: str | int) -> None:
         raise table.sheet.error(cases.index[1], column, f"{what}; export one of them")
 
 
-def check_once(table: Table, keys: pd.DataFrame, allowed: str) -> None:
-    """Raise a ValueError for the first line whose keys an earlier line has."""
-    for line in keys.index[keys.duplicated()][:1]:
-        names = " ".join(map(str, keys.loc[line]))
-        raise table.sheet.error(line, None, f"{brief(names)} is there twice; {allowed}")
+def keyed(
+    table: Table,
+    keys: Sequence[str],
+    title: str,
+    what: str,
+    allowed: Range | None,
+    unit: str | None = None,
+) -> pd.Series:
+    """A column over the columns of these names, ``"mass"`` and ``"length"`` in SI.
+
+    Raises a ValueError for a line whose keys an earlier line has.
+    """
+    frame = table.rows[[table.column(key) for key in keys]].set_axis([*keys], axis=1)
+    if MODE in frame:
+        frame[MODE] = table.numbers(MODE, "mode number", MODE_NUMBERS).astype(int)
+    for line in frame.index[frame.duplicated()][:1]:
+        names = " ".join(map(str, frame.loc[line]))
+        cure = "export one of them, or choose by tower= or points="
+        raise table.sheet.error(line, None, f"{brief(names)} is there twice; {cure}")
+    in_si = what in {"mass", "length"}
+    frame["value"] = (
+        table.in_si(title, what, unit, allowed) if in_si else table.numbers(title, what, allowed)
+    )
+    return frame.set_index([*keys])["value"]

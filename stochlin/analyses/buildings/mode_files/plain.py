@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib.resources import files
-from typing import ClassVar
 
 import numpy as np
 import pandas as pd
 
 from stochlin.analyses.buildings.mode_files.base import (
-    MODE_FILES,
     MODE_NUMBERS,
     AskedModes,
-    ModeFile,
     ModesOfFile,
     check_moving,
     check_seconds,
@@ -28,14 +25,20 @@ MODE, LEVEL, MASS, PERIOD = "mode", "level", "mass", "period"
 FACTOR, MODAL_MASS = "participation", "modal mass"
 FIRST = 2  # column of the first mode, from 0: before it are level and mass
 EXAMPLE = files(__package__).joinpath("example_modes.csv").read_text(encoding="utf-8")
+HEADER = "a line 'mode,,1,2', the plain form"
 FLOORS = "titles 'level [m]', 'mass [kg]' and 'shape' for each mode, and below a line for each floor"
 
 
-@MODE_FILES.register("plain", 1)
-class PlainModes(ModeFile):
-    """A line of mode numbers and one of periods, then a line for each floor.
+def sheets_in(sheets: Sequence[Sheet]) -> list[Sheet]:
+    """Each sheet whose first line that is no comment begins with 'mode'."""
+    contents = [sheet.without_comments() for sheet in sheets]
+    return [sheet for sheet in contents if sheet.cells[0].iloc[:1].str.lower().tolist() == [MODE]]
 
-    The first two columns are the level and the mass of a floor; each further column is a mode::
+
+def read(content: Sheet, asked: AskedModes) -> ModesOfFile:
+    """The modes of a sheet, which begins with a line of mode numbers and one of periods.
+
+    The first two columns of a floor are its level and its mass; each further column is a mode::
 
         mode,,1,2
         period [s],,0.5,0.18
@@ -46,62 +49,52 @@ class PlainModes(ModeFile):
     Floors may be in any order, since levels are those above the ground. Lines ``participation`` and
     ``modal mass [t]`` may follow the periods. Text after # in the first column is a comment.
     """
+    for argument in ("direction", "points", "tower"):
+        if value := getattr(asked, argument):
+            what = f"{argument} = {brief(value)} has no meaning for {content.name}, which has {HEADER}"
+            raise ValueError(f"{what}; leave it out")
+    names = content.cells[0].map(lambda title: with_unit(title)[0])
+    titles = next(iter(names.index[names == LEVEL]), names.index[-1])
+    floors = Table("the table", content, titles, 0, content.cells.loc[titles:].iloc[1:])
+    if floors.rows.empty:
+        what = f"the floors are missing; allowed: {FLOORS}"
+        raise content.error(content.cells.index[-1], None, what)
+    first, *head = names.index[: names.index.get_loc(titles)]
+    columns = range(FIRST, len(content.row(first)))
 
-    header: ClassVar[str] = "a line 'mode,,1,2', the plain form"
-    accepts: ClassVar[Sequence[str]] = ("mass_units", "length_units")
+    def over_modes(lines: Sequence[int], what: str, allowed: Range | None = None) -> Array:
+        content.check_width(lines, columns.stop)
+        return content.numbers(content.cells.loc[lines, [*columns]], what, allowed)
 
-    @staticmethod
-    def buildings(sheets: Sequence[Sheet]) -> Sequence[tuple[Sheet, Sheet]]:
-        """Each sheet whose first line that is no comment begins with 'mode'."""
-        contents = [sheet.without_comments() for sheet in sheets]
-        begins = [sheet.cells[0].iloc[:1].str.lower().tolist() == [MODE] for sheet in contents]
-        return [(sheet, sheet) for sheet, is_plain in zip(contents, begins, strict=True) if is_plain]
-
-    @staticmethod
-    def read(content: Sheet, asked: AskedModes) -> ModesOfFile:
-        """The modes of the sheet."""
-        names = content.cells[0].map(lambda title: with_unit(title)[0])
-        titles = next(iter(names.index[names == LEVEL]), names.index[-1])
-        floors = Table("the table", content, titles, 0, content.cells.loc[titles:].iloc[1:])
-        if floors.rows.empty:
-            what = f"the floors are missing; allowed: {FLOORS}"
-            raise content.error(content.cells.index[-1], None, what)
-        first, *head = names.index[: names.index.get_loc(titles)]
-        columns = range(FIRST, len(content.row(first)))
-
-        def over_modes(lines: Sequence[int], what: str, allowed: Range | None = None) -> Array:
-            content.check_width(lines, columns.stop)
-            return content.numbers(content.cells.loc[lines, [*columns]], what, allowed)
-
-        numbers = over_modes([first], "mode number", MODE_NUMBERS)[0]
-        if (np.diff(numbers, prepend=0) < 1).any() or (numbers % 1).any():
-            what = "mode numbers are not 1, 2 and so on; allowed: increasing ones"
-            raise content.error(first, None, what)
-        lines = _lines(content, names[head])
-        if PERIOD not in lines:
-            what = "the periods are missing below; allowed: a line 'period [s]'"
-            raise content.error([first, *head][-1], 0, what)
-        check_seconds(with_unit(content.cells.at[lines[PERIOD], 0])[1], content.where(lines[PERIOD], 0))
-        shapes = over_modes(floors.rows.index, "shape").T
-        modes = ModesOfFile(
-            numbers.astype(int).tolist(),
-            over_modes([lines[PERIOD]], PERIOD, PERIODS)[0],
-            shapes,
-            floors.in_si(MASS, "mass", asked.mass_units, POSITIVE),
-            floors.in_si(LEVEL, "length", asked.length_units, POSITIVE),
-        )
-        check_moving(modes.modes, np.abs(shapes).max(axis=1), content.name)
-        if FACTOR not in lines:
-            return modes
-        factors = over_modes([lines[FACTOR]], "participation factor")[0]
-        line = lines[MODAL_MASS]
-        unit = with_unit(content.cells.at[line, 0])[1]
-        size = stated_size("mass", unit, asked.mass_units, content.where(line, 0))
-        modal = size * over_modes([line], MODAL_MASS, POSITIVE)[0]
-        n = int(np.argmax(modal))
-        loads = (factors * (shapes @ modes.masses))[n : n + 1]
-        check_moving(modes.modes[n : n + 1], loads, content.name, modal[n])
-        return modes._replace(participation=factors, modal_masses=modal)
+    numbers = over_modes([first], "mode number", MODE_NUMBERS)[0]
+    if (np.diff(numbers, prepend=0) < 1).any() or (numbers % 1).any():
+        what = "mode numbers are not 1, 2 and so on; allowed: increasing ones"
+        raise content.error(first, None, what)
+    lines = _lines(content, names[head])
+    if PERIOD not in lines:
+        what = "the periods are missing below; allowed: a line 'period [s]'"
+        raise content.error([first, *head][-1], 0, what)
+    check_seconds(with_unit(content.cells.at[lines[PERIOD], 0])[1], content.where(lines[PERIOD], 0))
+    shapes = over_modes(floors.rows.index, "shape").T
+    modes = ModesOfFile(
+        numbers.astype(int).tolist(),
+        over_modes([lines[PERIOD]], PERIOD, PERIODS)[0],
+        shapes,
+        floors.in_si(MASS, "mass", asked.mass_units, POSITIVE),
+        floors.in_si(LEVEL, "length", asked.length_units, POSITIVE),
+    )
+    check_moving(modes.modes, np.abs(shapes).max(axis=1), content.name)
+    if FACTOR not in lines:
+        return modes
+    factors = over_modes([lines[FACTOR]], "participation factor")[0]
+    line = lines[MODAL_MASS]
+    unit = with_unit(content.cells.at[line, 0])[1]
+    size = stated_size("mass", unit, asked.mass_units, content.where(line, 0))
+    modal = size * over_modes([line], MODAL_MASS, POSITIVE)[0]
+    n = int(np.argmax(modal))
+    loads = (factors * (shapes @ modes.masses))[n : n + 1]
+    check_moving(modes.modes[n : n + 1], loads, content.name, modal[n])
+    return modes._replace(participation=factors, modal_masses=modal)
 
 
 def _lines(sheet: Sheet, names: pd.Series) -> dict[str, int]:
