@@ -87,7 +87,7 @@ def test_of_one_component_the_scatter_is_that_of_the_other(fitted: Case) -> None
 
 
 def test_components_that_are_none_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"motion.components = 2 .* have 2501 and 2481 samples"):
+    with pytest.raises(ValueError, match=r"motion.components = 2 .* have the sample counts 2501, 2481"):
         read_both(tmp_path, "short")
     read(tmp_path, FITTED)
     path = tmp_path / "case.toml"

@@ -153,10 +153,16 @@ PAIR = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.05)
     [
         (
             lambda any_: sl.fit_ground(TIME, envelope=any_),
-            "envelope goes with a spectrum; .*leave it out",
+            "envelope = .* does not apply: target is a record",
         ),
-        (lambda any_: sl.fit_ground(TIME, filters=any_), "filters goes with a spectrum; .*leave it out"),
-        (lambda any_: sl.fit_ground(sl.eurocode_8(2.0, "B"), part=any_), "go with a record; leave them"),
+        (
+            lambda any_: sl.fit_ground(TIME, filters=any_),
+            "filters = .* does not apply: target is a record",
+        ),
+        (
+            lambda any_: sl.fit_ground(sl.eurocode_8(2.0, "B"), part=any_),
+            "part = .* does not apply: target is a spectrum",
+        ),
         (
             lambda any_: sl.amplification(PAIR[0], FIRM, envelope=any_),
             "leave them out, or ask for of='peak'",

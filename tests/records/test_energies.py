@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import simpson
@@ -82,40 +81,6 @@ def test_what_yielding_dissipates_is_the_work_of_the_hysteretic_force(one):
     assert float(table.hysteretic_energy_per_mass[-1]) == pytest.approx(work, rel=2e-3)
     lost = table.hysteretic_energy_per_mass.diff("time")
     assert (lost > -1e-6 * lost.max()).all()  # a step in which z changes its sign has an error
-
-
-@pytest.mark.oracle
-@pytest.mark.extreme
-def test_one_storey_is_an_oscillator():
-    one = sl.Bilinear(0.8, 0.05, 0.05, yield_displacement=0.02)
-    stiffness = 2.0 * (2 * np.pi / 0.8) ** 2
-    storey = sl.ShearBuilding([2.0], [stiffness], [3.0], 0.05, 0.05, [0.02])
-    exact, stepped = (sl.respond(each, RECORD).isel(time=-1) for each in (one, storey))
-    for name in ("input_energy_per_mass", "viscous_energy_per_mass", "hysteretic_energy_per_mass"):
-        assert float(stepped[name]) == pytest.approx(float(exact[name]), rel=1e-3)
-
-
-@pytest.mark.invariant
-def test_a_motion_twice_doubles_the_energies_and_leaves_the_radius():
-    rest = np.zeros(int(40.0 / DT))
-    twice = np.concatenate([RECORD.values, rest, RECORD.values, rest])
-    once = twice[: twice.size // 2]
-    tables = [
-        sl.response_spectrum(
-            xr.DataArray(values, dims="time", coords={"time": DT * np.arange(values.size)}), 0.8, 0.05
-        )
-        for values in (once, twice)
-    ]
-    single, double = tables
-    assert float(double.pseudo_energy_radius) == pytest.approx(
-        float(single.pseudo_energy_radius), rel=1e-6
-    )
-    assert float(double.input_energy_per_mass) == pytest.approx(
-        2 * float(single.input_energy_per_mass), rel=1e-6
-    )
-    assert float(double.viscous_energy_per_mass) == pytest.approx(
-        float(double.input_energy_per_mass), rel=1e-6
-    )
 
 
 @pytest.mark.oracle

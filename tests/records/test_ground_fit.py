@@ -5,7 +5,6 @@ import re
 import cases
 import numpy as np
 import pytest
-import xarray as xr
 from motions import motion, needs_records, recorded
 
 import stochlin as sl
@@ -90,13 +89,6 @@ def test_fits_are_those_that_were_published(record, wg, xig, tolerance):
 
 
 @needs_records
-def test_estimators_differ_widely_on_the_lake_bed():
-    record = lake_bed(1)
-    assert sl.fit_ground(record, estimator="log_psd").damping == pytest.approx(0.33, rel=0.15)
-    assert sl.fit_ground(record, estimator="whittle").damping > 3 * sl.fit_ground(record).damping
-
-
-@needs_records
 def test_source_says_what_was_fitted_and_how_well():
     source = sl.fit_ground(lake_bed(2)).source
     assert source.startswith("least squares on the linear PSD of sct190985.txt, 5-95 % part (36.88 s), ")
@@ -116,19 +108,6 @@ def test_a_sinusoid_has_the_width_of_its_line(duration):
     assert ground.period == pytest.approx(2.0, rel=1e-3)
     assert ground.damping < width
     assert f"damping not well resolved (a sinusoid of this duration gives {width:.2g})" in ground.source
-
-
-@needs_records
-@pytest.mark.parametrize("record", [lambda: lake_bed(1), taft], ids=["SCT NS", "Taft"])
-def test_default_hardly_depends_on_the_choices_around_it(record):
-    record = record()
-    reference = sl.fit_ground(record)
-    nyquist = np.pi / record.attrs["dt"]
-    wide = sl.fit_ground(record, frequency_range=(0, nyquist))
-    assert wide.period == pytest.approx(reference.period, rel=0.01)
-    assert wide.damping == pytest.approx(reference.damping, rel=0.03)
-    shifted = sl.fit_ground(record.assign_coords(time=record.time + 100) + 1e-4)
-    assert shifted.damping == pytest.approx(reference.damping, rel=0.03)
 
 
 @needs_records
@@ -184,12 +163,6 @@ def test_recovers_a_known_ground(wg, xig, duration, estimator):
     np.testing.assert_allclose(printed, expected, rtol=0.4, atol=0.001)
 
 
-def test_whittle_is_the_most_accurate_where_the_model_is_true():
-    errors = {e: standard_errors(3.1, 0.1, 100.0, e, 0.1, 20.0) for e in ESTIMATORS}
-    assert np.all(errors["whittle"] < errors["log_psd"])
-    assert np.all(errors["whittle"] < errors["psd"])
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("estimator", cases.with_slow(ESTIMATORS, {"psd"}))
 def test_recovers_a_known_clough_penzien_ground(estimator):
@@ -204,29 +177,16 @@ def test_recovers_a_known_clough_penzien_ground(estimator):
 
 
 @pytest.mark.parametrize("estimator", ESTIMATORS)
-@pytest.mark.parametrize("factor", [-1.0, 3.0, 1e-6, 1e4])
-def test_scaled_record_has_a_scaled_intensity(estimator, factor):
+@pytest.mark.parametrize(("factor", "faster"), [(-1.0, 1), (3.0, 1), (1e-6, 1), (1e4, 4)])
+def test_scaled_record_has_a_scaled_intensity_and_a_faster_one_a_shorter_period(
+    estimator, factor, faster
+):
     record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 60.0)
-    one, other = (sl.fit_ground(r, estimator=estimator) for r in (record, factor * record))
-    assert other.period == pytest.approx(one.period, rel=1e-6)
+    scaled = (factor * record).assign_coords(time=record.time / faster)
+    one, other = (sl.fit_ground(r, estimator=estimator) for r in (record, scaled))
+    assert other.period == pytest.approx(one.period / faster, rel=1e-6)
     assert other.damping == pytest.approx(one.damping, rel=1e-6)
-    assert other.intensity == pytest.approx(factor**2 * one.intensity, rel=1e-6)
-
-
-def test_faster_clock_shortens_the_period():
-    record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 60.0)
-    one, other = sl.fit_ground(record), sl.fit_ground(record.assign_coords(time=record.time / 4))
-    assert other.period == pytest.approx(one.period / 4, rel=1e-6)
-    assert other.damping == pytest.approx(one.damping, rel=1e-6)
-    assert other.intensity == pytest.approx(one.intensity / 4, rel=1e-6)
-
-
-def test_silence_before_and_after_changes_nothing():
-    values = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 60.0).to_numpy()
-    one = sl.fit_ground(motion(values))
-    other = sl.fit_ground(motion(np.concatenate([np.zeros(700), values, np.zeros(900)])))
-    assert other.period == pytest.approx(one.period, rel=1e-9)
-    assert other.damping == pytest.approx(one.damping, rel=1e-9)
+    assert other.intensity == pytest.approx(factor**2 * one.intensity / faster, rel=1e-6)
 
 
 # --- Refusals -----------------------------------------------------------------------------------------
@@ -272,15 +232,6 @@ def test_the_spectrum_of_a_record_has_its_energy(samples, part):
     np.testing.assert_allclose(spectra.frequency, step * np.arange(1, strong.size // 2 + 1), rtol=1e-9)
 
 
-def test_integral_of_the_fitted_spectrum_is_the_variance():
-    record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 600.0)
-    ground = sl.fit_ground(record, estimator="whittle", part=(0, 1))
-    closed_form = np.pi * ground.intensity * TAU / ground.period * (1 + 4 * ground.damping**2)
-    # The record has no energy beyond Nyquist, 2 S0 (2 xig wg)^2/w there.
-    beyond = 2 * ground.intensity * (2 * ground.damping * TAU / ground.period) ** 2 / (np.pi / 0.02)
-    assert closed_form / (2 * ground.damping) - beyond == pytest.approx(float(record.var()), rel=0.1)
-
-
 def test_smoothing_keeps_what_is_smooth_and_the_energy():
     record = simulated(np.ones_like, 400.0)
     spectra = sl.charts.fit_spectra(record, sl.WhiteNoise(), part=(0, 1))
@@ -293,26 +244,6 @@ def test_smoothing_keeps_what_is_smooth_and_the_energy():
         float(spectra.psd_record.mean()), rel=0.03
     )
     assert float(spectra.psd_smoothed.min()) > 0
-
-
-def test_spectra_are_labelled(tmp_path):
-    record = simulated(lambda w: kanai_tajimi_psd(w, 8.0, 0.3, 1.0), 40.0).assign_attrs(
-        source="made.txt"
-    )
-    ground = sl.named_ground("soft", intensity=0.5)
-    spectra = sl.charts.fit_spectra(record, ground)
-    assert set(spectra.data_vars) == {"psd_record", "psd_smoothed", "psd_ground"}
-    for name in spectra.data_vars:
-        assert spectra[name].attrs["units"] == "m^2/s^3"
-        assert spectra[name].attrs["long_name"].startswith("two-sided PSD of the ")
-    assert spectra.frequency.attrs == {"units": "rad/s", "long_name": "circular frequency"}
-    assert spectra.attrs["ground"] == ground.describe()
-    assert spectra.attrs["ground_source"] == ground.source
-    assert "made.txt" in spectra.attrs["title"]
-    np.testing.assert_array_equal(spectra.psd_ground, ground.psd(spectra.frequency))
-    spectra.to_netcdf(tmp_path / "spectra.nc", engine="scipy")
-    with xr.open_dataset(tmp_path / "spectra.nc", engine="scipy") as again:
-        xr.testing.assert_identical(again.load(), spectra)
 
 
 # --- Named grounds ----------------------------------------------------------------------------------
@@ -343,20 +274,6 @@ def test_named_grounds_have_their_published_spectra(name, wg, xig, wf, xif):
     frequency = np.geomspace(0.05, 100, 50)
     expected = clough_penzien_psd(frequency, wg, xig, wf, xif, 2.0)
     np.testing.assert_allclose(sl.named_ground(name, 2.0).psd(frequency), expected, rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    "name", ["sct_1985_ns", "sct_1985_ew", "taft_1952", "soft", "mexico_city_1985_yeh_wen"]
-)
-def test_spectrum_peaks_just_below_the_ground_frequency(name):
-    """Peak of KT: (w/wg)^2 = [sqrt(1 + 8 xig^2) - 1]/(4 xig^2), a little below 1."""
-    ground = sl.named_ground(name)
-    wg, xig = TAU / ground.period, ground.damping
-    frequency = np.linspace(0.5 * wg, 1.2 * wg, 20_001)
-    peak = frequency[np.argmax(ground.psd(frequency).to_numpy())]
-    expected = wg * np.sqrt((np.sqrt(1 + 8 * xig**2) - 1) / (4 * xig**2))
-    # The high-pass oscillators of these sets are far below and move the peak by less than 1 %.
-    assert peak == pytest.approx(expected, rel=1e-4 if isinstance(ground, sl.KanaiTajimi) else 0.01)
 
 
 @pytest.mark.parametrize("name", ["", "hard", "ec8", "ec8_f", None, 3])

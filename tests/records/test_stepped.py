@@ -123,14 +123,6 @@ def test_several_records_and_a_table_of_structures():
     assert float(table.separation.sel(record="two")[2]) == float(alone.separation)
 
 
-def test_the_answer_for_two_buildings_has_their_records():
-    ground = sl.named_ground("firm", intensity=0.005)
-    table = sl.separation(tower(2), tower(3), ground, 10.0, paths=64, records={"one": motion(300)})
-    direct = sl.recorded_gap(tower(2), tower(3), {"one": motion(300)})
-    assert float(table.record_separation[0]) == float(direct.separation[0])
-    assert table.record_separation_at_height.dims == ("record", "height")
-
-
 def test_strength_by_the_ground_has_no_meaning_on_a_record():
     weak = sl.BoucWen(0.5, 0.05, 0.1, reduction_factor=3)
     with pytest.raises(

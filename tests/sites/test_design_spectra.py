@@ -197,16 +197,3 @@ def test_an_array_that_is_no_spectrum_is_refused(change, error, message):
     spectrum = sl.eurocode_8(2.0, "B")
     with pytest.raises(error, match=message):
         sl.fit_ground(change(spectrum), duration=20.0)
-
-
-@pytest.mark.parametrize("soil", "ABCDE")
-@pytest.mark.parametrize(("kind", "corner"), [(1, 2.0), (2, 1.2)])
-def test_displacements_of_eurocode_8_are_constant_beyond_the_last_corner(soil, kind, corner):
-    """Tables 3.2 and 3.3: TD is 2 s for all ground types of type 1, and 1.2 s for those of type 2."""
-    spectrum = sl.eurocode_8(2.0, soil, kind)
-    period, acceleration = spectrum.period.values, spectrum.values
-    beyond, before = period >= corner, (period > 0.85) & (period <= corner)
-    assert min(beyond.sum(), before.sum()) > 3
-    for range_, power in ((beyond, 2), (before, 1)):
-        scaled = (acceleration * period**power)[range_]
-        np.testing.assert_allclose(scaled, scaled[0], rtol=1e-12)

@@ -2,12 +2,10 @@
 
 import json
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 import samples
-from cases import FIRM_SITE
 
 import stochlin as sl
 
@@ -221,36 +219,3 @@ def test_files_that_do_not_fit_are_refused(tmp_path):
     apart["response"]["hazardCurves"][2]["data"][1]["values"]["ys"] = [1e-9 * 0.1**n for n in range(8)]
     with pytest.raises(ValueError, match=r"SA\(0\.2\) and SA\(0\.5\) do not overlap in frequency"):
         sl.read_hazard(write(tmp_path, json.dumps(apart)), "sa", period=0.3)
-
-
-CASE = """\
-[building_1]
-period = "1.0 s"
-damping = 0.05
-elastic = true
-[building_2]
-period = "0.6 s"
-damping = 0.05
-elastic = true
-[separation]
-confidence = 0.9
-"""
-
-
-def test_a_case_file_reads_them(tmp_path):
-    files = [write(tmp_path, openquake(name), f"{name}.csv") for name in ("SA(0.5)", "SA(2.0)")]
-    names = json.dumps([Path(path).name for path in files])
-
-    def hazard(place):
-        lines = f'measure = "sa"\nsa_period = "0.7 s"\nfile = {names}\n{place}\n'
-        text = FIRM_SITE.replace("[motion]", f"[site.hazard]\n{lines}[motion]") + CASE
-        return sl.read_case(write(tmp_path, text, "case.toml"))
-
-    case = hazard("site = 2")
-    assert case.hazard == sl.read_hazard(files, "sa", period=0.7, site=2)
-    assert set(files) <= set(case.inputs)
-    assert hazard("coordinates = [-99.05, 19.40]").hazard == case.hazard
-    with pytest.raises(ValueError, match=r"case.toml, line \d+: site.hazard.file.* site is missing"):
-        hazard("")
-    with pytest.raises(ValueError, match=r"coordinates.* is given beside site"):
-        hazard("site = 2\ncoordinates = [-99.05, 19.40]")

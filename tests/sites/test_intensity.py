@@ -61,19 +61,6 @@ def test_the_intensity_goes_with_the_square_and_forgets_what_it_was():
 
 
 @pytest.mark.invariant
-def test_the_same_motions_are_simulated_once():
-    shares = []
-    motion = {**QUAKE, "seed": 77, "sa": 1.0, "period": 0.31, "paths": 8}
-    first = sl.scale_ground(FIRM, **motion, progress=shares.append)
-    simulated = len(shares)
-    stronger = sl.scale_ground(first, **motion | {"sa": 3.0}, progress=shares.append)
-    assert len(shares) == simulated > 0
-    assert stronger.intensity == pytest.approx(9 * first.intensity, rel=1e-12)
-    sl.scale_ground(first, **motion | {"seed": 78}, progress=shares.append)
-    assert len(shares) > simulated
-
-
-@pytest.mark.invariant
 def test_what_was_asked_for_is_what_is_told():
     ground = sl.scale_ground(FIRM, **QUAKE, sa=3.0, period=0.7)
     table = shaking(ground, np.array([0.7, 0.4, 0.7]), **QUAKE)

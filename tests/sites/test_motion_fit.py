@@ -8,7 +8,6 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.sites.motion_fit import FITTED_USES
 from stochlin.messages import DoubtfulInput
 
 SUITES = Path(__file__).parents[3] / "shared" / "records"
@@ -69,14 +68,6 @@ def test_energy_of_a_fitted_motion_is_that_by_hand(record, motion):
 
 
 @pytest.mark.slow
-@pytest.mark.invariant
-def test_a_louder_record_makes_the_same_ground_louder(record, motion):
-    louder = sl.fit_motion((3 * record).assign_attrs(record.attrs))
-    assert louder.ground.intensity == pytest.approx(9 * motion.ground.intensity, rel=1e-6)
-    np.testing.assert_allclose(louder.ground.psd(5.0), 9 * motion.ground.psd(5.0), rtol=1e-3)
-
-
-@pytest.mark.slow
 @pytest.mark.oracle
 @pytest.mark.skipif(not SUITES.exists(), reason="no records beside the project")
 def test_motions_carry_the_energy_of_records_that_were_measured():
@@ -97,16 +88,6 @@ def test_both_components_are_fitted_by_their_geometric_means(record, motion):
     assert_energy_is_that((np.sqrt(2) * record).assign_attrs(record.attrs), both)
 
 
-@pytest.mark.slow
-@pytest.mark.invariant
-def test_the_scatter_is_that_of_the_use(record):
-    options = {"filters": 1}
-    scatters = {use: sl.fit_motion(record, use=use, **options).scatter for use in FITTED_USES}
-    assert scatters == {"same_record": 0.0, "other_component": 0.4, "other_station": 0.4}
-    both = [record, (2 * record).assign_attrs(record.attrs)]
-    assert sl.fit_motion(both, use="other_station", **options).scatter == 0.4
-
-
 def burst_and_tail(start):
     """A burst, and a long harmonic motion from a time [s] on: no filter under an envelope."""
     time = 0.02 * np.arange(3000)
@@ -124,33 +105,25 @@ def test_a_fit_that_misses_the_duration_says_so():
     assert [str(each.message) for each in told] == [f"burst: {text}" for text in fitted.doubts]
 
 
-@pytest.mark.slow
-@pytest.mark.oracle
-def test_a_fit_that_misses_the_spectrum_says_so_in_the_band_of_the_buildings():
-    motion = burst_and_tail(30)
-    with pytest.warns(DoubtfulInput, match="burst: the mean spectrum of the motions is off by"):
-        sl.fit_motion(motion, "gamma", filters=1)
-
-
 @pytest.mark.invariant
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         (
             lambda r: r[:-5],
-            "a and b have 3001 and 2996 samples; allowed: as many",
+            "a and b have the sample counts 3001, 2996; allowed",
         ),
         (
             lambda r: r.assign_coords(time=2 * r.time),
-            "a and b have steps of 0.01 and 0.02 s; allowed: one",
+            r"a and b have the steps \[s\] 0.01, 0.02; allowed",
         ),
         (
             lambda r: r.assign_attrs(station="Delta"),
-            "a and b have the stations Bolu, Delta; allowed: one station",
+            "a and b have the stations Bolu, Delta; allowed: equal",
         ),
         (
             lambda r: r.assign_attrs(event="Kobe"),
-            "a and b have the events Duzce, Kobe; allowed: one event",
+            "a and b have the events Duzce, Kobe; allowed: equal",
         ),
     ],
 )

@@ -48,20 +48,6 @@ def test_the_picture_says_of_what_it_is(of_code):
     assert f"at most by {shown} %, at {float(worst.period):.2g} s" in told
 
 
-def test_periods_of_buildings_are_marked_in_both_panels(of_code):
-    for axes in sl.charts.draw_spectrum(of_code, caption=False, periods=[1.0, 0.6]).axes:
-        marked = [line.get_xdata()[0] for line in axes.get_lines() if len(line.get_xdata()) == 2]
-        assert {1.0, 0.6} <= set(marked)
-
-
-def test_without_a_spectrum_that_is_wanted_there_is_no_ratio(tmp_path):
-    table = sl.charts.simulated_spectrum(GROUND, [0.2, 0.5, 1.0], 10.0, paths=16)
-    figure = sl.charts.draw_spectrum(table)
-    (axes,) = figure.axes
-    assert "motions of 10 s, stationary" in figure.texts[-1].get_text()
-    assert set(lines(axes)) == {"motions, mean"}
-
-
 def test_what_is_no_such_spectrum_is_refused(of_code):
     for other in (of_code.isel(period=[3]), of_code.drop_vars("pseudo_acceleration_quantile")):
         with pytest.raises(ValueError, match="allowed: what simulated_spectrum"):

@@ -128,15 +128,6 @@ def test_suites_are_horizontal(tmp_path, case):
     assert len(sl.read_records(tmp_path, vertical=True)) > len(wanted)
 
 
-def test_a_component_that_is_asked_for_is_read(tmp_path):
-    (tmp_path / "A.191").write_text(samples.unam([WAVE, 2 * WAVE, WAVE]), encoding="utf-8")
-    (record,) = sl.read_records(tmp_path, component="V").values()
-    np.testing.assert_allclose(record, WAVE / 100, rtol=1e-12)
-    table = tmp_path / "suite.csv"
-    table.write_text("file,component\nA.191,N00E\n", encoding="utf-8")
-    np.testing.assert_allclose(sl.read_records(table)["A.191"], WAVE / 50, rtol=1e-12)
-
-
 def test_components_of_a_station_are_one_event():
     """The interval over 24 records of 12 events is that of 12, around the quantile of all."""
     one, two = sl.Bilinear(0.5, 0.05), sl.Bilinear(1.0, 0.05)
@@ -195,12 +186,6 @@ def test_a_file_that_cannot_be_read_is_named_and_left_out_if_asked(folder):
     with pytest.warns(UserWarning, match=r"bad\.txt is left out"):
         suite = sl.read_records(folder, skip_unreadable=True)
     assert len(suite) == 2
-
-
-@pytest.mark.invariant
-def test_a_folder_that_is_not_there(tmp_path):
-    with pytest.raises(FileNotFoundError, match="neither a folder nor a table"):
-        sl.read_records(tmp_path / "records")
 
 
 @pytest.mark.oracle

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stochlin.analyses.records.columns import Column, Text
-from stochlin.analyses.records.formats import FORMATS, HEADER_LINES, RecordFile, Series
+from stochlin.analyses.records.formats import FORMATS, HEADER_LINES, RecordFile, Series, refuse
 from stochlin.analyses.tables.inputs import read_text
 from stochlin.messages import brief, plain
 from stochlin.models.arguments import is_label, is_whole
@@ -50,8 +50,8 @@ def read_channels(
         if (text := Text.of(name, lines, skip)) is None:
             raise unknown_format(name)
         return [text.series(column, time_column, wrapped)]
-    if column is not None or time_column is not None or wrapped:
-        raise ValueError(f"column, time_column, wrapped do not apply: {name} is {of.title}")
+    columns = {"column": column, "time_column": time_column, "wrapped": wrapped or None}
+    refuse(name, of.title, columns)
     channels = of.read(RecordFile(name, lines))
     if not channels:
         raise unknown_format(name)

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.records.formats import refuse
 from stochlin.analyses.records.ground_fit import ground_of_record
 from stochlin.analyses.records.spectra import STRONG_PART, Part
 from stochlin.analyses.sites.spectra import SHORTEST, checked_spectrum, interpolated, is_spectrum
@@ -18,12 +19,11 @@ from stochlin.analyses.sites.spectrum_fit import (
     deliver,
 )
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.messages import brief
-from stochlin.models.arguments import Duration, Seed, TwoNumbers, Whole, checked, fitting
+from stochlin.models.arguments import Duration, OneOf, Seed, TwoNumbers, Whole, checked, fitting
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import MOST_FILTERS
 
-_OF_SPECTRA = "clough_penzien"
+_OF_SPECTRA = ("clough_penzien",)
 _FEWEST_DECADES = 0.5  # smallest range of periods of a spectrum within the range of the fit
 
 
@@ -37,16 +37,13 @@ def _check_fitting(
     filters: object,
 ) -> None:
     """Raise a ValueError for an argument that goes with the other kind of target."""
-    if not isinstance(target, xr.DataArray):
-        return
+    of_records = {"estimator": estimator, "frequency_range": frequency_range}
     if is_spectrum(target):
-        if estimator is not None or frequency_range is not None or part is not STRONG_PART:
-            raise ValueError("estimator, part and frequency_range go with a record; leave them out")
-    elif "time" in target.dims:
-        others = {"duration": duration, "envelope": envelope, "filters": filters}
-        wrong = [name for name, value in others.items() if value is not None]
-        if wrong:
-            raise ValueError(f"{wrong[0]} goes with a spectrum; a record has its own, so leave it out")
+        other_part = None if part is STRONG_PART else part
+        refuse("target", "a spectrum", {**of_records, "part": other_part})
+    elif isinstance(target, xr.DataArray) and "time" in target.dims:
+        of_spectra = {"duration": duration, "envelope": envelope, "filters": filters}
+        refuse("target", "a record", of_spectra)
 
 
 @fitting(_check_fitting)
@@ -185,8 +182,7 @@ def fit_ground(
             part=part,
             frequency_range=frequency_range,
         )
-    if not (model is None or (isinstance(model, str) and model == _OF_SPECTRA)):
-        raise ValueError(f"model = {brief(model)} is not fitted to a spectrum; allowed: {_OF_SPECTRA}")
+    OneOf(_OF_SPECTRA)("model", _OF_SPECTRA[0] if model is None else model)
     if duration is None:
         raise ValueError("duration is missing; a spectrum does not contain it: give it in seconds")
     wanted = _wanted(target, duration, envelope)

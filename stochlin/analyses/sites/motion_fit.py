@@ -124,18 +124,17 @@ def checked_components(record: Records) -> Components:
     for name, each in zip(names, records, strict=True):
         if len(records) == 2 and not is_horizontal(each, ""):
             raise ValueError(f"record: {plain(name)} is vertical or below; allowed: horizontal")
-    sizes = [ground.acceleration.size for ground in motions.grounds]
-    steps = [ground.dt for ground in motions.grounds]
     both = " and ".join(plain(name, 40) for name in names)
-    if len(set(sizes)) > 1:
-        raise ValueError(f"record: {both} have {sizes[0]} and {sizes[1]} samples; allowed: as many")
-    if not np.isclose(steps[0], steps[-1], rtol=1e-9, atol=0):
-        raise ValueError(f"record: {both} have steps of {steps[0]:g} and {steps[1]:g} s; allowed: one")
-    for key in PLACE:
-        known = [str(each.attrs[key]) for each in records if each.attrs.get(key)]
-        if len(set(known)) > 1:
-            raise ValueError(f"record: {both} have the {key}s {listed(known)}; allowed: one {key}")
-    return Components(records, np.array([ground.acceleration for ground in motions.grounds]), steps[0])
+    alike = {
+        "sample counts": [str(ground.acceleration.size) for ground in motions.grounds],
+        "steps [s]": [f"{ground.dt:.9g}" for ground in motions.grounds],
+        **{f"{key}s": [each.attrs[key] for each in records if each.attrs.get(key)] for key in PLACE},
+    }
+    for what, values in alike.items():
+        if len(set(values)) > 1:
+            raise ValueError(f"record: {both} have the {what} {listed(values)}; allowed: equal ones")
+    accelerations = np.array([ground.acceleration for ground in motions.grounds])
+    return Components(records, accelerations, motions.grounds[0].dt)
 
 
 @dataclass(frozen=True)

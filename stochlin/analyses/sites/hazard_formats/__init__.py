@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief
 
 S0 = "m^2/s^3"
 Site = int | Sequence[float]
@@ -73,10 +72,3 @@ def period_of(measure: str) -> float | None:
 def measure_in_words(period: float) -> str:
     """``PGA`` or ``SA(0.5)``."""
     return f"SA({period:g})" if period else "PGA"
-
-
-def refuse(name: str, format_of: str, given: Mapping[str, object]) -> None:
-    """Raise a ValueError for an argument that does not apply to a format."""
-    for parameter, value in given.items():
-        if value is not None:
-            raise ValueError(f"{parameter} = {brief(value)} does not apply: {name} is {format_of}")

@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from stochlin.analyses.records.formats import refuse
 from stochlin.analyses.sheets.sheets import Sheet, Table, number_in, sheets_of, table_in
 from stochlin.analyses.sites.hazard_formats import (
     S0,
@@ -25,7 +26,6 @@ from stochlin.analyses.sites.hazard_formats import (
     Site,
     annual_frequencies,
     period_of,
-    refuse,
 )
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief, listed

@@ -14,12 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from stochlin.analyses.records.formats import refuse
 from stochlin.analyses.sites.hazard_formats import (
     AskedHazard,
     Ordinate,
     measure_in_words,
     period_of,
-    refuse,
 )
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import plain, sentence
