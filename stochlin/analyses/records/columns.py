@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from io import StringIO
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -24,33 +24,6 @@ _STATEMENT = re.compile(r"[:=]\s*\S|\bunits?\b", re.IGNORECASE)
 _COMMA = re.compile(r"[-+]?\d+,\d{2,}")
 
 
-def head_of(lines: Sequence[str], name: str) -> Table | None:
-    """The titles and the first rows of a text; None if it has no numbers below titles."""
-    first = next((n for n, line in enumerate(lines) if line.strip()), 0)
-    return table_of(text_sheet(lines[: first + _HEAD], name))
-
-
-def whole_of(head: Table, lines: Sequence[str]) -> Table:
-    """The table of all lines of a text: numbers as pandas reads them, and texts if it has others."""
-    sheet, start = head.sheet, int(head.rows.index[0])
-    text, separator = "\n".join(lines[start - 1 :]), sheet.separator or r"\s+"
-    decimal = "." if sheet.separator == "," or "," not in text else ","
-    try:
-        table = pd.read_csv(
-            StringIO(text), sep=separator, header=None, decimal=decimal, skipinitialspace=True
-        )
-    except ValueError:  # lines of unequal length
-        table = pd.DataFrame([""])
-    table = table.dropna(axis="columns", how="all")
-    values = table.to_numpy()
-    if values.dtype.kind in "iuf" and [*table] == [*range(head.width)] and np.isfinite(values).all():
-        numbers = (n for n, line in enumerate(lines[start - 1 :], start) if line.strip())
-        return head._replace(rows=table.astype(float).set_axis(list(numbers)))
-    whole = table_of(text_sheet(lines, sheet.name))
-    assert whole is not None  # since it has a head
-    return whole
-
-
 class Text(NamedTuple):
     """A text of numbers, with the table in its first lines and what stands above its titles."""
 
@@ -62,7 +35,8 @@ class Text(NamedTuple):
     def of(cls, name: str, lines: Sequence[str], skip: int) -> Text | None:
         """The text after ``skip`` lines; None if its head is not titles, names and units of columns."""
         lines = [*[""] * skip, *lines[skip:]]
-        if (head := head_of(lines, name)) is None:
+        first = next((n for n, line in enumerate(lines) if line.strip()), 0)
+        if (head := table_of(text_sheet(lines[: first + _HEAD], name))) is None:
             return None
         rows = [lines[n - 1].strip() for n in head.rows.index]
         if all(map(_COMMA.fullmatch, rows)) and any(",0" in row for row in rows):
@@ -86,18 +60,32 @@ class Text(NamedTuple):
         chosen = self._chosen(column, time)
         table = self.table()
         values = table.numbers(chosen, "number")
-        times = None if time is None else self._seconds(time) * table.numbers(time, "number")
+        times = None if time is None else self._times(table, time)
         named = self.head.title_cells[chosen] if self.head.titles else ""
         return Series(values, times, None, self.units_of(chosen), named)
 
     def table(self) -> Table:
-        """The table of all lines, which are as wide as the first."""
-        table, sheet = whole_of(self.head, self.lines), self.head.sheet
-        for line in table.rows.index if table.sheet is not sheet else ():
-            if (width := len(table.sheet.row(line))) != self.head.width:
-                allowed = f"{self.head.width}, as in the first row{self._or_wrapped()}"
-                raise table.sheet.error(line, None, f"{width} columns; allowed: {allowed}")
-        return table
+        """The table of all lines, as wide as the first: numbers by pandas, or texts if it has others."""
+        head, sheet, start = self.head, self.head.sheet, int(self.head.rows.index[0])
+        text, below = "\n".join(self.lines[start - 1 :]), enumerate(self.lines[start - 1 :], start)
+        decimal = "." if sheet.separator == "," or "," not in text else ","
+        options: dict[str, Any] = {"header": None, "decimal": decimal, "skipinitialspace": True}
+        try:
+            read = pd.read_csv(StringIO(text), sep=sheet.separator or r"\s+", **options)
+        except ValueError:  # lines of unequal length
+            read = pd.DataFrame([""])
+        read = read.dropna(axis="columns", how="all")
+        values = read.to_numpy()
+        if values.dtype.kind in "iuf" and [*read] == [*range(head.width)] and np.isfinite(values).all():
+            lines = [number for number, line in below if line.strip()]
+            return head._replace(rows=read.astype(float).set_axis(lines))
+        whole = table_of(text_sheet(self.lines, sheet.name))
+        assert whole is not None  # since it has a head
+        for line in whole.rows.index:
+            if (width := len(whole.sheet.row(line))) != head.width:
+                allowed = f"{head.width}, as in the first row{self._or_wrapped()}"
+                raise whole.sheet.error(line, None, f"{width} columns; allowed: {allowed}")
+        return whole
 
     def units_of(self, column: int) -> str | None:
         """Units in the name of a column, or units of acceleration in a title."""
@@ -105,13 +93,12 @@ class Text(NamedTuple):
         units = (stated, *(with_unit(title)[1] for title in self.titles))
         return next((unit for unit in units if size_of(unit, "m/s^2")), stated) or None
 
-    def _seconds(self, column: int) -> float:
-        """The unit of a column of times [s]."""
-        unit = self.head.unit_of(column)
-        if (size := size_of(unit or "s", "s")) is None:
+    def _times(self, table: Table, column: int) -> Array:
+        """The times [s] in a column."""
+        if (size := size_of(self.head.unit_of(column) or "s", "s")) is None:
             title = brief(self.head.title_cells[column])
             raise ValueError(f"time_column is {title}; allowed: time in seconds")
-        return size
+        return size * table.numbers(column, "number")
 
     def _words(self) -> str:
         """All numbers in their order, with white space between them."""
