@@ -25,7 +25,7 @@ from stochlin.kernels.linearization.covariance import (
     linear_system,
     own_covariance,
 )
-from stochlin.kernels.linearization.drift import ORDERS, drift_of, half_cycles
+from stochlin.kernels.linearization.drift import ORDERS, drift_of
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import Closure
 from stochlin.kernels.linearization.single_structures import (
@@ -346,7 +346,7 @@ def _yielding(
 def _with_drift(response: Response, soil: Filter, uy: Array) -> Response:
     """The response with the drift, in m and 1/s."""
     system = EquivalentSystem(*response.system)
-    drift = drift_of(system, response.latent, half_cycles(system, soil))
+    drift = drift_of(system, response.latent, soil)
     rows = np.array([uy * np.sqrt(drift.variance), drift.rate, *drift.shares])
     rows[:, response.still] = np.eye(len(rows))[1][:, None]
     return response._replace(drift=rows)

@@ -13,12 +13,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.polynomial.laguerre import laggauss
-from scipy.special import erf
+from numpy.polynomial.laguerre import laggauss, lagvander
+from scipy.special import erf, factorial
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.elementary import solve_3x3
-from stochlin.kernels.basics.exponentials import exponentials
 from stochlin.kernels.basics.slabs import in_ranges
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
@@ -35,11 +34,15 @@ ORDERS = 12  # orders of the Laguerre series; the rest counts as one more order
 NODES = 40  # nodes of the quadrature over amplitudes
 HALF_CYCLES = 40  # summed in eq. (3); even, so that with Bartlett's window (-1)^n has a zero sum
 MOTION = 1e6  # time over which the drift can grow from rest, in elastic periods
-CELLS = 512  # cells computed together, on all cores
+CELLS = 1024  # cells computed together, whose matrices stay in the cache
+DOUBLINGS = 3  # half-cycles are followed one by one up to 2^3, and then by steps of these
+TAYLOR = 1 / factorial(np.arange(13))  # coefficients of the series of an exponential
+SMALL = 0.5  # largest rate of a matrix to which the series is applied
 
 NOISE = Forcing(np.zeros(()), np.ones(()), np.zeros(()))  # white noise of the intensity 1
 
 _EXCESS, _WEIGHT = laggauss(NODES)
+_POLYNOMIALS = _WEIGHT * lagvander(_EXCESS, ORDERS).T  # (orders + 1, nodes), times the weights
 
 
 class Drift(NamedTuple):
@@ -57,31 +60,36 @@ class HalfCycles(NamedTuple):
     memory: Array  # (HALF_CYCLES, n) autocorrelation R_n of z after n = 1, 2, 3... half-cycles
 
 
-def drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Drift:
+def drift_of(system: EquivalentSystem, latent: Array, ground: Filter) -> Drift:
     """Drift of structures linearized by the clipped closure, eqs. (1) to (5).
 
     ``latent`` (3, n) are the standard deviations and the correlation of the Gaussian ``(v, z~)`` that
     the closure clips, in units of the yield displacement.
     """
+
+    def part(cells: slice) -> Drift:
+        own = EquivalentSystem(*(row[cells] for row in system))
+        return _drift_of(own, latent[:, cells], half_cycles(own, ground.at(cells)))
+
+    parts = in_ranges(part, latent.shape[1], CELLS)
+    return Drift(*(np.concatenate(rows, axis=-1) for rows in zip(*parts, strict=True)))
+
+
+@np.errstate(all="ignore")  # NaN in cells without stationary motion
+def _drift_of(system: EquivalentSystem, latent: Array, cycles: HalfCycles) -> Drift:
+    """The drift from the half-cycles of the structures."""
     sv, sz, r = latent
     slip = slip_quadrant(sz, r)
     kick = 2 * sv * slip.first * cycles.time  # mean size over all half-cycles, also without yielding
-    orders = np.empty((ORDERS + 1, sz.size))
-
-    @np.errstate(all="ignore")
-    def part(cells: slice) -> None:
-        orders[:, cells] = kick[cells] ** 2 * _orders(sz[cells])
-        orders[:-1, cells] *= _sums_of_powers(cycles.memory[:, cells])
-
-    in_ranges(part, sz.size, CELLS)
-    with np.errstate(all="ignore"):
-        total = _total(orders)
-        intensity = total / cycles.time
-        rate = _relaxation(system, latent, slip)
-        grown = -np.expm1(-2 * rate * MOTION * 2 * np.pi / np.sqrt(system.stiffness))
-        variance = grown * (system.coupling / system.stiffness) ** 2 * intensity / (2 * rate)
-        still = variance == 0
-        shares = np.where(still, 0.0, orders / total)
+    orders = kick**2 * _orders(sz)
+    orders[:-1] *= _sums_of_powers(cycles.memory)
+    total = sum(orders)  # row by row, so that rounding does not depend on the number of cells
+    intensity = total / cycles.time
+    rate = _relaxation(system, latent, slip)
+    grown = -np.expm1(-2 * rate * MOTION * 2 * np.pi / np.sqrt(system.stiffness))
+    variance = grown * (system.coupling / system.stiffness) ** 2 * intensity / (2 * rate)
+    still = variance == 0
+    shares = np.where(still, 0.0, orders / total)
     return Drift(variance, np.where(still, 1.0, rate), shares)
 
 
@@ -98,21 +106,25 @@ def _relaxation(system: EquivalentSystem, latent: Array, slip: SlipQuadrant) -> 
 def _orders(sz: Array) -> Array:
     """Variance of the kick sizes by Laguerre order, over the square of their mean: ``c_j^2`` of eq. (2).
 
-    The amplitudes ``a`` are Rayleigh distributed, so that ``a^2/(2 sz^2)`` is exponentially distributed.
-    Its part above the threshold of yielding has the same exponential distribution.
+    The amplitudes ``a`` are Rayleigh distributed, so that ``E = a^2/(2 sz^2)`` is exponentially
+    distributed. Its part above the threshold of yielding has the same exponential distribution, and the
+    polynomials of ``E`` follow from those of both parts: ``L_j(x + y) = sum_k L_k(x) L_(j-k)^(-1)(y)``.
     """
-    nodes, weights = _EXCESS[:, None], _WEIGHT[:, None]
-    energy = 0.5 / sz**2 + nodes
-    size = 2 * sz**2 * nodes / (sz * np.sqrt(2 * energy) + 1)  # sqrt(2 E) sz - 1, without cancellation
-    weighted = weights * size
-    mean, square = _total(weighted), _total(weighted * size)
-    before, polynomial = np.ones_like(energy), 1 - energy
-    variances = []
+    threshold = 0.5 / sz**2
+    of_excess, square = np.zeros((ORDERS + 1, sz.size)), np.zeros_like(sz)
+    for excess, weight, polynomials in zip(_EXCESS, _WEIGHT, _POLYNOMIALS.T, strict=True):
+        # The size sqrt(2 E) sz - 1 without cancellation.
+        size = 2 * sz**2 * excess / (sz * np.sqrt(2 * (threshold + excess)) + 1)
+        of_excess += polynomials[:, None] * size
+        square += weight * size * size
+    moments, before, polynomial = of_excess.copy(), np.ones_like(sz), -threshold
     for order in range(1, ORDERS + 1):
-        variances.append((_total(weighted * polynomial) / mean) ** 2)
-        following = ((2 * order + 1 - energy) * polynomial - order * before) / (order + 1)
+        moments[order:] += polynomial * of_excess[: ORDERS + 1 - order]
+        following = ((2 * order - threshold) * polynomial - (order - 1) * before) / (order + 1)
         before, polynomial = polynomial, following
-    left = square / mean**2 * np.exp(0.5 / sz**2) - 1
+    mean, *others = moments
+    variances = [(moment / mean) ** 2 for moment in others]
+    left = square / mean**2 * np.exp(threshold) - 1
     return np.stack([*variances, np.maximum(left - sum(variances), 0.0)])
 
 
@@ -122,37 +134,18 @@ def _sums_of_powers(memory: Array) -> Array:
     A power of a correlation function is a correlation function, so that with Bartlett's window no sum is
     negative.
     """
-    cycles, square, sums = len(memory), memory**2, []
-    power = 2 * (1 - np.arange(1, cycles + 1)[:, None] / cycles) * memory
-    for _ in range(ORDERS):
-        power = power * square
-        sums.append(np.maximum(1 + _total(power), 0.0))
-    return np.stack(sums)
+    sums = np.ones((ORDERS, memory.shape[1]))
+    for n, correlation in enumerate(memory, start=1):
+        power, square = 2 * (1 - n / len(memory)) * correlation, correlation**2
+        for order in range(ORDERS):
+            power *= square
+            sums[order] += power
+    return np.maximum(sums, 0.0)
 
 
-def _total(rows: Array) -> Array:
-    """Sum of the rows, one after the other, so that rounding does not depend on the number of cells."""
-    # numpy adds a lone column in pairs, but several columns row by row.
-    total: Array = np.cumsum(rows)[-1:] if rows.shape[1] == 1 else rows.sum(axis=0)
-    return total
-
-
+@np.errstate(all="ignore")  # NaN in cells without stationary motion
 def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
-    """Mean time between zero crossings of ``z`` (Rice 1945), and the autocorrelation of ``z`` there."""
-    n = system.stiffness.size
-    time, memory = np.empty(n), np.empty((HALF_CYCLES, n))
-
-    @np.errstate(all="ignore")  # NaN in cells without stationary motion
-    def part(cells: slice) -> None:
-        own = EquivalentSystem(*(row[cells] for row in system))
-        time[cells], memory[:, cells] = _half_cycles(own, ground.at(cells))
-
-    in_ranges(part, n, CELLS)
-    return HalfCycles(time, memory)
-
-
-def _half_cycles(system: EquivalentSystem, ground: Filter) -> tuple[Array, Array]:
-    """The fields of `HalfCycles` for a range of cells.
+    """Mean time between zero crossings of ``z`` (Rice 1945), and the autocorrelation of ``z`` there.
 
     The autocorrelation follows from the free motion of structure and filter together, which starts from
     the covariances of their states with ``z``.
@@ -162,20 +155,45 @@ def _half_cycles(system: EquivalentSystem, ground: Filter) -> tuple[Array, Array
     own = own_covariance(system, forcing)
     size = 3 + with_soil.shape[1]
     a = np.zeros((w2.size, size, size))
-    a[:, 0, 1] = 1
-    a[:, 1, :3] = np.stack([-w2, -d, h], axis=-1)
-    a[:, 2, :3] = np.stack([k, p, -k], axis=-1)
+    a[:, 0, 1], a[:, 1, 0], a[:, 1, 1], a[:, 1, 2] = 1, -w2, -d, h
+    a[:, 2, 0], a[:, 2, 1], a[:, 2, 2] = k, p, -k
     a[:, 1, 3:], a[:, 3:, 3:] = soil.output, soil.matrix
     with_z = np.column_stack([own.mu_z, own.v_z, own.mu_z - own.z_z, with_soil])
     # The variance of z' = (1 - p) v - k z follows with E[z z'] = 0.
     time = np.pi * np.sqrt(own.z_z / ((1 - p) ** 2 * own.v_v - k**2 * own.z_z))
-    step = exponentials(a * time[:, None, None])
-    states = step @ with_z[..., None]  # after 1 half-cycle; then after 1 and 2, 1 to 4, and so on
-    while states.shape[-1] < HALF_CYCLES:
-        states = np.concatenate([states, step @ states], axis=-1)
+    both_ways = np.abs(soil.matrix * soil.matrix.swapaxes(-2, -1))
+    rates = np.sqrt(w2) + d + k + np.sqrt(h * p) + np.sqrt(both_ways).sum(axis=(-2, -1))
+    step = _exponentials(a * time[:, None, None], rates * time)
+    rows, columns = step[:, :1] - step[:, 2:3], with_z[..., None]
+    for _ in range(DOUBLINGS):  # z after 1 half-cycle; then after 1 and 2, 1 to 4, and so on
+        rows, step = np.concatenate([rows, rows @ step], axis=1), step @ step
+    while rows.shape[1] * columns.shape[2] < HALF_CYCLES:  # the states before, and after all of these
+        columns = np.concatenate([columns, step @ columns], axis=2)
         step = step @ step
-    later = (states[:, 0] - states[:, 2]).T[:HALF_CYCLES]
-    return time, np.clip(later / own.z_z, -1, 1)
+    later = (rows @ columns).transpose(2, 1, 0).reshape(-1, w2.size)[:HALF_CYCLES]
+    return HalfCycles(time, np.clip(later / own.z_z, -1, 1))
+
+
+def _exponentials(matrices: Array, rates: Array) -> Array:
+    """Exponentials of matrices (n, s, s), by scaling and squaring as their largest ``rates`` ask for.
+
+    The Taylor series is summed by powers of the fourth power.
+    """
+    halvings = np.where(np.isfinite(rates), np.ceil(np.log2(np.maximum(rates, SMALL) / SMALL)), 0.0)
+    first = matrices * 0.5 ** halvings[:, None, None]
+    second = first @ first
+    third, fourth, identity = second @ first, second @ second, np.eye(matrices.shape[1])
+    exponential = TAYLOR[12] * fourth
+    for n in (8, 4, 0):
+        exponential += TAYLOR[n + 3] * third + TAYLOR[n + 2] * second + TAYLOR[n + 1] * first
+        exponential += TAYLOR[n] * identity
+        if n:
+            exponential = exponential @ fourth
+    for halving in range(int(halvings.max(initial=0))):
+        left = np.flatnonzero(halving < halvings)
+        part = exponential[left]
+        exponential[left] = part @ part
+    return exponential
 
 
 class DriftingSide(NamedTuple):
