@@ -67,9 +67,9 @@ class Stack(NamedTuple):
         An element without stiffness after yielding has lost all its force there; a storey has also
         fallen where its drift is its height.
         """
-        storey, z = self.system, np.broadcast_to(self.law.largest_z(), self.system.post.shape[-1:])
+        storey, z = self.system, self.law.largest_z().to_numpy()
         heights = np.inf if self.by_modes else np.diff(self.levels, prepend=0.0)
-        powerless = falls_at(storey.post, storey.couple, storey.strength * z)
+        powerless = falls_at(storey.post, storey.couple, storey.strength * z[..., None])
         return np.where(np.isfinite(powerless), np.fmin(powerless, heights), np.inf)
 
     @property
@@ -284,9 +284,7 @@ def stack_of(structure: AnyStructure) -> Stack:
 def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]:
     """Stacks of ``count`` oscillators with parameters along ``dimension``."""
     whole, own = stack_of(oscillators), bool(oscillators.own_parameters())
-    mass, damping, extensions, shapes, *springs = whole.system
-    mass, *springs = (np.broadcast_to(row, (count, 1)) for row in (mass, *springs))
-    wide = System(mass, np.broadcast_to(damping, (count, 1, 1)), extensions, shapes, *springs)
+    wide = whole.system.over_cells(count)
     laws = (oscillators.isel({dimension: n}) if own else oscillators for n in range(count))
     return [whole._replace(system=wide.at(n), law=law) for n, law in enumerate(laws)]
 
@@ -398,7 +396,7 @@ def _yield_of(structure: AnyStructure) -> str:
 def first_period(structure: AnyStructure) -> xr.DataArray:
     """Period of an oscillator, or of the first mode of a building [s]."""
     if isinstance(structure, MultistoreyBuilding):
-        return structure.mode_periods()[0]
+        return structure.mode_periods()[0].reset_coords(drop=True)
     return structure.arrays()["period"]
 
 

@@ -10,22 +10,19 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
-from stochlin.analyses.linearization.systems.state_space import Equations
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.checks import check_duration
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.basics.systems import System
-from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
-from stochlin.kernels.linearization.systems.response import responses
 from stochlin.kernels.linearization.transient import Covariances, Difference, Law, Own, Structures
-from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.envelopes import Envelope, envelope_at
 from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import CASE
-from stochlin.models.systems import AnyStructure, Arrangement, Stack, falls_at, stack_of
+from stochlin.models.structures import Structure
+from stochlin.models.systems import AnyStructure, Stack, first_period, stack_of
 
 STEPS_PER_PERIOD = 16  # instants in the shortest period, for integrals over time
 STRONG = 0.5  # share of the envelope's maximum below which shaking is no longer strong
@@ -42,8 +39,7 @@ class StructureCells(NamedTuple):
     structure: AnyStructure
     stack: Stack  # its system has the leading axis of the cells; an oscillator has a mass of 1 kg
     period: Array  # (n,) [s]; that of a building is its first one
-    elastic_std: Array  # (n, m) standard deviations of the elastic extensions [m]
-    law: Array  # (k, n m) parameters of the law for all elements, cell by cell
+    unit: Array  # (n,) size of the displacement [m], in which errors count
     ground: Mapping[str, Array]  # parameters of the ground, (n,) each
     status: xr.DataArray
     position: xr.DataArray  # number of each cell in the row of all structures, -1 if invalid
@@ -60,13 +56,16 @@ class StructureCells(NamedTuple):
         return self.stack.coordinates
 
     @property
+    def law(self) -> Array:
+        """Parameters of the law (k, n m) for all elements, cell by cell."""
+        parameters = self.stack.law_parameters
+        wide = np.broadcast_to(parameters, (*self.stack.system.mass.shape, parameters.shape[-1]))
+        return wide.reshape(self.stack.system.mass.size, -1 if wide.size else 0).T
+
+    @property
     def limits(self) -> Array:
         """Extension of each element at which the structure falls (n, m) [m]; infinite if it cannot."""
-        if self.has_storeys:
-            return self.stack.limits
-        largest = of_cells(self.stack.law.largest_z(), self.position)[:, None]
-        system = self.stack.system
-        return falls_at(system.post, system.couple, system.strength * largest)
+        return self.stack.limits
 
     def stack_at(self, cell: int) -> Stack:
         """The structure of one cell."""
@@ -123,71 +122,30 @@ def side_of(
     Cells with a period longer than the motion are invalid.
     """
     check_duration(duration, {role: structure})
-    if isinstance(structure, MultistoreyBuilding):
-        return _building(structure, ground, role, first)
-    elastic = solve_elastic(structure, ground)
-    values = structure.arrays()
-    own = (
-        values["period"],
-        values["damping"],
-        values.get("hardening", xr.DataArray(1.0)),
-        elastic.yield_displacement,
-        elastic.displacement_std,
-    )
+    period, oscillator = first_period(structure), structure
+    if not isinstance(oscillator, Structure):  # of the first mode, whose response is only a unit
+        modes = stack_of(structure).system.modes()
+        oscillator = Bilinear(float(modes.period[0]), float(modes.damping[0]))
+    elastic = solve_elastic(oscillator, ground)
     status = elastic.status.where(elastic.status >= labels.NOT_CONVERGED, labels.CONVERGED)
-    status = status.where(values["period"] <= duration, labels.INVALID_INPUT)
-    valid = status < labels.NOT_CONVERGED
-    position = numbered(valid, first)
+    status = status.where(period <= duration, labels.INVALID_INPUT)
+    position = numbered(status < labels.NOT_CONVERGED, first)
 
-    def row(array: xr.DataArray) -> Array:
-        return of_cells(array, position).astype(float)
+    def rows(model: Structure | Ground) -> dict[str, Array]:
+        return {name: of_cells(array, position).astype(float) for name, array in model.arrays().items()}
 
-    period, damping, hardening, uy, std = (row(array)[:, None] for array in own)
-    w, share = 2 * np.pi / period, np.where(np.isinf(uy), 1.0, hardening)
-    mass, friction, unit = np.ones_like(w), (2 * damping * w)[..., None], np.ones((1, 1))
-    system = System(mass, friction, unit, unit, share * w**2, (1 - share) * w**2, uy)
-    law = [row(array) for array in structure.law_parameters()]
-    return StructureCells(
-        structure,
-        Stack(system, np.full(1, np.nan), structure, unit),
-        period[:, 0],
-        std,
-        np.array(law).reshape(len(law), int(valid.sum())),
-        {name: row(array) for name, array in ground.arrays().items()},
-        status,
-        position,
-        np.ones((1, 1)),
-    )
-
-
-def _building(structure: MultistoreyBuilding, ground: Ground, role: str, first: int) -> StructureCells:
-    """`side_of` for a building with storeys."""
-    valid = ground.valid()
-    position = numbered(valid, first)
-    below = {name: of_cells(array, position).astype(float) for name, array in ground.arrays().items()}
-    stack, count = stack_of(structure), int(valid.sum())
-    elastic, none = np.full(stack.coordinates, -1.0), np.zeros(stack.coordinates)
-    rows = {name: xr.DataArray(row, dims=CASE) for name, row in below.items()}
-    equations = Equations(Arrangement((stack,), ()), ground.with_arrays(rows))
-    drifts = np.empty((count, stack.coordinates))
-    for cells, response in responses(equations.state_space(elastic, none, none > 0)):
-        drifts[cells] = response.std(stack.system.extensions)
-        if not np.isfinite(drifts[cells]).all():
-            raise ArithmeticError(
-                f"{role}, elastic: {INACCURATE if response.stable.all() else UNSTABLE}; use storeys "
-                "whose stiffness over mass differs less"
-            )
-    return StructureCells(
-        structure,
-        stack._replace(system=equations.system),
-        np.full(count, float(structure.mode_periods()[0])),
-        drifts,
-        np.tile(stack.law_parameters.T, count),
-        below,
-        labels.status_where(valid),
-        position,
-        stack.system.shapes[-1:],
-    )
+    model = structure
+    if isinstance(model, Structure):
+        strength = elastic.yield_displacement if model.yields else None
+        model = replace(model, mass=None, reduction_factor=None, yield_displacement=strength)
+        cells = {name: xr.DataArray(row, dims=CASE) for name, row in rows(model).items()}
+        model = model.with_arrays(cells)
+    stack = stack_of(model)
+    soil, count = rows(ground), int((position >= 0).sum())
+    stack = stack._replace(system=stack.system.over_cells(count))
+    periods, unit = (of_cells(array, position) for array in (period, elastic.displacement_std))
+    seen = stack.system.shapes[-1:]
+    return StructureCells(structure, stack, periods, unit, soil, status, position, seen)
 
 
 def ground_of(ground: Ground, values: Mapping[str, Array], cell: int) -> Ground:
@@ -267,7 +225,8 @@ def solve_course(
     states = max(part.matrix.shape[-1] for part in equations)
     elements = max(side.elements for side in sides)
     count = sum(side.period.size for side in sides) + 2 * pairs.shape[1]
-    evaluations = RATES * course.duration * max(part.fastest for part in equations)
+    covariances = Covariances(equations, pairs, course.values)
+    evaluations = RATES * course.duration * covariances.fastest
     check_work(
         f"{pairs.shape[1]} pairs at {course.times.size} instants, with {elements} storeys, would take",
         "take fewer cells at a time, storeys together, or a shorter motion",
@@ -277,7 +236,7 @@ def solve_course(
         },
     )
     kinks = () if course.envelope is None else course.envelope.kinks()
-    moments = Covariances(equations, pairs, course.values).solve(course.times, kinks, progress)
+    moments = covariances.solve(course.times, kinks, progress)
     return TransientMoments(*moments, tuple(sides), course)
 
 
@@ -307,15 +266,9 @@ def _equations(side: StructureCells, ground: Ground) -> Structures:
     """Equations of the cells of a structure."""
     yields = side.structure.yields
     law = Law(side.stack.law.closure_in_time(), side.law) if yields else None
-    return Structures(
-        side.stack.system,
-        ground.filter(side.ground),
-        law,
-        scale=side.elastic_std,
-        frequency=2 * np.pi / side.period,
-        seen=side.seen,
-        limit=side.limits,
-    )
+    system, below = side.stack.system, ground.filter(side.ground)
+    unit = side.unit * np.array([np.ones_like(side.period), 2 * np.pi / side.period])
+    return Structures(system, below, law, seen=side.seen, limit=side.limits, unit=unit)
 
 
 def spread_over(values: Array, at: xr.DataArray) -> xr.DataArray:

@@ -100,6 +100,14 @@ class System(NamedTuple):
         damping = np.einsum("in,ij,jn->n", shapes, self.damping, shapes) / (2 * w)
         return Modes(2 * np.pi / w, damping, (self.shapes @ shapes) * (self.mass @ shapes))
 
+    def over_cells(self, count: int) -> System:
+        """The structures with a leading axis of so many cells."""
+        mass, damping, extensions, shapes, *springs = self
+        rows = (np.broadcast_to(row, (count, row.shape[-1])) for row in (mass, *springs))
+        wide = np.broadcast_to(damping, (count, *damping.shape[-2:]))
+        mass, *springs = rows
+        return System(mass, wide, extensions, shapes, *springs)
+
     def at(self, cells: Any) -> System:
         """The cells with these numbers."""
         mass, damping, extensions, shapes, *springs = self

@@ -35,18 +35,18 @@ from stochlin.kernels.linearization.gaussian import ClosureInTime
 if TYPE_CHECKING:
     from scipy.integrate import RK45
 
-# Tolerances of a step, for covariances in units of the elastic response. The standard deviations of 48
-# random structures and pairs, with up to 20 + 20 storeys, were within 1e-4 of their largest value of
-# those by another method with a tolerance of 1e-7 and less.
+# Tolerances of a step, the latter for covariances over the squares of their units. The standard
+# deviations of 48 random structures and pairs, with up to 20 + 20 storeys, were within 1e-4 of their
+# largest value of those by another method with a tolerance of 1e-7 and less.
 RTOL, ATOL = 1e-5, 1e-9
 LEAST_Z = 0.04  # sz over the yield displacement below which closures are those of this sz
-LEAST_RATE = 1e-12  # sv over w times the yield displacement, to which it is limited
+LEAST_RATE = 1e-12  # sv over the yield displacement to which it is limited [1/s]
 LARGEST_CORRELATION = 1 - 1e-12  # to which corr(v, z) is limited
 LEAST_PHASE, FIRST_STEPS = 5e-3, 100  # least length of steps, as this phase, after the first ones [rad]
 FIRST_PHASE = 0.1  # length of the first step, as phase of the fastest oscillation [rad]
 AT_ONCE = 64  # times whose moments are computed together
 Q, D, V, Z = range(4)  # blocks of states: the ground, extensions, their rates, their elastic parts
-ROUNDING = 1e-9  # relative variance of the difference below which it is rounding error
+EQUAL = 1e-6  # relative variance of the difference below which it is an error of the integration
 
 
 class Own(NamedTuple):
@@ -85,58 +85,45 @@ class Structures:
         Over the structures.
     law : Law or None
         Linearized law of the elements that yield.
-    scale : (n, m) array
-        Unit of extensions [m], such as the standard deviations of the elastic response.
-    frequency : (n,) array
-        Times the scale it is the unit of their rates [rad/s].
     seen : (h, m) array
         Factors that give the displacements of the results from the coordinates.
     limit : (n, m) array
         Extension at which the structure falls [m]; infinite if it cannot.
+    unit : (2, n) array
+        Units in which errors of extensions [m] and of their rates [m/s] count.
     """
 
     def __init__(
-        self,
-        system: System,
-        ground: Filter,
-        law: Law | None,
-        *,
-        scale: Array,
-        frequency: Array,
-        seen: Array,
-        limit: Array,
+        self, system: System, ground: Filter, law: Law | None, *, seen: Array, limit: Array, unit: Array
     ) -> None:
-        m, k = scale.shape[1], len(ground.states)
+        (n, m), k, extensions = system.mass.shape, len(ground.states), system.extensions
         self.blocks = [slice(*ends) for ends in pairwise(np.cumsum([0, k, m, m, m]).tolist())]
-        q, _, v, z = self.blocks
-        matrix, modulated, noise = _in_metres(system, ground, self.blocks)
-        start = np.zeros_like(matrix)
+        q, d, v, z = self.blocks
+        forces, shaken = extensions / system.mass[:, None], extensions.sum(axis=1)
+        # The state matrix while elastic, and the part of it that the envelope multiplies.
+        self.matrix, self.modulated = np.zeros((2, n, z.stop, z.stop))
+        noise = np.zeros((n, z.stop))
+        self.matrix[:, q, q], noise[:, q], output = ground.arrays
+        self.matrix[:, d, v] = self.matrix[:, z, v] = np.eye(m)
+        self.matrix[:, v, d] = -(forces @ extensions.T) * system.post[:, None]
+        self.matrix[:, v, v] = -forces @ system.damping @ np.linalg.inv(extensions)
+        self.matrix[:, v, z] = -(forces @ extensions.T) * system.couple[:, None]
+        self.modulated[:, v, q] = shaken[:, None] * output[..., None, :]
+        noise[:, v] = 0.0 if k else shaken  # white noise acts on the structures, times the envelope
+        self.noise = noise * np.sqrt(2 * np.pi * ground.intensity)[:, None]
+        self.start = np.zeros_like(self.matrix)
         if k:
-            power = 2 * np.pi * ground.intensity[:, None, None]
-            start[:, q, q] = power * stationary(matrix[:, q, q], noise[:, q])
-        rates = scale * frequency[:, None]
-        of_ground = np.sqrt(np.diagonal(start, axis1=1, axis2=2)[:, q])
-        units = np.concatenate([of_ground, scale, rates, scale], axis=1)
-        ratio = units[:, None] / units[:, :, None]
-        self.matrix, self.modulated, self.white = matrix * ratio, modulated * ratio, not k
-        self.noise = noise * np.sqrt(2 * np.pi * ground.intensity)[:, None] / units
-        self.start = start / (units[:, None] * units[:, :, None])
-        weights = seen @ np.linalg.inv(system.extensions)
-        self.seen = {D: weights * scale[:, None], V: weights * rates[:, None]}
-        self.scale, self.most, self.law = scale, (limit / scale) ** 2, law
+            self.start[:, q, q] = stationary(self.matrix[:, q, q], self.noise[:, q])
+        of_ground = np.sqrt(np.diagonal(self.start, axis1=1, axis2=2)[:, q])
+        self.units = np.hstack([of_ground, np.repeat(unit[[0, 1, 0]].T, m, axis=1)])
+        self.law, self.strength, self.most = law, system.strength, limit**2
+        self.seen = seen @ np.linalg.inv(extensions)
         self.rate_of, self.z_of = np.arange(v.start, v.stop), np.arange(z.start, z.stop)
-        self.yields = np.isfinite(system.strength)
-        self.unit, self.frequency = scale / system.strength, frequency[:, None]
 
     @property
     def states(self) -> int:
         """Number of means: that of the work on z, and those of the further states of the law."""
-        return 1 + (self.law.closure.states if self.law else 0)
-
-    @property
-    def fastest(self) -> float:
-        """Largest frequency of all structures and their grounds while they are elastic [rad/s]."""
-        return float(np.abs(np.linalg.eigvals(self.matrix)).max())
+        return 1 + self.law.closure.states if self.law else 0
 
     def linearized(self, level: float, covariance: Array, means: Array) -> tuple[Array, Array]:
         """``A`` at a level of the envelope, and the rates of the means."""
@@ -144,7 +131,7 @@ class Structures:
         if self.law is None:
             return matrix, np.zeros_like(means)
         slip, relaxation, rates = self.coefficients(covariance[None], means[None])
-        matrix[:, self.z_of, self.rate_of] = self.frequency * (1 - slip[0])
+        matrix[:, self.z_of, self.rate_of] = 1 - slip[0]
         matrix[:, self.z_of, self.z_of] = -relaxation[0]
         return matrix, rates[0]
 
@@ -153,60 +140,34 @@ class Structures:
 
         They follow from ``covariance`` (times, n, states, states) and ``means`` (times, states, n m).
         """
-        v, z = self.rate_of, self.z_of
-        v_v, z_z, v_z = covariance[..., v, v], covariance[..., z, z], covariance[..., v, z]
-        rates, none = np.zeros_like(means), np.zeros_like(v_v)
+        v, z, none = self.rate_of, self.z_of, np.zeros((len(means), *self.strength.shape))
         if self.law is None:
-            return none, none, rates
-        sv = np.maximum(np.sqrt(np.maximum(v_v, 0)) * self.unit, LEAST_RATE)
-        sz = np.maximum(np.sqrt(np.maximum(z_z, 0)) * self.unit, LEAST_Z)
-        r = np.clip(v_z * self.unit**2 / (sv * sz), -LARGEST_CORRELATION, LARGEST_CORRELATION)
-        closure, parameters = self.law
-        latent, further = np.array([sv * self.frequency, sz, r]).reshape(3, -1), slice(1, self.states)
-        states = means[:, further].swapaxes(0, 1).reshape(closure.states, latent.shape[1])
+            return none, none, np.zeros_like(means)
+        unit = 1 / self.strength
+        sv = np.maximum(np.sqrt(np.maximum(covariance[..., v, v], 0)) * unit, LEAST_RATE)
+        sz = np.maximum(np.sqrt(np.maximum(covariance[..., z, z], 0)) * unit, LEAST_Z)
+        r = covariance[..., v, z] * unit**2 / (sv * sz)
+        latent = np.array([sv, sz, np.clip(r, -LARGEST_CORRELATION, LARGEST_CORRELATION)]).reshape(3, -1)
+        (closure, _, mean_rates), parameters = self.law
+        states = means[:, 1 : self.states].swapaxes(0, 1).reshape(-1, latent.shape[1])
         rows = np.concatenate([np.tile(parameters, len(means)), states])
-        slip, relaxation = closure.closure(latent, rows).coefficients
-        of_means = np.vstack([latent.prod(axis=0), closure.mean_rates(latent, rows)])
-        rates[:, : self.states] = of_means.reshape(self.states, *rates[:, 0].shape).swapaxes(0, 1)
-        slip, relaxation = (
-            np.where(self.yields, values.reshape(none.shape), 0.0) for values in (slip, relaxation)
-        )
-        return slip, relaxation, rates
+        coefficients = closure(latent, rows).coefficients.reshape(2, *none.shape)
+        of_means = np.vstack([latent.prod(axis=0), mean_rates(latent, rows)])
+        rates = np.zeros_like(means)
+        rates[:, : self.states] = of_means.reshape(-1, *means[:, 0].shape).swapaxes(0, 1)
+        return *np.where(np.isfinite(self.strength), coefficients, 0.0), rates
 
     def product(self, a: int, b: int, covariance: Array) -> Array:
         """``E[a b]`` (times, n, h) of the displacements, `D`, or velocities, `V`, of the results."""
-        return _weighted(self.seen[a], covariance[..., self.blocks[a], self.blocks[b]], self.seen[b])
+        return _weighted(self.seen, covariance[..., self.blocks[a], self.blocks[b]], self.seen)
 
     def moments(self, covariance: Array, means: Array) -> Own:
         """Moments from covariances (times, n, states, states) and means (times, states, n m)."""
         slip, relaxation, _ = self.coefficients(covariance, means)
-        z_z = self.scale**2 * covariance[..., self.z_of, self.z_of]
-        u_u, v_v = (self.product(k, k, covariance).reshape(len(means), -1) for k in (D, V))
-        if self.law is None:
-            means = np.zeros((*means.shape[:2], self.scale.size))
-        z_z, slip, k = (part.reshape(len(part), -1) for part in (z_z, slip, relaxation))
-        return Own(u_u, v_v, z_z, slip, k, means)
-
-
-def _in_metres(system: System, ground: Filter, blocks: Sequence[slice]) -> tuple[Array, Array, Array]:
-    """``A`` while elastic, the part of it that the envelope multiplies, and ``b`` (n, states).
-
-    The noise acts on the states of the filter or, without a filter and times the envelope, on the
-    structures. It has unit intensity.
-    """
-    q, d, v, z = blocks
-    (n, m), extensions = system.mass.shape, system.extensions
-    forces, shaken = extensions / system.mass[:, None], extensions.sum(axis=1)
-    matrix, modulated = np.zeros((2, n, z.stop, z.stop))
-    noise = np.zeros((n, z.stop))
-    matrix[:, q, q], noise[:, q], output = ground.arrays
-    matrix[:, d, v] = matrix[:, z, v] = np.eye(m)
-    matrix[:, v, d] = -(forces @ extensions.T) * system.post[:, None]
-    matrix[:, v, v] = -forces @ system.damping @ np.linalg.inv(extensions)
-    matrix[:, v, z] = -(forces @ extensions.T) * system.couple[:, None]
-    modulated[:, v, q] = shaken[:, None] * output[..., None, :]
-    noise[:, v] = 0.0 if ground.states else shaken
-    return matrix, modulated, noise
+        u_u, v_v = (self.product(k, k, covariance) for k in (D, V))
+        z_z = covariance[..., self.z_of, self.z_of]
+        u_u, v_v, z_z, c, k = (row.reshape(len(row), -1) for row in (u_u, v_v, z_z, slip, relaxation))
+        return Own(u_u, v_v, z_z, c, k, means)
 
 
 class Covariances:
@@ -221,16 +182,26 @@ class Covariances:
     ) -> None:
         self.sides, self.envelope = sides, envelope
         self.pairs = i, j = pairs[0], pairs[1] - sum(len(side.matrix) for side in sides[:-1])
-        ground, states = sides[0].blocks[Q], max(side.states for side in sides)
-        both = np.zeros((i.size, sides[0].matrix.shape[-1], sides[-1].matrix.shape[-1]))
+        ground = sides[0].blocks[Q]
+
+        def products(of: str) -> list[Array]:
+            """Products of rows of each side with itself, and of the pairs."""
+            rows = [getattr(side, of) for side in sides]
+            both = [(row, row) for row in rows] + [(rows[0][i], rows[-1][j])]
+            return [a[..., None] * b[..., None, :] for a, b in both]
+
+        self.drives, (*units, unit) = products("noise"), products("units")
+        both, states = np.zeros_like(unit), max(side.states for side in sides)
         both[:, ground, ground] = sides[0].start[i, ground, ground]
-        noises = [*((side.noise, side.noise) for side in sides), (sides[0].noise[i], sides[-1].noise[j])]
-        self.drives = [a[..., None] * b[..., None, :] for a, b in noises]
-        means = (np.zeros((states, side.scale.size if side.law else 0)) for side in sides)
+        means = [np.zeros((states, side.strength.size)) for side in sides]
         start = [*(side.start for side in sides), *means, both]
         self.shapes, ends = [part.shape for part in start], np.cumsum([part.size for part in start])
         self.places = [slice(end - part.size, end) for end, part in zip(ends, start, strict=True)]
-        self.start = np.concatenate([part.ravel() for part in start])
+        self.start, scale = _row(start), _row([*units, *(1 + mean for mean in means), unit])
+        # The integrator takes the mean square error over all numbers.
+        share = np.sqrt(i.size + sum(len(side.matrix) for side in sides))
+        self.tolerances = {"rtol": RTOL / share, "atol": ATOL / share * scale}
+        self.fastest = max(float(np.abs(np.linalg.eigvals(side.matrix)).max()) for side in sides)
 
     def parts(self, numbers: Array) -> tuple[list[tuple[Array, Array]], Array]:
         """Covariance and means of each side, and covariances of the pairs, from numbers (..., all)."""
@@ -244,52 +215,43 @@ class Covariances:
     def rates(self, time: float, numbers: Array) -> Array:
         """The rates of all numbers at a time [s]."""
         level, (of_sides, both) = float(self.envelope(np.array(time))), self.parts(numbers)
-        *drives, drive = (level**2 * d for d in self.drives) if self.sides[0].white else self.drives
+        drives = self.drives if self.sides[0].blocks[Q].stop else [level**2 * d for d in self.drives]
         matrices, rates, of_means = [], [], []
-        for side, (covariance, means), own in zip(self.sides, of_sides, drives, strict=True):
+        for side, (covariance, means), own in zip(self.sides, of_sides, drives, strict=False):
             matrix, rates_of_means = side.linearized(level, covariance, means)
             flow = matrix @ covariance
             matrices.append(matrix)
             rates.append(flow + flow.swapaxes(1, 2) + own)
             of_means.append(rates_of_means)
         (i, j), transposed = self.pairs, np.ascontiguousarray(matrices[-1].swapaxes(1, 2))
-        across = matrices[0][i] @ both + both @ transposed[j] + drive
-        return np.concatenate([part.ravel() for part in (*rates, *of_means, across)])
+        across = matrices[0][i] @ both + both @ transposed[j] + drives[-1]
+        return _row([*rates, *of_means, across])
 
     def _steps(self, ends: Sequence[float]) -> Iterator[RK45]:
         """The integrator after each of its steps, from rest on; steps also end at each of ``ends``."""
         from scipy.integrate import RK45  # takes long to import
 
-        count = self.pairs[0].size + sum(len(side.matrix) for side in self.sides)
-        # The integrator takes the mean square error over all numbers.
-        rtol, atol = RTOL / np.sqrt(count), ATOL / np.sqrt(count)
-        fastest = max(side.fastest for side in self.sides)
         begin, numbers = 0.0, self.start
         for end in ends:
-            first = min(FIRST_PHASE / fastest, end - begin)
-            solver = RK45(self.rates, begin, numbers, end, first_step=first, rtol=rtol, atol=atol)
-            steps = 0
+            first = min(FIRST_PHASE / self.fastest, end - begin)
+            solver = RK45(self.rates, begin, numbers, end, first_step=first, **self.tolerances)
             while solver.status == "running":
                 solver.step()
-                steps += 1
-                self._check(solver, steps > FIRST_STEPS and solver.status == "running", fastest)
+                self._check(solver)
                 yield solver
             begin, numbers = end, solver.y
 
-    def _check(self, solver: RK45, settled: bool, fastest: float) -> None:
-        """Raise an ArithmeticError if steps are too short, or extensions so large that structures fall.
-
-        Steps may be short until the integrator has ``settled``.
-        """
-        if solver.status == "failed" or (settled and solver.step_size * fastest < LEAST_PHASE):
+    def _check(self, solver: RK45) -> None:
+        """Raise an ArithmeticError if steps are too short, or a structure falls."""
+        settled = solver.status == "running" and solver.nfev > 6 * FIRST_STEPS
+        if solver.status == "failed" or (settled and solver.step_size * self.fastest < LEAST_PHASE):
             raise ArithmeticError(
-                f"the covariance equations need steps of less than {LEAST_PHASE / fastest:.2g} s at "
-                f"{solver.t:.3g} s: a structure is so weak that its plastic displacement follows at "
+                f"the covariance equations need steps of less than {LEAST_PHASE / self.fastest:.2g} s "
+                f"at {solver.t:.3g} s: a structure is so weak that its plastic displacement follows at "
                 "once; give it more strength, or simulate"
             )
         for side, (covariance, _) in zip(self.sides, self.parts(solver.y)[0], strict=True):
-            variance = np.diagonal(covariance, axis1=1, axis2=2)[:, side.blocks[D]]
-            if (variance > side.most).any():
+            if (np.diagonal(covariance, axis1=1, axis2=2)[:, side.blocks[D]] > side.most).any():
                 raise ArithmeticError(
                     "the linearized displacement of a structure exceeds the one at which it falls, at "
                     f"{solver.t:.3g} s, since its stiffness after yielding is negative; give it more "
@@ -323,26 +285,30 @@ class Covariances:
     def _moments(self, numbers: Array) -> tuple[Own, Difference]:
         """Moments from numbers (times, all)."""
         of_sides, both = self.parts(numbers)
-        own = [side.moments(*parts) for side, parts in zip(self.sides, of_sides, strict=True)]
+        own = [side.moments(*part) for side, part in zip(self.sides, of_sides, strict=True)]
         (i, j), first, last = self.pairs, self.sides[0], self.sides[-1]
-        (x_1, _), (x_2, _) = of_sides[0], of_sides[-1]
 
         def alone(a: int, b: int) -> Array:
             """``E[a_1 b_1] + E[a_2 b_2]`` of displacements, `D`, or velocities, `V`."""
+            (x_1, _), (x_2, _) = of_sides[0], of_sides[-1]
             return first.product(a, b, x_1)[:, i] + last.product(a, b, x_2)[:, j]
 
         def across(a: int, b: int) -> Array:
             """``E[a_1 b_2]``."""
-            blocks = both[..., first.blocks[a], last.blocks[b]]
-            return _weighted(first.seen[a][i], blocks, last.seen[b][j])
+            return _weighted(first.seen, both[..., first.blocks[a], last.blocks[b]], last.seen)
 
         squares, product = alone(D, D), across(D, D)
         d_d = squares - 2 * product
-        d_d = np.where(d_d > ROUNDING * squares, d_d, 0.0)
+        least = ATOL * first.units[i, first.blocks[D].start, None] ** 2
+        d_d = np.where(d_d > EQUAL * squares + least, d_d, 0.0)
         d_v = alone(D, V) - across(D, V) - across(V, D)
         v_v = alone(V, V) - 2 * across(V, V)
         differences = (part.reshape(len(part), -1) for part in (d_d, d_v, v_v, product))
         return _joined(Own, own, axis=-1), Difference(*differences)
+
+
+def _row(parts: Sequence[Array]) -> Array:
+    return np.concatenate([part.ravel() for part in parts])
 
 
 def _joined(kind: type[Any], parts: Sequence[Any], axis: int) -> Any:
