@@ -414,7 +414,7 @@ def test_strong_part_refuses_fractions(fractions):
     [
         (np.ones(50), TypeError, "record is a ndarray; allowed: an xarray.DataArray"),
         (xr.DataArray(np.ones(50), dims="time"), ValueError, "allowed: time with its coordinate"),
-        (motion(WAVE) * 1j, TypeError, "complex128, float64; allowed: numbers"),
+        (motion(WAVE) * 1j, TypeError, "complex128 over float64; allowed"),
         (motion(WAVE, units="g"), ValueError, r"record has units 'g'; allowed: m/s\^2"),
         (motion([1.0] * 20 + [np.nan]), ValueError, r"record is nan at 0\.4 s"),
         (motion(WAVE).isel(time=slice(None, None, -1)), ValueError, "time does not increase"),

@@ -161,7 +161,7 @@ def test_a_table_of_records_that_were_measured():
     [
         ("path\none.AT2", "has the columns path; allowed: with 'file'"),
         ("file\nnone.at2", "suite.csv, line 2, none.at2: .*there is no such file"),
-        ("file\none.AT2\none.AT2", "line 3, one.AT2 is listed twice"),
+        ("file\none.AT2\none.AT2", "line 3, one.AT2: it is listed twice"),
         ("file,dt\nplain.txt,soon", "line 2, plain.txt: dt = 'soon' is no number"),
         ("file,units\nplain.txt,feet", "line 2, plain.txt: units = 'feet' is not a known unit"),
         ('file,units\nplain.txt,"a, b, c"', "units = 'a, b, c'; allowed: one unit"),

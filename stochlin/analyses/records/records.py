@@ -192,22 +192,32 @@ def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) ->
     return part
 
 
+def checked_array(
+    array: xr.DataArray, role: str, dim: str, usual: str | None = None
+) -> tuple[Array, Array]:
+    """Coordinate and accelerations [m/s^2] of an array over one dimension, checked; raises errors.
+
+    Without an attribute ``units`` it has the ``usual`` ones, if there are some.
+    """
+    if not isinstance(array, xr.DataArray):
+        raise TypeError(f"{role} is a {type(array).__name__}; allowed: an xarray.DataArray")
+    if array.dims != (dim,) or dim not in array.coords:
+        raise ValueError(f"{role} has the dimensions {array.dims}; allowed: {dim} with its coordinate")
+    units = array.attrs.get("units", usual)
+    if size_of(str(units), "m/s^2") != 1:
+        raise ValueError(f"{role} has units {brief(units)}; allowed: m/s^2, stated in its attributes")
+    if not {array.dtype.kind, array[dim].dtype.kind} <= set("iuf"):
+        raise TypeError(f"{role} is {array.dtype} over {array[dim].dtype}; allowed: numbers")
+    return array[dim].to_numpy().astype(float), array.to_numpy().astype(float)
+
+
 def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float]:
     """Values [m/s^2] and time step [s] of a record, checked.
 
     A record is a DataArray over an evenly spaced ``time`` [s], with units m/s^2 or without units, and
     with at least 16 finite samples that are not all zero. Otherwise a TypeError or ValueError is raised.
     """
-    if not isinstance(record, xr.DataArray):
-        raise TypeError(f"record is a {type(record).__name__}; allowed: an xarray.DataArray")
-    if record.dims != ("time",) or "time" not in record.coords:
-        raise ValueError(f"record has the dimensions {record.dims}; allowed: time with its coordinate")
-    units = record.attrs.get("units", "m/s^2")
-    if size_of(str(units), "m/s^2") != 1:
-        raise ValueError(f"record has units {brief(units)}; allowed: m/s^2, so convert it first")
-    if not {record.dtype.kind, record["time"].dtype.kind} <= set("iuf"):
-        raise TypeError(f"record and its time are {record.dtype}, {record.time.dtype}; allowed: numbers")
-    values, time = record.to_numpy().astype(float), record["time"].to_numpy().astype(float)
+    time, values = checked_array(record, "record", "time", "m/s^2")
     if values.size < MINIMUM_SAMPLES:
         raise ValueError(f"record has {values.size} samples; allowed: at least {MINIMUM_SAMPLES}")
     if not np.isfinite(values).all():

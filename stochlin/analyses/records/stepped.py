@@ -21,7 +21,6 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.pounding.run import SAMPLES, GroundMotions, StepCounts, run
 from stochlin.kernels.records.runs import SampledMotion
-from stochlin.kernels.simulation.account import Account
 from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.models.structures import Structure
 from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_period, floor_count
@@ -100,14 +99,21 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     u, v = (values @ system.storeys.shapes.T for values in (q, rate))
     drift = q @ (system.drifts @ system.displacements).T
     extension = q @ system.extensions.T
-    spent = kept[:, at.spent : at.f]
-    energies = _energies(system, kept, to, spent, rate, extension, z).assign(step_error=first.error)
+    mass, storeys = system.storeys.mass, system.storeys
+    energies = {
+        "input": kept[:, to.entering],
+        "viscous": kept[:, to.viscous],
+        "hysteretic": kept[:, at.spent : at.f].sum(axis=1),
+        "kinetic": 0.5 * rate**2 @ mass,
+        "elastic": 0.5 * (extension**2 @ storeys.post + z**2 @ storeys.couple),
+    }
     lone = system.stacks[0].is_oscillator
 
     def over(dimension: str, values: Array) -> tuple[Any, Array]:
         return ("time", values[:, 0]) if lone else (("time", dimension), values)
 
-    table = xr.Dataset({"displacement": over(FLOOR, u), "velocity": over(FLOOR, v)})
+    columns = {f"{name}_energy_per_mass": ("time", e / mass.sum()) for name, e in energies.items()}
+    table = xr.Dataset({"displacement": over(FLOOR, u), "velocity": over(FLOOR, v), **columns})
     if lone:
         radius = np.hypot(u[:, 0], v[:, 0] * float(first_period(structure)) / (2 * np.pi))
         table["radius"] = ("time", radius)
@@ -116,20 +122,7 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
         table = table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
     if structure.yields:
         table["z"] = over(ELEMENT, system.of_elements(z / system.storeys.strength, 0.0, np.nan))
-    return table.merge(energies)
-
-
-def _energies(
-    system: Arrangement, kept: Array, to: Account, spent: Array, v: Array, drift: Array, z: Array
-) -> xr.Dataset:
-    """Energies per unit mass of the whole structure at the samples [m^2/s^2]."""
-    mass, storeys = system.storeys.mass, system.storeys
-    energies = {"input": kept[:, to.entering], "viscous": kept[:, to.viscous]}
-    energies["hysteretic"] = spent.sum(axis=1)
-    energies["kinetic"] = 0.5 * v**2 @ mass
-    energies["elastic"] = 0.5 * (drift**2 @ storeys.post + z**2 @ storeys.couple)
-    columns = {f"{name}_energy_per_mass": ("time", e / mass.sum()) for name, e in energies.items()}
-    return xr.Dataset(columns)
+    return table.assign(step_error=first.error)
 
 
 def stepped_gap(
@@ -228,18 +221,13 @@ def peaks_of(values: Array) -> Array:
     return np.maximum(np.concatenate([values.max(axis=0), -values.min(axis=0)]), 0.0)
 
 
-def _forcing(ground: SampledMotion, cuts: int) -> Array:
-    """Mean over each step of the negative ground acceleration, which is linear between samples."""
-    share = (np.arange(cuts) + 0.5) / cuts
-    rise = np.diff(ground.acceleration)
-    f = -(ground.acceleration[:-1, None] + rise[:, None] * share).ravel()
-    return f[:, None]
-
-
 def _values(
     connected: Sequence[SteppedGroup], weights: Array, ground: SampledMotion, cuts: int
 ) -> Array:
-    f, dt = _forcing(ground, cuts), ground.dt / cuts
+    share = (np.arange(cuts) + 0.5) / cuts  # of the means over each step of the acceleration
+    rise = np.diff(ground.acceleration)
+    f = -(ground.acceleration[:-1, None] + rise[:, None] * share).reshape(-1, 1)
+    dt = ground.dt / cuts
     values = np.zeros((len(f) + 1, len(weights)))
     for group in connected:
         watched, block, state = group.watched, group.part.block(dt), group.part.at_rest(1)

@@ -9,6 +9,7 @@ import xarray as xr
 from scipy import constants
 
 from stochlin.analyses.sites.spectra import labelled
+from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import brief
 from stochlin.models.arguments import Acceleration, DampingOrZero, Seconds, checked, is_number
 
@@ -17,30 +18,36 @@ LEAST = 0.2  # lower bound of the design spectrum of Eurocode 8, beta, over ag
 _EC8_LONGEST, _ASCE_LONGEST = 4.0, 10.0  # s
 
 
-class _Soil(NamedTuple):
-    """Factor ``S`` and corner periods ``TB``, ``TC``, ``TD`` [s] of a ground type."""
+class _Shape(NamedTuple):
+    """Factor ``S`` and corner periods ``TB``, ``TC``, ``TD`` [s] of a design spectrum."""
 
     factor: float
     rise: float
     plateau: float
     long: float
 
+    def shape(self, period: Array | float, start: float, top: float) -> Array:
+        """From ``start`` at 0 up to ``top`` on the plateau, then as 1/T, and at last as 1/T^2."""
+        after = np.maximum(period, self.plateau)
+        falling = top * self.plateau / after * np.minimum(1, self.long / after)
+        return np.where(period < self.rise, start + period / self.rise * (top - start), falling)
+
 
 # EN 1998-1:2004, tables 3.2 and 3.3.
 _EUROCODE = {
     1: {
-        "A": _Soil(1.0, 0.15, 0.4, 2.0),
-        "B": _Soil(1.2, 0.15, 0.5, 2.0),
-        "C": _Soil(1.15, 0.2, 0.6, 2.0),
-        "D": _Soil(1.35, 0.2, 0.8, 2.0),
-        "E": _Soil(1.4, 0.15, 0.5, 2.0),
+        "A": _Shape(1.0, 0.15, 0.4, 2.0),
+        "B": _Shape(1.2, 0.15, 0.5, 2.0),
+        "C": _Shape(1.15, 0.2, 0.6, 2.0),
+        "D": _Shape(1.35, 0.2, 0.8, 2.0),
+        "E": _Shape(1.4, 0.15, 0.5, 2.0),
     },
     2: {
-        "A": _Soil(1.0, 0.05, 0.25, 1.2),
-        "B": _Soil(1.35, 0.05, 0.25, 1.2),
-        "C": _Soil(1.5, 0.1, 0.25, 1.2),
-        "D": _Soil(1.8, 0.1, 0.3, 1.2),
-        "E": _Soil(1.6, 0.05, 0.25, 1.2),
+        "A": _Shape(1.0, 0.05, 0.25, 1.2),
+        "B": _Shape(1.35, 0.05, 0.25, 1.2),
+        "C": _Shape(1.5, 0.1, 0.25, 1.2),
+        "D": _Shape(1.8, 0.1, 0.3, 1.2),
+        "E": _Shape(1.6, 0.05, 0.25, 1.2),
     },
 }
 
@@ -100,18 +107,11 @@ def eurocode_8(
     name = soil.strip().upper() if isinstance(soil, str) else ""
     if name not in soils:
         raise ValueError(f"soil = {brief(soil)} is no ground type; allowed: {', '.join(soils)}")
-    s, rise, plateau, long = soils[name]
-    peak = ag * s
     eta = max(np.sqrt(10 / (5 + 100 * damping)), 0.55)
     period = STEP * np.arange(round(_EC8_LONGEST / STEP) + 1)
-    after = np.maximum(period, plateau)
-    shape = np.where(
-        period < rise,
-        1 + period / rise * (2.5 * eta - 1),
-        2.5 * eta * plateau / after * np.minimum(1, long / after),
-    )
+    values = ag * soils[name].factor * soils[name].shape(period, 1.0, 2.5 * eta)
     source = f"Eurocode 8, type {int(type)}, ground {name}, ag = {ag / constants.g:.4g} g"
-    curve = labelled(period, peak * shape, damping, source)
+    curve = labelled(period, values, damping, source)
     return curve.assign_attrs(code="eurocode_8", ag=float(ag), soil=name, spectrum_type=f"{int(type)}")
 
 
@@ -121,12 +121,10 @@ def reduced_eurocode_8(elastic: xr.DataArray, period: float, behaviour: float) -
     ``elastic`` is the spectrum by `eurocode_8`, and ``behaviour`` the factor ``q``, which includes the
     damping. The lower bound ``beta ag`` has the recommended ``beta = 0.2``.
     """
-    s, rise, plateau, long = _EUROCODE[int(elastic.attrs["spectrum_type"])][elastic.attrs["soil"]]
-    peak, top = float(elastic[0]), 2.5 / behaviour  # ag S
-    if period < rise:
-        return peak * (2 / 3 + period / rise * (top - 2 / 3))
-    after = max(period, plateau)
-    return peak * max(top * plateau / after * min(1.0, long / after), LEAST / s)
+    soil = _EUROCODE[int(elastic.attrs["spectrum_type"])][elastic.attrs["soil"]]
+    shape = float(soil.shape(period, 2 / 3, 2.5 / behaviour))
+    least = 0.0 if period < soil.rise else LEAST / soil.factor
+    return float(elastic[0]) * max(shape, least)  # which is ag S at 0
 
 
 @checked
@@ -180,12 +178,7 @@ def asce_7(sds: Acceleration, sd1: Acceleration, tl: Seconds) -> xr.DataArray:
     corners = [t for t in (0.2 * corner, corner, tl) if t < _ASCE_LONGEST]
     near = np.abs(grid[:, None] - corners).min(axis=1) < 1e-6
     period = np.union1d(grid[~near], corners)
-    after = np.maximum(period, corner)
-    shape = np.where(
-        period < 0.2 * corner,
-        0.4 + 0.6 * period / (0.2 * corner),
-        corner / after * np.minimum(1, tl / after),
-    )
+    shape = _Shape(1.0, 0.2 * corner, corner, tl).shape(period, 0.4, 1.0)
     short, long = (value / constants.g for value in (sds, sd1))
     source = f"ASCE 7, SDS = {short:.4g} g, SD1 = {long:.4g} g, TL = {tl:g} s"
     curve = labelled(period, sds * shape, 0.05, source)

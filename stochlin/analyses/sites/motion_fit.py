@@ -83,21 +83,14 @@ class Components(NamedTuple):
 
     def spectra(self, periods: Array) -> Array:
         """Pseudo-accelerations (components, periods) [m/s^2], damping ratio 0.05."""
-        each = [
-            response_spectrum(record, periods, USUAL_DAMPING).pseudo_acceleration.to_numpy().ravel()
-            for record in self.records
-        ]
-        return np.array(each)
+        records = {str(number): record for number, record in enumerate(self.records)}
+        table = response_spectrum(records, periods, USUAL_DAMPING)
+        return table.pseudo_acceleration.to_numpy()
 
     def spectrum(self, periods: Array) -> Array:
         """Median of the pseudo-accelerations [m/s^2]."""
         median: Array = np.exp(np.log(self.spectra(periods)).mean(axis=0))
         return median
-
-    def scatter(self, periods: Array) -> float:
-        """Standard deviation between both components of ln Sa, root mean square over the periods [-]."""
-        logs = np.log(self.spectra(periods))
-        return float(np.sqrt(logs.var(axis=0, ddof=1).mean()))
 
     def common(self) -> xr.DataArray:
         """A motion whose energy builds up as that of the components in the mean [m/s^2]."""
@@ -297,7 +290,8 @@ def periods_of_fit(duration: float) -> Array:
 
 def between_components(components: Components, band: tuple[float, float] = BAND) -> UsualScatter:
     """The scatter of both components of a station about their median in a band of periods [s]."""
-    scatter = components.scatter(np.geomspace(*band, BAND_POINTS))
+    logs = np.log(components.spectra(np.geomspace(*band, BAND_POINTS)))
+    scatter = float(np.sqrt(logs.var(axis=0, ddof=1).mean()))  # root mean square over the periods
     between = "standard deviation of ln Sa between both components"
     return UsualScatter(scatter, f"{between}, {band[0]:g} to {band[1]:g} s")
 

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from scipy import constants
 
+from stochlin.analyses.records.records import checked_array
 from stochlin.analyses.sheets.sheets import sheets_of, table_in
 from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
@@ -66,20 +67,10 @@ def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
     or have a gap, and for ordinates that are not positive. The ordinate at a period of 0 is the peak
     ground acceleration.
     """
-    if not isinstance(spectrum, xr.DataArray):
-        raise TypeError(f"spectrum is a {type(spectrum).__name__}; allowed: an xarray.DataArray")
-    if spectrum.dims != ("period",) or "period" not in spectrum.coords:
-        raise ValueError(f"spectrum has the dimensions {spectrum.dims}; allowed: period alone")
-    units = spectrum.attrs.get("units")
-    if not isinstance(units, str) or size_of(units, "m/s^2") != 1:
-        said = "no units" if units is None else f"units {brief(units)}"
-        raise ValueError(f"spectrum has {said}; allowed: m/s^2, stated in its attributes")
+    period, values = checked_array(spectrum, "spectrum", "period")
     damping = spectrum.attrs.get("damping", USUAL_DAMPING)
     if not (is_number(damping) and 0 < damping < 1):
         raise ValueError(f"spectrum is of the damping {brief(damping)}; allowed: 0 < damping < 1")
-    if not {spectrum.dtype.kind, spectrum.period.dtype.kind} <= set("iuf"):
-        raise TypeError(f"spectrum is {spectrum.dtype} over {spectrum.period.dtype}; allowed: numbers")
-    period, values = (array.to_numpy().astype(float) for array in (spectrum.period, spectrum))
     places = [f"spectrum, number {n}" for n in range(1, period.size + 1)]
     check_ordinates(period, values, float(damping), places)
     return period, values, float(damping)

@@ -135,15 +135,13 @@ def read_records(
     all_of = vertical or component is not None
     listed_files = _of_folder(path) if path.is_dir() else _of_table(path, vertical)
     suite: Suite = {}
-    known: set[str] = set()
     upward: list[str] = []
     folder = path if path.is_dir() else path.parent
     for name, where, options, about in listed_files:
-        if name in known:
-            raise ValueError(f"{where} is listed twice; allowed: each file once")
-        known.add(name)
         try:
             for label, record in _components(folder / name, name, **usual | options):
+                if label in suite:
+                    raise ValueError("it is listed twice; allowed: each file once")
                 if all_of or is_horizontal(record.assign_attrs(about), name):
                     suite[label] = record.assign_attrs(about, file=name)
                 else:
