@@ -134,9 +134,11 @@ NO_CURVES: dict[str, Any] = {
     r"no two lines have its area and cross it at 0\.6": curve(
         [0, 1, 1.01, 2, 3, 4], [0, 60, 98, 99, 99.5, 100]
     ),
-    "has 'mm' as units, where m": curve([0, 1, 2, 3], [0, 2, 3, 3.3], ("mm", "kN")),
-    "has the dimensions .'step',.; allowed: displacement": xr.DataArray([0.0, 1, 2, 2.1], dims="step"),
-    "allowed: finite numbers": curve([0, 1, 2, 3], [0, 2, np.nan, 3]),
+    "has float64 values in 'mm'; allowed: finite numbers in m": curve(
+        [0, 1, 2, 3], [0, 2, 3, 3.3], ("mm", "kN")
+    ),
+    "step: 4.*; allowed: an xarray.DataArray over displ": xr.DataArray([0.0, 1, 2, 2.1], dims="step"),
+    "values in 'N'; allowed: finite numbers": curve([0, 1, 2, 3], [0, 2, np.nan, 3]),
     r"pushover = \[0, 1, 2\]; allowed: an xarray.DataArray": [0, 1, 2],
 }
 NO_ARGUMENTS: dict[str, dict[str, Any]] = {

@@ -175,19 +175,17 @@ def _peak_of(force: Array) -> int:
 
 def _curve_of(pushover: object) -> tuple[Array, Array]:
     """Displacements [m] and base shears [N] of a curve, checked."""
-    if not isinstance(pushover, xr.DataArray):
-        allowed = "an xarray.DataArray over displacement, as read_pushover gives it"
+    if not isinstance(pushover, xr.DataArray) or pushover.dims != (DISPLACEMENT,):
+        allowed = "an xarray.DataArray over displacement alone, as read_pushover gives it"
         raise TypeError(f"pushover = {brief(pushover)}; allowed: {allowed}")
-    if pushover.dims != (DISPLACEMENT,) or DISPLACEMENT not in pushover.coords:
-        what = f"pushover has the dimensions {pushover.dims}"
-        raise ValueError(f"{what}; allowed: displacement alone, with its values")
     arrays = pushover[DISPLACEMENT], pushover
     for array, units in zip(arrays, ("m", "N"), strict=True):
-        if array.dtype.kind not in "iuf" or not np.isfinite(array).all():
-            raise TypeError(f"pushover has {array.dtype} in {units}; allowed: finite numbers")
-        if array.attrs.get("units") != units:
-            what = f"pushover has {brief(array.attrs.get('units'))} as units, where {units} is allowed"
-            raise ValueError(f"{what}; convert it and say so in its attributes")
+        stated = array.attrs.get("units")
+        if stated != units or array.dtype.kind not in "iuf" or not np.isfinite(array).all():
+            what = f"pushover has {array.dtype} values in {brief(stated)}"
+            raise ValueError(
+                f"{what}; allowed: finite numbers in {units}, which its attribute units says"
+            )
     displacement, force = (array.to_numpy().astype(float) for array in arrays)
     return checked_curve(displacement, force, [f"pushover, point {n}" for n in range(1, force.size + 1)])
 

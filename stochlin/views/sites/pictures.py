@@ -25,9 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH, UPPER, LOWER, AXIS, BETWEEN = 4.6, 2.4, 1.05, 0.5, 0.12  # inches
-LEGEND, LINE = 0.19, 0.14  # inches: lines of text
-LEFT, RIGHT = 0.13, 0.86  # of the width
+WIDTH, UPPER, LOWER, EDGES, LINE = 4.6, 2.4, 1.05, 1.2, 0.14  # inches; LINE is that of a line of text
 CAPTION = 70  # characters
 TICKS = (0.05, 0.1, 0.2, 0.5, 1, 2, 4, 10)  # s
 WITHIN = 0.06  # what fits to spectra hold to
@@ -63,63 +61,47 @@ def draw_spectrum(dataset: xr.Dataset, caption: bool = True, periods: Sequence[f
     """
     from matplotlib.figure import Figure
 
-    check_spectrum(dataset)
-    text = filled(_caption(dataset, periods), CAPTION) if caption else ""
-    foot = LINE * (text.count("\n") + 1.5) if text else 0.05
-    figure = Figure()
-    compared = "target" in dataset
-    upper = figure.add_axes((0, 0.5, 1, 0.5))
-    lower = figure.add_axes((0, 0, 1, 0.5)) if compared else None
-    spectrum_panels(upper, lower, dataset, periods)
-    head = LEGEND * (-(-len(upper.get_legend_handles_labels()[1]) // 2) + 0.3)
-    inner = [(upper, UPPER), *([(lower, LOWER)] if lower else [])]
-    height = head + sum(own for _, own in inner) + BETWEEN * (len(inner) - 1) + AXIS + foot
-    figure.set_size_inches(WIDTH, height)
-    top = height - head
-    for axes, own in inner:
-        axes.set_position((LEFT, (top - own) / height, RIGHT - LEFT, own / height))
-        top -= own + BETWEEN
-    legend_above(upper)
-    figure.text(0.02, foot / height, text, va="top", size=8)
-    return figure
-
-
-def check_spectrum(dataset: xr.Dataset) -> None:
-    """Raise a ValueError unless this is the spectrum of simulated motions, over two periods or more."""
     known = "pseudo_acceleration_quantile" in dataset and "duration_s" in dataset.attrs
     if not known or dataset.sizes["period"] < 2:
         raise ValueError(
             f"dataset has the dimensions {dict(dataset.sizes)}; allowed: what simulated_spectrum "
             "returns, of two periods or more"
         )
-
-
-def spectrum_panels(
-    upper: Axes, lower: Axes | None, dataset: xr.Dataset, periods: Sequence[float] = ()
-) -> None:
-    """The spectra, and their ratio where there are axes for it."""
+    text = filled(_caption(dataset, periods), CAPTION) if caption else ""
+    heights = [UPPER, LOWER] if "target" in dataset else [UPPER]
+    size = WIDTH, sum(heights) + EDGES + LINE * text.count("\n")
+    figure = Figure(size, layout="constrained")
+    panels = figure.subplots(len(heights), sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     period: Any = dataset.period.values
-    band: Any = (dataset.pseudo_acceleration_quantile.sel(quantile=q).values for q in (0.16, 0.84))
-    upper.fill_between(period, *band, color="0.82", lw=0, label="motions, 16 to 84 %")
-    (color, dash), (black, solid) = CURVES[1], CURVES[0]
-    mean = dataset.pseudo_acceleration.values
-    upper.plot(period, mean, color=color, linestyle=dash, label="motions, mean")
-    if "target" in dataset:
-        upper.plot(period, dataset.target, color=black, linestyle=solid, lw=1.1, label="wanted")
-    for number, own_period in enumerate(periods, start=1):
+    _spectra(panels[0], dataset)
+    for number, mark in enumerate(periods, start=1):
         look: Any = {"color": CURVES[2][0], "lw": 1.0, "linestyle": (0, (1, 1)) if number == 1 else "-."}
-        for axes in filter(None, (upper, lower)):
-            axes.axvline(own_period, label=f"building {number}" if axes is upper else None, **look)
-    upper.set(ylim=(0, None), ylabel="spectral acceleration [m/s²]")
-    upper.secondary_yaxis("right", functions=(_in_g, _of_g)).set_ylabel("[g]")
-    if lower is not None:
-        _ratio(lower, dataset)
-        upper.tick_params(labelbottom=False)
-    for axes in filter(None, (upper, lower)):
+        for axes in panels:
+            axes.axvline(mark, label=f"building {number}" if axes is panels[0] else None, **look)
+    for axes in panels[1:]:
+        _ratio(axes, dataset)
+    for axes in panels:
         axes.set(xscale="log", xlim=(period[0], period[-1]))
         plain_ticks(axes.xaxis, [tick for tick in TICKS if period[0] <= tick <= period[-1] * 1.001])
         open_frame(axes, ("top",))
-    (upper if lower is None else lower).set_xlabel("period [s]")
+    panels[-1].set_xlabel("period [s]")
+    legend_above(panels[0])
+    figure.supxlabel(text, x=0.02, ha="left", size=8)
+    return figure
+
+
+def _spectra(axes: Axes, dataset: xr.Dataset) -> None:
+    """The response spectra of the motions, and the target."""
+    period: Any = dataset.period.values
+    band: Any = (dataset.pseudo_acceleration_quantile.sel(quantile=q).values for q in (0.16, 0.84))
+    axes.fill_between(period, *band, color="0.82", lw=0, label="motions, 16 to 84 %")
+    (color, dash), (black, solid) = CURVES[1], CURVES[0]
+    mean = dataset.pseudo_acceleration.values
+    axes.plot(period, mean, color=color, linestyle=dash, label="motions, mean")
+    if "target" in dataset:
+        axes.plot(period, dataset.target, color=black, linestyle=solid, lw=1.1, label="wanted")
+    axes.set(ylim=(0, None), ylabel="spectral acceleration [m/s²]")
+    axes.secondary_yaxis("right", functions=(_in_g, _of_g)).set_ylabel("[g]")
 
 
 def _in_g(acceleration: Any) -> Any:
