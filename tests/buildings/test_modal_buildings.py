@@ -343,8 +343,3 @@ def test_what_is_wrong_with_modes_is_said(case: str) -> None:
 def test_modes_with_little_mass_are_doubted() -> None:
     with pytest.warns(DoubtfulInput, match=r"have 6\d\.\d% of the mass; 3\d\.\d% is left out"):
         sl.ModalBuilding(**cantilever(1))
-
-
-def test_a_link_to_a_floor_that_is_not_there_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"structure 1 has 4; allowed: 1 to 4"):
-        sl.linearize_system([BY_MODES, LOW], GROUND, [sl.Link(stiffness=1e8, floors=(5, 1))])
