@@ -76,9 +76,7 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         plt.close("all")
 
 
-@pytest.mark.parametrize(
-    "page", with_slow(PROGRAMS, {"buildings", "pounding", "probability", "risk", "sites"})
-)
+@pytest.mark.parametrize("page", with_slow(PROGRAMS, {"buildings", "pounding", "probability", "sites"}))
 def test_code_of_a_page_runs_from_top_to_bottom(page: str) -> None:
     namespace: dict[str, object] = {}
     for number, block in enumerate(blocks(PAGES[page], "python")):

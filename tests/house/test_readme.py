@@ -1,4 +1,4 @@
-"""What the README and the page of commands show works as printed, in an empty folder."""
+"""What the README and the page to start with show works as printed, in an empty folder."""
 
 import re
 from contextlib import redirect_stdout
@@ -14,7 +14,7 @@ pytestmark = pytest.mark.cli
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-CALLS = (ROOT / "docs" / "calls.md").read_text(encoding="utf-8")
+START = (ROOT / "docs" / "start.md").read_text(encoding="utf-8")
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -23,7 +23,7 @@ def blocks(text: str, language: str) -> list[str]:
 
 
 def command_lines() -> list[str]:
-    text = "".join(blocks(README, "") + blocks(CALLS, "sh")).replace("\\\n", " ")
+    text = "".join(blocks(README, "") + blocks(START, "sh")).replace("\\\n", " ")
     lines = [line.split("  #")[0].strip() for line in text.splitlines() if line.startswith("stochlin ")]
     assert set(lines) >= ELSEWHERE
     return sorted(set(lines) - ELSEWHERE)
