@@ -32,7 +32,7 @@ from stochlin.kernels.simulation.ensemble import (
     SteppedStructures,
     UncertainGround,
 )
-from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, VISCOUS
+from stochlin.kernels.simulation.laws import BILINEAR, OTHER, VISCOUS
 from stochlin.kernels.simulation.stepping import LANES, FilterSteps, filter_steps
 from stochlin.kernels.simulation.time_step import Elements
 from stochlin.models.grounds import Ground
@@ -268,7 +268,7 @@ def work_of(run: SimulationRun, steps: float, distances: float = 0.0) -> dict[st
         "steps of a ground": 1,
         "steps of a bilinear structure": float((all_kinds < VISCOUS).sum()),
         "steps of a dashpot": float((all_kinds == VISCOUS).sum()),
-        "steps of another law": float((all_kinds >= BOUC_WEN).sum()),
+        "steps of another law": float((all_kinds >= OTHER).sum()),
         "steps of a pair of storeys": sum(kind.size**2 for kind in kinds),
         "steps of a recorded distance": distances,
     }
