@@ -56,7 +56,6 @@ bench: $(VENV)/.dev
 	$(BIN)/python benchmarks/tables.py build/bench.md
 	$(BIN)/python benchmarks/simulation.py
 	$(BIN)/python benchmarks/pounding.py
-	OPENBLAS_NUM_THREADS=1 $(BIN)/python benchmarks/work.py
 	$(BIN)/python benchmarks/rules.py
 
 # The map that comes with the package, of what simulation adds to the drift closure: two hours or so, to

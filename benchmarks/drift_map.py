@@ -15,6 +15,8 @@ from arguments import file_and_work
 
 import stochlin as sl
 from stochlin.analyses.correlation.signatures import (
+    PAIRS,
+    basis_of,
     derived_signatures,
     drifting_side,
     solved_references,
@@ -22,10 +24,9 @@ from stochlin.analyses.correlation.signatures import (
 from stochlin.analyses.linearization.equivalent_systems import solved_together
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.simulation import simulation
+from stochlin.analyses.tables.interpolation import Grid
 from stochlin.analyses.tables.storage import whole_file
-from stochlin.kernels.correlation.interpolation import Grid, interpolate, smoothly
-from stochlin.kernels.correlation.nearness import ENTRIES, form_of
-from stochlin.kernels.correlation.signatures import signature
+from stochlin.kernels.correlation.nearness import ENTRIES
 from stochlin.kernels.simulation.stepping import LANES
 
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
@@ -69,6 +70,7 @@ NEAR = {
     "near_ground_damping": (0.03, 0.1, 0.3, 1.0),
     "near_period": 10 ** (0.14 * np.arange(-5, 6)),
 }
+LEAST = 1e-3  # smallest eigenvalue of the correlations in eq. (12), to which smaller ones are raised
 NEAR_LEFT_OUT = (0.5, 0.02)  # remembers longest
 STEPS = np.array([0.02, 0.125, 0.175, 0.175])
 SCALES = {"signature_correction": 1e-4, "displacement_refinement": 1e-4, "nearness": 3e-4}
@@ -225,7 +227,7 @@ def assembled(parts):
         xig = GROUND_DAMPING.index(ground_damping)
         count = len(REFERENCES)
         gram, joint = result["gram"][:count, :count], result["joint"][..., :count]
-        signatures[*at, :, xig] = signature(joint, gram)
+        signatures[*at, :, xig] = (basis_of(gram) @ joint[..., None])[..., 0]
         ductility[*at, :, xig] = result["ductility_std"]
     return signatures, ductility
 
@@ -322,7 +324,7 @@ def refinement(ductility, coarse):
     derived = derived_ductility(structure, ground).transpose(*FINE)
     whole = Grid.of([np.log(coarse[name].values) for name in coarse.dims], coarse.values)
     place = np.array(np.meshgrid(*(np.log(fine[own].values) for own in FINE), indexing="ij"))
-    (between,) = interpolate(whole, place.reshape(len(place), -1), smoothly)
+    (between,) = whole.at(place.reshape(len(place), -1))
     added = np.log(fine / derived) - between.reshape(fine.shape)
     known = [
         np.isin(fine[own].values, coarse[name]) for name, own in zip(coarse.dims, FINE, strict=True)
@@ -331,6 +333,32 @@ def refinement(ductility, coarse):
     known[4] = np.isclose(fine.refined_period.values[:, None], coarse.period.values).any(axis=1)
     added.values[np.ix_(*known)] = 0
     return added.fillna(0)
+
+
+def form_of(share, steps):
+    """The matrices G of eq. (12) (ENTRIES, n) from simulated groups of five nearly equal structures.
+
+    The entries are the logarithms of the square roots of the diagonal, and the correlations that remain.
+
+    ``share`` (AXES + 1, AXES + 1, n) is ``1 - rho`` of the pairs in each group. The first structure is
+    that of the form; each of the others differs from it by one of the ``steps`` (AXES,) of the
+    logarithms.
+    """
+    share = np.clip(share, 0, 0.95)
+    form = share / (1 - share)
+    matrix = (form[0, 1:, None] + form[0, None, 1:] - form[1:, 1:]) / 2
+    matrix = np.moveaxis(matrix, -1, 0)
+    slopes, across = _parted(matrix)
+    values, vectors = np.linalg.eigh(across)
+    # By statistical errors the matrix may not be positive definite.
+    _, across = _parted((vectors * np.maximum(values, LEAST)[:, None]) @ np.swapaxes(vectors, 1, 2))
+    return np.stack([*np.log(slopes.T / steps[:, None]), *(across[:, i, j] for i, j in PAIRS)])
+
+
+def _parted(matrix):
+    """Square roots of the diagonals (n, k) of matrices (n, k, k), and the matrices scaled by them."""
+    slopes = np.sqrt(np.diagonal(matrix, axis1=1, axis2=2))
+    return slopes, matrix / (slopes[:, :, None] * slopes[:, None])
 
 
 def nearness(shares):

@@ -10,7 +10,7 @@ import xarray as xr
 from cases import axis, with_slow
 
 import stochlin as sl
-from stochlin.analyses.correlation import pairs
+from stochlin.kernels.correlation import pairs
 
 GROUNDS = ("white_noise", "kanai_tajimi", "clough_penzien")
 

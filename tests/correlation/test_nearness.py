@@ -2,49 +2,30 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
+from stochlin.analyses.correlation.signatures import eased, matrix_of
 from stochlin.kernels.correlation.nearness import (
     AXES,
     ENTRIES,
     MIDDLE,
-    PAIRS,
     Nearness,
-    eased,
-    form_of,
-    with_nearness,
+    by_nearness,
 )
 
 pytestmark = pytest.mark.oracle
 
 
-@given(st.integers(0, 2**32 - 1))
-def test_a_form_is_found_from_the_correlations_of_its_neighbours(seed):
-    """``1 - rho = q/(1 + q)`` with ``q = d' M d``, for the differences ``d`` of five structures."""
-    draw = np.random.default_rng(seed)
-    roots, steps = draw.uniform(0.5, 3.0, (AXES, AXES)), draw.uniform(0.02, 0.2, AXES)
-    matrix = roots @ roots.T + np.eye(AXES)
-    places = np.concatenate([np.zeros((1, AXES)), np.diag(steps)])
-    apart = places[:, None] - places
-    form = np.einsum("ijk,kl,ijl->ij", apart, matrix, apart)
-    found = form_of((form / (1 + form))[..., None], steps)[:, 0]
-    slopes = np.sqrt(np.diag(matrix))
-    np.testing.assert_allclose(found[:AXES], np.log(slopes), rtol=0, atol=1e-10)
-    across = [matrix[pair] / (slopes[pair[0]] * slopes[pair[1]]) for pair in PAIRS]
-    np.testing.assert_allclose(found[AXES:], across, rtol=0, atol=1e-9)
-
-
 def test_the_weight_of_the_form_falls_from_one_to_nothing():
     """A half at the distance ``MIDDLE``, the same share of it at a multiple of it; times both trusts."""
     ends = MIDDLE * np.array([0.0, 1 / 3, 1.0, 3.0, 1e9])
-    one = Nearness(np.zeros((AXES, ends.size)), np.zeros((ENTRIES, ends.size)), np.full(ends.size, 0.5))
+    nothing = np.zeros((ENTRIES, ends.size))
+    one = Nearness(nothing[:AXES], matrix_of(nothing), np.full(ends.size, 0.5))
     place = one.place.copy()
     place[0] = np.sqrt(ends)  # so that q, with a unit matrix, is this distance
     rho = np.full(ends.size, 0.4)
     other = one._replace(place=place, trust=2 * one.trust)
     with np.errstate(divide="ignore"):  # ln q of equal structures
-        mixed, share = with_nearness(rho, one, other, 0.0)
+        mixed, share = by_nearness(rho, one, other, 0.0)
     np.testing.assert_allclose(share, [0.0, 0.45, 0.25, 0.05, 0.0], rtol=0, atol=1e-14)
     np.testing.assert_allclose(mixed[[0, -1]], 0.4, rtol=0, atol=1e-14)
 

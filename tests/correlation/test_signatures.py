@@ -10,16 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
+from stochlin.analyses.correlation.signatures import OWN, PAIRS, basis_of, corrected
 from stochlin.analyses.linearization.drift_map import drift_map
 from stochlin.analyses.simulation import simulation
-from stochlin.kernels.correlation.signatures import (
-    LEFT,
-    OWN,
-    Insight,
-    informed_correlation,
-    insight,
-    signature,
-)
+from stochlin.kernels.correlation.nearness import AXES
+from stochlin.kernels.correlation.signatures import LEFT, Signature, by_signatures
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
@@ -37,6 +32,11 @@ def load(name):
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+def signature(joint, gram):
+    """From correlations (..., k) with the references, and those among them, eq. (9)."""
+    return (basis_of(gram) @ joint[..., None])[..., 0]
 
 
 def correlations(rng, size, rank):
@@ -59,14 +59,14 @@ def test_correlation_is_a_projection_and_what_is_left_of_it(seed, references, ra
         return [signature(matrix[n, 2:], matrix[2:, 2:])[:, None] for n in (0, 1)]
 
     own, known = seen(derived), seen(simulated)
-    insights = [insight(d, k - d) for d, k in zip(own, known, strict=True)]
-    rho = informed_correlation(derived[:1, 1], *insights)[0]
+    both = [corrected(d, k - d) for d, k in zip(own, known, strict=True)]
+    rho = by_signatures(derived[:1, 1], *both)[0]
     # The same by partial correlations with the references, which have a share of their own.
     blurred = [(1 - OWN) * matrix[2:, 2:] + OWN * np.eye(references) for matrix in (derived, simulated)]
 
     # Where a correction is large, the simulated signature is shortened, as another test says.
     shorter = [
-        np.linalg.norm(told.known) / np.linalg.norm(k) for told, k in zip(insights, known, strict=True)
+        np.linalg.norm(each.simulated) / np.linalg.norm(k) for each, k in zip(both, known, strict=True)
     ]
 
     def explained(matrix, gram, i, j):
@@ -89,7 +89,7 @@ def test_no_correction_leaves_the_derived_correlation():
     rng = np.random.default_rng(1)
     derived = correlations(rng, 9, 5)
     own = [signature(derived[n, 2:], derived[2:, 2:])[:, None] for n in (0, 1)]
-    rho = informed_correlation(derived[:1, 1], *(insight(d, 0 * d) for d in own))
+    rho = by_signatures(derived[:1, 1], *(corrected(d, 0 * d) for d in own))
     assert rho[0] == pytest.approx(derived[0, 1], abs=1e-12)
 
 
@@ -97,16 +97,16 @@ def test_equal_structures_move_as_one_however_they_are_corrected():
     rng = np.random.default_rng(2)
     own, correction = rng.standard_normal((2, 6, 50)) * 0.5
     own /= np.maximum(np.linalg.norm(own, axis=0), 1)
-    told = insight(own, correction)
+    each = corrected(own, correction)
     assert (np.linalg.norm(own + correction, axis=0) > 1).any()  # some are cut to unit length
-    np.testing.assert_allclose(informed_correlation(np.ones(50), told, told), 1, atol=1e-12)
+    np.testing.assert_allclose(by_signatures(np.ones(50), each, each), 1, atol=1e-12)
 
 
 def test_signatures_are_shortened_smoothly_to_length_one():
     """By less than a thousandth where they are shorter than 0.9, and without a kink beyond."""
     own = np.zeros((1, 2001))
     correction = np.linspace(0.0, 2.0, own.size)[None]
-    known = insight(own, correction).known[0]
+    known = corrected(own, correction).simulated[0]
     assert (known <= 1).all()
     assert (np.diff(known) > 0).all()
     short = correction[0] < 0.9
@@ -117,8 +117,25 @@ def test_signatures_are_shortened_smoothly_to_length_one():
 
 def test_unknown_signatures_leave_the_derived_correlation():
     nothing = np.full((3, 1), np.nan)
-    unknown = Insight(nothing, nothing, nothing[0])
-    assert informed_correlation(np.array([0.3]), unknown, unknown)[0] == 0.3
+    unknown = Signature(nothing, nothing, nothing[0], nothing[0])
+    assert by_signatures(np.array([0.3]), unknown, unknown)[0] == 0.3
+
+
+@settings(deadline=None, max_examples=5)
+@given(st.integers(0, 2**32 - 1))
+def test_a_form_is_found_from_the_correlations_of_its_neighbours(seed):
+    """``1 - rho = q/(1 + q)`` with ``q = d' M d``, for the differences ``d`` of five structures."""
+    draw = np.random.default_rng(seed)
+    roots, steps = draw.uniform(0.5, 3.0, (AXES, AXES)), draw.uniform(0.02, 0.2, AXES)
+    matrix = roots @ roots.T + np.eye(AXES)
+    places = np.concatenate([np.zeros((1, AXES)), np.diag(steps)])
+    apart = places[:, None] - places
+    form = np.einsum("ijk,kl,ijl->ij", apart, matrix, apart)
+    found = load("drift_map").form_of((form / (1 + form))[..., None], steps)[:, 0]
+    slopes = np.sqrt(np.diag(matrix))
+    np.testing.assert_allclose(found[:AXES], np.log(slopes), rtol=0, atol=1e-10)
+    across = [matrix[pair] / (slopes[pair[0]] * slopes[pair[1]]) for pair in PAIRS]
+    np.testing.assert_allclose(found[AXES:], across, rtol=0, atol=1e-9)
 
 
 # --- the map that ships -----------------------------------------------------------------------------

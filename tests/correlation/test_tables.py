@@ -7,7 +7,8 @@ import sixty_digits as oracle
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.correlation.errors import _with_bias
+from stochlin.kernels.correlation import pairs
+from stochlin.kernels.correlation.errors import bias_of_difference, std_of_difference
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance, pair_covariance
 from stochlin.kernels.linearization.filters import KanaiTajimiFilter
 
@@ -51,7 +52,9 @@ def test_differences_of_displacements_and_their_bias():
     one, other, rho, off_1, off_2, off = (rng.uniform(0.1, 0.9, shape) for shape in shapes)
     rho[::7, ::5], one[3], other[4], rho[3, 4], off_1[3], off_2[:] = np.nan, 0.5, 0.5, 1.0, 0.2, 0.2
     off[4], rho[5] = 0.0, -0.95  # with its bias below -1
-    std, bias = _with_bias(one, other, rho, off_1, off_2, off)
+    with np.errstate(invalid="ignore"):
+        std = std_of_difference(one, other, rho)
+        bias = bias_of_difference(std, one, other, off_1, off_2, rho, off)
 
     def apart(one, other, rho):
         return np.sqrt((one - other) ** 2 + 2 * one * other * (1 - rho))
@@ -118,3 +121,14 @@ def test_shared_dimension_and_broadcast_ones_together():
         lone = sl.correlate(*pair, sl.KanaiTajimi(1.0, 0.1))
         for name in ("rho", "bias", "status", "caution"):
             np.testing.assert_allclose(lone[name], whole[name].isel(at), rtol=1e-12, err_msg=name)
+
+
+@pytest.mark.parametrize("options", [{}, {"bias": False}, {"closure": "drift"}])
+def test_large_tables_have_the_numbers_of_small_ones(options, monkeypatch):
+    """They are compiled from the same functions."""
+    axes = xr.DataArray([0.2, 0.9, 2.0], dims="a"), xr.DataArray([0.3, -1.0, 1.1, 4.0], dims="b")
+    pair = [sl.Bilinear(axis, 0.05, 0.05, reduction_factor=4) for axis in axes]
+    small = sl.correlate(*pair, sl.KanaiTajimi(1.0, 0.1), **options)
+    monkeypatch.setattr(pairs, "MANY", 1)
+    large = sl.correlate(*pair, sl.KanaiTajimi(1.0, 0.1), **options)
+    xr.testing.assert_allclose(large, small, rtol=1e-12)

@@ -29,7 +29,7 @@ SECRET = "root:0"
 @pytest.mark.parametrize("device", ["zero", "full", "urandom", "null", "tty"])
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="this system has no such devices")
 def test_devices_are_refused(read, device):
-    with pytest.raises(ValueError, match=f"{device} is a device; allowed: a regular file"):
+    with pytest.raises(ValueError, match=f"{device} is a device or a pipe; allowed: a regular file"):
         read(f"/dev/{device}")
 
 
@@ -39,11 +39,11 @@ def test_folders_are_refused_and_pipes_and_sockets_too(read, tmp_path):
         with pytest.raises(ValueError, match="is a folder; allowed: a regular file"):
             read(tmp_path)
     os.mkfifo(tmp_path / "pipe.csv")
-    with pytest.raises(ValueError, match=r"pipe\.csv is a pipe; allowed: a regular file"):
+    with pytest.raises(ValueError, match=r"pipe\.csv is a device or a pipe; allowed: a regular file"):
         read(tmp_path / "pipe.csv")
     with socket.socket(socket.AF_UNIX) as listening:
         listening.bind(str(tmp_path / "s"))
-        with pytest.raises(ValueError, match="s is a socket; allowed: a regular file"):
+        with pytest.raises(ValueError, match="s is a device or a pipe; allowed: a regular file"):
             read(tmp_path / "s")
 
 

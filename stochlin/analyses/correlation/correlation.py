@@ -11,7 +11,7 @@ import xarray as xr
 
 from stochlin.analyses.correlation.effective import EQ_4, effective_pair
 from stochlin.analyses.correlation.errors import difference
-from stochlin.analyses.correlation.pairs import SHOWN, checked_rho, drifting_pairs, linearized_pairs
+from stochlin.analyses.correlation.pairs import SHOWN, linearized_pairs
 from stochlin.analyses.correlation.variables import VARIABLES
 from stochlin.analyses.linearization.equivalent_systems import Solved, check_closure, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
@@ -214,9 +214,7 @@ def _of_pairs(
 ) -> xr.Dataset:
     """Variables of `correlate`, with the arguments for its history as an attribute."""
     query = Question((first, second), ground, more, *options)
-    check_table(
-        "pairs with drift" if query.closure == DRIFT else f"pairs by {method}", *query.pair, ground
-    )
+    check_table(12, *query.pair, ground)
     variables, details, attrs = METHODS[method](query)
     return xr.Dataset(variables | difference(variables), attrs=attrs | {"details": details})
 
@@ -262,11 +260,9 @@ def _settings(*options: Any) -> SimulationSettings:
 
 def _by_linearization(query: Question) -> Answer:
     drifts, chained = query.closure == DRIFT, query.solver == LYAPUNOV
-    common, how, table = (query.pair, query.ground), f"closure={query.closure!r}", dict[str, Cells]()
-    if drifts:
-        table = drifting_pairs(*common, query.tolerance)
-    elif query.bias or not chained:
-        table = linearized_pairs(*common, query.closure, query.tolerance, bias=query.bias)
+    how, table = f"closure={query.closure!r}", dict[str, Cells]()
+    if query.bias or not chained:
+        table = linearized_pairs(query.pair, query.ground, query.closure, query.tolerance, query.bias)
     if chained:
         from stochlin.analyses.correlation.chained import chained_pairs
 
@@ -315,14 +311,16 @@ def _shown(inputs: list[Cells], solved: Solved) -> dict[str, Cells]:
     """Correlation by eq. (4) of ``inputs``, and the responses of both structures; NaN for failures."""
     sides = [solved.labelled(n, (*SHOWN, "status")) for n in (0, 1)]
     of_sides = (side["status"] for side in sides)
-    rho, status = cellwise(_judged_eq_4, *of_sides, *inputs, kinds=(float, np.int8))
+    rho, status = cellwise(_eq_4_where_solved, *of_sides, *inputs, kinds=(float, np.int8))
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {"rho": rho, **shown, "status": status}
 
 
 @np.errstate(invalid="ignore", divide="ignore")  # invalid cells become NaN by their status
-def _judged_eq_4(status_1: Array, status_2: Array, *pair: Array) -> tuple[Array, Array]:
-    return checked_rho(white_noise_correlation(*pair), status_1, status_2)
+def _eq_4_where_solved(status_1: Array, status_2: Array, *pair: Array) -> tuple[Array, Array]:
+    rho, status = white_noise_correlation(*pair), np.maximum(status_1, status_2)
+    status = np.where((status < labels.NOT_CONVERGED) & np.isnan(rho), labels.NOT_PHYSICAL, status)
+    return np.where(status < labels.NOT_CONVERGED, np.minimum(rho, 1), np.nan), status
 
 
 @checked
@@ -371,7 +369,7 @@ def rho_white_noise(
 
 
 def _by_eq_4(pair: LinearPair) -> xr.Dataset:
-    check_table("pairs by white_noise", pair)
+    check_table(4, pair)
     valid = valid_cells(pair)
     (rho,) = cellwise(_eq_4_where_valid, valid, *pair.cells().values())
     return xr.Dataset({"rho": rho, "status": labels.status_where(valid)})

@@ -24,8 +24,10 @@ from stochlin.analyses.linearization.drift_map import (
     SIGNATURE,
     drift_map,
     hold_at_ends,
+    simulated,
 )
 from stochlin.analyses.linearization.equivalent_systems import (
+    STRENGTH_RATIO,
     Law,
     Oscillators,
     Solved,
@@ -33,38 +35,42 @@ from stochlin.analyses.linearization.equivalent_systems import (
     solve_oscillators,
 )
 from stochlin.analyses.linearization.tolerance import Tolerance
-from stochlin.kernels.basics.arrays import Array, on_arrays
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.slabs import in_ranges
-from stochlin.kernels.correlation.nearness import Nearness, eased
-from stochlin.kernels.correlation.signatures import OWN, Insight, basis_of, insight
+from stochlin.kernels.correlation.errors import BOUNDS
+from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness
+from stochlin.kernels.correlation.pairs import Drifting, over_pairs
+from stochlin.kernels.correlation.signatures import LEFT, Signature
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
-from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlation
+from stochlin.kernels.linearization.drift import DriftingSide
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
 
+PAIRS = tuple((i, j) for i in range(AXES) for j in range(i))  # off the diagonal of a matrix
 # The map of `Nearness` has R/p from the first value up, and hardening up to the second.
 KNOWN_NEARNESS = (0.5, 0.5)
 # T/Tg for which a Kanai-Tajimi ground of damping 1 acts on the structure like white noise.
 AS_ON_WHITE_NOISE = 5.0
 GROUNDS = 64  # number of grounds with scalar parameters whose solved references are kept
-TOGETHER = 512  # structures that are compared with the references together
+BLUR = 0.1  # share of the square of a correction, over which the limit of eq. (10) is rounded
+OWN = 0.01  # share of the unit matrix in the correlations of references, against ill-conditioning
+TOGETHER = 512  # signatures that are computed together
 
 
 class References(NamedTuple):
     """Solved reference structures on several grounds."""
 
-    sides: DriftingSide  # arrays (..., grounds, references)
+    sides: DriftingSide  # those of one ground after those of another
     basis: Array  # (grounds, references, references) `basis_of` their correlations
 
 
 def drifting_side(values: Mapping[str, Array]) -> DriftingSide:
     """Structures of `solve_oscillators` by the drift closure."""
     system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
-    drift = values["drift_std"], values["drift_rate"]
     with np.errstate(all="ignore"):  # failed cells are NaN
-        side = DriftingSide.of(system, forcing, *drift, list(values["drift_shares"]))
-    return DriftingSide(*side[:-1], np.array(side.kicks))  # type: ignore[arg-type]
+        drift = values["drift_std"], values["drift_rate"], values["drift_shares"]
+        return DriftingSide.of(system, forcing, *drift)
 
 
 def solved_references(
@@ -78,18 +84,28 @@ def solved_references(
     one = np.ones_like(period)
     cells = Oscillators(period, rows[1], rows[2], rows[3], one, one, each)
     law = Law(np.arange(period.size), np.empty((0, period.size)), one > 0, Bilinear.closures[DRIFT])
-    side = drifting_side(solve_oscillators(cells, [law], ground, tolerance, drifts=True))
-    shape = soil.shape[1], table.sizes[REFERENCE]
-    sides: DriftingSide = on_arrays(lambda x: x.reshape((*x.shape[:-1], *shape)), side)
-    return References(sides, basis_of(_definite(gram_of(sides))))
+    sides = drifting_side(solve_oscillators(cells, [law], ground, tolerance, drifts=True))
+    count = table.sizes[REFERENCE]
+    gram = _with_references(sides, sides, np.repeat(np.arange(soil.shape[1]), count), count)
+    return References(sides, basis_of(_definite(gram.reshape(-1, count, count))))
 
 
-def gram_of(sides: DriftingSide) -> Array:
-    """Correlations (..., k, k) of k structures with one another."""
-    own = on_arrays(lambda x: x[..., :, None], sides)
-    other = on_arrays(lambda x: x[..., None, :], sides)
-    with np.errstate(all="ignore"):
-        return drifting_correlation(own, other)
+def _with_references(side: DriftingSide, references: DriftingSide, ground: Array, count: int) -> Array:
+    """Correlations (n, count) of structures with the references on their grounds (n,)."""
+    structures = np.repeat(np.arange(ground.size, dtype=np.int32), count)
+    places = (ground[:, None] * count + np.arange(count)).astype(np.int32).ravel()
+    return over_pairs(side, references, (structures, places)).rho.reshape(-1, count)
+
+
+def basis_of(gram: Array) -> Array:
+    """Matrix (..., k, k) that makes signatures of correlations with the references, eq. (9).
+
+    ``gram`` are the correlations (..., k, k) of the references; if one of them is NaN, so is the matrix.
+    """
+    good = np.isfinite(gram).all(axis=(-2, -1), keepdims=True)
+    size = np.eye(gram.shape[-1])
+    factor = np.linalg.cholesky((1 - OWN) * np.where(good, gram, size) + OWN * size)
+    return np.where(good, np.sqrt(1 - OWN) * np.linalg.inv(factor), np.nan)
 
 
 def _definite(gram: Array) -> Array:
@@ -105,47 +121,91 @@ def _solved_once(ground: Ground, tolerance: Tolerance) -> References:
     return solved_references(ground, soil, tolerance, drift_map())
 
 
-def derived_signatures(side: DriftingSide, known: References, place: Array) -> Array:
-    """Signatures (references, n), eq. (9), of structures on the grounds of these places (n,)."""
+def derived_signatures(side: DriftingSide, known: References, ground: Array) -> Array:
+    """Signatures (references, n), eq. (9), of structures on the grounds with these numbers (n,)."""
+    rho = _with_references(side, known.sides, ground, known.basis.shape[-1])
 
-    @np.errstate(all="ignore")
     def part(cells: slice) -> Array:
-        own = on_arrays(lambda x: x[..., cells, None], side)
-        here = on_arrays(lambda x: x[..., place[cells], :], known.sides)
-        return np.einsum("nij,nj->in", known.basis[place[cells]], drifting_correlation(own, here))
+        return np.einsum("nij,nj->in", known.basis[ground[cells]], rho[cells])
 
-    return np.hstack(in_ranges(part, place.size, TOGETHER))
+    return np.hstack(in_ranges(part, ground.size, TOGETHER))
 
 
-def insights(
-    solved: Solved, side: DriftingSide, tolerance: Tolerance
-) -> tuple[Insight | None, Nearness | None]:
-    """What simulations say of structures that were solved with the drift closure.
+def drifting(solved: Solved, tolerance: Tolerance) -> Drifting:
+    """Structures that were solved with the drift closure, and what simulations add to them.
 
-    It is nothing if the map does not have this kind of ground, or if all structures are elastic. On
-    white noise there is no `Insight`.
+    Structures of other laws that yield are NaN.
+    """
+    values, cells = solved.values, solved.oscillators
+    side = drifting_side(values)
+    for structure, part in zip(solved.structures, solved.parts, strict=True):
+        if structure.yields and not isinstance(structure, Bilinear):
+            side.std[part] = np.nan
+    with np.errstate(all="ignore"):  # failed cells are NaN
+        signature, nearness = _corrections(solved, side, tolerance)
+    return Drifting(
+        side,
+        values["displacement_std"],
+        values["displacement_error"],
+        np.searchsorted(BOUNDS, values[STRENGTH_RATIO], side="right").astype(np.int8),
+        np.log(cells.period),
+        simulated(solved.ground, solved.point, cells.soil),
+        np.isinf(values["yield_displacement"]),
+        signature,
+        nearness,
+    )
+
+
+def _corrections(solved: Solved, side: DriftingSide, tolerance: Tolerance) -> tuple[Signature, Nearness]:
+    """What simulations say of structures; nothing if all are elastic or the map lacks this ground.
+
+    On white noise the signatures are not corrected.
     """
     ground, point = solved.ground, solved.point
-    yields = any(structure.yields for structure in solved.structures)
+    one = np.ones(point.shape[1])
+    nothing = np.zeros((ENTRIES, one.size))
+    signature = Signature(nothing, nothing, one, one)
+    yields = any(each.yields and isinstance(each, Bilinear) for each in solved.structures)
     if type(ground) not in CORRECTED_GROUNDS or not yields:
-        return None, None
+        return signature, Nearness(nothing[:AXES], nothing, 0 * one)
     if isinstance(ground, WhiteNoise):
-        one = np.ones_like(point[:1])
-        return None, _nearness(np.concatenate([point, one, AS_ON_WHITE_NOISE * one]), solved.oscillators)
-    place, soil = np.zeros(point.shape[1], int), solved.oscillators.soil
-    if any(array.ndim for array in ground.arrays().values()):
-        grounds, place = np.unique(soil, axis=1, return_inverse=True)
-        known = solved_references(ground, grounds, tolerance, drift_map())
+        point = np.stack([*point, one, AS_ON_WHITE_NOISE * one])
     else:
-        known = _solved_once(ground, tolerance)
-    seen = insight(derived_signatures(side, known, place.ravel()), hold_at_ends(SIGNATURE, point))
-    return seen, _nearness(point, solved.oscillators)
-
-
-@np.errstate(divide="ignore", invalid="ignore", over="ignore")  # of elastic structures: log 0, trust 0
-def _nearness(point: Array, cells: Oscillators) -> Nearness:
-    place = np.log([cells.period, *point[:3]])
+        number, soil = np.zeros(one.size, int), solved.oscillators.soil
+        if any(array.ndim for array in ground.arrays().values()):
+            grounds, number = np.unique(soil, axis=1, return_inverse=True)
+            known = solved_references(ground, grounds, tolerance, drift_map())
+        else:
+            known = _solved_once(ground, tolerance)
+        derived = derived_signatures(side, known, number.ravel())
+        signature = corrected(derived, hold_at_ends(SIGNATURE, point))
     least, most = KNOWN_NEARNESS
     trust = np.log(point[0] / ELASTIC) / np.log(least / ELASTIC)
     trust = eased(trust) * eased(np.log(point[1]) / np.log(most))
-    return Nearness(place, hold_at_ends(NEARNESS, point), trust)
+    place = np.log([solved.oscillators.period, *point[:3]])
+    return signature, Nearness(place, matrix_of(hold_at_ends(NEARNESS, point)), trust)
+
+
+def corrected(derived: Array, correction: Array) -> Signature:
+    """The signatures (k, n) that are derived, with their corrections, eq. (10)."""
+    known = derived + correction
+    # A signature has a length of at most 1, since it is the projection of a unit vector.
+    square, blur = (known**2).sum(axis=0), BLUR * (correction**2).sum(axis=0)
+    known = known / np.sqrt((square + 1 + np.hypot(square - 1, 2 * blur)) / 2)
+    left, left_derived = (np.maximum(1 - (c**2).sum(axis=0), 0) for c in (known, derived))
+    ratio = np.sqrt((left + LEFT) / (left_derived + LEFT))
+    return Signature(known, ratio * derived, ratio, np.sqrt(left))
+
+
+def matrix_of(form: Array) -> Array:
+    """Lower triangles (ENTRIES, n) of matrices G, of which the map has the slopes and correlations."""
+    slopes = np.exp(form[:AXES])
+    across = dict(zip(PAIRS, form[AXES:], strict=True))
+    triangle = [(i, j) for i in range(AXES) for j in range(i + 1)]
+    return np.stack([slopes[i] * slopes[j] * across.get((i, j), 1.0) for i, j in triangle])
+
+
+def eased(share: Array) -> Array:
+    """A share that rises smoothly from 0 to 1 where ``share`` does; 0 or 1 beyond."""
+    share = np.clip(share, 0, 1)
+    return share * share * (3 - 2 * share)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -18,7 +17,7 @@ from stochlin.analyses.simulation.ensembles import (
     join_cells,
     prepare,
 )
-from stochlin.analyses.simulation.run_lengths import expected_work, with_length
+from stochlin.analyses.simulation.run_lengths import expected_seconds, with_length
 from stochlin.analyses.simulation.simulation import (
     MomentEstimates,
     run_attributes,
@@ -161,22 +160,22 @@ def _check_grounds(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> None:
     """Raise a ValueError if the simulations on all grounds would together take too long."""
-    work = over_grounds(partial(_work, settings=settings), (first, second), ground)
-    grounds = math.prod(work.sizes.values())
+    seconds = over_grounds(partial(_seconds, settings=settings), (first, second), ground).seconds
+    grounds = seconds.size
     check_work(
         f"the simulations on {grounds} grounds would take",
         "take fewer grounds at a time, lower paths or relaxation_times, or leave out structures that "
         "yield rarely",
-        {str(kind): float(count.sum()) for kind, count in work.items()},
-        cores(),
+        seconds=float(seconds.sum()),
+        cores=cores(),
     )
 
 
-def _work(
+def _seconds(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> xr.Dataset:
     run = _Pairs.of(first, second, ground).run(ground, settings, moments=False)
-    return xr.Dataset(expected_work(run, settings.relaxation_times))
+    return xr.Dataset({"seconds": expected_seconds(run, settings.relaxation_times)})
 
 
 def _table(pairs: _Pairs, moments: MomentEstimates) -> xr.Dataset:

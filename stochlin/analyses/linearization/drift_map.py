@@ -27,8 +27,8 @@ from importlib.resources import files
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.tables.interpolation import Grid, linear
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.correlation.interpolation import Grid, interpolate, smoothly
 from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
@@ -139,7 +139,7 @@ def hold_at_ends(name: str, point: Array) -> Array:
 
     Outside the map they are those at its boundary. There is a column for each entry of the variable.
     """
-    return interpolate(_grid(name), _inside(_grid(name), point), smoothly)
+    return _grid(name).at(_inside(_grid(name), point))
 
 
 @cache
@@ -166,9 +166,7 @@ def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
     parts = [[array[dim].values.round(12) for dim in array.dims] for array in (coarse, refinement)]
     points = [np.union1d(*axes) for axes in zip(*parts, strict=True)]
     one, other = (
-        Grid.of([np.log(axis) for axis in axes], array.values).on_points(
-            [np.log(axis) for axis in points], smoothly
-        )
+        Grid.of([np.log(axis) for axis in axes], array.values).on_points([np.log(x) for x in points])
         for array, axes in zip((coarse, refinement), parts, strict=True)
     )
     named = dict(zip(coarse.dims, points, strict=True))
@@ -181,14 +179,14 @@ def _held_with_spread(name: str, point: Array) -> tuple[Array, Array]:
     The standard deviations have the weights of linear interpolation.
     """
     inside = _inside(_grid(name), point)
-    mean, square = interpolate(_with_squares(name), inside)
-    return interpolate(_grid(name), inside, smoothly)[0], np.sqrt(np.maximum(square - mean**2, 0))
+    mean, square = _with_squares(name).at(inside)
+    return _grid(name).at(inside)[0], np.sqrt(np.maximum(square - mean**2, 0))
 
 
 @cache
 def _with_squares(name: str) -> Grid:
     grid = _grid(name)
-    return grid._replace(values=np.concatenate([grid.values, grid.values**2], axis=-1))
+    return Grid.of(grid.axes, np.concatenate([grid.values, grid.values**2], axis=-1), linear)
 
 
 @np.errstate(all="ignore")  # R/p of elastic structures is 0; failed cells are NaN

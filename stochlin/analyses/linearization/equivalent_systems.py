@@ -220,7 +220,7 @@ def solved_together(
         yields = closure is not None and structure.yields
         if closure is not None:
             check_closure(structure, closure)
-            check_table("structures with drift" if closure == DRIFT else "structures", structure, ground)
+            check_table(1250 if closure == DRIFT else 90, structure, ground)
         if yields:
             structure.check_settles(type(structure).__name__)
         table = flat({"structure": structure, "ground": ground}, settled=yields)

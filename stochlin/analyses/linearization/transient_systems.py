@@ -197,7 +197,8 @@ def course_of(envelope: Envelope | None, duration: float, shortest: float, point
     check_work(
         f"duration = {duration:g} s, with a shortest period of {shortest:.3g} s, would take",
         "shorten it, or leave out the shortest period",
-        {"instants of a motion": instants, "numbers": COLUMNS * instants},
+        numbers=COLUMNS * instants,
+        seconds=1e-4 * instants,
     )
     each = max(1, int(np.ceil(instants / stretches)))
     times = np.linspace(0, duration, stretches * each + 1)
@@ -230,10 +231,8 @@ def solve_course(
     check_work(
         f"{pairs.shape[1]} pairs at {course.times.size} instants, with {elements} storeys, would take",
         "take fewer cells at a time, storeys together, or a shorter motion",
-        {
-            "cubes of states in motion": evaluations * count * states**3,
-            "numbers": COLUMNS * course.times.size * elements * count,
-        },
+        numbers=COLUMNS * course.times.size * elements * count,
+        seconds=8e-11 * evaluations * count * states**3,
     )
     kinks = () if course.envelope is None else course.envelope.kinks()
     moments = covariances.solve(course.times, kinks, progress)

@@ -90,12 +90,9 @@ def _check_runs(
         "would take",
         "take softer structures, a softer contact, or "
         f"{'fewer motions' if many else 'a shorter record'}",
-        {
-            "operations in a row": 2 * steps * operations,
-            "steps of a row": 2 * steps / lanes,
-            "numbers": (standing.row.places[1].rows + 2.0) * max(samples),
-        },
-        min(cores(), len(grounds)),
+        numbers=(standing.row.places[1].rows + 2.0) * max(samples),
+        seconds=2 * steps * (1e-9 * operations + 3e-6 / lanes),
+        cores=min(cores(), len(grounds)),
     )
 
 

@@ -24,7 +24,7 @@ from stochlin.analyses.simulation.ensembles import (
     SimulationRun,
     joined_laws,
     prepare,
-    work_of,
+    seconds_of,
 )
 from stochlin.analyses.simulation.finite_motions import (
     finite_steps,
@@ -52,6 +52,7 @@ from stochlin.models.systems import AnyStructure
 
 SAMPLES = "separation_samples"  # variable from which a fragility is fitted
 STEPS_PER_PERIOD = 32
+STEP_OF_DISTANCE = 6e-8  # time to compare a distance with gaps at a step [s], approximately
 ENVELOPES, RESULTS = 6, 6  # numbers in memory at once for each step, and for each motion and pair
 
 
@@ -179,12 +180,9 @@ def _histories(
         f"duration = {course.duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would "
         "take",
         "shorten it, lower paths, or leave out the shortest period",
-        work_of(run, steps)
-        | {
-            "steps of a distance to gaps": steps * paths * count,
-            "numbers": ENVELOPES * steps + RESULTS * float(paths) * count,
-        },
-        cores(),
+        numbers=ENVELOPES * steps + RESULTS * float(paths) * count,
+        seconds=seconds_of(run, steps) + STEP_OF_DISTANCE * steps * paths * count,
+        cores=cores(),
     )
     crowd, shape = finite_steps(run, course.duration, course.envelope)
     instants = course.times[course.shown] / run.plan.dt

@@ -157,9 +157,9 @@ class RecordCells(NamedTuple):
         dt = np.array([dt for _, dt in self.motions.grounds])
         steps = samples[:, None] * np.maximum(1.0, dt[:, None] * w / LONGEST)
         stored = numbers * cores() * float(steps.max(initial=0.0))
-        work = {"sub-steps on a record": float(steps.sum()), "numbers": stored}
         cure = "take longer periods, or fewer structures or records at a time"
-        check_work("structures on records would take", cure, work, cores())
+        seconds, what = 3e-8 * float(steps.sum()), "structures on records would take"
+        check_work(what, cure, numbers=stored, seconds=seconds, cores=cores())
 
     def peak(self, number: int, peaks: Array) -> Array:
         """Peak displacements of a structure (records, valid cells) [m], infinite where it falls."""

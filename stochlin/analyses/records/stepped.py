@@ -55,9 +55,9 @@ def stepped_response(
     cuts = max(1, int(np.ceil(ground.dt * STEPS_PER_PERIOD / shortest)))
     steps = float(cuts) * ground.acceleration.size
     what = f"{ground.acceleration.size} samples, with a shortest period of {shortest:.3g} s, would take"
-    work = {"steps of a floor on a record": 2 * 2.0**2 * weights.shape[1] * steps}
-    work["numbers"] = 2.0**2 * len(functions) * steps
-    check_work(what, "take softer structures, or a shorter record", work)
+    cure, halved = "take softer structures, or a shorter record", 2.0**2 * steps  # twice
+    seconds = 2 * 6e-7 * weights.shape[1] * halved  # of a step of a floor
+    check_work(what, cure, numbers=len(functions) * halved, seconds=seconds)
 
     def followed(cuts: int) -> Array:
         """The functions in such steps; those of a structure that falls end far beyond its limit."""

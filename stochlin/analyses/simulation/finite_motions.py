@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from scipy.special import bdtrik, betaincinv
 
-from stochlin.analyses.simulation.ensembles import SimulationRun, work_of
+from stochlin.analyses.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.analyses.simulation.structures_in_motion import STRUCTURE, StructuresInMotion
 from stochlin.analyses.simulation.variables import OF_LINKS, VARIABLES
 from stochlin.analyses.simulation.views import (
@@ -76,9 +76,9 @@ def check_finite(run: SimulationRun, duration: float, functions: int, times: int
     check_work(
         f"duration = {duration:g} s, in steps of {run.plan.dt:.2g} s and on {paths} paths, would take",
         "shorten it, lower paths, or leave out the shortest period",
-        work_of(run, times * steps, 2.0 * functions)
-        | {"numbers": ENVELOPES * steps + RESULTS * 2.0 * paths * functions},
-        cores(),
+        numbers=ENVELOPES * steps + RESULTS * 2.0 * paths * functions,
+        seconds=seconds_of(run, times * steps, 2.0 * functions),
+        cores=cores(),
     )
 
 

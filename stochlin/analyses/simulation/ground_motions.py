@@ -90,7 +90,7 @@ def simulated_motions(
     check_work(
         f"{paths} motions of {duration:g} s in steps of {step:g} s would take",
         "shorten them, lower paths, or give a longer step",
-        {"numbers": 2.0 * steps * paths},
+        numbers=2.0 * steps * paths,
     )
     soil, time = ground.lone_filter(), step * np.arange(steps)
     groups = -(-paths // LANES)

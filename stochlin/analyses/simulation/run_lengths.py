@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from stochlin.analyses.simulation.ensembles import SimulationRun, work_of
+from stochlin.analyses.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
@@ -37,7 +37,6 @@ def with_length(
     expected = run.drift_time
     slowest, period = float(expected.max()), float(run.period[np.argmax(expected)])
     lasts = (BURN_IN + relaxation_times) * max(run.memory, slowest)
-    work = expected_work(run, relaxation_times, running=not measured_alone)
     check_work(
         "the run would take",
         f"the structure of period {period:.3g} s yields so rarely that its drift relaxes in "
@@ -45,8 +44,8 @@ def with_length(
         if slowest > run.memory
         else f"it lasts {lasts:.3g} s in steps of {run.plan.dt:.3g} s: lower paths or "
         "relaxation_times, or leave out the shortest or the longest period",
-        work,
-        cores(),
+        seconds=expected_seconds(run, relaxation_times, running=not measured_alone),
+        cores=cores(),
     )
     if slowest > run.memory:
         measured = _measure(run, slowest)[run.order]
@@ -58,18 +57,16 @@ def with_length(
     )
 
 
-def expected_work(run: SimulationRun, relaxation_times: float, running: bool = True) -> dict[str, float]:
-    """The work of measuring the slowest drift and, if ``running``, of the run with its memory expected.
+def expected_seconds(run: SimulationRun, relaxation_times: float, running: bool = True) -> float:
+    """Seconds of one core to measure the slowest drift and, if ``running``, for the run itself.
 
     The memory that is expected is the one by linearization, which is too long.
     """
     slowest, dt = float(run.drift_time.max()), run.plan.dt
     measured = (SETTLING + LENGTH) * slowest / dt if slowest > run.memory else 0.0
     steps = (BURN_IN + relaxation_times) * max(run.memory, slowest) / dt if running else 0.0
-    work = work_of(run, steps, run.crowd.size**2 / (2 * run.plan.every))
-    for kind, count in work_of(run.with_plan(groups=GROUPS), measured).items():
-        work[kind] += count
-    return work
+    pilot = seconds_of(run.with_plan(groups=GROUPS), measured)
+    return pilot + seconds_of(run, steps, run.crowd.size**2 / (2 * run.plan.every))
 
 
 def _measure(run: SimulationRun, expected: float) -> Array:

@@ -77,18 +77,10 @@ class Flat(NamedTuple):
             values = filled
         return values.reshape((*values.shape[:-1], *self.shape.shape))
 
-    def beside(self, values: Array, table: xr.DataArray) -> Array:
-        """`whole` with the axes of a larger table, of length 1 along dimensions that are not here.
-
-        Integers of cells that are not valid are the status of invalid input.
-        """
-        blank = labels.INVALID_INPUT if values.dtype.kind == "i" else np.nan
-        whole, dims = self.whole(values, blank), self.shape.dims
-        if dims == table.dims:
-            return whole
-        order = [values.ndim - 1 + dims.index(dim) for dim in table.dims if dim in dims]
-        axes = (slice(None) if dim in dims else None for dim in table.dims)
-        return whole.transpose(*range(values.ndim - 1), *order)[(..., *axes)]
+    def places(self, table: xr.DataArray) -> Array:
+        """For each cell of a larger table the number of the valid cell here; -1 if that is not valid."""
+        own = xr.Variable(self.shape.dims, self.whole(np.arange(self.where.size, dtype=np.int32), -1))
+        return own.set_dims(dict(table.sizes)).values.ravel()  # type: ignore[no-untyped-call]
 
     def table(self, values: Array, dims: Sequence[str] = (), blank: float = np.nan) -> xr.Variable:
         """Values (c, ...) of the valid cells over the dimensions of the cells and ``dims``."""

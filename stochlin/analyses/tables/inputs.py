@@ -19,13 +19,6 @@ from stochlin.messages import brief, plain
 _GZIP = b"\x1f\x8b"
 MOST_BYTES = 64 * 2**20
 MOST_LINES = 2_000_000
-_KINDS = {
-    stat.S_IFDIR: "a folder",
-    stat.S_IFCHR: "a device",
-    stat.S_IFBLK: "a device",
-    stat.S_IFIFO: "a pipe",
-    stat.S_IFSOCK: "a socket",
-}
 _ADDRESS = re.compile(r"(^|.*/)[A-Za-z][A-Za-z0-9+.-]+://?")  # pathlib makes one slash of two
 _folder: ContextVar[Path | None] = ContextVar("folder", default=None)
 
@@ -70,7 +63,7 @@ def read_input(path: Path, most: int = MOST_BYTES) -> bytes:
     path = input_path("path", path)
     name, status = plain(path.name), path.stat()
     if not stat.S_ISREG(status.st_mode):
-        what = _KINDS.get(stat.S_IFMT(status.st_mode), "no file")
+        what = "a folder" if stat.S_ISDIR(status.st_mode) else "a device or a pipe"
         raise ValueError(f"{name} is {what}; allowed: a regular file")
     with path.open("rb") as file:
         return _limited(file.read, name, most, status.st_size)

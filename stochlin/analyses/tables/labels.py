@@ -137,8 +137,7 @@ def of_scatter(scatter: float) -> dict[str, float]:
 
 def status_where(good: Any, otherwise: int = INVALID_INPUT) -> Any:
     """Status (int8): converged where ``good`` is true, and ``otherwise`` elsewhere."""
-    values = (np.array(code, np.int8) for code in (CONVERGED, otherwise))
-    return cellwise(np.where, good, *values, kinds=(np.int8,))[0]
+    return cellwise(np.where, good, CONVERGED, otherwise, kinds=(np.int8,))[0]
 
 
 def raise_if_lone_failure(dataset: xr.Dataset, what: str, *models: Model) -> None:

@@ -6,7 +6,6 @@ import json
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -110,20 +109,14 @@ def _value(value: Any) -> str:
     return repr(value)
 
 
-def _twice(lines: Sequence[str], number: int, told: str) -> str:
-    """What is said of a table or a key that is there twice, and the next free name if it is numbered."""
-    written = [match[1].strip(" \t=") if (match := _NAME.match(line)) else "" for line in lines]
-    names = [re.sub(r"[\s\"']", "", name) for name in written]
-    before = {name: line for line, name in enumerate(names[: number - 1], 1)}
-    name, first = written[number - 1], before.get(names[number - 1])
-    if within := re.search(r"namespace \('(\w+)',\)|table key '(\w+)'", told):  # in braces
+def _twice(lines: Sequence[str], number: int, error: str) -> str:
+    """Message on a table or a key that is there twice; ``error`` is that of the parser."""
+    names = [match[1].strip(" \t=") if (match := _NAME.match(line)) else "" for line in lines]
+    name, first = names[number - 1], 1 + names.index(names[number - 1])
+    if within := re.search(r"namespace \('(\w+)',\)|table key '(\w+)'", error):  # in braces
         name, first = within[1] or within[2], number
-    numbered = re.fullmatch(r"(\[.*_)\d+(\])", names[number - 1])
-    tries = (f"{numbered[1]}{n}{numbered[2]}" for n in count(1)) if numbered else ()
-    taken = {*names}
-    free = next((f", such as {name}" for name in tries if name not in taken), "")
-    where = f" in line {first}" if first else ""
+    where = f" in line {first}" if first < number or within else ""
     return (
-        f"'{plain(name)}' is already given{where}; allowed: each table and each key once, so leave "
-        f"one out, or give it another name{free}"
+        f"'{plain(name)}' is already given{where}; allowed: each table and each key once, so leave one "
+        "out, or give it another name"
     )

@@ -7,37 +7,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from stochlin.kernels.basics.arrays import Array, on_arrays
+from stochlin.kernels.basics.arrays import Array
 
 CHUNK = 8192  # cells of a slab
 
 
 def in_slabs(
-    function: Callable[..., Any],
-    *inputs: Any,
-    kinds: Sequence[npt.DTypeLike] = (float,),
-    shape: tuple[int, ...] | None = None,
+    function: Callable[..., Any], *inputs: Array, kinds: Sequence[npt.DTypeLike] = (float,)
 ) -> tuple[Array, ...]:
     """Results of ``function`` for inputs that broadcast, without temporary arrays of the table's size.
 
     The function is called for slabs of about `CHUNK` cells. It returns one array for each data type of
-    ``kinds``: the array itself for one type, a tuple for several. With the ``shape`` of the table,
-    inputs may be tuples of arrays that have the axes of the table last, and further ones before.
+    ``kinds``: the array itself for one type, a tuple for several.
     """
-    if shape is None:
-        shape = np.broadcast_shapes(*{array.shape for array in inputs})
-        inputs = tuple(array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs)
+    shape = np.broadcast_shapes(*{array.shape for array in inputs})
+    inputs = tuple(array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs)
     results = tuple(np.empty(shape, kind) for kind in kinds)
-    small = math.prod(shape) <= CHUNK
-    for slab in [()] if small else _slabs(shape, CHUNK):
-        parts = inputs if small else [on_arrays(partial(_cut, slab), part) for part in inputs]
-        outputs = function(*parts)
+    for slab in [()] if math.prod(shape) <= CHUNK else _slabs(shape, CHUNK):
+        outputs = function(*(_cut(slab, array) for array in inputs))
         for result, output in zip(results, outputs if len(kinds) > 1 else (outputs,), strict=True):
             result[slab] = output
     return results
@@ -64,8 +56,6 @@ def _slabs(shape: tuple[int, ...], cells: int) -> Iterator[tuple[slice, ...]]:
             yield (*(slice(i, i + 1) for i in lead), slice(begin, begin + step), *whole)
 
 
-def _cut(slab: tuple[slice, ...], part: Array) -> Array:
+def _cut(slab: tuple[slice, ...], array: Array) -> Array:
     """The slab of an array that broadcasts to the table: dimensions of length 1 are taken whole."""
-    whole = slice(None)
-    before, sizes = [whole] * (part.ndim - len(slab)), part.shape[part.ndim - len(slab) :]
-    return part[(*before, *(whole if n == 1 else s for s, n in zip(slab, sizes, strict=True)))]
+    return array[tuple(slice(None) if n == 1 else s for s, n in zip(slab, array.shape, strict=False))]

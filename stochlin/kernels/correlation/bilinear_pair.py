@@ -8,13 +8,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numba.extending import overload
-
-from stochlin.kernels.basics import elementary
-from stochlin.kernels.basics.compiled import OFTEN, called_often, compiled, entry
-from stochlin.kernels.basics.elementary import solve_3x3
-from stochlin.kernels.linearization import covariance, gaussian, grounds, single_structures
+from stochlin.kernels.basics.compiled import called_often, compiled, entry
+from stochlin.kernels.correlation import on_numbers  # noqa: F401  # which compiles formulas for numbers
+from stochlin.kernels.linearization import covariance, grounds
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
 from stochlin.kernels.linearization.gaussian import clipped_values, gaussian_values
 from stochlin.kernels.linearization.grounds import clough_penzien, kanai_tajimi, white_noise
@@ -23,10 +19,6 @@ from stochlin.kernels.linearization.single_structures import advance
 
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
 RTOL, ATOL, AT_FIRST, WITH_CARE = 1e-10, 1e-12, 30, 170  # stop rule of `linearize`, largest iterations
-ROOT_HALF = math.sqrt(0.5)
-REACH = 7.75  # standard deviations beyond which the integrand is left out; the relative error is 1e-14
-_X, _W = np.polynomial.legendre.leggauss(36)
-NODES = tuple((float(x) ** 2, float(w)) for x, w in zip(_X[18:], _W[18:], strict=True))
 
 
 class PairResponse(NamedTuple):
@@ -159,51 +151,3 @@ def _response(system, ground, oscillators):
     signal, _, _ = _forcings(system, ground, oscillators)
     forcing = Forcing(signal[0], signal[1], signal[2])
     return forcing, own_covariance(system, forcing)
-
-
-@overload(elementary.choose, jit_options=OFTEN)
-def _choose(condition, yes, no):
-    return lambda condition, yes, no: yes if condition else no
-
-
-@overload(elementary.ndtr, jit_options=OFTEN)
-def _ndtr(x):
-    return lambda x: 0.5 * math.erfc(-x * ROOT_HALF)
-
-
-@overload(elementary.owens_t)
-def _owens_t(h, a):
-    def by_quadrature(h, a):
-        """By Gauss-Legendre quadrature; for ``a > 1`` from ``T(a h, 1/a)``."""
-        size = abs(a)
-        steep = size > 1
-        eta, length = (h * size, 1 / size) if steep else (h, size)
-        length = min(length, REACH / eta)
-        total = 0.0
-        for square, weight in NODES:
-            x = length * length * square
-            total += weight * math.exp(-0.5 * eta * eta * (1 + x)) / (1 + x)
-        part = total * length / (2 * math.pi)
-        if steep:
-            tail, beside = 0.5 * math.erfc(h * ROOT_HALF), 0.5 * math.erfc(eta * ROOT_HALF)
-            part = 0.5 * (tail + beside) - tail * beside - part
-        return part if a > 0 else -part
-
-    return by_quadrature
-
-
-for _function in (
-    *(covariance.characteristic, covariance.hurwitz, covariance.stable, covariance.own_covariance),
-    *(covariance.coordinates, covariance.at_poles, covariance.pair_row, solve_3x3),
-    *(gaussian.slip_quadrant, gaussian.within_yield, gaussian.regressed),
-    *(
-        gaussian_values,
-        clipped_values,
-        single_structures.next_delta,
-        single_structures.slope_of_unknowns,
-    ),
-    *(value for value in vars(grounds).values() if callable(value) and hasattr(value, "__code__")),
-    *(single_structures.advance, single_structures.mismatch, single_structures.newton_step),
-    *(single_structures._scales, single_structures._slope, single_structures._column),
-):
-    called_often(_function)

@@ -15,7 +15,7 @@ with ``stiffness = w^2``, ``damping = 2 xi w``, ``coupling = (1 - alpha) w^2``,
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -72,9 +72,6 @@ class Forcing(NamedTuple):
     slip: Array
 
 
-Rows = TypeVar("Rows", EquivalentSystem, Forcing)
-
-
 class OwnCovariance(NamedTuple):
     """Stationary second moments of one structure; ``E[mu mu'] = 0``."""
 
@@ -121,17 +118,10 @@ def pair_covariance(
     periods that differ by a factor of up to 900 and hardening down to 0.001; in the other order it is up
     to 5e-9.
     """
-    stiffer = np.asarray(first.stiffness >= second.stiffness)
-    if stiffer.all():
-        return pair_row(first, forcing_1, second, forcing_2)[0]
-    if not stiffer.any():
-        return pair_row(second, forcing_2, first, forcing_1)[0]
-
-    def either(yes: Rows, no: Rows) -> Rows:
-        return type(yes)(*(np.where(stiffer, a, b) for a, b in zip(yes, no, strict=True)))
-
-    stiff, force_stiff = either(first, second), either(forcing_1, forcing_2)
-    return pair_row(stiff, force_stiff, either(second, first), either(forcing_2, forcing_1))[0]
+    stiffer = first.stiffness >= second.stiffness
+    stiff, soft = choose(stiffer, first, second), choose(stiffer, second, first)
+    of_stiff, of_soft = choose(stiffer, forcing_1, forcing_2), choose(stiffer, forcing_2, forcing_1)
+    return pair_row(stiff, of_stiff, soft, of_soft)[0]
 
 
 class Coordinates(NamedTuple):

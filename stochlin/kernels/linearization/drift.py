@@ -9,8 +9,7 @@ refer.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial.laguerre import laggauss, lagvander
@@ -39,7 +38,7 @@ DOUBLINGS = 3  # half-cycles are followed one by one up to 2^3, and then by step
 TAYLOR = 1 / factorial(np.arange(13))  # coefficients of the series of an exponential
 SMALL = 0.5  # largest rate of a matrix to which the series is applied
 
-NOISE = Forcing(np.zeros(()), np.ones(()), np.zeros(()))  # white noise of the intensity 1
+NOISE = Forcing(0.0, 1.0, 0.0)  # type: ignore[arg-type]  # white noise of the intensity 1
 
 _EXCESS, _WEIGHT = laggauss(NODES)
 _POLYNOMIALS = _WEIGHT * lagvander(_EXCESS, ORDERS).T  # (orders + 1, nodes), times the weights
@@ -204,16 +203,16 @@ class DriftingSide(NamedTuple):
     std: Array  # of the displacement with its drift
     unit: Array  # std of the velocity under white noise of the intensity 1
     rate: Array  # relaxation rate of the drift [1/s]
-    kicks: Sequence[Array]  # ORDERS + 1 square roots of the intensities of the drift by order
+    kicks: Array  # (ORDERS + 1, n) square roots of the intensities of the drift by order
 
     @classmethod
     def of(
-        cls, system: EquivalentSystem, forcing: Forcing, std: Array, rate: Array, shares: Sequence[Array]
+        cls, system: EquivalentSystem, forcing: Forcing, std: Array, rate: Array, shares: Array
     ) -> DriftingSide:
         """A structure whose drift has this standard deviation, relaxation rate, and shares of orders."""
         total = np.sqrt(own_covariance(system, forcing).mu_mu + std**2)
         unit = np.sqrt(own_covariance(system, NOISE).v_v)
-        return cls(system, forcing, total, unit, rate, [std * np.sqrt(2 * rate * s) for s in shares])
+        return cls(system, forcing, total, unit, rate, std * np.sqrt(2 * rate * shares))
 
 
 def innovation_coherence(first: DriftingSide, second: DriftingSide) -> Array:
@@ -223,10 +222,10 @@ def innovation_coherence(first: DriftingSide, second: DriftingSide) -> Array:
     line of the ground that both follow.
     """
     matrix = coordinates(first.system, NOISE)
-    right = -np.ones(()), second.system.relaxation + matrix.damping, -matrix.slip  # as in `pair_row`
+    right: Any = -1.0, second.system.relaxation + matrix.damping, -matrix.slip  # as in `pair_row`
     row = solve_3x3(at_poles(second.system, first.system, matrix), right)
     joint = 2 * (matrix.soft * row[0] + matrix.damping * row[1] - matrix.coupling * row[2])
-    return np.clip(joint / (first.unit * second.unit), -1, 1)
+    return np.minimum(np.maximum(joint / (first.unit * second.unit), -1.0), 1.0)
 
 
 def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide) -> Array:
@@ -236,9 +235,9 @@ def drift_covariance(coherence: Array, first: DriftingSide, second: DriftingSide
     2)``, of which the factor ``2 sqrt(l1 l2)/(l1 + l2)`` remains for drifts that relax at the rates
     ``l1`` and ``l2``.
     """
-    square, total = coherence**2, first.kicks[-1] * second.kicks[-1]
-    for kick_1, kick_2 in zip(first.kicks[-2::-1], second.kicks[-2::-1], strict=True):
-        total = total * square + kick_1 * kick_2
+    square, total = coherence**2, 0.0 * coherence
+    for order in range(ORDERS, -1, -1):
+        total = total * square + first.kicks[order] * second.kicks[order]
     return coherence * total / (first.rate + second.rate)
 
 

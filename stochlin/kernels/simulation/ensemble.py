@@ -35,7 +35,6 @@ from stochlin.kernels.simulation.time_step import (
     Places,
     Steps,
     lanes_at_rest,
-    sampled_block,
     sampled_steps,
     steps_of,
     system_block,
@@ -112,15 +111,15 @@ class SteppedStructures:
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps of this group of motions, as in `Oscillators`."""
         if self.samples:
-            steps, step = sampled_steps(self._of(group), dt), sampled_block
+            steps = sampled_steps(self._of(group), dt)
         else:
             if dt not in self._steps:
                 self._steps[dt] = steps_of(self.elements, dt)
-            steps, step = self._steps[dt], system_block
+            steps = self._steps[dt]
         places = self.places
 
         def block(f: Array, x: Any, every: int, out: Array, at: int = 0) -> None:
-            step(f, self.law, steps, places, x, every, out, at)
+            system_block(f, self.law, steps, places, x, every, out, at)
 
         return block
 

@@ -140,7 +140,7 @@ class Numbers(QuantityType):
                 ctx,
             )
         try:
-            check_work(f"{value!r} takes", "take fewer points", {"numbers of a sweep": float(rest[0])})
+            check_work(f"{value!r} takes", "take fewer points", numbers=12 * float(rest[0]))
         except ValueError as error:
             self.fail(str(error), param, ctx)
         low, high = (self.one(end, param, ctx) for end in (start, stop))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.interpolate
 
-from stochlin.kernels.correlation.interpolation import Grid, interpolate, smoothly
+from stochlin.analyses.tables.interpolation import Grid, linear
 
 pytestmark = pytest.mark.oracle
 
@@ -28,11 +28,11 @@ def test_interpolation_is_by_splines_along_each_axis(dimensions):
     points[:, :20] = np.array([rng.choice(axis, 20) for axis in axes])
     points[0, 10:20] = rng.uniform(axes[0][0], axes[0][-1], 10)
     expected = [by_splines(axes, values, point) for point in points.T]
-    found = interpolate(Grid.of(axes, values), points, smoothly)
+    found = Grid.of(axes, values).at(points)
     np.testing.assert_allclose(found.T, expected, rtol=0, atol=1e-12)
     points[::2] = points[::2, :1]  # equal along every other axis
     expected = [by_splines(axes, values, point) for point in points.T]
-    found = interpolate(Grid.of(axes, values), points, smoothly)
+    found = Grid.of(axes, values).at(points)
     np.testing.assert_allclose(found.T, expected, rtol=0, atol=1e-12)
 
 
@@ -48,7 +48,7 @@ def test_linear_interpolation_is_scipys(dimensions):
     expected = scipy.interpolate.RegularGridInterpolator(
         axes, values, bounds_error=False, fill_value=np.nan
     )(points)
-    (out,) = interpolate(Grid.of(axes, values), points.T)
+    (out,) = Grid.of(axes, values, linear).at(points.T)
     np.testing.assert_allclose(out, expected, rtol=0, atol=1e-13)
     assert np.isnan(out).any()
     assert np.isfinite(out).sum() >= 60
@@ -59,6 +59,6 @@ def test_points_outside_are_nan_and_spoil_no_others(wrong):
     axes = [np.array([0.0, 0.5, 2.0])] * 3
     points = np.full((3, 4), 0.7)
     points[1, 2] = wrong
-    out = interpolate(Grid.of(axes, np.ones((3, 3, 3, 2))), points, smoothly)
+    out = Grid.of(axes, np.ones((3, 3, 3, 2))).at(points)
     assert np.isnan(out[:, 2]).all()
     np.testing.assert_allclose(np.delete(out, 2, axis=1), 1, rtol=0, atol=1e-14)

@@ -1,0 +1,100 @@
+"""Linear and smooth interpolation on a rectangular grid with any number of axes; NaN outside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline, make_interp_spline
+
+from stochlin.kernels.basics.arrays import Array
+
+ROUNDING = 1e-9  # distance beyond the end of an axis at which a point still counts as inside
+TOGETHER = 1024  # points interpolated together
+
+# Weights (n, m) of the m points of an axis at places (n,), most of them 0.
+Weights = Callable[[Array], Array]
+
+
+def linear(points: Array) -> Weights:
+    """Linear interpolation on an axis."""
+    return make_interp_spline(points, np.eye(points.size), k=1)
+
+
+def smooth(points: Array) -> Weights:
+    """Interpolation by cubic polynomials without kinks.
+
+    The slope at a point is that of the parabola through it and its two neighbours, and 0 at both ends
+    of the axis, beyond which values may be held.
+    """
+    slopes = np.asarray(np.gradient(np.eye(points.size), points, axis=0))
+    slopes[[0, -1]] = 0.0
+    return CubicHermiteSpline(points, np.eye(points.size), slopes)
+
+
+class Grid(NamedTuple):
+    """Columns of values on a rectangular grid."""
+
+    axes: Sequence[Array]  # increasing points
+    weights: Sequence[Weights]  # of each axis
+    values: Array  # a dimension for each axis, and one for the columns
+
+    @classmethod
+    def of(
+        cls, axes: Sequence[Array], values: Array, weights: Callable[[Array], Weights] = smooth
+    ) -> Grid:
+        """The grid of these axes; ``values`` have a dimension for each, and one for columns or none."""
+        columns = np.asarray(values, float).reshape(*(axis.size for axis in axes), -1)
+        return cls(axes, [weights(axis) for axis in axes], columns)
+
+    @property
+    def ends(self) -> Array:
+        """First and last point of each axis (2, axes, 1)."""
+        return np.array([[axis[n] for axis in self.axes] for n in (0, -1)])[..., None]
+
+    def on_points(self, axes: Sequence[Array]) -> Array:
+        """Values at all combinations of points on the axes; 0 where one of them is outside."""
+        values = self.values
+        for n, (own, weights, x) in enumerate(zip(self.axes, self.weights, axes, strict=True)):
+            inside = (x >= own[0]) & (x <= own[-1])
+            rows = weights(np.clip(x, own[0], own[-1])) * inside[:, None]
+            values = np.moveaxis(np.tensordot(rows, values, (1, n)), 0, n)
+        return values
+
+    def at(self, points: Array) -> Array:
+        """Values (columns, n) at ``points`` (axes, n); NaN at points outside or with NaN.
+
+        Points in the same intervals of all axes but the last are interpolated together.
+        """
+        low, high = self.ends
+        inside = ((points >= low - ROUNDING) & (points <= high + ROUNDING)).all(axis=0)
+        out = np.full((self.values.shape[-1], inside.size), np.nan)
+        cells = np.flatnonzero(inside)
+        if not cells.size:
+            return out
+        places, interval = np.clip(points[:, cells], low, high), np.zeros(cells.size, int)
+        for axis, x in zip(self.axes[:-1], places, strict=False):
+            interval = interval * axis.size + axis.searchsorted(x, side="right")
+        order = np.argsort(interval, kind="stable")
+        weights = [rows(x[order]) for rows, x in zip(self.weights, places, strict=True)]
+        new = np.diff(interval[order]) != 0
+        new[TOGETHER - 1 :: TOGETHER] = True
+        for begin, end in pairwise([0, *(1 + np.flatnonzero(new)), cells.size]):
+            part = [rows[begin:end] for rows in weights]
+            out[:, cells[order[begin:end]]] = _sums(self.values, part)
+        return out
+
+
+def _sums(values: Array, weights: Sequence[Array]) -> Array:
+    """Columns (columns, n) of a grid at places of which most points have no weight."""
+    used = [np.flatnonzero(rows.any(axis=0)) for rows in weights]
+    parts = [slice(points[0], points[-1] + 1) for points in used]
+    block = values[tuple(parts)]
+    *others, last = (rows[:, part] for rows, part in zip(weights, parts, strict=True))
+    along = np.ones((len(last), 1))
+    for rows in others:
+        along = (along[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
+    sums = (along @ block.reshape(along.shape[1], -1)).reshape(*last.shape, -1)
+    return (last[:, None] @ sums)[:, 0].T
