@@ -382,6 +382,7 @@ def test_refusals_say_what_and_where(tmp_path, message, text, options):
         (lines([i * 10 for i in range(40)], WAVE), TIMED, "its time step is 10 s.*is time in seconds"),
         (lines(100 * WAVE), PLAIN, "its peak is 10 g.*are the units right"),
         (lines(["vel", *WAVE]), PLAIN, "its column is named 'vel'; is that an acceleration"),
+        (lines(*[WAVE] * 5), {**PLAIN, "column": 0}, "its 5 columns may be rows of one series; is it"),
     ],
 )
 def test_what_is_hardly_meant_is_asked_about(tmp_path, text, options, message):

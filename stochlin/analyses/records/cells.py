@@ -153,8 +153,7 @@ class RecordCells(NamedTuple):
         ``numbers`` of each are stored while a cell runs.
         """
         w = more * np.max([side[:, 0] for side in self.sides], axis=0)
-        samples = np.array([len(acceleration) for acceleration, _ in self.motions.grounds])
-        dt = np.array([dt for _, dt in self.motions.grounds])
+        samples, dt = np.array([(len(values), dt) for values, dt in self.motions.grounds]).T
         steps = samples[:, None] * np.maximum(1.0, dt[:, None] * w / LONGEST)
         stored = numbers * cores() * float(steps.max(initial=0.0))
         cure = "take longer periods, or fewer structures or records at a time"

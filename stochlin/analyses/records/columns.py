@@ -62,7 +62,8 @@ class Text(NamedTuple):
         values = table.numbers(chosen, "number")
         times = None if time is None else self._times(table, time)
         named = self.head.title_cells[chosen] if self.head.titles else ""
-        return Series(values, times, None, self.units_of(chosen), named)
+        nameless = 0 if named or time is not None else self.head.width
+        return Series(values, times, None, self.units_of(chosen), named, nameless=nameless)
 
     def table(self) -> Table:
         """The table of all lines, as wide as the first: numbers by pandas, or texts if it has others."""

@@ -31,6 +31,7 @@ _TIME_TOLERANCE = 0.25
 _STEP_TOLERANCE = 2e-3
 _CURE = "correct it, or leave it out"
 SHORTEST_STEP = 1e-6  # s
+_ROWS_OF_A_SERIES = 5  # fewest numbers in a row; the usual components of a motion are three
 LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * constants.g  # s, m/s^2; larger values give a warning
 _NO_ACCELERATION = re.compile(r"\b(vel|velocity|disp|displacement|time)\b", re.IGNORECASE)
 
@@ -113,8 +114,9 @@ def read_record(
     Warns
     -----
     UserWarning
-        If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, or a
-        column named as a velocity, a displacement or a time.
+        If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, a
+        column named as a velocity, a displacement or a time, or one of five or more columns without
+        names beside no ``time_column``, which may be rows of one series.
 
     Examples
     --------
@@ -168,6 +170,8 @@ def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
         yield f"its time step is {step:.6g} s, and that of records a hundredth; is time in seconds?"
     if _NO_ACCELERATION.search(series.column):
         yield f"its column is named {brief(series.column)}; is that an acceleration?"
+    if series.nameless >= _ROWS_OF_A_SERIES:
+        yield f"its {series.nameless} columns may be rows of one series; is it one, with wrapped=True?"
 
 
 def strong_samples(motions: Array, start: float = 0.05, end: float = 0.95) -> tuple[Array, Array]:

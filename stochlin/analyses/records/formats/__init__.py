@@ -30,6 +30,7 @@ class Series(NamedTuple):
     units: str | None
     column: str = ""  # name of the column
     about: Mapping[str, str] = MappingProxyType({})  # event, station and component, if stated
+    nameless: int = 0  # number of columns without names, none of which is known to be the time
 
 
 class RecordFile(NamedTuple):
@@ -88,7 +89,11 @@ class RecordFile(NamedTuple):
         if np.isfinite(values).all() and values.size == len(text.split()):
             return values
         fields = [(n, field) for n, line in enumerate(lines, first) for field in _fields(line, width)]
-        return as_numbers(fields, self.name)
+        for n, field in fields:
+            if number_in(field) is None:
+                what = f"{self.name}, line {n}: {brief(field)} is not a number"
+                raise ValueError(f"{what}; allowed: a finite number, such as -0.5E-3")
+        return np.array([number_in(field) for _, field in fields], float)
 
     def check_length(self, count: int, dt: float, seconds: float, number: int) -> None:
         """Raise a ValueError if samples and time step do not give the length on a line of the header."""
@@ -139,15 +144,3 @@ def _fields(line: str, width: int) -> list[str]:
         line = line.rstrip()
         return [line[start : start + width].strip() for start in range(0, len(line), width)]
     return fields
-
-
-def as_numbers(fields: Sequence[Line], name: str) -> Array:
-    """The numbers of some fields with their lines; a ValueError names the first that is none."""
-    values = np.empty(len(fields))
-    for i, (number, text) in enumerate(fields):
-        value = number_in(text)
-        if value is None:
-            allowed = "a finite number, such as -0.5E-3"
-            raise ValueError(f"{name}, line {number}: {brief(text)} is not a number; allowed: {allowed}")
-        values[i] = value
-    return values
