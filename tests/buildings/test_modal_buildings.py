@@ -300,7 +300,7 @@ def test_uncertain_periods_scale_all_modes() -> None:
 
 WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "not orthogonal": ({"shapes": [[0.62, 1.0], [1.0, 1.0]]}, r"1 and 2 are not orthogonal .*0\.97"),
-    "a floor is missing": ({"masses": [2e5]}, r"masses has 1 values; allowed: one for each floor, 2"),
+    "a floor is missing": ({"masses": [2e5]}, r"masses has 1 values, and shapes has 2"),
     "frequencies": ({"periods": [2.0, 5.5]}, r"modes 1 and 2 are 2 and 5\.5 s; .*longest first"),
     "too many": (
         {"shapes": [[1.0, 1.0]] * 601},
@@ -314,7 +314,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "strengths": ({"yield_displacements": [0.01] * 3, "hardening": 0.1}, r"has 3 values; .*at most 2"),
     "hardening": (
         {"yield_displacements": [0.01], "hardening": [0.1, 0.2]},
-        r"each yielding mode, 1 in all",
+        r"has 2 values, .*one for each yielding mode",
     ),
     "strength": ({"yield_displacements": [0.01, 0.0], "hardening": 0.1}, r"= 0 in yielding mode 2"),
     "participation alone": ({"participation": [1.0, 0.3]}, r"participation and modal_masses belong"),

@@ -392,7 +392,7 @@ LOW = uniform(2, 1e5, 1e8)
 ONE, UPSIDE = {"structures": (2, 2)}, {"structures": (2, 2), "floors": (3, 0)}
 REFUSED = {
     "masses = -100000 in storey 2": shear(masses=[1e5, -1e5]),
-    "heights has 1 values; allowed: one for each storey, 2 in all": shear(heights=[3.0]),
+    "heights has 1 values, and masses has 2; allowed: one for": shear(heights=[3.0]),
     "heights = 3.0; allowed: a list": shear(heights=3.0),
     "masses = ": shear(masses=[]),
     "damping = 1.5": shear(damping=1.5),
@@ -400,7 +400,7 @@ REFUSED = {
     "ShearBuilding: hardening is not given": shear(yield_drifts=0.01),
     "masses has 201 values; allowed: one for each of at most 200": shear(masses=[1e5] * 201),
     "dampers = -2 in storey 2 is out of range; allowed: 0 <=": shear(dampers=[0.0, -2.0]),
-    "dampers has 3 values; allowed: one for each storey": shear(dampers=[1.0, 2.0, 3.0]),
+    "dampers has 3 values, and masses has 2; allowed: one for": shear(dampers=[1.0, 2.0, 3.0]),
     "p_delta = 1; allowed: True or False": shear(p_delta=1),
     "law = 'bilinea' is not a known law; allowed: bilinear, bouc_w": shear(law="bilinea"),
     "law = 'hysteretic' has no expression; give the sympy expr": shear(law="hysteretic"),

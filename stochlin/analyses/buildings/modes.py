@@ -104,6 +104,8 @@ def read_modes(
     path = input_path("path", path)
     if isinstance(points, str) or not isinstance(points, Sequence):
         raise TypeError(f"points = {brief(points)}; allowed: a list of names")
+    if not isinstance(tower, str | None):
+        raise TypeError(f"tower = {brief(tower)}; allowed: a text")
     if direction is not None:
         known = {name.lower(): name for name in DIRECTIONS}
         direction = known.get(str(direction).lower(), direction)

@@ -51,14 +51,15 @@ class MultistoreyBuilding(Model):
         name = f"{type(self).__name__}: "
         for field, dimension in self.dimensions.items():
             value = getattr(self, field)
-            if value is not None and not (field in self.one_for_all and np.isscalar(value)):
+            optional = value is None and self.__dataclass_fields__[field].default is None
+            if not (optional or (field in self.one_for_all and np.isscalar(value))):
                 object.__setattr__(self, field, along(f"{name}{field}", value, dimension))
         counts = self._counts()
         for field, dimension in self.dimensions.items():
-            value, wanted = getattr(self, field), counts.get(dimension)
+            value, (wanted, other) = getattr(self, field), counts[dimension]
             if wanted and isinstance(value, xr.DataArray) and value.size != wanted:
-                allowed = f"one for each {dimension}, {wanted} in all"
-                raise ValueError(f"{name}{field} has {value.size} values; allowed: {allowed}")
+                what = f"{name}{field} has {value.size} values, and {other} has {wanted}"
+                raise ValueError(f"{what}; allowed: one for each {dimension} in both")
         super().__post_init__()
         check_ranges(self, name)
         if self.yields and self.hardening is None:
@@ -68,8 +69,8 @@ class MultistoreyBuilding(Model):
         _ = self.element_law
 
     @abstractmethod
-    def _counts(self) -> Mapping[str, int]:
-        """Number of values that lists over a dimension must have."""
+    def _counts(self) -> Mapping[str, tuple[int, str]]:
+        """Number of values that lists over a dimension must have, and the parameter that says it."""
 
     @abstractmethod
     def _check(self, name: str) -> None:

@@ -214,7 +214,7 @@ class ModalBuilding(MultistoreyBuilding):
         object.__setattr__(self, "shapes", _table(f"{name}shapes", self.shapes))
         super().__post_init__()
 
-    def _counts(self) -> dict[str, int]:
+    def _counts(self) -> dict[str, tuple[int, str]]:
         assert isinstance(self.shapes, xr.DataArray)
         modes, floors = self.shapes.shape
         if self._yielding > modes:
@@ -222,7 +222,8 @@ class ModalBuilding(MultistoreyBuilding):
             raise ValueError(
                 f"ModalBuilding: yield_displacements has {self._yielding} values; allowed: {allowed}"
             )
-        return {MODE: modes, FLOOR: floors, STOREY: floors, YIELDING: self._yielding}
+        of_shapes = dict.fromkeys((FLOOR, STOREY), (floors, "shapes")) | {MODE: (modes, "shapes")}
+        return of_shapes | {YIELDING: (self._yielding, "yield_displacements")}
 
     def _check(self, name: str) -> None:
         periods = self.arrays()["periods"].to_numpy()

@@ -152,7 +152,7 @@ class ShearBuilding(MultistoreyBuilding):
     p_delta: bool = False
     damping_modes: tuple[int, int] | None = None
 
-    def _counts(self) -> dict[str, int]:
+    def _counts(self) -> dict[str, tuple[int, str]]:
         assert isinstance(self.masses, xr.DataArray)
         storeys = self.masses.size
         if storeys > MOST_STOREYS:
@@ -160,7 +160,7 @@ class ShearBuilding(MultistoreyBuilding):
                 f"{type(self).__name__}: masses has {storeys} values; allowed: one for each of at most "
                 f"{MOST_STOREYS} storeys"
             )
-        return {STOREY: storeys}
+        return {STOREY: (storeys, "masses")}
 
     def _check(self, name: str) -> None:
         for field in ("damping", "hardening"):
