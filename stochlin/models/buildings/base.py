@@ -94,9 +94,9 @@ class MultistoreyBuilding(Model):
         return getattr(self, self.strength_name) is not None
 
     @property
-    @abstractmethod
     def storeys(self) -> int:
         """Number of storeys, which is also that of the floors."""
+        return int(self.cells()["heights"].size)
 
     @property
     @abstractmethod

@@ -241,11 +241,6 @@ class ModalBuilding(MultistoreyBuilding):
         self._check_masses(name)
 
     @property
-    def storeys(self) -> int:
-        """Number of storeys, which is also that of the floors."""
-        return int(self.arrays()["heights"].size)
-
-    @property
     def modes(self) -> int:
         """Number of modes."""
         return int(self.arrays()["periods"].size)

@@ -264,11 +264,6 @@ class ShearBuilding(MultistoreyBuilding):
             **others,
         )
 
-    @property
-    def storeys(self) -> int:
-        """Number of storeys."""
-        return int(self.cells()["masses"].size)
-
     @cached_property
     def element_law(self) -> Structure:
         """Oscillators that have the hysteresis law of the storeys, over the dimension ``storey``.

@@ -91,8 +91,8 @@ def read(content: Mapping[str, Table], asked: AskedModes) -> ModesOfFile:
     etabs = any(spelled(name) in content for name in (HEIGHTS, STORY_DATA, OF_CENTRES, OF_STORIES))
     if etabs:
         of_mass = [OF_DIAPHRAGMS, OF_STORIES] if asked.tower else [OF_STORIES, OF_DIAPHRAGMS]
-        joints = [[OF_JOINTS]] if asked.points else []
-        groups = [[RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES], *joints]
+        groups = [[RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES]]
+        groups += [[OF_JOINTS]] if asked.points else []
     elif asked.tower:
         what = f"tower = {brief(asked.tower)} has no meaning for tables of SAP2000"
         raise ValueError(f"{what}; name the joints of the building, points=")
@@ -249,9 +249,8 @@ def _turning(table: Table, wanted: Wanted) -> list[int]:
 def _levels(heights: Table, centres: Table, bases: Table | None, asked: AskedModes) -> pd.Series:
     """Levels of the stories above the ground [m], from the ground up, by name."""
     names, unit = heights.texts("story"), asked.length_units
-    twice = names.duplicated() & heights.texts("height").duplicated()
-    rows = heights.rows[(names.str.lower() != BASE) & ~twice]
-    heights = heights._replace(rows=rows)
+    twice = pd.DataFrame({"story": names, "height": heights.texts("height")}).duplicated()
+    heights = heights._replace(rows=heights.rows[(names.str.lower() != BASE) & ~twice])
     height = keyed(heights, ["story"], "height", "length", POSITIVE, unit)
     elevations = None
     for table, title in ((centres, "z"), (heights, "elevation")):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import pandas as pd
 
@@ -122,8 +123,6 @@ def keyed(
         names = " ".join(map(str, frame.loc[line]))
         cure = "export one of them, or choose by tower= or points="
         raise table.sheet.error(line, None, f"{brief(names)} is there twice; {cure}")
-    in_si = what in {"mass", "length"}
-    frame["value"] = (
-        table.in_si(title, what, unit, allowed) if in_si else table.numbers(title, what, allowed)
-    )
+    read = partial(table.in_si, unit=unit) if what in {"mass", "length"} else table.numbers
+    frame["value"] = read(title, what, allowed=allowed)
     return frame.set_index([*keys])["value"]
