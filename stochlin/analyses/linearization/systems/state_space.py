@@ -10,7 +10,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -26,7 +25,6 @@ from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.state_space import (
     Mechanics,
-    Order,
     StateSpace,
     state_space,
 )
@@ -113,30 +111,27 @@ class Equations:
         extensions = self.arrangement.extensions
         return System(self._wide(mass), self._wide(damping, 2), extensions, shapes, *springs)
 
-    def states(self, own: Array) -> list[str]:
-        """Names of the states, by structures, links last; elements with ``own`` (e,) have a ``z``."""
-        coordinates, first = self.arrangement.coordinates, self.arrangement.first_coordinate
-        names = [self.springs[spring] for spring in self.elements[own]]
-        listed = list(self.ground.filter(self._ground).states)
-        for begin, end in pairwise(first):
-            here = coordinates[begin:end]
-            listed += [f"{state}_{name}" for state in "uv" for name in here]
-            listed += [f"z_{name}" for name in here if name in names]
-        return listed + [f"z_{name}" for name in names if name not in coordinates]
+    def states(self, own: Array) -> tuple[list[str], Array]:
+        """Names of the states by structures, links last, and their numbers in a `StateSpace`.
 
-    def order(self, own: Array) -> Order:
-        """Numbers of the states; elements with ``own`` (e,) have a ``z``."""
-        states = self.states(own)
-        names = {name: i for i, name in enumerate(states)}
-        q, v = (np.array([names[f"{s}_{name}"] for name in self.arrangement.coordinates]) for s in "uv")
-        z = np.array([names[f"z_{self.springs[spring]}"] for spring in self.elements[own]], int)
-        return Order(np.arange(len(states) - q.size - v.size - z.size), q, v, z)
+        Elements with ``own`` (e,) have a ``z``.
+        """
+        first, coordinates = self.arrangement.first_coordinate, self.arrangement.coordinates
+        of_ground = self.ground.filter(self._ground).states
+        names = [*of_ground, *(f"{state}_{name}" for state in "uv" for name in coordinates)]
+        names += [f"z_{self.springs[spring]}" for spring in self.elements[own]]
+        structure = np.repeat(np.arange(first.size - 1), np.diff(first))
+        with_links = np.append(structure, np.full(len(self.elements) - structure.size, first.size))
+        ground = np.full(len(of_ground), -1)
+        order = np.argsort(
+            np.concatenate([ground, structure, structure, with_links[own]]), kind="stable"
+        )
+        return [names[state] for state in order], order
 
     def mechanics(self, own: Array) -> Mechanics:
         """Masses, springs and ground of all cells; elements with ``own`` (e,) have a state ``z``."""
         soil = self.ground.filter(self._ground)
         return Mechanics(
-            self.order(own),
             self.elements[own],
             self.system,
             Matrices(*(self._wide(a, n) for a, n in zip(soil.arrays, (2, 1, 1), strict=True))),
@@ -331,15 +326,15 @@ def statespace(
                 f"{c[element]:g}, k_eq = {k[element]:g} it yields, and needs its hardening"
             )
     written = equations.state_space(c, k, own)
-    names = equations.states(own)
+    names, order = equations.states(own)
     extension = np.zeros((len(equations.springs), len(names)))
-    extension[:, written.order.coordinates] = written.extensions
+    extension[:, written.blocks[1]] = written.extensions
     space = xr.Dataset(
         {
-            "state_matrix": (("state", "state_2"), written.matrix[0]),
-            "noise_vector": ("state", written.noise[0]),
+            "state_matrix": (("state", "state_2"), written.matrix[0][order[:, None], order]),
+            "noise_vector": ("state", written.noise[0][order]),
             "noise_intensity": ((), written.intensity[0], {"units": "m^2/s^3"}),
-            "extension": (("spring", "state"), extension),
+            "extension": (("spring", "state"), extension[:, order]),
             "stiffness": ("spring", written.stiffness[0], {"units": "N/m"}),
             "yield_displacement": ("element", strong.reported(strength, np.inf), {"units": "m"}),
         },
@@ -419,22 +414,24 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
         raise TypeError(f"space = {brief(space)}; allowed: the dataset that statespace returns")
     names = [str(name) for name in space.state.values]
     springs = [str(name) for name in space.spring.values]
-    u, v, z = (np.array([n for n, name in enumerate(names) if name[:2] == f"{k}_"], int) for k in "uvz")
-    other = np.array([n for n in range(len(names)) if n not in {*u, *v, *z}], int)
-    system = StateSpace(
-        space.state_matrix.values[None],
-        space.noise_vector.values[None],
-        np.array([float(space.noise_intensity)]),
-        Order(other, u, v, z),
-        np.array([springs.index(names[n][2:]) for n in z], int),
-        space.extension.values[:, u],
-        space.stiffness.values[None],
+    kind = np.array([1 + "uvz".find(name[0]) if name[1] == "_" else 0 for name in names])
+    order = np.argsort(kind, kind="stable")
+    inside = space.isel(state=order, state_2=order)
+    response = StationaryResponse(
+        StateSpace(
+            inside.state_matrix.values[None],
+            inside.noise_vector.values[None],
+            np.array([float(space.noise_intensity)]),
+            np.array([springs.index(names[n][2:]) for n in np.flatnonzero(kind == 3)], int),
+            space.extension.values[:, kind == 1],
+            space.stiffness.values[None],
+        )
     )
-    response = StationaryResponse(system)
     if not np.isfinite(response.covariance).all():
         raise ArithmeticError(INACCURATE if response.stable[0] else UNSTABLE)
+    back = np.argsort(order)
     return xr.DataArray(
-        response.covariance[0],
+        response.covariance[0][back[:, None], back],
         dims=("state", "state_2"),
         coords={name: space.coords[name] for name in ("state", "state_2")},
         name="covariance",

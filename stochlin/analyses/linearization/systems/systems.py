@@ -26,7 +26,7 @@ from stochlin.analyses.tables.lazy import check_names
 from stochlin.analyses.tables.work import check_work, count_cells
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import absolute_moment, gaussian
-from stochlin.kernels.linearization.systems.response import StationaryResponse, responses
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.springs import (
     Law,
     Springs,
@@ -350,41 +350,20 @@ def equations_of_cells(cells: Flat, links: Sequence[Link | None]) -> Equations:
 @np.errstate(all="ignore")  # correlations of floors that do not move are 0/0
 def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) -> xr.Dataset:
     """Dataset of `linearize_system` from a solution, without labels."""
-    system, own = equations.arrangement, equations.yields
-    results = _responses(equations, solution)
+    system, results = equations.arrangement, _results(equations, solution)
     finite = np.isfinite(results["covariance"]).all(axis=(1, 2))
     status = np.where(
         finite | (solution.status >= labels.NOT_CONVERGED), solution.status, labels.NOT_PHYSICAL
     )
-    failed = status >= labels.NOT_CONVERGED
-    results["c_eq"] = equations.reported(solution.c_eq, -1.0)
-    results["k_eq"] = equations.reported(solution.k_eq, 0.0)
-    for values in results.values():
-        values[failed] = np.nan
-    strength, std = equations.strength, results["displacement_std"]
-    z, corr = np.zeros((2, *strength.shape))
-    velocity, of_z, velocity_z = np.moveaxis(results.pop("moments"), 1, 0)
-    z[:, own] = np.sqrt(of_z) / strength[:, own]
-    corr[:, own] = velocity_z / np.sqrt(velocity * of_z)
-    q, floors = equations.order(own).coordinates, equations.system.shapes
-    of_floors = floors @ results["covariance"][:, q[:, None], q] @ floors.T
-    rho = np.clip(of_floors / (std[:, :, None] * std[:, None]), -1, 1)
-    results |= {
-        "z_std": equations.reported(z, 0.0),
-        "velocity_z_corr": equations.reported(corr, 0.0),
-        "rho": rho,
-        "yield_drift": equations.reported(strength, np.inf, np.nan),
-    }
-    results["ductility_std"] = results["drift_std"] / results["yield_drift"]
-    if any(tie.link.damping_exponent is not None for tie in system.ties):
-        results["equivalent_damping_constant"] = np.where(failed[:, None], np.nan, solution.dashpots)
+    for name in results.keys() - {"yield_drift"}:
+        results[name][status >= labels.NOT_CONVERGED] = np.nan
     variables = {name: cells.table(results[name], DIMS[name]) for name in DIMS if name in results}
     for row, name in enumerate(CHANGES):
         changes = cells.table(solution.changes[:, row].T, ("iteration",))
         variables[name] = changes.transpose("iteration", ...)
     variables["iterations"] = cells.table(solution.iterations, blank=0)
     variables["status"] = cells.table(status.astype(np.int8), blank=labels.INVALID_INPUT)
-    states = equations.states(own)
+    states, _ = equations.states(equations.yields)
     links = [tie.name for tie in system.ties]
     table = xr.Dataset(
         variables,
@@ -403,47 +382,50 @@ def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) 
     return table
 
 
-def _responses(equations: Equations, solution: SystemSolution) -> dict[str, Array]:
+def _results(equations: Equations, solution: SystemSolution) -> dict[str, Array]:
     """What follows from the responses of the equivalent linear systems, by variable."""
-    n = len(equations.arrangement.floors)
-    floors = equations.system.shapes
+    system, floors, own = equations.arrangement, equations.system.shapes, equations.yields
+    n, links = len(floors), equations.system.extensions[equations.elements[equations.first_link :]]
+    motion = StationaryResponse(equivalent_systems(equations, solution))
+    covariance, (_, order), q = motion.covariance, equations.states(own), motion.system.blocks[1]
+    std, strength = motion.std(floors), equations.strength
+    drifts = motion.std(np.concatenate([system.drifts @ system.displacements, links]))
+    (velocity, of_z, velocity_z), (z, corr) = motion.moments, np.zeros((2, *strength.shape))
+    z[:, own], corr[:, own] = np.sqrt(of_z) / strength[:, own], velocity_z / np.sqrt(velocity * of_z)
+    rho = floors @ covariance[:, q, q] @ floors.T / (std[:, :, None] * std[:, None])
     pairs = (floors[:, None] - floors).reshape(n * n, -1)
-    links = equations.system.extensions[equations.elements[equations.first_link :]]
-    system = equations.arrangement
-    drifts = np.concatenate([system.drifts @ system.displacements, links])
-    parts: list[tuple[Array, dict[str, Array]]] = []
-    dashpots = np.nan_to_num(solution.dashpots)
-    for cells, motion in responses(equivalent_systems(equations, solution)):
-        part = {
-            "drift_std": motion.std(drifts),
-            "displacement_std": motion.std(floors),
-            "velocity_std": motion.std(floors, rates=True),
-            "relative_displacement_std": motion.std(pairs).reshape(-1, n, n),
-            "covariance": motion.covariance,
-            "residual": motion.residual,
-            "moments": motion.moments.swapaxes(0, 1),
-        }
-        if system.ties:
-            part["link_force_std"] = link_forces(equations, dashpots, motion, cells)
-        parts.append((cells, part))
-    order = np.argsort(np.concatenate([cells for cells, _ in parts]))
-    names = parts[0][1]
-    return {name: np.concatenate([part[name] for _, part in parts])[order] for name in names}
+    yield_drift = equations.reported(strength, np.inf, np.nan)
+    results = {
+        "drift_std": drifts,
+        "ductility_std": drifts / yield_drift,
+        "z_std": equations.reported(z, 0.0),
+        "velocity_z_corr": equations.reported(corr, 0.0),
+        "c_eq": equations.reported(solution.c_eq, -1.0),
+        "k_eq": equations.reported(solution.k_eq, 0.0),
+        "yield_drift": yield_drift,
+        "displacement_std": std,
+        "velocity_std": motion.std(floors, rates=True),
+        "rho": np.clip(rho, -1, 1),
+        "relative_displacement_std": motion.std(pairs).reshape(-1, n, n),
+        "covariance": covariance[:, order[:, None], order],
+        "residual": motion.residual,
+    }
+    if system.ties:
+        results["link_force_std"] = link_forces(equations, solution, motion)
+    if any(tie.link.damping_exponent is not None for tie in system.ties):
+        results["equivalent_damping_constant"] = solution.dashpots.copy()
+    return results
 
 
-def link_forces(
-    equations: Equations, dashpots: Array, motion: StationaryResponse, cells: Array
-) -> Array:
-    """Standard deviations of the forces in all links (c, l) [N], of some cells.
+def link_forces(equations: Equations, solution: SystemSolution, motion: StationaryResponse) -> Array:
+    """Standard deviations of the forces in all links (c, l) [N].
 
     For a dashpot with an exponent, the variance of its linearized force is replaced by that of the
     nonlinear force for a Gaussian rate.
     """
-    springs = np.arange(equations.first_link, len(equations.springs))
-    dashpots, exponents = dashpots[cells], equations.exponents[cells]
-    post, couple = (part[cells] for part in equations.of_links)
-    linear = motion.force_std(post, couple, dashpots)
-    rate = motion.std(equations.system.extensions[springs], rates=True)
-    whole = equations.dashpots[cells] ** 2 * absolute_moment(2 * exponents, rate)
+    dashpots, exponents = np.nan_to_num(solution.dashpots), equations.exponents
+    linear = motion.force_std(*equations.of_links, dashpots)
+    rate = motion.std(equations.system.extensions[equations.first_link :], rates=True)
+    whole = equations.dashpots**2 * absolute_moment(2 * exponents, rate)
     nonlinear = np.sqrt(linear**2 + whole - (dashpots * rate) ** 2)
     return np.where((exponents != 1) & (dashpots > 0), nonlinear, linear)

@@ -9,7 +9,6 @@ tend to zero together. In the limit ``z = -c_eq d``, and the difference of both 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
@@ -20,16 +19,9 @@ from stochlin.kernels.linearization.spectral_moments import NODES, STEP, Spectra
 from stochlin.kernels.linearization.systems.lyapunov import stationary_covariance
 from stochlin.kernels.linearization.systems.state_space import StateSpace
 
-AT_ONCE = 1024  # cells that are solved together, which limits the memory for intermediate results
+Q, V, Z = 1, 2, 3  # blocks of states
 SLOW = 1e-13  # relaxation over the largest frequency below which z is proportional to the extension
 FAST = 1e-2  # relaxation over the largest frequency from which z is a state in place of y
-
-
-def responses(system: StateSpace) -> Iterator[tuple[Array, StationaryResponse]]:
-    """Numbers of cells, and their response, for all cells in turn."""
-    for begin in range(0, len(system.matrix), AT_ONCE):
-        cells = np.arange(begin, min(begin + AT_ONCE, len(system.matrix)))
-        yield cells, StationaryResponse(system.at(cells))
 
 
 class StationaryResponse:
@@ -65,13 +57,12 @@ class StationaryResponse:
     @property
     def moments(self) -> Array:
         """Variances of the rate and of z of the yielding springs, and covariances of both (3, c, m)."""
-        rate, z = self.rows(self.system.yielding, rates=True), self._back[:, self.system.order.z]
+        rate, z = self.rows(self.system.yielding, rates=True), self._back[:, self.system.blocks[Z]]
         return np.stack([self._covariances(*both) for both in ((rate, rate), (z, z), (rate, z))])
 
     def rows(self, weights: Array, *, rates: bool = False) -> Array:
         """Sums of coordinates, or of their rates, with weights (k, n), of the states solved for."""
-        order = self.system.order
-        rows: Array = weights @ self._back[:, order.velocities if rates else order.coordinates]
+        rows: Array = weights @ self._back[:, self.system.blocks[V if rates else Q]]
         return rows
 
     def std(self, weights: Array, *, rates: bool = False) -> Array:
@@ -88,7 +79,7 @@ class StationaryResponse:
         extensions, yields = self.system.extensions[first:], springs >= first
         drift, rate = self.rows(extensions), self.rows(extensions, rates=True)
         z = drift.copy()
-        z[:, springs[yields] - first] = self._back[:, self.system.order.z[yields]]
+        z[:, springs[yields] - first] = self._back[:, self.system.blocks[Z]][:, yields]
         return self._std(post[..., None] * drift + couple[..., None] * z + dashpots[..., None] * rate)
 
     def spectral_moments(self, weights: Array) -> SpectralMoments:
@@ -119,24 +110,24 @@ class StationaryResponse:
 
 def _in_extensions(system: StateSpace) -> tuple[Array, Array, Array]:
     """State matrix and noise in the states that are solved for, and the matrix back from these."""
-    matrix, (_, q, v, z), yielding = system.matrix, system.order, system.yielding
+    matrix, (_, q, v, z), yielding = system.matrix, system.blocks, system.yielding
     weighted = system.extensions.T * np.sqrt(system.stiffness.mean(axis=0))
     *_, stiffest = scipy.linalg.qr(weighted, mode="r", pivoting=True)
-    extensions = system.extensions[np.sort(stiffest[: q.size])]
+    extensions = system.extensions[np.sort(stiffest[: system.extensions.shape[1]])]
     coordinates = np.linalg.inv(extensions)
     into, back = np.tile(np.eye(matrix.shape[1]), (2, len(matrix), 1, 1))
-    for states in (q, v):
-        into[:, states[:, None], states] = extensions
-        back[:, states[:, None], states] = coordinates
-    fastest = np.sqrt(np.abs(matrix[:, v[:, None], q]).max(axis=(1, 2)))[:, None]
-    relaxation = -matrix[:, z, z]
+    into[:, q, q] = into[:, v, v] = extensions
+    back[:, q, q] = back[:, v, v] = coordinates
+    fastest = np.sqrt(np.abs(matrix[:, v, q]).max(axis=(1, 2)))[:, None]
+    diagonal = np.arange(z.start, z.stop)
+    relaxation = -matrix[:, diagonal, diagonal]
     slow, slips = np.abs(relaxation) <= SLOW * fastest, relaxation < FAST * fastest
-    c_eq = -(matrix[:, z[:, None], v] * yielding).sum(axis=2) / (yielding**2).sum(axis=1)
+    c_eq = -(matrix[:, z, v] * yielding).sum(axis=2) / (yielding**2).sum(axis=1)
     sign, of_drift = np.where(slips & ~slow, -1.0, 1.0), np.where(slow, -c_eq, slips)[..., None]
-    into[:, z, z] = back[:, z, z] = sign
-    into[:, z[:, None], q] = -sign[..., None] * of_drift * yielding
-    back[:, z[:, None], q] = of_drift * (yielding @ coordinates)
+    into[:, diagonal, diagonal] = back[:, diagonal, diagonal] = sign
+    into[:, z, q] = -sign[..., None] * of_drift * yielding
+    back[:, z, q] = of_drift * (yielding @ coordinates)
     matrix = into @ matrix @ back
     matrix[:, z] *= ~slow[..., None]
-    matrix[:, z, z] -= slow * fastest
+    matrix[:, diagonal, diagonal] -= slow * fastest
     return matrix, (into @ system.noise[..., None])[..., 0], back

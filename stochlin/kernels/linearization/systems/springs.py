@@ -21,7 +21,7 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.gaussian import Closure, equivalent_dashpot
 from stochlin.kernels.linearization.iteration import FixedPoint, add, elastic_limit, follow, nothing
 from stochlin.kernels.linearization.systems.mixing import Mixing
-from stochlin.kernels.linearization.systems.response import responses
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.state_space import Mechanics, state_space
 
 DEPTH = 10  # rounds that are mixed
@@ -122,14 +122,9 @@ def coefficients_of(problem: Springs, moments: Array) -> Array:
 
 def respond(problem: Springs, linear: Linear) -> ResponseMoments:
     """Covariance of the linear systems, from the Lyapunov equation, and moments of their springs."""
-    system = state_space(problem.mechanics, linear.slip - 1, linear.relaxation, linear.dashpots)
-    parts = [
-        (part.covariance, part.moments, part.std(problem.linearized, rates=True) ** 2)
-        for _, part in responses(system)
-    ]
-    covariance, springs, rates = zip(*parts, strict=True)
-    moments = np.concatenate(springs, axis=1) / problem.strength**2
-    return ResponseMoments(np.concatenate(covariance), moments, np.concatenate(rates))
+    response = StationaryResponse(state_space(problem.mechanics, linear.slip - 1, *linear[1:]))
+    rates = response.std(problem.linearized, rates=True) ** 2
+    return ResponseMoments(response.covariance, response.moments / problem.strength**2, rates)
 
 
 def mismatch_of(problem: Springs, unknowns: Array, moments: ResponseMoments) -> Array:
@@ -275,6 +270,5 @@ def elastic_start(problem: Springs) -> tuple[Springs, Array]:
 def _elastic_std(problem: Springs, dashpots: Array, weights: Array) -> Array:
     """Standard deviations of sums of coordinates (k, n) and of their rates (2, c, k) while elastic."""
     none = np.empty((len(dashpots), 0))
-    system = state_space(problem.mechanics.elastic, none, none, dashpots)
-    parts = [[part.std(weights, rates=r) for r in (False, True)] for _, part in responses(system)]
-    return np.concatenate(parts, axis=1)
+    response = StationaryResponse(state_space(problem.mechanics.elastic, none, none, dashpots))
+    return np.array([response.std(weights, rates=rates) for rates in (False, True)])

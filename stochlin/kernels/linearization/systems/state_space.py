@@ -17,7 +17,6 @@ dimension of all arrays is that of the systems, called cells (c), which have the
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -27,19 +26,9 @@ from stochlin.kernels.basics.systems import System
 from stochlin.kernels.linearization.filters import Matrices
 
 
-class Order(NamedTuple):
-    """Where the states of each kind stand in the state vector, counted from 0."""
-
-    ground: Array  # (g,) states of the ground's filter
-    coordinates: Array  # (n,)
-    velocities: Array  # (n,) of the coordinates
-    z: Array  # (m,) of the springs that yield
-
-
 class Mechanics(NamedTuple):
     """Masses, springs and dashpots of the structures and their links, and the ground's filter."""
 
-    order: Order
     springs: Array  # (m,) numbers of the springs with a state z
     system: System  # of c cells, without the dashpots of links
     soil: Matrices  # (c, ...) state matrix, noise and output of the ground's filter
@@ -55,9 +44,7 @@ class Mechanics(NamedTuple):
     @property
     def elastic(self) -> Mechanics:
         """The same without states z."""
-        begins = np.cumsum([0, *(states.size for states in self.order[:3])]).tolist()
-        states = [np.arange(*ends) for ends in pairwise([*begins, begins[-1]])]
-        return self._replace(order=Order(*states), springs=np.empty(0, int))
+        return self._replace(springs=np.empty(0, int))
 
     def at(self, cells: Array) -> Mechanics:
         """The cells with these numbers."""
@@ -74,10 +61,16 @@ class StateSpace(NamedTuple):
     matrix: Array  # (c, states, states)
     noise: Array  # (c, states)
     intensity: Array  # (c,) of the white noise n in time, 2 pi S0 [m^2/s^3]
-    order: Order
     springs: Array  # (m,) number of the spring of each z
     extensions: Array  # (s, n)
     stiffness: Array  # (c, s) [N/m], elastic
+
+    @property
+    def blocks(self) -> tuple[slice, slice, slice, slice]:
+        """Where the states of the ground, ``q``, ``v`` and ``z`` stand in the state vector."""
+        states, n, m = self.noise.shape[1], self.extensions.shape[1], self.springs.size
+        q, v, z = states - m - 2 * n, states - m - n, states - m
+        return slice(0, q), slice(q, v), slice(v, z), slice(z, states)
 
     @property
     def yielding(self) -> Array:
@@ -85,44 +78,33 @@ class StateSpace(NamedTuple):
         rows: Array = self.extensions[self.springs]
         return rows
 
-    def at(self, cells: Array) -> StateSpace:
-        """The systems with these numbers."""
-        return self._replace(
-            matrix=self.matrix[cells],
-            noise=self.noise[cells],
-            intensity=self.intensity[cells],
-            stiffness=self.stiffness[cells],
-        )
-
 
 def state_space(mechanics: Mechanics, c_eq: Array, k_eq: Array, dashpots: Array) -> StateSpace:
     """State matrix and noise vector for equivalent coefficients (c, m) and dashpots of links (c, l).
 
     The links are the last springs.
     """
-    order, springs, system, soil, intensity = mechanics
+    springs, system, soil, intensity = mechanics
     mass, structural, extensions, _, post, couple, _ = system
-    g, q, v, z = order
     links = extensions[len(extensions) - dashpots.shape[1] :]
     damping = structural + (links.T * dashpots[:, None]) @ links
     yields = np.isin(np.arange(len(extensions)), springs)
     by_extension = np.where(yields, post, system.elastic)
-    states = g.size + q.size + v.size + z.size
-    matrix, noise = np.zeros((len(mass), states, states)), np.zeros((len(mass), states))
-
-    def write(rows: Array, columns: Array, block: Array) -> None:
-        matrix[:, rows[:, None], columns] = block
-
-    write(g, g, soil.matrix)
-    write(q, v, np.eye(q.size))
-    write(v, g, np.broadcast_to(soil.output[:, None], (len(mass), v.size, g.size)))
-    write(v, q, -((extensions.T * by_extension[:, None]) @ extensions) / mass[..., None])
-    write(v, v, -damping / mass[..., None])
-    write(v, z, -(extensions.T * couple[:, None])[..., springs] / mass[..., None])
-    write(z, v, -c_eq[..., None] * extensions[springs])
-    matrix[:, z, z] = -k_eq
-    noise[:, g] = soil.noise
-    if not g.size:
+    count, filtered = soil.noise.shape
+    states = filtered + 2 * extensions.shape[1] + springs.size
+    matrix, noise = np.zeros((count, states, states)), np.zeros((count, states))
+    space = StateSpace(matrix, noise, intensity, springs, extensions, system.elastic)
+    g, q, v, z = space.blocks
+    matrix[:, g, g], noise[:, g] = soil.matrix, soil.noise
+    matrix[:, q, v] = np.eye(extensions.shape[1])
+    matrix[:, v, g] = soil.output[:, None]
+    matrix[:, v, q] = -((extensions.T * by_extension[:, None]) @ extensions) / mass[..., None]
+    matrix[:, v, v] = -damping / mass[..., None]
+    matrix[:, v, z] = -(extensions.T * couple[:, None])[..., springs] / mass[..., None]
+    matrix[:, z, v] = -c_eq[..., None] * extensions[springs]
+    diagonal = np.arange(z.start, z.stop)
+    matrix[:, diagonal, diagonal] = -k_eq
+    if not filtered:
         noise[:, v] = 1.0
     matrix += 0.0  # turns negative zeros, which a table would show, into 0
-    return StateSpace(matrix, noise, intensity, order, springs, extensions, system.elastic)
+    return space
