@@ -7,10 +7,9 @@ import pytest
 import scipy.linalg
 
 import stochlin as sl
-from stochlin.analyses.linearization.systems.systems import equations_of, equivalent_systems, solved
+from stochlin.analyses.linearization.systems.systems import equations_of, response_of, solve_equations
 from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.linearization.systems.response import StationaryResponse
 
 pytestmark = pytest.mark.oracle
 
@@ -36,8 +35,8 @@ def in_modes(system: System) -> System:
 
 def motion(equations):
     """Coefficients of the elements, and standard deviations of floors, pairs of floors and springs."""
-    solution, system = solved(equations), equations.system
-    response = StationaryResponse(equivalent_systems(equations, solution))
+    solution, system = solve_equations(equations, USUAL), equations.system
+    response = response_of(equations, solution)
     floors = system.shapes
     apart = (floors[:, None] - floors).reshape(-1, floors.shape[1])[1:]
     apart = apart[np.abs(apart).max(axis=1) > 0]

@@ -20,7 +20,7 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.linearization.filters import Matrices
+from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.systems.lyapunov import INACCURATE, UNSTABLE
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.state_space import (
@@ -105,11 +105,18 @@ class Equations:
     @cached_property
     def system(self) -> System:
         """Elements and springs of links in all cells, without the dashpots of links."""
-        mass, damping, _, shapes, *storeys = self.arrangement.storeys
-        pairs = zip(storeys, self._links, strict=False)
-        springs = (np.concatenate([self._wide(own), link], axis=1) for own, link in pairs)
-        extensions = self.arrangement.extensions
-        return System(self._wide(mass), self._wide(damping, 2), extensions, shapes, *springs)
+        storeys, links = self.arrangement.storeys.over_cells(self.cells), self._links
+        post, couple, strength = (
+            np.concatenate(parts, axis=1) for parts in zip(storeys[-3:], links[:3], strict=True)
+        )
+        mass, damping, _, shapes, *_ = storeys
+        return System(mass, damping, self.arrangement.extensions, shapes, post, couple, strength)
+
+    @cached_property
+    def soil(self) -> Filter:
+        """The filter of the ground in all cells."""
+        parameters = self.ground.arrays().items()
+        return self.ground.filter({n: np.broadcast_to(value, self.cells) for n, value in parameters})
 
     def states(self, own: Array) -> tuple[list[str], Array]:
         """Names of the states by structures, links last, and their numbers in a `StateSpace`.
@@ -117,7 +124,7 @@ class Equations:
         Elements with ``own`` (e,) have a ``z``.
         """
         first, coordinates = self.arrangement.first_coordinate, self.arrangement.coordinates
-        of_ground = self.ground.filter(self._ground).states
+        of_ground = self.soil.states
         names = [*of_ground, *(f"{state}_{name}" for state in "uv" for name in coordinates)]
         names += [f"z_{self.springs[spring]}" for spring in self.elements[own]]
         structure = np.repeat(np.arange(first.size - 1), np.diff(first))
@@ -130,13 +137,7 @@ class Equations:
 
     def mechanics(self, own: Array) -> Mechanics:
         """Masses, springs and ground of all cells; elements with ``own`` (e,) have a state ``z``."""
-        soil = self.ground.filter(self._ground)
-        return Mechanics(
-            self.elements[own],
-            self.system,
-            Matrices(*(self._wide(a, n) for a, n in zip(soil.arrays, (2, 1, 1), strict=True))),
-            2 * np.pi * self._wide(np.asarray(soil.intensity), 0),
-        )
+        return Mechanics(self.elements[own], self.system, self.soil)
 
     def state_space(
         self, c_eq: Array, k_eq: Array, own: Array, dashpots: Array | None = None
@@ -158,35 +159,20 @@ class Equations:
         """Exponents of the dashpots of the links (c, l)."""
         return self._links[4]
 
-    @property
-    def of_links(self) -> tuple[Array, Array]:
-        """Stiffness [N/m] of the links (c, l) after yield, and that lost by yielding."""
-        return self._links[0], self._links[1]
-
     @cached_property
     def cells(self) -> int:
         """Number of cells."""
-        parts = [stack.system.mass.shape[:-1] for stack in self.arrangement.stacks]
-        values = [
-            *self._ground.values(),
-            *(v for tie in self.arrangement.ties for v in _of_link(tie.link)),
-        ]
-        return math.prod(np.broadcast_shapes(*parts, *(np.shape(value) for value in values)))
-
-    @cached_property
-    def _ground(self) -> dict[str, Array]:
-        """Parameters of the ground: numbers, or arrays of cells."""
-        return {name: value.to_numpy() for name, value in self.ground.arrays().items()}
+        shapes = [stack.system.mass.shape[:-1] for stack in self.arrangement.stacks]
+        shapes += [value.shape for tie in self.arrangement.ties for value in _of_link(tie.link)]
+        shapes += [value.shape for value in self.ground.arrays().values()]
+        return math.prod(np.broadcast_shapes(*shapes))
 
     @cached_property
     def _links(self) -> Array:
         """Post-yield stiffness, what yielding takes of it, strength, dashpot and exponent: (5, c, l)."""
-        rows = [[self._wide(v, 0) for v in _of_link(tie.link)] for tie in self.arrangement.ties]
+        ties = self.arrangement.ties
+        rows = [[np.broadcast_to(v, self.cells) for v in _of_link(tie.link)] for tie in ties]
         return np.array(rows).reshape(len(rows), 5, self.cells).transpose(1, 2, 0)
-
-    def _wide(self, array: Array, dimensions: int = 1) -> Array:
-        """An array of one or all cells for all of them; ``dimensions`` are those of one cell."""
-        return np.broadcast_to(array, (self.cells, *array.shape[array.ndim - dimensions :]))
 
 
 def _of_link(link: Link) -> list[Array]:

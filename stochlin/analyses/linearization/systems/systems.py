@@ -34,7 +34,6 @@ from stochlin.kernels.linearization.systems.springs import (
     linear_for,
     solve_springs,
 )
-from stochlin.kernels.linearization.systems.state_space import StateSpace
 from stochlin.models.arguments import Number, OneOf, checked
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
@@ -299,28 +298,22 @@ def check_chain(models: Mapping[str, Model]) -> None:
 def linearized_motion(
     structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
 ) -> StationaryResponse:
-    """Response of the equivalent linear system, with its covariance."""
+    """Response of the equivalent linear system, with its covariance; an ArithmeticError if it fails."""
     links = checked_system(structures, ground, links)
     check_one_system(structures, ground, links)
     equations = equations_of(structures, ground, links)
-    return StationaryResponse(equivalent_systems(equations, solved(equations)))
-
-
-def equivalent_systems(equations: Equations, solution: SystemSolution) -> StateSpace:
-    """The linear systems with the coefficients and dashpots of a solution."""
-    dashpots = np.nan_to_num(solution.dashpots)
-    return equations.state_space(solution.c_eq, solution.k_eq, equations.yields, dashpots)
-
-
-def solved(equations: Equations) -> SystemSolution:
-    """Solution of one system; an ArithmeticError if it fails."""
     solution = solve_equations(equations, USUAL)
     if solution.status[0] >= labels.NOT_CONVERGED:
-        raise ArithmeticError(
-            f"linearization of {len(equations.arrangement.stacks)} structures: "
-            f"{labels.STATUS_MEANINGS[solution.status[0]].replace('_', ' ')}"
-        )
-    return solution
+        meaning = labels.STATUS_MEANINGS[solution.status[0]].replace("_", " ")
+        raise ArithmeticError(f"linearization of {len(structures)} structures: {meaning}")
+    return response_of(equations, solution)
+
+
+def response_of(equations: Equations, solution: SystemSolution) -> StationaryResponse:
+    """Response of the linear systems with the coefficients and dashpots of a solution."""
+    dashpots = np.nan_to_num(solution.dashpots)
+    space = equations.state_space(solution.c_eq, solution.k_eq, equations.yields, dashpots)
+    return StationaryResponse(space)
 
 
 def equations_of(
@@ -386,7 +379,7 @@ def _results(equations: Equations, solution: SystemSolution) -> dict[str, Array]
     """What follows from the responses of the equivalent linear systems, by variable."""
     system, floors, own = equations.arrangement, equations.system.shapes, equations.yields
     n, links = len(floors), equations.system.extensions[equations.elements[equations.first_link :]]
-    motion = StationaryResponse(equivalent_systems(equations, solution))
+    motion = response_of(equations, solution)
     covariance, (_, order), q = motion.covariance, equations.states(own), motion.system.blocks[1]
     std, strength = motion.std(floors), equations.strength
     drifts = motion.std(np.concatenate([system.drifts @ system.displacements, links]))
@@ -424,8 +417,9 @@ def link_forces(equations: Equations, solution: SystemSolution, motion: Stationa
     nonlinear force for a Gaussian rate.
     """
     dashpots, exponents = np.nan_to_num(solution.dashpots), equations.exponents
-    linear = motion.force_std(*equations.of_links, dashpots)
-    rate = motion.std(equations.system.extensions[equations.first_link :], rates=True)
+    links, springs = slice(equations.first_link, None), equations.system
+    linear = motion.force_std(springs.post[:, links], springs.couple[:, links], dashpots)
+    rate = motion.std(springs.extensions[links], rates=True)
     whole = equations.dashpots**2 * absolute_moment(2 * exponents, rate)
     nonlinear = np.sqrt(linear**2 + whole - (dashpots * rate) ** 2)
     return np.where((exponents != 1) & (dashpots > 0), nonlinear, linear)

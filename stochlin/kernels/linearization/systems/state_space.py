@@ -23,7 +23,7 @@ import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
-from stochlin.kernels.linearization.filters import Matrices
+from stochlin.kernels.linearization.filters import Filter
 
 
 class Mechanics(NamedTuple):
@@ -31,8 +31,7 @@ class Mechanics(NamedTuple):
 
     springs: Array  # (m,) numbers of the springs with a state z
     system: System  # of c cells, without the dashpots of links
-    soil: Matrices  # (c, ...) state matrix, noise and output of the ground's filter
-    intensity: Array  # (c,) of the white noise in time, 2 pi S0 [m^2/s^3]
+    soil: Filter  # the ground's
 
     @property
     def frequency(self) -> Array:
@@ -48,11 +47,7 @@ class Mechanics(NamedTuple):
 
     def at(self, cells: Array) -> Mechanics:
         """The cells with these numbers."""
-        return self._replace(
-            system=self.system.at(cells),
-            soil=Matrices(*(part[cells] for part in self.soil)),
-            intensity=self.intensity[cells],
-        )
+        return self._replace(system=self.system.at(cells), soil=self.soil.at(cells))
 
 
 class StateSpace(NamedTuple):
@@ -84,27 +79,28 @@ def state_space(mechanics: Mechanics, c_eq: Array, k_eq: Array, dashpots: Array)
 
     The links are the last springs.
     """
-    springs, system, soil, intensity = mechanics
+    springs, system, filtered = mechanics
     mass, structural, extensions, _, post, couple, _ = system
     links = extensions[len(extensions) - dashpots.shape[1] :]
     damping = structural + (links.T * dashpots[:, None]) @ links
     yields = np.isin(np.arange(len(extensions)), springs)
     by_extension = np.where(yields, post, system.elastic)
-    count, filtered = soil.noise.shape
-    states = filtered + 2 * extensions.shape[1] + springs.size
+    count, soil = len(mass), filtered.arrays
+    states = len(filtered.states) + 2 * extensions.shape[1] + springs.size
     matrix, noise = np.zeros((count, states, states)), np.zeros((count, states))
+    intensity = np.broadcast_to(2 * np.pi * np.asarray(filtered.intensity), count)
     space = StateSpace(matrix, noise, intensity, springs, extensions, system.elastic)
     g, q, v, z = space.blocks
     matrix[:, g, g], noise[:, g] = soil.matrix, soil.noise
     matrix[:, q, v] = np.eye(extensions.shape[1])
-    matrix[:, v, g] = soil.output[:, None]
+    matrix[:, v, g] = soil.output[..., None, :]
     matrix[:, v, q] = -((extensions.T * by_extension[:, None]) @ extensions) / mass[..., None]
     matrix[:, v, v] = -damping / mass[..., None]
     matrix[:, v, z] = -(extensions.T * couple[:, None])[..., springs] / mass[..., None]
     matrix[:, z, v] = -c_eq[..., None] * extensions[springs]
     diagonal = np.arange(z.start, z.stop)
     matrix[:, diagonal, diagonal] = -k_eq
-    if not filtered:
+    if not filtered.states:
         noise[:, v] = 1.0
     matrix += 0.0  # turns negative zeros, which a table would show, into 0
     return space
