@@ -253,7 +253,7 @@ def test_spectral_moments_of_roofs_are_integrals_of_the_spectrum():
     system = motion.system
     matrix, noise = system.matrix[0], system.noise[0]
     c = np.zeros(noise.size)
-    c[system.order.coordinates] = weights
+    c[system.blocks[1]] = weights
 
     def spectrum(w):
         answer = np.linalg.solve(1j * w * np.eye(c.size) - matrix, noise)

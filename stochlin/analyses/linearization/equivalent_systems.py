@@ -335,7 +335,7 @@ def _yielding(
         oscillator, law.parameters, ground.filter_of(soil), none, law.closure, *limits
     )
     solved = solve_structures(problem, start, law.one_solution, tolerance.max_iterations)
-    slip, relaxation = solved.coefficients
+    slip, relaxation = problem.coefficients(solved.unknowns)
     still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
     elastic = np.array([*oscillator[:2], none, none, w])
     system = np.where(still, elastic, np.array([*oscillator, slip, relaxation]))

@@ -14,8 +14,7 @@ from stochlin.kernels.linearization import covariance, grounds
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, own_covariance
 from stochlin.kernels.linearization.gaussian import clipped_values, gaussian_values
 from stochlin.kernels.linearization.grounds import clough_penzien, kanai_tajimi, white_noise
-from stochlin.kernels.linearization.iteration import BOLD, CAREFUL
-from stochlin.kernels.linearization.single_structures import advance
+from stochlin.kernels.linearization.single_structures import BOLD, CAREFUL, advance
 
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
 RTOL, ATOL, AT_FIRST, WITH_CARE = 1e-10, 1e-12, 30, 170  # stop rule of `linearize`, largest iterations

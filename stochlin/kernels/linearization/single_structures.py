@@ -25,8 +25,25 @@ from stochlin.kernels.linearization.covariance import (
 )
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import Closure
-from stochlin.kernels.linearization.iteration import FixedPoint, StepControl, solve
+from stochlin.kernels.linearization.iteration import FixedPoint, add, elastic_limit, follow, nothing
 
+
+class StepControl(NamedTuple):
+    """Control of the pseudo-time step: its first value and how it changes."""
+
+    first: float  # first pseudo-time step
+    restart: float  # upper bound after a rise of the mismatch
+    shorter: float  # factor after a rise of the mismatch
+    longer: float  # factor after a fall, besides the ratio of the mismatches
+    longest: float  # largest factor after a fall
+
+
+# Nearly Newton's method, and short pseudo-time steps.
+BOLD = StepControl(first=30.0, restart=1.0, shorter=0.25, longer=3.0, longest=100.0)
+CAREFUL = StepControl(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1.5)
+# Share of max_iterations for nearly Newton's method: 30 of 200, while the bilinear law needs 13.
+BOLD_SHARE = 0.15
+AT_LEVEL = 12  # iterations at one level of shaking
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 LEAST_DELTA = 0.05  # smallest pseudo-time step
 LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
@@ -72,7 +89,7 @@ class State(NamedTuple):
 
 
 class SingleStructures(NamedTuple):
-    """Single structures on their grounds: a `Problem` of the iteration."""
+    """Single structures on their grounds."""
 
     structure: Array  # (3, n) stiffness, damping and coupling of the equivalent system
     law: Array  # (m, n) parameters of the law, for the closure
@@ -82,16 +99,6 @@ class SingleStructures(NamedTuple):
     rtol: float
     atol: float
 
-    @property
-    def springs(self) -> int:
-        """One."""
-        return 1
-
-    @property
-    def size(self) -> int:
-        """Two, for ``1 + c_e`` and ``k_e``."""
-        return 2
-
     def at(self, cells: Array | slice) -> SingleStructures:
         """The cells with these numbers."""
         if self.level[cells].size == self.level.size:  # the selection is all cells
@@ -100,10 +107,6 @@ class SingleStructures(NamedTuple):
         return self._replace(
             structure=structure, law=law, ground=self.ground.at(cells), level=self.level[cells]
         )
-
-    def shaken(self, level: Array) -> SingleStructures:
-        """The cells under other shaking."""
-        return self._replace(level=level)
 
     def settle(self, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
         """The fixed points from these unknowns (3, n) in at most so many steps."""
@@ -131,13 +134,36 @@ class SingleStructures(NamedTuple):
 def solve_structures(
     problem: SingleStructures, start: Array, one_solution: Array, max_iterations: int
 ) -> FixedPoint:
-    """`solve` from the moments ``sv, sz, r`` (3, n) of the elastic response.
+    """The fixed points of all cells, from the moments ``sv, sz, r`` (3, n) of the elastic response.
+
+    Cells for which ``one_solution`` (n,) is true have at most one solution, and the iteration starts
+    from the elastic response, with ``sz`` at most 1, in large steps and then in small ones. For the
+    others, and where this fails, the branch of solutions that begins with the elastic response to weak
+    shaking is followed up to full shaking. ``max_iterations`` limits the steps of an iteration, or the
+    levels of shaking along a branch.
 
     A cell has converged when ``|dy| <= atol + rtol |y|`` for each of its moments ``y``; ``atol`` applies
     to the correlation only, since the other two are positive scales.
     """
-    elastic = np.array([*np.log(start[:2]), np.arctanh(start[2])])
-    return solve(problem, elastic, one_solution, max_iterations)
+    elastic, bold = (
+        np.array([*np.log(start[:2]), np.arctanh(start[2])]),
+        int(BOLD_SHARE * max_iterations),
+    )
+    solution, careful = nothing(elastic), max_iterations - max(1, bold)
+    for pace, most in ((BOLD, max(1, bold)), (CAREFUL, careful)):
+        cells = np.flatnonzero(~solution.converged & one_solution)
+        if cells.size and most:
+            limited = elastic_limit(elastic[:, cells], 1)
+            add(solution, cells, problem.at(cells).settle(limited, most, pace))
+    cells = np.flatnonzero(~solution.converged)
+    if cells.size and careful:
+        part = problem.at(cells)
+
+        def settle(cells: Array, level: Array, guess: Array) -> FixedPoint:
+            return part.at(cells)._replace(level=level).settle(guess, AT_LEVEL, BOLD)
+
+        add(solution, cells, follow(settle, elastic[:, cells], 1, careful))
+    return solution
 
 
 def iterate(problem: SingleStructures, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
@@ -154,8 +180,7 @@ def iterate(problem: SingleStructures, unknowns: Array, most: int, pace: StepCon
             break
         if left.size < cells.size:
             state, part, cells = state.at(left), part.at(left), cells[left]
-    reached = whole.unknowns
-    return FixedPoint(reached, problem.coefficients(reached), iterations, whole.norm, whole.done > 0)
+    return FixedPoint(whole.unknowns, iterations, whole.norm, whole.done > 0)
 
 
 def moments_of(unknowns: Array) -> Array:

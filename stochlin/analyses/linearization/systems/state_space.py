@@ -400,7 +400,7 @@ def stationary_covariance(space: xr.Dataset) -> xr.DataArray:
         raise TypeError(f"space = {brief(space)}; allowed: the dataset that statespace returns")
     names = [str(name) for name in space.state.values]
     springs = [str(name) for name in space.spring.values]
-    kind = np.array([1 + "uvz".find(name[0]) if name[1] == "_" else 0 for name in names])
+    kind = np.array([{"u_": 1, "v_": 2, "z_": 3}.get(name[:2], 0) for name in names])
     order = np.argsort(kind, kind="stable")
     inside = space.isel(state=order, state_2=order)
     response = StationaryResponse(

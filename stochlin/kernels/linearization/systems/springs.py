@@ -175,7 +175,7 @@ def fixed_points(
     are those of `stands_still`, and NaN after the last round of a cell.
     """
     part, cells, before = problem, np.arange(unknowns.shape[1]), None
-    solution, changes = nothing(0, unknowns), []
+    solution, changes = nothing(unknowns), []
     weak = unknowns.copy()
     weak[part.springs : 2 * part.springs] -= HARDLY
     mixing = Mixing.begin(weak, unknowns, depth)
@@ -187,8 +187,7 @@ def fixed_points(
         change = largest_change(part, now, before) if before else np.full((2, cells.size), np.nan)
         norm = np.sqrt((mismatch**2).sum(axis=0) / max(1, part.springs + part.power.size))
         done = stands_still(change, relaxation * rtol) & (norm <= SOLVED)
-        state = mixing.unknowns, solution.coefficients[:, cells], np.ones_like(cells), norm, done
-        add(solution, cells, FixedPoint(*state))
+        add(solution, cells, FixedPoint(mixing.unknowns, np.ones_like(cells), norm, done))
         changes.append(np.full((2, unknowns.shape[1]), np.nan))
         changes[-1][:, cells] = change
         left = np.flatnonzero(~done)
@@ -215,7 +214,7 @@ def solve_springs(
     the branch of solutions from weak to full shaking.
     """
     m, how = problem.springs, (DEPTH, 1.0) if relaxation is None else (0, relaxation)
-    solution, changes = nothing(0, elastic), np.full((most, 2, elastic.shape[1]), np.nan)
+    solution, changes = nothing(elastic), np.full((most, 2, elastic.shape[1]), np.nan)
     solution.converged[:] = not len(elastic)  # nothing is to be linearized
 
     def iterate(cells: Array, start: Array) -> None:
@@ -235,7 +234,7 @@ def solve_springs(
         def settle(cells: Array, level: Array, guess: Array) -> FixedPoint:
             return fixed_points(part.at(cells)._replace(level=level), guess, AT_LEVEL, rtol)[0]
 
-        branch = follow(settle, elastic[:, cells], m, 0, most)
+        branch = follow(settle, elastic[:, cells], m, most)
         solution.iterations[cells] += branch.iterations
         iterate(cells[branch.converged], branch.unknowns[:, branch.converged])
     solution.unknowns[:, ~solution.converged] = np.nan
