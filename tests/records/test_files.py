@@ -419,8 +419,12 @@ def test_strong_part_refuses_fractions(fractions):
         (motion(WAVE, units="g"), ValueError, r"record has units 'g'; allowed: m/s\^2"),
         (motion([1.0] * 20 + [np.nan]), ValueError, r"record is nan at 0\.4 s"),
         (motion(WAVE).isel(time=slice(None, None, -1)), ValueError, "time does not increase"),
+        (motion(WAVE).drop_isel(time=20), ValueError, "time is uneven"),
+        ([], ValueError, "record is empty"),
+        ([motion(WAVE), np.ones(3)], TypeError, "record 2: record is a ndarray"),
+        ({"a": motion(WAVE)[:5]}, ValueError, "record a: record has 5 samples"),
     ],
 )
 def test_what_is_not_a_record(record, error, message):
     with pytest.raises(error, match=message):
-        strong_part(record)
+        sl.response_spectrum(record, 0.5, 0.05)

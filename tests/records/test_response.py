@@ -370,24 +370,6 @@ def test_pairs_make_a_table():
     assert case.separation.dims == ("case",)
 
 
-GOOD = {"period": 0.5, "damping": 0.05}
-BAD_RECORDS = {
-    "uneven": (synthetic().drop_isel(time=20), ValueError, "time is uneven"),
-    "empty": ([], ValueError, "record is empty"),
-    "one of two": ([synthetic(), np.ones(3)], TypeError, "record 2: record is a ndarray"),
-    "in a mapping": ({"a": synthetic()[:5]}, ValueError, "record a: record has 5 samples"),
-}
-
-
-@pytest.mark.parametrize("case", BAD_RECORDS)
-def test_what_is_no_record(case):
-    record, error, message = BAD_RECORDS[case]
-    with pytest.raises(error, match=message):
-        sl.response_spectrum(record, **GOOD)
-    with pytest.raises(error, match=message):
-        sl.recorded_gap(*pair(), record)
-
-
 def test_time_of_a_history_is_that_of_the_record():
     record = motion(synthetic().values, start=12.5)
     found = sl.respond(sl.Bilinear(0.5, 0.05), record, refine=3)

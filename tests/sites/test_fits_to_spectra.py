@@ -11,6 +11,7 @@ import stochlin as sl
 G = 9.80665
 ENVELOPE = sl.AminAng(2.0, 12.0, 0.4)
 PAIR = sl.Bilinear(0.5, 0.05, 0.05, yield_displacement=0.01), sl.Bilinear(1.0, 0.05)
+RECORD = sl.simulated_motions(sl.named_ground("firm", 0.01), 20.0, paths=2)[0]
 EUROCODE = [(kind, soil) for kind in (1, 2) for soil in "ABCDE"]
 CODES = {
     f"Eurocode 8, type {kind}, {soil}": sl.eurocode_8(0.25 * G, soil, kind) for kind, soil in EUROCODE
@@ -65,18 +66,12 @@ def test_intensity_follows_the_square_of_the_spectrum():
         ),
         ({"duration": 20.0, "filters": 4}, "filters = 4"),
         ({"duration": -20.0}, "duration = -20.0"),
+        ({"target": RECORD, "duration": 20.0}, r"duration = 20\.0 does not apply: target is a record"),
     ],
 )
-def test_options_that_do_not_go_with_a_spectrum_are_refused(options, message):
+def test_options_that_do_not_go_with_the_target_are_refused(options, message):
     with pytest.raises(ValueError, match=message):
-        sl.fit_ground(CODES["Eurocode 8, type 1, A"], **options)
-
-
-@pytest.mark.invariant
-def test_options_that_do_not_go_with_a_record_are_refused():
-    record = sl.simulated_motions(sl.named_ground("firm", 0.01), 20.0, paths=2)[0]
-    with pytest.raises(ValueError, match=r"duration = 20\.0 does not apply: target is a record"):
-        sl.fit_ground(record, duration=20.0)
+        sl.fit_ground(**{"target": CODES["Eurocode 8, type 1, A"]} | options)
 
 
 @pytest.mark.oracle
