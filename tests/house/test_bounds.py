@@ -78,7 +78,7 @@ def test_an_index_out_of_range_raises_in_checked_code_only_and_both_are_kept_apa
             assert done.stdout == 3 * told, (times, checked)
     folders = sorted((place / "stochlin").iterdir())
     assert len(folders) == 2
-    names = [sorted(file.name for file in folder.iterdir()) for folder in folders]
+    names = [sorted(file.name for file in folder.rglob("*.nbi")) for folder in folders]
     assert names[0] == names[1]
     assert len(names[0]) == 3
 

@@ -11,7 +11,7 @@ from commands import answered
 
 from stochlin import kernels
 from stochlin.analyses.cases.examples import example_case
-from stochlin.kernels.basics.kept import Kept
+from stochlin.kernels.basics.compiled import Entry
 from stochlin.messages import WHEN_COMPILING
 from stochlin.views.shared.screen import compiling_told
 from stochlin.views.warmup.tasks import TASKS, perform
@@ -22,8 +22,8 @@ def compiled() -> dict[str, int]:
     found = {}
     for module in pkgutil.walk_packages(kernels.__path__, f"{kernels.__name__}."):
         for name, value in vars(importlib.import_module(module.name)).items():
-            if isinstance(value, Kept):
-                found[f"{value.py_func.__module__}.{name}"] = value.kinds
+            if isinstance(value, Entry):
+                found[f"{value.py_func.__module__}.{name}"] = len(value.dispatcher.overloads)
     return found
 
 
@@ -32,6 +32,7 @@ def new_kinds(folder: Path) -> list[str]:
     for name in TASKS:
         perform(name)
     before = compiled()
+    assert max(before.values()) == 1  # see `variant`
     record = folder / "wave.txt"
     record.write_text("\n".join(f"{0.1 * (n % 7 - 3):g}" for n in range(100)))
     text = example_case().replace("paths = 2048", "paths = 100")

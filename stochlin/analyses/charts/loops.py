@@ -11,13 +11,12 @@ from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, RateLaw, bouc_wen, by_number
+from stochlin.kernels.simulation.laws import BILINEAR, by_number
 from stochlin.kernels.simulation.paths import BILINEAR_PATH, follow
 from stochlin.messages import brief
 from stochlin.models.arguments import Whole, as_numbers, checked
 from stochlin.models.structures import Structure
 
-PATHS = {BILINEAR: BILINEAR_PATH, BOUC_WEN: RateLaw(bouc_wen, 1, "Bouc-Wen")}
 ALLOWED = "two or more finite numbers in metres, along one dimension"
 
 
@@ -101,7 +100,7 @@ def _turns(displacement: Any) -> Array:
 def _states(structure: Structure, extension: Array) -> Array:
     """``z`` at these extensions over the yield displacement."""
     step = structure.step()
-    law = PATHS.get(step, step)
+    law = BILINEAR_PATH if step == BILINEAR else step
     own = np.array([float(array) for array in structure.law_parameters()])
     z = np.empty(extension.size)
     follow(by_number((law,)), law.states, extension, own, z)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from stochlin.kernels.basics.kept import is_left, lock, remove_left
+from stochlin.kernels.basics.folders import is_left, lock, remove_left
 from stochlin.messages import REASONS, brief
 
 if TYPE_CHECKING:

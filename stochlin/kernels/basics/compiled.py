@@ -1,4 +1,4 @@
-"""The decorators that compile kernels with numba, one for each way in which a function is called.
+"""The decorators that compile kernels with numba, and the folder in which numba keeps compiled code.
 
 ================  ==================================================================================
 `entry`           for functions called from Python; the compiled code is kept on the disk
@@ -6,23 +6,52 @@
 `compiled`        for functions called from compiled code; from Python they are plain Python
 `called_often`    as `compiled`, for functions so short that a call takes longer than their work: inlined
 ================  ==================================================================================
+
+numba compiles a function again only if its own source file has changed. The folder is therefore named
+after a digest of all kernel sources and versions. Processes that compile a function at the same time for
+arguments of different types may overwrite one another's files: each function on the disk is called with
+arguments of one type only (`variant`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import hashlib
+import os
+import platform
+import shutil
+import tempfile
+import time
+import types
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+from threading import RLock
 from typing import Any
 
 import numba as nb
 import numpy as np
 from numba.extending import overload, register_jitable
 
-from stochlin.kernels.basics.kept import Kept, warn_once
+from stochlin.kernels.basics.folders import process_folder, remove_left
+from stochlin.messages import WHEN_COMPILING
 
-UNCOMPILED = bool(nb.config.DISABLE_JIT)  # type: ignore[attr-defined]
+KERNELS = Path(__file__).parents[1]
+PROGRAM = KERNELS.parent / "__pycache__"
+CONFIG: Any = nb.config
+DAY = 86400.0  # [s]: folders of other versions are then removed
+UNCOMPILED = bool(CONFIG.DISABLE_JIT)
 NOT_COMPILED = (
     "the environment variable NUMBA_DISABLE_JIT is set: nothing is compiled, and simulations take a "
     "thousand times as long, hours for what takes seconds; unset it, unless that is wanted"
+)
+NOT_KEPT = (
+    "compiled code cannot be kept: the folder that NUMBA_CACHE_DIR names, or without it both stochlin's "
+    "own folder and the user's cache folder, cannot be written, or the disk is full. Every process then "
+    "compiles anew what it uses, which takes seconds to a minute; set the environment variable "
+    "NUMBA_CACHE_DIR to a folder that can be written"
 )
 OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 # Functions that only compiled code calls need no code to be called from elsewhere, a third of the time.
@@ -32,14 +61,122 @@ OFTEN: Any = INNER | {"forceinline": True}
 not_kept = nb.njit(**OPTIONS)
 compiled: Callable[[Any], Any] = register_jitable(**INNER)
 called_often: Callable[[Any], Any] = register_jitable(**OFTEN)
+_naming_folder = RLock()  # numba's folder is a setting of the whole process
+
+
+@cache
+def warn_once(why: str) -> None:
+    """Warn that calls will be slow, and why; once in a process for each reason."""
+    warnings.warn(why, stacklevel=2)
+
+
+def digest_of(sources: Path) -> str:
+    """Digest of all modules below a folder, and of what else compiled code depends on."""
+    versions = platform.python_version(), [version(name) for name in ("numba", "llvmlite", "numpy")]
+    digest = hashlib.sha256(repr((sources, versions, CONFIG.BOUNDSCHECK)).encode())
+    for file in sorted(sources.rglob("*.py")):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def code_folder() -> Path | None:
+    """The folder of compiled code; None if none can be written.
+
+    If the preferred one can only be read, what it contains is copied to the next.
+    """
+    user = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    of_user = Path(CONFIG.CACHE_DIR or user, "stochlin")
+    places = [of_user] if CONFIG.CACHE_DIR else [PROGRAM, of_user]
+    folders = [place / f"kernels-{digest_of(KERNELS)}" for place in places]
+    filled = [folder for folder in folders if folder.is_dir()]
+    for folder in folders + [process_folder() / each.name for each in filled[:1]]:
+        with suppress(OSError):
+            folder.parent.mkdir(parents=True, exist_ok=True)
+            remove_left(folder.parent, r"kernels-[0-9a-f]{16}|writing-\w{8}", _is_old)
+            if filled and folder not in filled:
+                copy = Path(tempfile.mkdtemp(prefix="writing-", dir=folder.parent))
+                with suppress(FileExistsError):  # another process was faster
+                    shutil.copytree(filled[0], copy, dirs_exist_ok=True).rename(folder)
+            folder.mkdir(exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+            os.utime(folder)
+            return folder
+    return None
+
+
+def _is_old(path: Path) -> bool:
+    return time.time() - path.lstat().st_mtime > DAY
+
+
+@contextmanager
+def _kept_on_disk(function: Any) -> Iterator[bool]:
+    """Have numba keep on the disk what it is asked to keep in this block; False if it cannot."""
+    module, line = function.__module__.rpartition(".")[2], function.__code__.co_firstlineno
+    code = f"{module}.{function.__qualname__}-{line}."
+    with _naming_folder:
+        folder, named = code_folder(), CONFIG.CACHE_DIR
+        if folder is None:
+            warn_once(NOT_KEPT)
+        if folder is None or not any(folder.rglob(f"{code}*.nbi")):
+            for call in tuple(WHEN_COMPILING):
+                call()
+        CONFIG.CACHE_DIR = str(folder)
+        try:
+            yield folder is not None
+        finally:
+            CONFIG.CACHE_DIR = named
+
+
+class Entry:
+    """A function that numba compiles at its first call, or finds compiled on the disk.
+
+    ``options`` are those of ``numba.njit``.
+    """
+
+    def __init__(self, function: Any, options: dict[str, Any]) -> None:
+        self.py_func, self.__doc__ = function, function.__doc__
+        self.dispatcher: Any = nb.njit(**options)(function)
+        self._ready = False
+
+    def __call__(self, *args: Any) -> Any:
+        """The function, compiled."""
+        if not self._ready:
+            with _kept_on_disk(self.py_func) as can_be_kept:
+                if can_be_kept and not self._ready:
+                    self.dispatcher.enable_caching()
+                self._ready = True
+        try:
+            return self.dispatcher(*args)
+        except OSError:  # of numba, which could not write the code that it has just compiled
+            warn_once(NOT_KEPT)
+            return self.dispatcher(*args)
 
 
 def entry(function: Any, **more: Any) -> Any:
     """Compile a function that Python calls, and keep it on the disk; ``more`` are numba's options."""
     if not UNCOMPILED:
-        return Kept(function, OPTIONS | more)
+        return Entry(function, OPTIONS | more)
     warn_once(NOT_COMPILED)
     return np.errstate(all="ignore")(function)  # no warnings of overflow, as in compiled code
+
+
+def variant(function: Any, name: str) -> Any:
+    """The same function under a name of its own, for arguments of other types."""
+    copy = types.FunctionType(function.__code__, function.__globals__, function.__name__)
+    copy.__qualname__, copy.__doc__ = name, function.__doc__
+    return copy
+
+
+def compiled_law(function: Any, signature: Any) -> Any:
+    """A C function with this signature, compiled now or found on the disk under its qualified name."""
+    options: dict[str, Any] = {"error_model": "numpy"}
+    try:
+        with _kept_on_disk(function) as can_be_kept:
+            return nb.cfunc(signature, cache=can_be_kept, **options)(function)
+    except OSError:  # of a full disk
+        warn_once(NOT_KEPT)
+        return nb.cfunc(signature, **options)(function)
 
 
 def of_lane(value: Any, lane: int) -> Any:

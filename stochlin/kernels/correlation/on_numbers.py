@@ -10,7 +10,7 @@ import numpy as np
 from numba.extending import overload, register_jitable
 
 from stochlin.kernels.basics import elementary
-from stochlin.kernels.basics.compiled import OFTEN, called_often, entry
+from stochlin.kernels.basics.compiled import OFTEN, UNCOMPILED, called_often, entry, variant
 from stochlin.kernels.correlation import errors, nearness, pairs, signatures
 from stochlin.kernels.linearization import covariance, drift, gaussian, grounds
 from stochlin.kernels.linearization import single_structures as structures
@@ -21,8 +21,7 @@ _X, _W = np.polynomial.legendre.leggauss(36)
 NODES = tuple((float(x) ** 2, float(w)) for x, w in zip(_X[18:], _W[18:], strict=True))
 
 
-@entry
-def write_results(first, second, places_1, places_2, errors, out):
+def _write(first, second, places_1, places_2, errors, out):
     """Write the results of pairs to ``out`` (k, n), pair by pair."""
     for n in range(places_1.size):
         row = pairs.results(pairs.cell(first, places_1[n]), pairs.cell(second, places_2[n]), errors)
@@ -99,3 +98,5 @@ for _module in (covariance, drift, errors, gaussian, grounds, nearness, pairs, s
         if own and _function not in ELSEWHERE:
             called_often(_function)
 called_often(elementary.solve_3x3)
+# By the kind of structures; none where nothing is compiled.
+WRITERS = {kind: entry(variant(_write, kind.__name__)) for kind in ([] if UNCOMPILED else pairs.PAIRS)}

@@ -170,21 +170,21 @@ def cell(structures: Any, place: Any) -> Any:
 
 def over_pairs(first: Any, second: Any, places: Sequence[Array], errors: Array = NONE) -> Any:
     """Results of the function in `PAIRS` for pairs of structures by their places, two arrays (n,)."""
-    kind = PAIRS[type(first)][1]
-    places_1, places_2 = places
-    out = np.empty((len(kind._fields), places_1.size))
-    if many := places_1.size >= MANY:
-        from stochlin.kernels.correlation.on_numbers import write_results
+    kind, count = PAIRS[type(first)][1], places[0].size
+    out, write = np.empty((len(kind._fields), count)), None
+    if count >= MANY:
+        from stochlin.kernels.correlation.on_numbers import WRITERS
 
+        write = WRITERS.get(type(first))
         first, second = (on_arrays(np.asfortranarray, each) for each in (first, second))
 
     @np.errstate(all="ignore")  # pairs with extreme parameters are NaN
     def part(cells: slice) -> None:
-        at_1, at_2 = places_1[cells], places_2[cells]
-        if many:
-            write_results(first, second, at_1, at_2, errors, out[:, cells])
+        at_1, at_2 = (each[cells] for each in places)
+        if write:
+            write(first, second, at_1, at_2, errors, out[:, cells])
         else:
             out[:, cells] = results(cell(first, at_1), cell(second, at_2), errors)
 
-    in_ranges(part, places_1.size, CELLS)
+    in_ranges(part, count, CELLS)
     return kind(*out)

@@ -35,6 +35,7 @@ from stochlin.kernels.simulation.time_step import (
     Places,
     Steps,
     lanes_at_rest,
+    sampled_block,
     sampled_steps,
     steps_of,
     system_block,
@@ -111,15 +112,15 @@ class SteppedStructures:
     def block(self, dt: float, group: int = 0) -> Block:
         """The function for blocks of time steps of this group of motions, as in `Oscillators`."""
         if self.samples:
-            steps = sampled_steps(self._of(group), dt)
+            steps, step = sampled_steps(self._of(group), dt), sampled_block
         else:
             if dt not in self._steps:
                 self._steps[dt] = steps_of(self.elements, dt)
-            steps = self._steps[dt]
+            steps, step = self._steps[dt], system_block
         places = self.places
 
         def block(f: Array, x: Any, every: int, out: Array, at: int = 0) -> None:
-            system_block(f, self.law, steps, places, x, every, out, at)
+            step(f, self.law, steps, places, x, every, out, at)
 
         return block
 

@@ -17,12 +17,11 @@ from typing import Any
 import numba as nb
 import numpy as np
 
-from stochlin.kernels.basics.compiled import UNCOMPILED, called_often, compiled
-from stochlin.kernels.basics.kept import kept_law
+from stochlin.kernels.basics.compiled import UNCOMPILED, called_often, compiled, compiled_law
 from stochlin.kernels.basics.powers import exponential, logarithm
 
-# Kinds of elements. Those from BOUC_WEN on have laws with rates; from OTHER on they are laws of users.
-KINDS = LINEAR, BILINEAR, VISCOUS, BOUC_WEN, OTHER = range(5)
+# Kinds of elements. Those from OTHER on have laws with rates or of straight branches.
+KINDS = LINEAR, BILINEAR, VISCOUS, OTHER = range(4)
 ROUGH = 0.001  # difference of both rules in a state, over 1 + its size, that asks for substeps
 SIXTH = 1.0 / 6.0
 MOST_SUBSTEPS = 1024  # of a step
@@ -193,7 +192,7 @@ _with_powers = advance_of(_bouc_wen, 1, "Bouc-Wen")
 
 
 @compiled
-def bouc_wen(lanes, x, v, w, own, dt, new):
+def _bouc_wen_of_any_power(lanes, x, v, w, own, dt, new):
     """`advance_of` the Bouc-Wen law, which needs no power if ``n = 1`` in all lanes."""
     others = 0
     for lane in range(lanes):
@@ -204,13 +203,7 @@ def bouc_wen(lanes, x, v, w, own, dt, new):
         _without_powers(lanes, x, v, w, own, dt, new)
 
 
-@compiled
-def advance(law, kind, lanes, x, v, w, own, dt, new):
-    """Integrate the law of a kind of elements; ``law`` is the result of `by_number`."""
-    if kind == BOUC_WEN:
-        bouc_wen(lanes, x, v, w, own, dt, new)
-    else:
-        law(kind, lanes, x, v, w, own, dt, new)
+BOUC_WEN = RateLaw(_bouc_wen_of_any_power, 1, "Bouc-Wen")
 
 
 @cache
@@ -227,7 +220,7 @@ def by_number(laws: tuple[RateLaw, ...]) -> Any:
     def of_kind(kind, lanes, x, v, w, own, dt, new):
         chosen(kind, lanes, x, v, w, own, dt, new)
 
-    return of_kind if UNCOMPILED else kept_law(named(names, of_kind), ADVANCE, names)
+    return of_kind if UNCOMPILED else compiled_law(named(names, of_kind), ADVANCE)
 
 
 @compiled

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import called_often, entry, of_lane
+from stochlin.kernels.basics.compiled import called_often, entry, of_lane, variant
 
 LANES = 32  # independent motions in the innermost loop, which fit vector registers and first-level cache
 # Loops with many constants take the number of lanes from an array. If the compiler knows it, it unrolls
@@ -74,7 +74,7 @@ def ground_block(ground: FilterSteps) -> Callable[[Array, Array, Array], None]:
     own: list[Any] = []  # the random numbers act on the forcing directly through the first of these
     for states in _independent(ground.transition):
         arrays = ground.transition[states, states], ground.gain[states], ground.row[states]
-        block = _any_states
+        block = any_ground if np.ndim(ground.direct) == 0 else ground_of_each_lane
         if np.ndim(ground.direct) == 0 and len(arrays[1]) == 2:
             block = _one_oscillator
         elif np.ndim(ground.direct) == 0 and len(arrays[1]) == 4 and not arrays[0][:2, 2:].any():
@@ -101,7 +101,6 @@ def _independent(transition: Array) -> list[slice]:
     return [slice(begin, end) for begin, end in pairwise([0, *ends])]
 
 
-@entry
 def _any_states(xi, q, transition, gain, row, direct, f):
     """`ground_block` for any number of states, also with another ground in each lane."""
     moved = np.empty_like(q)
@@ -121,6 +120,9 @@ def _any_states(xi, q, transition, gain, row, direct, f):
         for i in range(q.shape[0]):
             for lane in range(LANES):
                 q[i, lane] = moved[i, lane]
+
+
+any_ground, ground_of_each_lane = entry(_any_states), entry(variant(_any_states, "ground_of_each_lane"))
 
 
 @entry

@@ -29,11 +29,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, zeros_on_a_line
-from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane
+from stochlin.kernels.basics.compiled import called_often, compiled, entry, of_lane, variant
 from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.contacts import Contacts, solve_force
-from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, VISCOUS, advance
+from stochlin.kernels.simulation.laws import BILINEAR, LINEAR, VISCOUS
 
 MOST_PASSES = 60  # largest number of passes of a step
 MOST_VISCOUS = 600  # the same with dashpots with an exponent, whose forces can tie many floors together
@@ -280,7 +280,7 @@ def _by_law(law, info, strength, relief, dt, i, at, x, lanes):
         x[before, lane] = x[at.z + i, lane] / of_lane(strength, lane)
     for k in range(1, info[i, STATES]):
         copy(x, memory + k - 1, before + k, lanes)
-    advance(law, info[i, KIND], lanes, x, pace, before, at.own + info[i, OWN], dt, after)
+    law(info[i, KIND], lanes, x, pace, before, at.own + info[i, OWN], dt, after)
     for lane in range(lanes):
         x[more, lane] = x[change, lane] - of_lane(strength, lane) * (x[after, lane] - x[before, lane])
     for lane in range(lanes):
@@ -527,8 +527,7 @@ def tolerances(spring, info, at, x, lanes):
             x[at.least + i, lane] = close * of_lane(strength, lane)
 
 
-@entry
-def system_block(f, law, steps, at, x, every, out, first):
+def _system_block(f, law, steps, at, x, every, out, first):
     """Steps of a system under the forcing ``f`` (steps, lanes), from its state in ``x``; see `Places`.
 
     The displacements of the floors after every ``every``-th step [m] are written to the rows of ``out``
@@ -549,3 +548,6 @@ def system_block(f, law, steps, at, x, every, out, first):
                 for lane in range(lanes):
                     out[sample, first + i, lane] = x[at.change, lane]
             sample += 1
+
+
+system_block, sampled_block = entry(_system_block), entry(variant(_system_block, "sampled_block"))

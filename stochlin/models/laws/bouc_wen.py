@@ -148,7 +148,7 @@ class BoucWen(Structure):
         return values["gamma"] <= values["beta"]
 
     def step(self) -> Any:
-        """The kind of element of ``kernels.simulation.laws`` that has this law."""
+        """The law in time steps, a ``kernels.simulation.laws.RateLaw``."""
         from stochlin.kernels.simulation.laws import BOUC_WEN
 
         return BOUC_WEN

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import tempfile
 from pathlib import Path
 
@@ -48,10 +47,10 @@ def explore(case: Path | None, port: int, host: str, show: bool) -> None:
         from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.examples import example_case
         from stochlin.analyses.explorer.uploads import of_case, uploaded
-        from stochlin.kernels.basics.kept import folder_of
+        from stochlin.kernels.basics.folders import process_folder
 
         check_address(host, port)
-        tempfile.tempdir = str(folder_of(os.getpid()))  # removed with all that is left in it
+        tempfile.tempdir = str(process_folder())  # removed with all that is left in it
         start = of_case(read_case(case)) if case else uploaded({"case.toml": example_case().encode()})
         with start.folder:
             serve(start, host=host, port=port, show=show)

@@ -33,13 +33,12 @@ def warmup(jobs: int | None) -> None:
     from concurrent.futures import ProcessPoolExecutor, as_completed
     from multiprocessing import get_context
 
-    from stochlin.kernels.basics.compiled import NOT_COMPILED, UNCOMPILED
-    from stochlin.kernels.basics.kept import NOT_KEPT, archives
+    from stochlin.kernels.basics.compiled import NOT_COMPILED, NOT_KEPT, UNCOMPILED, code_folder
     from stochlin.kernels.basics.parallel import cores
     from stochlin.views.warmup.tasks import TASKS, perform
 
     with bad_input():
-        if archives() is None:
+        if code_folder() is None:
             raise RuntimeError(NOT_KEPT)
     if UNCOMPILED:
         click.echo(NOT_COMPILED)
@@ -53,6 +52,4 @@ def warmup(jobs: int | None) -> None:
         for done, task in enumerate(as_completed(processes.submit(perform, name) for name in TASKS)):
             task.result()
             progress((done + 1) / len(TASKS))
-    for name in TASKS:  # a process may have replaced what another one kept of the same function
-        perform(name)
     click.echo("everything is compiled")

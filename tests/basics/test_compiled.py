@@ -1,0 +1,268 @@
+"""Compiled functions on the disk: nothing that befalls their folder stops or changes them."""
+
+import importlib.util
+import os
+import re
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+
+import numba
+import pytest
+import sympy
+from commands import process
+
+import stochlin as sl
+from stochlin.kernels.basics import compiled, folders
+from stochlin.kernels.simulation.laws import by_number
+
+pytestmark = [
+    pytest.mark.invariant,
+    pytest.mark.skipif(compiled.UNCOMPILED, reason="NUMBA_DISABLE_JIT is set: nothing is compiled"),
+]
+
+TOY = """
+from stochlin.kernels.basics.compiled import entry
+from inner import double
+
+@entry
+def twice(x):
+    return double(x)
+"""
+INNER = """
+from stochlin.kernels.basics.compiled import compiled
+
+@compiled
+def double(x):
+    return x + x
+"""
+CALLED = """
+import toy
+assert toy.twice(1.5) == 3
+print(sum(toy.twice.dispatcher.stats.cache_hits.values()))
+"""
+
+
+def forget():
+    """What a process knows that has just begun."""
+    for cached in (compiled.warn_once, compiled.code_folder, folders.process_folder):
+        cached.cache_clear()
+
+
+OF_ONE = numba.float64(numba.float64)
+
+
+def law_times(factor, name="double"):
+    """A law as a process finds it that has just begun."""
+
+    def law(x):
+        return factor * x
+
+    law.__qualname__ = name
+    forget()
+    return compiled.compiled_law(law, OF_ONE)
+
+
+@pytest.fixture
+def toy(tmp_path, monkeypatch):
+    """The functions as a process finds them that has just begun; and the place of their folder."""
+    sources, place = tmp_path / "kernels", tmp_path / "cache" / "stochlin"
+    for folder in (sources, place.parent):
+        folder.mkdir()
+    (sources / "toy.py").write_text(TOY)
+    (sources / "inner.py").write_text(INNER)
+    monkeypatch.setattr(compiled, "KERNELS", sources)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(place.parent))
+    monkeypatch.syspath_prepend(str(sources))
+
+    def begun():
+        forget()
+        monkeypatch.delitem(sys.modules, "inner", raising=False)
+        importlib.invalidate_caches()
+        spec = importlib.util.spec_from_file_location("toy", sources / "toy.py")
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module.twice
+
+    yield begun, place
+    forget()
+
+
+def hits(function):
+    return sum(function.dispatcher.stats.cache_hits.values())
+
+
+@pytest.fixture(params=["function", "law"])
+def doubled(toy, request):
+    """Twice a number, in a process that has just begun; and how often compiled code was ready for it."""
+
+    def double(x):
+        if request.param == "law":
+            law = law_times(2.0)
+            return law(x), law.cache_hits
+        twice = toy[0]()
+        return twice(x), hits(twice)
+
+    return double
+
+
+def test_compiled_code_is_loaded_and_only_a_compilation_is_announced(toy, doubled, monkeypatch):
+    calls = []
+    monkeypatch.setattr(compiled, "WHEN_COMPILING", [lambda: calls.append(1)])
+    assert doubled(1.5) == (3.0, 0)
+    assert doubled(1.5) == (3.0, 1)
+    assert len(calls) == 1
+
+
+def test_a_changed_function_in_another_file_changes_the_result(toy):
+    begun, place = toy
+    assert begun()(1.5) == 3.0
+    inner = place.parents[1] / "kernels" / "inner.py"
+    inner.write_text(INNER.replace("x + x", "x + x + 1"))
+    assert begun()(1.5) == 4.0
+    inner.write_text(INNER)
+    twice = begun()
+    assert twice(1.5) == 3.0
+    assert hits(twice) == 1
+
+
+def test_without_a_folder_it_runs_and_says_so_once(toy, doubled, tmp_path, monkeypatch):
+    """A file where the folder should be: not even root makes any there."""
+    toy[1].write_text("in the way")
+    with pytest.warns(UserWarning, match="folder that can be written") as messages:
+        assert doubled(1.5) == (3.0, 0)
+    assert len(messages) == 1
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "elsewhere"))
+    assert doubled(1.5) == (3.0, 0)
+    assert list((tmp_path / "elsewhere").rglob("*.nbc"))
+
+
+def test_what_can_only_be_read_is_copied_to_where_can_be_written(toy, doubled, tmp_path, monkeypatch):
+    """To the user's folder, and where that cannot be written either, to one of this process."""
+    doubled(1.5)
+    program, user = str(tmp_path / "program"), str(tmp_path / "user")
+    toy[1].rename(program)
+    monkeypatch.setattr(compiled, "PROGRAM", Path(program))
+    monkeypatch.setattr(numba.config, "CACHE_DIR", "")
+    monkeypatch.setenv("XDG_CACHE_HOME", user)
+    real, refused = tempfile.TemporaryFile, [program]
+
+    def file(dir):
+        if str(dir).startswith(tuple(refused)):
+            raise PermissionError(dir)
+        return real(dir=dir)
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", file)
+    for _ in range(2):
+        assert doubled(1.5) == (3.0, 1)
+    assert len(os.listdir(f"{user}/stochlin")) == 1
+    refused += [user]
+    assert doubled(1.5) == (3.0, 1)
+
+
+@contextmanager
+def full_disk():
+    """Files are no larger than indices of compiled code; what numba then raises is alike."""
+    resource = pytest.importorskip("resource")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
+def test_a_full_disk_harms_nothing(doubled):
+    for stored in (False, True):
+        if not stored:
+            with full_disk(), pytest.warns(UserWarning, match="the disk is full"):
+                assert doubled(1.5) == (3.0, 0)
+        else:
+            with full_disk():
+                assert doubled(1.5) == (3.0, 1)
+        assert doubled(1.5) == (3.0, stored)
+
+
+def test_threads_that_begin_at_once_agree(toy):
+    for hit in (0, 1, 1, 1):
+        with ThreadPoolExecutor(8) as threads:
+            twice = toy[0]()
+            assert [*threads.map(twice, [1.5] * 8)] == [3.0] * 8
+            assert hits(twice) == hit
+            laws = [threads.submit(law_times, 2.0) for _ in range(8)]
+            assert sum(law.result().cache_hits for law in laws) == 7 + hit
+
+
+def test_folders_of_earlier_versions_are_removed_and_what_others_have_put_there_stays(toy):
+    begun, place = toy
+    names = "kernels-thesis", "kernels-notes.txt", "kernels-0123456789abcdef"
+    for folder in (place, place.parent):
+        folder.mkdir(exist_ok=True)
+        for name in names:
+            (folder / name).mkdir()
+            os.utime(folder / name, (1e9, 1e9))
+    assert begun()(1.5) == 3.0
+    assert {path.name for path in place.parent.iterdir()} == {*names, "stochlin"}
+    assert {*names[:2]} < {path.name for path in place.iterdir()}
+    assert not (place / names[2]).exists()
+
+
+@pytest.mark.slow
+def test_eight_processes_that_begin_at_once_agree(toy, tmp_path):
+    def run(_=None):
+        done = process(tmp_path / "kernels", {"NUMBA_CACHE_DIR": str(toy[1].parent)}, "-c", CALLED)
+        return done.stdout.strip(), done.returncode
+
+    with ThreadPoolExecutor(8) as threads:
+        assert {status for _, status in threads.map(run, range(8))} == {0}
+    assert run() == ("1", 0)
+
+
+ENDS = """
+import os, sys
+from stochlin.kernels.basics.folders import process_folder
+process_folder()
+if sys.argv[1] == "killed":
+    os.kill(os.getpid(), 9)
+if os.fork() == 0:
+    sys.exit()
+os.wait()
+print(*os.listdir(os.environ["TMPDIR"]))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="Windows has neither forks nor locks of folders")
+def test_processes_remove_their_own_temporary_folder_and_those_of_killed_ones(tmp_path):
+    def run(argument):
+        return process(tmp_path, {"TMPDIR": str(tmp_path)}, "-c", ENDS, argument).stdout.split()
+
+    run("killed")
+    (left,) = os.listdir(tmp_path)
+    (of_parent,) = run("after its child")
+    assert of_parent != left
+    assert not os.listdir(tmp_path)
+
+
+def test_a_law_is_never_taken_for_another(toy):
+    """What a law contains counts beside its name."""
+    for factor, name in ((2.0, "double"), (3.0, "triple"), (4.0, "double")):
+        assert law_times(factor, name).cache_hits == 0
+        assert law_times(factor, name).cache_hits == 1
+
+
+def test_functions_of_two_laws_have_different_names_in_compiled_code():
+    """Of equal names, with which processes compile them, one that loads both would take the first."""
+    v, z = sympy.symbols("v z")
+
+    def names(law):
+        structure = sl.Hysteretic(0.5, 0.05, 0.1, yield_displacement=0.02, law=law)
+        code = by_number((structure.step(),)).inspect_llvm()
+        defined = re.findall(r'^define .*?@"?([^"( ]+)', code, re.M)
+        # numba's own number of a function in its process is left out
+        return {re.sub(r"B\d+v\d+", "", name) for name in defined if "NRT" not in name}
+
+    first, second = names(v - 1.25 * abs(v) * z), names(v * (1 - 1.5 * z**2))
+    assert any("advance" in name for name in first)
+    assert not first & second
