@@ -179,13 +179,9 @@ def _labelled(modes: ModesOfFile, name: str, direction: str | None) -> xr.Datase
     _doubt_order(table, name)
     table = labels.label(table, VARIABLES)
     table = labels.with_run_information(table, f"Modes of {name}", "read_modes", {})
-    about: dict[str, object] = {"source": name, "direction": direction}
-    about |= {
-        "left_out": listed(modes.left_out),
-        "turning": listed(modes.turning),
-        "below_ground": below,
-    }
-    return table.assign_attrs({key: text for key, text in about.items() if text})
+    keys = "source", "direction", "left_out", "turning", "below_ground"
+    about = name, direction, listed(modes.left_out), listed(modes.turning), below
+    return table.assign_attrs({key: text for key, text in zip(keys, about, strict=True) if text})
 
 
 def _doubt_order(table: xr.Dataset, name: str) -> None:
