@@ -169,8 +169,8 @@ def half_cycles(system: EquivalentSystem, ground: Filter) -> HalfCycles:
     while rows.shape[1] * columns.shape[2] < HALF_CYCLES:  # the states before, and after all of these
         columns = np.concatenate([columns, step @ columns], axis=2)
         step = step @ step
-    later = (rows @ columns).transpose(2, 1, 0).reshape(-1, w2.size)[:HALF_CYCLES]
-    return HalfCycles(time, np.clip(later / own.z_z, -1, 1))
+    later = (rows @ columns).transpose(2, 1, 0).reshape(columns.shape[2] * rows.shape[1], w2.size)
+    return HalfCycles(time, np.clip(later[:HALF_CYCLES] / own.z_z, -1, 1))
 
 
 def _exponentials(matrices: Array, rates: Array) -> Array:
