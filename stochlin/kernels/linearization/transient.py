@@ -299,7 +299,7 @@ class Covariances:
 
         squares, product = alone(D, D), across(D, D)
         d_d = squares - 2 * product
-        least = ATOL * first.units[i, first.blocks[D].start, None] ** 2
+        least = EQUAL * ATOL * first.units[i, first.blocks[D].start, None] ** 2
         d_d = np.where(d_d > EQUAL * squares + least, d_d, 0.0)
         d_v = alone(D, V) - across(D, V) - across(V, D)
         v_v = alone(V, V) - 2 * across(V, V)
