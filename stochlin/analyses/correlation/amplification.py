@@ -37,6 +37,7 @@ from stochlin.models.systems import AnyStructure, falls_at
 
 LINEARIZATION, SIMULATION = "linearization", "simulation"
 STD, PEAK = "std", "peak"
+STD_ERROR = "displacement_std_standard_error"
 OF_PEAKS = {
     "amplification": ("1", "ratio of inelastic to elastic mean peak displacement"),
 }
@@ -146,31 +147,26 @@ def amplification(
     True
     """
     if of == PEAK:
-        return _of_peaks(structure, ground, method, duration, envelope, paths, seed)
+        motion = {"duration": duration, "envelope": envelope, "paths": paths, "seed": seed}
+        return _of_peaks(structure, ground, method, motion)
     expect(structure, Structure, "structure")
     assert isinstance(structure, Structure)
     elastic = solve_elastic(structure, ground).displacement_std
     method = method or LINEARIZATION
     if method == LINEARIZATION:
-        inelastic = linearize(structure, ground, closure)
+        inelastic, how = linearize(structure, ground, closure), f"closure={closure!r}"
+        table = inelastic[["displacement_std", "ductility_std", "status", "bias", "caution"]]
+        table.attrs = {"closure": closure}
+        if structure.yields:
+            table.attrs["comment"] = inelastic.attrs["comment"]
     else:
         pairs = correlate(structure, structure, ground, method, paths=paths, seed=seed)
-        names = ("displacement_std", "ductility_std", "displacement_std_standard_error")
-        inelastic = pairs[["status", *(f"{name}_1" for name in names)]]
-        inelastic = inelastic.rename({f"{name}_1": name for name in names})
-    table = inelastic[["displacement_std", "ductility_std", "status"]].assign(
-        amplification=inelastic.displacement_std / elastic
-    )
-    if "displacement_std_standard_error" in inelastic:
-        error = inelastic.displacement_std_standard_error / elastic
-        table["amplification_standard_error"] = error
-        table.attrs = {**inelastic.attrs}
-        how = f"paths={paths}, seed={seed}"
-    else:
-        how = f"closure={closure!r}"
-        table = table.assign(inelastic[["bias", "caution"]]).assign_attrs(closure=closure)
-        if structure.yields:
-            table = table.assign_attrs(comment=inelastic.attrs["comment"])
+        names = {f"{name}_1": name for name in ("displacement_std", "ductility_std", STD_ERROR)}
+        table, how = pairs[["status", *names]].rename(names), f"paths={paths}, seed={seed}"
+        table = table.assign(amplification_standard_error=table[STD_ERROR] / elastic).drop_vars(
+            STD_ERROR
+        )
+    table = table.assign(amplification=table.displacement_std / elastic)
     return labels.with_run_information(
         labels.label(table, VARIABLES),
         f"Stationary amplification of the displacement by yielding, {method}, {ground.name} ground",
@@ -180,13 +176,7 @@ def amplification(
 
 
 def _of_peaks(
-    structure: AnyStructure,
-    ground: Ground,
-    method: str | None,
-    duration: float | None,
-    envelope: Envelope | None,
-    paths: int,
-    seed: int,
+    structure: AnyStructure, ground: Ground, method: str | None, motion: dict[str, Any]
 ) -> xr.Dataset:
     """The dataset that `amplification` returns for peaks."""
     if method == LINEARIZATION:
@@ -194,40 +184,35 @@ def _of_peaks(
             f"method = {method!r} is not available for of='peak'; allowed: {SIMULATION}; peak_response "
             "gives the peaks of the linearized structure"
         )
-    seconds = check_duration(duration, {"structure": structure})
-    drawn: dict[str, Any] = {"envelope": envelope, "paths": paths, "seed": seed}
+    motion["duration"] = check_duration(motion["duration"], {"structure": structure})
     if isinstance(structure, MultistoreyBuilding):
-        table = _of_storeys(structure, ground, duration=seconds, **drawn)
+        table = _of_storeys(structure, ground, **motion)
     else:
         grounds = int(np.prod([array.size for array in ground.arrays().values()]))
-        run = partial(_on_one_ground, duration=seconds, grounds=grounds, **drawn)
+        run = partial(_on_one_ground, motion, grounds)
         table = over_grounds(run, [computed(structure)], computed(ground))
     table = labels.label(table, {**VARIABLES, **OF_PEAKS})
     labels.raise_if_lone_failure(table, "amplification", structure, ground)
     return labels.with_run_information(
         table,
         f"Amplification of the largest displacement by yielding, {ground.name} ground",
-        f"amplification(of={PEAK!r}, duration={seconds:g}, paths={paths}, seed={seed})",
+        f"amplification(of={PEAK!r}, duration={motion['duration']:g}, paths={motion['paths']}, "
+        f"seed={motion['seed']})",
         {"structure": structure, "ground": ground},
     )
 
 
 def _on_one_ground(
-    structure: Structure,
-    ground: Ground,
-    *,
-    duration: float,
-    envelope: Envelope | None,
-    paths: int,
-    seed: int,
-    grounds: int,
+    motion: dict[str, Any], grounds: int, structure: Structure, ground: Ground
 ) -> xr.Dataset:
     """Amplification of the peaks of single-storey structures, all cells under the same motions."""
     elastic = replace(structure, yield_displacement=None, reduction_factor=None)
     sides = [cells_of(model, ground, stationary=False) for model in (structure, elastic)]
     cells = join_cells([part for part, _ in sides])
+    duration, envelope = motion["duration"], motion["envelope"]
     cells = cells._replace(valid=cells.valid & (cells.period <= duration))
-    run = prepare(cells, ground, paths=paths, seed=seed, steps_per_period=STEPS_PER_PERIOD)
+    drawn = {name: motion[name] for name in ("paths", "seed")}
+    run = prepare(cells, ground, **drawn, steps_per_period=STEPS_PER_PERIOD)
     peaks = np.full((run.plan.groups * LANES, cells.valid.size), np.nan)
     peaks[:, cells.valid] = largest_displacements(run, duration, envelope, grounds)
     own, index = sides[0]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -29,9 +29,6 @@ from stochlin.models.parameters import Model, Parameter
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule
 from stochlin.models.structures import DRIFT, GAUSSIAN, LinearPair, Structure
 from stochlin.models.systems import AnyStructure
-
-if TYPE_CHECKING:
-    from stochlin.analyses.correlation.simulated import SimulationSettings
 
 
 @checked
@@ -170,12 +167,16 @@ def correlate(
     >>> [round(float(rho), 6) for rho in table.rho]
     [-0.033778, 1.0]
     """
-    _check_solver(solver, method, closure)
-    tolerance = Tolerance(rtol, atol, max_iterations)
+    if solver == LYAPUNOV and (method != "linearization" or closure != GAUSSIAN):
+        raise ValueError(
+            f"solver = {LYAPUNOV!r} with method = {method!r}, closure = {brief(closure)}; allowed: "
+            "method linearization with the closure gaussian"
+        )
     models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
-    lazy = is_lazy(models)
-    progress = None if lazy else progress
-    settings = partial(_settings, paths, seed, steps_per_period, relaxation_times, progress)
+    progress = None if (lazy := is_lazy(models)) else progress
+    settings = SimulationSettings(paths, seed, steps_per_period, relaxation_times, progress)
+    tolerance = Tolerance(rtol, atol, max_iterations)
+    query = Query(method, closure, solver, tolerance, rule, bias, settings)
     if isinstance(first, Structure) and isinstance(second, Structure):
         check_closure(first, closure)
         check_closure(second, closure)
@@ -183,16 +184,14 @@ def correlate(
         if method == SIMULATION:
             from stochlin.analyses.correlation.simulated import planned_runs
 
-            runs = planned_runs(first, second, ground, settings(), lazy)
-        options = closure, solver, tolerance, rule, bias, settings, progress
-        table = in_blocks(partial(_of_pairs, method, options), models, runs)
-        details = table.attrs.pop("details")
+            runs = planned_runs(first, second, ground, settings, lazy)
+        table = in_blocks(partial(_of_pairs, query), models, runs)
     else:
         from stochlin.analyses.correlation.storeys import floor_pairs
 
-        both = first, second
-        table, details = floor_pairs(both, ground, method, closure, tolerance, settings)
+        table = floor_pairs((first, second), ground, query)
         table = table.assign(difference(table))
+    details = table.attrs.pop("details")
     labels.raise_if_lone_failure(table, "correlate", first, second, ground)
     last = labels.NOT_RESOLVED if method == SIMULATION else labels.TOO_STRONG
     table = labels.label(table, VARIABLES, last)
@@ -204,102 +203,90 @@ def correlate(
     )
 
 
-def _of_pairs(
-    method: str,
-    options: tuple[Any, ...],
-    first: Structure,
-    second: Structure,
-    ground: Ground,
-    more: xr.Dataset | None = None,
-) -> xr.Dataset:
-    """Variables of `correlate`, with the arguments for its history as an attribute."""
-    query = Question((first, second), ground, more, *options)
-    check_table(12, *query.pair, ground)
-    variables, details, attrs = METHODS[method](query)
-    return xr.Dataset(variables | difference(variables), attrs=attrs | {"details": details})
+class SimulationSettings(NamedTuple):
+    """Options of a stationary simulation; `simulate` describes them."""
+
+    paths: int
+    seed: int
+    steps_per_period: int
+    relaxation_times: float
+    progress: Progress | None
+
+    @property
+    def history(self) -> str:
+        """The options that the history of a dataset states."""
+        return f"paths={self.paths}, seed={self.seed}"
 
 
-def _check_solver(solver: str, method: str, closure: str) -> None:
-    """Raise a ValueError unless the solver has this method and closure."""
-    if solver == LYAPUNOV and (method != "linearization" or closure != GAUSSIAN):
-        raise ValueError(
-            f"solver = {LYAPUNOV!r} with method = {method!r}, closure = {brief(closure)}; allowed: "
-            "method linearization with the closure gaussian"
-        )
-
-
-class Question(NamedTuple):
+class Query(NamedTuple):
     """Arguments of `correlate` that its methods share; a method may ignore some of them."""
 
-    pair: tuple[Structure, Structure]
-    ground: Ground
-    runs: xr.Dataset | None  # plans of the simulations
+    method: str
     closure: str
     solver: str
     tolerance: Tolerance
     rule: str | EffectiveRule
     bias: bool
-    settings: Callable[[], SimulationSettings]  # a call checks them; only simulation makes it
-    progress: Progress | None
-
-    @property
-    def yields(self) -> bool:
-        """Whether at least one of the structures can yield."""
-        return any(structure.yields for structure in self.pair)
+    settings: SimulationSettings
 
 
+def _of_pairs(
+    query: Query, first: Structure, second: Structure, ground: Ground, more: xr.Dataset | None = None
+) -> xr.Dataset:
+    """Variables of `correlate`, with the arguments for its history as an attribute."""
+    check_table(12, first, second, ground)
+    variables, details, attrs = METHODS[query.method](query, (first, second), ground, more)
+    if not (first.yields or second.yields):
+        attrs.pop("comment", None)
+    return xr.Dataset(variables | difference(variables), attrs=attrs | {"details": details})
+
+
+Pair = tuple[Structure, Structure]
+Runs = xr.Dataset | None  # plans of the simulations
 # Variables of the dataset, arguments for its history, and further attributes.
 Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 
 
-def _settings(*options: Any) -> SimulationSettings:
-    from stochlin.analyses.correlation.simulated import SimulationSettings
-
-    return SimulationSettings(*options)
-
-
-def _by_linearization(query: Question) -> Answer:
-    drifts, chained = query.closure == DRIFT, query.solver == LYAPUNOV
-    how, table = f"closure={query.closure!r}", dict[str, Cells]()
+def _by_linearization(query: Query, pair: Pair, ground: Ground, runs: Runs) -> Answer:
+    chained, table = query.solver == LYAPUNOV, dict[str, Cells]()
+    comment = labels.CAUTION_DRIFT if query.closure == DRIFT else labels.CAUTION_PAIR
+    how = f"closure={query.closure!r}"
     if query.bias or not chained:
-        table = linearized_pairs(query.pair, query.ground, query.closure, query.tolerance, query.bias)
+        table = linearized_pairs(pair, ground, query.closure, query.tolerance, query.bias)
     if chained:
         from stochlin.analyses.correlation.chained import chained_pairs
 
-        table |= chained_pairs(query.pair, query.ground, query.tolerance, query.progress)
+        table |= chained_pairs(pair, ground, query.tolerance, query.settings.progress)
         how += f", solver={LYAPUNOV!r}"
-    attrs = {"comment": labels.CAUTION_DRIFT if drifts else labels.CAUTION_PAIR} if query.yields else {}
-    return table, how, attrs
+    return table, how, {"comment": comment}
 
 
-def _by_white_noise(query: Question) -> Answer:
-    inputs = [s.cells()[name] for name in ("period", "damping") for s in query.pair]
-    return _shown(inputs, solved_together(query.pair, query.ground)), "eq. (4)", {}
+def _by_white_noise(query: Query, pair: Pair, ground: Ground, runs: Runs) -> Answer:
+    inputs = [s.cells()[name] for name in ("period", "damping") for s in pair]
+    return _shown(inputs, solved_together(pair, ground)), "eq. (4)", {}
 
 
-def _by_effective_properties(query: Question) -> Answer:
+def _by_effective_properties(query: Query, pair: Pair, ground: Ground, runs: Runs) -> Answer:
     rule = effective_rule(query.rule)
-    solved = solved_together(query.pair, query.ground, query.closure, query.tolerance)
+    solved = solved_together(pair, ground, query.closure, query.tolerance)
     effective = effective_pair(solved, rule)
-    comment = {"comment": f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"}
-    attrs = (comment if query.yields else {}) | {"rule": rule.describe()}
-    of_eq_4 = [effective[name] for name in EQ_4]
+    comment = f"Peak ductilities are linearized. {labels.CAUTION_SIGMA}"
+    variables = _shown([effective[name] for name in EQ_4], solved) | effective
     how = f"closure={query.closure!r}, rule={rule.name!r}"
-    return _shown(of_eq_4, solved) | effective, how, attrs
+    return variables, how, {"comment": comment, "rule": rule.describe()}
 
 
-def _by_simulation(query: Question) -> Answer:
+def _by_simulation(query: Query, pair: Pair, ground: Ground, runs: Runs) -> Answer:
     from stochlin.analyses.correlation.simulated import simulate_pairs
 
-    settings = query.settings()
-    table = simulate_pairs(*query.pair, query.ground, settings, query.runs)
+    table = simulate_pairs(*pair, ground, query.settings, runs)
     variables: dict[str, Cells] = {str(name): array for name, array in table.data_vars.items()}
-    return variables, settings.history, table.attrs
+    return variables, query.settings.history, table.attrs
 
 
 SOLVERS = ("closed_form", LYAPUNOV := "lyapunov")
 SIMULATION = "simulation"
-METHODS: Mapping[str, Callable[[Question], Answer]] = {
+METHODS: Mapping[str, Callable[[Query, Pair, Ground, Runs], Answer]] = {
     "linearization": _by_linearization,
     "white_noise": _by_white_noise,
     "effective": _by_effective_properties,

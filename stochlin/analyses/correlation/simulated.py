@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -27,28 +26,15 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.lazy import computed
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress, cores
+from stochlin.kernels.basics.parallel import cores
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Structure
 
+if TYPE_CHECKING:
+    from stochlin.analyses.correlation.correlation import SimulationSettings
+
 # Entries of the plan of a run that depend on all structures of the table.
 PLANNED = "dt", "burn_in", "recorded"
-
-
-@dataclass(frozen=True)
-class SimulationSettings:
-    """Options of a stationary simulation; `simulate` describes them."""
-
-    paths: int
-    seed: int
-    steps_per_period: int
-    relaxation_times: float
-    progress: Progress | None
-
-    @property
-    def history(self) -> str:
-        """The options that the history of a dataset states."""
-        return f"paths={self.paths}, seed={self.seed}"
 
 
 def planned_runs(

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.simulated import SimulationSettings
 from stochlin.analyses.linearization.systems.systems import linearize_system
-from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.simulation.simulation import simulate
 from stochlin.analyses.tables.floors import FLOOR
 from stochlin.messages import brief
@@ -17,36 +15,32 @@ from stochlin.models.grounds import Ground
 from stochlin.models.structures import GAUSSIAN
 from stochlin.models.systems import AnyStructure
 
+if TYPE_CHECKING:
+    from stochlin.analyses.correlation.correlation import Query
+
 LINEARIZATION, SIMULATION = "linearization", "simulation"
 OF_FLOORS = ("displacement_std", "displacement_std_standard_error", "drift")
 
 
-def floor_pairs(
-    pair: tuple[AnyStructure, AnyStructure],
-    ground: Ground,
-    method: str,
-    closure: str,
-    tolerance: Tolerance,
-    settings: Callable[[], SimulationSettings],
-) -> tuple[xr.Dataset, str]:
-    """Dataset of `correlate` over all pairs of floors, and the options that its history states."""
-    if method == LINEARIZATION:
-        if closure != GAUSSIAN:
+def floor_pairs(pair: tuple[AnyStructure, AnyStructure], ground: Ground, query: Query) -> xr.Dataset:
+    """Dataset of `correlate` over all pairs of floors, with ``details`` for its history."""
+    if query.method == LINEARIZATION:
+        if query.closure != GAUSSIAN:
             raise ValueError(
-                f"closure = {brief(closure)} is only available for oscillators; allowed for buildings "
-                f"with storeys: {GAUSSIAN}"
+                f"closure = {brief(query.closure)} is only available for oscillators; allowed for "
+                f"buildings with storeys: {GAUSSIAN}"
             )
-        table = linearize_system(
-            pair, ground, rtol=tolerance.rtol, max_iterations=tolerance.max_iterations
-        )
-        return _between(table), f"closure={closure!r}"
-    if method != SIMULATION:
+        rtol, most = query.tolerance.rtol, query.tolerance.max_iterations
+        table = linearize_system(pair, ground, rtol=rtol, max_iterations=most)
+        details = f"closure={query.closure!r}"
+    elif query.method == SIMULATION:
+        table, details = simulate(pair, ground, **query.settings._asdict()), query.settings.history
+    else:
         raise ValueError(
-            f"method = {method!r} is only available for oscillators; allowed for buildings with "
+            f"method = {query.method!r} is only available for oscillators; allowed for buildings with "
             "storeys: linearization, simulation; or give the building's oscillator()"
         )
-    wanted = settings()
-    return _between(simulate(pair, ground, **vars(wanted))), wanted.history
+    return _between(table).assign_attrs(details=details)
 
 
 def _between(table: xr.Dataset) -> xr.Dataset:
