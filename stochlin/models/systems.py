@@ -69,7 +69,7 @@ class Stack(NamedTuple):
         """
         storey, z = self.system, self.law.largest_z().to_numpy()
         heights = np.inf if self.by_modes else np.diff(self.levels, prepend=0.0)
-        powerless = falls_at(storey.post, storey.couple, storey.strength * z[..., None])
+        powerless = falls_at(storey.post, storey.couple, (storey.strength.T * z).T)
         return np.where(np.isfinite(powerless), np.fmin(powerless, heights), np.inf)
 
     @property

@@ -222,7 +222,7 @@ WRONG = {
     "floors without storeys": (
         with_buildings(ELASTIC[0].replace('"300 t", ', ""), ELASTIC[1]),
         "[building_1]",
-        ["masses has 1, stiffnesses has 2"],
+        ["stiffnesses has 2 values, and masses has 1"],
     ),
     "stiffnesses left out": (
         with_buildings(ELASTIC[0].replace("stiffnesses", "# "), ELASTIC[1]),

@@ -162,7 +162,7 @@ def amplification(
     else:
         pairs = correlate(structure, structure, ground, method, paths=paths, seed=seed)
         names = {f"{name}_1": name for name in ("displacement_std", "ductility_std", STD_ERROR)}
-        table, how = pairs[["status", *names]].rename(names), f"paths={paths}, seed={seed}"
+        table, how = pairs[[*names, "status"]].rename(names), f"paths={paths}, seed={seed}"
         table = table.assign(amplification_standard_error=table[STD_ERROR] / elastic).drop_vars(
             STD_ERROR
         )

@@ -26,8 +26,7 @@ def as_path(name: str, value: object) -> Path:
 
 def check_scalars(model: Model, role: str, allowed: str) -> None:
     """Raise a ValueError if a parameter of the model is an array."""
-    arrays = [name for name, value in model.arrays().items() if value.ndim]
-    if arrays:
+    if arrays := [name for name, value in model.arrays().items() if value.ndim]:
         raise ValueError(f"{role}: {', '.join(arrays)} is an array; allowed: {allowed}")
 
 
@@ -58,6 +57,5 @@ def check_existing(gap: float, duration: float, structures: Mapping[str, AnyStru
     try:
         check_duration(duration, structures)
     except ValueError as error:
-        exchanged = duration < 1 <= gap
-        hint = f"; gap = {gap:g} m: are duration and gap exchanged?" if exchanged else ""
+        hint = f"; gap = {gap:g} m: are duration and gap exchanged?" if duration < 1 <= gap else ""
         raise ValueError(f"{error}{hint}") from error

@@ -6,6 +6,7 @@ import json
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -116,7 +117,9 @@ def _twice(lines: Sequence[str], number: int, error: str) -> str:
     if within := re.search(r"namespace \('(\w+)',\)|table key '(\w+)'", error):  # in braces
         name, first = within[1] or within[2], number
     where = f" in line {first}" if first < number or within else ""
+    stem = name.rstrip("]0123456789")  # of a table such as [building_1]
+    free = next(other for n in count(1) if (other := f"{stem}{n}]") not in names)
     return (
         f"'{plain(name)}' is already given{where}; allowed: each table and each key once, so leave one "
-        "out, or give it another name"
+        f"out, or give it another name{f', such as {free}' if stem.endswith('_') else ''}"
     )
