@@ -111,6 +111,13 @@ def check_names(owner: str, given: Iterable[str], known: Mapping[str, inspect.Pa
             raise TypeError(f"{owner}: {name} is no argument; {hint(name, known)}allowed: {allowed}")
 
 
+def refuse(name: str, what: str, arguments: Mapping[str, object]) -> None:
+    """Raise a ValueError for an argument that is given, although it does not apply to what this is."""
+    for argument, value in arguments.items():
+        if value is not None:
+            raise ValueError(f"{argument} = {brief(value)} does not apply: {name} is {what}")
+
+
 class Named(type):
     """The type of dataclasses that answer an unknown argument with the nearest, and removed names."""
 

@@ -3,6 +3,7 @@
 import importlib.util
 import os
 import re
+import shutil
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -111,6 +112,7 @@ def doubled(toy, request):
 def test_compiled_code_is_loaded_and_only_a_compilation_is_announced(toy, doubled, monkeypatch):
     calls = []
     monkeypatch.setattr(compiled, "WHEN_COMPILING", [lambda: calls.append(1)])
+    monkeypatch.setattr(compiled, "process_folder", None)  # nothing is put there
     assert doubled(1.5) == (3.0, 0)
     assert doubled(1.5) == (3.0, 1)
     assert len(calls) == 1
@@ -154,7 +156,19 @@ def test_what_can_only_be_read_is_copied_to_where_can_be_written(toy, doubled, t
             raise PermissionError(dir)
         return real(dir=dir)
 
+    mkdtemp = tempfile.mkdtemp
+
+    def later(**options):
+        """Another process has made its copy meanwhile."""
+        shutil.copytree(program, os.path.join(user, "stochlin"), dirs_exist_ok=True)
+        return mkdtemp(**options)
+
     monkeypatch.setattr(tempfile, "TemporaryFile", file)
+    with monkeypatch.context() as beside:
+        beside.setattr(tempfile, "mkdtemp", later)
+        assert doubled(1.5) == (3.0, 1)
+    assert compiled.code_folder().parent == Path(user, "stochlin")
+    shutil.rmtree(user)
     for _ in range(2):
         assert doubled(1.5) == (3.0, 1)
     assert len(os.listdir(f"{user}/stochlin")) == 1

@@ -163,9 +163,8 @@ def amplification(
         pairs = correlate(structure, structure, ground, method, paths=paths, seed=seed)
         names = {f"{name}_1": name for name in ("displacement_std", "ductility_std", STD_ERROR)}
         table, how = pairs[[*names, "status"]].rename(names), f"paths={paths}, seed={seed}"
-        table = table.assign(amplification_standard_error=table[STD_ERROR] / elastic).drop_vars(
-            STD_ERROR
-        )
+        table["amplification_standard_error"] = table[STD_ERROR] / elastic
+        table = table.drop_vars(STD_ERROR)
     table = table.assign(amplification=table.displacement_std / elastic)
     return labels.with_run_information(
         labels.label(table, VARIABLES),

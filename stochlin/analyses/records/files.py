@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from stochlin.analyses.records.columns import Column, Text
-from stochlin.analyses.records.formats import FORMATS, HEADER_LINES, RecordFile, Series, refuse
+from stochlin.analyses.records.formats import FORMATS, HEADER_LINES, RecordFile, Series
 from stochlin.analyses.tables.inputs import read_text
-from stochlin.messages import brief, plain
+from stochlin.messages import brief, plain, refuse
 from stochlin.models.arguments import is_label, is_whole
 from stochlin.models.units import size_of
 

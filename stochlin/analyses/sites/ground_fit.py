@@ -8,7 +8,6 @@ from typing import Annotated, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.formats import refuse
 from stochlin.analyses.records.ground_fit import ground_of_record
 from stochlin.analyses.records.spectra import STRONG_PART, Part
 from stochlin.analyses.sites.spectra import SHORTEST, checked_spectrum, interpolated, is_spectrum
@@ -19,6 +18,7 @@ from stochlin.analyses.sites.spectrum_fit import (
     deliver,
 )
 from stochlin.kernels.basics.parallel import Progress
+from stochlin.messages import refuse
 from stochlin.models.arguments import Duration, OneOf, Seed, TwoNumbers, Whole, checked, fitting
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import MOST_FILTERS

@@ -27,6 +27,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import version
+from itertools import chain
 from pathlib import Path
 from threading import RLock
 from typing import Any
@@ -90,14 +91,15 @@ def code_folder() -> Path | None:
     places = [of_user] if CONFIG.CACHE_DIR else [PROGRAM, of_user]
     folders = [place / f"kernels-{digest_of(KERNELS)}" for place in places]
     filled = [folder for folder in folders if folder.is_dir()]
-    for folder in folders + [process_folder() / each.name for each in filled[:1]]:
+    for folder in chain(folders, (process_folder() / each.name for each in filled[:1])):
         with suppress(OSError):
             folder.parent.mkdir(parents=True, exist_ok=True)
             remove_left(folder.parent, r"kernels-[0-9a-f]{16}|writing-\w{8}", _is_old)
             if filled and folder not in filled:
-                copy = Path(tempfile.mkdtemp(prefix="writing-", dir=folder.parent))
-                with suppress(FileExistsError):  # another process was faster
-                    shutil.copytree(filled[0], copy, dirs_exist_ok=True).rename(folder)
+                copy = tempfile.mkdtemp(prefix="writing-", dir=folder.parent)
+                shutil.copytree(filled[0], copy, dirs_exist_ok=True)
+                with suppress(OSError):  # another process was faster
+                    os.rename(copy, folder)
             folder.mkdir(exist_ok=True)
             tempfile.TemporaryFile(dir=folder).close()
             os.utime(folder)
@@ -118,10 +120,10 @@ def _kept_on_disk(function: Any) -> Iterator[bool]:
         folder, named = code_folder(), CONFIG.CACHE_DIR
         if folder is None:
             warn_once(NOT_KEPT)
-        if folder is None or not any(folder.rglob(f"{code}*.nbi")):
-            for call in tuple(WHEN_COMPILING):
+        for call in tuple(WHEN_COMPILING):
+            if folder is None or not any(folder.rglob(f"{code}*.nbi")):
                 call()
-        CONFIG.CACHE_DIR = str(folder)
+        CONFIG.CACHE_DIR = str(folder or named)
         try:
             yield folder is not None
         finally:
@@ -129,14 +131,11 @@ def _kept_on_disk(function: Any) -> Iterator[bool]:
 
 
 class Entry:
-    """A function that numba compiles at its first call, or finds compiled on the disk.
+    """A function that numba compiles at its first call, or finds compiled on the disk."""
 
-    ``options`` are those of ``numba.njit``.
-    """
-
-    def __init__(self, function: Any, options: dict[str, Any]) -> None:
+    def __init__(self, function: Any) -> None:
         self.py_func, self.__doc__ = function, function.__doc__
-        self.dispatcher: Any = nb.njit(**options)(function)
+        self.dispatcher: Any = nb.njit(**OPTIONS)(function)
         self._ready = False
 
     def __call__(self, *args: Any) -> Any:
@@ -153,10 +152,10 @@ class Entry:
             return self.dispatcher(*args)
 
 
-def entry(function: Any, **more: Any) -> Any:
-    """Compile a function that Python calls, and keep it on the disk; ``more`` are numba's options."""
+def entry(function: Any) -> Any:
+    """Compile a function that Python calls, and keep it on the disk."""
     if not UNCOMPILED:
-        return Entry(function, OPTIONS | more)
+        return Entry(function)
     warn_once(NOT_COMPILED)
     return np.errstate(all="ignore")(function)  # no warnings of overflow, as in compiled code
 
@@ -170,13 +169,12 @@ def variant(function: Any, name: str) -> Any:
 
 def compiled_law(function: Any, signature: Any) -> Any:
     """A C function with this signature, compiled now or found on the disk under its qualified name."""
-    options: dict[str, Any] = {"error_model": "numpy"}
     try:
         with _kept_on_disk(function) as can_be_kept:
-            return nb.cfunc(signature, cache=can_be_kept, **options)(function)
+            return nb.cfunc(signature, cache=can_be_kept, error_model="numpy")(function)
     except OSError:  # of a full disk
         warn_once(NOT_KEPT)
-        return nb.cfunc(signature, **options)(function)
+        return nb.cfunc(signature, error_model="numpy")(function)
 
 
 def of_lane(value: Any, lane: int) -> Any:

@@ -145,12 +145,10 @@ def solve_structures(
     A cell has converged when ``|dy| <= atol + rtol |y|`` for each of its moments ``y``; ``atol`` applies
     to the correlation only, since the other two are positive scales.
     """
-    elastic, bold = (
-        np.array([*np.log(start[:2]), np.arctanh(start[2])]),
-        int(BOLD_SHARE * max_iterations),
-    )
-    solution, careful = nothing(elastic), max_iterations - max(1, bold)
-    for pace, most in ((BOLD, max(1, bold)), (CAREFUL, careful)):
+    elastic = np.array([*np.log(start[:2]), np.arctanh(start[2])])
+    bold = max(1, int(BOLD_SHARE * max_iterations))
+    solution, careful = nothing(elastic), max_iterations - bold
+    for pace, most in ((BOLD, bold), (CAREFUL, careful)):
         cells = np.flatnonzero(~solution.converged & one_solution)
         if cells.size and most:
             limited = elastic_limit(elastic[:, cells], 1)

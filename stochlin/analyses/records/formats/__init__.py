@@ -119,13 +119,6 @@ HEADER_LINES = 8
 FORMATS: Registry[Format] = Registry("format of records", "stochlin.analyses.records.formats")
 
 
-def refuse(name: str, what: str, arguments: Mapping[str, object]) -> None:
-    """Raise a ValueError for an argument that is given, although it does not apply to what this is."""
-    for argument, value in arguments.items():
-        if value is not None:
-            raise ValueError(f"{argument} = {brief(value)} does not apply: {name} is {what}")
-
-
 def field_width(stated: str) -> int:
     """Width of the fields of a Fortran format such as ``8F10.5``; 0 if it is not known."""
     width = re.search(r"[DEFGI](\d{1,3})", stated.upper())

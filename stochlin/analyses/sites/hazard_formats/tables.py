@@ -17,7 +17,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from stochlin.analyses.records.formats import refuse
 from stochlin.analyses.sheets.sheets import Sheet, Table, number_in, sheets_of, table_in
 from stochlin.analyses.sites.hazard_formats import (
     S0,
@@ -28,7 +27,7 @@ from stochlin.analyses.sites.hazard_formats import (
     period_of,
 )
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import brief, listed
+from stochlin.messages import brief, listed, refuse
 from stochlin.models.arguments import is_number, is_whole
 from stochlin.models.hazards import Hazard
 from stochlin.models.parameters import Range

@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from stochlin.analyses.records.formats import refuse
 from stochlin.analyses.sites.hazard_formats import (
     AskedHazard,
     Ordinate,
@@ -22,7 +21,7 @@ from stochlin.analyses.sites.hazard_formats import (
     period_of,
 )
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import plain, sentence
+from stochlin.messages import plain, refuse, sentence
 from stochlin.models.arguments import is_number
 
 TITLE = "a response of the USGS, of annual frequencies at one site"
