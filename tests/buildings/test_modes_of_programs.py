@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pytest
 import scipy.linalg
 import xarray as xr
@@ -311,7 +312,7 @@ def test_the_other_direction_does_not_turn_and_needs_no_factors(tmp_path: Path, 
 
 
 def test_a_workbook_has_the_same_modes_as_the_text(tmp_path: Path) -> None:
-    openpyxl = pytest.importorskip("openpyxl", reason="openpyxl is in the extra 'tables'")
+    pytest.importorskip("python_calamine", reason="python-calamine is in the extra 'tables'")
     book = openpyxl.Workbook()
     for cells in etabs()[::-1]:
         sheet = book.create_sheet(cells[0][0].removeprefix("TABLE:  ")[:31])

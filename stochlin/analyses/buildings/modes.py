@@ -77,7 +77,7 @@ def read_modes(
     FileNotFoundError
         If there is no such file.
     ImportError
-        If the file is a workbook and openpyxl is not installed.
+        If the file is a workbook and python-calamine is not installed.
     ValueError
         If the format is not known; if masses, floors, units or numbers are missing or not valid (the
         message names line and column); if a direction is missing; or if an argument has no meaning for

@@ -60,7 +60,7 @@ def read_pushover(
     FileNotFoundError
         If there is no such file.
     ImportError
-        If the file is a workbook and openpyxl is not installed.
+        If the file is a workbook and python-calamine is not installed.
     ValueError
         If a column or a unit is not known, contradicts the file or is missing, something is no number,
         there are fewer than 4 points, displacements do not increase, or the base shear is not positive
