@@ -11,7 +11,6 @@ from commands import answered, invoke, refused
 import stochlin as sl
 from stochlin.analyses.cases.examples import example_case
 from stochlin.views.mitigation.pictures import draw_measures
-from stochlin.views.mitigation.words import crushed
 
 pytestmark = pytest.mark.cli
 
@@ -98,10 +97,9 @@ def test_devices_are_shown_in_a_table_and_saved(enough):
                 near = 10.0 ** (np.ceil(np.log10(value)) - digits) if value > 0 else 0.0
                 assert min(abs(value - cell) for cell in cells) <= near, (name, line)
         shown += 1
-    assert shown >= 3
+    assert shown >= 2
     told = " ".join(result.output.split())
     assert told.count("partial factors of codes") == 1
-    assert "Bumpers: of motions with contact" in told
 
 
 def test_a_table_of_rows_has_no_devices(tmp_path):
@@ -110,18 +108,6 @@ def test_a_table_of_rows_has_no_devices(tmp_path):
     head, *rows = (tmp_path / "m.csv").read_text(encoding="utf-8").splitlines()
     assert "device_force" not in head
     assert len(rows) == 6
-
-
-@pytest.mark.parametrize(("thickness", "crushed_in"), [(0.001, "5"), (0.1, "")])
-def test_bumpers_that_are_crushed_in_simulated_motions_are_told(thickness, crushed_in):
-    pair = [sl.Bilinear(T, 0.05, mass=1e6) for T in (0.6, 1.0)]
-    pads = sl.Measure(contact=sl.Kelvin(1e8, restitution=0.4), bumper_thickness=thickness)
-    ground = sl.named_ground("firm", intensity=0.01)
-    table = sl.mitigate(*pair, ground, 6.0, 0.12, {"pads": pads}, paths=32, confidence=0.01)
-    told = crushed(table.sel(measure="pads"))
-    deep = 100 * float(table.device_stroke_quantile.sel(measure="pads")[0])
-    assert (f"compressed by more than {deep:.1f}" in told) == bool(crushed_in)
-    assert bool(told) == bool(crushed_in)
 
 
 def recorded_case(folder, *changes, peak=0.3):
@@ -138,7 +124,7 @@ def recorded_case(folder, *changes, peak=0.3):
 
 
 @pytest.mark.slow
-def test_bumpers_that_would_be_crushed_are_told_and_what_links_bear_is_shown(tmp_path):
+def test_bumpers_that_would_be_crushed_and_forces_of_links_are_shown(tmp_path):
     thin = ('bumper_thickness = "2 cm"', 'bumper_thickness = "4 mm"')
     result = answered(
         "mitigate", recorded_case(tmp_path, thin, peak=0.9), "--picture", tmp_path / "m.png"
@@ -146,13 +132,7 @@ def test_bumpers_that_would_be_crushed_are_told_and_what_links_bear_is_shown(tmp
     told = " ".join(result.output.split())
     assert "Rubber bumpers: the bumpers, 0.4 cm thick, would be compressed by" in told
     assert "in Taft 1952; take thicker or stiffer ones." in told
-    assert "both including the thickness of bumpers: contact of the bumpers counts as contact" in told
     lines = result.output.splitlines()
-    heads = next(line for line in lines if line.startswith("measure ")).split("  ")
-    assert {"stiffness", "strength", "dampers"} <= {head.strip() for head in heads}
-    stronger = next(line for line in lines if line.startswith("A stiffer and stronger annex"))
-    assert "1 | 1.5" in stronger
-    assert "1 | 1.3" in stronger
     head = next(filter(None, lines[lines.index("In Taft 1952:") + 1 :]))
     assert head.split()[-4:] == ["pressed", "[cm]", "link", "[MN]"]
     with xr.open_dataset(tmp_path / "m.nc") as saved:

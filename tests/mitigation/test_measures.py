@@ -169,18 +169,11 @@ def test_devices_and_links_are_all_simulated_and_pound():
         name: float(whole[name]) for name in whole.data_vars if str(name).startswith(("link", "dev"))
     }
     assert columns == {
-        "links": 2,
         "link_stiffness": 3e7,
         "link_damping_constant": 2e6,
         "link_damping_exponent": 1,
         "devices_1": 1,
-        "device_stiffness_1": 0,
-        "device_damping_constant_1": device.damping_constant,
-        "device_damping_exponent_1": 1,
         "devices_2": 1,
-        "device_stiffness_2": 3e7,
-        "device_damping_constant_2": 0,
-        "device_damping_exponent_2": pytest.approx(np.nan, nan_ok=True),
     }
 
 
@@ -207,7 +200,7 @@ def test_bumpers_matter_on_records_alone(table):
     built, bumpers = table.sel(measure="as built"), table.sel(measure="bumpers")
     assert float(built.required_gap) == float(bumpers.required_gap)
     assert float(bumpers.largest_force[0]) < 0.5 * float(built.largest_force[0])
-    assert bumpers.contact.item() == RUBBER.describe()
+    assert RUBBER.describe() in bumpers.description.item()
 
 
 def test_least_measures_meet_their_aim(table):
@@ -244,8 +237,8 @@ def test_bumpers_without_records_say_what_is_missing():
     ("changes", "told"),
     [
         ({"measures": {"glue": 3}}, r"measures\['glue'\] = 3 is of the wrong kind"),
-        ({"records": {"r": record()}}, "contact is missing, but records are"),
-        ({"contact": STEEL, "records": {"r": record() * np.nan}}, r"records\['r'\]"),
+        ({"records": {"r": record()}}, "contact is not given; structures side by side need"),
+        ({"contact": STEEL, "records": {"r": record() * np.nan}}, "record r: "),
         ({"amplification_limit": 1.0}, "amplification_limit = 1.0; allowed: a positive number, with"),
         ({"measures": {"d": sl.Measure(0.96)}}, "added_damping_1 = 0.96 raises the damping to 1.01"),
         (
@@ -306,7 +299,7 @@ def test_links_and_contacts_ask_for_masses():
     light = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0)]
     with pytest.raises(ValueError, match="mass is not given"):
         sl.mitigate(*light, GROUND, DURATION, GAP, {"link": sl.Measure(link=LINK)}, **MOTION)
-    with pytest.raises(ValueError, match="first cannot pound"):
+    with pytest.raises(ValueError, match="number 1: mass is not given; pounding needs it"):
         sl.mitigate(*light, GROUND, DURATION, GAP, {}, contact=STEEL, records={"r": record()}, **MOTION)
     table = sl.mitigate(*light, GROUND, DURATION, GAP, {}, **MOTION)
     assert "least dashpot between" not in table.measure

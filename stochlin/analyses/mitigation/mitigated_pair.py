@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -11,35 +11,32 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.mitigation.devices import Device, bumpers_of, links_of
 from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.pounding.rows import checked_links
 from stochlin.analyses.records.cells import RECORD
 from stochlin.analyses.separation.storeys import linearized_at_roof
 from stochlin.analyses.simulation.finite_motions import (
+    Columns,
     keeping_apart,
-    mean_with_error,
+    mean_columns,
     pair_peaks,
     pair_separation,
+    quantile_columns,
     required_gaps,
 )
-from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.simulation import simulate
+from stochlin.analyses.simulation.variables import OF_LINKS
 from stochlin.analyses.tables import labels
-from stochlin.kernels.basics.arrays import Array
 from stochlin.models.contacts import Contact
 from stochlin.models.grounds import Ground
 from stochlin.models.links import Link
 from stochlin.models.measures import Measure
-from stochlin.models.structures import Structure
 from stochlin.models.systems import Arrangement, arrangement_of, retrofitted
 from stochlin.models.uncertain import applied, median_of
 
-MOST_BUMPED = 256  # simulated motions with contact, which take much longer than without
-RECORDED = (
-    *("amplification_1", "amplification_2", "impacts", "largest_force"),
-    *("deepest_compression", "largest_link_force"),
-)
+DEVICE = "device"
+OF_DEVICES = "device_force", "device_stroke", "device_energy"
+LEVEL = np.array([0.95])  # of the quantile of these over motions
 
 
 @dataclass(frozen=True)
@@ -93,73 +90,44 @@ class MitigatedPair:
             )
         return left
 
-    def check(self, measure: Measure) -> None:
-        """Raise a ValueError or TypeError for a measure that cannot be applied to the pair."""
-        self.open_gap(measure)
-        self.system(measure)
-
     def system(self, measure: Measure) -> Arrangement:
-        """The structures with the links of the measure."""
+        """The structures with the links of the measure, which have to fit."""
         links = checked_links(measure.links, len(self.structures))
         return arrangement_of(self.known(measure), links)
 
-    def contact_of(self, measure: Measure) -> Contact | None:
-        """Contact between the structures with the measure."""
-        return self.contact if measure.contact is None else measure.contact
-
-    @property
-    def weighed(self) -> bool:
-        """Whether both structures have masses."""
-        both = self.known(Measure())
-        return all(not isinstance(each, Structure) or each.mass is not None for each in both)
-
-    def simulated(self, measure: Measure) -> tuple[dict[str, float], list[Device]]:
-        """Required gap [m], probability of no pounding [-] and mean peaks [m], and links, by simulation.
-
-        Contact between bumpers counts as pounding.
-        """
-        motions = self._motions(measure)
-        apart = keeping_apart(pair_separation(motions), self.open_gap(measure))
-        taken = measure.bumper_thickness
-        names = ("required_gap", "required_gap_lower", "required_gap_upper")
-        row = {
-            **{name: gap + taken for name, gap in zip(names, required_gaps(motions), strict=True)},
-            **{name: float(share) for name, share in apart.items()},
+    def row(self, measure: Measure) -> xr.Dataset:
+        """All results of a measure; contact between bumpers counts as pounding."""
+        motions = self.built if measure == Measure() else self.simulated(measure)
+        gaps = zip(labels.VALUE_AND_ENDS, required_gaps(motions), strict=True)
+        columns = {
+            **{name: getattr(measure, name) for name in measure.parameter_names()},
+            **_sums([link for link in measure.links if not link.within_one]),
+            **{f"devices_{n}": sum(link.structures == (n, n) for link in measure.links) for n in (1, 2)},
+            **{f"required_gap{end}": gap + measure.bumper_thickness for end, gap in gaps},
+            **keeping_apart(pair_separation(motions), self.open_gap(measure)),
+            **mean_columns("peak", ["structure"], pair_peaks(motions)),
+            **self._linearized(measure),
         }
-        for n, samples in enumerate(pair_peaks(motions).T, start=1):
-            mean, error = mean_with_error(samples)
-            row |= {f"peak_mean_{n}": float(mean), f"peak_mean_standard_error_{n}": float(error)}
-        return row, links_of(motions, self.system(measure))
-
-    def bumped(self, measure: Measure) -> tuple[list[Device], str]:
-        """The bumpers of a measure in simulated motions with contact, and why values are missing.
-
-        There are none where the measure has no bumpers.
-        """
-        contact = self.contact_of(measure)
-        if contact is None or not measure.has_bumpers or not self.weighed:
-            return [], ""
-        gap, motions = self.open_gap(measure), self._shaking
-        table = pound(self.known(measure), gap, contact, motions, link=measure.links)
-        failed = table.missing.values[table.status.values != labels.CONVERGED]
-        note = (
-            f"bumpers, {failed.size} of {table.status.size} motions: {failed[0]}" if failed.size else ""
-        )
-        return bumpers_of(table, self.system(measure)), note
+        devices = _devices(motions, self.system(measure)) if measure.links else xr.Dataset()
+        recorded = self.recorded(measure) if self.records else xr.Dataset()
+        return _by_structure(xr.Dataset(columns)).merge(devices).merge(recorded)
 
     @cached_property
-    def _shaking(self) -> xr.DataArray:
-        """The first of the simulated motions, on the median ground."""
-        motion = dict(self.motion)
-        paths = min(motion.pop("paths"), MOST_BUMPED)
-        return simulated_motions(median_of(self.ground), **motion, paths=paths)
+    def built(self) -> xr.Dataset:
+        """The simulated motions of the buildings as built."""
+        return self.simulated(Measure())
 
-    def required_gap(self, measure: Measure) -> float:
-        """Gap without pounding with the probability ``confidence`` [m]."""
-        required, *_ = required_gaps(self._motions(measure))
-        return required
+    def simulated(self, measure: Measure, **motion: Any) -> xr.Dataset:
+        """The simulated motions, with other options of `simulate` where they are given."""
+        return simulate(
+            self.changed(measure),
+            self.ground,
+            **{**self.motion, **motion},
+            quantiles=[self.confidence],
+            link=measure.links,
+        )
 
-    def linearized(self, measure: Measure) -> dict[str, float]:
+    def _linearized(self, measure: Measure) -> dict[str, float]:
         """Correlation and standard deviation of ``u_1 - u_2`` by linearization; NaN if not solved."""
         rho = apart = np.nan
         # There is no solution, or no stationary response: storeys without stiffness.
@@ -167,50 +135,69 @@ class MitigatedPair:
             rho, apart = linearized_at_roof(self.known(measure), median_of(self.ground), measure.links)
         return {"rho": rho, "relative_displacement_std": apart}
 
-    def recorded(self, measure: Measure) -> tuple[dict[str, Array], list[Device]]:
-        """Variables of `RECORDED` for the records (records,), and devices, from pounding."""
-        contact = self.contact_of(measure)
-        table = self._pounded(self.known(measure), self.open_gap(measure), contact, measure.links)
+    def recorded(self, measure: Measure) -> xr.Dataset:
+        """Amplifications, impacts and forces over ``record``, from pounding."""
+        table = self._pounded(measure)
+        nothing = xr.full_like(table.hardest_force, np.nan)
         ratio = table.peak / self._peaks_alone
         columns = {
-            **{f"amplification_{n + 1}": ratio.isel(structure=n) for n in (0, 1)},
+            **{f"amplification_{n + 1}": ratio.isel(structure=n, drop=True) for n in (0, 1)},
             "largest_force": table.hardest_force,
             "deepest_compression": table.deepest_compression,
-            "largest_link_force": table.get(
-                "peak_link_force", xr.full_like(table.hardest_force, np.nan)
-            ),
+            "largest_link_force": table.get("peak_link_force", nothing),
         }
-        values = {name: each.max(set(each.dims) - {RECORD}).values for name, each in columns.items()}
-        system = self.system(measure)
-        bumpers = bumpers_of(table, system) if measure.has_bumpers else []
-        row = values | {"impacts": table.impacts.sum("contact").values}
-        return row, [*links_of(table, system), *bumpers]
+        whole = {name: each.max(set(each.dims) - {RECORD}) for name, each in columns.items()}
+        whole["impacts"] = table.impacts.sum("contact")
+        return xr.Dataset(whole).reset_coords(drop=True).drop_attrs()
 
     def worst_amplification(self, measure: Measure) -> float:
         """Largest amplification of both buildings in all records [-]."""
-        recorded, _ = self.recorded(measure)
-        return float(max(recorded["amplification_1"].max(), recorded["amplification_2"].max()))
+        recorded = self.recorded(measure)
+        return float(max(recorded.amplification_1.max(), recorded.amplification_2.max()))
 
     @cached_property
     def _peaks_alone(self) -> xr.DataArray:
         """Peaks of the floors as built and without neighbours [m], for each record."""
-        return self._pounded(self.known(Measure()), self.gap, self.contact).peak_alone
+        return self._pounded(Measure()).peak_alone
 
-    def _pounded(
-        self, pair: Sequence[Any], gap: float, contact: Contact | None, links: Sequence[Link] = ()
-    ) -> xr.Dataset:
+    def _pounded(self, measure: Measure) -> xr.Dataset:
         """Pounding in all records; an ArithmeticError if one of them fails."""
-        table = pound(pair, gap, contact, self.records, link=links)
+        contact = measure.contact or self.contact
+        gap, links = self.open_gap(measure), measure.links
+        table = pound(self.known(measure), gap, contact, self.records, link=links)
         failed = table.missing.values[table.status.values != labels.CONVERGED]
         if failed.size:
             raise ArithmeticError(failed[0])
         return table
 
-    def _motions(self, measure: Measure) -> xr.Dataset:
-        return simulate(
-            self.changed(measure),
-            self.ground,
-            **self.motion,
-            quantiles=[self.confidence],
-            link=measure.links,
-        )
+
+def _by_structure(table: xr.Dataset) -> xr.Dataset:
+    """The table with a variable for each structure in place of the dimension."""
+    over = [name for name, array in table.items() if "structure" in array.dims]
+    columns = {f"{name}_{n + 1}": table[name][n] for name in over for n in (0, 1)}
+    return table.drop_vars(over).assign(columns)
+
+
+def _sums(links: list[Link]) -> dict[str, float]:
+    """Sums of stiffnesses and damping constants of links; NaN for unlike exponents."""
+    exponents = {link.exponent for link in links if link.damping_constant}
+    constant = sum(link.number("damping_constant") for link in links)
+    return {
+        "link_stiffness": sum(link.number("stiffness") for link in links),
+        "link_damping_constant": np.nan if len(exponents) > 1 else constant,
+        "link_damping_exponent": exponents.pop() if len(exponents) == 1 else np.nan,
+    }
+
+
+def _devices(motions: xr.Dataset, system: Arrangement) -> xr.Dataset:
+    """Force, stroke and energy of links and dampers over ``device``: means and 95 % quantiles."""
+    floors = system.floors
+    ends = [(floors[t.one], floors[t.two] if t.two >= 0 else "ground") for t in system.ties]
+    kinds = ["damper" if tie.link.within_one else "link" for tie in system.ties]
+    texts = {"device_kind": kinds, "device_place": [f"{one} to {two}" for one, two in ends]}
+    columns: Columns = {name: ([DEVICE], np.array(values)) for name, values in texts.items()}
+    for name, of in zip(OF_DEVICES, OF_LINKS, strict=True):
+        columns |= mean_columns(name, [DEVICE], motions[of].values)
+        columns |= quantile_columns(name, [DEVICE], motions[of].values, LEVEL)
+    numbers = {DEVICE: np.arange(1, len(kinds) + 1)}
+    return xr.Dataset(columns, numbers).isel(quantile=0)

@@ -5,18 +5,8 @@ from stochlin.analyses.separation.variables import VARIABLES as SEPARATION
 from stochlin.analyses.tables.labels import Variables
 
 
-def _of_links(name: str, which: str) -> Variables:
-    return {
-        f"{name}s": ("1", f"number of {which}"),
-        f"{name}_stiffness": ("N/m", f"stiffness of all {which}"),
-        f"{name}_damping_constant": ("N (s/m)^a", f"damping constant of all {which}"),
-        f"{name}_damping_exponent": ("1", f"exponent a of the dashpots of all {which}"),
-    }
-
-
 def _of_devices(name: str, units: str, what: str) -> Variables:
     return {
-        f"device_{name}": (units, what),
         f"device_{name}_mean": (units, f"mean over the motions: {what}"),
         f"device_{name}_mean_standard_error": (
             units,
@@ -34,8 +24,10 @@ VARIABLES: Variables = {
     "bumper_thickness": ("m", "thickness of the bumpers"),
     "stiffening": ("1", "elastic stiffness over that as built"),
     "strengthening": ("1", "yield force over that as built"),
-    **_of_links("link", "links between both structures"),
-    **_of_links("device", "devices"),
+    "link_stiffness": ("N/m", "stiffness of all links between both structures"),
+    "link_damping_constant": ("N (s/m)^a", "damping constant of all links between both structures"),
+    "link_damping_exponent": ("1", "exponent a of the dashpots of all links between both structures"),
+    "devices": ("1", "number of devices"),
     **_of_devices("force", "N", "largest force of the device"),
     **_of_devices("stroke", "m", "largest extension or compression of the device"),
     **_of_devices("energy", "J", "energy that the device dissipates"),

@@ -11,13 +11,12 @@ import xarray as xr
 
 from stochlin.analyses.linearization.equivalent_systems import solve_elastic
 from stochlin.analyses.linearization.strength import solved_reduction_factor, strength_in_metres
-from stochlin.analyses.separation.searches import Required, around, least, up_to
+from stochlin.analyses.separation.searches import around, by_motions, least, up_to
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import (
     keeping_apart,
     pair_separation,
-    quantile_intervals,
-    quantiles_of,
+    required_gaps,
 )
 from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.tables import labels
@@ -43,7 +42,6 @@ AMPLITUDES = np.geomspace(1 / 16, 16, 17)  # factors of the ground acceleration
 DAMPINGS = np.linspace(0, 0.4, 9)  # damping ratios added to both structures
 MOST_DAMPING = 0.999  # largest total damping ratio of a structure
 SIMULATIONS = 20  # usual number of simulations of the three searches together
-FEW, LEAST_FEW = 8, 128  # a few motions are one in eight, and at least this many
 
 
 @checked
@@ -128,23 +126,17 @@ def existing_gap(
     if progress is not None:
         progress(0.0)
     done = 0.0
-    few = max(paths // FEW, LEAST_FEW)
+    motion: Any = {"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed}
 
-    def separations(pair: Sequence[AnyStructure], ground: Ground, count: int = paths) -> xr.DataArray:
+    def simulated(pair: Sequence[AnyStructure], ground: Ground, count: int = paths) -> xr.Dataset:
         nonlocal done
-        options: dict[str, Any] = {"duration": duration, "envelope": envelope, "scatter": scatter}
-        drawn: dict[str, Any] = {"paths": count, "seed": seed, "quantiles": [confidence]}
-        motions = simulate(list(pair), ground, **options, **drawn)
+        motions = simulate(list(pair), ground, paths=count, quantiles=[confidence], **motion)
         done += count / paths
         if progress is not None:
             progress(min(done / SIMULATIONS, 1.0))
-        return pair_separation(motions)
+        return motions
 
-    def ends_of(samples: xr.DataArray) -> list[float]:
-        ends = quantile_intervals(samples.values, np.array([confidence]))
-        return [float(end[0]) for end in ends]
-
-    samples = separations(list(structures.values()), ground)
+    built = simulated(list(structures.values()), ground)
     usual = median_of(ground)
     pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures.values()]
 
@@ -154,31 +146,24 @@ def existing_gap(
     def amplified(amplitude: float) -> Ground:
         return applied(lambda g: replace(g, intensity=g.intensity * amplitude**2), ground)
 
-    def search(
-        of: Callable[[float], tuple[Sequence[AnyStructure], Ground]], as_built: float
-    ) -> Required:
-        by_few = None if few >= paths else lambda value: ends_of(separations(*of(value), few))
-        known = {float(as_built): ends_of(samples)}
-        return Required(lambda value: ends_of(separations(*of(value))), gap, by_few, known)
-
-    by_strength = search(lambda s: (changed(weaker, s), ground), STRENGTHS[AS_BUILT])
+    by_strength = by_motions(lambda s, n: simulated(changed(weaker, s), ground, n), gap, 1.0, built)
     least_factor, largest_factor = around(by_strength, STRENGTHS, AS_BUILT)
-    amplitude = up_to(search(lambda a: (pair, amplified(a)), 1.0), AMPLITUDES)
-    added = least(search(lambda x: (changed(damped, x), ground), 0.0), DAMPINGS)
-    intensity = float(usual.arrays()["intensity"])
-    modes = [first_mode(structure) for structure in both.values()]
+    by_amplitude = by_motions(lambda a, n: simulated(pair, amplified(a), n), gap, 1.0, built)
+    by_damping = by_motions(lambda x, n: simulated(changed(damped, x), ground, n), gap, 0.0, built)
+    amplitude, added = up_to(by_amplitude, AMPLITUDES), least(by_damping, DAMPINGS)
+    modes = map(first_mode, both.values())
     factors = [solved_reduction_factor(mode, solve_elastic(mode, usual)) for mode in modes]
     limits = {
         (f"{end}_reduction_factor", f"_{n}"): [factor * times for times in edge]
         for end, edge in (("largest", largest_factor), ("least", least_factor))
         for n, factor in enumerate(factors, start=1)
     }
-    limits["largest_intensity", ""] = [intensity * a**2 for a in amplitude]
+    limits["largest_intensity", ""] = [float(usual.arrays()["intensity"]) * a**2 for a in amplitude]
     limits["least_added_damping", ""] = [*added]
     table = xr.Dataset(
         {
-            **keeping_apart(samples, float(gap)),
-            "required_gap": float(quantiles_of(samples.values, np.array([confidence]))[0]),
+            **keeping_apart(pair_separation(built), float(gap)),
+            "required_gap": required_gaps(built)[0],
             **{
                 f"{name}{which}{number}": value
                 for (name, number), interval in limits.items()

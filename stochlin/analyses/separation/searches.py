@@ -14,11 +14,14 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.optimize
+import xarray as xr
 
+from stochlin.analyses.simulation.finite_motions import required_gaps
 from stochlin.kernels.basics.arrays import Array
 
 FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
 CLOSE = 1e-3  # relative tolerance of a found value, and of an estimated gap there
+FEW, LEAST_FEW = 8, 128  # a few motions are one in eight, and at least this many
 CLEAR = 2.0  # half 95 % intervals between a gap from a few motions and the limit, so that these decide
 
 
@@ -98,6 +101,25 @@ class Required:
         passed = np.concatenate([_crossings(at, end - self.most) for end in ends])
         below, above = passed[passed <= value], passed[passed >= value]
         return float(below.max(initial=at[0])), float(above.min(initial=at[-1]))
+
+
+def by_motions(
+    simulated: Callable[[float, int], xr.Dataset],
+    most: float,
+    as_built: float,
+    built: xr.Dataset,
+    interval: bool = True,
+) -> Required:
+    """The required gap by simulation, with as many motions as ``built``, or a few where these are clear.
+
+    ``simulated`` are the motions for a value and a number of them, ``built`` those for ``as_built``.
+    Without ``interval`` only the value itself is found.
+    """
+    paths, ends = built.sizes["path"], 3 if interval else 1
+    few = max(paths // FEW, LEAST_FEW)
+    by_few = None if few >= paths else lambda value: required_gaps(simulated(value, few))
+    known = {as_built: required_gaps(built)}
+    return Required(lambda value: required_gaps(simulated(value, paths))[:ends], most, by_few, known)
 
 
 def _once(known: dict[float, Ends], function: GapOf, value: float) -> Ends:

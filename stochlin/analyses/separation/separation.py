@@ -235,8 +235,7 @@ def separation(
     check_scalars(of_codes, "separation", "a number")
     by_role = standing(first, second)
     alone = second is None
-    neighbours = Neighbours(floors_align, same_property, same_system)
-    for_codes = neighbours
+    neighbours = for_codes = Neighbours(floors_align, same_property, same_system)
     check_neighbours(neighbours, alone, height_2=height_2, storeys_2=storeys_2)
     both = {role: median_of(structure) for role, structure in by_role.items()}
     check_duration(duration, both)

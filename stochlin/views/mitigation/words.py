@@ -35,33 +35,27 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.case import Case
 
 WIDE = 34  # characters of a name
-NOTES = (
-    "Damping: added damping of buildings 1 and 2 in per cent of critical. Link: stiffness and damping "
-    "constant of all links between the buildings.{more} Needed: the gap for the confidence, and its "
-    "95 % interval{bumpers}. Apart: share of the simulated motions in which the existing gap prevents "
-    "pounding. Within error: the difference is within the error of the simulation. Std: standard "
-    "deviation of the relative displacement by linearization, which is too small where buildings "
-    "yield. All measures are simulated with the same motions."
+WORDS, UNDECIDED = (
+    {AT_LEAST: "enough", LESS: "not enough"},
+    "undecided within the error of the simulation",
 )
-# What is said of columns that are there only where some measure has them.
-OF_STRENGTH = " Stiffness and strength: those of the buildings relative to as built."
-OF_DEVICES = " Dampers: their number in each building."
-OF_BUMPERS = (
-    ", both including the thickness of bumpers: contact of the bumpers counts as contact of "
-    "the buildings"
+NOTES = (
+    "Damping: added damping of buildings 1 and 2 in per cent of critical. Dashpot: damping constant of "
+    "all links between the buildings. Needed: the gap for the confidence, and its 95 % interval; where "
+    "there are bumpers, with their thickness, since contact of the bumpers counts as contact of the "
+    "buildings. Apart: share of the simulated motions in which the existing gap prevents pounding. "
+    "Within error: the difference is within the error of the simulation. Std: standard deviation of the "
+    "relative displacement by linearization, which is too small where buildings yield. All measures are "
+    "simulated with the same motions."
 )
 NO_DASHPOT = (
     "least dashpot between: not searched; it needs masses, and floors of both buildings at one level."
 )
-OF_EACH_DEVICE = (
-    "Devices: mean | 95{space}% quantile over the simulated motions of the largest force, of the "
-    "largest extension or compression (stroke), and of the energy that the device dissipates in a "
-    "motion. Numbers are those of the buildings; 1.3 is floor 3 of building 1.{bumpers} The values are "
-    "those of the analysis, without partial factors of codes."
-)
-BUMPED = (
-    " Links and dampers: without contact of the buildings. Bumpers: of motions with contact, in which "
-    "those without an impact count as 0."
+OF_DEVICES = (
+    "Devices: mean | 95 % quantile over the simulated motions, without contact of the buildings, of the "
+    "largest force, of the largest extension or compression (stroke), and of the energy that the device "
+    "dissipates in a motion. Numbers are those of the buildings; 1.3 is floor 3 of building 1. The "
+    "values are those of the analysis, without partial factors of codes."
 )
 TIMES = (
     "Times: largest displacement of buildings 1 and 2, relative to the building as built and alone. "
@@ -74,11 +68,8 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
     """The answer, the measures in simulated motions and in records, and what their columns mean."""
     built = table.isel(measure=0)
     peaks = float(built.peak_mean_1), float(built.peak_mean_2)
-    about = (headline(table), shaking(table, case), scatter(case))
-    remarks = [text for row in along(table, "measure") for text in (crushed(row), _missing(row)) if text]
-    searched = table.measure.values[(table.kind == "least").values]
-    if searched.size and not any("dashpot" in str(name) for name in searched):
-        remarks.append(NO_DASHPOT)
+    about = (_headline(table), shaking(table, case), scatter(case))
+    notes = {"measure": NOTES, "device": OF_DEVICES, "record": TIMES}
     return [
         opening(case, doubts(table, case.pair, float(built.required_gap), peaks)),
         ViewSection("", texts([floors(case), *left_out(case)])),
@@ -86,27 +77,60 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
         ViewSection("", [_motions(table)]),
         *_devices(table),
         *_in_records(table),
-        ViewSection("", [Items(remarks)]),
-        ViewSection(
-            "", texts([_notes(table), _notes_on_devices(table), TIMES if "record" in table.dims else ""])
-        ),
+        ViewSection("", [Items(_remarks(table))]),
+        ViewSection("", texts([text for name, text in notes.items() if name in table.dims])),
     ]
 
 
-def _in_records(table: xr.Dataset) -> list[ViewSection]:
-    """A table of each record, or of all of them where they are many; none without records."""
-    if "quantile" in table.dims:
-        what = (
-            f"In {table.sizes['record']} records; the values are not exceeded in half of them and in "
-            f"{_levels(table)[-1]} of them"
+def _headline(table: xr.Dataset) -> str:
+    """Whether the gap is enough as built, and which measures make it enough."""
+    built = table.isel(measure=0)
+    apart, wanted = float(built.no_pounding_probability), float(table.attrs["confidence"])
+    sentence = (
+        f"As built, the existing gap of {length(float(table.attrs['gap_m']))} prevents pounding in "
+        f"{per_cent(apart, 1)} of the motions; the required share is {100 * wanted:.4g}{SPACE}%."
+    )
+    if not (table.kind == "least").any():
+        sentence += " That is enough, so no further measure is searched."
+    parts = [
+        f"{row.measure.item()}, {WORDS.get(int(row.verdict), UNDECIDED)}"
+        for row in along(table.where(table.kind == "given", drop=True), "measure")
+    ]
+    return f"{sentence} The measures of the file: {'; '.join(parts)}." if parts else sentence
+
+
+def _motions(table: xr.Dataset) -> Table:
+    heads = ["measure", "damping [%]", "dashpot [MN s/m]"]
+    heads += ["needed [cm]", "interval", "apart", "verdict", "std [cm]"]
+    meanings = dict(enumerate(table.verdict.attrs["flag_meanings"].split()))
+    meanings[NOT_AVAILABLE] = "none found"
+    rows = []
+    for row in along(table, "measure"):
+        needed, low, high = map(centimetres, with_interval(row, "required_gap"))
+        rows.append(
+            [
+                cut(row.measure.item(), WIDE),
+                _pair(row, "added_damping", "{:.1f}", 100),
+                _dashpot(row),
+                needed,
+                f"{low} to {high}" if np.isfinite(float(row.required_gap)) else MISSING,
+                per_cent(float(row.no_pounding_probability), 1),
+                meanings[int(row.verdict)].replace("_", " "),
+                centimetres(float(row.relative_displacement_std)),
+            ]
         )
-        return [ViewSection(what, [_over_records(table)])]
-    records = table.record.values if "record" in table.dims else ()
-    return [ViewSection(f"In {name}", [_recorded(table.sel(record=name))]) for name in records]
+    return Table.of(heads, rows)
+
+
+def _dashpot(row: xr.Dataset) -> str:
+    """Constant of the dashpots between both, with their exponent where they are not linear."""
+    constant, exponent = float(row.link_damping_constant) / 1e6, float(row.link_damping_exponent)
+    shown = f" (a {exponent:g})" if np.isfinite(exponent) and exponent != 1 else ""
+    return f"{short(constant)}{shown}"
 
 
 def _devices(table: xr.Dataset) -> list[ViewSection]:
-    """A table of all links, dampers and bumpers; none without them."""
+    """A table of all links and dampers; none without them."""
     if "device" not in table.dims:
         return []
     heads = ["measure", "device", "force [kN]", "stroke [cm]", "energy [kJ]"]
@@ -129,119 +153,21 @@ def _mean_and_quantile(row: xr.Dataset, name: str, shown: Callable[[float], str]
     return " | ".join(shown(float(row[f"{name}_{what}"])) for what in ("mean", "quantile"))
 
 
-def _notes_on_devices(table: xr.Dataset) -> str:
-    """The meaning of the values of devices; empty without them."""
-    if "device" not in table.dims:
-        return ""
-    bumpers = BUMPED if (table.device_kind == "bumper").any() else ""
-    return OF_EACH_DEVICE.format(space=SPACE, bumpers=bumpers)
-
-
-def _missing(row: xr.Dataset) -> str:
-    return f"{row.measure.item()}: {row.missing.item()}." if row.missing.item() else ""
-
-
-def crushed(row: xr.Dataset) -> str:
-    """A warning where bumpers are compressed by more than their thickness; empty otherwise."""
-    thickness = float(row.bumper_thickness)
-    if "record" not in row.dims or not thickness > 0:
-        return _crushed_in_motions(row, thickness)
-    deep = row.deepest_compression.where(row.deepest_compression > thickness, drop=True)
-    if not deep.size:
-        return ""
-    where = deep.record.item() if deep.size == 1 else f"{deep.size} of {row.sizes['record']} records"
-    return (
-        f"{row.measure.item()}: the bumpers, {length(thickness)} thick, would be compressed by "
-        f"{length(float(deep.max()))} in {where}; take thicker or stiffer ones."
-    )
-
-
-def _crushed_in_motions(row: xr.Dataset, thickness: float) -> str:
-    """The same from the simulated motions, where there are no records."""
-    if "device" not in row.dims or not thickness > 0:
-        return ""
-    deep = float(row.device_stroke_quantile.where(row.device_kind == "bumper").max())
-    if not deep > thickness:
-        return ""
-    return (
-        f"{row.measure.item()}: the bumpers, {length(thickness)} thick, would be compressed by more "
-        f"than {length(deep)} in 5{SPACE}% of the motions; take thicker or stiffer ones."
-    )
-
-
-def _notes(table: xr.Dataset) -> str:
-    """The meaning of the columns."""
-    more = OF_STRENGTH if _changes(table, "stiffening") or _changes(table, "strengthening") else ""
-    more += OF_DEVICES if _changes(table, "devices") else ""
-    return NOTES.format(
-        more=more, bumpers=OF_BUMPERS if bool((table.bumper_thickness > 0).any()) else ""
-    )
-
-
-def _changes(table: xr.Dataset, name: str) -> bool:
-    """Whether a measure has more of it, or less, than the buildings as built."""
-    both = table[[f"{name}_1", f"{name}_2"]].to_array()
-    return bool((both.notnull() & (both != both.isel(measure=0))).any())
-
-
-def headline(table: xr.Dataset) -> str:
-    """Whether the gap is enough as built, and which measures make it enough."""
-    built = table.isel(measure=0)
-    kept, wanted = float(built.no_pounding_probability), float(table.attrs["confidence"])
-    gap = length(float(table.attrs["gap_m"]))
-    sentence = (
-        f"As built, the existing gap of {gap} prevents pounding in {per_cent(kept, 1)} of the motions; "
-        f"the required share is {100 * wanted:.4g}{SPACE}%."
-    )
-    if not (table.kind == "least").any():
-        sentence += " That is enough, so no further measure is searched."
-    measures = table.where(table.kind == "given", drop=True)
-    words = {AT_LEAST: "enough", LESS: "not enough"}
-    parts = []
-    for row in along(measures, "measure"):
-        verdict = words.get(int(row.verdict), "undecided within the error of the simulation")
-        parts.append(f"{row.measure.item()}, {verdict}")
-    return f"{sentence} The measures of the file: {'; '.join(parts)}." if parts else sentence
-
-
-def _motions(table: xr.Dataset) -> Table:
-    extras = {
-        name: head
-        for name, head in {
-            "stiffening": "stiffness",
-            "strengthening": "strength",
-            "devices": "dampers",
-        }.items()
-        if _changes(table, name)
-    }
-    heads = ["measure", "damping [%]", "link [MN/m]", "link [MN s/m]", *extras.values()]
-    heads += ["needed [cm]", "interval", "apart", "verdict", "std [cm]"]
-    meanings = dict(enumerate(table.verdict.attrs["flag_meanings"].split()))
-    meanings[NOT_AVAILABLE] = "none found"
-    rows = []
-    for row in along(table, "measure"):
-        needed, low, high = map(centimetres, with_interval(row, "required_gap"))
-        rows.append(
-            [
-                cut(row.measure.item(), WIDE),
-                _pair(row, "added_damping", "{:.1f}", 100),
-                short(float(row.link_stiffness) / 1e6),
-                _dashpot(row),
-                *(_unlike_built(row, table, name) for name in extras),
-                needed,
-                f"{low} to {high}" if np.isfinite(float(row.required_gap)) else MISSING,
-                per_cent(float(row.no_pounding_probability), 1),
-                meanings[int(row.verdict)].replace("_", " "),
-                centimetres(float(row.relative_displacement_std)),
-            ]
+def _in_records(table: xr.Dataset) -> list[ViewSection]:
+    """A table of each record, or of all of them where they are many; none without records."""
+    if "quantile" in table.dims:
+        what = (
+            f"In {table.sizes['record']} records; the values are not exceeded in half of them and in "
+            f"{_levels(table)[-1]} of them"
         )
-    return Table.of(heads, rows)
+        return [ViewSection(what, [_over_records(table)])]
+    records = table.record.values if "record" in table.dims else ()
+    return [ViewSection(f"In {name}", [_recorded(table.sel(record=name))]) for name in records]
 
 
 def _recorded(table: xr.Dataset) -> Table:
-    heads = ["measure", "times", "impacts", "force [MN]", "pressed [cm]"]
-    linked = bool(table.largest_link_force.notnull().any())
-    heads += ["link [MN]"] if linked else []
+    """The effect of each measure in a record."""
+    heads = ["measure", "times", "impacts", "force [MN]", "pressed [cm]", "link [MN]"]
     rows = [
         [
             cut(row.measure.item(), WIDE),
@@ -249,7 +175,7 @@ def _recorded(table: xr.Dataset) -> Table:
             short(float(row.impacts)),
             short(float(row.largest_force) / 1e6),
             centimetres(float(row.deepest_compression)),
-            *([short(float(row.largest_link_force) / 1e6)] if linked else []),
+            short(float(row.largest_link_force) / 1e6),
         ]
         for row in along(table, "measure")
         if np.isfinite(float(row.amplification_1))
@@ -282,17 +208,23 @@ def _over_records(table: xr.Dataset) -> Table:
     return Table.of(heads, rows)
 
 
-def _dashpot(row: xr.Dataset) -> str:
-    """Constant of the dashpots between both, with their exponent where they are not linear."""
-    constant, exponent = float(row.link_damping_constant) / 1e6, float(row.link_damping_exponent)
-    shown = f" (a {exponent:g})" if np.isfinite(exponent) and exponent != 1 else ""
-    return f"{short(constant)}{shown}"
-
-
-def _unlike_built(row: xr.Dataset, table: xr.Dataset, name: str) -> str:
-    """Of both buildings, where it is not what it is as built."""
-    built, value = (_pair(each, name, "{:g}") for each in (table.isel(measure=0), row))
-    return "" if value == built else value
+def _remarks(table: xr.Dataset) -> list[str]:
+    """Bumpers that are too thin, and what is missing, and why."""
+    remarks = []
+    for row in along(table, "measure"):
+        name, thickness = row.measure.item(), float(row.bumper_thickness)
+        deep = row.get("deepest_compression")
+        if deep is not None and float(deep.max()) > thickness > 0:
+            remarks.append(
+                f"{name}: the bumpers, {length(thickness)} thick, would be compressed by "
+                f"{length(float(deep.max()))} in {deep.idxmax().item()}; take thicker or stiffer ones."
+            )
+        if row.missing.item():
+            remarks.append(f"{name}: {row.missing.item()}.")
+    searched = table.measure.values[(table.kind == "least").values]
+    if searched.size and not any("dashpot" in str(name) for name in searched):
+        remarks.append(NO_DASHPOT)
+    return remarks
 
 
 def _pair(row: xr.Dataset, name: str, form: str, scale: float = 1.0) -> str:
