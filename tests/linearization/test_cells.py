@@ -1,17 +1,10 @@
-"""Numbers in place of arrays: pairs of numbers, and coefficients of the moments of a table."""
+"""Coefficients of the moments of a table."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.kernels.correlation.bilinear_pair import linearized_pair
-
-GROUNDS = (
-    (sl.WhiteNoise(0.01), (0.01,)),
-    (sl.KanaiTajimi(2.0, 0.3, 0.01), (0.01, 2.0, 0.3)),
-    (sl.CloughPenzien(2.0, 0.3, 20.0, 0.6, 0.01), (0.01, 2.0, 0.3, 20.0, 0.6)),
-)
 
 
 @pytest.mark.invariant
@@ -27,28 +20,3 @@ def test_coefficients_of_a_table_are_those_of_its_moments():
     found = sl.equivalent_coefficients(velocity, table.z_std, table.velocity_z_corr)
     for name in ("c_eq", "k_eq"):
         np.testing.assert_allclose(table[name], found[name], rtol=1e-12)
-
-
-@pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # hardly yields
-@pytest.mark.oracle
-@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
-@pytest.mark.parametrize(("ground", "numbers"), GROUNDS)
-def test_a_pair_of_numbers_is_that_of_correlate(ground, numbers, closure):
-    """Owen's function of numbers is a quadrature, and that of tables is scipy's."""
-    pairs = [
-        ((1.0, 0.05, 0.05, 0.02), (0.7, 0.05, 0.1, 0.01)),
-        ((0.2, 0.02, 0.5, 1e3), (3.0, 0.1, 0.02, 1e-3)),
-    ]
-    for one, two in pairs:
-        table = sl.correlate(sl.Bilinear(*one), sl.Bilinear(*two), ground, closure=closure)
-        found = linearized_pair(one, two, numbers, clipped=closure == "clipped")
-        expected = [float(table[name]) for name in found._fields]
-        assert found == pytest.approx(expected, rel=1e-12)
-
-
-@pytest.mark.invariant
-def test_a_pair_of_numbers_that_does_not_converge_is_nan():
-    found = linearized_pair((1.0, 0.05, 0.05, 1e-30), (0.7, 0.05, 0.05, 0.01), (0.01,))
-    assert np.isnan(found.rho)
-    assert np.isnan(found.displacement_std_1)
-    assert found.displacement_std_2 > 0

@@ -8,7 +8,12 @@ import pytest
 
 import stochlin as sl
 from stochlin.kernels.linearization.filters import KanaiTajimiFilter
-from stochlin.kernels.linearization.single_structures import SingleStructures, solve_structures
+from stochlin.kernels.linearization.single_structures import (
+    Law,
+    SingleStructures,
+    moments_of,
+    solve_structures,
+)
 from stochlin.models.laws import bilinear
 
 pytestmark = pytest.mark.invariant
@@ -156,11 +161,12 @@ def solve_from(start, structure, ground, uy):
     oscillator = np.stack([w**2, 2 * structure["damping"] * w, (1 - structure["hardening"]) * w**2])
     soil = np.stack([1 / uy**2, 2 * np.pi / ground["period"], ground["damping"]])
     # The stop rule of `linearize`, with patience for a far start.
-    own = oscillator, np.empty((0, w.size)), KanaiTajimiFilter.of(*soil), np.zeros_like(w)
+    law = Law(bilinear.gaussian, np.empty((0, w.size)), np.full(w.size, True))
     latent = start * np.stack([w, np.ones_like(w), np.ones_like(w)])
-    problem = SingleStructures(*own, bilinear.gaussian, 1e-10, 1e-12)
-    found = solve_structures(problem, latent, np.full(w.size, True), 200)
-    return found, problem.coefficients(found.unknowns)
+    ground, level = KanaiTajimiFilter.of(*soil), np.zeros_like(w)
+    problem = SingleStructures(oscillator, [law], ground, level, 1e-10, 1e-12)
+    found = solve_structures(problem, latent, 200)
+    return found, problem.closure(moments_of(found.unknowns)).coefficients
 
 
 @pytest.mark.slow

@@ -15,13 +15,7 @@ import xarray as xr
 
 from stochlin.analyses.correlation.errors import DIFFERENCE, errors_on
 from stochlin.analyses.correlation.signatures import drifting
-from stochlin.analyses.linearization.bias import (
-    EXPECTED,
-    bilinear_like,
-    caution_of,
-    judged,
-    relative_bias,
-)
+from stochlin.analyses.linearization.bias import EXPECTED, caution_of, judged
 from stochlin.analyses.linearization.equivalent_systems import Solved, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
@@ -52,20 +46,17 @@ def linearized_pairs(
     bias: bool,
 ) -> dict[str, Cells]:
     """Variables of `correlate` by linearization, with those of the bias if asked for."""
-    solved = solved_together(pair, ground, closure, tolerance)
-    structures: Any
+    solve = judged if bias or closure == DRIFT else solved_together
+    solved, structures = solve(pair, ground, closure, tolerance), None  # type: Solved, Any
     if closure == DRIFT:
-        solved = judged(solved, closure, tolerance)
         structures = drifting(solved, tolerance)
     else:
         values = solved.values
         system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
         structures = Linear(system, forcing, values["displacement_std"])
         if bias:
-            truth = bilinear_like(solved, DRIFT, tolerance)
-            values = {**values, **relative_bias(solved, truth, tolerance)}
-            solved = solved._replace(values=values)
-            structures = Compared(structures, values["bias"], drifting(truth, tolerance))
+            truth = drifting(solved.like[DRIFT], tolerance)
+            structures = Compared(structures, values["bias"], truth)
     return _table(solved, structures, errors_on(ground))
 
 

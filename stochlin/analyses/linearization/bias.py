@@ -6,17 +6,17 @@ It is known for bilinear structures on the kinds of ground and in the ranges tha
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Sequence
 
 import numpy as np
 
-from stochlin.analyses.linearization.drift_map import with_correction
-from stochlin.analyses.linearization.equivalent_systems import Law, Solved, solve_oscillators
-from stochlin.analyses.linearization.tolerance import Tolerance
+from stochlin.analyses.linearization.equivalent_systems import Solved, solved_together
+from stochlin.analyses.linearization.tolerance import USUAL, Tolerance
 from stochlin.kernels.basics.arrays import Array
+from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.laws.bouc_wen import BoucWen
-from stochlin.models.structures import DRIFT, GAUSSIAN
+from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
 STD = "displacement_std"
 OFF = 0.1  # bias from which the caution of a cell is 1
@@ -27,50 +27,39 @@ BETA, SHARPEST, ROUNDED = (0.3, 0.9), 5.0, 1.5
 OF_LAW = ("beta", "gamma", "exponent")
 
 
-def judged(solved: Solved, closure: str, tolerance: Tolerance) -> Solved:
-    """The responses by a closure with ``bias``, its expected error ``bias_error``, and ``caution``."""
+def compared_with(structures: Sequence[Structure], closure: str) -> tuple[str, ...]:
+    """Closures by which bilinear structures are solved beside these for their bias."""
     if closure == DRIFT:
+        return ()
+    rounded = any(isinstance(structure, BoucWen) for structure in structures)
+    return (DRIFT, GAUSSIAN) if rounded else (DRIFT,)
+
+
+def judged(
+    structures: Sequence[Structure], ground: Ground, closure: str, tolerance: Tolerance = USUAL
+) -> Solved:
+    """The responses by a closure with ``bias``, its expected error ``bias_error``, and ``caution``.
+
+    The bias of ``displacement_std`` is 0 if a structure is elastic, and NaN if it is unknown.
+    """
+    like = compared_with(structures, closure)
+    solved = solved_together(structures, ground, closure, tolerance, like=like)
+    if like:
+        more = _relative_bias(solved)
+    else:
         error = solved.values["displacement_error"]
         more = {"bias": 0 * error, "bias_error": error, "caution": caution_of(error, EXPECTED)}
-    else:
-        more = relative_bias(solved, bilinear_like(solved, DRIFT, tolerance), tolerance)
     return solved._replace(values={**solved.values, **more})
 
 
-def bilinear_like(solved: Solved, closure: str, tolerance: Tolerance) -> Solved:
-    """The structures by another closure of the bilinear law, Bouc-Wen structures as bilinear ones.
-
-    The bilinear structures have the same period, damping, hardening and strength. Structures of other
-    laws stay elastic.
-    """
-    cells = np.arange(solved.oscillators.period.size)
-    like = [
-        cells[part]
-        for structure, part in zip(solved.structures, solved.parts, strict=True)
-        if structure.yields and isinstance(structure, Bilinear | BoucWen)
-    ]
-    at = np.concatenate([cells[:0], *like])
-    law = Law(at, np.empty((0, at.size)), np.ones(at.size, bool), Bilinear.closures[closure])
-    own = solved.oscillators, [law] if at.size else [], solved.ground, tolerance, closure == DRIFT
-    other = solved._replace(values=solve_oscillators(*own, parts=solved.parts))
-    if closure != DRIFT:
-        return other
-    corrected = with_correction(solved.ground, other.point, other.oscillators.soil, other.values)
-    return other._replace(values=corrected)
-
-
-def relative_bias(solved: Solved, truth: Solved, tolerance: Tolerance) -> dict[str, Array]:
-    """``bias`` of ``displacement_std``, its expected error ``bias_error``, and its ``caution``.
-
-    The bias is 0 if a structure is elastic, and NaN if it is unknown. ``truth`` is `bilinear_like`.
-    """
-    true = truth.values[STD], truth.values["displacement_error"]
+def _relative_bias(solved: Solved) -> dict[str, Array]:
+    true = [solved.like[DRIFT].values[name] for name in (STD, "displacement_error")]
     bias, error = _relative(solved.values[STD], *true)
     counted = bias.copy()
-    of_bilinear = cache(lambda: bilinear_like(solved, GAUSSIAN, tolerance).values[STD])
     for structure, table, part in zip(solved.structures, solved.tables, solved.parts, strict=True):
         if isinstance(structure, BoucWen) and structure.yields:
-            of_near, _ = _relative(of_bilinear()[part], *(row[part] for row in true))
+            near = solved.like[GAUSSIAN].values[STD][part]
+            of_near, _ = _relative(near, *(row[part] for row in true))
             law = (np.asarray(table.models["structure"].cells()[name]) for name in OF_LAW)
             bias[part], counted[part] = _of_bouc_wen(of_near, bias[part], *law)
             error[part] = np.nan

@@ -28,13 +28,17 @@ from stochlin.kernels.linearization.covariance import (
 from stochlin.kernels.linearization.drift import ORDERS, drift_of
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import Closure
+from stochlin.kernels.linearization.iteration import FixedPoint
 from stochlin.kernels.linearization.single_structures import (
+    Law,
     SingleStructures,
     moments_of,
     solve_structures,
 )
 from stochlin.messages import brief, hint
 from stochlin.models.grounds import Ground
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
 
 AT_ONCE = 1 << 15  # cells that are solved together, which limits the memory for intermediate results
@@ -89,8 +93,7 @@ class Oscillators(NamedTuple):
             *table.models["ground"].cells().values(),
         )
         columns = in_columns(rows, table.where.size)
-        period, damping, hardening, strength, by_factor, peak_factor = columns[:6]
-        return cls(period, damping, hardening, strength, by_factor, peak_factor, columns[6:])
+        return cls(*columns[:6], columns[6:])
 
     def at(self, cells: Array | slice) -> Oscillators:
         """Some of the cells."""
@@ -101,35 +104,33 @@ class Oscillators(NamedTuple):
         return point_of(ground, [ratio, self.hardening, self.damping], self.period, self.soil)
 
 
-class Law(NamedTuple):
+class Yielding(NamedTuple):
     """The cells that yield by one law."""
 
-    cells: Array  # (k,) their numbers
-    parameters: Array  # (m, k)
-    one_solution: Array  # (k,)
-    closure: Closure
+    cells: Array  # (k,) their numbers, which increase
+    law: Law
+    drifts: bool  # whether the closure is that with a drift
 
     @classmethod
-    def of(cls, table: Flat, closure: str, first: int = 0) -> Law:
-        """The law of the ``structure`` of a table, whose cells have numbers from ``first`` on."""
+    def of(cls, table: Flat, closure: str, first: int = 0) -> Yielding:
+        """Those of the ``structure`` of a table, whose cells have numbers from ``first`` on."""
         structure, count = table.models["structure"], table.where.size
         own = structure.cells()
         parameters = in_columns([own[n] for n in structure.own_parameters() if n in own], count)
         one_solution = np.broadcast_to(structure.has_one_solution().to_numpy(), count)
-        cells = np.arange(first, first + count)
-        return cls(cells, parameters, one_solution, structure.closure(closure))
+        law = Law(structure.closure(closure), parameters, one_solution)
+        return cls(np.arange(first, first + count), law, closure == DRIFT)
 
-    def among(self, cells: Array) -> Law:
-        """The same for a selection of the cells with these numbers."""
-        at = np.searchsorted(self.cells, cells)
-        rows = self.parameters[:, at], self.one_solution[at]
-        return Law(np.arange(cells.size), *rows, self.closure)
+    @classmethod
+    def bilinear(cls, cells: Array, closure: str) -> Yielding:
+        """These cells by the bilinear law."""
+        none, yes = np.empty((0, cells.size)), np.ones(cells.size, bool)
+        return cls(cells, Law(Bilinear.closures[closure], none, yes), closure == DRIFT)
 
-    def at(self, part: slice) -> Law:
-        """The cells with numbers in this range, counted from its start."""
-        inside = (self.cells >= part.start) & (self.cells < part.stop)
-        rows = self.parameters[:, inside], self.one_solution[inside]
-        return Law(self.cells[inside] - part.start, *rows, self.closure)
+    def at(self, cells: Array) -> Yielding:
+        """Those among the cells with these numbers, which increase; they are counted anew."""
+        own = np.isin(self.cells, cells)
+        return Yielding(np.flatnonzero(np.isin(cells, self.cells)), self.law.at(own), self.drifts)
 
 
 class Solved(NamedTuple):
@@ -140,6 +141,7 @@ class Solved(NamedTuple):
     tables: Sequence[Flat]
     oscillators: Oscillators
     values: Mapping[str, Array]  # (n,) by name; also ``system``, ``forcing`` and ``drift_shares``
+    like: Mapping[str, Solved] = {}  # bilinear structures of the same strength, by closures
 
     @property
     def parts(self) -> list[slice]:
@@ -209,13 +211,19 @@ def solved_together(
     ground: Ground,
     closure: str | None = None,
     tolerance: Tolerance = USUAL,
+    *,
+    like: Sequence[str] = (),
     corrected: bool = True,
 ) -> Solved:
     """Responses of structures on one ground, which stay elastic without a ``closure``.
 
     Those by the drift closure are corrected by the map of simulations if they are to be ``corrected``.
+    By the closures in ``like``, bilinear structures are solved beside them: the same ones, and those
+    with the period, damping, hardening and strength of Bouc-Wen structures. Other laws then stay
+    elastic.
     """
-    tables, laws = list[Flat](), dict[Closure, list[Law]]()
+    tables, laws, first = list[Flat](), dict[Closure, list[Yielding]](), 0
+    bilinear = [np.empty(0, int)]
     for structure in structures:
         yields = closure is not None and structure.yields
         if closure is not None:
@@ -225,45 +233,51 @@ def solved_together(
             structure.check_settles(type(structure).__name__)
         table = flat({"structure": structure, "ground": ground}, settled=yields)
         if yields:
-            law = Law.of(table, str(closure), sum(other.where.size for other in tables))
-            laws.setdefault(law.closure, []).append(law)
+            part = Yielding.of(table, str(closure), first)
+            laws.setdefault(part.law.closure, []).append(part)
+            bilinear += [part.cells] if isinstance(structure, Bilinear | BoucWen) else []
         tables.append(table)
-    cells = _joined([Oscillators.of(table) for table in tables])
-    same = [_joined(parts) for parts in laws.values()]
-    solved = Solved(structures, ground, tables, cells, {})
-    values = solve_oscillators(cells, same, ground, tolerance, closure == DRIFT, parts=solved.parts)
-    solved = solved._replace(values=values)
-    if closure == DRIFT and corrected:
-        values = with_correction(ground, solved.point, cells.soil, values)
-    return solved._replace(values=values)
+        first += table.where.size
+    cells, at = _joined([Oscillators.of(table) for table in tables]), np.concatenate(bilinear)
+    sets = [_joined(parts) for parts in laws.values()]
+    sets += [Yielding.bilinear(at + n * first, name) for n, name in enumerate(like, start=1) if at.size]
+    solved, copies = Solved(structures, ground, tables, cells, {}), 1 + len(like)
+    ranges = [slice(a.start + n, a.stop + n) for n in first * np.arange(copies) for a in solved.parts]
+    every = solve_oscillators(_joined([cells] * copies), sets, ground, tolerance, ranges)
+
+    def of_set(number: int, name: str | None) -> Solved:
+        part = slice(number * first, (number + 1) * first)
+        one = solved._replace(values={key: values[..., part] for key, values in every.items()})
+        if name == DRIFT and corrected:
+            return one._replace(values=with_correction(ground, one.point, cells.soil, one.values))
+        return one
+
+    beside = {name: of_set(n, name) for n, name in enumerate(like, start=1)}
+    return of_set(0, closure)._replace(like=beside)
 
 
 def _joined(parts: Sequence[Any]) -> Any:
     """Named tuples of arrays, one after another along the last axis; the rest is equal in all."""
-    if len(parts) == 1:
-        return parts[0]
-    columns = zip(*parts, strict=True)
-    return type(parts[0])(
-        *(np.concatenate(c, axis=-1) if isinstance(c[0], np.ndarray) else c[0] for c in columns)
-    )
+    first = parts[0]
+    if len(parts) == 1 or not isinstance(first, tuple):
+        return np.concatenate(parts, axis=-1) if isinstance(first, np.ndarray) else first
+    return type(first)(*map(_joined, zip(*parts, strict=True)))
 
 
 def solve_oscillators(
     cells: Oscillators,
-    laws: Sequence[Law],
+    laws: Sequence[Yielding],
     ground: Ground,
     tolerance: Tolerance,
-    drifts: bool = False,
     parts: Sequence[slice] = (),
 ) -> dict[str, Array]:
     """The values of `Solved`, without corrections by simulation; cells without a law stay elastic.
 
-    ``drifts`` says whether there are variables of the drift; those of elastic structures are 0.
     ``parts`` are the cells of each structure.
     """
     if len(ranges := _ranges(cells.period.size, parts)) > 1:
         solved = [
-            solve_oscillators(cells.at(part), [law.at(part) for law in laws], ground, tolerance, drifts)
+            solve_oscillators(cells.at(part), [law.at(part) for law in laws], ground, tolerance)
             for part in ranges
         ]
         return {name: np.concatenate([each[name] for each in solved], axis=-1) for name in solved[0]}
@@ -275,16 +289,18 @@ def solve_oscillators(
         uy = np.where(by_factor, cells.peak_factor * std / cells.strength, cells.strength)
         # A reduction factor is used as it is, so that equal structures have exactly equal ratios.
         ratio = np.where(by_factor, cells.strength / cells.peak_factor, std / uy)
-        response = Response.elastic(elastic, drifts)
-        for law in laws:
-            start = np.array([np.sqrt(own.v_v), std, 0.1 * uy]) / uy
-            at = law.cells
-            part = _yielding(cells.at(at), law, ground, tolerance, start[:, at], uy[at])
-            response.put(at, _with_drift(part, soil.at(at), uy[at]) if drifts else part)
+        response = Response.elastic(elastic)
+        at = np.concatenate([np.empty(0, int), *(law.cells for law in laws)])
+        if at.size:
+            start = (np.array([np.sqrt(own.v_v), std, 0.1 * uy]) / uy)[:, at]
+            problem = _problem(cells.at(at), laws, ground, tolerance, uy[at])
+            response.put(at, problem, solve_structures(problem, start, tolerance.max_iterations))
+        for at in (law.cells for law in laws if law.drifts and law.cells.size):
+            response.add_drift(at, soil.at(at), uy[at])
         return _report(response, soil, uy, ratio)
 
 
-def _ranges(count: int, parts: Sequence[slice]) -> list[slice]:
+def _ranges(count: int, parts: Sequence[slice]) -> list[Array]:
     """Cells that are solved together: single ones of all structures, otherwise those of a structure.
 
     The rounding errors of a number depend on its place among others. Tables of equal structures have
@@ -292,7 +308,20 @@ def _ranges(count: int, parts: Sequence[slice]) -> list[slice]:
     """
     whole = [slice(0, count)] if count <= len(parts) or not parts else parts
     starts = ((part, n) for part in whole for n in range(part.start, part.stop, AT_ONCE))
-    return [slice(n, min(n + AT_ONCE, part.stop)) for part, n in starts]
+    return [np.arange(n, min(n + AT_ONCE, part.stop)) for part, n in starts]
+
+
+def _problem(
+    cells: Oscillators, laws: Sequence[Yielding], ground: Ground, tolerance: Tolerance, uy: Array
+) -> SingleStructures:
+    """The equations of the cells of these laws, in their order, for the displacement over ``uy``."""
+    soil = cells.soil.copy()
+    soil[list(ground.cells()).index("intensity")] /= uy**2
+    w = 2 * np.pi / cells.period
+    structure = np.array([w**2, 2 * cells.damping * w, (1 - cells.hardening) * w**2])
+    own = [part.law for part in laws if part.cells.size]
+    level, limits = np.zeros_like(uy), (tolerance.rtol, tolerance.atol)
+    return SingleStructures(structure, own, ground.filter_of(soil), level, *limits)
 
 
 class Response(NamedTuple):
@@ -304,52 +333,36 @@ class Response(NamedTuple):
     residual: Array
     converged: Array
     latent: Array  # (3, n) std and correlation of the Gaussian variables (v, z~) of the closure
-    drift: Array  # (2 + orders, n) its standard deviation and rate, then its shares, or none
+    drift: Array  # (2 + orders, n) its standard deviation and rate, then its shares
 
     @classmethod
-    def elastic(cls, system: EquivalentSystem, drifts: bool) -> Response:
+    def elastic(cls, system: EquivalentSystem) -> Response:
         """Structures that do not yield."""
         n = system.stiffness.size
-        drift = np.zeros((ORDERS + 3 if drifts else 0, n))
-        drift[1:2] = 1.0
-        nothing, yes = np.zeros(n), np.ones(n, bool)
+        drift, nothing, yes = np.zeros((ORDERS + 3, n)), np.zeros(n), np.ones(n, bool)
+        drift[1] = 1.0
         counts = nothing.astype(np.int32), nothing, yes.copy()
         return cls(np.array(system), yes, *counts, np.empty((3, n)), drift)
 
-    def put(self, cells: Array, part: Response) -> None:
-        """Replace some of the cells."""
-        for whole, rows in zip(self, part, strict=True):
-            whole[..., cells] = rows
+    def put(self, cells: Array, problem: SingleStructures, solved: FixedPoint) -> None:
+        """Take the solution of these cells."""
+        latent = moments_of(solved.unknowns)
+        slips = problem.closure(latent).coefficients
+        still = np.abs(slips[0]) < ELASTIC
+        still &= np.abs(slips[1]) < ELASTIC * self.system[4, cells]
+        yields = cells[~still]
+        self.system[2:, yields] = np.array([problem.structure[2], *slips])[:, ~still]
+        self.still[yields] = False
+        self.latent[:, cells] = latent
+        counts = solved.iterations, solved.residual, solved.converged
+        self.iterations[cells], self.residual[cells], self.converged[cells] = counts
 
-
-def _yielding(
-    cells: Oscillators, law: Law, ground: Ground, tolerance: Tolerance, start: Array, uy: Array
-) -> Response:
-    """Fixed points of cells of one law, from the moments ``start`` (3, n) of their elastic response."""
-    soil = cells.soil.copy()
-    soil[list(ground.cells()).index("intensity")] /= uy**2  # the equation of motion is that of u/uy
-    w, none = 2 * np.pi / cells.period, np.zeros_like(uy)
-    oscillator = np.array([w**2, 2 * cells.damping * w, (1 - cells.hardening) * w**2])
-    limits = tolerance.rtol, tolerance.atol
-    problem = SingleStructures(
-        oscillator, law.parameters, ground.filter_of(soil), none, law.closure, *limits
-    )
-    solved = solve_structures(problem, start, law.one_solution, tolerance.max_iterations)
-    slip, relaxation = problem.coefficients(solved.unknowns)
-    still = (np.abs(slip) < ELASTIC) & (np.abs(relaxation) < ELASTIC * w)
-    elastic = np.array([*oscillator[:2], none, none, w])
-    system = np.where(still, elastic, np.array([*oscillator, slip, relaxation]))
-    counts = solved.iterations, solved.residual, solved.converged
-    return Response(system, still, *counts, moments_of(solved.unknowns), np.empty((0, uy.size)))
-
-
-def _with_drift(response: Response, soil: Filter, uy: Array) -> Response:
-    """The response with the drift, in m and 1/s."""
-    system = EquivalentSystem(*response.system)
-    drift = drift_of(system, response.latent, soil)
-    rows = np.array([uy * np.sqrt(drift.variance), drift.rate, *drift.shares])
-    rows[:, response.still] = np.eye(len(rows))[1][:, None]
-    return response._replace(drift=rows)
+    def add_drift(self, cells: Array, soil: Filter, uy: Array) -> None:
+        """Add that of these cells, in m and 1/s."""
+        yields = ~self.still[cells]
+        drift = drift_of(EquivalentSystem(*self.system[:, cells]), self.latent[:, cells], soil)
+        rows = np.array([uy * np.sqrt(drift.variance), drift.rate, *drift.shares])
+        self.drift[:, cells[yields]] = rows[:, yields]
 
 
 def _report(response: Response, soil: Filter, uy: Array, ratio: Array) -> dict[str, Array]:
@@ -359,7 +372,7 @@ def _report(response: Response, soil: Filter, uy: Array, ratio: Array) -> dict[s
     displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
     corr = np.where(elastic, 0.0, own.v_z / (velocity * z))
     share = own.mu_z / (displacement * z)
-    total = np.hypot(displacement, response.drift[0]) if len(response.drift) else displacement
+    total = np.hypot(displacement, response.drift[0])
     extents = np.array([total, velocity, total / uy])
     physical = (own.mu_mu > 0) & (own.v_v > 0) & np.isfinite(extents).all(axis=0)
     correlated = np.maximum(np.abs(corr), np.abs(share))

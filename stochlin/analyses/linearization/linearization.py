@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.bias import judged
-from stochlin.analyses.linearization.equivalent_systems import PUBLIC, check_closure, solved_together
+from stochlin.analyses.linearization.equivalent_systems import PUBLIC, check_closure
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
@@ -141,7 +141,7 @@ def linearize(
 @np.errstate(divide="ignore")  # an elastic structure does not drift
 def _solved(closure: str, tolerance: Tolerance, structure: Structure, ground: Ground) -> xr.Dataset:
     """The variables that `linearize` returns."""
-    solved = judged(solved_together((structure,), ground, closure, tolerance), closure, tolerance)
+    solved = judged((structure,), ground, closure, tolerance)
     names, values = [*PUBLIC, "bias", "bias_error", "caution"], solved.values
     if closure == DRIFT:
         std, time = values["drift_std"], 1 / values["drift_rate"]

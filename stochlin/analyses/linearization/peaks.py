@@ -13,11 +13,9 @@ from stochlin.analyses.linearization.equivalent_systems import (
     INTERNAL,
     JUDGED,
     check_closure,
-    solved_together,
     system_and_forcing,
 )
 from stochlin.analyses.linearization.linearization import caution_in_words
-from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.analyses.linearization.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import cellwise
@@ -127,7 +125,7 @@ def peak_response(
     domain = chosen.domain(sides)
     check_closure(structure, closure)
     motion = StationaryMotion(duration)
-    solved = judged(solved_together((structure,), ground, closure), closure, USUAL).dataset()
+    solved = judged((structure,), ground, closure).dataset()
     labels.raise_if_lone_failure(solved, "peak_response", structure, ground)
     time = motion.arrays()["duration"]
     length = time.where(motion.valid())

@@ -15,8 +15,8 @@ from stochlin.analyses.linearization.drift_map import with_correction
 from stochlin.analyses.linearization.equivalent_systems import (
     JUDGED,
     STRENGTH_RATIO,
-    Law,
     Oscillators,
+    Yielding,
     check_closure,
     in_columns,
     solve_elastic,
@@ -166,9 +166,7 @@ def _with_strength(
             "extreme parameters"
         )
     yielding = replace(structure, reduction_factor=reduction)
-    solved = judged(
-        solved_together((yielding,), ground, closure, TOLERANCE), closure, TOLERANCE
-    ).dataset()
+    solved = judged((yielding,), ground, closure, TOLERANCE).dataset()
     valid = structure.valid() & structure.settles() & ground.valid() & target.valid()
     peak = yielding.arrays()["peak_factor"] * solved.ductility_std
     reached = np.abs(peak / target.arrays()["ductility"] - 1) < REACHED
@@ -243,7 +241,7 @@ def reduction_factor(structure: Structure, ground: Ground) -> xr.Dataset:
 def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closure: str) -> xr.DataArray:
     """Reduction factor of every cell by Chandrupatla's method in a bracket; NaN where it fails."""
     table = flat({"structure": structure, "ground": ground, "target": target})
-    cells, law = Oscillators.of(table), Law.of(table, closure)
+    cells, law = Oscillators.of(table), Yielding.of(table, closure)
     (wanted,) = in_columns([table.models["target"].ductility], cells.period.size)
     result = np.full(wanted.size, np.nan)
 
@@ -251,7 +249,8 @@ def _search(structure: Structure, ground: Ground, target: DuctilityTarget, closu
         """Logarithm of the ratio of the peak ductility to its target, for the cells of ``index``."""
         at = index.astype(int)
         weaker = cells.at(at)._replace(strength=np.exp(log_r))
-        values = solve_oscillators(weaker, [law.among(at)], ground, TOLERANCE, closure == DRIFT)
+        own = law._replace(cells=np.arange(at.size), law=law.law.at(at))
+        values = solve_oscillators(weaker, [own], ground, TOLERANCE)
         if closure == DRIFT:
             point = weaker.point(ground, values[STRENGTH_RATIO])
             values = with_correction(ground, point, weaker.soil, values)

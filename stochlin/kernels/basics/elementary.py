@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy import special
 
 from stochlin.kernels.basics.arrays import Array
 
@@ -19,16 +18,6 @@ def choose(condition: Any, yes: Any, no: Any) -> Any:
     if isinstance(yes, tuple):
         return type(yes)(*(choose(condition, *parts) for parts in zip(yes, no, strict=True)))
     return np.where(condition, yes, no)
-
-
-def ndtr(x: Any) -> Any:
-    """Distribution function of a standard Gaussian variable."""
-    return special.ndtr(x)
-
-
-def owens_t(h: Any, a: Any) -> Any:
-    """Owen's function ``T(h, a) = 1/(2 pi) Int_0^a exp(-h^2 (1 + x^2)/2)/(1 + x^2) dx``."""
-    return special.owens_t(h, a)
 
 
 def solve_3x3(matrix: Sequence[Sequence[Array]], right: Sequence[Array]) -> tuple[Array, ...]:

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from inspect import isfunction
 from typing import Any
 
-import numpy as np
 from numba.extending import overload, register_jitable
 
 from stochlin.kernels.basics import elementary
 from stochlin.kernels.basics.compiled import OFTEN, UNCOMPILED, called_often, entry, variant
 from stochlin.kernels.correlation import errors, nearness, pairs, signatures
-from stochlin.kernels.linearization import covariance, drift, gaussian, grounds
-from stochlin.kernels.linearization import single_structures as structures
-
-ROOT_HALF = math.sqrt(0.5)
-REACH = 7.75  # standard deviations beyond which the integrand is left out; the relative error is 1e-14
-_X, _W = np.polynomial.legendre.leggauss(36)
-NODES = tuple((float(x) ** 2, float(w)) for x, w in zip(_X[18:], _W[18:], strict=True))
+from stochlin.kernels.linearization import covariance, drift
 
 
 def _write(first, second, places_1, places_2, errors, out):
@@ -63,36 +55,10 @@ def _choose(condition, yes, no):
     return lambda condition, yes, no: yes if condition else no
 
 
-@overload(elementary.ndtr, jit_options=OFTEN)
-def _ndtr(x):
-    return lambda x: 0.5 * math.erfc(-x * ROOT_HALF)
-
-
-@overload(elementary.owens_t)
-def _owens_t(h, a):
-    def by_quadrature(h, a):
-        """By Gauss-Legendre quadrature; for ``a > 1`` from ``T(a h, 1/a)``."""
-        size = abs(a)
-        steep = size > 1
-        eta, length = (h * size, 1 / size) if steep else (h, size)
-        length = min(length, REACH / eta)
-        total = 0.0
-        for square, weight in NODES:
-            x = length * length * square
-            total += weight * math.exp(-0.5 * eta * eta * (1 + x)) / (1 + x)
-        part = total * length / (2 * math.pi)
-        if steep:
-            tail, beside = 0.5 * math.erfc(h * ROOT_HALF), 0.5 * math.erfc(eta * ROOT_HALF)
-            part = 0.5 * (tail + beside) - tail * beside - part
-        return part if a > 0 else -part
-
-    return by_quadrature
-
-
 # The terms in any order, so that several products are added at once.
 register_jitable(fastmath={"reassoc"}, **OFTEN)(signatures.product)
 ELSEWHERE = pairs.cell, pairs.results, pairs.over_pairs, signatures.product
-for _module in (covariance, drift, errors, gaussian, grounds, nearness, pairs, signatures, structures):
+for _module in (covariance, drift, errors, nearness, pairs, signatures):
     for _function in vars(_module).values():
         own = isfunction(_function) and _function.__module__ == _module.__name__
         if own and _function not in ELSEWHERE:

@@ -42,6 +42,7 @@ NOISE = Forcing(0.0, 1.0, 0.0)  # type: ignore[arg-type]  # white noise of the i
 
 _EXCESS, _WEIGHT = laggauss(NODES)
 _POLYNOMIALS = _WEIGHT * lagvander(_EXCESS, ORDERS).T  # (orders + 1, nodes), times the weights
+_EXCESS = _EXCESS[:, None]
 
 
 class Drift(NamedTuple):
@@ -110,12 +111,10 @@ def _orders(sz: Array) -> Array:
     polynomials of ``E`` follow from those of both parts: ``L_j(x + y) = sum_k L_k(x) L_(j-k)^(-1)(y)``.
     """
     threshold = 0.5 / sz**2
-    of_excess, square = np.zeros((ORDERS + 1, sz.size)), np.zeros_like(sz)
-    for excess, weight, polynomials in zip(_EXCESS, _WEIGHT, _POLYNOMIALS.T, strict=True):
-        # The size sqrt(2 E) sz - 1 without cancellation.
-        size = 2 * sz**2 * excess / (sz * np.sqrt(2 * (threshold + excess)) + 1)
-        of_excess += polynomials[:, None] * size
-        square += weight * size * size
+    # The sizes sqrt(2 E) sz - 1 at the nodes, without cancellation.
+    sizes = np.sqrt(2 * (threshold + _EXCESS))
+    sizes = 2 * sz**2 * _EXCESS / (sz * sizes + 1)
+    of_excess, square = _POLYNOMIALS @ sizes, _WEIGHT @ (sizes * sizes)
     moments, before, polynomial = of_excess.copy(), np.ones_like(sz), -threshold
     for order in range(1, ORDERS + 1):
         moments[order:] += polynomial * of_excess[: ORDERS + 1 - order]
@@ -133,13 +132,12 @@ def _sums_of_powers(memory: Array) -> Array:
     A power of a correlation function is a correlation function, so that with Bartlett's window no sum is
     negative.
     """
-    sums = np.ones((ORDERS, memory.shape[1]))
-    for n, correlation in enumerate(memory, start=1):
-        power, square = 2 * (1 - n / len(memory)) * correlation, correlation**2
-        for order in range(ORDERS):
-            power *= square
-            sums[order] += power
-    return np.maximum(sums, 0.0)
+    window = 2 * (1 - np.arange(1, len(memory) + 1) / len(memory))
+    power, square, sums = memory * window[:, None], memory**2, []
+    for _ in range(ORDERS):
+        power *= square
+        sums.append(power.sum(axis=0))
+    return np.maximum(1 + np.array(sums), 0.0)
 
 
 @np.errstate(all="ignore")  # NaN in cells without stationary motion

@@ -18,8 +18,7 @@ from stochlin.kernels.linearization import grounds
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 
 Entry = Any  # a number, or an array of cells
-Slopes = Sequence[grounds.Signal | Array]
-NOTHING = 0.0, 0.0, 0.0
+Slopes = grounds.Signal | Array
 Transform = Callable[[Array], Array]
 AT_ONCE = 4096  # cells for which systems of equations are solved together
 
@@ -103,11 +102,12 @@ class Filter:
             return Forcing(zero, np.pi * self.intensity + zero, zero)
         return self._forcing(self._correlations(system))
 
-    def forcing_and_slopes(self, system: EquivalentSystem) -> Slopes:
-        """The `forcing` of cells (n,), then its derivatives by slip and by relaxation."""
+    def forcing_and_slopes(self, system: EquivalentSystem) -> tuple[Forcing, Slopes]:
+        """The `forcing` of cells (n,), and its derivatives (3, 2, n) by slip and by relaxation."""
         if not self.states:
-            return np.array(self.forcing(system)), NOTHING, NOTHING
-        return tuple((self.arrays.output * self._correlations(system, slopes=True)).sum(axis=-1))
+            return self.forcing(system), np.zeros((3, 1, 1))
+        own, *slopes = (self.arrays.output * self._correlations(system, slopes=True)).sum(axis=-1)
+        return Forcing(*own), np.stack(slopes, axis=1)
 
     def _forcing(self, rows: Array) -> Forcing:
         """The forcing from covariances (3, ..., m) of the structure's with the filter's states."""
@@ -305,10 +305,11 @@ class KanaiTajimiFilter(_OfOscillators):
     def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, grounds.Rows]:
         return grounds.kanai_tajimi(system, self._ground)
 
-    def forcing_and_slopes(self, system: EquivalentSystem) -> Slopes:
+    def forcing_and_slopes(self, system: EquivalentSystem) -> tuple[Forcing, Slopes]:
         """As in `Filter`."""
         forcing, rows = self._solved(system)
-        return forcing, *grounds.kanai_tajimi_slopes(system, self._ground, rows)
+        slopes = grounds.kanai_tajimi_slopes(system, self._ground, rows)
+        return Forcing(*forcing), slopes
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """As in `Filter`; the initial rate is ``d/dtau E[f mu] = -E[f mu']`` at ``tau = 0``."""
@@ -358,10 +359,11 @@ class CloughPenzienFilter(_OfOscillators):
     def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, grounds.Rows, grounds.Rows]:
         return grounds.clough_penzien(system, self._ground)
 
-    def forcing_and_slopes(self, system: EquivalentSystem) -> Slopes:
+    def forcing_and_slopes(self, system: EquivalentSystem) -> tuple[Forcing, Slopes]:
         """As in `Filter`."""
         forcing, *rows = self._solved(system)
-        return forcing, *grounds.clough_penzien_slopes(system, self._ground, *rows)
+        slopes = grounds.clough_penzien_slopes(system, self._ground, *rows)
+        return Forcing(*forcing), slopes
 
     def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
         """As in `Filter`: the soil oscillator moves freely and drives the high-pass oscillator."""

@@ -2,21 +2,19 @@
 
 The closures of the bilinear law consist of the moments of a bivariate Gaussian over the quadrant
 ``v > 0, z > 1``, where the law slips (Rosenbaum 1961, J. R. Stat. Soc. B 23). For a correlation ``r >=
-0`` all their terms are positive, so that the relative error remains small if slip is rare. The formulas
-take numbers or arrays of cells.
+0`` all their terms are positive, so that the relative error remains small if slip is rare.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from scipy.special import gamma
+from scipy.special import gamma, ndtr, owens_t
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.elementary import choose, ndtr, owens_t
 
 SQRT_2PI = math.sqrt(2 * math.pi)
 # Series of E[x^2; |x| < h]/(h^3 phi(h)) in h^2/2 for h < 1, the highest term first.
@@ -95,21 +93,20 @@ def regress_slip(
     ``slip`` (2, n) are ``E[(v - G) v]`` and ``E[(v - G) z]``, ``covariance`` (3, n) are ``Var v``,
     ``Var z`` and ``Cov(v, z)``. The Jacobians, also that of the result, are by the latent moments.
     """
-    coefficients = np.array(regressed(slip, covariance))
-    p, k = coefficients
-    d_vv, d_zz, d_vz = covariance_jacobian
-    right = slip_jacobian[0] - p * d_vv - k * d_vz, slip_jacobian[1] - p * d_vz - k * d_zz
-    return coefficients, np.array(regressed(right, covariance))
-
-
-def regressed(right: Any, covariance: Any) -> Any:
-    """Solution of the normal equations of a regression on ``(v, z)``, for numbers or arrays."""
-    (by_v, by_z), (vv, zz, vz) = right, covariance
+    vv, zz, vz = covariance
     determinant = vv * zz - vz * vz
-    return (by_v * zz - by_z * vz) / determinant, (by_z * vv - by_v * vz) / determinant
+
+    def solved(by_v: Array, by_z: Array) -> Array:
+        return np.array([by_v * zz - by_z * vz, by_z * vv - by_v * vz]) / determinant
+
+    p, k = coefficients = solved(*slip)
+    d_vv, d_zz, d_vz = covariance_jacobian
+    return coefficients, solved(
+        slip_jacobian[0] - p * d_vv - k * d_vz, slip_jacobian[1] - p * d_vz - k * d_zz
+    )
 
 
-def slip_quadrant(sz: Any, r: Any) -> SlipQuadrant:
+def slip_quadrant(sz: Array, r: Array) -> SlipQuadrant:
     """The moments for a standard deviation ``sz`` of ``z`` and the correlation ``r``."""
     h, q = 1 / sz, np.sqrt((1 - r) * (1 + r))
     probability = 0.5 * ndtr(-h) + owens_t(h, r / q)
@@ -120,20 +117,32 @@ def slip_quadrant(sz: Any, r: Any) -> SlipQuadrant:
     return SlipQuadrant(probability, first, second, h, q, edge, corner)
 
 
-def within_yield(h: Any) -> Any:
+def within_yield(h: Array) -> tuple[Array, Array, Array]:
     """``P(|x| < h)``, ``E[x^2; |x| < h]`` and ``P(|x| > h)`` of a standard Gaussian ``x``."""
     half, tail = 0.5 * h * h, ndtr(-h)
     between = 2 * h * np.exp(-half) / SQRT_2PI
     series = 0.0 * h
     for coefficient in NARROW:
         series = series * half + coefficient
-    square = choose(h < 1, half * between * series, 1 - 2 * tail - between)
+    square = np.where(h < 1, half * between * series, 1 - 2 * tail - between)
     return square + between, square, 2 * tail
 
 
 def gaussian(latent: Array, parameters: Array) -> ClosureValue:
-    """Gaussian closure: the equivalent coefficients of eqs. (9) and (10) in closed form."""
-    return _as_arrays(gaussian_values(latent), latent)
+    """Gaussian closure: the equivalent coefficients of eqs. (9) and (10) in closed form.
+
+    ``1 + c_e = 2 P(v > 0, z > 1)`` and ``k_e = 2 sv h (r h B + q E)``, where ``sv`` and ``sz`` are the
+    standard deviations, ``r`` their correlation, ``h = 1/sz``, ``q = sqrt(1 - r^2)``, and ``B`` and
+    ``E`` the ``edge`` and ``corner`` of `SlipQuadrant`.
+    """
+    sv, sz, r = latent
+    probability, _, _, h, q, edge, corner = slip_quadrant(sz, r)
+    relaxation = 2 * sv * h * (r * h * edge + q * corner)
+    steeper = r * h * (2 - h * h) * edge + q * (1 - h * h) * corner
+    of_slip = 0.0 * sv, 2 * h * h * edge, 2 * corner / q
+    of_relaxation = relaxation / sv, -2 * sv * h * h * steeper, 2 * sv * h * (h * edge - r / q * corner)
+    coefficients = np.array([2 * probability, relaxation])
+    return ClosureValue(coefficients, np.array([of_slip, of_relaxation]), *gaussian_covariance(latent))
 
 
 def clipped(latent: Array, parameters: Array) -> ClosureValue:
@@ -142,58 +151,22 @@ def clipped(latent: Array, parameters: Array) -> ClosureValue:
     ``(v, z~)`` is Gaussian with the latent moments, so that ``|z| <= 1`` always holds. The equivalent
     coefficients are those of the linear regression of the slip rate ``v - G`` on ``(v, z)``.
     """
-    return _as_arrays(clipped_values(latent), latent)
-
-
-def _as_arrays(value: Any, latent: Array) -> ClosureValue:
-    """The values of a closure with numbers among them as arrays."""
-    coefficients, slopes, covariance, by_latent = value
-    none = np.zeros(latent.shape[1])
-
-    def rows(*triples: Any) -> Array:
-        return np.array([entry + none for row in triples for entry in row]).reshape(len(triples), 3, -1)
-
-    return ClosureValue(np.array(coefficients), rows(*slopes), np.array(covariance), rows(*by_latent))
-
-
-def gaussian_values(moments: Any) -> Any:
-    """The fields of `ClosureValue` by the Gaussian closure.
-
-    ``1 + c_e = 2 P(v > 0, z > 1)`` and ``k_e = 2 sv h (r h B + q E)``, where ``sv`` and ``sz`` are the
-    standard deviations, ``r`` their correlation, ``h = 1/sz``, ``q = sqrt(1 - r^2)``, and ``B`` and
-    ``E`` the ``edge`` and ``corner`` of `SlipQuadrant`.
-    """
-    sv, sz, r = moments
-    probability, _, _, h, q, edge, corner = slip_quadrant(sz, r)
-    relaxation = 2 * sv * h * (r * h * edge + q * corner)
-    steeper = r * h * (2 - h * h) * edge + q * (1 - h * h) * corner
-    of_slip = 0.0, 2 * h * h * edge, 2 * corner / q
-    of_relaxation = relaxation / sv, -2 * sv * h * h * steeper, 2 * sv * h * (h * edge - r / q * corner)
-    covariance = sv * sv, sz * sz, r * sv * sz
-    by_latent = (2 * sv, 0.0, 0.0), (0.0, 2 * sz, 0.0), (r * sz, r * sv, sv * sz)
-    return (2 * probability, relaxation), (of_slip, of_relaxation), covariance, by_latent
-
-
-def clipped_values(moments: Any) -> Any:
-    """As `gaussian_values` by the clipped closure."""
-    sv, sz, r = moments
+    sv, sz, r = latent
     _, first, second, h, q, edge, corner = slip_quadrant(sz, r)
     inside, inside_square, outside = within_yield(h)
     turned, steep = r * h * edge + q * corner, 2 * sv * h * h
-    slip_v = 2 * sv * sv * second, 2 * sv * first  # E[(v - G) v] and E[(v - G) z]
+    slip = 2 * sv * sv * second, 2 * sv * first  # E[(v - G) v] and E[(v - G) z]
     by_v = (
         4 * sv * second,
         steep * sv * ((q * q + r * h * r * h) * edge + r * h * q * corner),
         4 * sv * sv * turned,
     )
     by_z = 2 * first, steep * turned, 2 * sv * edge
-    covariance = sv * sv, sz * sz * inside_square + outside, r * sv * sz * inside
-    of_vv, of_zz = 2 * sv, 2 * sz * inside_square
-    of_vz = r * sz * inside, r * sv * inside_square, sv * sz * inside
-    coefficients = regressed(slip_v, covariance)
-    p, k = coefficients
-    by_sv = regressed((by_v[0] - p * of_vv - k * of_vz[0], by_z[0] - p * of_vz[0]), covariance)
-    by_sz = regressed((by_v[1] - k * of_vz[1], by_z[1] - p * of_vz[1] - k * of_zz), covariance)
-    by_r = regressed((by_v[2] - k * of_vz[2], by_z[2] - p * of_vz[2]), covariance)
-    slopes = (by_sv[0], by_sz[0], by_r[0]), (by_sv[1], by_sz[1], by_r[1])
-    return coefficients, slopes, covariance, ((of_vv, 0.0, 0.0), (0.0, of_zz, 0.0), of_vz)
+    covariance = np.array([sv * sv, sz * sz * inside_square + outside, r * sv * sz * inside])
+    by_latent = np.zeros((3, *latent.shape))
+    by_latent[0, 0], by_latent[1, 1] = 2 * sv, 2 * sz * inside_square
+    by_latent[2] = r * sz * inside, r * sv * inside_square, sv * sz * inside
+    slip_jacobian = np.array([by_v, by_z])
+    return ClosureValue(
+        *regress_slip(np.array(slip), slip_jacobian, covariance, by_latent), covariance, by_latent
+    )

@@ -69,23 +69,14 @@ def _signal(oscillator: Any, rows: Any) -> Signal:
     )
 
 
-def _less(left: Any, right: Any) -> Pair:
-    return left[0] - right[0], left[1] - right[1]
-
-
 def _less_signal(left: Any, right: Any) -> Signal:
     return left[0] - right[0], left[1] - right[1], left[2] - right[2]
 
 
-def _by_coefficients(system: Any, oscillator: Any, rows: Any) -> tuple[Rows, Rows]:
-    """Derivatives of rows by slip and by relaxation, if their right-hand side does not change."""
-    by_slip = _sylvester(system, oscillator, NOTHING, NOTHING, rows[1])
-    return by_slip, _sylvester(system, oscillator, NOTHING, NOTHING, _less(rows[0], rows[2]))
-
-
-def white_noise(intensity: Any) -> Signal:
-    """Signal of white noise, which does not depend on the structure."""
-    return 0.0 * intensity, np.pi * intensity, 0.0 * intensity
+def _gained(rows: Any) -> Pair:
+    """Derivatives (2, n) of the rate of ``y`` by slip and by relaxation, for each state of a filter."""
+    (mu, mu_rate), (v, v_rate), (y, y_rate) = rows
+    return np.array([v, mu - y]), np.array([v_rate, mu_rate - y_rate])
 
 
 def kanai_tajimi(system: Any, ground: Any) -> tuple[Signal, Rows]:
@@ -100,11 +91,10 @@ def kanai_tajimi(system: Any, ground: Any) -> tuple[Signal, Rows]:
     return _signal(soil, rows), rows
 
 
-def kanai_tajimi_slopes(system: Any, ground: Any, rows: Any) -> tuple[Signal, Signal]:
-    """Derivatives of the signal by slip and by relaxation."""
+def kanai_tajimi_slopes(system: Any, ground: Any, rows: Any) -> Signal:
+    """Derivatives (2, n) of the signal by slip and by relaxation."""
     soil = ground[1], ground[2]
-    by_slip, by_relaxation = _by_coefficients(system, soil, rows)
-    return _signal(soil, by_slip), _signal(soil, by_relaxation)
+    return _signal(soil, _sylvester(system, soil, NOTHING, NOTHING, _gained(rows)))
 
 
 def _with_layer(system: Any, layer: Any, still: Any, signal: Any, gained: Any) -> Rows:
@@ -140,15 +130,8 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, Rows, Rows]:
     return _less_signal(signal, _signal(layer, of_layer)), of_soil, of_layer
 
 
-def clough_penzien_slopes(
-    system: Any, ground: Any, of_soil: Any, of_layer: Any
-) -> tuple[Signal, Signal]:
-    """Derivatives of the signal by slip and by relaxation."""
-    soil, layer = (ground[1], ground[2]), (ground[3], ground[4])
-    by_slip, by_relaxation = _by_coefficients(system, soil, of_soil)
-    slip, relaxation = _signal(soil, by_slip), _signal(soil, by_relaxation)
-    moved = _with_layer(system, layer, 0.0, slip, of_layer[1])
-    drawn = _with_layer(system, layer, 0.0, relaxation, _less(of_layer[0], of_layer[2]))
-    return (
-        _less_signal(slip, _signal(layer, moved)), _less_signal(relaxation, _signal(layer, drawn))
-    )  # fmt: skip
+def clough_penzien_slopes(system: Any, ground: Any, of_soil: Any, of_layer: Any) -> Signal:
+    """Derivatives (2, n) of the signal by slip and by relaxation."""
+    signal, layer = kanai_tajimi_slopes(system, ground, of_soil), (ground[3], ground[4])
+    rows = _with_layer(system, layer, 0.0, signal, _gained(of_layer))
+    return _less_signal(signal, _signal(layer, rows))

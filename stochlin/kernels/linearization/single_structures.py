@@ -4,27 +4,30 @@ The fixed point of linearization is the stationary solution of ``y' = F(y)``, wi
 mismatch ``F`` of `iteration`. It is approached by pseudo-transient continuation (Kelley and Keyes 1998,
 SIAM J. Numer. Anal. 35), with steps from ``(1/delta - dF/dy) step = F``, which become those of Newton's
 method as the pseudo-time step ``delta`` grows. A `StepControl` says how ``delta`` begins, grows while
-``F`` falls, and shrinks where it does not. The functions of one step take numbers or arrays of cells.
+``F`` falls, and shrinks where it does not.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.elementary import choose, solve_3x3
+from stochlin.kernels.basics.elementary import solve_3x3
 from stochlin.kernels.basics.slabs import in_ranges
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
+    OwnCovariance,
     hurwitz,
     own_covariance,
     stable,
 )
-from stochlin.kernels.linearization.filters import Filter
-from stochlin.kernels.linearization.gaussian import Closure
+from stochlin.kernels.linearization.filters import Filter, Slopes
+from stochlin.kernels.linearization.gaussian import Closure, ClosureValue
 from stochlin.kernels.linearization.iteration import FixedPoint, add, elastic_limit, follow, nothing
 
 
@@ -57,13 +60,13 @@ class State(NamedTuple):
     norm: Array  # (n,) norm of its mismatch F
     step: Array  # (u, n) the next iterate less base
     delta: Array  # (n,) pseudo-time step, from which this step was found
-    done: Array  # (n,) 1 where it has converged
+    done: Array  # (n,) whether it has converged
 
     @classmethod
     def begin(cls, unknowns: Array, pace: StepControl) -> State:
         """Before the first evaluation; the first iterate is ``unknowns`` (u, n) itself."""
         n = unknowns.shape[1]
-        first = np.full(n, np.inf), np.zeros_like(unknowns), np.full(n, pace.first), np.zeros(n)
+        first = np.full(n, np.inf), np.zeros_like(unknowns), np.full(n, pace.first), np.zeros(n, bool)
         return cls(unknowns.copy(), *first)
 
     @property
@@ -75,7 +78,7 @@ class State(NamedTuple):
     @property
     def ended(self) -> Array:
         """The cells (n,) that have converged, or whose next step is not a number."""
-        ended: Array = (self.done > 0) | ~np.isfinite(self.step).all(axis=0)
+        ended: Array = self.done | ~np.isfinite(self.step).all(axis=0)
         return ended
 
     def at(self, cells: Array) -> State:
@@ -88,59 +91,117 @@ class State(NamedTuple):
             whole[..., cells] = part
 
 
+class Law(NamedTuple):
+    """Hysteresis law of n cells."""
+
+    closure: Closure
+    parameters: Array  # (m, n)
+    one_solution: Array  # (n,) whether linearization is known to have at most one solution
+
+    def at(self, cells: Array) -> Law:
+        """The cells with these numbers, or those for which this is true."""
+        return Law(self.closure, self.parameters[:, cells], self.one_solution[cells])
+
+
 class SingleStructures(NamedTuple):
-    """Single structures on their grounds."""
+    """Single structures on their grounds, those of one law after those of another."""
 
     structure: Array  # (3, n) stiffness, damping and coupling of the equivalent system
-    law: Array  # (m, n) parameters of the law, for the closure
+    laws: Sequence[Law]
     ground: Filter
     level: Array  # (n,): logarithm of the ratio of the shaking to the full one, as standard deviations
-    closure: Closure
     rtol: float
     atol: float
 
-    def at(self, cells: Array | slice) -> SingleStructures:
-        """The cells with these numbers."""
-        if self.level[cells].size == self.level.size:  # the selection is all cells
+    @property
+    def of_laws(self) -> list[tuple[Law, slice]]:
+        """Each law with its cells."""
+        ends = np.cumsum([0, *(law.one_solution.size for law in self.laws)]).tolist()
+        return [(law, slice(*part)) for law, part in zip(self.laws, pairwise(ends), strict=True)]
+
+    def at(self, cells: Array) -> SingleStructures:
+        """The cells with these numbers, which increase."""
+        if cells.size == self.level.size:
             return self
-        structure, law = (rows[:, cells] for rows in self[:2])
-        return self._replace(
-            structure=structure, law=law, ground=self.ground.at(cells), level=self.level[cells]
-        )
+        chosen = np.zeros(self.level.size, bool)
+        chosen[cells] = True
+        laws = [law.at(chosen[part]) for law, part in self.of_laws]
+        structure, level = self.structure[:, cells], self.level[cells]
+        return SingleStructures(structure, laws, self.ground.at(cells), level, self.rtol, self.atol)
+
+    def closure(self, latent: Array) -> ClosureValue:
+        """What the closures have for these moments."""
+        values = [law.closure(latent[:, part], law.parameters) for law, part in self.of_laws]
+        if len(values) == 1:
+            return values[0]
+        return ClosureValue(*(np.concatenate(rows, axis=-1) for rows in zip(*values, strict=True)))
 
     def settle(self, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
         """The fixed points from these unknowns (3, n) in at most so many steps."""
+        every = np.arange(self.level.size)
 
         def part(cells: slice) -> FixedPoint:
-            return iterate(self.at(cells), unknowns[:, cells], most, pace)
+            return iterate(self.at(every[cells]), unknowns[:, cells], most, pace)
 
-        parts = in_ranges(part, unknowns.shape[1], CHUNK)
+        parts = in_ranges(part, every.size, CHUNK)
         return FixedPoint(*map(np.hstack, zip(*parts, strict=True)))
 
     def advance(self, state: State, pace: StepControl) -> State:
-        """One step of all cells."""
-        latent = moments_of(state.unknowns)
-        value = self.closure(latent, self.law)
-        forcings = self.ground.forcing_and_slopes(EquivalentSystem(*self.structure, *value.coefficients))
-        cell, limits = (*self.structure, self.level), (self.rtol, self.atol)
-        return State(*map(np.array, advance(cell, latent, value, forcings, state, pace, *limits)))
+        """One step of all cells.
 
-    def coefficients(self, unknowns: Array) -> Array:
-        """``1 + c_e`` and ``k_e`` (2, n)."""
-        return self.closure(moments_of(unknowns), self.law).coefficients
+        If the unknowns have no stationary response, a smaller step from the last valid ones is tried;
+        before the first valid ones, a more elastic start.
+        """
+        base, before, step, delta, _ = state
+        unknowns = base + step
+        latent = moments_of(unknowns)
+        off, jacobian = self.mismatch(latent, self.closure(latent))
+        norm = np.sqrt((off * off).sum(axis=0))
+        valid = np.isfinite(norm + jacobian.sum(axis=(0, 1)))
+        delta = next_delta(delta, before, np.where(valid, norm, np.inf), pace)
+        # Convergence is judged by Newton's step, since a damped step is also small if delta is small.
+        damped, full = newton_steps(jacobian, off, np.array([1 / delta, 0 * delta])).swapaxes(0, 1)
+        more_elastic = step - np.array([0 * norm, 0 * norm + 1.0, 0.5 * unknowns[2]])
+        shorter = np.where(np.isinf(before), more_elastic, 0.25 * step)
+        r = latent[2]
+        of_r = (1 - r * r) * self.rtol / (self.atol + self.rtol * np.abs(r))
+        still = (np.abs(full[:2]).max(axis=0) <= self.rtol) & (np.abs(full[2]) * of_r <= self.rtol)
+        return State(
+            np.where(valid, unknowns, base),
+            np.where(valid, norm, before),
+            np.where(valid, damped, shorter),
+            delta,
+            valid & (norm <= LARGEST_MISMATCH) & still,
+        )
+
+    def mismatch(self, latent: Array, value: ClosureValue) -> tuple[Array, Array]:
+        """Mismatch (3, n) of the unknowns, and its Jacobian (3, 3, n) by these.
+
+        All is NaN for systems that are not stable. This is checked by the criterion of Routh and
+        Hurwitz, since on filtered ground the formulas can also give a valid covariance there.
+        """
+        system = EquivalentSystem(*self.structure, *value.coefficients)
+        forcing, slopes = self.ground.forcing_and_slopes(system)
+        own = own_covariance(system, forcing)
+        v_v = np.where(stable(*system) & (own.mu_mu > 0), own.v_v, np.nan)
+        response, assumed = np.array([v_v, own.z_z, own.v_z]), value.covariance
+        corr, r = correlation(response), correlation(assumed)
+        scales = 0.5 * np.log(response[:2] / assumed[:2]) + self.level
+        off = np.array([*scales, np.arctanh((corr - r) / (1 - corr * r))])
+        by_coefficients = slope_of_unknowns(response, corr, own_slopes(system, own, forcing, slopes))
+        jacobian = (by_coefficients[:, :, None] * value.coefficients_jacobian).sum(axis=1)
+        jacobian -= slope_of_unknowns(assumed, r, value.covariance_jacobian)
+        return off, jacobian * np.array([*latent[:2], 1 - latent[2] * latent[2]])
 
 
 @np.errstate(all="ignore")  # an iterate may belong to an unstable system, without moments
-def solve_structures(
-    problem: SingleStructures, start: Array, one_solution: Array, max_iterations: int
-) -> FixedPoint:
+def solve_structures(problem: SingleStructures, start: Array, max_iterations: int) -> FixedPoint:
     """The fixed points of all cells, from the moments ``sv, sz, r`` (3, n) of the elastic response.
 
-    Cells for which ``one_solution`` (n,) is true have at most one solution, and the iteration starts
-    from the elastic response, with ``sz`` at most 1, in large steps and then in small ones. For the
-    others, and where this fails, the branch of solutions that begins with the elastic response to weak
-    shaking is followed up to full shaking. ``max_iterations`` limits the steps of an iteration, or the
-    levels of shaking along a branch.
+    In cells with at most one solution the iteration starts from the elastic response, with ``sz`` at
+    most 1, in large steps and then in small ones. In the others, and where this fails, the branch of
+    solutions that begins with the elastic response to weak shaking is followed up to full shaking.
+    ``max_iterations`` limits the steps of an iteration, or the levels of shaking along a branch.
 
     A cell has converged when ``|dy| <= atol + rtol |y|`` for each of its moments ``y``; ``atol`` applies
     to the correlation only, since the other two are positive scales.
@@ -148,6 +209,7 @@ def solve_structures(
     elastic = np.array([*np.log(start[:2]), np.arctanh(start[2])])
     bold = max(1, int(BOLD_SHARE * max_iterations))
     solution, careful = nothing(elastic), max_iterations - bold
+    one_solution = np.concatenate([law.one_solution for law in problem.laws])
     for pace, most in ((BOLD, bold), (CAREFUL, careful)):
         cells = np.flatnonzero(~solution.converged & one_solution)
         if cells.size and most:
@@ -178,7 +240,7 @@ def iterate(problem: SingleStructures, unknowns: Array, most: int, pace: StepCon
             break
         if left.size < cells.size:
             state, part, cells = state.at(left), part.at(left), cells[left]
-    return FixedPoint(whole.unknowns, iterations, whole.norm, whole.done > 0)
+    return FixedPoint(whole.unknowns, iterations, whole.norm, whole.done)
 
 
 def moments_of(unknowns: Array) -> Array:
@@ -188,144 +250,48 @@ def moments_of(unknowns: Array) -> Array:
     return moments
 
 
-def advance(
-    cell: Any,
-    moments: Any,
-    value: Any,
-    forcings: Any,
-    state: Any,
-    pace: StepControl,
-    rtol: float,
-    atol: float,
-) -> Any:
-    """The next `State` of cells after one evaluation of closure and forcing at their unknowns.
-
-    ``cell`` has stiffness, damping, coupling and level of shaking, ``value`` is what the closure found,
-    and ``forcings`` are the forcing and its derivatives by slip and by relaxation. If the unknowns have
-    no stationary response, a smaller step from the last valid ones is tried.
-    """
-    base, before, old, last, _ = state
-    y = base[0] + old[0], base[1] + old[1], base[2] + old[2]
-    off, columns = mismatch(cell, moments, value, forcings)
-    norm = np.sqrt(off[0] * off[0] + off[1] * off[1] + off[2] * off[2])
-    total = norm
-    for column in columns:
-        total = total + column[0] + column[1] + column[2]
-    valid = np.isfinite(total)
-    now = choose(valid, norm, np.inf)
-    delta = next_delta(last, before, now, pace)
-    new = newton_step(columns, off, 1 / delta)
-    # If not stationary: try a quarter of the step; before the first valid iterate, a more elastic start.
-    untried = np.isinf(before)
-    back = (
-        choose(untried, old[0], 0.25 * old[0]),
-        choose(untried, old[1] - 1.0, 0.25 * old[1]),
-        choose(untried, old[2] - 0.5 * y[2], 0.25 * old[2]),
-    )
-    # Convergence is judged by the Newton step, since a damped step is also small if delta is small.
-    change, r = newton_step(columns, off, 0.0), moments[2]
-    of_r = (1 - r * r) * rtol / (atol + rtol * np.abs(r))
-    still = (np.abs(change[0]) <= rtol) & (np.abs(change[1]) <= rtol)
-    still = still & (np.abs(change[2]) * of_r <= rtol)
-    return (
-        (choose(valid, y[0], base[0]), choose(valid, y[1], base[1]), choose(valid, y[2], base[2])),
-        choose(valid, norm, before),
-        (choose(valid, new[0], back[0]), choose(valid, new[1], back[1]), choose(valid, new[2], back[2])),
-        delta,
-        choose(valid & (norm <= LARGEST_MISMATCH) & still, 1.0, 0.0),
-    )
-
-
-def next_delta(delta: Any, before: Any, now: Any, pace: StepControl) -> Any:
+def next_delta(delta: Array, before: Array, now: Array, pace: StepControl) -> Array:
     """Next pseudo-time step, by switched evolution relaxation: longer if the mismatch has fallen."""
-    ratio = choose(np.isinf(before) | (now == 0), 1.0, before / now)
+    ratio = np.where(np.isinf(before) | (now == 0), 1.0, before / now)
     shorter = np.maximum(pace.shorter * np.minimum(delta, pace.restart), LEAST_DELTA)
-    return choose(ratio < 1, shorter, delta * np.minimum(pace.longer * ratio, pace.longest))
+    longer = delta * np.minimum(pace.longer * ratio, pace.longest)
+    return np.where(ratio < 1, shorter, longer)
 
 
-def slope_of_unknowns(moments: Any, slope: Any) -> Any:
-    """Derivative of ``(log sv, log sz, atanh r)`` if ``(vv, zz, vz)`` changes by ``slope``.
+def newton_steps(jacobian: Array, mismatch: Array, damping: Array) -> Array:
+    """``(damping - J)^-1 F`` (3, k, n), limited to `LARGEST_STEP`, for ``damping`` (k, n).
 
-    ``moments`` are ``vv``, ``zz``, the square root of their product, and ``r``.
+    It is Newton's step for a damping of 0.
     """
-    vv, zz, root, r = moments
+    (a, b, c), (d, e, f), (g, h, i) = -jacobian
+    matrix = (damping + a, b, c), (d, damping + e, f), (g, h, damping + i)
+    steps = np.array(solve_3x3(matrix, [*mismatch]))
+    return steps / np.maximum(1.0, np.abs(steps).max(axis=0) / LARGEST_STEP)
+
+
+def correlation(covariance: Array) -> Array:
+    """Correlation of ``v`` and ``z`` from ``Var v``, ``Var z`` and ``Cov(v, z)``."""
+    return covariance[2] / np.sqrt(covariance[0] * covariance[1])
+
+
+def slope_of_unknowns(covariance: Array, corr: Array, slope: Array) -> Array:
+    """Derivatives of ``(log sv, log sz, atanh r)`` from those of ``covariance``, both (3, k, n)."""
+    vv, zz, _ = covariance
     of_v, of_z = 0.5 * slope[0] / vv, 0.5 * slope[1] / zz
-    return of_v, of_z, (slope[2] / root - r * (of_v + of_z)) / (1 - r * r)
+    of_r = (slope[2] / np.sqrt(vv * zz) - corr * (of_v + of_z)) / (1 - corr * corr)
+    return np.array([of_v, of_z, of_r])
 
 
-def mismatch(cell: Any, moments: Any, value: Any, forcings: Any) -> Any:
-    """Mismatch of the unknowns, and the three columns of its Jacobian.
+def own_slopes(system: EquivalentSystem, own: OwnCovariance, forcing: Forcing, slopes: Slopes) -> Array:
+    """Derivatives (3, 2, n) of Var v, Var z and Cov(v, z) of `own_covariance`, by slip and relaxation.
 
-    All is NaN for systems that are not stable. This is checked by the criterion of Routh and Hurwitz,
-    since on filtered ground the formulas can also give a valid covariance there.
-    """
-    stiffness, damping, coupling, level = cell
-    coefficients, (of_slip, of_relaxation), (vv, zz, vz), by_latent = value
-    system = EquivalentSystem(stiffness, damping, coupling, coefficients[0], coefficients[1])
-    forcing, by_slip, by_relaxation = forcings
-    own = own_covariance(system, Forcing(forcing[0], forcing[1], forcing[2]))
-    well = stable(*system) & (own.mu_mu > 0)
-    v_v = choose(well, own.v_v, np.nan)
-    response, assumed = _scales(v_v, own.z_z, own.v_z), _scales(vv, zz, vz)
-    r, corr = assumed[3], response[3]
-    off = (
-        0.5 * np.log(v_v / vv) + level,
-        0.5 * np.log(own.z_z / zz) + level,
-        np.arctanh((corr - r) / (1 - corr * r)),
-    )
-    slopes = (
-        slope_of_unknowns(response, _slope(system, own, forcing, by_slip, 1.0, 0.0)),
-        slope_of_unknowns(response, _slope(system, own, forcing, by_relaxation, 0.0, 1.0)),
-    )
-    scales = moments[0], moments[1], 1 - moments[2] * moments[2]
-    closure = of_slip, of_relaxation, by_latent, assumed
-    return off, (
-        _column(0, closure, slopes, scales), _column(1, closure, slopes, scales),
-        _column(2, closure, slopes, scales),
-    )  # fmt: skip
-
-
-def _scales(vv: Any, zz: Any, vz: Any) -> Any:
-    """Variances of a covariance, the square root of their product, and the correlation."""
-    root = np.sqrt(vv * zz)
-    return vv, zz, root, vz / root
-
-
-def _slope(system: Any, own: Any, forcing: Any, slope: Any, dp: float, dk: float) -> Any:
-    """Derivatives of Var v, Var z and Cov(v, z) of `own_covariance` by slip or by relaxation.
-
-    ``slope`` is the derivative of the forcing; ``dp`` is 1 for that by slip, ``dk`` is 1 for relaxation.
+    ``slopes`` are those of the forcing.
     """
     _, d, h, p, k = system
-    f_mu, f_v, f_y = slope[0], slope[1], slope[2]
-    c = 1 - p
-    steeper = dk * (d * (d + 2 * k) + c * h) - dp * h * (d + k)
-    mu_z = (c * f_v - dp * forcing[1] + d * (f_mu - f_y) - own.mu_z * steeper) / hurwitz(*system)
-    v_z = k * mu_z + dk * own.mu_z
-    return (f_v - h * v_z) / d, c * mu_z - dp * own.mu_z, v_z
-
-
-def _column(n: int, closure: Any, response: Any, scales: Any) -> Any:
-    """A column of the Jacobian, by the unknown ``n``, whose moment changes by its scale.
-
-    ``closure`` are derivatives of the closure's coefficients and covariance, and this covariance;
-    ``response`` are derivatives of the unknowns of the response by the coefficients.
-    """
-    of_slip, of_relaxation, (of_vv, of_zz, of_vz), assumed = closure
-    slip, relaxation, (by_slip, by_relaxation) = of_slip[n], of_relaxation[n], response
-    less = slope_of_unknowns(assumed, (of_vv[n], of_zz[n], of_vz[n]))
-    return (
-        (by_slip[0] * slip + by_relaxation[0] * relaxation - less[0]) * scales[n],
-        (by_slip[1] * slip + by_relaxation[1] * relaxation - less[1]) * scales[n],
-        (by_slip[2] * slip + by_relaxation[2] * relaxation - less[2]) * scales[n],
-    )
-
-
-def newton_step(columns: Any, mismatch: Any, damping: Any) -> Any:
-    """``(damping - J)^-1 F``, limited to `LARGEST_STEP`; Newton's step for ``damping = 0``."""
-    (a, d, g), (b, e, h), (c, f, i) = columns
-    matrix = (damping - a, -b, -c), (-d, damping - e, -f), (-g, -h, damping - i)
-    step_1, step_2, step_3 = solve_3x3(matrix, mismatch)
-    largest = np.maximum(np.maximum(np.abs(step_1), np.abs(step_2)), np.abs(step_3))
-    shorter = np.maximum(1.0, largest / LARGEST_STEP)
-    return step_1 / shorter, step_2 / shorter, step_3 / shorter
+    (f_mu, f_v, f_y), c, mu_z = slopes, 1 - p, own.mu_z
+    steeper = np.array([forcing.velocity - mu_z * h * (d + k), mu_z * (d * (d + 2 * k) + c * h)])
+    by_both = (c * f_v + d * (f_mu - f_y) - steeper) / hurwitz(*system)
+    v_z, z_z = k * by_both, c * by_both
+    v_z[1] += mu_z
+    z_z[0] -= mu_z
+    return np.array([(f_v - h * v_z) / d, z_z, v_z])
