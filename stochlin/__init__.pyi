@@ -46,7 +46,7 @@ from .analyses.linearization.strength import (
     reduction_factor as reduction_factor,
     strength_for_ductility as strength_for_ductility,
 )
-from .analyses.charts.loops import hysteresis_loop as hysteresis_loop
+from .analyses.loops import hysteresis_loop as hysteresis_loop
 from .analyses.simulation.ground_motions import simulated_motions as simulated_motions
 from .analyses.simulation.finite_motions import exceedance as exceedance
 

@@ -56,6 +56,7 @@ REMOVED: dict[str, str] = {
     "ultimate_ductility": "hardening and a law with a cap say when a storey falls",
     "park_ang_beta": "hardening and a law with a cap say when a storey falls",
     "slack": "a contact of pound acts where a gap has closed, and a link without slack always",
+    "per_spectrum_chart": "pseudo_energy_radius over periods, or energy_chart, has the spectrum",
     "link_slack": "a contact acts where a gap has closed, and a link without slack always",
 }
 

@@ -54,14 +54,14 @@ def test_pictures_show_maxima_at_every_strength_and_deviations_where_they_are_si
     assert len(plain.axes) == 1
     assert [axes.get_title("left") for axes in beside.axes] == ["R = 1", "R = 4"]
     [legend], [told] = plain.legends, beside.legends
-    assert [text.get_text() for text in legend.get_texts()] == [
+    assert [" ".join(text.get_text().split()) for text in legend.get_texts()] == [
         "R = 1",
         "R = 4",
         "D of standard deviations, linearized",
         "D of mean maxima, simulated",
     ]
     points = [
-        line for line in plain.axes[0].lines if line.get_marker() in "os" and len(line.get_xdata())
+        line for line in plain.axes[0].lines if line.get_linestyle() == "None" and len(line.get_xdata())
     ]
     assert [len(line.get_xdata()) for line in points] == [5, 5]
     assert [text.get_text() for text in told.get_texts()][:2] == ["linearized", "drift closure"]

@@ -8,9 +8,7 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.charts.charts import chart_functions
-from stochlin.analyses.charts.settings import ChartSettings
-from stochlin.views.charts.charts import draw
+from stochlin.charts import ChartSettings, chart_functions, draw
 from stochlin.views.shared.style import CURVES
 from stochlin.views.shared.symbols import typeset
 
@@ -49,7 +47,7 @@ def test_files_are_what_the_program_makes(name):
 def test_every_element_has_its_curve_with_a_name_and_a_look_of_its_own(name):
     chart = saved(name)
     figure = draw(chart)
-    elements = chart.sizes["element"] + (name == "fig8")
+    elements = 2 if name == "fig8" else chart.sizes["element"]
     own = [axes.get_legend() for axes in figure.axes if axes.get_legend() is not None]
     legends = [*figure.legends, *own]
     entries = [
@@ -63,12 +61,11 @@ def test_every_element_has_its_curve_with_a_name_and_a_look_of_its_own(name):
         shown = [line.get_color() for line in axes.get_lines() if len(line.get_xdata()) > 100]
         assert len(set(shown)) == len(shown)
         assert set(shown) <= {color for color, _ in CURVES}  # each has a dash of its own
-    words = " ".join(text.get_text() for text in figure.texts)
-    assert typeset(chart.attrs["title"]) in words
-    assert "paper" in words
+    assert figure.legends[0].get_title().get_text() == typeset(chart.attrs["title"])
+    assert "paper" in " ".join(text.get_text() for text in figure.texts)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ["fig6", "fig7"])
 def test_an_element_from_outside_is_drawn_too(name):
     chart = saved(name)
     other = chart.isel(element=[0]).assign_coords(element=["Cork"])
@@ -113,8 +110,9 @@ def test_fig7_shows_that_kelvin_opposes_the_parting_and_takes_longer():
 
 
 def test_fig8_has_the_closed_forms_and_their_values():
-    axes, above = draw(sl.charts.restitution_chart(points=321)).axes
-    drawn = {name: curve(axes, name) for name in ("Kelvin", "Impact Kelvin", "Kelvin, no tension")}
+    chart = sl.charts.restitution_chart(points=321)
+    [axes] = draw(chart).axes
+    drawn = {name: curve(axes, name) for name in ("Kelvin", "Impact Kelvin")}
     for xi, e in drawn.values():
         np.testing.assert_allclose(xi, XI, atol=1e-12)
         assert e[0] == 1.0
@@ -123,8 +121,5 @@ def test_fig8_has_the_closed_forms_and_their_values():
     kelvin = np.exp(-np.pi * inside / np.sqrt(1 - inside**2))
     np.testing.assert_allclose(drawn["Kelvin"][1][1:-1], kelvin, rtol=1e-12)
     np.testing.assert_allclose(drawn["Impact Kelvin"][1][1:-1], np.exp(-inside * turn), rtol=1e-12)
-    no_tension = np.exp(-2 * inside * turn)
-    np.testing.assert_allclose(drawn["Kelvin, no tension"][1][1:-1], no_tension, rtol=1e-12)
-    (line,) = above.get_lines()
-    a, e = (np.asarray(values, float) for values in line.get_data())
-    np.testing.assert_allclose(a[1:] * (1 + e[1:]), np.log((1 + a[1:]) / (1 - a[1:] * e[1:])), rtol=1e-9)
+    no_tension = chart.restitution.sel(element="NoTensionKelvin")[1:-1]
+    np.testing.assert_allclose(no_tension, np.exp(-2 * inside * turn), rtol=1e-12)

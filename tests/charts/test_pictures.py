@@ -12,7 +12,7 @@ from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 
 import stochlin as sl
-from stochlin.views.charts.planes import contour_levels, plane
+from stochlin.views.figures.kinds import contour_levels, number_contours, planes
 
 pytestmark = pytest.mark.invariant
 
@@ -99,8 +99,8 @@ def test_every_tenth_has_a_number_on_its_contour_that_is_not_cut():
     )
     figure = FigureCanvasAgg(Figure()).figure
     axes = figure.add_subplot()
-    _, label = plane(axes, rho, contour_levels(rho))
-    label()
+    planes(figure, [axes], [("", rho)], contour_levels(rho))
+    number_contours(figure)
     labels = [text for text in axes.texts if text.get_text()]
     assert sorted({text.get_text() for text in labels}) == [f"0.{n}" for n in range(1, 10)]
     frame = axes.get_window_extent()

@@ -8,7 +8,6 @@ import xarray as xr
 from commands import invoke
 
 import stochlin as sl
-from stochlin.analyses.charts.charts import ChartFunction
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 
 pytestmark = pytest.mark.paper
@@ -98,18 +97,6 @@ def test_a_chart_of_both_grounds_is_that_of_each_side_by_side(both_grounds, fig4
     assert "Tg = 2 s, ξg = 0.05 and 0.6; T2 = 1 s" in both_grounds.attrs["caption"]
 
 
-def test_words_of_several_grounds_stand_once_and_symbols_keep_their_letters():
-    def chart(ground):
-        words = {"caption": f"ξg = {ground.damping:g}; R = 4", "comment": f"off by {ground.damping:g}."}
-        return xr.Dataset(attrs=words)
-
-    grounds = {"narrow band": sl.KanaiTajimi(2.0, 0.05), "ξg = 0.2": sl.KanaiTajimi(2.0, 0.2)}
-    assert ChartFunction(chart, {}, grounds)().attrs == {
-        "caption": "ξg = 0.05 and 0.2; R = 4",
-        "comment": "Narrow band: off by 0.05. ξg = 0.2: off by 0.2.",
-    }
-
-
 def test_the_plain_picture_has_a_panel_a_ground_and_a_curve_with_points_a_strength(both_grounds):
     figure = sl.charts.draw(both_grounds)
     assert [axes.get_title("left") for axes in figure.axes] == [
@@ -155,7 +142,7 @@ def test_the_drift_closure_is_nearer_to_simulation_than_linearization_and_rules(
     assert off["rho_drift"] < 0.05 < off["rho"]
     derived = np.abs(fig4c.rho_effective.sel(rule="penzien_1997") - fig4c.rho_simulated)
     assert off["rho_drift"] < 0.6 * float(derived.mean())
-    for name in (*SHOWN, "linearized", "drift closure"):
+    for name in ("linearized", "drift closure"):
         assert f"{name} " in fig4c.attrs["comment"]
 
 
@@ -191,9 +178,7 @@ def test_fig5a_shows_four_planes_and_a_difference_with_its_signs(fig5a):
 
 @pytest.mark.parametrize("name", ["fig3b", "fig4b"])
 def test_rules_are_named_and_drawn_under_their_published_names(name):
-    chart = sl.charts.chart_functions(replace(SETTINGS, curves=(JENG, "FEMA-440", "linearization")))[
-        name
-    ]()
+    chart = sl.charts.chart_functions(replace(SETTINGS, curves=(JENG, "FEMA-440")))[name]()
     assert chart.rule.values.tolist() == [JENG, "fema_440"]
     said = words(sl.charts.draw(chart, comparison=name == "fig4b"))
     assert {PUBLISHED[0], "FEMA-440"} <= set(said)
@@ -232,29 +217,6 @@ def test_without_simulation_a_chart_keeps_its_caution():
         assert sl.charts.draw(chart).axes
 
 
-def test_what_would_take_too_long_is_left_out_and_said():
-    rare = replace(SETTINGS, reduction_factors=(0.5, 6.0), plane_reduction_factor=0.5)
-    functions = sl.charts.chart_functions(rare)
-    chart = functions["fig4b"]()
-    there = chart.rho_simulated.notnull().any("period_ratio")
-    assert there.values.tolist() == [[False, True]] * 2
-    assert "Not all is simulated at R = 0.5: the run would take about" in chart.attrs["comment"]
-    plane = functions["fig5a"]()
-    assert "rho_simulated" not in plane
-    assert "Not all is simulated: the run would take about" in plane.attrs["comment"]
-
-
-@pytest.mark.parametrize("name", ["fig4b", "fig5a", "fig5b"])
-def test_progress_of_a_chart_grows_within_it(name):
-    few = replace(SETTINGS, points=3, simulated_points=2, reduction_factors=(6.0,))
-    shares = []
-    sl.charts.chart_functions(few)[name](progress=shares.append)
-    assert shares == sorted(shares)
-    assert len(shares) > 2
-    assert 0 < shares[0] < 0.1
-    assert shares[-1] >= 0.5
-
-
 @pytest.mark.slow
 def test_the_drift_closure_does_not_stand_beside_itself():
     chart = sl.charts.chart_functions(replace(SETTINGS, closure="drift"))["fig5a"]()
@@ -269,10 +231,8 @@ def test_the_drift_closure_does_not_stand_beside_itself():
         (
             {"curves": ("iwan_1980", "magic")},
             ValueError,
-            "curves: 'magic' is not known; allowed: linear",
+            "'magic' is not a known .*secant, .*, fema_440",
         ),
-        ({"curves": ("magic",)}, ValueError, "drift, elastic, white_noise, secant, .*, fema_440"),
-        ({"curves": ()}, ValueError, "curves is empty; allowed: at least one name"),
         ({"curves": "iwan_1980"}, TypeError, "curves = 'iwan_1980'; allowed: a list of names"),
         ({"ground_dampings": ()}, ValueError, "ground_dampings is empty; allowed: at least one value"),
         ({"ground_dampings": (0.05, -1.0)}, ValueError, "ground_dampings = -1.0 is out of range"),
@@ -282,24 +242,6 @@ def test_the_drift_closure_does_not_stand_beside_itself():
 def test_nonsense_is_refused_by_name(given, kind, says):
     with pytest.raises(kind, match=says):
         sl.charts.ChartSettings(**given)
-
-
-@pytest.mark.slow
-def test_a_curve_that_is_not_named_is_neither_computed_nor_drawn():
-    only = sl.charts.chart_functions(replace(SETTINGS, curves=("drift", "white_noise")))
-    for name in ("fig4b", "fig5a", "fig5b"):
-        chart = only[name]()
-        stem = "amplification" if name == "fig5b" else "rho"
-        expected = {"status", f"{stem}_drift"} | ({"rho_white_noise"} if name == "fig4b" else set())
-        assert set(chart.data_vars) == expected
-        for comparison in (False, True):
-            assert sl.charts.draw(chart, comparison=comparison).axes
-    nothing = sl.charts.chart_functions(replace(SETTINGS, curves=("elastic",)))
-    with pytest.raises(
-        ValueError, match="curves = elastic leaves nothing to draw; allowed: also linear"
-    ):
-        nothing["fig4b"]()
-    assert nothing["fig3b"]().rule.values.tolist() == ["elastic"]
 
 
 def test_the_command_takes_curves_by_name(tmp_path):

@@ -8,7 +8,7 @@ from cases import check_labels
 from hypothesis import given
 
 import stochlin as sl
-from stochlin.analyses.charts.contacts import (
+from stochlin.charts import (
     contact_history_chart,
     contact_loop_chart,
     restitution_chart,
@@ -122,8 +122,6 @@ def test_fig8_chart():
     assert (inside.sel(element="NoTensionKelvin") > inside.sel(element="Kelvin")).all()
     assert (chart.restitution.sel(element="Kelvin", damping_ratio=slice(1, None)) == 0).all()
     assert (chart.restitution.diff("damping_ratio") <= 0).all()
-    factors = chart.damping_factor.values
-    np.testing.assert_array_equal(chart.restitution_hertz_damp, sl.HertzDamp.restitution(factors))
 
 
 # --- Figs. 6 and 7 --------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.analyses.charts.rules import effective_rules_chart
+from stochlin.charts import effective_rules_chart
 
 pytestmark = pytest.mark.paper
 

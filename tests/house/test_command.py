@@ -32,7 +32,7 @@ FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")
 QUICK_CHARTS = {
     "charts": {"points": 9, "simulated_points": 2, "paths": 4, "reduction_factors": "4,6"},
 }
-RECORDED = ("site_spectrum", "fig1", "fig1b", "per_spectrum", "fig2", "added_damping")
+RECORDED = ("site_spectrum", "fig1", "fig1b", "fig2", "added_damping")
 
 
 def test_rho_of_a_pair_is_the_librarys() -> None:
@@ -154,15 +154,14 @@ def test_every_chart_is_drawn_beside_its_dataset(
     monkeypatch.chdir(tmp_path)
     answered("charts", default_map=QUICK_CHARTS)
     names = {*FIGURES, *OF_MOTIONS}
-    second = {f"{name}_comparison" for name in FIGURES if name not in FORMULAS}
     assert {path.stem for path in Path("figures").glob("*.nc")} == names
-    assert {path.stem for path in Path("figures").glob("*.png")} == names | second
+    assert {path.stem for path in Path("figures").glob("*.png")} == names
     assert not list(Path("figures").glob(".*"))
 
 
 def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:
     options = ("--damping", 0.02, "--reduction-factors", "1,3", "--points", 9, "--format", "svg")
-    options += ("--simulated-points", 0)
+    options += ("--simulated-points", 0, "--comparison")
     answered("charts", "fig4b", *options, "--out", tmp_path)
     files = {"fig4b.nc", "fig4b.svg", "fig4b_comparison.svg"}
     assert {path.name for path in tmp_path.iterdir()} == files
@@ -194,8 +193,7 @@ def test_charts_of_a_site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     line = "charts --record record.at2 --out site"
     answered(*line.split(), default_map=QUICK_CHARTS)
     names = {f"{name}_site" for name in FIGURES if name not in FORMULAS}
-    second = {f"{name}_comparison" for name in names}
-    assert {path.stem for path in Path("site").glob("*.png")} == names | second | set(RECORDED)
+    assert {path.stem for path in Path("site").glob("*.png")} == names | set(RECORDED)
     np.savetxt("column.txt", sl.read_record("record.at2"))
     assert "dt" in refused("charts", "--record", "column.txt", "--units", "m/s^2", "--out", "site")
 

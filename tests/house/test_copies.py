@@ -12,7 +12,6 @@ from uploads import open_case
 
 import stochlin as sl
 from stochlin.analyses.cases.examples import example_case
-from stochlin.analyses.charts.settings import ChartSettings
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.models.envelopes import ENVELOPES
 from stochlin.models.grounds import GROUNDS
@@ -20,6 +19,7 @@ from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.models.rules.peak_factors import PEAK_FACTORS
 from stochlin.models.structures import LAWS
+from stochlin.views.figures.settings import ChartSettings
 
 pytestmark = pytest.mark.invariant
 

@@ -36,7 +36,7 @@ ELSEWHERE = {
 LONG = {
     "stochlin charts fig5a --damping 0.02 --hardening 0.1 --format pdf --out out",  # others are drawn
     "stochlin charts fig4b --print-width 84mm --format pdf --out out",  # tests/charts/test_print.py
-    "stochlin charts fig4b --ground-damping 0.05,0.2,0.6 --curves linearization,simulation",
+    "stochlin charts fig4b --ground-damping 0.05,0.2,0.6 --comparison",
     "stochlin gap case.toml --report gap.html",
     "stochlin gap case.toml --report gap.html --out gap.nc",
     "stochlin mitigate case.toml --picture measures.png",

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from motions import motion, needs_records, recorded, suite
 
 import stochlin as sl
-from stochlin.analyses.charts import records as record_charts
 
 pytestmark = [pytest.mark.paper, pytest.mark.extreme]
 
@@ -141,7 +140,7 @@ def test_eq02_fails_at_long_periods():
 @needs_records
 def test_charts_of_figures_1_and_2():
     record = recorded("Taft")
-    portrait = record_charts.portrait_chart(record, 1.0, 0.05)
+    portrait = sl.charts.portrait_chart(record, 1.0, 0.05)
     trace = np.hypot(portrait.displacement, portrait.velocity_over_frequency)
     circle = np.hypot(portrait.circle_displacement, portrait.circle_velocity_over_frequency)
     np.testing.assert_allclose(circle, portrait.pseudo_energy_radius, rtol=1e-12)
@@ -149,10 +148,8 @@ def test_charts_of_figures_1_and_2():
     assert float(trace.max()) == pytest.approx(float(circle[0]), rel=2e-3)
     assert float(trace.max()) <= float(circle[0]) * (1 + 1e-4)
 
-    gaps = record_charts.recorded_gap_chart(record, 0.05, points=9)
+    gaps = sl.charts.recorded_gap_chart(record, 0.05, points=9)
     diagonal = range(9)
     np.testing.assert_array_equal(gaps.separation.values[diagonal, diagonal], 0)
     np.testing.assert_allclose(gaps.critical_gap.values[diagonal, diagonal], 0, atol=1e-12)
     np.testing.assert_allclose(gaps.critical_gap, gaps.critical_gap.values.T, rtol=1e-12)
-    spectrum = record_charts.per_spectrum_chart(record, 0.05, points=9)
-    np.testing.assert_array_equal(spectrum.period, gaps.period_1)

@@ -73,7 +73,7 @@ def styled(
 
 def filled(lines: Iterable[str], width: int, hang: str = "") -> str:
     """The lines of a caption, none longer than so many characters; units stay with their numbers."""
-    fill = partial(textwrap.fill, width=width, subsequent_indent=hang)
+    fill = partial(textwrap.fill, width=width, subsequent_indent=hang, break_on_hyphens=False)
     return "\n".join(fill(BEFORE_UNIT.sub("\0", line)) for line in lines).replace("\0", " ")
 
 

@@ -1,4 +1,4 @@
-"""Data of Fig. 3b: eq. (4) for yielding structures, with rules for effective properties."""
+"""Fig. 3: eq. (4) over the period ratio, of elastic structures and with rules for yielding ones."""
 
 from __future__ import annotations
 
@@ -9,20 +9,62 @@ import numpy as np
 import xarray as xr
 
 from stochlin._version import __version__
-from stochlin.analyses.charts.charts import CHARTS
-from stochlin.analyses.charts.settings import ChartSettings
-from stochlin.analyses.charts.variables import VARIABLES
+from stochlin.analyses.correlation.correlation import rho_white_noise
 from stochlin.analyses.correlation.effective import rho_effective
 from stochlin.analyses.tables import labels
-from stochlin.messages import brief
 from stochlin.models.arguments import Points, checked
-from stochlin.models.rules.effective_properties import (
-    EffectiveRule,
-    effective_rule,
-    effective_rule_names,
-)
+from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule_names
+from stochlin.views.figures.charts import ChartInputs, register_chart
+from stochlin.views.figures.settings import ChartSettings, chosen_rules
 
 OF_PAPER = "jeng_kasai_maison_1992_unverified"
+DAMPING = (0.01, 0.02, 0.05, 0.1, 0.2)  # of the curves of Fig. 3a
+RATIOS = (0.25, 4.0)  # first and last period ratio of an axis
+VARIABLES = {"rho": ("1", "correlation coefficient ρ")}
+
+
+@register_chart("fig3a", place=30)
+def _fig3a(inputs: ChartInputs) -> xr.Dataset:
+    return white_noise_chart(inputs.settings)
+
+
+@checked
+def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
+    """Fig. 3a: eq. (4) over the period ratio, for several damping ratios.
+
+    Parameters
+    ----------
+    settings : ChartSettings
+        Parameters of the charts, of which ``points`` is used.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``rho`` [-] over (``damping``, ``period_ratio``).
+
+    Examples
+    --------
+    >>> from stochlin.charts import ChartSettings, white_noise_chart
+    >>> chart = white_noise_chart(ChartSettings(points=5))
+    >>> bool((chart.rho.sel(period_ratio=1, method="nearest") > 0.999).all())
+    True
+    """
+    damping = labels.axis("damping", "damping ratio", list(DAMPING))
+    table = rho_white_noise(ratio_axis(settings.fine_points), 1.0, damping, damping)
+    table = table.transpose("damping", "period_ratio")
+    return labels.label(table, VARIABLES).assign_attrs(
+        chart="curves",
+        title="Stationary correlation of linear structures under white noise, eq. (4)",
+        caption="Linear structures of equal damping ratio on white noise ground.",
+        comment="Exact for stationary response.",
+    )
+
+
+@register_chart("fig3b", place=30)
+def _fig3b(inputs: ChartInputs) -> xr.Dataset:
+    settings = inputs.settings
+    structures = settings.damping, settings.hardening, settings.ductilities
+    return effective_rules_chart(*structures, settings.fine_points, settings.curves)
 
 
 @checked
@@ -73,12 +115,10 @@ def effective_rules_chart(
     >>> chart.rule.values.tolist()
     ['iwan_1980', 'secant']
     """
-    if isinstance(rules, str):
-        raise TypeError(f"rules = {brief(rules)}; allowed: a list of names of effective rules")
-    chosen = [effective_rule(rule) for rule in rules or (OF_PAPER, *effective_rule_names())]
+    chosen = chosen_rules("rules", rules or (OF_PAPER, *effective_rule_names()))
     values = np.atleast_1d(ductility).tolist()
     mu: Any = labels.axis("ductility", "peak ductility", values) if len(values) > 1 else values[0]
-    ratio = labels.axis("period_ratio", "elastic period ratio T1/T2", np.geomspace(0.25, 4, points))
+    ratio = ratio_axis(points, "elastic period ratio T1/T2")
     both = {"damping": damping, "hardening": hardening, "ductility": mu}
     pair = {f"{name}_{n}": value for name, value in both.items() for n in (1, 2)}
     tables = [rho_effective(ratio, 1.0, **pair, rule=rule)[["rho", "status"]] for rule in chosen]
@@ -103,21 +143,17 @@ def effective_rules_chart(
     )
 
 
+def ratio_axis(points: int, long_name: str = "period ratio T1/T2") -> xr.DataArray:
+    """Period ratios of an axis."""
+    return labels.axis("period_ratio", long_name, np.geomspace(*RATIOS, points))
+
+
 def along_rules(tables: Sequence[xr.Dataset], rules: Sequence[EffectiveRule]) -> xr.Dataset:
     """Tables of single rules joined over ``rule``, with the source and the mark of each rule."""
-    names = [rule.name for rule in rules]
-    axis = xr.DataArray(
-        names, dims="rule", name="rule", attrs={"long_name": "rule for effective properties"}
-    )
+    axis = labels.axis("rule", "rule for effective properties", [rule.name for rule in rules])
+    del axis.attrs["units"], axis.rule.attrs["units"]
     table = xr.concat(tables, dim=axis, combine_attrs="drop_conflicts")
     for name, text in (("reference", "source of the rule"), ("mark", "how the rule was checked")):
         entries = [getattr(rule, name) for rule in rules]
         table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
     return table
-
-
-@CHARTS.register("fig3b", place=30)
-def _fig3b(settings: ChartSettings) -> xr.Dataset:
-    pair = settings.damping, settings.hardening, settings.ductilities
-    rules = settings.rules((OF_PAPER, *effective_rule_names()))
-    return effective_rules_chart(*pair, settings.fine_points, rules)

@@ -7,7 +7,6 @@ from typing import Annotated, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.charts.variables import VARIABLES
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
@@ -17,6 +16,12 @@ from stochlin.messages import brief
 from stochlin.models.arguments import Whole, as_numbers, checked
 from stochlin.models.structures import Structure
 
+VARIABLES = {
+    "displacement": ("m", "displacement relative to the ground"),
+    "force_per_mass": ("m/s^2", "restoring force per unit mass"),
+    "z": ("1", "hysteretic displacement over yield displacement"),
+    "hysteretic_work_per_mass": ("m^2/s^2", "work of the hysteretic force per unit mass"),
+}
 ALLOWED = "two or more finite numbers in metres, along one dimension"
 
 

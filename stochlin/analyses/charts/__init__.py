@@ -1,1 +1,0 @@
-"""Data of the charts: the figures of the paper, and those of a record and its site."""

@@ -1,1 +1,0 @@
-"""Pictures of the charts, and the command ``stochlin charts``."""

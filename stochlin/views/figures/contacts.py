@@ -1,0 +1,347 @@
+"""Figs. 6 to 8: loops, histories and restitution of contact elements.
+
+Two free bodies with the reduced mass ``m`` collide with the velocity ``v0``. With the scales
+``tau = (m v0^(1-n)/k)^(1/(n+1))`` of time, ``v0 tau`` of deformation and ``k (v0 tau)^n`` of force, the
+motion does not depend on stiffness, mass and velocity; for linear elements ``tau = sqrt(m/k)``. The
+motion is integrated by a Runge-Kutta method of order 8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import cycle
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+import xarray as xr
+from scipy.integrate import solve_ivp
+
+from stochlin.analyses.tables import labels
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.simulation import contacts as kernel
+from stochlin.models.arguments import Number, Points, checked
+from stochlin.models.contacts import Element
+from stochlin.models.contacts.base import CONTACTS, RESTITUTION
+from stochlin.models.contacts.damped import Damped, WithRatio
+from stochlin.models.parameters import POSITIVE, Range
+from stochlin.views.figures.charts import PICTURES, ChartInputs, register_chart
+from stochlin.views.figures.panels import in_a_row, is_narrow, panels
+from stochlin.views.shared.style import CURVES, quantity
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PARTING = Range(
+    upper=1.0, include_lower=True, reason="from 1 on the contact of the Kelvin element never ends"
+)
+TOLERANCE = {"rtol": 1e-13, "atol": 1e-15}
+SCALES = (
+    "Two free masses of reduced mass m meet at velocity v0. Scales: τ = (m v0^(1-n)/k)^(1/(n+1)), v0 τ, "
+    "k (v0 τ)^n;\nn = 1.5 for Hertz, Hertz-damp and Jankowski; n = 1 for linear springs."
+)
+DIFFERENCES = (
+    "The available text of the paper has the dashpot's sign reversed in eqs. (14) and (16), and no "
+    "stiffness under the root of eq. (15): here c opposes the motion, c = 2 ξ √(k m)."
+)
+LONGEST = 1e3  # longest contact time, times e and over tau; contacts with a small e last about 1/e
+VARIABLES = {
+    "restitution": ("1", "coefficient of restitution"),
+    "contact_damping": ("1", "damping parameter of the contact element"),
+    "scaled_contact_time": ("1", "contact time over τ"),
+    "scaled_time": ("1", "time t/τ"),
+    "scaled_deformation": ("1", "deformation d/(v0 τ)"),
+    "scaled_velocity": ("1", "rate of deformation over the approach velocity v0"),
+    "scaled_force": ("1", "contact force f/(k (v0 τ)^n)"),
+}
+LINEAR = ("LinearSpring", "Kelvin", "NoTensionKelvin", "ImpactKelvin")
+OF_PAPER = ("Kelvin", "ImpactKelvin")
+# Label, colour and dash of each element in all three figures.
+LOOKS: dict[str, tuple[str, str, Any]] = {
+    "Kelvin": ("Kelvin", *CURVES[0]),
+    "ImpactKelvin": ("Impact Kelvin", *CURVES[1]),
+    "NoTensionKelvin": ("Kelvin, no tension", *CURVES[2]),
+    "LinearSpring": ("linear spring", *CURVES[5]),
+    "Hertz": ("Hertz", *CURVES[5]),
+    "HertzDamp": ("Hertz-damp", *CURVES[3]),
+    "Jankowski": ("Jankowski", *CURVES[4]),
+}
+OTHER_DASH = (0, (8, 1, 1, 1, 1, 1))  # for elements of extensions, in the same colours
+SKETCHES = (
+    ("(a) Kelvin element", r"$f = k\,d + c\,v$", ""),
+    ("(b) Impact Kelvin element", r"$f = k\,d + c\,\max(v, 0)$", "in approach only"),
+)
+SYMBOLS = "while $d > 0$;\n$d = u_1 - u_2 - g$, and $v$ is its rate"
+INK: Any = {"color": "0.1", "lw": 1.1, "solid_capstyle": "butt", "clip_on": False}
+
+
+@register_chart("fig6", place=60)
+def _fig6(inputs: ChartInputs) -> xr.Dataset:
+    return contact_loop_chart(points=inputs.settings.fine_points)
+
+
+@register_chart("fig7", place=60)
+def _fig7(inputs: ChartInputs) -> xr.Dataset:
+    return contact_history_chart(points=inputs.settings.fine_points)
+
+
+@register_chart("fig8", place=60)
+def _fig8(inputs: ChartInputs) -> xr.Dataset:
+    return restitution_chart(points=inputs.settings.fine_points)
+
+
+@checked
+def contact_loop_chart(
+    restitution: Annotated[float, Number(RESTITUTION)] = 0.65, points: Points = 201
+) -> xr.Dataset:
+    """Fig. 6: force over deformation of all contact elements, damped ones with equal restitution.
+
+    Parameters
+    ----------
+    restitution : float
+        Coefficient of restitution ``e`` [-] of the damped elements, in (0, 1].
+    points : int
+        Number of points of each loop, at least 2, at equal intervals of time during the contact.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (``element``, ``point``): ``scaled_deformation``, ``scaled_force``, ``scaled_velocity`` and
+        ``scaled_time`` [-]. Over ``element``: ``restitution``, ``contact_damping`` and
+        ``scaled_contact_time`` [-]. The area of a loop is the energy loss ``(1 - e^2)/2``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the restitution is out of range or not a number, or there are less than two points.
+
+    Examples
+    --------
+    >>> from stochlin.charts import contact_loop_chart
+    >>> chart = contact_loop_chart(restitution=0.5)
+    >>> round(float(chart.scaled_force.sel(element="ImpactKelvin").max()), 3)
+    1.195
+    """
+    parameters: dict[str, Any] = {"stiffness": 1.0, "restitution": restitution}
+    kinds = [kind for kind in CONTACTS.values() if issubclass(kind, Element)]
+    models = [kind(**parameters) if issubclass(kind, Damped) else kind(1.0) for kind in kinds]
+    title = f"Force and deformation of contact elements, e = {restitution:g}"
+    call = f"contact_loop_chart(restitution={restitution:g})"
+    return _histories("contact_loops", models, points, title, call)
+
+
+@checked
+def contact_history_chart(
+    damping_ratio: Annotated[float, Number(PARTING)] = 0.5, points: Points = 201
+) -> xr.Dataset:
+    """Fig. 7: histories of deformation and force of the elements with a damping ratio.
+
+    Parameters
+    ----------
+    damping_ratio : float
+        Damping ratio ``xi`` [-], in [0, 1); from 1 on the contact of the Kelvin element never ends. That
+        of the paper is 0.5.
+    points : int
+        Number of points of each history, at least 2.
+
+    Returns
+    -------
+    xarray.Dataset
+        As for `contact_loop_chart`.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As in `contact_loop_chart`.
+
+    Examples
+    --------
+    >>> from stochlin.charts import contact_history_chart
+    >>> chart = contact_history_chart()
+    >>> [round(float(t), 3) for t in chart.scaled_contact_time.sel(element=["Kelvin", "ImpactKelvin"])]
+    [3.628, 2.78]
+    """
+    models = [kind(1.0, damping_ratio=damping_ratio) for kind in _with_ratio()]
+    title = f"Histories of deformation and contact force, ξ = {damping_ratio:g}"
+    call = f"contact_history_chart(damping_ratio={damping_ratio:g})"
+    return _histories("contact_histories", models, points, title, call)
+
+
+@checked
+def restitution_chart(
+    largest: Annotated[float, Number(POSITIVE)] = 1.0, points: Points = 201
+) -> xr.Dataset:
+    """Fig. 8: coefficient of restitution over the damping ratio of the elements that have one.
+
+    Parameters
+    ----------
+    largest : float
+        Largest damping ratio [-] of the axis, positive.
+    points : int
+        Number of points along the axis, at least 2.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``restitution`` [-] over (``element``, ``damping_ratio``). The picture shows the elements of the
+        paper, Kelvin and Impact Kelvin.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If ``largest`` is out of range or not a number, or there are less than two points.
+
+    Examples
+    --------
+    >>> from stochlin.charts import restitution_chart
+    >>> chart = restitution_chart()
+    >>> [round(float(e), 4) for e in chart.restitution.sel(damping_ratio=0.5)]
+    [0.163, 0.2984, 0.5463, 0.5749]
+    """
+    along = np.linspace(0, largest, points)
+    ratio = labels.axis("damping_ratio", "damping ratio of the contact", along)
+    kinds = _with_ratio()
+    names = _elements([kind.__name__ for kind in kinds])
+    chart = xr.Dataset({"restitution": xr.concat([kind.restitution(ratio) for kind in kinds], names)})
+    chart.attrs |= {
+        "chart": "restitution",
+        "caption": "Two free masses; ξ = c/(2 √(k m)).",
+        "comment": "Eq. (15) of the paper is the curve of Kelvin alone.",
+    }
+    title, call = (
+        "Coefficient of restitution of contact elements",
+        f"restitution_chart(largest={largest:g})",
+    )
+    return labels.with_run_information(labels.label(chart, VARIABLES), title, call, {})
+
+
+def _with_ratio() -> list[type[WithRatio]]:
+    """All registered contact elements with a damping ratio."""
+    return [kind for kind in CONTACTS.values() if issubclass(kind, WithRatio)]
+
+
+def _histories(
+    picture: str, models: Sequence[Element], points: int, title: str, call: str
+) -> xr.Dataset:
+    """Contacts of these elements from their beginning to their end."""
+    names = [type(model).__name__ for model in models]
+    motions = [_motion(model, points) for model in models]
+    columns = ("scaled_time", "scaled_deformation", "scaled_velocity", "scaled_force")
+    chart = xr.Dataset(
+        {
+            name: (("element", "point"), np.stack(rows))
+            for name, rows in zip(columns, zip(*motions, strict=True), strict=True)
+        },
+        coords={"element": _elements(names)},
+    )
+    chart["scaled_contact_time"] = chart.scaled_time.isel(point=-1)
+    chart["restitution"] = ("element", [model.e for model in models])
+    chart["contact_damping"] = ("element", [getattr(model, "damping", 0.0) for model in models])
+    described = dict(zip(names, models, strict=True))
+    chart.attrs |= {"chart": picture, "caption": SCALES, "comment": DIFFERENCES}
+    return labels.with_run_information(labels.label(chart, VARIABLES), title, call, described)
+
+
+def _motion(model: Element, points: int) -> tuple[Array, Array, Array, Array]:
+    """Time, deformation, velocity and force up to the instant at which the bodies separate."""
+    law = model.force_law(1.0)
+
+    def rates(_: float, state: Array) -> tuple[float, float]:
+        return state[1], -kernel.force(law, state[0], state[1], 1.0)
+
+    def margin(_: float, state: Array) -> float:
+        return float(kernel.separation_margin(law, state[0], state[1]))
+
+    margin.terminal, margin.direction = True, -1  # type: ignore[attr-defined]
+    span = (0.0, LONGEST / float(model.e))
+    solved = solve_ivp(
+        rates, span, (0.0, 1.0), method="DOP853", events=margin, dense_output=True, **TOLERANCE
+    )
+    time = np.linspace(0, solved.t_events[0][0], points)
+    deformation, velocity = solved.sol(time)
+    # At both ends the force is that of the dashpot, although the deformation is 0.
+    within = np.maximum(deformation, np.finfo(float).tiny)
+    return time, deformation, velocity, kernel.forces(law, within, velocity, 1.0)
+
+
+def _elements(names: list[str]) -> xr.DataArray:
+    attrs = {"long_name": "contact element"}
+    return xr.DataArray(names, dims="element", coords={"element": names}, name="element", attrs=attrs)
+
+
+@PICTURES.register("contact_loops")
+def draw_loops(figure: Figure, dataset: xr.Dataset) -> None:
+    """Sketches of the two elements of the paper, and the force of all over the deformation."""
+    across = 1 if is_narrow(figure) else 2
+    every = panels(figure, 4 // across, across, 2.3)
+    for axes, sketch in zip(every, SKETCHES, strict=False):
+        _sketch(axes, *sketch)
+    linear = dataset.element.isin(LINEAR)
+    every[3].sharey(every[2])
+    for axes, shown, heading in (
+        (every[2], linear, "(c) elements with a linear spring"),
+        (every[3], ~linear, "(d) Hertz and other elements"),
+    ):
+        _curves(axes, dataset.sel(element=shown), "scaled_deformation", "scaled_force")
+        axes.axhline(0, color="0.4", lw=0.6)
+        axes.set(xlim=(0, None), xlabel=quantity(dataset.scaled_deformation))
+        axes.set_title(heading, loc="left")
+        axes.legend(loc="upper left", bbox_to_anchor=(-0.02, -0.22), ncols=2, columnspacing=1)
+    for axes in every[2::across]:
+        axes.set_ylabel(quantity(dataset.scaled_force))
+
+
+@PICTURES.register("contact_histories")
+def draw_histories(figure: Figure, dataset: xr.Dataset) -> None:
+    """Deformation and force over time, from the beginning to the end of each contact."""
+    upper, lower = panels(figure, 2, 1, 2.0)
+    for axes, variable in ((upper, "scaled_deformation"), (lower, "scaled_force")):
+        _curves(axes, dataset, "scaled_time", variable, marker="o", ms=3.5, markevery=[-1])
+        axes.axhline(0, color="0.4", lw=0.6)
+        axes.set(xlim=(0, 1.02 * float(dataset.scaled_time.max())), ylabel=quantity(dataset[variable]))
+        axes.set_xlabel(quantity(dataset.scaled_time))
+        axes.label_outer()
+    lower.plot([], [], color="0.3", marker="o", ms=3.5, ls="", label="end of the contact")
+
+
+@PICTURES.register("restitution")
+def draw_restitution(figure: Figure, dataset: xr.Dataset) -> None:
+    """Coefficient of restitution over the damping ratio, of the elements of the paper."""
+    [axes] = in_a_row(figure, 1, 3.4)
+    _curves(axes, dataset.sel(element=list(OF_PAPER)), "damping_ratio", "restitution")
+    axes.set(xlim=(float(dataset.damping_ratio[0]), float(dataset.damping_ratio[-1])), ylim=(0, 1))
+    axes.set(xlabel=quantity(dataset.damping_ratio), ylabel=quantity(dataset.restitution))
+
+
+def _curves(axes: Axes, dataset: xr.Dataset, x: str, y: str, **style: Any) -> None:
+    """A curve for each element, those of extensions in the same colours with a dash of their own."""
+    colors = cycle(color for color, _ in CURVES)
+    for name in dataset.element.values.tolist():
+        element = dataset.sel(element=name)
+        label, color, dash = LOOKS.get(name) or (name, next(colors), OTHER_DASH)
+        axes.plot(element[x], element[y], color=color, linestyle=dash, label=label, **style)
+
+
+def _sketch(axes: Axes, title: str, law: str, note: str) -> None:
+    """Sketch of two masses with a gap, a spring and a dashpot between them."""
+    from matplotlib.patches import Rectangle
+
+    axes.set_axis_off()
+    axes.set(xlim=(-0.03, 4.63), ylim=(-0.85, 1.2))
+    for x, name in ((0.0, "$m_1$"), (3.75, "$m_2$")):
+        axes.add_patch(Rectangle((x, 0), 0.85, 1.1, facecolor="0.88", edgecolor="0.1", lw=1.1))
+        axes.text(x + 0.425, 0.55, name, ha="center", va="center")
+    turns, zigzag = np.linspace(2.05, 3.2, 12), 0.82 + 0.11 * np.array([0, *[1, -1] * 5, 0])
+    for across, up in (
+        ([1.5, 1.5], [0.1, 1.0]),  # contact plate
+        ([1.5, *turns, 3.75], [0.82, *zigzag, 0.82]),  # spring
+        ([1.5, 2.625, 2.625, 2.625], [0.28, 0.28, 0.18, 0.38]),  # piston
+        ([2.325, 2.925, 2.925, 2.325], [0.43, 0.43, 0.13, 0.13]),  # cylinder
+        ([2.925, 3.75], [0.28, 0.28]),
+    ):
+        axes.plot(across, up, **INK)
+    axes.annotate("", (0.85, 0.55), (1.5, 0.55), arrowprops={"arrowstyle": "<->", "lw": 0.8})
+    for x, y, text in ((1.175, 0.62, "$g$"), (2.62, 1.02, "$k$"), (2.62, -0.16, f"$c$ {note}")):
+        axes.text(x, y, text.strip(), ha="center")
+    axes.set_title(title, loc="left")
+    axes.text(0, -0.62, f"{law} {SYMBOLS}", size=7.5)

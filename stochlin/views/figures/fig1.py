@@ -1,0 +1,263 @@
+"""Fig. 1: the pseudo energy radius in the phase plane, over time, and beside energies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.records.records import strong_part
+from stochlin.analyses.records.response import pseudo_energy_radius, respond, response_spectrum
+from stochlin.analyses.records.variables import VARIABLES as RECORDS
+from stochlin.analyses.tables import labels
+from stochlin.models.arguments import Points, checked
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.views.figures.charts import MOTION, PICTURES, ChartInputs, register_chart
+from stochlin.views.figures.kinds import SQUARE
+from stochlin.views.figures.panels import in_a_row, in_cm, is_narrow, panels
+from stochlin.views.shared.style import CURVES, quantity, ratio_ticks
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+POINTS_PER_PERIOD = 32  # for a smooth phase portrait
+CIRCLE_POINTS = 181
+PERIODS = (0.1, 5.0)  # first and last period of an axis [s]
+ENERGIES = ("input", "viscous", "hysteretic")
+TRACE: Any = {"color": "0.35", "lw": 0.7}
+CIRCLE: Any = {"color": "#8c2d04", "linestyle": (0, (6, 1.5))}
+VARIABLES = {
+    **RECORDS,
+    "velocity_over_frequency": ("m", "velocity over circular frequency"),
+    "circle_displacement": ("m", "displacement on the circle of r_PER"),
+    "circle_velocity_over_frequency": ("m", "velocity over frequency on the circle of r_PER"),
+    **{
+        f"{kind}_energy_radius{end}": ("m", f"radius of the {kind} energy{when}")
+        for kind in ENERGIES
+        for end, when in (("", " so far"), ("_at_end", " at the end"))
+    },
+    "significant_begin": ("s", "time of 5 % of the energy of the record"),
+    "significant_end": ("s", "time of 95 % of the energy of the record"),
+}
+
+
+@register_chart("fig1", MOTION, place=11)
+def _fig1(inputs: ChartInputs) -> xr.Dataset:
+    return portrait_chart(inputs.motion, structure_period(inputs), inputs.settings.damping)
+
+
+@register_chart("fig1b", MOTION, place=12)
+def _fig1b(inputs: ChartInputs) -> xr.Dataset:
+    settings = inputs.settings
+    strength = settings.hardening, settings.plane_reduction_factor
+    period = structure_period(inputs)
+    return energy_chart(inputs.motion, period, settings.damping, *strength, settings.points)
+
+
+@checked
+def portrait_chart(record: xr.DataArray, period: float, damping: float) -> xr.Dataset:
+    """Fig. 1a: phase portrait ``u'/w`` over ``u``, and the circle with the pseudo energy radius.
+
+    Parameters
+    ----------
+    record : xarray.DataArray
+        Record [m/s^2], such as from `stochlin.read_record`.
+    period, damping : float
+        Period [s] and damping ratio [-] of the elastic structure.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``displacement``, ``velocity_over_frequency`` and ``radius`` [m] over ``time``;
+        ``pseudo_energy_radius`` [m]; ``circle_displacement`` and ``circle_velocity_over_frequency`` [m]
+        over ``angle`` [rad].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record, a period or a damping ratio is out of range or of the wrong kind.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eq. (1) and Fig. 1.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import portrait_chart
+    >>> chart = portrait_chart(record, period=1.0, damping=0.05)
+    >>> bool(chart.displacement.max() <= chart.pseudo_energy_radius)
+    True
+    """
+    peak = pseudo_energy_radius(record, period, damping).pseudo_energy_radius
+    refine = _refine(record, period, POINTS_PER_PERIOD)
+    motion = respond(Bilinear(period, damping), record, refine=refine)
+    angle = labels.axis("angle", "angle", np.linspace(0, 2 * np.pi, CIRCLE_POINTS), "rad")
+    chart = motion[["displacement", "radius"]].assign(
+        velocity_over_frequency=motion.velocity * period / (2 * np.pi),
+        pseudo_energy_radius=peak,
+        circle_displacement=float(peak) * np.cos(angle),
+        circle_velocity_over_frequency=float(peak) * np.sin(angle),
+    )
+    return labels.label(chart, VARIABLES).assign_attrs(
+        chart="portrait",
+        title=f"Pseudo energy radius of {source_of(record)}",
+        caption=f"Elastic structure: T = {period:.3g} s, ξ = {damping:.3g}; r_PER = {float(peak):.3g} m"
+        f"{about(record)}",
+    )
+
+
+@PICTURES.register("portrait")
+def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
+    """Phase portrait with the circle of the pseudo energy radius, and the radius over time."""
+    plane, history = in_a_row(figure, 2, SQUARE)
+    states = [in_cm(dataset[name]) for name in ("displacement", "velocity_over_frequency")]
+    radius, largest = in_cm(dataset.radius), in_cm(dataset.pseudo_energy_radius)
+    plane.plot(*states, **TRACE)
+    plane.plot(*(in_cm(dataset[f"circle_{state.name}"]) for state in states), **CIRCLE)
+    plane.set_aspect("equal", adjustable="datalim")
+    plane.set(xlabel=quantity(states[0]), ylabel=quantity(states[1]))
+    history.plot(dataset.time, radius, label=quantity(radius), **TRACE)
+    history.axhline(float(largest), label=quantity(largest), **CIRCLE)
+    history.set(xlim=(float(dataset.time[0]), float(dataset.time[-1])), ylim=(0, 1.06 * float(largest)))
+    history.set(xlabel=quantity(dataset.time), ylabel=quantity(radius))
+
+
+@checked
+def energy_chart(
+    record: xr.DataArray,
+    period: float,
+    damping: float,
+    hardening: float,
+    reduction_factor: float,
+    points: Points = 161,
+) -> xr.Dataset:
+    """Fig. 1b: energy radius, input energy and dissipated energies, over time and over the period.
+
+    An energy ``E`` per unit mass is shown as ``sqrt(2 E)/w``, the energy radius of an elastic structure
+    with this energy. The pseudo energy radius is equal to the peak displacement or hardly larger, while
+    the energies grow during the whole motion.
+
+    Parameters
+    ----------
+    record : xarray.DataArray
+        Record [m/s^2], such as from `stochlin.read_record`.
+    period, damping : float
+        Period [s] of the structures of the histories, and damping ratio [-] of all structures.
+    hardening, reduction_factor : float
+        Hardening ratio [-] of the yielding structures, and ratio [-] of the peak of the elastic
+        displacement in the record to their yield displacement, at every period.
+    points : int
+        Number of periods of the spectra, from 0.1 to 5 s.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``reduction_factor`` (1 for elastic structures) and ``time`` [s]: ``radius``,
+        ``input_energy_radius``, ``viscous_energy_radius`` and ``hysteretic_energy_radius`` [m]. Over
+        ``reduction_factor`` and ``period`` [s]: the same energies at the end of the record, with the
+        ending ``_at_end``, and ``pseudo_energy_radius`` [m]. Also ``significant_begin`` and
+        ``significant_end`` [s], the times at which the record has 5 and 95 % of its energy.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the record, a period or a damping ratio is out of range or of the wrong kind.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr
+    >>> time = np.arange(0, 10, 0.01)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> from stochlin.charts import energy_chart
+    >>> chart = energy_chart(record, 1.0, 0.05, hardening=0.05, reduction_factor=4.0, points=5)
+    >>> bool((chart.hysteretic_energy_radius.sel(reduction_factor=1.0) == 0).all())
+    True
+    """
+    periods = period_axis("period", "period", points)
+    elastic = response_spectrum(record, periods, damping)
+    peak = float(response_spectrum(record, period, damping).displacement_max)
+    tables = []
+    for factor in (1.0, reduction_factor):
+        structure, spectrum = Bilinear(period, damping), elastic
+        if factor > 1:
+            structure = Bilinear(period, damping, hardening, yield_displacement=peak / factor)
+            weak = elastic.displacement_max / factor
+            spectrum = response_spectrum(
+                record, periods, damping, hardening=hardening, yield_displacement=weak
+            )
+        motion = respond(structure, record, refine=_refine(record, period, POINTS_PER_PERIOD / 2))
+        table = motion[["radius"]].assign(pseudo_energy_radius=spectrum.pseudo_energy_radius)
+        for kind in ENERGIES:
+            for end, energies, of in (("", motion, period), ("_at_end", spectrum, periods)):
+                squares = 2 * energies[f"{kind}_energy_per_mass"].clip(min=0.0)
+                table[f"{kind}_energy_radius{end}"] = np.sqrt(squares) * of / (2 * np.pi)
+        tables.append(table)
+    factors = labels.axis("reduction_factor", "reduction factor R", np.array([1.0, reduction_factor]))
+    chart = xr.concat(tables, factors, combine_attrs="drop", join="exact")
+    strong = strong_part(record)
+    chart = chart.assign(significant_begin=strong.time[0].item(), significant_end=strong.time[-1].item())
+    return labels.label(chart, VARIABLES).assign_attrs(
+        chart="energies",
+        title=f"Pseudo energy radius and energies of {source_of(record)}",
+        caption=f"ξ = {damping:.3g}; over time: T = {period:.3g} s; yielding: R = {reduction_factor:g} "
+        f"and hardening ratio {hardening:.3g}. An energy E of a mass m is drawn as √(2E/m)/ω."
+        f"{about(record)}",
+    )
+
+
+@PICTURES.register("energies")
+def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
+    """Radius and energies over time and period, elastic above, yielding below."""
+    times = float(dataset.significant_begin), float(dataset.significant_end)
+    shown = [("pseudo energy radius", "radius", "pseudo_energy_radius")]
+    shown += [
+        (f"{kind} energy", f"{kind}_energy_radius", f"{kind}_energy_radius_at_end") for kind in ENERGIES
+    ]
+    across = 1 if is_narrow(figure) else 2
+    every = iter(panels(figure, 4 // across, across, 2.0))
+    for factor, history, spectrum in zip(dataset.reduction_factor.values, every, every, strict=True):
+        response = dataset.sel(reduction_factor=factor)
+        history.axvspan(*times, color="0.92", label="5 to 95 % of its energy")
+        for (label, over_time, at_end), (color, dash) in zip(shown, CURVES, strict=False):
+            if float(response[at_end].max()) > 0:
+                style: Any = {"color": color, "linestyle": dash, "lw": 1.0}
+                values = in_cm(response[over_time]).values
+                values = np.maximum.accumulate(values) if over_time == "radius" else values
+                history.plot(response.time, values, label=label, **style)
+                spectrum.plot(response.period, in_cm(response[at_end]), **style)
+        spectrum.set_xscale("log")
+        ratio_ticks(spectrum.xaxis, response.period.values)
+        for axes, along in ((history, response.time), (spectrum, response.period)):
+            axes.set(xlim=(float(along[0]), float(along[-1])), ylim=(0, None))
+            axes.set(xlabel=quantity(along), ylabel=quantity(in_cm(response.radius)))
+            axes.set_title("elastic" if factor == 1 else f"R = {factor:g}", loc="left")
+
+
+def _refine(record: xr.DataArray, period: float, points: float) -> int:
+    """Steps of the response in a step of the record, for so many points a period."""
+    step = float(record["time"][1] - record["time"][0])
+    return max(1, int(np.ceil(points * step / period)))
+
+
+def period_axis(name: str, long_name: str, points: int) -> xr.DataArray:
+    """Periods of an axis [s]."""
+    return labels.axis(name, long_name, np.geomspace(*PERIODS, points), "s")
+
+
+def structure_period(inputs: ChartInputs) -> float:
+    """Period [s] of the structure of Fig. 1: that of the ground, if none is set."""
+    return inputs.settings.structure_period or float(inputs.site.arrays()["period"])
+
+
+def source_of(record: xr.DataArray) -> str:
+    """What a title calls a record."""
+    return str(record.attrs.get("source", "a record"))
+
+
+def about(record: xr.DataArray) -> str:
+    """A line that says how a motion was simulated; empty for a record."""
+    return f"\n{record.attrs['about']}" if "about" in record.attrs else ""

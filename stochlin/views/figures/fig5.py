@@ -1,0 +1,208 @@
+"""Fig. 5: rho over both periods, and the amplification of the displacement by yielding."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.analyses.correlation.amplification import amplification
+from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.tables import labels
+from stochlin.models.arguments import checked
+from stochlin.models.grounds import Ground
+from stochlin.models.structures import DRIFT
+from stochlin.views.figures.charts import (
+    GROUND,
+    ChartInputs,
+    design_motion,
+    envelope_caption,
+    register_chart,
+)
+from stochlin.views.figures.fig4 import (
+    Grounds,
+    bilinear,
+    by_title,
+    for_each_ground,
+    ground_period,
+    number_of_points,
+    on_grounds,
+    reduction_factors,
+    with_errors,
+    with_truth,
+    words,
+)
+from stochlin.views.figures.settings import ChartSettings
+
+RATIOS = (0.1, 4.0)  # first and last period of an axis, over that of the ground
+SIMULATED_POINTS = 41  # along an axis of Fig. 5a
+STD_INTERVALS, PEAK_INTERVALS = 8, 32  # intervals between simulated periods of Fig. 5b
+STD_PATHS = 64  # paths for standard deviations, whose simulations are long
+SLOWEST_DRIFT = 2.0  # smallest reduction factor whose standard deviation is simulated within minutes
+OF_PEAKS, OF_STD = "amplification_of_peaks", "amplification_simulated"
+VARIABLES = {
+    "amplification": ("1", "amplification D, inelastic / elastic"),
+    "amplification_drift": ("1", "amplification of the standard deviation by the drift closure"),
+    OF_STD: ("1", "D of standard deviations, simulated"),
+    f"{OF_STD}_standard_error": ("1", "standard error of the simulated amplification"),
+    OF_PEAKS: ("1", "D of mean maxima, simulated"),
+    f"{OF_PEAKS}_standard_error": ("1", "standard error of the amplification of the mean peak"),
+}
+
+
+@register_chart("fig5a", GROUND, place=50)
+def _fig5a(inputs: ChartInputs) -> xr.Dataset:
+    return period_plane_chart(inputs.settings, inputs.grounds)
+
+
+@checked
+def period_plane_chart(settings: ChartSettings, ground: Grounds) -> xr.Dataset:
+    """Fig. 5a: rho over ``T1/Tg`` and ``T2/Tg``.
+
+    Parameters
+    ----------
+    settings : ChartSettings
+        Parameters of the charts.
+    ground : KanaiTajimi or CloughPenzien, or mapping of them
+        The ground, with scalar parameters; or several of one period, by the titles of their panels.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``), and over ``ground`` for
+        several. It also has ``rho_drift``, ``rho_simulated``, ``rho_standard_error`` and
+        ``rho_difference``, as in Fig. 4.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> from stochlin.charts import ChartSettings, period_plane_chart
+    >>> settings = ChartSettings(points=5, simulated_points=0)
+    >>> chart = period_plane_chart(settings, sl.KanaiTajimi(2.0, 0.05))
+    >>> chart.rho.dims
+    ('period_ratio_1', 'period_ratio_2')
+    """
+    grounds = by_title(ground)
+    chart = on_grounds(partial(_plane, settings), grounds)
+    title = f"Stationary correlation of bilinear structures, R = {settings.plane_reduction_factor:g}"
+    chart.attrs |= words(settings, grounds, title)
+    return with_errors(chart.assign_attrs(chart="plane", comparison="compared_planes"), settings)
+
+
+def _plane(settings: ChartSettings, ground: Ground) -> xr.Dataset:
+    """Fig. 5a of one ground, without its words."""
+    axes = [
+        labels.axis(f"period_ratio_{n}", f"T{n}/Tg", np.geomspace(*RATIOS, settings.points))
+        for n in (1, 2)
+    ]
+    period, factor = ground_period({"": ground}), settings.plane_reduction_factor
+    first, second = (bilinear(settings, ratio * period, factor) for ratio in axes)
+    chart = correlate(first, second, ground, closure=settings.closure)[["rho", "status"]]
+    places = []
+    if count := number_of_points(settings, SIMULATED_POINTS):
+        step = max(1, round((settings.points - 1) / (count - 1)))
+        places = [{f"period_ratio_{n}": slice(None, None, step) for n in (1, 2)}]
+    return with_truth(chart, (first, second), ground, settings, places)
+
+
+@register_chart("fig5b", GROUND, place=50)
+def _fig5b(inputs: ChartInputs) -> xr.Dataset:
+    return amplification_chart(inputs.settings, inputs.grounds)
+
+
+@checked
+def amplification_chart(settings: ChartSettings, ground: Grounds) -> xr.Dataset:
+    """Fig. 5b: amplification ``D`` over ``T/Tg``, for several reduction factors.
+
+    Parameters
+    ----------
+    settings : ChartSettings
+        Parameters of the charts.
+    ground : KanaiTajimi or CloughPenzien, or mapping of them
+        The ground, with scalar parameters; or several of one period, by the titles of their panels.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``amplification``, the ratio of the standard deviations, and ``status`` over
+        (``reduction_factor``, ``period_ratio``), and over ``ground`` for several. It also has
+        ``amplification_drift`` by the drift closure, and by simulation, NaN between the simulated
+        points, ``amplification_simulated`` of the standard deviations and ``amplification_of_peaks`` of
+        the peaks in a finite motion, which the text of the paper means, both with ``_standard_error``.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> from stochlin.charts import ChartSettings, amplification_chart
+    >>> settings = ChartSettings(points=3, paths=32, reduction_factors=(1.0,))
+    >>> chart = amplification_chart(settings, sl.KanaiTajimi(2.0, 0.05))
+    >>> chart.amplification_of_peaks.shape
+    (1, 3)
+    """
+    grounds = by_title(ground)
+    chart = on_grounds(partial(_amplified, settings), grounds)
+    title = "Amplification by yielding: of stationary standard deviations, and of maxima in a motion"
+    chart.attrs |= words(settings, grounds, title)
+    chart.attrs["caption"] += f"\nMaxima: {envelope_caption(*design_motion(ground_period(grounds)))}"
+    return chart.assign_attrs(
+        chart="curves",
+        comparison="compared_curves",
+        shows="amplification",
+        points=OF_PEAKS,
+        comparison_caption=f"Standard deviations simulated for R ≥ {SLOWEST_DRIFT:g}",
+        comment=for_each_ground(chart, _errors),
+    )
+
+
+def _amplified(settings: ChartSettings, ground: Ground) -> xr.Dataset:
+    """Fig. 5b of one ground, without its words."""
+    period = ground_period({"": ground})
+    ratio = labels.axis("period_ratio", "T/Tg", np.geomspace(*RATIOS, settings.points))
+    structure = bilinear(settings, ratio * period, reduction_factors(settings))
+    table = amplification(structure, ground, closure=settings.closure)
+    chart = table[["amplification", "status"]].transpose("reduction_factor", "period_ratio")
+    dims = chart.amplification.dims
+    if settings.closure != DRIFT:
+        drift = amplification(structure, ground, closure=DRIFT).amplification
+        chart["amplification_drift"] = drift.transpose(*dims)
+    duration, envelope = design_motion(period)
+    motion: dict[str, Any] = {"of": "peak", "duration": duration, "envelope": envelope}
+    few = {"method": "simulation", "paths": min(settings.paths, STD_PATHS)}
+    last = settings.points - 1
+    seldom, often = (slice(None, None, max(1, last // n)) for n in (STD_INTERVALS, PEAK_INTERVALS))
+    runs = [(OF_PEAKS, slice(None), often, {**motion, "paths": settings.paths})]
+    runs += [
+        (OF_STD, slice(n, n + 1), seldom, few)
+        for n, factor in enumerate(settings.reduction_factors)
+        if factor >= SLOWEST_DRIFT
+    ]
+    for name, rows, columns, options in runs:
+        place = {"reduction_factor": rows, "period_ratio": columns}
+        simulated = amplification(structure.isel(place), ground, seed=settings.seed, **options)
+        for end in ("", "_standard_error"):
+            if name + end not in chart:
+                chart[name + end] = xr.full_like(chart.amplification, np.nan)
+            chart[name + end][place] = simulated[f"amplification{end}"].transpose(*dims).values
+        chart[name].attrs["ancillary_variables"] = f"{name}_standard_error"
+    chart = labels.label(chart, VARIABLES)
+    chart.amplification.attrs["curve_label"] = "D of standard deviations, linearized"
+    return chart
+
+
+def _errors(chart: xr.Dataset) -> str:
+    """Text with the standard errors of the simulations, and the errors of the curves against them."""
+    simulated = {OF_PEAKS: "maxima", OF_STD: "std. deviations"}
+    errors = [
+        f"{text} {100 * float((chart[f'{name}_standard_error'] / chart[name]).max()):.2g} %"
+        for name, text in simulated.items()
+        if name in chart
+    ]
+    text = f"Largest standard error of the simulated {', '.join(errors)}."
+    if OF_STD not in chart:
+        return text
+    curves = {"amplification": "linearized", "amplification_drift": "drift closure"}
+    off = {c: 100 * np.abs(chart[n] / chart[OF_STD] - 1) for n, c in curves.items() if n in chart}
+    texts = [f"{c} {float(each.mean()):.2g} % ({float(each.max()):.2g} %)" for c, each in off.items()]
+    return f"{text} Mean (largest) error of the std. deviations: {'; '.join(texts)}."
