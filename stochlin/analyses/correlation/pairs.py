@@ -6,22 +6,19 @@ equation. By the drift closure it has a part of the drifts, and is corrected by 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from stochlin.analyses.correlation.errors import DIFFERENCE, errors_on
 from stochlin.analyses.correlation.signatures import drifting
 from stochlin.analyses.linearization.bias import EXPECTED, caution_of, judged
-from stochlin.analyses.linearization.equivalent_systems import Solved, solved_together
+from stochlin.analyses.linearization.equivalent_systems import BLANK, Solved, solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cells import over_all
+from stochlin.analyses.tables.cells import Flat, over_all
 from stochlin.analyses.tables.cellwise import Cells
-from stochlin.kernels.basics.arrays import Array, on_arrays
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.correlation.pairs import (
     Compared,
     ComparedPair,
@@ -35,7 +32,6 @@ from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT, Structure
 
 SHOWN = ("displacement_std", "ductility_std", "yield_displacement")
-UNKNOWN = len(labels.CAUTION_MEANINGS) - 1  # the caution of what is not known
 
 
 def linearized_pairs(
@@ -64,10 +60,14 @@ def _table(solved: Solved, structures: Any, errors: Array) -> dict[str, Cells]:
     """Variables of both structures, which are those of ``solved`` in one row, and of all pairs."""
     table = over_all(*(cells.shape for cells in solved.tables))
     places = [cells.places(table) for cells in solved.tables]
-    first, second = (on_arrays(partial(_of_part, part), structures) for part in solved.parts)
-    pair = over_pairs(first, second, places, errors)
-    worst = partial(_worst, solved, places)
-    status = worst("status", labels.INVALID_INPUT)
+    good = (places[0] >= 0) & (places[1] >= 0)
+    at_1, at_2 = (at[good] + part.start for at, part in zip(places, solved.parts, strict=True))
+    pair = over_pairs(structures, structures, (at_1, at_2), errors)
+
+    def worst(name: str) -> Array:
+        return np.maximum(solved.values[name][at_1], solved.values[name][at_2])
+
+    status = worst("status")
     not_physical = (status < labels.NOT_CONVERGED) & np.isnan(pair.rho)
     columns = {"rho": pair.rho, "status": np.where(not_physical, np.int8(labels.NOT_PHYSICAL), status)}
     names = [*SHOWN]
@@ -81,27 +81,15 @@ def _table(solved: Solved, structures: Any, errors: Array) -> dict[str, Cells]:
         columns |= {"rho_error": pair.error, "bias": 0 * pair.error}
         columns[f"{DIFFERENCE}_error"] = pair.difference_error
     if not isinstance(pair, LinearPair):
-        columns["caution"] = np.maximum(worst("caution", UNKNOWN), flag)
+        columns["caution"] = np.maximum(worst("caution"), flag)
         columns[f"{DIFFERENCE}_std"] = pair.difference
         columns[f"{DIFFERENCE}_bias"] = pair.difference_bias
         columns[f"{DIFFERENCE}_caution"] = of_difference
     own = [solved.labelled(n, names) for n in (0, 1)]
     of_sides = {f"{name}_{n}": own[n - 1][name] for name in names for n in (1, 2)}
-    rows = (values.reshape(table.shape) for values in columns.values())
-    labelled = (xr.DataArray(x, table.coords, table.dims) if x.ndim else x for x in rows)
-    rho, *others = zip(columns, labelled, strict=True)
+    pairs = Flat(table, np.flatnonzero(good), {})
+    rho, *others = [
+        (name, pairs.array(values, BLANK.get(name.removeprefix(f"{DIFFERENCE}_"), np.nan)))
+        for name, values in columns.items()
+    ]
     return dict([rho]) | of_sides | dict(others)
-
-
-def _of_part(part: slice, values: Array) -> Array:
-    """Values of one structure, followed by a blank for the cells that are not valid."""
-    blank = np.full((*values.shape[:-1], 1), np.nan if values.dtype.kind == "f" else 0, values.dtype)
-    return np.concatenate([values[..., part], blank], axis=-1)
-
-
-def _worst(solved: Solved, places: Sequence[Array], name: str, blank: int) -> Array:
-    """For all pairs the larger one of the values of both structures."""
-    values, blanks = solved.values[name], np.array([blank], np.int8)
-    return np.maximum(
-        *(np.append(values[part], blanks)[at] for part, at in zip(solved.parts, places, strict=True))
-    )

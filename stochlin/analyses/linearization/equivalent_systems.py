@@ -93,7 +93,7 @@ class Oscillators(NamedTuple):
             *table.models["ground"].cells().values(),
         )
         columns = in_columns(rows, table.where.size)
-        return cls(*columns[:6], columns[6:])
+        return cls._make([*columns[:6], columns[6:]])
 
     def at(self, cells: Array | slice) -> Oscillators:
         """Some of the cells."""
@@ -139,15 +139,10 @@ class Solved(NamedTuple):
     structures: Sequence[Structure]
     ground: Ground
     tables: Sequence[Flat]
+    parts: Sequence[slice]  # the cells of each structure
     oscillators: Oscillators
     values: Mapping[str, Array]  # (n,) by name; also ``system``, ``forcing`` and ``drift_shares``
     like: Mapping[str, Solved] = {}  # bilinear structures of the same strength, by closures
-
-    @property
-    def parts(self) -> list[slice]:
-        """The cells of each structure."""
-        ends = np.cumsum([table.where.size for table in self.tables])
-        return [slice(end - t.where.size, end) for end, t in zip(ends, self.tables, strict=True)]
 
     @property
     def point(self) -> Array:
@@ -222,7 +217,8 @@ def solved_together(
     with the period, damping, hardening and strength of Bouc-Wen structures. Other laws then stay
     elastic.
     """
-    tables, laws, first = list[Flat](), dict[Closure, list[Yielding]](), 0
+    tables, parts, first = list[Flat](), list[slice](), 0
+    laws = dict[Closure, list[Yielding]]()
     bilinear = [np.empty(0, int)]
     for structure in structures:
         yields = closure is not None and structure.yields
@@ -237,12 +233,13 @@ def solved_together(
             laws.setdefault(part.law.closure, []).append(part)
             bilinear += [part.cells] if isinstance(structure, Bilinear | BoucWen) else []
         tables.append(table)
-        first += table.where.size
+        parts.append(slice(first, first + table.where.size))
+        first = parts[-1].stop
     cells, at = _joined([Oscillators.of(table) for table in tables]), np.concatenate(bilinear)
     sets = [_joined(parts) for parts in laws.values()]
     sets += [Yielding.bilinear(at + n * first, name) for n, name in enumerate(like, start=1) if at.size]
-    solved, copies = Solved(structures, ground, tables, cells, {}), 1 + len(like)
-    ranges = [slice(a.start + n, a.stop + n) for n in first * np.arange(copies) for a in solved.parts]
+    solved, copies = Solved(structures, ground, tables, parts, cells, {}), 1 + len(like)
+    ranges = [slice(a.start + n, a.stop + n) for n in first * np.arange(copies) for a in parts]
     every = solve_oscillators(_joined([cells] * copies), sets, ground, tolerance, ranges)
 
     def of_set(number: int, name: str | None) -> Solved:

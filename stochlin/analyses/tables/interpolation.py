@@ -13,6 +13,7 @@ from stochlin.kernels.basics.arrays import Array
 
 ROUNDING = 1e-9  # distance beyond the end of an axis at which a point still counts as inside
 TOGETHER = 1024  # points interpolated together
+NEAR = 4  # points of an axis, in a row, of which all others have no weight
 
 # Weights (n, m) of the m points of an axis at places (n,), most of them 0.
 Weights = Callable[[Array], Array]
@@ -40,6 +41,7 @@ class Grid(NamedTuple):
     axes: Sequence[Array]  # increasing points
     weights: Sequence[Weights]  # of each axis
     values: Array  # a dimension for each axis, and one for the columns
+    ends: Array  # (2, axes, 1) first and last point of each axis
 
     @classmethod
     def of(
@@ -47,12 +49,8 @@ class Grid(NamedTuple):
     ) -> Grid:
         """The grid of these axes; ``values`` have a dimension for each, and one for columns or none."""
         columns = np.asarray(values, float).reshape(*(axis.size for axis in axes), -1)
-        return cls(axes, [weights(axis) for axis in axes], columns)
-
-    @property
-    def ends(self) -> Array:
-        """First and last point of each axis (2, axes, 1)."""
-        return np.array([[axis[n] for axis in self.axes] for n in (0, -1)])[..., None]
+        ends = np.array([axis[[0, -1]] for axis in axes]).T[..., None]
+        return cls(axes, [weights(axis) for axis in axes], columns, ends)
 
     def on_points(self, axes: Sequence[Array]) -> Array:
         """Values at all combinations of points on the axes; 0 where one of them is outside."""
@@ -66,35 +64,29 @@ class Grid(NamedTuple):
     def at(self, points: Array) -> Array:
         """Values (columns, n) at ``points`` (axes, n); NaN at points outside or with NaN.
 
-        Points in the same intervals of all axes but the last are interpolated together.
+        Points that need the same part of the grid, but for the last axis, are interpolated together.
         """
         low, high = self.ends
-        inside = ((points >= low - ROUNDING) & (points <= high + ROUNDING)).all(axis=0)
-        out = np.full((self.values.shape[-1], inside.size), np.nan)
-        cells = np.flatnonzero(inside)
-        if not cells.size:
-            return out
-        places, interval = np.clip(points[:, cells], low, high), np.zeros(cells.size, int)
+        cells = np.flatnonzero(((points >= low - ROUNDING) & (points <= high + ROUNDING)).all(axis=0))
+        places, corners = np.clip(points[:, cells], low, high), []
+        part, out = np.zeros(cells.size, int), np.full((self.values.shape[-1], points.shape[1]), np.nan)
         for axis, x in zip(self.axes[:-1], places, strict=False):
-            interval = interval * axis.size + axis.searchsorted(x, side="right")
-        order = np.argsort(interval, kind="stable")
-        weights = [rows(x[order]) for rows, x in zip(self.weights, places, strict=True)]
-        new = np.diff(interval[order]) != 0
-        new[TOGETHER - 1 :: TOGETHER] = True
-        for begin, end in pairwise([0, *(1 + np.flatnonzero(new)), cells.size]):
-            part = [rows[begin:end] for rows in weights]
-            out[:, cells[order[begin:end]]] = _sums(self.values, part)
+            corners.append(np.clip(axis.searchsorted(x, "right") - 2, 0, max(axis.size - NEAR, 0)))
+            part = part * axis.size + corners[-1]
+        order = np.argsort(part, kind="stable")
+        for begin in range(0, cells.size, TOGETHER):
+            chosen = order[begin : begin + TOGETHER]
+            *others, last = (rows(x[chosen]) for rows, x in zip(self.weights, places, strict=True))
+            along = np.ones((chosen.size, 1))
+            for rows, corner in zip(others, corners, strict=True):
+                near = corner[chosen, None] + np.arange(min(NEAR, rows.shape[1]))
+                used = np.take_along_axis(rows, near, axis=1)
+                along = (along[:, :, None] * used[:, None]).reshape(chosen.size, -1)
+            new = 1 + np.flatnonzero(np.diff(part[chosen]))
+            for first, end in pairwise([0, *new.tolist(), chosen.size]):
+                lowest = [corner[chosen[first]] for corner in corners]
+                block = self.values[tuple(slice(n, n + NEAR) for n in lowest)]
+                sums = along[first:end] @ block.reshape(along.shape[1], -1)
+                sums = sums.reshape(end - first, last.shape[1], -1)
+                out[:, cells[chosen[first:end]]] = (last[first:end, None] @ sums)[:, 0].T
         return out
-
-
-def _sums(values: Array, weights: Sequence[Array]) -> Array:
-    """Columns (columns, n) of a grid at places of which most points have no weight."""
-    used = [np.flatnonzero(rows.any(axis=0)) for rows in weights]
-    parts = [slice(points[0], points[-1] + 1) for points in used]
-    block = values[tuple(parts)]
-    *others, last = (rows[:, part] for rows, part in zip(weights, parts, strict=True))
-    along = np.ones((len(last), 1))
-    for rows in others:
-        along = (along[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
-    sums = (along @ block.reshape(along.shape[1], -1)).reshape(*last.shape, -1)
-    return (last[:, None] @ sums)[:, 0].T

@@ -9,15 +9,13 @@ method as the pseudo-time step ``delta`` grows. A `StepControl` says how ``delta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.elementary import solve_3x3
-from stochlin.kernels.basics.slabs import in_ranges
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
@@ -70,12 +68,6 @@ class State(NamedTuple):
         return cls(unknowns.copy(), *first)
 
     @property
-    def unknowns(self) -> Array:
-        """The next iterate (u, n), at which `SingleStructures.advance` evaluates the mismatch."""
-        moved: Array = self.base + self.step
-        return moved
-
-    @property
     def ended(self) -> Array:
         """The cells (n,) that have converged, or whose next step is not a number."""
         ended: Array = self.done | ~np.isfinite(self.step).all(axis=0)
@@ -113,11 +105,13 @@ class SingleStructures(NamedTuple):
     rtol: float
     atol: float
 
-    @property
-    def of_laws(self) -> list[tuple[Law, slice]]:
-        """Each law with its cells."""
-        ends = np.cumsum([0, *(law.one_solution.size for law in self.laws)]).tolist()
-        return [(law, slice(*part)) for law, part in zip(self.laws, pairwise(ends), strict=True)]
+    def by_law(self, cells: Array) -> Iterator[tuple[Law, Array]]:
+        """Each law with its part of an array (..., n)."""
+        begin = 0
+        for law in self.laws:
+            end = begin + law.one_solution.size
+            yield law, cells[..., begin:end]
+            begin = end
 
     def at(self, cells: Array) -> SingleStructures:
         """The cells with these numbers, which increase."""
@@ -125,25 +119,22 @@ class SingleStructures(NamedTuple):
             return self
         chosen = np.zeros(self.level.size, bool)
         chosen[cells] = True
-        laws = [law.at(chosen[part]) for law, part in self.of_laws]
+        laws = [law.at(own) for law, own in self.by_law(chosen)]
         structure, level = self.structure[:, cells], self.level[cells]
         return SingleStructures(structure, laws, self.ground.at(cells), level, self.rtol, self.atol)
 
     def closure(self, latent: Array) -> ClosureValue:
         """What the closures have for these moments."""
-        values = [law.closure(latent[:, part], law.parameters) for law, part in self.of_laws]
+        values = [law.closure(own, law.parameters) for law, own in self.by_law(latent)]
         if len(values) == 1:
             return values[0]
         return ClosureValue(*(np.concatenate(rows, axis=-1) for rows in zip(*values, strict=True)))
 
     def settle(self, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
         """The fixed points from these unknowns (3, n) in at most so many steps."""
-        every = np.arange(self.level.size)
-
-        def part(cells: slice) -> FixedPoint:
-            return iterate(self.at(every[cells]), unknowns[:, cells], most, pace)
-
-        parts = in_ranges(part, every.size, CHUNK)
+        n = self.level.size
+        chunks = np.split(np.arange(n), np.arange(CHUNK, n, CHUNK))
+        parts = [iterate(self.at(cells), unknowns[:, cells], most, pace) for cells in chunks]
         return FixedPoint(*map(np.hstack, zip(*parts, strict=True)))
 
     def advance(self, state: State, pace: StepControl) -> State:
@@ -240,7 +231,7 @@ def iterate(problem: SingleStructures, unknowns: Array, most: int, pace: StepCon
             break
         if left.size < cells.size:
             state, part, cells = state.at(left), part.at(left), cells[left]
-    return FixedPoint(whole.unknowns, iterations, whole.norm, whole.done)
+    return FixedPoint(whole.base + whole.step, iterations, whole.norm, whole.done)
 
 
 def moments_of(unknowns: Array) -> Array:
