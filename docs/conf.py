@@ -10,8 +10,7 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.ext import autosummary
 
 import stochlin
-from stochlin.analyses.cases.files.keys import NEEDED
-from stochlin.analyses.cases.files.schema import TABLES
+from stochlin.analyses.cases.reading.explained import keys_of_table
 
 project = "stochlin"
 author = "The stochlin developers"
@@ -122,22 +121,27 @@ def _list_names(app: Any, page: str, source: list[str]) -> None:
         source[0] = before
 
 
-# The page of case files: its own words, and tables of the keys that the schema declares.
+# The page of case files: its own words, and tables of the keys of the forms.
 def _list_keys(app: Any, page: str, source: list[str]) -> None:
     if page == "case_files":
         source[0] = re.sub(r"<!-- keys: ([\w.]+) -->", lambda mark: _keys(mark[1]), source[0])
 
 
 def _keys(name: str) -> str:
-    keys = TABLES[name].values()
-    ways = any(key.ways for key in keys)
-    heads = ["key", "what it is", "allowed", "if it is missing"] + ["of"] * ways
+    keys = list(keys_of_table(name))
+    forms = any(key.forms for key in keys)
+    heads = ["key", "what it is", "allowed", "if it is missing"] + ["of"] * forms
     rows = [heads, ["---"] * len(heads)]
     for key in keys:
-        default = "" if key.default in (None, NEEDED) else f"`{str(key.default).lower()}`"
-        of = [", ".join(key.ways) or "all"] * ways
-        rows.append([f"`{key.name}`", key.label, key.allowed_in_words, default, *of])
+        default = f"`{key.default}`" if key.default else ""
+        of = ["; ".join(map(_called, key.forms)) or "all"] * forms
+        rows.append([f"`{key.name}`", key.key.about, key.key.kind.words, default, *of])
     return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+
+
+def _called(form: type) -> str:
+    name = re.split("[.,;]", form.__doc__ or "")[0]
+    return name[:1].lower() + name[1:]
 
 
 # Formulas in the browser's own MathML: the pages need no network, and no script.

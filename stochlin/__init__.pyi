@@ -59,7 +59,7 @@ from .analyses.separation.added_damping import damping_for_gap as damping_for_ga
 from .analyses.separation.code_gaps import code_gaps as code_gaps
 from .analyses.sensitivity.sensitivity import sensitivity as sensitivity
 from .models.uncertain import Uncertain as Uncertain
-from .analyses.cases.case import read_case as read_case
+from .analyses.cases.reading.case import read_case as read_case
 from . import rules as rules
 
 # Records and envelopes

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.reading.case import Case
 from stochlin.analyses.explorer.uploads import read_upload, uploaded
 
 

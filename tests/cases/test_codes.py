@@ -1,22 +1,20 @@
 """Building codes as an engineer applies them, beside what they make of simulated peaks."""
 
-import dataclasses
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import scipy.linalg
 import xarray as xr
-from cases import with_slow
-from commands import answered, refused
+from cases import example_case, with_slow
+from commands import answered
 
 import stochlin as sl
-from stochlin.analyses.cases.buildings import Building
-from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.codes import design_displacements, with_applied_codes
-from stochlin.analyses.cases.examples import example_case
-from stochlin.analyses.cases.files.design import Design
+from stochlin.analyses.cases.reading.buildings import Building, Oscillator
+from stochlin.analyses.cases.rows import of_codes
 from stochlin.analyses.cases.separation import CaseAnswer, answer_case
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.separation.report import report_page
@@ -98,7 +96,7 @@ def test_the_worked_case_by_plain_numpy(tmp_path: Path) -> None:
     text = re.sub("(?m)^(existing|risk) = .*\n", "", text).replace("paths = 256", "paths = 100")
     answer = of(tmp_path, text)
     table = answer.separation
-    clinic = answer.case.first.structure.arrays()
+    clinic = answer.case.buildings[0].structure.arrays()
     modes = [
         first_mode(clinic["masses"].values, clinic["stiffnesses"].values),
         first_mode(np.array([2.55e5, 2.05e5]), np.array([9.0e7, 1.76e8])),
@@ -210,15 +208,14 @@ def test_without_codes_it_is_that_of_the_spectrum_or_none(tmp_path: Path, storey
 
 
 @pytest.mark.invariant
-def test_what_the_code_of_the_spectrum_lacks_is_told_in_its_row(
-    storeyed: CaseAnswer, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_the_code_of_the_spectrum_lacks_is_told_in_its_row(storeyed: CaseAnswer) -> None:
     """No displacements: ASCE 7 needs both of its factors, Eurocode 8 none, and both the spectrum."""
     case, spectrum = storeyed.case, sl.asce_7(9.8, 6.0, 8.0)
-    bare = [dataclasses.replace(b, design=Design()) for b in case.described]
-    case = dataclasses.replace(case, described=tuple(bare))
+    nothing = {"displacements": (), "behaviour_factor": None, "displacement_factor": None}
+    bare = (replace(b, form=replace(b.form, **nothing)) for b in case.described)
+    case = replace(case, described=tuple(bare))
     for known, told in ((spectrum, ""), (spectrum[:30], "its period of 0.6 s is not in the design")):
-        monkeypatch.setattr(Case, "spectrum", known)
+        case = replace(case, site=replace(case.site, written=known))
         table = with_applied_codes(case, storeyed.separation.isel(rule=slice(0, 24)))
         lacking = table.missing.sel(rule="asce_7_applied").item()
         assert lacking.startswith("Hall lacks behaviour_factor: asce_7 needs its response modification")
@@ -263,7 +260,7 @@ def test_oscillators_have_one_displacement(tmp_path: Path) -> None:
     text = text.replace("[simulation]", 'codes = "eurocode_8"\n[simulation]')
     table = of(tmp_path, text).separation
     assert float(table.gap.sel(rule="eurocode_8_applied")) == pytest.approx(0.11, rel=1e-12)
-    with pytest.raises(ValueError, match="has 2 displacements; allowed: one, at the level where"):
+    with pytest.raises(ValueError, match="does not fit 1 floors"):
         sl.read_case(case_file(tmp_path, text.replace('"2 cm"', '["1 cm", "2 cm"]')))
 
 
@@ -288,23 +285,24 @@ def test_the_design_spectrum_of_eurocode_8_by_hand(
     behaviour: float,
     share: float,
     storeyed: CaseAnswer,
-    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """EN 1998-1, 3.2.2.5, 4.3.4, ground C: displacements over ag S (T/2 pi)^2; TB .2, TC .6, TD 2 s."""
     spectrum = sl.eurocode_8(0.25 * G, "C", damping=damping)
-    monkeypatch.setattr(Case, "spectrum", spectrum)
-    rule, design = CODE_RULES["eurocode_8"], Design(factors={"behaviour": behaviour})
-    first = storeyed.case.first
-    building = Building("Hut", sl.Bilinear(period, damping), "elastic", 3.0, 1, design=design)
+    rule, first = CODE_RULES["eurocode_8"], storeyed.case.buildings[0]
+    case = replace(storeyed.case, site=replace(storeyed.case.site, written=spectrum))
+    table = replace(first.form.table, values={"elastic": True})
+    form = Oscillator(table=table, period=period, damping=damping, height=3.0, storeys=1)
+    structure = sl.Bilinear(period, damping)
+    building = Building("Hut", structure, replace(form, behaviour_factor=behaviour))
     unit = 0.25 * G * 1.15 * (period / 2 / np.pi) ** 2
-    displacement = behaviour * design_displacements(storeyed.case, building, rule)
+    displacement = behaviour * design_displacements(case, building, rule)
     assert displacement == pytest.approx(share * unit, rel=1e-4)  # between points of the spectrum
-    other = design_displacements(storeyed.case, building, CODE_RULES["is_1893"])
+    other = design_displacements(case, building, CODE_RULES["is_1893"])
     elastic = np.interp(period, spectrum.period, spectrum) * (period / 2 / np.pi) ** 2
     assert behaviour * other == pytest.approx(elastic, rel=1e-4)
-    unknown = dataclasses.replace(building, design=Design())
-    assert design_displacements(storeyed.case, unknown, rule) == pytest.approx(elastic, rel=1e-4)
-    case = dataclasses.replace(storeyed.case, described=(building, first), codes=("eurocode_8",))
+    unknown = replace(building, form=form)
+    assert design_displacements(case, unknown, rule) == pytest.approx(elastic, rel=1e-4)
+    case = replace(case, described=(building, first), codes=("eurocode_8",))
     table = with_applied_codes(case, storeyed.separation.isel(rule=slice(0, 9)))
     assert "3.2.2.5" in table.assumptions.sel(rule="eurocode_8_applied").item()
 
@@ -317,65 +315,12 @@ def test_countries_have_their_code_with_its_factors(tmp_path: Path) -> None:
     text = STOREYS.replace('["Greece", "asce_7"]', codes)
     case = sl.read_case(case_file(tmp_path, text))
     assert case.codes == ("tbdy_2018", "ntc_2018", "iran_2800", "nsr_10", "nzs_1170_5")
-    assert case.design_pga is None
+    assert of_codes(case)["design_pga"] is None
     lacking = of(tmp_path, text).separation.missing.sel(rule="ntc_2018_applied").item()
     assert lacking == "needs design_pga"
     site = 'ground = "firm"\nintensity = "0.01 m^2/s^3"'
     of_spectrum = sl.read_case(case_file(tmp_path, text.replace(site, EC8).replace("12 s", "20 s")))
-    assert of_spectrum.design_pga == pytest.approx(0.25 * 1.15 * G, rel=1e-12)
-
-
-WRONG = [
-    (
-        '["0.4 cm", "0.9 cm"]',
-        '["0.9 cm"]',
-        '["0.9 cm"]',
-        "1 displacement; allowed: one for each of its 2",
-    ),
-    ('"0.9 cm"]', '"1.2 m"]', '"1.2 m"]', "is doubtful"),
-    (
-        "displacement_factor = 2.5\n",
-        "",
-        "[building_1]",
-        "building_1.displacement_factor is missing: asce_7 needs its deflection amplification factor "
-        "Cd; write, for instance, displacement_factor = 3.0, or leave the code out",
-    ),
-    (
-        'displacements = ["0.4 cm", "0.9 cm"]\n',
-        "",
-        "[building_2]",
-        "building_2.displacements is missing: eurocode_8 needs them, since the site has no design",
-    ),
-    (
-        '"Greece"',
-        '"Grece"',
-        "codes = ",
-        "has 'Grece', which is not known; did you mean 'Greece'? allowed:",
-    ),
-    ('"Greece"', '"srss"', "codes = ", "has srss, which states no factor on displacements under design"),
-    ('"Greece"', '"peru_e030_2026"', "codes = ", "has peru_e030_2026, but its number is missing, as"),
-    ("importance_factor = 1.25", "importance_factor = 5", "= 5", "codes have 0.8 to 1.5"),
-]
-
-
-@pytest.mark.cli
-@pytest.mark.parametrize(("old", "new", "at", "says"), WRONG)
-def test_what_is_wrong_is_told_with_its_line_and_its_cure(
-    old: str, new: str, at: str, says: str, tmp_path: Path
-) -> None:
-    assert old in STOREYS
-    text = STOREYS.replace(old, new, 1)
-    path = case_file(tmp_path, text)
-    if says == "is doubtful":
-        with pytest.warns(
-            UserWarning, match=r"building_2.displacements .* is doubtful: usual are 0.001 to 0.5 m"
-        ):
-            sl.read_case(path)
-        return
-    shown = refused("gap", path)
-    line = text[: text.index(at)].count("\n") + 1
-    assert f"case.toml, line {line}: " in shown
-    assert says in shown
+    assert of_codes(of_spectrum)["design_pga"] == pytest.approx(0.25 * 1.15 * G, rel=1e-12)
 
 
 @pytest.mark.paper

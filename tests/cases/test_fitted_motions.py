@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cases import example_case
 from motions import write_at2
 
 import stochlin as sl
-from stochlin.analyses.cases.case import Case
-from stochlin.analyses.cases.examples import example_case
+from stochlin.analyses.cases.reading.case import Case
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.separation.verdict import comparisons
 from stochlin.views.shared.words import scatter
@@ -43,17 +43,17 @@ def fitted(tmp_path_factory: pytest.TempPathFactory) -> Case:
 
 @pytest.mark.slow
 def test_a_fitted_envelope_brings_ground_and_duration_with_it(fitted: Case) -> None:
-    (record,) = fitted.records.values()
+    (record,) = fitted.site.records.values()
     expected = sl.fit_motion(record, filters=1)
-    assert (fitted.ground, fitted.envelope) == (expected.ground, expected.envelope)
-    assert fitted.duration == expected.duration == pytest.approx(25.0, rel=0.01)
-    assert fitted.fitted
+    course = fitted.site.course
+    assert (fitted.site.ground, course.envelope) == (expected.ground, expected.envelope)
+    assert course.duration == expected.duration == pytest.approx(25.0, rel=0.01)
 
 
 @pytest.mark.slow
 def test_the_answer_says_how_the_motions_compare_with_the_record(fitted: Case) -> None:
     answer = answer_case(fitted)
-    (record,) = fitted.records.values()
+    (record,) = fitted.site.records.values()
     of_record = sl.response_spectrum(record, answer.spectrum.period.values, 0.05).pseudo_acceleration
     np.testing.assert_allclose(answer.spectrum.target, of_record.squeeze(), rtol=1e-9)
     told = comparisons(answer)[-1]
@@ -75,14 +75,14 @@ def read_both(folder: Path, second: str, lines: str = "components = 2\n") -> Cas
 @pytest.mark.slow
 def test_ground_and_scatter_come_from_both_components(tmp_path: Path) -> None:
     case = read_both(tmp_path, "loud")
-    motion = sl.fit_motion(list(case.records.values()), filters=2)
-    assert (case.ground, case.envelope) == (motion.ground, motion.envelope)
-    assert case.scatter == motion.scatter == pytest.approx(math.log(1.5) / math.sqrt(2), rel=1e-6)
+    motion = sl.fit_motion(list(case.site.records.values()), filters=2)
+    assert (case.site.ground, case.site.course.envelope) == (motion.ground, motion.envelope)
+    assert case.site.scatter == motion.scatter == pytest.approx(math.log(1.5) / math.sqrt(2), rel=1e-6)
     assert "between both components" in scatter(case)
 
 
 def test_of_one_component_the_scatter_is_that_of_the_other(fitted: Case) -> None:
-    assert fitted.scatter == 0.4
+    assert fitted.site.scatter == 0.4
     assert "the other component of a station" in scatter(fitted)
 
 
@@ -111,10 +111,12 @@ def test_an_envelope_that_misses_the_energy_of_the_record_is_told(
     text = f'[motion]\nduration = "{duration}"\n{envelope}'
     case = read(tmp_path, text)
     with pytest.warns(UserWarning, match=r"motion.envelope.* times the energy of the record") as found:
-        _ = case.ground
+        _ = case.site.ground
     told = float(str(found[0].message).partition("motions with ")[2].partition(" times")[0])
-    (record,) = case.records.values()
-    motions = sl.simulated_motions(case.ground, case.duration, case.envelope, paths=256)
+    (record,) = case.site.records.values()
+    motions = sl.simulated_motions(
+        case.site.ground, case.site.course.duration, case.site.course.envelope, paths=256
+    )
     ratio = float((motions**2).integrate("time").mean() / (record**2).integrate("time"))
     assert not 0.8 <= told <= 1.25
     assert ratio == pytest.approx(told, rel=0.08)  # 256 motions, two digits told
@@ -128,32 +130,3 @@ def test_an_envelope_like_that_of_the_record_is_not(tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         read(tmp_path, "\n".join(['[motion]\nduration = "25 s"', 'envelope = "amin_ang"', *lines]))
-
-
-@pytest.mark.parametrize(
-    ("motion", "more", "message"),
-    [
-        (
-            f'{FITTED}duration = "20 s"\n',
-            "",
-            r"motion.duration = '20 s' is not a key .* allowed: envelope",
-        ),
-        (FITTED, 'model = "kanai_tajimi"\n', r"site.model = .* is not a key .*ground, records, filters"),
-    ],
-)
-def test_what_goes_with_a_fitted_envelope_is_said(
-    tmp_path: Path, motion: str, more: str, message: str
-) -> None:
-    with pytest.raises(ValueError, match=message):
-        read(tmp_path, motion, more)
-
-
-@pytest.mark.parametrize("site", ['ground = "firm"\nintensity = "0.01 m^2/s^3"', 'ground = "fitted"'])
-def test_a_fitted_envelope_needs_a_fitted_ground_and_its_record(tmp_path: Path, site: str) -> None:
-    start, end = EXAMPLE.index("[site]"), EXAMPLE.index("[building_1]")
-    path = tmp_path / "case.toml"
-    path.write_text(f"{EXAMPLE[:start]}[site]\n{site}\n{FITTED}{EXAMPLE[end:]}", encoding="utf-8")
-    with pytest.raises(
-        ValueError, match=r"motion.envelope = 'fitted' goes with a ground that is fitted"
-    ):
-        sl.read_case(path)

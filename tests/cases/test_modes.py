@@ -11,8 +11,8 @@ from cases import FIRM_SITE, SMALL_GAP
 from uploads import open_case
 
 import stochlin as sl
-from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.pounding import pound_motions
+from stochlin.analyses.cases.reading.case import Case
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.shared.words import left_out
 
@@ -67,16 +67,6 @@ def tower() -> str:
     return "\n".join(",".join(map(str, row)) for row in rows)
 
 
-def inline() -> str:
-    """The same as tables of a case file."""
-    tables = "".join(
-        f"[[building_1.modes]]\nperiod = '{period} s'\nshape = {shape.tolist()}\n"
-        for period, shape in zip(*eigen(), strict=True)
-    )
-    floors = STOREYS.replace(f"stiffnesses = {[f'{value} N/m' for value in STIFFNESSES]}\n", "")
-    return floors + tables
-
-
 def case_of(tmp_path: Path, building: str) -> Case:
     (tmp_path / "tower.csv").write_text(tower(), encoding="utf-8")
     path = tmp_path / "case.toml"
@@ -87,8 +77,8 @@ def case_of(tmp_path: Path, building: str) -> Case:
 def test_storeys_by_all_their_modes_need_the_same_gap_and_pound_alike(tmp_path: Path) -> None:
     """The same motions, elastic: what differs is the integration of the highest modes."""
     of_modes, of_storeys = (case_of(tmp_path, text) for text in (OF_FILE, STOREYS))
-    assert of_modes.first.storeys == 3
-    assert of_modes.first.height == pytest.approx(10.5)
+    assert of_modes.buildings[0].storeys == 3
+    assert of_modes.buildings[0].height == pytest.approx(10.5)
     gaps = [answer_case(case).separation.gap_at_height[0] for case in (of_modes, of_storeys)]
     np.testing.assert_allclose(*gaps, rtol=2e-3)
     hits = [pound_motions(case, 16) for case in (of_modes, of_storeys)]
@@ -97,18 +87,12 @@ def test_storeys_by_all_their_modes_need_the_same_gap_and_pound_alike(tmp_path: 
     np.testing.assert_allclose(*(hit.impacts.sum() for hit in hits), rtol=0.05)
 
 
-def test_modes_in_tables_are_those_of_a_file(tmp_path: Path) -> None:
-    of_file, of_tables = (case_of(tmp_path, text).first.structure for text in (OF_FILE, inline()))
-    for name, values in of_file.arrays().items():
-        np.testing.assert_allclose(of_tables.arrays()[name], values, rtol=1e-12)
-
-
 def test_the_file_is_beside_the_case_and_an_input_of_it(tmp_path: Path) -> None:
     case = case_of(tmp_path, YIELDING)
-    assert case.inputs == (tmp_path / "case.toml", tmp_path / "tower.csv")
-    assert case.first.structure.yield_displacements == pytest.approx(0.02)
-    assert case.first.strength == "yield_displacements"
-    listed = case_of(tmp_path, YIELDING.replace('"2 cm"', '["2 cm"]')).first.structure
+    assert case.files == [tmp_path / "case.toml", tmp_path / "tower.csv"]
+    assert case.buildings[0].structure.yield_displacements == pytest.approx(0.02)
+    assert case.buildings[0].strength == "yield_displacements"
+    listed = case_of(tmp_path, YIELDING.replace('"2 cm"', '["2 cm"]')).buildings[0].structure
     assert listed.describe().endswith("over yielding mode)")
     with pytest.raises(ValueError, match=r"line 10: building_1.modes = 'roof.csv' cannot be read"):
         case_of(tmp_path, YIELDING.replace("tower", "roof"))
@@ -116,51 +100,20 @@ def test_the_file_is_beside_the_case_and_an_input_of_it(tmp_path: Path) -> None:
 
 def test_a_measured_period_and_a_strength_factor_change_the_modes(tmp_path: Path) -> None:
     """Stiffer by (T1/T2)^2 at the same yield force, which the factor then multiplies."""
-    plain = case_of(tmp_path, YIELDING).first.structure
+    plain = case_of(tmp_path, YIELDING).buildings[0].structure
     own = float(plain.mode_periods()[0])
     lines = f"{YIELDING}period = '{own / 2} s'\nstrength_factor = 1.2\n"
-    changed = case_of(tmp_path, lines).first.structure
+    changed = case_of(tmp_path, lines).buildings[0].structure
     np.testing.assert_allclose(changed.mode_periods(), plain.mode_periods() / 2, rtol=1e-12)
     assert float(changed.yield_displacements) == pytest.approx(0.02 / 4 * 1.2)
 
 
 def test_damping_and_strength_may_be_uncertain_and_damping_of_each_mode(tmp_path: Path) -> None:
     uncertain = YIELDING.replace("0.05", '"5 % +- 20 %"', 1).replace('"2 cm"', '"1.5 to 2.5 cm"')
-    first = case_of(tmp_path, uncertain).first
-    assert {*first.uncertain.uncertain} == {"damping", "yield_displacements"}
-    each = case_of(tmp_path, OF_FILE.replace("0.05", '["5 %", "4 %", "3 %"]')).first.structure
+    first = case_of(tmp_path, uncertain).buildings[0]
+    assert {*first.sampled.uncertain} == {"damping", "yield_displacements"}
+    each = case_of(tmp_path, OF_FILE.replace("0.05", '["5 %", "4 %", "3 %"]')).buildings[0].structure
     assert each.arrays()["damping"].values.tolist() == [0.05, 0.04, 0.03]
-
-
-def wrong(change: str, building: str = OF_FILE) -> str:
-    return f"{building}{change}\n"
-
-
-BROKEN = {
-    "line 13: building_1.masses = ['1 t'] stands beside a file of modes": wrong("masses = ['1 t']"),
-    "line 13: building_1.damping_modes = [1, 3] does not belong to a building by its modes, which "
-    "have their own stiffness, mass and damping ratio; allowed: ": wrong("damping_modes = [1, 3]"),
-    "line 13: building_1.storeys = 4 is not the number of floors of the modes, 3": wrong("storeys = 4"),
-    "line 10: building_1.modes = 3 is no list of tables": OF_FILE.replace('"tower.csv"', "3"),
-    "line 10: building_1.modes = [] is empty; allowed": OF_FILE.replace('"tower.csv"', "[]"),
-    "line 8: building_1.modes is missing": OF_FILE.replace('modes = "tower.csv"', 'direction = "UX"'),
-    "building_1.direction = 'UX' belongs to a file of modes": inline().replace(
-        "elastic", "direction = 'UX'\nelastic"
-    ),
-    "building_1.modes.shape = [1.0] has 1 numbers for 3 masses": re.sub(
-        r"shape = .*", "shape = [1.0]", inline()
-    ),
-    "building_1.modes participation and modal_mass belong together": inline() + "participation = 1\n",
-    "building_1.heights = ['3 m'] has 1 values for 3 masses": re.sub(
-        r"heights = .*", "heights = ['3 m']", inline()
-    ),
-}
-
-
-@pytest.mark.parametrize("message", BROKEN)
-def test_what_does_not_belong_to_modes_is_refused(tmp_path: Path, message: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(message)):
-        case_of(tmp_path, BROKEN[message])
 
 
 PUSHOVER = """displacement [m],base shear [kN]
@@ -175,13 +128,17 @@ PUSHOVER = """displacement [m],base shear [kN]
 def test_a_pushover_curve_beside_modes_is_that_of_the_library(tmp_path: Path) -> None:
     (tmp_path / "push.csv").write_text(PUSHOVER, encoding="utf-8")
     ideal = sl.bilinear_of(sl.read_pushover(tmp_path / "push.csv"))
-    expected = case_of(tmp_path, OF_FILE).first.structure.with_pushover(ideal)
+    expected = case_of(tmp_path, OF_FILE).buildings[0].structure.with_pushover(ideal)
     case = case_of(tmp_path, OF_FILE.replace("elastic = true", 'pushover = "push.csv"'))
-    assert case.first.structure.describe() == expected.describe()
-    assert case.first.strength == "pushover"
-    assert [path.name for path in case.inputs] == ["case.toml", "tower.csv", "push.csv"]
+    assert case.buildings[0].structure.describe() == expected.describe()
+    assert case.buildings[0].strength == "pushover"
+    assert [path.name for path in case.files] == [
+        "case.toml",
+        "tower.csv",
+        "push.csv",
+    ]
     files = {name: (tmp_path / name).read_bytes() for name in ("case.toml", "tower.csv", "push.csv")}
-    opened = open_case(files)[0].first.structure
+    opened = open_case(files)[0].buildings[0].structure
     for name, values in expected.arrays().items():
         np.testing.assert_allclose(np.squeeze(opened.arrays()[name]), np.squeeze(values), rtol=1e-12)
 
@@ -193,7 +150,9 @@ def test_a_folder_of_tables_is_the_building_of_its_files_and_warns_if_it_turns(t
         (tmp_path / "annex" / f"{n}.csv").write_text(table, encoding="utf-8")
     (tmp_path / "annex.csv").write_text(tables, encoding="utf-8")
     whole, folder = (
-        case_of(tmp_path, f'{OF_FILE.replace("tower.csv", path)}direction = "UX"\n').first.structure
+        case_of(tmp_path, f'{OF_FILE.replace("tower.csv", path)}direction = "UX"\n')
+        .buildings[0]
+        .structure
         for path in ("annex.csv", "annex")
     )
     assert folder.describe() == whole.describe()

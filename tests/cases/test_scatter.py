@@ -5,11 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from cases import example_case
 from click.testing import CliRunner
 
 import stochlin as sl
-from stochlin.analyses.cases.case import Case
-from stochlin.analyses.cases.examples import example_case
+from stochlin.analyses.cases.reading.case import Case
+from stochlin.analyses.cases.rows import motion_of
 from stochlin.analyses.sites.motion_fit import USES
 from stochlin.views.command import main
 from stochlin.views.shared.words import scatter
@@ -41,13 +42,13 @@ def read(folder: Path, line: str = "", site: str = "") -> Case:
 
 def test_the_usual_one_is_none_where_the_strength_of_the_ground_is_given(tmp_path):
     case = read(tmp_path)
-    assert case.scatter == case.motion["scatter"] == case.usual_scatter.scatter == 0
+    assert case.site.scatter == motion_of(case)["scatter"] == case.site.usual_scatter.scatter == 0
     assert not scatter(case)
 
 
 def test_it_is_read_and_said(tmp_path):
     case = read(tmp_path, "scatter = 0.3")
-    assert case.scatter == case.motion["scatter"] == 0.3
+    assert case.site.scatter == motion_of(case)["scatter"] == 0.3
     assert "scatter 0.3 (standard deviation" in scatter(case)
     assert scatter(case).endswith("scatter in [motion] of the file.")
 
@@ -55,11 +56,11 @@ def test_it_is_read_and_said(tmp_path):
 @pytest.mark.slow
 def test_of_a_spectrum_it_is_what_suites_show_and_can_be_left_out(tmp_path):
     case = read(tmp_path, site=CODE)
-    assert case.scatter == case.usual_scatter.scatter == USES["spectrum"].scatter == 0.3
-    assert case.usual_scatter.source in scatter(case)
+    assert case.site.scatter == case.site.usual_scatter.scatter == USES["spectrum"].scatter == 0.3
+    assert case.site.usual_scatter.source in scatter(case)
     assert "scatter = 0 in [motion] omits it" in scatter(case)
     none = read(tmp_path, "scatter = 0", site=CODE)
-    assert none.scatter == 0
+    assert none.site.scatter == 0
     assert "records show a scatter of 0.3 (suites of records about a spectrum" in scatter(none)
 
 
@@ -74,10 +75,3 @@ def test_every_command_simulates_and_says_it(tmp_path, command):
     assert "scatter 0.5" in " ".join(outputs[1].split())
     assert "scatter" not in outputs[0]
     assert outputs[0] != outputs[1]
-
-
-@pytest.mark.parametrize("wrong", ["-0.1", "40", '"40 %"', "nan", "[0.4]", "true", '"much"'])
-def test_what_is_wrong_is_said_with_its_line(tmp_path, wrong):
-    said = r"case\.toml, line \d+: motion\.scatter = .* cannot be used: .*allowed: a number from 0 to 2"
-    with pytest.raises(ValueError, match=said):
-        read(tmp_path, f"scatter = {wrong}")

@@ -10,12 +10,13 @@ from typing import Any
 import cases
 import numpy as np
 import pytest
+from cases import example_case
 from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.cases.case import Case
-from stochlin.analyses.cases.examples import example_case
+from stochlin.analyses.cases.reading.case import Case
+from stochlin.analyses.cases.rows import gap_of, neighbours_of, pair_of
 from stochlin.messages import DoubtfulInput
 from stochlin.models.systems import slabs_on_columns
 from stochlin.views.shared.words import floors
@@ -73,37 +74,43 @@ def test_each_way_that_the_example_shows_is_read(start: str, tmp_path: Path) -> 
         assert building.structure.p_delta
         assert building.structure.dampers == 2e6
         assert building.strength in ("base_shear_coefficient", "yield_drifts")
-    assert case.floors_align
+    assert case.wanted.floors_align
     shown = {"period": (8, 24.0, 3.0), "masses": (3, 10.0, 10 / 3)}[start]
-    assert (case.first.storeys, case.first.height, case.first.storey_height) == shown
+    assert (
+        case.buildings[0].storeys,
+        case.buildings[0].height,
+        case.buildings[0].storey_height,
+    ) == shown
     listed = 'heights = ["4 m", "3 m", "3 m"]'
     if start == "period":
         low = buildings[0].replace('storey_height = "3 m"', listed).replace("storeys = 8\n", "")
-        assert read(tmp_path, low, buildings[1]).first.height == 10.0
+        assert read(tmp_path, low, buildings[1]).buildings[0].height == 10.0
     else:
         high = buildings[0].replace(listed, 'storey_height = "3 m"')
-        assert read(tmp_path, high, buildings[1]).first.height == 9.0
+        assert read(tmp_path, high, buildings[1]).buildings[0].height == 9.0
 
 
 def test_a_regular_building_is_that_of_python(tmp_path: Path) -> None:
     case = read(tmp_path, REGULAR, SINGLE)
-    same(case.first.structure, sl.ShearBuilding.regular(**KNOWN))
+    same(case.buildings[0].structure, sl.ShearBuilding.regular(**KNOWN))
     elastic = REGULAR.replace('base_shear_coefficient = "15 %"', "elastic = true")
     bare = {name: value for name, value in BOTH.items() if name != "hardening"}
     expected = sl.ShearBuilding.regular(**bare, storey_height=3.0)
-    same(read(tmp_path, elastic, SINGLE).first.structure, expected)
+    same(read(tmp_path, elastic, SINGLE).buildings[0].structure, expected)
     heights = 'heights = ["4 m", "3 m", "3 m", "3 m"]'
     listed = REGULAR.replace('storey_height = "3 m"', heights)
     expected = sl.ShearBuilding.regular(**KNOWN | {"storey_height": [4, 3, 3, 3]})
     for text in (listed, listed.replace("storeys = 4\n", "")):
-        same(read(tmp_path, text, SINGLE).first.structure, expected)
+        same(read(tmp_path, text, SINGLE).buildings[0].structure, expected)
 
 
 def test_laws_dampers_and_the_weight_are_read_by_storey(tmp_path: Path) -> None:
     lines = 'law = "bouc_wen"\nbeta = [0.6, "50 %"]\nexponent = 2\ngamma = 0.3\n'
     lines += 'dampers = ["2 MN s/m", "0 N s/m"]\np_delta = true\nstoreys = 2\n'
     lines += "damping_modes = [2, 1]\n"
-    found = read(tmp_path, REGULAR, SINGLE.replace("damping", f"{lines}damping", 1)).second.structure
+    found = (
+        read(tmp_path, REGULAR, SINGLE.replace("damping", f"{lines}damping", 1)).buildings[1].structure
+    )
     expected = sl.ShearBuilding(
         [3e5, 2.5e5],
         [5e8, 4e8],
@@ -126,22 +133,22 @@ def test_the_buildings_of_the_page_are_the_same_in_python(tmp_path: Path) -> Non
     case = read(tmp_path, *lines)
     names: dict[str, Any] = {}
     exec("".join(made[:2]), names)
-    same(case.first.structure, names["office"])
-    same(case.second.structure, names["annex"])
-    assert sum(slab.column_of == 1 for slab in case.slabs_on_columns) == 5
+    same(case.buildings[0].structure, names["office"])
+    same(case.buildings[1].structure, names["annex"])
+    assert sum(slab.column_of == 1 for slab in case.slabs) == 5
 
 
 def test_kinds_may_be_mixed_and_each_is_what_its_keys_say(tmp_path: Path) -> None:
     case = read(tmp_path, REGULAR, OSCILLATOR)
-    assert isinstance(case.first.structure, sl.ShearBuilding)
-    assert isinstance(case.second.structure, sl.Bilinear)
-    assert case.pair == case.buildings == (case.first, case.second)
-    assert (case.gap, case.slabs_on_columns) == (0.05, ())
-    for building, known in ((case.first, (12.0, 4, 3.0)), (case.second, (15.0, 5, 3.0))):
+    assert isinstance(case.buildings[0].structure, sl.ShearBuilding)
+    assert isinstance(case.buildings[1].structure, sl.Bilinear)
+    assert pair_of(case) == case.buildings == (case.buildings[0], case.buildings[1])
+    assert (gap_of(case), case.slabs) == (0.05, ())
+    for building, known in ((case.buildings[0], (12.0, 4, 3.0)), (case.buildings[1], (15.0, 5, 3.0))):
         assert (building.height, building.storeys, building.storey_height) == known
-    assert (case.first.period, case.second.period) == (pytest.approx(0.8, rel=1e-12), 0.6)
-    assert case.first.weighed
-    assert case.second.weighed
+    assert (case.buildings[0].period, case.buildings[1].period) == (pytest.approx(0.8, rel=1e-12), 0.6)
+    assert case.buildings[0].weighed
+    assert case.buildings[1].weighed
 
 
 def of_levels(number: int, heights: Sequence[float]) -> str:
@@ -155,14 +162,14 @@ def of_levels(number: int, heights: Sequence[float]) -> str:
 
 def test_slabs_on_columns_are_found_from_the_ground_up(tmp_path: Path) -> None:
     case = read(tmp_path, of_levels(1, [4, 3, 3]), of_levels(2, [3, 3]))
-    assert [each[:4] for each in case.slabs_on_columns] == [
+    assert [each[:4] for each in case.slabs] == [
         (1, 1, 1, 3.0),
         (1, 2, 2, 4.0),
         (2, 1, 2, 6.0),
     ]
     three = of_levels(1, [4, 3]), of_levels(2, [4.04, 3]), of_levels(3, [4, 4])
     row = read(tmp_path, *three, gaps='["5 cm", "5 cm"]')
-    assert [(one.floor, one.column_of) for one in row.slabs_on_columns] == [(2, 3)]
+    assert [(one.floor, one.column_of) for one in row.slabs] == [(2, 3)]
 
 
 @given(
@@ -188,79 +195,7 @@ def test_floors_that_are_said_to_align_and_do_not(tmp_path: Path) -> None:
     )
     with pytest.warns(DoubtfulInput, match=said):
         case = read(tmp_path, of_levels(1, [4, 3]), of_levels(2, [3, 3]), align="true")
-    assert not case.floors_align
-
-
-# The building, what its line starts with, and what the message says of it.
-WRONG = {
-    "a regular one without its masses": (
-        REGULAR.replace('floor_mass = "400 t"\n', ""),
-        "[building_1]",
-        ["building_1.floor_mass is missing: ", 'floor_mass = "400 t"', "leave out storey_height"],
-    ),
-    "an oscillator with a storey height": (
-        'name = "A"\nstorey_height = "3 m"\nstoreys = 4\n',
-        "[building_1]",
-        ["building_1 has no strength", "base_shear_coefficient = 0.15, pushover = "],
-    ),
-    "an oscillator with a base shear": (
-        'period = "1 s"\nstoreys = 4\nbase_shear_coefficient = 0.2\n',
-        "[building_1]",
-        ["floor_mass is missing, and so is storey_height: base_shear_coefficient describes the buil"],
-    ),
-    "heights alone": (
-        'heights = ["3 m"]\nelastic = true\n',
-        "[building_1]",
-        ["building_1.period is missing, and so is floor_mass: heights describes", 'period = "0.8 s", f'],
-    ),
-    "storeys of a regular one left out": (
-        REGULAR.replace("storeys = 4\n", ""),
-        "[building_1]",
-        ["building_1.storeys is missing: storey_height, floor_mass, base_shear_coefficient describe"],
-    ),
-    "keys of an oscillator beside storeys": (
-        OSCILLATOR.replace("2]", '1]\nstorey_height = "3 m"'),
-        "reduction_factor",
-        [
-            "building_1.reduction_factor = 4 is not a key that is known here, and neither are height, m",
-            "where storey_height describes the building by its storeys; allowed: period, floor_mass",
-            "for an oscillator, leave out storey_height",
-        ],
-    ),
-    "a height twice": (
-        REGULAR + 'heights = ["3 m"]\n',
-        "heights",
-        ["is given together with storey_height; allowed: one of them"],
-    ),
-    "more heights than storeys": (
-        REGULAR.replace('storey_height = "3 m"', 'heights = ["3 m", "3 m", "3 m"]'),
-        "heights",
-        ["has 3 values, but storeys = 4; allowed: one for each storey"],
-    ),
-    "a mode above the roof": (
-        REGULAR + "damping_modes = [1, 5]\n",
-        "[building_1]",
-        ["damping_modes = [1, 5]; allowed: two different modes, each a whole number from 1 to 4"],
-    ),
-}
-
-
-@pytest.mark.parametrize("what", WRONG)
-def test_what_is_wrong_is_said_with_file_line_and_key(what: str, tmp_path: Path) -> None:
-    lines, at, says = WRONG[what]
-    building = lines if lines.startswith("[") else f'[building_1]\ndamping = "5 %"\n{lines}\n'
-    text = cases.with_buildings(building, OSCILLATOR)
-    with pytest.raises(ValueError, match=r"case\.toml") as caught:
-        read(tmp_path, building, OSCILLATOR)
-    message = str(caught.value)
-    start = text.index("[building_1]")
-    number = text[:start].count("\n") + 1
-    at_line = next(n for n, line in enumerate(text[start:].splitlines(), number) if line.startswith(at))
-    assert message.startswith(f"case.toml, line {at_line}: building_1"), message
-    for part in says:
-        assert part in message
-    assert message.isprintable()
-    assert len(message) < 500
+    assert not neighbours_of(case)["floors_align"]
 
 
 # --- Links ----------------------------------------------------------------------------------------
@@ -274,34 +209,6 @@ def test_links_have_floors_and_laws(tmp_path: Path) -> None:
     case = read(tmp_path, REGULAR, SINGLE, more=more)
     yielding = sl.Link(5e7, hardening=0.02, yield_displacement=0.01, floors=(4, 2))
     assert case.measures["Link"] == sl.Measure(link=yielding)
-
-
-@pytest.mark.parametrize(
-    ("lines", "at", "says"),
-    [
-        (
-            "link_floors = [5, 1]",
-            "link_floors",
-            "1 to 4 of Building 1 and 1 of Annex, as link_fl",
-        ),
-        ("link_floors = [4, 0]", "link_floors", "allowed: two whole numbers"),
-        ("link_floors = [4, 2]", "link_floors", "is not a floor of each building"),
-        ("link_hardening = 0.1", "link_hardening", "beside link_yield_displacement"),
-    ],
-)
-def test_what_is_wrong_with_a_link(lines: str, at: str, says: str, tmp_path: Path) -> None:
-    more = MEASURE.format(f'link_stiffness = "50 MN/m"\n{lines}')
-    with pytest.raises(ValueError, match=r"^case\.toml, line \d+: measures.Link") as caught:
-        read(tmp_path, REGULAR, OSCILLATOR, more=more)
-    assert says in str(caught.value)
-    written = (tmp_path / "case.toml").read_text(encoding="utf-8").splitlines()
-    line = int(str(caught.value).partition("line ")[2].partition(":")[0])
-    assert written[line - 1].startswith(at)
-
-
-def test_floors_of_a_link_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"link_floors = .* has no link to tie; allowed: beside"):
-        read(tmp_path, REGULAR, SINGLE, more=MEASURE.format("link_floors = [1, 1]"))
 
 
 # --- In words -------------------------------------------------------------------------------------
@@ -330,7 +237,7 @@ def test_floors_that_are_not_level_are_told(tmp_path: Path) -> None:
 def test_storeys_take_a_measured_period_and_another_strength(tmp_path: Path) -> None:
     """Stiffnesses in one proportion, and yield shears that a period leaves alone."""
     measured = SINGLE.replace("masses", 'period = "0.3 s"\nstrength_factor = 1.2\nmasses', 1)
-    drawn, tuned = (read(tmp_path, REGULAR, s).second.structure for s in (SINGLE, measured))
+    drawn, tuned = (read(tmp_path, REGULAR, s).buildings[1].structure for s in (SINGLE, measured))
     assert float(tuned.periods()[0]) == pytest.approx(0.3, rel=1e-12)
     stiffer = tuned.stiffnesses / drawn.stiffnesses
     np.testing.assert_allclose(stiffer, float(drawn.periods()[0] / 0.3) ** 2, rtol=1e-12)

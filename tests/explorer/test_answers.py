@@ -40,7 +40,8 @@ def answered(question, text):
 def test_the_gap_is_that_of_the_case_with_few_motions(tmp_path):
     (tmp_path / "case.toml").write_text(TEXT, encoding="utf-8")
     case = sl.read_case(tmp_path / "case.toml")
-    expected = answer_case(dataclasses.replace(case, paths=PATHS))
+    few = dataclasses.replace(case.simulated, paths=PATHS)
+    expected = answer_case(dataclasses.replace(case, simulated=few))
     page = answered(gap_of, TEXT.replace('title = "', 'title = "<b>'))
     for sentence in first_lines(expected):
         assert sentence in page
@@ -67,12 +68,12 @@ def test_storeys_have_a_gap_and_no_correlation():
 def test_the_correlation_is_that_of_correlate(tmp_path):
     (tmp_path / "case.toml").write_text(TEXT, encoding="utf-8")
     case = sl.read_case(tmp_path / "case.toml")
-    first, second = case.first.structure, case.second.structure
+    first, second = case.buildings[0].structure, case.buildings[1].structure
     narrow, broad = correlations(case)
-    expected = sl.correlate(first, second, case.ground)
+    expected = sl.correlate(first, second, case.site.ground)
     own = narrow.linearized.sel(period_ratio=0.6, method="nearest")
     assert float(own) == pytest.approx(float(expected.rho), rel=1e-9)
-    white = sl.WhiteNoise(float(case.ground.psd(2 * np.pi / first.period)))
+    white = sl.WhiteNoise(float(case.site.ground.psd(2 * np.pi / first.period)))
     wide = broad.linearized.sel(period_ratio=0.6, method="nearest")
     assert float(wide) == pytest.approx(float(sl.correlate(first, second, white).rho), rel=1e-9)
     for on in (narrow, broad):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.client
 import json
 import os
+import re
 import signal
 import socket
 import sys
@@ -20,7 +21,7 @@ from browser import PATIENCE, served, wait
 from cases import BLOCK, example_of_short_motion, with_buildings
 from click.testing import CliRunner
 
-from stochlin.analyses.cases.examples import example_case, example_record
+from stochlin.analyses.cases.examples import example_record, short_example
 from stochlin.views.command import main
 
 pytestmark = [pytest.mark.cli, pytest.mark.slow]  # in a browser
@@ -31,13 +32,11 @@ def run(*arguments: object) -> Any:
     return CliRunner().invoke(main, ["explore", "--no-open", *map(str, arguments)])
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1", "192.0.2.1"])  # the other of no machine, RFC 5737
-def test_an_address_that_cannot_be_used_is_told(host):
+def test_a_port_that_cannot_be_used_is_refused():
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        done = run("--host", host, "--port", port)
+        done = run("--port", taken.getsockname()[1])
     assert done.exit_code == 2
-    assert f"--host {host} --port {port} cannot be used" in done.output
+    assert "cannot be used" in done.output
     assert "give another --port" in done.output
 
 
@@ -51,7 +50,7 @@ def test_a_missing_extra_is_told_with_its_cure(monkeypatch):
 
 def test_a_bad_case_file_is_told(tmp_path):
     path = tmp_path / "case.toml"
-    path.write_text(example_case().replace('period = "1.0 s"', 'period = "-4 s"'), encoding="utf-8")
+    path.write_text(short_example().replace('period = "1.0 s"', 'period = "-4 s"'), encoding="utf-8")
     done = run("--case", path)
     assert done.exit_code == 2
     assert "building_1.period = '-4 s' is out of range" in done.output
@@ -120,20 +119,19 @@ def test_the_page_comes_from_this_machine_alone_and_has_an_answer(page, address)
     assert [url for url in asked if not url.startswith(own)] == []
 
 
-def test_a_slider_moved_by_keyboard_changes_entry_text_and_answer(page):
+def test_a_slider_moved_by_keyboard_changes_entry_and_answer(page):
     from selenium.webdriver.common.keys import Keys
 
-    before = page.gap()
-    slider = 'slider="building_1.reduction_factor"'
-    page.script("document.querySelector(arguments[0]).focus()", f"[data-{slider}]")
+    before, slider = page.gap(), '[data-slider="building_1.reduction_factor"]'
+    page.script("document.querySelector(arguments[0]).focus()", f"{slider} [tabindex]")
     page.press(Keys.ARROW_RIGHT)
-    wait(lambda: page.value('entry="building_1.reduction_factor"') == "4.1")
-    wait(lambda: "reduction_factor = 4.1" in page.value("text"))
+    wait(lambda: page.value('entry="building_1.reduction_factor"') == "4.14")
     page.idle()
     wait(lambda: page.gap() != before)
     page.enter("building_1.reduction_factor", "4")
-    assert page.value(slider) == "4"
     assert page.gap() == before
+    place = "return +document.querySelector(arguments[0]).getAttribute('aria-valuenow')"
+    assert page.script(place, slider) == 0
 
 
 def test_a_wrong_entry_shows_the_sentence_of_the_reader_beside_the_last_answer(page):
@@ -172,7 +170,7 @@ def test_what_is_saved_is_the_opened_file_with_another_line(page, tmp_path):
     assert page.value('entry="building_2.period"') == "0.8 s"
     label = "return document.querySelector(arguments[0]).getAttribute('aria-label')"
     said = page.script(label, '[data-entry="building_2.period"]')
-    assert said == 'Building 2: An" onfocus="1: Period'
+    assert said == 'Building 2: An" onfocus="1: Period of small oscillations'
     page.enter("building_2.period", "0.75 s")
     page.click("save")
     saved = page.downloaded("other.toml").read_text(encoding="utf-8")
@@ -182,29 +180,19 @@ def test_what_is_saved_is_the_opened_file_with_another_line(page, tmp_path):
     assert page.value('entry="building_2.period"') == "0.75 s"
 
 
-def test_a_choice_and_the_text_change_the_form(page):
-    page.choose("building_1", "regular storeys")
+def test_a_choice_changes_the_form(page):
+    page.choose("building_1.", "equal storeys")
     assert page.text("alert") == ""
     assert page.value('entry="building_1.storeys"') == "8"
-    page.choose("building_1", "oscillator, R")
-    page.click("source")
-    typed = "const t = document.querySelector('[data-text]'); t.value = arguments[0]; "
-    typed += "t.dispatchEvent(new Event('input'))"
-    text = page.value("text")
-    page.script(typed, text.replace('period = "1.0 s"', 'period = "0.9 s'))
-    wait(lambda: "is no TOML file's text" in page.text("alert"))
-    assert page.script("return document.querySelector('.controls form').inert")
-    page.script(typed, text.replace('period = "1.0 s"', 'period = "0.9 s"'))
-    wait(lambda: page.value('entry="building_1.period"') == "0.9 s")
-    page.idle()
-    assert page.text("alert") == ""
+    page.choose("building_1.", "oscillator, reduction factor")
+    assert page.value('entry="building_1.reduction_factor"') == "4"
 
 
 def test_the_correlation_has_a_tab(page):
     page.click("tab=Correlation")
     wait(lambda: "On white noise" in page.text("answer=Correlation"))
     page.idle()
-    page.choose("building_2", "regular storeys")
+    page.choose("building_2.", "equal storeys")
     wait(lambda: "is that of two oscillators" in page.text("alert"))
     page.click("tab=Gap")
     wait(lambda: page.text("alert") == "")
@@ -231,8 +219,8 @@ def test_a_page_that_is_left_computes_nothing_and_the_server_ends_at_once(chromi
     with served(tmp_path, case) as (address, server):
         chromium.driver.switch_to.new_window("tab")
         chromium.driver.get(f"http://{address}/")
-        share = "return document.querySelector('[data-state] + progress')?.value || 0"
-        wait(lambda: chromium.script(share) > 0.31, 5 * PATIENCE)
+        state = "return document.querySelector('[data-state]')?.textContent || ''"
+        wait(lambda: re.search("[1-9]0? %", chromium.script(state)), 5 * PATIENCE)
         chromium.driver.close()
         chromium.driver.switch_to.window(chromium.driver.window_handles[0])
         time.sleep(2)

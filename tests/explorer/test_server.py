@@ -14,35 +14,28 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from stochlin.views.explorer.server import MOST_BODY, Guard, names_of, plain_record
+from stochlin.views.explorer.server import HOST, MOST_BODY, Guard, allows, plain_record
 
 pytestmark = pytest.mark.cli
 
 
 @pytest.mark.parametrize(
-    ("listens", "host", "origin", "allowed"),
+    ("host", "origin", "allowed"),
     [
-        ("127.0.0.1", "127.0.0.1:8640", "", True),
-        ("127.0.0.1", "localhost:8640", "http://localhost:8640", True),
-        ("127.0.0.1", "127.0.0.1:8640", "http://127.0.0.1:9999", False),
-        ("127.0.0.1", "127.0.0.1:8640", "http://evil.example", False),
-        ("127.0.0.1", "evil.example:8640", "http://evil.example:8640", False),
-        ("127.0.0.1", "127.0.0.1:8640", "null", False),
-        ("127.0.0.1", "", "", False),
-        ("127.0.0.1", "[", "", False),
-        ("127.0.0.1", "127.0.0.1:8640", "http://[bad", False),
-        ("0.0.0.0", "any.name:8640", "http://[bad", False),
-        ("::1", "[::1]:8640", "http://[::1]:8640", True),
-        ("localhost", "127.0.0.1:8640", "", True),
-        ("192.168.1.5", "192.168.1.5:8640", "http://192.168.1.5:8640", True),
-        ("192.168.1.5", "localhost:8640", "", False),
-        ("0.0.0.0", "any.name:8640", "http://any.name:8640", True),
-        ("0.0.0.0", "any.name:8640", "http://evil.example", False),
+        ("127.0.0.1:8640", "", True),
+        ("localhost:8640", "http://localhost:8640", True),
+        ("127.0.0.1:8640", "http://127.0.0.1:9999", False),
+        ("127.0.0.1:8640", "http://evil.example", False),
+        ("evil.example:8640", "http://evil.example:8640", False),
+        ("127.0.0.1:8640", "null", False),
+        ("", "", False),
+        ("[", "", False),
+        ("127.0.0.1:8640", "http://[bad", False),
     ],
 )
-def test_only_its_own_pages_may_ask(listens, host, origin, allowed):
+def test_only_its_own_pages_may_ask(host, origin, allowed):
     headers = {b"host": host.encode()} | ({b"origin": origin.encode()} if origin else {})
-    assert Guard(None, names_of(listens)).allows(headers) is allowed
+    assert allows(headers) is allowed
 
 
 def answered(count: int, **headers: str) -> tuple[int, int]:
@@ -58,9 +51,9 @@ def answered(count: int, **headers: str) -> tuple[int, int]:
         return Response(str(len(await request.body())))
 
     async def status() -> int:
-        guard = Middleware(Guard, names=frozenset({"here"}))
-        served = httpx.ASGITransport(Starlette(False, [Route("/", size, methods=["POST"])], [guard]))
-        async with httpx.AsyncClient(transport=served, base_url="http://here") as client:
+        route = Route("/", size, methods=["POST"])
+        served = httpx.ASGITransport(Starlette(False, [route], [Middleware(Guard)]))
+        async with httpx.AsyncClient(transport=served, base_url=f"http://{HOST}") as client:
             return (await client.post("/", content=body(), headers=headers)).status_code
 
     return asyncio.run(status()), len(read)

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import tempfile
 import time
-from concurrent.futures import CancelledError
+from collections.abc import Callable, Coroutine
 from typing import Any
 
 import pytest
 from browser import PATIENCE, wait
 
 from stochlin.views.explorer import workers
-from stochlin.views.explorer.workers import GRACE, Stopped, Worker
+from stochlin.views.explorer.workers import GRACE, Job, Stopped, Worker
 
 pytestmark = pytest.mark.invariant
 
@@ -30,6 +31,7 @@ def patient(progress: Any) -> None:
 
 def stubborn(progress: Any) -> None:
     """Work that never looks."""
+    progress(0.1)
     time.sleep(PATIENCE)
 
 
@@ -41,93 +43,102 @@ def folder_of_files(progress: Any) -> str:
     return tempfile.gettempdir()
 
 
-@pytest.fixture(scope="module")
-def worker():
-    worker = Worker()
-    assert worker.ask(twice, 2).answer.result(PATIENCE) == 4
-    yield worker
-    worker.close()
+def of_worker(scenario: Callable[[Worker], Coroutine[Any, Any, None]]) -> Callable[[], None]:
+    """A test of a worker that has answered once."""
+
+    async def run() -> None:
+        worker = Worker()
+        try:
+            assert await worker.answer(Job(), twice, 2) == 4
+            await asyncio.wait_for(scenario(worker), PATIENCE)
+        finally:
+            worker.close()
+
+    def test_() -> None:
+        asyncio.run(run())
+
+    test_.__doc__ = scenario.__doc__
+    return test_
 
 
-def asked_and_begun(worker, question):
-    job = worker.ask(question)
-    wait(job.answer.running)
-    return job
+async def begun(worker: Worker, question: Any) -> tuple[Job, asyncio.Task[Any]]:
+    """A question that is being answered."""
+    job = Job()
+    task = asyncio.create_task(worker.answer(job, question))
+    while job.share == 0:
+        await asyncio.sleep(0.01)
+    return job, task
 
 
-def test_work_tells_how_far_it_is_and_stops_within_its_process(worker, monkeypatch):
-    monkeypatch.setattr(workers, "GRACE", PATIENCE)  # a busy machine may need longer than a user waits
-    process = worker.process_id
-    job = asked_and_begun(worker, patient)
-    wait(lambda: job.share > 0)
-    job.stop()
+@of_worker
+async def test_work_stops_within_its_process(worker):
+    workers.GRACE = PATIENCE  # a busy machine may need longer than a user waits
+    process = worker.process.pid
+    job, task = await begun(worker, patient)
+    job.wanted = False
     with pytest.raises(Stopped):
-        job.answer.result(PATIENCE)
-    assert worker.ask(twice, 3).answer.result(PATIENCE) == 6
-    assert worker.process_id == process
+        await task
+    workers.GRACE = GRACE
+    assert await worker.answer(Job(), twice, 3) == 6
+    assert worker.process.pid == process
 
 
-def test_work_that_ignores_its_stop_is_killed_and_the_process_replaced(worker, monkeypatch, tmp_path):
-    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))  # of the page, which cleans up
-    process = worker.process_id
-    job = asked_and_begun(worker, stubborn)
-    start = time.monotonic()
-    job.stop()
+@of_worker
+async def test_work_that_ignores_its_stop_is_killed_and_the_process_replaced(worker):
+    process = worker.process.pid
+    job, task = await begun(worker, stubborn)
+    start, job.wanted = time.monotonic(), False
     with pytest.raises(Stopped):
-        job.answer.result(PATIENCE)
+        await task
     assert GRACE <= time.monotonic() - start < GRACE + 1
     with pytest.raises(ProcessLookupError):
         os.kill(process, 0)
-    assert worker.ask(folder_of_files).answer.result(PATIENCE) == str(tmp_path)
-    assert worker.process_id != process
+    assert await worker.answer(Job(), folder_of_files) == tempfile.gettempdir()
+    assert worker.process.pid != process
 
 
-def test_a_stop_is_that_of_one_job(worker):
-    first = asked_and_begun(worker, patient)
-    second, third = worker.ask(twice, 1), worker.ask(twice, 5)
-    second.stop()
-    first.stop()
-    with pytest.raises((Stopped, CancelledError)):
-        first.answer.result(PATIENCE)
-    with pytest.raises(CancelledError):
-        second.answer.result(PATIENCE)
-    assert third.answer.result(PATIENCE) == 10
-    third.stop()  # too late to mean anything
-    assert worker.ask(twice, 3).answer.result(PATIENCE) == 6
+@of_worker
+async def test_a_stop_is_that_of_one_job(worker):
+    first, answer = await begun(worker, patient)
+    unwanted = Job()
+    second = asyncio.create_task(worker.answer(unwanted, twice, 1))
+    third = asyncio.create_task(worker.answer(Job(), twice, 5))
+    unwanted.wanted = first.wanted = False
+    for stopped in (answer, second):
+        with pytest.raises(Stopped):
+            await stopped
+    assert await third == 10
 
 
-def test_what_a_question_raises_is_raised_with_where_it_was(worker):
+@of_worker
+async def test_an_answer_that_is_cancelled_does_not_become_that_of_the_next_question(worker):
+    _, task = await begun(worker, patient)
+    task.cancel()
+    assert await worker.answer(Job(), twice, 3) == 6
+
+
+@of_worker
+async def test_what_a_question_raises_is_raised_with_where_it_was(worker):
     with pytest.raises(ValueError, match="this is refused") as raised:
-        worker.ask(refuse).answer.result(PATIENCE)
+        await worker.answer(Job(), refuse)
     assert "in refuse" in raised.value.__notes__[0]
 
 
-def test_a_process_that_ends_by_itself_is_told_and_replaced(worker):
-    job = asked_and_begun(worker, stubborn)
-    wait(lambda: worker.process_id is not None)
-    os.kill(worker.process_id, 9)
+@of_worker
+async def test_a_process_that_ends_by_itself_is_replaced(worker):
+    _, task = await begun(worker, stubborn)
+    os.kill(worker.process.pid, 9)
     with pytest.raises(RuntimeError, match=r"has ended \(exit code -9\), perhaps for want of memory"):
-        job.answer.result(PATIENCE)
-    assert worker.ask(twice, 3).answer.result(PATIENCE) == 6
+        await task
+    assert await worker.answer(Job(), twice, 3) == 6
 
 
-def test_closing_returns_at_once_and_leaves_no_process():
-    worker = Worker()
-    process = worker.process_id
-    running, queued = worker.ask(stubborn), worker.ask(twice, 1)
-    wait(running.answer.running)
-    start = time.monotonic()
+@of_worker
+async def test_closing_leaves_no_process(worker):
+    _, task = await begun(worker, stubborn)
+    process = worker.process
     worker.close()
-    assert time.monotonic() - start < 0.1
-    for job in (running, queued, worker.ask(twice, 1)):
-        with pytest.raises((Stopped, CancelledError)):
-            job.answer.result(PATIENCE)
-
-    def gone() -> bool:
-        try:
-            os.kill(process, 0)
-        except ProcessLookupError:
-            return True
-        return False
-
-    wait(gone)
+    for question in (task, worker.answer(Job(), twice, 1)):
+        with pytest.raises((Stopped, EOFError, OSError)):
+            await question
+    wait(lambda: not process.is_alive())

@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from cases import example_case
 from scipy.integrate import solve_ivp
-
-from stochlin.analyses.cases.examples import example_case
 
 pytestmark = pytest.mark.oracle
 

@@ -16,12 +16,12 @@ import cases
 import numpy as np
 import pytest
 import samples
+from cases import example_case
 from commands import invoke
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case
 from stochlin.messages import LONGEST_MESSAGE
 
 pytestmark = [pytest.mark.invariant, pytest.mark.slow]

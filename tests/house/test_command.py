@@ -11,11 +11,11 @@ import click
 import numpy as np
 import pytest
 import xarray as xr
-from cases import recorded_example
+from cases import example_case, recorded_example
 from commands import answered, invoke, refused
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case, example_record
+from stochlin.analyses.cases.examples import example_record
 from stochlin.analyses.tables import storage
 from stochlin.models.laws import closure_names
 from stochlin.views.command import main

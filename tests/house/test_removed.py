@@ -5,10 +5,10 @@ import re
 from pathlib import Path
 
 import pytest
+from cases import example_case
 from commands import refused
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case
 from stochlin.models.arguments import OneOf, checked
 from stochlin.removed import REMOVED
 

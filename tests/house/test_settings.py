@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from cases import example_case
 from commands import answered, process
-
-from stochlin.analyses.cases.examples import example_case
 
 pytestmark = pytest.mark.cli
 

@@ -7,10 +7,10 @@ from multiprocessing import get_context
 from pathlib import Path
 
 import pytest
+from cases import example_case
 from commands import answered
 
 from stochlin import kernels
-from stochlin.analyses.cases.examples import example_case
 from stochlin.kernels.basics.compiled import Entry
 from stochlin.messages import WHEN_COMPILING
 from stochlin.views.shared.screen import compiling_told

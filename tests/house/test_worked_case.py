@@ -51,7 +51,7 @@ def one_fit() -> Iterator[None]:
         return found[given]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stochlin.analyses.cases.sites.design_spectrum.fit_ground", fit)
+        patch.setattr("stochlin.analyses.cases.reading.site.fit_ground", fit)
         yield
 
 
@@ -112,4 +112,5 @@ def test_the_file_takes_the_spreads_of_the_page(tmp_path: Path) -> None:
             text, found = re.subn(rf"^{line.split()[0]} = .*$", line, text, flags=re.MULTILINE)
             assert found == 1, line
     (tmp_path / "spread.toml").write_text(text, encoding="utf-8")
-    assert list(sl.read_case(tmp_path / "spread.toml").uncertain) == ["Clinic", "Extension"]
+    case = sl.read_case(tmp_path / "spread.toml")
+    assert list(case.uncertain) == ["Clinic", "Extension"]

@@ -13,10 +13,9 @@ import numpy as np
 import pytest
 import sympy
 import xarray as xr
-from cases import with_slow
+from cases import example_case, with_slow
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case
 
 pytestmark = pytest.mark.invariant
 

@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from cases import with_buildings, with_slow
+from cases import example_case, with_buildings, with_slow
 from click.testing import Result
 from commands import answered, invoke, refused
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.cases.pounding import pound_motions
+from stochlin.analyses.cases.rows import motion_of, pair_of
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.views.pounding.floors import draw_floors
 from stochlin.views.pounding.pictures import draw_pound
@@ -62,18 +62,18 @@ def test_it_says_what_the_library_says(two: tuple[Path, Result]) -> None:
             b.structure.period,
             0.05,
             0.05,
-            yield_displacement=float(sl.linearize(b.structure, case.ground).yield_displacement),
+            yield_displacement=float(sl.linearize(b.structure, case.site.ground).yield_displacement),
             mass=b.structure.mass,
         )
-        for b in case.pair
+        for b in pair_of(case)
     ]
-    table = sl.pound(pair, 0.05, case.contact, case.records["Strong & near"])
+    table = sl.pound(pair, 0.05, case.contact, case.site.records["Strong & near"])
     assert table.sizes["impact"] > 2
     shown = " ".join(done.output.split())
     assert f"Strong & near: {table.sizes['impact']} impacts" in shown
     assert f"Largest force {float(table.largest_force.max()) / 1e6:.3g} MN" in shown
     assert f"fastest approach {float(table.approach_velocity.max()):.3g} m/s" in shown
-    for n, building in enumerate(case.pair):
+    for n, building in enumerate(pair_of(case)):
         row = f"{n + 1} {building.name} {100 * table.peak[n]:.1f} {100 * table.peak_alone[n]:.1f} "
         row += f"{table.amplification[n]:.2f} {table.largest_radius_amplification[n]:.2f} "
         assert row + f"{table.peak[n] / pair[n].yield_displacement:.2f} " in shown
@@ -456,7 +456,7 @@ def test_simulated_motions_are_said_saved_and_drawn_together(kind: str, tmp_path
         steps = panels[0].get_lines()[0]
         assert sorted(steps.get_xdata()[1:]) == sorted(table.impacts_between[:, 0].values)
         assert steps.get_ydata()[-1] == pytest.approx(0.0)
-        assert table.attrs["seed"] == case.seed
+        assert table.attrs["seed"] == case.simulated.seed
     answered("pound", path, "--motions", 8, "--out", tmp_path / "p.csv")
     rows = [line.split(",") for line in (tmp_path / "p.csv").read_text().splitlines()]
     assert len(rows) == 9
@@ -476,9 +476,9 @@ def test_the_share_of_motions_with_contact_is_that_of_the_gap(kind: str, tmp_pat
     text = text.replace("paths = 2048", "paths = 100").replace("align = true", "align = false")
     path = case_file(tmp_path, text=text)
     case = sl.read_case(path)
-    assert case.paths == 128
+    assert case.simulated.motions == 128
     structures = [building.structure for building in case.buildings]
-    needed = sl.separation(*structures, case.ground, **case.motion).separation_samples.values
+    needed = sl.separation(*structures, case.site.ground, **motion_of(case)).separation_samples.values
     gap = float(np.median(needed))
     path.write_text(re.sub('existing = ".*?"', f'existing = "{gap} m"', text), encoding="utf-8")
     done = answered("pound", path, "--motions", 128, "--out", tmp_path / "p.nc")

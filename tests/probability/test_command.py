@@ -4,12 +4,12 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from cases import storeyed_building, with_buildings
+from cases import example_case, storeyed_building, with_buildings
 from commands import answered, refused
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.cases.probability import judge_gap
+from stochlin.analyses.cases.rows import gap_of
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.views.probability.pictures import draw_pounding
 
@@ -40,7 +40,7 @@ def test_prints_saves_and_draws(case, tmp_path):
 def test_gap_and_probability_give_the_same_numbers_for_one_file(case):
     case.write_text(case.read_text(encoding="utf-8").replace("2048", "128"), encoding="utf-8")
     read = sl.read_case(case)
-    judged, answer = judge_gap(read, read.gap).table.isel(time=-1), answer_case(read)
+    judged, answer = judge_gap(read, gap_of(read)).table.isel(time=-1), answer_case(read)
     for end in ("", "_lower", "_upper"):
         confidence = judged[f"confidence_of_no_pounding_simulated{end}"]
         share = answer.existing[f"no_pounding_probability{end}"]

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 import xarray as xr
+from cases import example_case
 from commands import answered
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case
 from stochlin.views.probability.pictures import draw_pounding
 
 GROUND = sl.KanaiTajimi(0.4, 0.6, intensity=0.02)

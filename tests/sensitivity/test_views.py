@@ -7,10 +7,10 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
+from cases import example_case
 from click.testing import CliRunner
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case
 from stochlin.views.command import main
 from stochlin.views.sensitivity.words import blocks, rows, sentences
 from stochlin.views.shared.blocks import ViewSection

@@ -12,12 +12,11 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import xarray as xr
-from cases import BLOCK, KIOSK, with_buildings, with_slow
+from cases import BLOCK, KIOSK, example_case, with_buildings, with_slow
 from click.testing import Result
 from commands import answered, invoke, refused
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case
 from stochlin.views.separation.storeys import draw_heights
 from stochlin.views.shared.symbols import typeset_html
 

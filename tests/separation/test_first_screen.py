@@ -12,13 +12,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases import BLOCK, KIOSK, with_buildings
+from cases import BLOCK, KIOSK, example_case, with_buildings
 from commands import answered
 from matplotlib.axes import Axes
 from matplotlib.text import Text
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.cases.separation import CaseAnswer, answer_case
 from stochlin.views.separation.elevation import elevation_figure
 from stochlin.views.separation.facts import facts
@@ -201,7 +200,7 @@ def test_what_is_refused_has_words_and_no_line(answer: Any) -> None:
 @pytest.mark.parametrize("name", CASES)
 def test_the_screen_begins_with_the_required_gap_verdict_and_reason(name: str, answer: Any) -> None:
     one = answer(name)
-    first, alone = first_lines(one), one.case.alone
+    first, alone = first_lines(one), len(one.case.buildings) == 1
     shown = [line for line in lines(answer_sections(one)) if line]
     assert " ".join(shown).startswith(" ".join(first))
     assert len(first) == (2 if one.existing is None else 4)
@@ -252,11 +251,11 @@ def test_the_strongest_shaking_is_told_as_the_site_states_it(
     one, factors = answer("oscillators"), {"": 0.2, "_lower": 0.19, "_upper": 0.21}
     limits = {f"largest_intensity{end}": 0.01 * factor**2 for end, factor in factors.items()}
     site = SimpleNamespace(
-        by_intensity=strength[0] == "intensity",
+        form=SimpleNamespace(table={strength[0]}),
         stated_strength=strength,
-        shaking=one.case.of_site.shaking,
+        ground=one.case.site.ground,
     )
-    case = dataclasses.replace(one.case, of_site=site)
+    case = dataclasses.replace(one.case, site=site)
     told = dataclasses.replace(one, case=case, existing=one.existing.assign(limits))
     (items,) = (block for block in allowances(told) if isinstance(block, Items))
     assert f"Shaking: {said}" in [text.replace("\N{NO-BREAK SPACE}", " ") for text in items.texts]

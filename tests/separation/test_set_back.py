@@ -257,7 +257,12 @@ def test_the_command_answers_for_one_building(building: str, more: str, tmp_path
     shown = " ".join(done.output.split())
     case = sl.read_case(path)
     answer = sl.separation(
-        case.buildings[0].structure, None, case.ground, 20.0, paths=128, records=dict(case.records)
+        case.buildings[0].structure,
+        None,
+        case.site.ground,
+        20.0,
+        paths=128,
+        records=dict(case.site.records),
     )
     gap = f"{100 * float(answer.gap[0]):.1f} cm"
     assert f"Mill should stand {gap} away from its property line." in shown

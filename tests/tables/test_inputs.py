@@ -80,7 +80,15 @@ def site_of(kind: str, path: str) -> str:
 
 
 KINDS = ("record", "suite", "spectrum", "hazard")
-REST = '[motion]\nduration = "10 s"\nenvelope = "none"\n[separation]\nconfidence = 0.9\n'
+REST = """[motion]
+duration = "10 s"
+[separation]
+confidence = 0.9
+[building_1]
+period = "1 s"
+damping = 0.05
+elastic = true
+"""
 
 
 def refusal(files: dict[str, bytes]) -> str:

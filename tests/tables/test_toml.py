@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from cases import example_case
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.tables.toml import read_toml, toml_text
 
 pytestmark = pytest.mark.invariant

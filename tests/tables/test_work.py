@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import xarray as xr
+from cases import example_case
 from commands import refused
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case
 from stochlin.analyses.tables import work
 from stochlin.analyses.tables.work import check_work
 from stochlin.views.shared.screen import on_screen

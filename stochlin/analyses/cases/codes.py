@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.files.design import Design
+from stochlin.analyses.cases.reading.codes import factors_of, missing_of
+from stochlin.analyses.cases.rows import neighbours_of, of_codes, one_or_two
 from stochlin.analyses.separation.rules import Rule, code_rules
 from stochlin.analyses.separation.separation import COMBINED, gaps_by_height, judged_rules
 from stochlin.analyses.separation.storeys import of_storeys, weights
@@ -23,8 +24,8 @@ from stochlin.models.rules.codes import BEHAVIOUR, CODE_RULES, IMPORTANCE, CodeR
 from stochlin.models.systems import arrangement_of, first_mode
 
 if TYPE_CHECKING:
-    from stochlin.analyses.cases.buildings import AnyBuilding
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.buildings import Building
+    from stochlin.analyses.cases.reading.case import Case
 
 APPLIED, KIND = "_applied", "applied"  # end of the names of such rules, and their kind
 APPLY = (
@@ -49,7 +50,7 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
     if not rules:
         return table
     required = float(table.gap[0])
-    applied = judged_rules(rules, table.separation_samples, case.confidence, required)
+    applied = judged_rules(rules, table.separation_samples, case.wanted.confidence, required)
     applied = applied.assign_coords(kind=("rule", [KIND] * len(rules)))
     if "height" in table.dims:
         applied = applied.merge(gaps_by_height([rule.gaps for rule in rules], table.height.values))
@@ -69,19 +70,19 @@ def applied_in_words(case: Case) -> str:
 def sources(case: Case) -> str:
     """Where the displacements of the buildings come from."""
     parts: dict[str, list[str]] = {}
-    for building in case.one_or_two:
-        where = GIVEN if building.design.displacements else BY_SPECTRUM
+    for building in one_or_two(case):
+        where = GIVEN if building.form.displacements else BY_SPECTRUM
         parts.setdefault(where, []).append(building.name)
     return ", ".join(f"those of {' and '.join(names)} are {where}" for where, names in parts.items())
 
 
 def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
     """A code as the engineer applies it, at each height at which the buildings could meet."""
-    buildings, heights = case.one_or_two, np.atleast_1d(table.get("height", np.nan))
+    buildings, heights = one_or_two(case), np.atleast_1d(table.get("height", np.nan))
     name, nothing = f"{rule.name}{APPLIED}", np.full(heights.size, np.nan)
     for building in buildings:
-        lacking = building.design.missing(rule, case.spectrum is not None)
-        lacking = lacking or _beyond(case, building)
+        missing = missing_of(building, rule, case.site.spectrum is not None)
+        lacking = ": ".join(missing) if missing else _beyond(case, building)
         if lacking:
             return Rule(name, "code", nothing, missing=f"{building.name} lacks {lacking}")
     structures = [building.structure for building in buildings]
@@ -94,30 +95,29 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
         ]
     )
     tall: tuple[Any, ...] = tuple(building.height for building in buildings)
-    neighbours = Neighbours(case.floors_align, case.same_property, case.same_system)
+    neighbours = Neighbours(**neighbours_of(case))
     if any(isinstance(structure, MultistoreyBuilding) for structure in structures):
         neighbours = of_storeys(neighbours, structures, tall)
         tall = (heights,) * len(buildings)
-    factors = _factors(rule, [building.design for building in buildings])
+    factors = _factors(rule, [factors_of(building) for building in buildings])
     (row,) = (
         row
-        for row in code_rules(peaks, tall, neighbours, case.of_codes, case.numbers, factors)
+        for row in code_rules(peaks, tall, neighbours, of_codes(case), case.wanted.of_rules(), factors)
         if row.name == rule.name
     )
     return replace(row, name=name, assumptions=f"{row.assumptions}; {_stated(case, rule)}")
 
 
-def design_displacements(case: Case, building: AnyBuilding, rule: CodeRule) -> Array:
+def design_displacements(case: Case, building: Building, rule: CodeRule) -> Array:
     """Displacements of the floors of a building under the design forces of a code [m].
 
     They are those of the file, or those of the first mode under the spectrum of the site, reduced by the
     behaviour factor. By Eurocode 8 they are those of its design spectrum, but ``q`` times them is not
     taken above the displacement of the elastic spectrum, as 4.3.4 allows.
     """
-    design = building.design
-    if design.displacements:
-        return np.array(design.displacements)
-    mode, spectrum = first_mode(building.structure), case.spectrum
+    if building.form.displacements:
+        return np.array(building.form.displacements)
+    mode, spectrum = first_mode(building.structure), case.site.spectrum
     assert spectrum is not None
     period = float(mode.arrays()["period"])
     at = interpolated(spectrum.period.values, spectrum.values, np.array([period]))
@@ -125,7 +125,7 @@ def design_displacements(case: Case, building: AnyBuilding, rule: CodeRule) -> A
     shape = (
         structure.first_mode_moves().values if isinstance(structure, MultistoreyBuilding) else np.ones(1)
     )
-    behaviour, importance = (design.factors.get(name, 1.0) for name in (BEHAVIOUR, IMPORTANCE))
+    behaviour, importance = (factors_of(building).get(name, 1.0) for name in (BEHAVIOUR, IMPORTANCE))
     elastic = shape * at * (period / (2 * np.pi)) ** 2
     displacements: Array = rule.under_design_forces(elastic, behaviour, importance)
     if _reduces(case, building, rule):
@@ -134,40 +134,40 @@ def design_displacements(case: Case, building: AnyBuilding, rule: CodeRule) -> A
     return displacements
 
 
-def _reduces(case: Case, building: AnyBuilding, rule: CodeRule) -> bool:
+def _reduces(case: Case, building: Building, rule: CodeRule) -> bool:
     """Whether the design spectrum of Eurocode 8 is used, with a known behaviour factor."""
-    code = "" if case.spectrum is None else case.spectrum.attrs.get("code")
-    by_spectrum = not building.design.displacements and BEHAVIOUR in building.design.factors
+    code = "" if case.site.spectrum is None else case.site.spectrum.attrs.get("code")
+    by_spectrum = not building.form.displacements and BEHAVIOUR in factors_of(building)
     return by_spectrum and rule.name == EC8 == code
 
 
-def _factors(rule: CodeRule, designs: Sequence[Design]) -> dict[str, float]:
+def _factors(rule: CodeRule, factors_of_each: Sequence[Mapping[str, float]]) -> dict[str, float]:
     """The factors of both buildings as `code_gaps` takes them; one that has no effect is 1."""
     factors = {
-        f"{rule.multiplies}_{n}": design.factors.get(rule.multiplies, 1.0)
-        for n, design in enumerate(designs, start=1)
+        f"{rule.multiplies}_{n}": each.get(rule.multiplies, 1.0)
+        for n, each in enumerate(factors_of_each, start=1)
     }
     names = "importance", "importance_2"
-    importances = (design.factors.get(IMPORTANCE, 1.0) for design in designs)
+    importances = (each.get(IMPORTANCE, 1.0) for each in factors_of_each)
     return factors | dict(zip(names, importances, strict=False))
 
 
 def _stated(case: Case, rule: CodeRule) -> str:
     """The displacements of the buildings and the factors of the code, in words."""
     told = [f"displacements: {sources(case)}"]
-    if any(_reduces(case, building, rule) for building in case.one_or_two):
+    if any(_reduces(case, building, rule) for building in one_or_two(case)):
         told.append(LIMITED)
     for name in (rule.multiplies, *([IMPORTANCE] if rule.over_importance else [])):
-        factors = (f"{building.design.factors.get(name, 1.0):g}" for building in case.one_or_two)
+        factors = (f"{factors_of(building).get(name, 1.0):g}" for building in one_or_two(case))
         told.append(f"{rule.called[name]}: {' and '.join(factors)}")
     return "; ".join(told)
 
 
-def _beyond(case: Case, building: AnyBuilding) -> str:
+def _beyond(case: Case, building: Building) -> str:
     """Why the spectrum of the site has no value for a building; empty if it has, or is not needed."""
-    if building.design.displacements or case.spectrum is None:
+    if building.form.displacements or case.site.spectrum is None:
         return ""
-    period = case.spectrum.period.values
+    period = case.site.spectrum.period.values
     shortest, longest = period[period > 0][[0, -1]]
     if shortest <= building.period <= longest:
         return ""

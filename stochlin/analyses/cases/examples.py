@@ -1,41 +1,43 @@
-"""Texts of an example case file and of an example record."""
+"""Texts to start from: a short case file, one with all keys, and a record."""
 
 from __future__ import annotations
 
-import re
 from importlib.resources import files
 
-from stochlin.analyses.cases.files.schema import keys_at
+from stochlin.analyses.cases.reading.explained import TABLES, keys_of_table
+from stochlin.analyses.cases.reading.kinds import Inner
 
 
-def example_case() -> str:
-    """Text of an example case file, TOML with comments, as ``stochlin gap --example`` prints it."""
-    parts = re.split(r"(?m)^(?=\[)", _example("example_case.toml"))
-    return "".join(_with_other_keys(part) for part in parts)
+def short_example() -> str:
+    """A case of two buildings that runs, as ``stochlin gap --example`` prints it."""
+    return _text("example.toml")
+
+
+def full_example() -> str:
+    """All keys of all tables, each with what it is and accepts, as comments of a file."""
+    lines = []
+    for name in TABLES:
+        lines += ["", f"# [{name}]" if name else "# the whole file"]
+        for row in keys_of_table(name):
+            if not isinstance(row.key.kind, Inner):
+                written = f"# {row.name} = {row.example}"
+                lines.append(f"{written.ljust(40)} # {row.key.about}: {row.key.kind.words}")
+    return "\n".join(lines[1:]) + "\n"
 
 
 def example_record() -> str:
     """Text of an example of a record, a PEER AT2 file, as ``stochlin gap --example-record`` prints it.
 
     It is synthetic: ``simulated_motions(named_ground("firm", 0.01), 20.0, AminAng(4.0, 15.0, 0.35),
-    paths=2)[0]``, written in g: a motion of the site of `example_case`.
+    paths=2)[0]``, written in g: a motion of the site of `short_example`.
     """
-    return _example("example_record.at2")
+    return _text("example_record.at2")
 
 
-def _with_other_keys(part: str) -> str:
-    """A table of the example with a line for each key of the schema that its text does not explain."""
-    header = re.match(r"\[([\w.]+)\]", part)
-    keys = keys_at((header[1],)) if header and header[1] != "building_2" else {}
-    said = {name for name in keys if re.search(rf"\b{name}\b", part)}
-    lines = [
-        f"# {name} = {key.example}".ljust(32) + f"# {key.label}"
-        for name, key in keys.items()
-        if name not in said
-    ]
-    text = part.rstrip("\n")
-    return "\n".join([text, *lines]) + part[len(text) :]
+def printed(which: str) -> str:
+    """The text of "short", "full" or "record"."""
+    return {"short": short_example, "full": full_example}.get(which, example_record)()
 
 
-def _example(name: str) -> str:
+def _text(name: str) -> str:
     return files("stochlin.analyses.cases").joinpath(name).read_text(encoding="utf-8")

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.buildings import Building
-from stochlin.analyses.cases.case import Case
-from stochlin.analyses.cases.sites.shaking import recorded_shaking, shaking_of
-from stochlin.analyses.cases.storeys import StoreyBuilding
+from stochlin.analyses.cases.reading.case import Case
+from stochlin.analyses.cases.rows import error_of, motion_of, named_errors
+from stochlin.analyses.cases.shaking import recorded_shaking, shaking_of
 from stochlin.analyses.cases.variables import VARIABLES
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.pounding.runs import STEPS_PER_CONTACT
-from stochlin.analyses.records.cells import Records
 from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.simulation.simulation import time_step
 from stochlin.analyses.tables import labels
-from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.arguments import checked
-from stochlin.models.buildings import MultistoreyBuilding
-from stochlin.models.contacts import Contact
-from stochlin.models.structures import Structure
 
 # Variables of the input energy, and of its parts at the end of a record.
 ENERGIES = {
@@ -31,6 +29,7 @@ ENERGIES = {
     "contacts": ("contact_lost_energy",),
     "remaining": ("kinetic_energy", "elastic_energy", "contact_stored_energy"),
 }
+Structures = list[Any]  # one or several, oscillators and buildings
 OF_MOTIONS = ("ground", "envelope", "scatter")  # attributes of simulated motions that are kept
 
 
@@ -71,26 +70,16 @@ def pound_case(
     A strength by reduction factor or by ductility refers to the response to the ground of the case, not
     to the record.
     """
-    contact, structures = _checked(case), _in_metres(case)
-    tables: dict[str, xr.Dataset] = {}
-
-    def of_all(share: float) -> None:
-        if progress is not None:
-            progress((len(tables) + share) / len(case.records))
-
-    for name, record in case.records.items():
-        try:
-            table = pound(
-                *(structures, list(case.gaps), contact, record),
-                steps_per_contact=steps_per_contact,
-                progress=of_all,
-            )
-        except (ValueError, TypeError, ArithmeticError) as error:
-            raise type(error)(f"{case.file}, record {name}: {error}") from error
-        table = table.assign(recorded_shaking(record, case.periods))
-        tables[name] = _described(_named(table, case, structures)).assign_attrs(
-            title=f"{case.title}: {_what(case)} in {name}", record=name, case=case.title
-        )
+    _check(case)
+    structures, count, tables = _in_metres(case), len(case.site.records), {}
+    for n, (name, record) in enumerate(case.site.records.items()):
+        options = {
+            "steps_per_contact": steps_per_contact,
+            "progress": part_of(progress, n / count, (n + 1) / count),
+        }
+        strength = xr.Dataset(recorded_shaking(record, case.periods))
+        table = _described(_pounded(case, structures, record, strength, options, f", record {name}"))
+        tables[name] = table.assign_attrs(title=f"{_title(case)} {name}", record=name)
     return tables
 
 
@@ -128,31 +117,37 @@ def pound_motions(
     ValueError, TypeError, ArithmeticError
         As in `pound_case`.
     """
-    contact, structures = _checked(case, simulated=motions is not None), _in_metres(case)
-    shaking: Records = dict(case.records)
-    attrs = {"title": f"{case.title}: {_what(case)} in {len(case.records)} records"}
-    if motions is not None:
-        motion = {name: value for name, value in case.motion.items() if name != "confidence"}
-        step = time_step([building.structure for building in case.buildings], case.ground)
-        shaking = simulated_motions(case.ground, **motion | {"paths": motions, "step": step})
-        attrs = {name: shaking.attrs[name] for name in OF_MOTIONS if name in shaking.attrs}
-        attrs["title"] = f"{case.title}: {_what(case)} in {motions} simulated motions"
-    try:
-        table = pound(
-            *(structures, list(case.gaps), contact, shaking),
-            steps_per_contact=steps_per_contact,
-            progress=progress,
-        )
-    except (ValueError, TypeError, ArithmeticError) as error:
-        raise type(error)(f"{case.file}: {error}") from error
+    _check(case, simulated=motions is not None)
+    options = {"steps_per_contact": steps_per_contact, "progress": progress}
+    structures, records = _in_metres(case), case.site.records
     if motions is None:
-        each = [xr.Dataset(recorded_shaking(record, case.periods)) for record in case.records.values()]
-        table = table.assign(xr.concat(each, "record", combine_attrs="drop"))
-    else:
-        table = table.assign(shaking_of(case).data_vars)
-        table = table.assign_attrs(duration_s=case.duration, seed=case.seed, step_s=step)
-    table = _named(table, case, structures).assign_attrs(attrs, case=case.title)
+        each = [xr.Dataset(recorded_shaking(record, case.periods)) for record in records.values()]
+        strengths = xr.concat(each, "record", combine_attrs="drop")
+        table = _pounded(case, structures, dict(records), strengths, options)
+        table.attrs["title"] = f"{_title(case)} {len(records)} records"
+        return labels.label(table, VARIABLES)
+    motion = {name: value for name, value in motion_of(case).items() if name != "confidence"}
+    step = time_step([building.structure for building in case.buildings], case.site.ground)
+    simulated = simulated_motions(case.site.ground, **motion | {"paths": motions, "step": step})
+    table = _pounded(case, structures, simulated, shaking_of(case), options)
+    table.attrs |= {name: simulated.attrs[name] for name in OF_MOTIONS if name in simulated.attrs}
+    table.attrs |= {"duration_s": case.site.course.duration, "seed": case.simulated.seed, "step_s": step}
+    table.attrs["title"] = f"{_title(case)} {motions} simulated motions"
     return labels.label(table, VARIABLES)
+
+
+def _pounded(
+    case: Case,
+    structures: Structures,
+    motions: Any,
+    strength: xr.Dataset,
+    options: Mapping[str, Any],
+    where: str = "",
+) -> xr.Dataset:
+    """The response, strength of the motions and names of the buildings; errors name the file."""
+    with named_errors(case, where):
+        table = pound(structures, list(case.wanted.existing), case.contact, motions, **options)
+    return _named(table.assign(strength.data_vars), case, structures).assign_attrs(case=case.title)
 
 
 def by_motion(table: xr.Dataset) -> xr.Dataset:
@@ -172,52 +167,38 @@ def by_motion(table: xr.Dataset) -> xr.Dataset:
     return sheet
 
 
-def _what(case: Case) -> str:
-    return "pounding" if len(case.buildings) > 1 else "alone"
+def _title(case: Case) -> str:
+    return f"{case.title}: {'alone' if case.alone else 'pounding'} in"
 
 
-def _in_metres(case: Case) -> list[Structure | MultistoreyBuilding]:
+def _in_metres(case: Case) -> Structures:
     """The structures of the buildings, with strengths in metres."""
     return [
-        strength_in_metres(building.structure, case.ground)
-        if isinstance(building, Building)
-        else building.structure
-        for building in case.buildings
+        one.structure if one.has_storeys else strength_in_metres(one.structure, case.site.ground)
+        for one in case.buildings
     ]
 
 
-def _checked(case: Case, simulated: bool = False) -> Contact | None:
-    """The contact, after a check that the case has all data for pounding; None for one building."""
-    needs = f"{case.file}: pounding needs"
-    if not case.records and not simulated:
-        raise ValueError(
-            f"{needs} a recorded motion; write [[site.records]], and below it its path, units and dt "
-            "('stochlin gap --example-record > record.at2' writes a synthetic one to try); or "
-            "--motions 100 for simulated ones"
+def _check(case: Case, simulated: bool = False) -> None:
+    """Raise a ValueError if the case lacks motions, gaps or a contact."""
+    if not (case.site.records or simulated):
+        raise error_of(
+            case,
+            "pounding needs a recorded motion; write [[site.records]], and below it its path, units and "
+            "dt ('stochlin gap --example-record > record.at2' writes a synthetic one to try); or "
+            "--motions 100 for simulated ones",
         )
-    several = len(case.buildings) > 1
-    if several and not case.gaps:
-        raise ValueError(
-            f'{needs} the existing gap; write existing = "5 cm" in [separation], "0 cm" for buildings '
-            "that touch, and a list for more than two"
+    if not (case.alone or case.wanted.existing):
+        cure = '"0 cm" for buildings that touch, and a list for more than two'
+        raise error_of(
+            case, f'pounding needs the existing gap; write existing = "5 cm" in [separation], {cure}'
         )
-    if case.alone and case.gaps:
-        raise ValueError(
-            f"{case.file}: separation.existing = '{100 * case.gaps[0]:g} cm' is a gap of one building "
-            "alone; leave it out, or add [building_2]: pounding needs a neighbour; 'stochlin gap' "
-            "uses the property line"
+    if not (case.alone or case.contact):
+        cure = 'model = "kelvin", stiffness = "2000 MN/m" and restitution = 0.65'
+        raise error_of(
+            case,
+            f"pounding needs the contact between the buildings; write [contact], and below it {cure}",
         )
-    for number, building in enumerate(case.buildings, start=1):
-        if not building.weighed:
-            raise ValueError(
-                f'{needs} the mass of every building; write mass = "1500 t" in [building_{number}]'
-            )
-    if several and case.contact is None:
-        raise ValueError(
-            f"{needs} the contact between the buildings; write [contact], and below it model = "
-            '"kelvin", stiffness = "2000 MN/m" and restitution = 0.65'
-        )
-    return case.contact
 
 
 def _described(table: xr.Dataset) -> xr.Dataset:
@@ -230,29 +211,25 @@ def _described(table: xr.Dataset) -> xr.Dataset:
     return labels.label(_with_energies(table), VARIABLES)
 
 
-def _named(
-    table: xr.Dataset, case: Case, structures: list[Structure | MultistoreyBuilding]
-) -> xr.Dataset:
+def _named(table: xr.Dataset, case: Case, structures: Structures) -> xr.Dataset:
     """The dataset with the names of the buildings, and their floors or yield displacements."""
-    names = [building.name for building in case.buildings]
-    strengths = [
-        structure.yield_displacement if isinstance(structure, Structure) and structure.yields else np.nan
-        for structure in structures
-    ]
+    names, each = [building.name for building in case.buildings], case.buildings
     table = table.assign_coords(building=("structure", names, {"long_name": "name of the building"}))
-    if "floor" in table.dims:
-        storeys = [b.storeys if isinstance(b, StoreyBuilding) else 1 for b in case.buildings]
-        table = table.assign_coords(storeys=("structure", storeys, {"long_name": "number of storeys"}))
-        levels = np.full((table.sizes["structure"], table.sizes["floor"]), np.nan)
-        for row, structure in zip(levels, structures, strict=True):
-            if isinstance(structure, MultistoreyBuilding):
-                row[: structure.storeys] = structure.levels()
-        about = {"units": "m", "long_name": "height of the floor, not known of an oscillator"}
-        table = table.assign_coords(floor_level=(("structure", "floor"), levels, about))
-    else:
+    if "floor" not in table.dims:
+        strengths = [one.yield_displacement if one.yields else np.nan for one in structures]
         table["yield_displacement"] = ("structure", np.array(strengths, float))
         table["peak_ductility"] = table.peak / table.yield_displacement
-    return table
+        return table
+    storeys = [one.storeys if one.has_storeys else 1 for one in each]
+    levels = np.full((table.sizes["structure"], table.sizes["floor"]), np.nan)
+    for row, building in zip(levels, each, strict=True):
+        if building.has_storeys:
+            row[: building.storeys] = building.structure.levels()
+    about = {"units": "m", "long_name": "height of the floor, not known of an oscillator"}
+    return table.assign_coords(
+        storeys=("structure", storeys, {"long_name": "number of storeys"}),
+        floor_level=(("structure", "floor"), levels, about),
+    )
 
 
 def displacement_beside(table: xr.Dataset, side: str) -> xr.DataArray:

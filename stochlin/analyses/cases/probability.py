@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.case import Case
-from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
+from stochlin.analyses.cases.reading.case import Case
+from stochlin.analyses.cases.rows import motion_of, pair_of
+from stochlin.analyses.cases.shaking import MOST_RECORDS, doubts, over_records, shaking_of
 from stochlin.analyses.cases.variables import RECORDED
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.probability.probability import pounding_probability
@@ -47,7 +48,7 @@ class ProbabilityAnswer(NamedTuple):
 
     def doubts(self) -> list[str]:
         """Texts on implausible results."""
-        return doubts(self.shaking, self.case.pair, float(self.table.required_gap_simulated))
+        return doubts(self.shaking, pair_of(self.case), float(self.table.required_gap_simulated))
 
 
 def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> ProbabilityAnswer:
@@ -56,24 +57,26 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     ``progress`` is called with the share of the work that is done. Errors are those of
     `stochlin.pounding_probability`.
     """
-    first, second = case.pair
-    oscillators = all(isinstance(building.structure, Structure) for building in case.pair)
-    many = len(case.records) > MOST_RECORDS
-    motions = {} if many or not oscillators else case.records  # the hybrid method has no storeys
-    medians = first.structure, second.structure, case.ground, gap
-    sampled = first.sampled, second.sampled, case.sampled_ground, gap
+    first, second = pair_of(case)
+    oscillators = all(isinstance(building.structure, Structure) for building in pair_of(case))
+    many = len(case.site.records) > MOST_RECORDS
+    motions = {} if many or not oscillators else case.site.records  # the hybrid method has no storeys
+    medians = first.structure, second.structure, case.site.ground, gap
+    sampled = first.sampled, second.sampled, case.site.sampled_ground, gap
     simulating = part_of(progress, 0.0, BEFORE_RECORDS if many else 1.0)
-    table = pounding_probability(*sampled, **case.motion, progress=simulating)
+    table = pounding_probability(*sampled, **motion_of(case), progress=simulating)
     records = {
-        name: pounding_probability(*medians, method="hybrid", record=record, confidence=case.confidence)
+        name: pounding_probability(
+            *medians, method="hybrid", record=record, confidence=case.wanted.confidence
+        )
         for name, record in motions.items()
     }
     hybrid = _side_by_side(records) if records else None
     suite = None
     if many:
-        pair = [strength_in_metres(building.structure, case.ground) for building in case.pair]
+        pair = [strength_in_metres(building.structure, case.site.ground) for building in pair_of(case)]
         rest = part_of(progress, BEFORE_RECORDS, 1.0)
-        separations = recorded_gap(pair[0], pair[1], dict(case.records), progress=rest).separation
+        separations = recorded_gap(pair[0], pair[1], dict(case.site.records), progress=rest).separation
         suite = over_records(case, separations, gap)
     return ProbabilityAnswer(case, gap, table, hybrid, shaking_of(case), suite)
 

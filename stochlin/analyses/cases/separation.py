@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.case import Case
 from stochlin.analyses.cases.codes import APPLIED, with_applied_codes
-from stochlin.analyses.cases.files.schema import FEWEST_PATHS
-from stochlin.analyses.cases.sites.shaking import MOST_RECORDS, doubts, over_records, shaking_of
-from stochlin.analyses.cases.storeys import StoreyBuilding
+from stochlin.analyses.cases.reading.case import Case
+from stochlin.analyses.cases.reading.codes import FEWEST_PATHS
+from stochlin.analyses.cases.rows import (
+    gap_of,
+    motion_of,
+    named_errors,
+    neighbours_of,
+    of_codes,
+    one_or_two,
+)
+from stochlin.analyses.cases.shaking import MOST_RECORDS, doubts, over_records, shaking_of
 from stochlin.analyses.risk.risk import CERTAIN, RiskInputs, SimulatedRisk, Target
 from stochlin.analyses.risk.variables import VARIABLES
 from stochlin.analyses.sensitivity.sensitivity import sensitivity
@@ -28,8 +33,9 @@ from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import DoubtfulInput
 from stochlin.models.parameters import Model
-from stochlin.models.rules.codes import IN_COMMON
+from stochlin.models.uncertain import UncertainModel
 
+HAZARD = ": site.hazard cannot be used"
 POINTS, SPECTRUM_PATHS = 401, 512
 OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
 SEARCHES = 0.95  # share of the remaining work for the existing gap, if there is one
@@ -64,7 +70,7 @@ class CaseAnswer:
         table = self.separation
         if self.every_rule:
             return table
-        wanted = {*USUAL, *self.case.codes, *self.case.numbers}
+        wanted = {*USUAL, *self.case.codes, *self.case.wanted.of_rules()}
         names = [str(name).removesuffix(APPLIED) for name in table.rule.values]
         return table.isel(rule=[name in wanted for name in names])
 
@@ -85,7 +91,7 @@ class CaseAnswer:
 
     def doubts(self) -> list[str]:
         """Texts on implausible results."""
-        buildings = self.case.one_or_two
+        buildings = one_or_two(self.case)
         peaks = tuple(float(self.separation[f"peak_mean_{n + 1}"]) for n in range(len(buildings)))
         return doubts(self.shaking, buildings, float(self.separation.gap[0]), peaks)
 
@@ -104,42 +110,36 @@ def answer_case(
     `existing_gap` and `sensitivity`.
     """
     sensitivities = sensitivities or bool(case.uncertain)
-    end = WITH_SENSITIVITIES if sensitivities else 1.0
-    first, *others = case.one_or_two
+    first, *others = one_or_two(case)
     second = others[0] if others else None
-    pair = first.sampled, second.sampled if second else None
-    begin = end * OF_RISK if case.hazard else 0.0
-    middle = begin if case.gap is None else begin + (end - begin) * SEARCHES
+    models = first.sampled, second.sampled if second else None, case.site.sampled_ground
+    gap, motion = gap_of(case), motion_of(case)
+    end = WITH_SENSITIVITIES if sensitivities else 1.0
+    begin = end * OF_RISK if case.site.hazard else 0.0
+    middle = begin if gap is None else begin + (end - begin) * SEARCHES
     risky = _simulated_risk(case, part_of(progress, 0.0, begin))
     existing = None
-    if case.gap is not None:
-        options = {**case.motion, "progress": part_of(progress, begin, middle)}
-        existing = existing_gap(*pair, case.sampled_ground, gap=case.gap, **options)
-    in_common: dict[str, Any] = {} if case.alone else {name: getattr(case, name) for name in IN_COMMON}
+    if gap is not None:
+        searching = part_of(progress, begin, middle)
+        existing = existing_gap(*models, gap=gap, **motion, progress=searching)
     simulated = separation(
-        *pair,
-        case.sampled_ground,
-        **case.motion | in_common | case.of_codes,
+        *models,
+        **motion | of_codes(case) | (neighbours_of(case) if second else {}),
         height_1=first.height,
         height_2=second.height if second else None,
-        numbers=case.numbers,
-        unverified=case.unverified,
-        records=dict(case.records) or None,
+        numbers=case.wanted.of_rules(),
+        unverified=case.wanted.unverified,
+        records=dict(case.site.records) or None,
         progress=part_of(progress, middle, end),
     )
     table = with_applied_codes(case, simulated)
-    matters = None
+    answer, matters, records = float(table.gap[0]), None, None
     if sensitivities:
-        motion = {
-            **case.motion,
-            "paths": min(case.paths, _paths(case)),
-            "progress": part_of(progress, end, 1.0),
-        }
-        matters = sensitivity(*pair, case.sampled_ground, **motion)
-    records = None
-    if len(case.records) > MOST_RECORDS:
-        records = over_records(case, table.record_separation, float(table.gap[0]))
-    risk = None if risky is None else _risk_table(risky, case, float(table.gap[0]))
+        fewer = {"paths": min(motion["paths"], _paths(case)), "progress": part_of(progress, end, 1.0)}
+        matters = sensitivity(*models, **motion | fewer)
+    if len(case.site.records) > MOST_RECORDS:
+        records = over_records(case, table.record_separation, answer)
+    risk = None if risky is None else _risk_table(risky, case, answer)
     results = existing, _spectrum(case), shaking_of(case), records, risk, matters
     return CaseAnswer(case, table, *results, every_rule)
 
@@ -150,7 +150,8 @@ def _paths(case: Case) -> int:
     Such a building is made anew for each motion, which takes long.
     """
     storeys = any(
-        isinstance(building, StoreyBuilding) and building.uncertain for building in case.buildings
+        building.has_storeys and isinstance(building.sampled, UncertainModel)
+        for building in case.buildings
     )
     return FEW_PATHS if storeys else USUAL_PATHS
 
@@ -162,43 +163,36 @@ def periods_of(*models: Model) -> list[float]:
 
 def _spectrum(case: Case) -> xr.Dataset:
     """Response spectrum of the motions, compared with the target or the record; else the ground PSD."""
-    options: Any = {"paths": SPECTRUM_PATHS, "seed": case.seed}
-    motion = case.duration, case.envelope
-    if case.spectrum is not None:
-        return simulated_spectrum(case.ground, case.spectrum, *motion, **options)
-    if case.fitted:
-        compared = periods_of_fit(case.duration)
-        of_record = checked_components(case.of_site.components).spectrum(compared)
-        return compared_spectrum(Motions(case.ground, *motion, **options), compared, of_record)
-    periods = [*case.periods, *periods_of(case.ground)]
+    options: Any = {"paths": SPECTRUM_PATHS, "seed": case.simulated.seed}
+    motion = case.site.course.duration, case.site.course.envelope
+    if case.site.spectrum is not None:
+        return simulated_spectrum(case.site.ground, case.site.spectrum, *motion, **options)
+    if case.site.name == "fitted":
+        compared = periods_of_fit(case.site.course.duration)
+        of_record = checked_components(case.site.components).spectrum(compared)
+        return compared_spectrum(Motions(case.site.ground, *motion, **options), compared, of_record)
+    periods = [*case.periods, *periods_of(case.site.ground)]
     low, high = min(periods) / AROUND, max(periods) * AROUND
     frequency = np.geomspace(2 * np.pi / high, 2 * np.pi / low, POINTS)
-    spectrum = case.ground.psd(frequency).rename("psd_ground").to_dataset()
+    spectrum = case.site.ground.psd(frequency).rename("psd_ground").to_dataset()
     attrs = {"units": "s", "long_name": "period"}
     return spectrum.assign_coords(period=("frequency", 2 * np.pi / frequency, attrs))
 
 
 def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | None:
     """Simulated motions at all intensities of the hazard; None if the case has no hazard."""
-    if case.hazard is None:
+    if case.site.hazard is None:
         return None
-    sampled = [building.sampled for building in case.one_or_two]
+    sampled = [building.sampled for building in one_or_two(case)]
     structures = dict(zip(("first", "second"), sampled, strict=False))
-    motion = case.duration, case.envelope, case.scatter
-    paths = whole_groups(max(FEWEST_PATHS, case.paths // SHARE))
-    inputs = RiskInputs(structures, case.sampled_ground, case.hazard, *motion, paths, case.seed)
-    with _of_hazard(case):
+    motion = case.site.course.duration, case.site.course.envelope, case.site.scatter
+    paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // SHARE))
+    inputs = RiskInputs(
+        structures, case.site.sampled_ground, case.site.hazard, *motion, paths, case.simulated.seed
+    )
+    with named_errors(case, HAZARD):
         inputs.check()
         return inputs.simulated(progress)
-
-
-@contextmanager
-def _of_hazard(case: Case) -> Iterator[None]:
-    """Add the file and the place of the hazard to errors that occur inside the context."""
-    try:
-        yield
-    except (ValueError, ArithmeticError) as error:
-        raise ValueError(f"{case.file}: site.hazard cannot be used: {error}") from error
 
 
 def _risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
@@ -207,18 +201,18 @@ def _risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset |
     Gaps of 0 are left out, since any shaking closes them; None if all are 0. Names of variables begin
     with ``risk_``, so that they can be merged with those of the separation.
     """
-    gaps = {"existing": (*case.gaps, 0.0)[0], "answer": answer}
+    gaps = {"existing": (*case.wanted.existing, 0.0)[0], "answer": answer}
     years, target = YEARS, xr.Dataset()
-    if case.risk is not None:
-        years = Target.of(case.risk).years or YEARS
-        with _of_hazard(case):
-            target = found.gap_of(case.risk)
+    if case.wanted.risk is not None:
+        years = Target.of(case.wanted.risk).years or YEARS
+        with named_errors(case, HAZARD):
+            target = found.gap_of(case.wanted.risk)
         gaps["target"] = float(target.required_gap)
         target = target[list(KEPT)]
     gaps = {what: gap for what, gap in gaps.items() if gap > 0}
     if not gaps:
         return None
-    with warnings.catch_warnings(), _of_hazard(case):
+    with warnings.catch_warnings(), named_errors(case, HAZARD):
         warnings.simplefilter("ignore", DoubtfulInput)  # on weak shaking; the report states it instead
         each = [found.of_gap(gap, years) for gap in gaps.values()]
     along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")

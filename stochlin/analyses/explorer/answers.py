@@ -9,9 +9,9 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.case import Case
+from stochlin.analyses.cases.reading.case import Case
+from stochlin.analyses.cases.rows import gap_of, pair_of
 from stochlin.analyses.cases.separation import CaseAnswer, answer_case
-from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.simulation.finite_motions import keeping_apart
 from stochlin.analyses.tables import labels
@@ -28,12 +28,12 @@ def gap_by_few_motions(case: Case, progress: Progress | None = None) -> CaseAnsw
 
     The search for that takes much longer than all else.
     """
-    few = replace(case, paths=min(case.paths, PATHS))
-    if not case.gap:
+    few = replace(case, simulated=replace(case.simulated, paths=min(case.simulated.motions, PATHS)))
+    if not (gap := gap_of(case)):
         return answer_case(few, progress)
-    answer = answer_case(replace(few, gaps=()), progress)
-    existing = xr.Dataset(keeping_apart(answer.separation.separation_samples, case.gap))
-    return replace(answer, case=few, existing=existing.assign_attrs(gap_m=case.gap))
+    answer = answer_case(replace(few, wanted=replace(case.wanted, existing=[])), progress)
+    existing = xr.Dataset(keeping_apart(answer.separation.separation_samples, gap))
+    return replace(answer, case=few, existing=existing.assign_attrs(gap_m=gap))
 
 
 class OnGround(NamedTuple):
@@ -50,16 +50,16 @@ def correlations(case: Case, progress: Progress | None = None) -> Iterator[OnGro
     The white noise is as strong as the ground at the period of the first building. Raises a ValueError
     for buildings with storeys.
     """
-    if any(isinstance(building, StoreyBuilding) for building in case.pair):
+    if any(building.has_storeys for building in pair_of(case)):
         raise ValueError(
             "the correlation over the ratio of the periods is that of two oscillators; a building of "
             "this case is described by its storeys or modes"
         )
-    white = WhiteNoise(float(case.ground.psd(2 * np.pi / case.first.period)))
-    grounds = {"the ground of the case": case.ground, "white noise": white}
+    white = WhiteNoise(float(case.site.ground.psd(2 * np.pi / pair_of(case)[0].period)))
+    grounds = {"the ground of the case": case.site.ground, "white noise": white}
     for number, (name, ground) in enumerate(grounds.items()):
         share = part_of(progress, number / 2, (number + 1) / 2)
-        options: dict[str, Any] = {"paths": PATHS, "seed": case.seed, "progress": share}
+        options: dict[str, Any] = {"paths": PATHS, "seed": case.simulated.seed, "progress": share}
         simulated = _correlation(case, POINTS, ground, "simulation", **options)
         linearized = _correlation(case, LINES, ground, "linearization")
         yield OnGround(name, linearized.rho, simulated[["rho", "rho_standard_error"]])
@@ -67,8 +67,8 @@ def correlations(case: Case, progress: Progress | None = None) -> Iterator[OnGro
 
 def _correlation(case: Case, ratios: Array, ground: Ground, method: str, **options: Any) -> xr.Dataset:
     """Dataset of `correlate` at these ratios of the periods, and at that of the case."""
-    first, second = (cast(Any, building.structure) for building in case.pair)
-    ratios = np.union1d(ratios, case.second.period / case.first.period)
+    first, second = (cast(Any, building.structure) for building in pair_of(case))
+    ratios = np.union1d(ratios, pair_of(case)[1].period / pair_of(case)[0].period)
     ratio = labels.axis("period_ratio", "ratio of the periods, T2/T1", ratios)
-    other = replace(second, period=case.first.period * ratio)
+    other = replace(second, period=pair_of(case)[0].period * ratio)
     return correlate(first, other, ground, method, **options)

@@ -1,105 +1,108 @@
-"""The form of the explorer: entries for keys of a case file, and its text with other values."""
+"""The form of the explorer: keys of a case file with their values, and the file with other ones."""
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from importlib.resources import files
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from stochlin.analyses.cases.buildings import MOST_BUILDINGS
-from stochlin.analyses.cases.files.keys import NEEDED, Key, declared
-from stochlin.analyses.cases.files.quantities import NUMBER, Quantity, in_si
-from stochlin.analyses.cases.files.schema import ASCE_7, EUROCODE_8, OSCILLATOR, REGULAR, keys_at
-from stochlin.analyses.cases.files.sections import key_lines
-from stochlin.analyses.cases.site import NONE
+from stochlin.analyses.cases.reading.buildings import Oscillator, Regular
+from stochlin.analyses.cases.reading.case import NUMBERED
+from stochlin.analyses.cases.reading.explained import form_of_table, table_of
+from stochlin.analyses.cases.reading.kinds import (
+    FROM_TO,
+    NUMBER,
+    TRUTH,
+    Key,
+    Kind,
+    ListOf,
+    Quantity,
+    Word,
+)
+from stochlin.analyses.cases.reading.site import CODES, NONE, ByParameters, Motion, grounds
+from stochlin.analyses.cases.reading.tables import Form, key_lines
 from stochlin.analyses.tables.toml import toml_tables, toml_text
-from stochlin.models.arguments import Whole
 from stochlin.models.envelopes import ENVELOPES
-from stochlin.models.grounds import GROUNDS
-from stochlin.models.grounds.named import ground_names
-from stochlin.models.parameters import Model
-from stochlin.models.structures import LAWS
 
 Tables = Mapping[str, Any]
 """The tables of a case file by their names."""
 
-EMPTY_TOO = {("separation", "existing")}  # keys that have an entry where the file does not have them
-CODES = (EUROCODE_8, ASCE_7)
-STRENGTHS = ("intensity", "pga", "sa", "sa_period", "return_period")  # of a ground
-NOT_OF_GROUNDS = ("records", "suite", "hazard")  # keys of a site that go with any ground
-STARTS = {"floor_mass": "400 t", "soil": "C"}  # of keys without a slider
-_OSCILLATOR = ("period", "damping", "name", "system", "storeys", "height", "mass")
-_STOREYS = ("period", "damping", "name", "system", "storeys", "storey_height", "floor_mass")
-OPTIONAL = ("name", "system", "height", "mass")
-# Ways to describe a building that can be chosen, with the keys that it then has.
-BUILDINGS: Mapping[str, tuple[str, ...]] = {
-    "oscillator, R": (*_OSCILLATOR, "reduction_factor", "hardening"),
-    "oscillator, yield displacement": (*_OSCILLATOR, "yield_displacement", "hardening"),
-    "oscillator, elastic": (*_OSCILLATOR, "elastic"),
-    "regular storeys": (*_STOREYS, "base_shear_coefficient", "hardening"),
-    "regular storeys, elastic": (*_STOREYS, "elastic"),
-}
+SHOWN = "site", "motion", "building", "separation"  # tables on which the gap depends
+ALWAYS = {"separation": ["existing"]}  # keys that are shown where the file does not have them
 AS_IN_FILE = "as in the file"
+TIMES = 4.0  # a slider goes from the value over this to the value times this
+STEP = 0.025  # of a slider: a power of that number
+WRITTEN = re.compile(r'[^=#]*=\s*("[^"]*"|\[[^\]]*\]|[^\s#]+)')  # a key and its value in a line
 
 
 class Entry(NamedTuple):
     """A key of a table, and its value as the file has it; None where it does not have it."""
 
     table: str
+    name: str
     key: Key
     value: Any
 
     @property
     def text(self) -> str:
-        """The value as an entry shows it."""
-        values = self.value if isinstance(self.value, list) else [self.value]
-        return ", ".join("" if value is None else str(value) for value in values)
+        """The value as it is written in a file, a text without its quotation marks."""
+        value = self.value
+        return value if isinstance(value, str) else "" if value is None else json.dumps(value)
 
     def read(self, text: str) -> Any:
-        """The value that a text means, written as in a file; None for an empty text."""
-        if isinstance(self.value, list):
-            return [self._number_or_text(part) for part in text.split(",")]
-        return self._number_or_text(text) if text.strip() else None
+        """The value of a text that is written so; None for an empty one."""
+        with suppress(ValueError, RecursionError):
+            value = json.loads(text)
+            values = value if isinstance(value, list) else [value]
+            if all(isinstance(each, (float, int, str)) for each in values):
+                return value
+        return text.strip() or None
 
-    def _number_or_text(self, text: str) -> Any:
-        kind, text = self.key.kind, text.strip()
-        if isinstance(kind, Whole) or (isinstance(kind, Quantity) and kind.units == "1"):
-            for number in (int, float):
-                with suppress(ValueError):
-                    return number(text)
-        return text
+    def slid(self, at: float) -> Any:
+        """The value times `TIMES` to a power from -1 to 1, in its unit."""
+        written = NUMBER.fullmatch(str(self.value))
+        if at == 0 or written is None:
+            return self.value
+        number = float(written[1]) * TIMES**at
+        shown = f"{float(f'{number:.3g}'):g}" if isinstance(self.key.kind, Quantity) else f"{number:.0f}"
+        return self.read(f"{shown}{written[2]}")
 
-    @property
-    def at(self) -> float | None:
-        """Where the slider of the key stands; None if it cannot show the value."""
-        kind = self.key.kind
-        if self.key.slider is None or isinstance(self.value, list):
+    def reach(self) -> tuple[float, float] | None:
+        """Lowest and highest power for which the key accepts the value; None if it has no slider."""
+        if FROM_TO.fullmatch(str(self.value)):
             return None
+        powers = (number * STEP for number in range(-round(1 / STEP), round(1 / STEP) + 1))
+        reached = [at for at in powers if self._accepts(self.slid(at))]
+        distinct = {str(self.slid(at)) for at in reached}
+        return (reached[0], reached[-1]) if len(distinct) > 2 else None
+
+    def _accepts(self, value: Any) -> bool:
         try:
-            return (
-                in_si(self.value, kind) / self.key.unit_size
-                if isinstance(kind, Quantity)
-                else self.value
-            )
-        except ValueError:  # an uncertain value, or one that is not valid
-            return None
+            self.key.kind.read(value, lambda doubt: None)
+        except ValueError:
+            return False
+        return True
 
-    def slid(self, at: float) -> str:
-        """The text of a number of the slider, in the unit that the value has."""
-        assert self.key.slider is not None
-        written = NUMBER.fullmatch(self.value) if isinstance(self.value, str) else None
-        unit = written[2].strip() if written else self.key.slider.unit
-        size = self.key.kind.size(unit) if isinstance(self.key.kind, Quantity) else None
-        return f"{at * self.key.unit_size / (size or 1.0):.6g} {unit}".strip()
+
+class Way(NamedTuple):
+    """A way to write a table: its form, keys that it has as well, and values that choose it."""
+
+    form: type[Form]
+    also: tuple[str, ...] = ()
+    values: Tables = MappingProxyType({})
 
 
 class Choice(NamedTuple):
-    """A choice between several sets of keys of a table, and the present one."""
+    """A choice between several ways to write a table, and the present one."""
 
     table: str
+    name: str
     label: str
-    options: tuple[str, ...]
+    ways: Mapping[str, Way]
     present: str
 
 
@@ -111,141 +114,106 @@ class Group(NamedTuple):
     entries: list[Entry]
 
 
+_OF_STOREYS = ("storeys", "storey_height")
+BUILDINGS = {
+    "oscillator, reduction factor": Way(Oscillator, ("reduction_factor", "hardening")),
+    "oscillator, yield displacement": Way(Oscillator, ("yield_displacement", "hardening")),
+    "oscillator, ductility": Way(Oscillator, ("ductility", "hardening")),
+    "oscillator, elastic": Way(Oscillator, ("elastic",)),
+    "equal storeys": Way(Regular, (*_OF_STOREYS, "base_shear_coefficient", "hardening")),
+    "equal storeys, elastic": Way(Regular, (*_OF_STOREYS, "elastic")),
+}
+
+
 def form_of(tables: Tables) -> list[Group]:
-    """What the form shows of a case: choices, and the numbers of its site, motion, buildings and gap."""
-    buildings = (f"building_{number}" for number in range(1, MOST_BUILDINGS + 1))
+    """What the form shows of a case: choices and numbers of its site, motion, buildings and gap."""
     groups = []
-    for name in ("site", *buildings, "separation", "motion"):
-        table = tables.get(name)
-        if isinstance(table, dict):
-            own = table.get("name", "")
-            title = f"{name.replace('_', ' ').capitalize()}{': ' * bool(own)}{own}"
-            groups.append(Group(title, list(_choices(name, table)), list(_entries(name, table))))
+    for name, table in tables.items():
+        if _kind(name) in SHOWN and isinstance(table, dict):
+            form, keys = form_of_table(_kind(name), table)
+            called = f": {table['name']}" if "name" in table else ""
+            title = f"{name.replace('_', ' ').capitalize()}{called}"
+            choices = [
+                Choice(name, each, label, {**ways, present: ways.get(present, Way(form))}, present)
+                for each, label, ways, present in _choices(_kind(name), table, form, keys)
+            ]
+            groups.append(Group(title, choices, list(_entries(name, table, keys))))
     return groups
 
 
-def _entries(name: str, table: Tables) -> Iterator[Entry]:
-    """Numbers, words and truth values that the table has."""
-    for key in _keys(name, table).values():
-        value = table.get(key.name)
-        shown = value is not None or (name, key.name) in EMPTY_TOO
-        of_tables = isinstance(value, dict) or (
-            isinstance(value, list) and any(isinstance(each, dict) for each in value)
-        )
-        if shown and not of_tables and (key.kind is bool or not isinstance(key.kind, type)):
-            yield Entry(name, key, value)
+def _kind(name: str) -> str:
+    """The name of a table in tables of keys."""
+    return "building" if NUMBERED.fullmatch(name) else name
 
 
-def _keys(name: str, table: Tables) -> dict[str, Key]:
-    """The keys of a table, and the parameters of its model that have no key of their own."""
-    keys = dict(keys_at((name,)))
-    models: Mapping[str, type[Model]] = {**GROUNDS, **ENVELOPES, **LAWS}
-    model = models.get(str(table.get("ground", table.get("envelope", table.get("law")))))
-    if model is None:
-        return keys
-    own = (parameter for parameter in model.parameter_names() if parameter not in keys)
-    return keys | {parameter: declared(model, parameter) for parameter in own}
+def _entries(name: str, table: Tables, keys: Mapping[str, Key]) -> Iterator[Entry]:
+    """Numbers, lists of numbers and truth values that the table has."""
+    for each in dict.fromkeys([*table, *ALWAYS.get(name, ())]):
+        kind = keys[each].kind if each in keys else None
+        of_all = kind.kind if isinstance(kind, ListOf) else kind
+        whole = isinstance(of_all, Kind) and of_all.example.isdigit()
+        if whole or of_all is TRUTH or isinstance(of_all, Quantity):
+            yield Entry(name, each, keys[each], table.get(each))
 
 
-def _choices(name: str, table: Tables) -> Iterator[Choice]:
-    """Ground, envelope, and the way in which a building is described."""
-    if name == "site":
-        present = str(table.get("spectrum", table.get("ground")))
-        yield _choice(name, "Ground", (*ground_names(), *GROUNDS, *CODES), present)
-    elif name == "motion":
-        yield _choice(name, "Envelope", (*ENVELOPES, NONE), str(table.get("envelope", NONE)))
-    elif name != "separation":
-        yield _choice(name, "Described as", tuple(BUILDINGS), _way_of(table))
-
-
-def _choice(table: str, label: str, options: tuple[str, ...], present: str) -> Choice:
-    return Choice(table, label, tuple(dict.fromkeys((*options, present))), present)
-
-
-def _way_of(table: Tables) -> str:
-    """The way in which a building is described."""
-    plain = {name for name, key in keys_at(("building_1",)).items() if key.ways or key.name == "elastic"}
-    for way, keys in BUILDINGS.items():
-        regular = way.startswith(REGULAR)
-        needed = {key for key in keys if key not in OPTIONAL and (regular or key != "storeys")}
-        if needed <= table.keys() and plain & table.keys() <= {*keys} and "law" not in table:
-            return way
-    return AS_IN_FILE
+def _choices(
+    kind: str, table: Tables, form: type[Form], keys: Mapping[str, Key]
+) -> Iterator[tuple[str, str, Mapping[str, Way], str]]:
+    """How the table is written, and words that it has: key, label, ways and the present one of each."""
+    if kind == "site":
+        ways = {each: Way(ByParameters, ("intensity",), {"ground": each}) for each in grounds()}
+        ways |= {code: Way(of_code, (), {"spectrum": code}) for code, of_code in CODES.items()}
+        yield "ground", "Ground", ways, str(table.get("spectrum", table.get("ground")))
+    elif kind == "motion":
+        ways = {each: Way(Motion, (), {"envelope": each}) for each in [*ENVELOPES, NONE]}
+        yield "envelope", "Envelope", ways, str(table.get("envelope", NONE))
+    elif kind == "building":
+        strength = next((each for each in form.one_of if table.get(each, False) is not False), "")
+        fitting = (each for each, way in BUILDINGS.items() if way.form is form and strength in way.also)
+        yield "", "Described as", BUILDINGS, next(fitting, AS_IN_FILE)
+    for each, key in keys.items():
+        if isinstance(key.kind, Word) and each in table and each not in ("ground", "envelope"):
+            ways = {word: Way(form, (), {each: word}) for word in key.kind.words.split(", ")}
+            yield each, key.about, ways, str(table[each])
 
 
 def chosen(tables: Tables, choice: Choice, option: str) -> dict[str, Any]:
-    """The tables with the keys of another choice; numbers that stay keep their values."""
-    table = tables[choice.table]
-    if choice.table == "site":
-        kept = {key: table[key] for key in NOT_OF_GROUNDS if key in table}
-        changed = {**_site(table, option), **kept}
-    elif choice.table == "motion":
-        kept = {key: table[key] for key in ("duration", "scatter") if key in table}
-        changed = {"envelope": option, **kept, **_started(choice.table, {**table, "envelope": option})}
-    else:
-        needed = [key for key in BUILDINGS[option] if key in table or key not in OPTIONAL]
-        if option.startswith(OSCILLATOR) and "storeys" not in table:
-            needed.remove("storeys")
-        keys = keys_at((choice.table,))
-        changed = {key: table[key] if key in table else _start(keys[key]) for key in needed}
+    """The tables with one of them written in another way; numbers that stay keep their values."""
+    form, also, values = choice.ways[option]
+    table = {**tables[choice.table], **values}
+    keys = form.keys(table_of(table))
+    others = {*form.one_of} - {*also} if {*form.one_of} & {*also} else ()
+    changed = {name: value for name, value in table.items() if name in keys and name not in others}
+    for name in [*(name for name, key in keys.items() if key.needed), *also]:
+        instead = (other for names in form.at_most if name in names for other in names)
+        if not any(other in changed for other in (name, *instead)):
+            changed[name] = _usual(choice.table, name, keys[name])
     return {**tables, choice.table: changed}
 
 
-def _site(table: Tables, option: str) -> dict[str, Any]:
-    """The ground or the spectrum of this name, with its numbers."""
-    if option in CODES:
-        keys = [
-            key for key in keys_at(("site",)).values() if option in key.ways and key.default is NEEDED
-        ]
-        return {"spectrum": option, **{key.name: table.get(key.name, _start(key)) for key in keys}}
-    strength = {key: table[key] for key in STRENGTHS if key in table}
-    strength = strength or {"intensity": _start(keys_at(("site",))["intensity"])}
-    return {"ground": option, **strength, **_started("site", {**table, "ground": option})}
+def _usual(table: str, name: str, key: Key) -> Any:
+    """A value with which a key can begin."""
+    text = files("stochlin.analyses.explorer").joinpath("usual.toml").read_text("utf-8")
+    usual = toml_tables(text)[_kind(table)]
+    return usual[name] if name in usual else json.loads(key.kind.example)
 
 
-def _started(name: str, table: Tables) -> dict[str, Any]:
-    """The parameters of the model that a table names, but the strength of a ground."""
-    model = {**GROUNDS, **ENVELOPES}.get(str(table.get("ground", table.get("envelope"))))
-    keys = _keys(name, table)
-    own = [key for key in (model.parameter_names() if model else ()) if key != "intensity"]
-    return {key: table.get(key, _start(keys[key], model)) for key in own}
-
-
-def _start(key: Key, model: type[Model] | None = None) -> Any:
-    """The value of a key with which a choice starts: in the middle of the usual, or of the allowed."""
-    if key.kind is bool:
-        return True
-    if key.slider is not None:
-        slider = key.slider
-        return f"{slider.start:g} {slider.unit}" if slider.unit else slider.start
-    if key.name in STARTS:
-        return STARTS[key.name]
-    assert model is not None
-    assert isinstance(key.kind, Quantity)
-    default = model.__dataclass_fields__[key.name].default
-    value = default if isinstance(default, float) else key.kind.allowed.middle
-    return value if key.kind.units == "1" else f"{value:g} {key.kind.units}"
-
-
-def changed_text(text: str, entry: Entry, value: Any) -> str:
-    """The text of a case file with another value of a key, or without it for None.
+def changed_text(text: str, entry: Entry) -> str:
+    """The text of a case file with the value of an entry, or without its key for None.
 
     Only the line of the key changes, so that comments stay; where this is not possible, all is written
     anew.
     """
-    place, tables = (entry.table, entry.key.name), toml_tables(text)
-    table = {key: old for key, old in tables[entry.table].items() if key != entry.key.name}
-    wanted = {**tables, entry.table: table if value is None else {**table, entry.key.name: value}}
-    lines, numbers = text.splitlines(), key_lines(text)
-    line = "" if value is None else toml_text({entry.key.name: value}).strip()
-    if place in numbers:
-        at = numbers[place] - 1
-        value_before = r'[^=#]*=\s*("[^"]*"|\[[^\]]*\]|[^\s#]+)'
-        lines[at : at + 1] = [re.sub(value_before, lambda _: line, lines[at], count=1)] if line else []
-    elif line:
-        lines.insert(numbers.get((entry.table,), 0), line)
-    changed = "\n".join(lines) + "\n"
-    with suppress(ValueError):
-        if toml_tables(changed) == wanted:
-            return changed
+    tables, line = toml_tables(text), key_lines(text).get((entry.table, entry.name))
+    others = {name: old for name, old in tables[entry.table].items() if name != entry.name}
+    if entry.value is None:
+        return toml_text({**tables, entry.table: others})
+    wanted = {**tables, entry.table: {**others, entry.name: entry.value}}
+    if line is not None:
+        lines, written = text.splitlines(), toml_text({entry.name: entry.value}).strip()
+        lines[line - 1] = WRITTEN.sub(lambda _: written, lines[line - 1], count=1)
+        changed = "\n".join(lines) + "\n"
+        with suppress(ValueError):
+            if toml_tables(changed) == wanted:
+                return changed
     return toml_text(wanted)

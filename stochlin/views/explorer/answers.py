@@ -6,10 +6,11 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from stochlin.analyses.cases.examples import example_case
+from stochlin.analyses.cases.examples import short_example
+from stochlin.analyses.cases.rows import pair_of
 from stochlin.analyses.explorer.answers import PATHS, OnGround, correlations, gap_by_few_motions
 from stochlin.analyses.explorer.uploads import read_upload, uploaded
-from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.views.separation import verdict, words
 from stochlin.views.separation.elevation import elevation_picture
 from stochlin.views.separation.pictures import rules_figure
@@ -21,10 +22,9 @@ from stochlin.views.shared.words import doubt
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.case import Case
     from stochlin.analyses.cases.separation import CaseAnswer
 
-OF_FIT = 0.3  # share of the work to find the ground
 MARKERS = "o", "s"
 OF_RULES = (
     "Each rule against the answer (dashed, its 95 % interval grey). Numbers are those of the table."
@@ -38,20 +38,20 @@ CAPTION = (
 
 def get_ready(progress: Progress) -> None:
     """Answer the example, so that libraries are loaded and code is compiled before a change."""
-    text = example_case()
+    text = short_example()
     with uploaded({"case.toml": text.encode()}).folder as folder:
         gap_of(folder, "case.toml", text, progress)
 
 
 def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
     """The gap, its picture and the rules for a case of this text, as `stochlin gap` writes them."""
-    case, doubts = read_upload(folder, name, text, part_of(progress, 0.0, OF_FIT))
-    answer = gap_by_few_motions(case, part_of(progress, OF_FIT, 1.0))
+    case, doubts = read_upload(folder, name, text)
+    answer = gap_by_few_motions(case, progress)
     more = ""
-    if case.paths > PATHS:
+    if (motions := case.simulated.motions) > PATHS:
         more = (
-            f"From {PATHS} motions; 'stochlin gap' computes the saved case with all {case.paths}, "
-            "and a shorter interval."
+            f"From {PATHS} motions; 'stochlin gap' computes the saved case with all {motions}, and a "
+            "shorter interval."
         )
     sections = [*_sections(answer), ViewSection("", [Text(more, "note")])]
     return _html(case, doubts, sections, "gap")
@@ -72,9 +72,9 @@ def _sections(answer: CaseAnswer) -> list[ViewSection]:
 
 def correlation_of(folder: str, name: str, text: str, progress: Progress) -> str:
     """The correlation over the ratio of the periods, on the ground of the case and on a broad band."""
-    case, doubts = read_upload(folder, name, text, part_of(progress, 0.0, OF_FIT))
-    ratio = case.second.period / case.first.period
-    grounds = list(correlations(case, part_of(progress, OF_FIT, 1.0)))
+    case, doubts = read_upload(folder, name, text)
+    ratio = pair_of(case)[1].period / pair_of(case)[0].period
+    grounds = list(correlations(case, progress))
     picture = Picture("Correlation of the displacements", CAPTION, partial(_drawn, grounds, ratio))
     sentences = [Text(_in_words(ground, ratio)) for ground in grounds]
     return _html(case, doubts, [ViewSection("", [*sentences, picture])], "rho")
@@ -82,7 +82,7 @@ def correlation_of(folder: str, name: str, text: str, progress: Progress) -> str
 
 def _html(case: Case, doubts: list[str], sections: list[ViewSection], prefix: str) -> str:
     """Warnings on the file, and the sections; names of the case are the user's."""
-    as_given = [case.title, *(building.name for building in case.buildings), *case.records]
+    as_given = [case.title, *(building.name for building in case.buildings), *case.site.records]
     warned = ViewSection("", [Text(f"Warning: {doubt}", "doubt") for doubt in doubts])
     return page("", [warned, *sections], [], as_given, "sections.html", prefix)
 

@@ -17,16 +17,9 @@ from stochlin.views.shared.screen import COMMANDS, FILE, bad_input
     "--port", type=click.IntRange(1, 65535), default=8640, show_default=True, help="Port to listen on."
 )
 @click.option(
-    "--host",
-    default="127.0.0.1",
-    show_default=True,
-    help="Address to listen on. With another address than that of this computer, others on the "
-    "network can open the page.",
-)
-@click.option(
     "--open/--no-open", "show", default=True, show_default=True, help="Open the page in a browser."
 )
-def explore(case: Path | None, port: int, host: str, show: bool) -> None:
+def explore(case: Path | None, port: int, show: bool) -> None:
     """Explore a pair of buildings interactively, in a local browser page.
 
     The page is served by this computer and needs no network. It opens and saves case files for
@@ -39,18 +32,18 @@ def explore(case: Path | None, port: int, host: str, show: bool) -> None:
     """
     with bad_input():
         try:
-            from stochlin.views.explorer.server import check_address, serve
+            from stochlin.views.explorer.server import check_port, serve
         except ImportError as error:
             raise ImportError(
                 f"the explorer needs NiceGUI: pip install 'stochlin[app]' ({error})"
             ) from error
-        from stochlin.analyses.cases.case import read_case
-        from stochlin.analyses.cases.examples import example_case
+        from stochlin.analyses.cases.examples import short_example
+        from stochlin.analyses.cases.reading.case import read_case
         from stochlin.analyses.explorer.uploads import of_case, uploaded
         from stochlin.kernels.basics.folders import process_folder
 
-        check_address(host, port)
+        check_port(port)
         tempfile.tempdir = str(process_folder())  # removed with all that is left in it
-        start = of_case(read_case(case)) if case else uploaded({"case.toml": example_case().encode()})
+        start = of_case(read_case(case)) if case else uploaded({"case.toml": short_example().encode()})
         with start.folder:
-            serve(start, host=host, port=port, show=show)
+            serve(start, port=port, show=show)

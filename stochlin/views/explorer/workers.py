@@ -1,7 +1,8 @@
-"""Processes beside the page for calculations that take too long for a slider."""
+"""A process beside the page for calculations that take too long for a slider."""
 
 from __future__ import annotations
 
+import asyncio
 import multiprocessing
 import os
 import signal
@@ -9,9 +10,8 @@ import tempfile
 import threading
 import time
 import traceback
-from concurrent.futures import Future
+from dataclasses import dataclass
 from multiprocessing.connection import wait
-from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.context import SpawnProcess
 
-LOOK = 0.05  # s between two looks at whether a job is still wanted
-GRACE = 0.5  # s that a job may take to stop by itself, before its process is killed
+LOOK = 0.05  # s between two looks at what the process tells
+GRACE = 0.5  # s that a question may take to stop by itself, before its process is killed
 # A second thread of linear algebra doubles the processor time of matrices as small as these.
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
@@ -29,19 +29,12 @@ class Stopped(Exception):  # noqa: N818 (no error: it was asked for)
     """A calculation that was told to stop."""
 
 
+@dataclass
 class Job:
-    """A question that a worker has been asked."""
+    """Whether the answer to a question is still wanted, and the share of its work that is done."""
 
-    def __init__(self, question: Callable[..., Any], subject: tuple[Any, ...]) -> None:
-        self.question, self.subject = question, subject
-        self.answer: Future[Any] = Future()
-        self.share = 0.0  # of the work that is done
-        self.unwanted = False
-
-    def stop(self) -> None:
-        """Drop the question; one that is being answered stops, or its process is killed."""
-        self.unwanted = True
-        self.answer.cancel()
+    wanted: bool = True
+    share: float = 0.0
 
 
 class Worker:
@@ -51,98 +44,73 @@ class Worker:
     """
 
     def __init__(self) -> None:
+        self.process: SpawnProcess | None = None
         self._context = multiprocessing.get_context("spawn")  # numba's threads do not survive a fork
-        self._jobs: SimpleQueue[Job | None] = SimpleQueue()
-        self._process: SpawnProcess | None = None
-        self.closed = False
-        self._start()
-        threading.Thread(target=self._serve, daemon=True).start()
+        self._turn = asyncio.Lock()
+        self._closed = False
 
-    def ask(self, question: Callable[..., Any], *subject: Any) -> Job:
-        """Have a function called with these arguments and ``progress``; cancelled once closed."""
-        job = Job(question, subject)
-        if self.closed:
-            job.stop()
-        self._jobs.put(job)
-        return job
+    async def answer(self, job: Job, question: Callable[..., Any], *subject: Any) -> Any:
+        """What a function of these arguments and of ``progress`` returns; raises what it raises.
 
-    def close(self) -> None:
-        """Take no other question, and kill the process; returns at once."""
-        self.closed = True
-        self._jobs.put(None)
-        process = self._process
-        if process is not None:
-            process.kill()
-
-    @property
-    def process_id(self) -> int | None:
-        """Number of the process that answers, None after it was killed."""
-        return None if self._process is None else self._process.pid
-
-    def _start(self) -> None:
-        self._pipe, other = self._context.Pipe()
-        arguments = other, tempfile.gettempdir()
-        self._process = self._context.Process(target=_answer_questions, args=arguments, daemon=True)
-        self._process.start()
-        other.close()  # so that the end of the process ends the pipe
-
-    def _serve(self) -> None:
-        """In a thread: have the questions answered, one after the other."""
-        while (job := self._jobs.get()) is not None:
-            if self.closed:
-                job.stop()
-            if not job.answer.set_running_or_notify_cancel():
-                continue
+        Raises `Stopped` once the job is not wanted any more, or the worker is closed.
+        """
+        async with self._turn:
+            if not job.wanted or self._closed:
+                raise Stopped
+            if self.process is None or not self.process.is_alive():
+                self._start()
             try:
-                answer = self._ask_process(job)
-            except Exception as error:
-                job.answer.set_exception(error)
-            else:
-                job.answer.set_result(answer)
-
-    def _ask_process(self, job: Job) -> Any:
-        """The answer of the process to a question; raises what it raised there."""
-        if self._process is None or not self._process.is_alive():
-            self._start()
-        try:
-            self._pipe.send((job.question, job.subject))
-            answer, failure = self._told(job)
-        except (EOFError, OSError) as error:
-            code = self._end()
-            if self.closed:
-                raise Stopped from error
-            raise RuntimeError(
-                f"the process that computes has ended (exit code {code}), perhaps for want of memory; "
-                "ask again, with fewer simulated motions or storeys"
-            ) from error
+                self._pipe.send((question, subject))
+                answer, failure = await self._reply(job)
+            except BaseException as error:  # also that the page ends
+                code = self._end()
+                if self._closed or not isinstance(error, (EOFError, OSError)):
+                    raise
+                raise RuntimeError(
+                    f"the process that computes has ended (exit code {code}), perhaps for want of "
+                    "memory; ask again, with fewer storeys or a shorter motion"
+                ) from error
         if failure is not None:
             raise failure
         return answer
 
-    def _told(self, job: Job) -> tuple[Any, Exception | None]:
+    def close(self) -> None:
+        """Answer no other question, and kill the process."""
+        self._closed = True
+        if self.process is not None:
+            self.process.kill()
+
+    def _start(self) -> None:
+        self._pipe, other = self._context.Pipe()
+        arguments = other, tempfile.gettempdir()
+        self.process = self._context.Process(target=_answer_questions, args=arguments, daemon=True)
+        self.process.start()
+        other.close()  # so that the end of the process ends the pipe
+
+    async def _reply(self, job: Job) -> tuple[Any, Exception | None]:
         """What the process tells at last: the answer, or why there is none."""
-        message: Any = 0.0
         until = float("inf")
-        while not isinstance(message, tuple):  # but the share that is done
-            job.share = message
-            if job.unwanted and until == float("inf"):
+        while True:
+            if self._pipe.poll():
+                message = self._pipe.recv()
+                if isinstance(message, tuple):
+                    return message
+                job.share = message
+                continue
+            if not job.wanted and until == float("inf"):
                 self._pipe.send(None)
                 until = time.monotonic() + GRACE
-            if self.closed or time.monotonic() > until:
-                self._end()
+            if time.monotonic() > until:
                 raise Stopped
-            if self._pipe.poll(LOOK):
-                message = self._pipe.recv()
-        return message
+            await asyncio.sleep(LOOK)
 
     def _end(self) -> int | None:
         """Kill the process; its exit code."""
-        assert self._process is not None
-        self._process.kill()
-        self._process.join()
-        code, self._process = self._process.exitcode, None
+        assert self.process is not None
+        self.process.kill()
+        self.process.join()
         self._pipe.close()
-        return code
+        return self.process.exitcode
 
 
 def _answer_questions(pipe: Connection, folder: str) -> None:

@@ -40,14 +40,14 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
       stochlin mitigate case.toml --picture measures.png
     """
     with bad_input():
-        from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.mitigation import mitigate_case
+        from stochlin.analyses.cases.reading.case import read_case
         from stochlin.analyses.tables.storage import CSV, FORMATS
         from stochlin.views.mitigation.pictures import draw_measures
         from stochlin.views.mitigation.words import answer_sections
 
         described = read_case(case)
-        data = data_target(out, picture, FORMATS, described.inputs)
+        data = data_target(out, picture, FORMATS, described.files)
         with progress_bar("measures") as progress:
             table = mitigate_case(described, progress)
         show(lines(answer_sections(table, described)))

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.analyses.cases.sites.shaking import doubts
+from stochlin.analyses.cases.rows import pair_of
+from stochlin.analyses.cases.shaking import doubts
 from stochlin.analyses.separation.separation import AT_LEAST, LESS, NOT_AVAILABLE
 from stochlin.views.shared.blocks import Items, Table, ViewSection, texts
 from stochlin.views.shared.screen import cut
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
 
     import xarray as xr
 
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.case import Case
 
 WIDE = 34  # characters of a name
 WORDS, UNDECIDED = (
@@ -71,7 +72,7 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
     about = (_headline(table), shaking(table, case), scatter(case))
     notes = {"measure": NOTES, "device": OF_DEVICES, "record": TIMES}
     return [
-        opening(case, doubts(table, case.pair, float(built.required_gap), peaks)),
+        opening(case, doubts(table, pair_of(case), float(built.required_gap), peaks)),
         ViewSection("", texts([floors(case), *left_out(case)])),
         ViewSection("", [*texts(about), *unknowns(case, "needed gaps and shares are those")]),
         ViewSection("", [_motions(table)]),

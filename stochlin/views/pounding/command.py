@@ -24,7 +24,7 @@ from stochlin.views.shared.screen import (
 )
 
 if TYPE_CHECKING:
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.case import Case
 
 TABLES = (".nc",)
 
@@ -86,22 +86,20 @@ def pound(
       stochlin pound case.toml --motions 100 --picture pound.png --out pound.csv
     """
     with bad_input():
-        from stochlin.analyses.cases.case import read_case
         from stochlin.analyses.cases.pounding import pound_case
-        from stochlin.analyses.cases.sites.shaking import MOST_RECORDS
-        from stochlin.analyses.cases.storeys import StoreyBuilding
+        from stochlin.analyses.cases.reading.case import read_case
+        from stochlin.analyses.cases.shaking import MOST_RECORDS
         from stochlin.views.pounding.floors import draw_floors
         from stochlin.views.pounding.pictures import draw_pound
         from stochlin.views.pounding.words import answer_sections
 
         described = read_case(case)
-        if motions is not None or len(described.records) > MOST_RECORDS:
+        if motions is not None or len(described.site.records) > MOST_RECORDS:
             _together(described, motions, out, picture, steps_per_contact)
             return
         data = out if out or not picture else picture.with_suffix(TABLES[0])
         drawn = _by_record("--picture", picture, PICTURES, described)
-        stepped = any(isinstance(building, StoreyBuilding) for building in described.buildings)
-        of_storeys = picture if stepped else None
+        of_storeys = picture if any(one.has_storeys for one in described.buildings) else None
         storeys = _by_record("--picture", of_storeys, PICTURES, described, "-storeys")
         saved = _by_record("--out" if out else "--picture", data, TABLES, described)
         with progress_bar("pounding") as progress:
@@ -120,7 +118,7 @@ def _together(
     from stochlin.analyses.tables.storage import CSV, FORMATS
     from stochlin.views.pounding.ensembles import draw_ensemble, ensemble_sections
 
-    data = data_target(out, picture, FORMATS, case.inputs)
+    data = data_target(out, picture, FORMATS, case.files)
     with progress_bar("pounding") as progress:
         table = pound_motions(case, motions, progress, steps_per_contact=steps_per_contact)
     show(lines(ensemble_sections(case, table)))
@@ -136,12 +134,12 @@ def _by_record(
     if path is None:
         return {}
     path = path.with_name(f"{path.stem}{ending}{path.suffix}")
-    named = dict.fromkeys(case.records, path)
+    named = dict.fromkeys(case.site.records, path)
     if len(named) > 1:
         words = {record: re.sub(r"[^\w.]+", "_", record) for record in named}
         named = {r: path.with_name(f"{path.stem}-{word}{path.suffix}") for r, word in words.items()}
     for target in named.values():
-        check_target(option, target, allowed, case.inputs)
+        check_target(option, target, allowed, case.files)
     if len(set(named.values())) < len(named):
         raise ValueError(
             f"{path} for each record: the names {', '.join(map(repr, named))} are too much alike for "

@@ -10,7 +10,7 @@ import xarray as xr
 from scipy import constants
 
 from stochlin.analyses.cases.pounding import is_oscillator
-from stochlin.analyses.cases.sites.shaking import doubts
+from stochlin.analyses.cases.shaking import doubts
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.views.pounding.floors import ALONE as THIN
 from stochlin.views.pounding.floors import LINE, NAME, WIDTH, levels_of, looks_of, profile
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.case import Case
 
 SHOWN = 0.84  # the quantile of profiles
 ERRORS = (
@@ -72,7 +72,8 @@ def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
     peaks = tuple(map(float, table.peak.max({*table.peak.dims} - {"structure"})))
     motions = f"{count} records"
     if simulated:
-        motions = f"{count} simulated motions of {case.duration:.4g} s, {site_in_words(case)}"
+        length = f"{case.site.course.duration:.4g} s"
+        motions = f"{count} simulated motions of {length}, {site_in_words(case)}"
     about = [
         f"{motions}: {_shares(table) if meets else ALONE}",
         _beside_gap(case, count) if simulated and meets else "",
@@ -95,8 +96,7 @@ def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
         opening(case, doubts(strongest, case.buildings, peaks=peaks)),
         ViewSection("", texts([floors(case), *left_out(case)])),
         ViewSection("", texts(about)),
-        ViewSection("", texts([failed])),
-        ViewSection("", texts([columns])),
+        *(ViewSection("", texts([text])) for text in (failed, columns)),
         ViewSection("", [Table.of(heads, rows), Text(" ".join(notes))]),
     ]
 
@@ -119,17 +119,18 @@ def _shares(table: xr.Dataset) -> str:
 
 def _beside_gap(case: Case, count: int) -> str:
     """Whether 'stochlin gap' has the same motions, and so the same share of them with contact."""
+    motions = case.simulated.motions
     if len(case.buildings) > 2:
         return ""
     if case.uncertain:
         return (
             "'stochlin gap' takes a sample of the uncertain parameters in each of its "
-            f"{case.paths} motions, so that its share of motions with contact is another."
+            f"{motions} motions, so that its share of motions with contact is another."
         )
-    if count == case.paths:
+    if count == motions:
         return "These are the motions of 'stochlin gap': its share of motions with contact is the same."
     return (
-        f"The first {min(count, case.paths)} of them are also the first of the {case.paths} motions of "
+        f"The first {min(count, motions)} of them are also the first of the {motions} motions of "
         "'stochlin gap': its share of motions with contact differs by the other motions."
     )
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy import constants
 
 from stochlin.analyses.cases.pounding import energy_of, is_oscillator
-from stochlin.analyses.cases.sites.shaking import doubts
+from stochlin.analyses.cases.shaking import doubts
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
 from stochlin.views.shared.blocks import Block, Table, Text, ViewSection, texts
 from stochlin.views.shared.descriptions import site_in_words
@@ -33,7 +33,7 @@ from stochlin.views.shared.words import (
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.case import Case
 
 LONGEST_NAME, SHORTER_NAME = 26, 20
 LARGE_ERROR = 0.01  # by time steps, above which a caution is given

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from stochlin.analyses.cases.rows import error_of, gap_of, pair_of
 from stochlin.views.shared.options import QuantityType
 from stochlin.views.shared.screen import (
     COMMANDS,
@@ -40,20 +41,21 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
       stochlin probability case.toml
       stochlin probability case.toml --gap 8cm --picture probability.png --out probability.nc
     """
-    from stochlin.analyses.cases.case import TOUCHING, read_case
     from stochlin.analyses.cases.probability import judge_gap
+    from stochlin.analyses.cases.reading.case import read_case
+    from stochlin.analyses.cases.rows import TOUCHING
     from stochlin.analyses.tables.storage import CSV, FORMATS
     from stochlin.views.probability.pictures import draw_pounding
     from stochlin.views.probability.words import answer_sections
 
     with bad_input():
         described = read_case(case)
-        check_target("--out", out, FORMATS, described.inputs)
-        check_target("--picture", picture, PICTURES, described.inputs)
-        _ = described.pair  # raises where there are not two
-        chosen = described.gap if gap is None else gap or TOUCHING
+        check_target("--out", out, FORMATS, described.files)
+        check_target("--picture", picture, PICTURES, described.files)
+        _ = pair_of(described)  # raises where there are not two
+        chosen = gap_of(described) if gap is None else gap or TOUCHING
         if chosen is None:
-            raise ValueError(f"{described.file} has no existing gap; give it there, or --gap 5cm")
+            raise error_of(described, "there is no existing gap; give it there, or --gap 5cm")
         with progress_bar("simulating") as progress:
             answer = judge_gap(described, chosen, progress)
         show(lines(answer_sections(answer)))

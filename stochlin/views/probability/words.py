@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stochlin.analyses.cases.rows import pair_of
 from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.views.shared.blocks import Block, Items, Table, Text, ViewSection, texts
@@ -28,8 +29,8 @@ from stochlin.views.shared.words import (
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.cases.case import Case
     from stochlin.analyses.cases.probability import ProbabilityAnswer
+    from stochlin.analyses.cases.reading.case import Case
 
 ROWS = 11  # instants that are printed
 COLUMNS = (
@@ -54,10 +55,9 @@ NO_RECORDS = "The records are not evaluated: the hybrid method is only available
 def answer_sections(answer: ProbabilityAnswer) -> list[ViewSection]:
     """The course of the confidence, then the gap for the wanted one, cautions and records."""
     case, table = answer.case, answer.table
-    between = (
-        f"{case.first.name} (left) and {case.second.name}, gap {length(answer.gap)}, "
-        f"{case.duration:.4g}{SPACE}s"
-    )
+    first, second = (building.name for building in pair_of(case))
+    duration = f"{case.site.course.duration:.4g}{SPACE}s"
+    between = f"{first} (left) and {second}, gap {length(answer.gap)}, {duration}"
     about = (between, floors(case), *left_out(case), shaking(answer.shaking, case), scatter(case))
     shown = [column for column in COLUMNS if _known(table, column[1])]
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
@@ -83,7 +83,8 @@ def _wanted(answer: ProbabilityAnswer) -> str:
         if f"required_gap{ending}" in table and bool(table[f"required_gap{ending}"].notnull())
     ]
     gaps.append(f"{length(simulated)} simulated ({centimetres(low)} to {centimetres(high)})")
-    return f"Gap for a confidence of {100 * answer.case.confidence:.4g}{SPACE}%: {', '.join(gaps)}."
+    wanted = 100 * answer.case.wanted.confidence
+    return f"Gap for a confidence of {wanted:.4g}{SPACE}%: {', '.join(gaps)}."
 
 
 def _cautions(answer: ProbabilityAnswer, shown: Sequence[tuple[str, str]]) -> list[str]:
@@ -101,7 +102,7 @@ def _cautions(answer: ProbabilityAnswer, shown: Sequence[tuple[str, str]]) -> li
     for name, ending in shown:
         if int(table.get(f"caution{ending}", 0)) and bool(last[STEM + ending].notnull()):
             cautions.append(UNRELIABLE.format(name))
-    yields = case.first.structure.yields or case.second.structure.yields
+    yields = any(building.structure.yields for building in pair_of(case))
     if STEM in table and yields and bool(table.permanent_set.any()):
         end = table.attrs["strong_shaking_end_s"]
         cautions.append(
@@ -114,11 +115,11 @@ def _of_records(answer: ProbabilityAnswer) -> list[Block]:
     """Each record by the hybrid method, or many of them together."""
     case, gap, records = answer.case, answer.gap, answer.records
     if answer.over_records is not None:
-        return [Text(over_records(answer.over_records, len(case.records), gap))]
+        return [Text(over_records(answer.over_records, len(case.site.records), gap))]
     if records is None:
-        return [Text(NO_RECORDS if case.records else "")]
+        return [Text(NO_RECORDS if case.site.records else "")]
     ends = along(records.isel(record_time=-1), "record")
-    return [Items([_in_record(end, gap, case.confidence) for end in ends])]
+    return [Items([_in_record(end, gap, case.wanted.confidence) for end in ends])]
 
 
 def _known(table: xr.Dataset, ending: str) -> bool:
@@ -128,11 +129,11 @@ def _known(table: xr.Dataset, ending: str) -> bool:
 
 def _beyond_the_map(case: Case) -> str:
     """Why the error of linearization is not known for a case."""
-    other = [b.name for b in case.pair if not isinstance(b.structure, Bilinear)]
+    other = [b.name for b in pair_of(case) if not isinstance(b.structure, Bilinear)]
     if other:
         return f"{other[0]} is no bilinear oscillator"
-    if not isinstance(case.ground, MAPPED):
-        return f"the ground is {case.ground.name}"
+    if not isinstance(case.site.ground, MAPPED):
+        return f"the ground is {case.site.ground.name}"
     return "the buildings are outside this range"
 
 

@@ -53,7 +53,13 @@ MORE = "'--details' adds the shaking, heights, drifts and the table of rules."
 @click.option(
     "--details", is_flag=True, help="Also print shaking, heights, drifts and the table of rules."
 )
-@click.option("--example", is_flag=True, help="Print a case file to start from, and stop.")
+@click.option(
+    "--example",
+    type=click.Choice(["short", "full"]),
+    is_flag=False,
+    flag_value="short",
+    help="Print a case file to start from, and stop; with 'full' all its keys.",
+)
 @click.option(
     "--example-record", is_flag=True, help="Print a synthetic record to try, a PEER AT2 file, and stop."
 )
@@ -65,7 +71,7 @@ def gap(
     sensitivity: Path | None,
     all_rules: bool,
     details: bool,
-    example: bool,
+    example: str | None,
     example_record: bool,
 ) -> None:
     """Compute the gap that two buildings need, by simulation, by formulas and by your building codes.
@@ -76,6 +82,7 @@ def gap(
     \b
     Examples:
       stochlin gap --example > case.toml
+      stochlin gap --example full
       stochlin gap --example-record > record.at2
       stochlin gap case.toml
       stochlin gap case.toml --details
@@ -88,13 +95,13 @@ def gap(
         if example or example_record:
             from stochlin.analyses.cases import examples
 
-            click.echo(examples.example_case() if example else examples.example_record(), nl=False)
+            click.echo(examples.printed(example or "record"), nl=False)
             return
         if case is None:
             raise ValueError(
                 "CASE is missing; 'stochlin gap --example > case.toml' writes a file to start from"
             )
-        from stochlin.analyses.cases.case import read_case
+        from stochlin.analyses.cases.reading.case import read_case
         from stochlin.analyses.cases.separation import answer_case
         from stochlin.analyses.tables.storage import CSV, FORMATS, whole_file
         from stochlin.views.sensitivity.pictures import draw_sensitivity
@@ -103,11 +110,11 @@ def gap(
         from stochlin.views.separation.words import names_of
 
         described = read_case(case)
-        check_target("--report", report, REPORTS, described.inputs)
-        data = data_target(out, picture, FORMATS, described.inputs)
+        check_target("--report", report, REPORTS, described.files)
+        data = data_target(out, picture, FORMATS, described.files)
         beside = None if sensitivity is None else sensitivity.with_suffix(".nc")
-        check_target("--sensitivity", sensitivity, PICTURES, described.inputs)
-        check_target("--sensitivity", beside, FORMATS, described.inputs)
+        check_target("--sensitivity", sensitivity, PICTURES, described.files)
+        check_target("--sensitivity", beside, FORMATS, described.files)
         with progress_bar("simulating") as progress:
             answer = answer_case(described, progress, sensitivity is not None, all_rules)
         page = report_page(answer) if report else ""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.verdict import SHARE, judged, needed, own_codes, share
 from stochlin.views.separation.words import confidence, meeting_level
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from stochlin.analyses.cases.buildings import AnyBuilding
+    from stochlin.analyses.cases.reading.buildings import Building
     from stochlin.analyses.cases.separation import CaseAnswer
 
 WIDTH, FACADE, BETWEEN = 4.6, 1.55, 1.5  # inches: of all, of a building, of what is between both
@@ -53,7 +52,7 @@ def elevation_picture(answer: CaseAnswer) -> Picture:
         f"interval. Dashed: peak displacements, not exceeded in {confidence(answer.case)} of the motions"
     )
     caption += "." if answer.case.alone else "; both are hardly ever reached at one time."
-    if answer.case.slabs_on_columns:
+    if answer.case.slabs:
         caption += " Crosses: slabs that meet columns."
     title = f"{about.the_buildings.capitalize()} and the {about.gap}"
     return Picture(title, caption, partial(elevation_figure, answer), beside=True)
@@ -115,16 +114,16 @@ def _reach(answer: CaseAnswer, gaps: list[Dimension]) -> float:
     table = answer.separation
     near = [line.gap for line in gaps if line.gap <= FAR * float(table.gap[0])]
     ends = [standing(answer), *near, *(line.high for line in gaps if np.isfinite(line.high))]
-    peaks = (float(table[f"peak_{n}"]) for n in range(1, len(answer.case.one_or_two) + 1))
+    peaks = (float(table[f"peak_{n}"]) for n in range(1, len(answer.case.buildings) + 1))
     return CENTIMETRES * max([*ends, *peaks]) or 1.0
 
 
 def _draw_buildings(axes: Axes, answer: CaseAnswer, ends: tuple[float, float]) -> None:
     """Both buildings, or one and its property line, and slabs that meet columns."""
     case, apart = answer.case, CENTIMETRES * standing(answer)
-    heights = [building.height or EMPTY for building in case.one_or_two]
+    heights = [building.height or EMPTY for building in case.buildings]
     faces = [0.0, apart]
-    for n, building in enumerate(case.one_or_two):
+    for n, building in enumerate(case.buildings):
         _draw_building(axes, building, heights[n], FACES[n], faces[n], ends[n])
         displaced, levels = _displaced(answer, n + 1, min(heights))
         away = faces[n] + displaced if n == 0 else faces[n] - displaced
@@ -134,28 +133,28 @@ def _draw_buildings(axes: Axes, answer: CaseAnswer, ends: tuple[float, float]) -
     if case.alone:
         axes.plot([apart, apart], [0, heights[0]], color=EDGE, lw=1.2, ls=(0, (8, 2, 1, 2)))
         axes.text(apart, 1.02 * heights[0], "property\nline", ha="center", va="bottom", size=SIZE)
-    for slab in case.slabs_on_columns:
+    for slab in case.slabs:
         axes.plot(faces[slab.column_of - 1], slab.level, "x", color=EDGE, ms=5, zorder=5)
     axes.axhline(0, color=EDGE, lw=2.0, zorder=3)
     axes.set_ylim(0, max(heights))
 
 
 def _draw_building(
-    axes: Axes, building: AnyBuilding, height: float, color: str, face: float, far: float
+    axes: Axes, building: Building, height: float, color: str, face: float, far: float
 ) -> None:
     """A building from its face on, with its floors, those of an oscillator dotted, and its name."""
     axes.fill([far, face, face, far], [0, 0, height, height], color=color, lw=0, zorder=1)
     axes.plot([far, face, face], [height, height, 0], color=EDGE, lw=1.2, zorder=2)
-    dash: Any = "-" if isinstance(building, StoreyBuilding) else (0, (1, 2))
+    dash: Any = "-" if building.has_storeys else (0, (1, 2))
     axes.hlines(_floors(building), face, far, color="0.45", lw=0.7, ls=dash, zorder=2)
     told = f"{height:.4g} m" if building.height else "height not given"
     name = f"{cut(building.name, NAME)}\n{told}"
     axes.text((face + far) / 2, 1.02 * height, name, ha="center", va="bottom", size=SIZE)
 
 
-def _floors(building: AnyBuilding) -> np.ndarray:
+def _floors(building: Building) -> np.ndarray:
     """Levels of the floors [m]; of an oscillator as if its storeys were equal, if they are known."""
-    if isinstance(building, StoreyBuilding):
+    if building.has_storeys:
         levels: np.ndarray = building.structure.levels()
         return levels
     if building.storeys is None or building.height is None:
@@ -204,7 +203,7 @@ def _draw_shares(axes: Axes, answer: CaseAnswer) -> None:
     for left, wide, (face, hatch) in ((0, enough, APART), (enough, 100 - enough, POUND)):
         axes.barh(0, wide, 0.8, left, color=face, hatch=hatch, edgecolor=EDGE, lw=0.7)
     axes.plot(ends, [0, 0], color=EDGE, lw=2.5, solid_capstyle="butt")
-    required = 100 * answer.case.confidence
+    required = 100 * answer.case.wanted.confidence
     axes.plot([required, required], [-0.6, 0.6], color=EDGE, lw=1.2, ls=(0, (3, 1.5)))
     axes.text(required, -0.62, f"required {confidence(answer.case)}", ha="right", va="top", size=SIZE)
     which = "required" if now is None else "existing"

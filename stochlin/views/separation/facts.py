@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 from typing import TYPE_CHECKING
 
-from stochlin.analyses.cases.buildings import Building
-from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.analyses.tables.toml import toml_text
 from stochlin.messages import hyphenated
 from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding, ShearBuilding
@@ -16,9 +14,11 @@ from stochlin.views.shared.descriptions import site_in_words, source_in_words
 from stochlin.views.shared.words import valued
 
 if TYPE_CHECKING:
-    from stochlin.analyses.cases.buildings import AnyBuilding
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.buildings import Building
+    from stochlin.analyses.cases.reading.case import Case
 
+KNOWN = "the error of all parameters given as known; the uncertainty of the others is in the answer"
+PERIODS = "the error of the given periods and damping ratios"
 LINE = (
     "The property line: it is on one side of the building, and nothing beyond it is in the model. Two "
     "neighbours that each stay on their own side cannot meet; if the neighbour stands nearer to the "
@@ -28,18 +28,21 @@ LINE = (
 
 def uncertainties(case: Case) -> list[str]:
     """The uncertainties of the answer, for the page."""
-    modelled, first = models(case)
+    (modelled, first), scatter = models(case), case.site.scatter
+    whose = "this building, so that the table compares how they use"
+    if not case.alone:
+        whose = "these buildings, so that the table compares how they combine"
     sentences = [
-        f"Sampling: the interval covers the sampling of {case.paths} motions only. Four times as many "
-        "motions would halve it.",
+        f"Sampling: the interval covers the sampling of {case.simulated.motions} motions only. "
+        "Four times as many motions would halve it.",
         "The ground: it is a stationary random motion with an envelope, and its spectrum and intensity "
         "are taken as given. The strength of the next earthquake is the largest unknown and not in the "
-        f"interval{f'; a scatter of {case.scatter:g} about that strength' if case.scatter else ''}"
-        f"{' is in the answer' if case.scatter else ''}.",
+        f"interval{f'; a scatter of {scatter:g} about that strength' if scatter else ''}"
+        f"{' is in the answer' if scatter else ''}.",
         f"{subject_of(case).the_buildings.capitalize()}: {modelled}. {first}, torsion of irregular "
         f"plans, soil under the foundations, and loss of strength are left out, and so is "
-        f"{_of_parameters(case)}.",
-        f"The rules: formulas and combinations use the simulated peaks of {_whose(case)} peaks, and not "
+        f"{KNOWN if case.uncertain else PERIODS}.",
+        f"The rules: formulas and combinations use the simulated peaks of {whose} peaks, and not "
         "how an engineer computes these peaks; only a code as you apply it uses displacements of a "
         "design. Load factors and minimum distances of codes are left out.",
     ]
@@ -49,31 +52,15 @@ def uncertainties(case: Case) -> list[str]:
         sentences.append(
             "Strength from ductility: it is found by linearization for a stationary motion."
         )
-    if case.fitted:
+    if case.site.name == "fitted":
         sentences.append("The fit: it uses one record and one estimator.")
     return sentences
-
-
-def _whose(case: Case) -> str:
-    """The building or buildings, and the subject of the comparison of rules."""
-    if case.alone:
-        return "this building, so that the table compares how they use"
-    return "these buildings, so that the table compares how they combine"
-
-
-def _of_parameters(case: Case) -> str:
-    """The uncertainty of the parameters that were given."""
-    if case.uncertain:
-        return (
-            "the error of all parameters given as known; the uncertainty of the others is in the answer"
-        )
-    return "the error of the given periods and damping ratios"
 
 
 def models(case: Case) -> tuple[str, str]:
     """The models of the buildings, and the first effect that they leave out."""
     laws = [_law(building).replace("Bilinear", "bilinear") for building in case.buildings]
-    storeys = [isinstance(building, StoreyBuilding) for building in case.buildings]
+    storeys = [building.has_storeys for building in case.buildings]
     if not any(storeys):
         kinds = " or ".join(dict.fromkeys(laws))
         if case.alone:
@@ -89,16 +76,16 @@ def models(case: Case) -> tuple[str, str]:
     return f"{said}. Floors are rigid and storeys deform in shear only", "Bending as a whole"
 
 
-def _kind(building: AnyBuilding, law: str) -> str:
+def _kind(building: Building, law: str) -> str:
     """The model of a building: storeys, modes, or one oscillator."""
     structure = building.structure
     if isinstance(structure, ModalBuilding):
         count = structure.modes
         return f"a sum of {count} modes, each a {law} oscillator" if count > 1 else f"one {law} mode"
-    return f"a row of {law} storeys" if isinstance(building, StoreyBuilding) else f"one {law} oscillator"
+    return f"a row of {law} storeys" if building.has_storeys else f"one {law} oscillator"
 
 
-def _law(building: AnyBuilding) -> str:
+def _law(building: Building) -> str:
     """Name of the law of an oscillator, or of the storeys."""
     structure = building.structure
     law = structure.element_law if isinstance(structure, MultistoreyBuilding) else structure
@@ -107,10 +94,10 @@ def _law(building: AnyBuilding) -> str:
 
 def facts(case: Case) -> Terms:
     """The models as they were read, in the units of their parameters."""
-    site = [*filter(None, (site_in_words(case), source_in_words(case))), *_parameters(case.ground)]
+    site = [*filter(None, (site_in_words(case), source_in_words(case))), *_parameters(case.site.ground)]
     terms = [Term("Site", "; ".join(site))]
-    if case.envelope:
-        shape = [hyphenated(type(case.envelope).__name__), *_parameters(case.envelope)]
+    if envelope := case.site.course.envelope:
+        shape = [hyphenated(type(envelope).__name__), *_parameters(envelope)]
         terms.append(Term("Envelope", "; ".join(shape)))
     terms += [Term(building.name, "; ".join(_building(building))) for building in case.described]
     return Terms(terms)
@@ -118,21 +105,21 @@ def facts(case: Case) -> Terms:
 
 def case_file(case: Case) -> list[Text]:
     """The tables of the case file, from which the same case can be typed again."""
-    beside = ", ".join(path.name for path in case.inputs[1:])
+    beside = ", ".join(path.name for path in case.files[1:])
     words = "With the same version of stochlin the case file gives the same numbers."
     needs = f" It needs these files beside it: {beside}." if beside else ""
-    return [Text(words + needs), Text(toml_text(case.whole.values), "file")]
+    return [Text(words + needs), Text(toml_text(case.whole.table.values), "file")]
 
 
-def _building(building: AnyBuilding) -> list[str]:
+def _building(building: Building) -> list[str]:
     """The law and the parameters as the file gives them."""
     structure = building.structure
     parts = [_law(building), *_parameters(structure)]
     if isinstance(structure, MultistoreyBuilding):
         own = structure.law_parameters or {}
         parts += [f"{name} {valued(value, '1')}" for name, value in own.items()]
-    if isinstance(building, Building) and building.ductility:
-        parts.append(f"ductility {building.ductility:g}")
+    if building.strength == "ductility":
+        parts.append(f"ductility {building.form.ductility:g}")
     return parts
 
 

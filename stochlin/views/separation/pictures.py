@@ -111,7 +111,7 @@ def distribution_figure(answer: CaseAnswer) -> Figure:
         style: Any = {"color": face, "mec": EDGE, "mew": 0.8, "ls": "", "zorder": 4}
         axes.plot(gaps[row.number], chance, marker="s" if hatch else "o", ms=5.5, **style)
     _rule_numbers(axes, shown, gaps, right)
-    confidence = answer.case.confidence
+    confidence = answer.case.wanted.confidence
     axes.axhline(confidence, color="0.3", lw=0.9, ls=(0, (4, 2)))
     axes.text(0.01 * right, confidence + 0.015, f"{100 * confidence:g} %", size=9, color="0.2")
     axes.set_yticks(np.arange(0, 1.01, 0.2), [f"{p:.0f} %" for p in np.arange(0, 101, 20)])
@@ -162,7 +162,7 @@ def records_figure(answer: CaseAnswer) -> Figure:
     place = np.arange(len(gaps))
     axes.barh(place, gaps, 0.6, color="#d9d3c7", edgecolor=EDGE, lw=0.6, zorder=2)
     _answer_line(axes, answer)
-    name_rows(axes, place, _named(answer.case.records))
+    name_rows(axes, place, _named(answer.case.site.records))
     axes.set(xlim=(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1))
     axes.set(xlabel=_axis(answer))
     legend_above(axes, 3, 9)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from stochlin.analyses.cases.rows import name_of_file
 from stochlin.views.sensitivity import words as what_matters
 from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import facts as small_print
@@ -66,22 +67,23 @@ def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
             "The case", [small_print.facts(case), *small_print.case_file(case)], on_screen=False
         ),
         ViewSection("Assumptions of each rule", [_assumptions(answer)], on_screen=False, columns=True),
-        ViewSection("", [Text(f"{case.file}. {SIGNED}", "signed")], on_screen=False),
+        ViewSection("", [Text(f"{name_of_file(case)}. {SIGNED}", "signed")], on_screen=False),
     ]
 
 
 def report_page(answer: CaseAnswer) -> str:
     """The page of an answer; text of the case file is escaped."""
     case, attrs = answer.case, answer.separation.attrs
-    as_given = [case.file, case.title, *(building.name for building in case.buildings), *case.records]
-    footer = [attrs["references"], f"{attrs['history']}, from {case.file}."]
+    file, names = name_of_file(case), [building.name for building in case.buildings]
+    as_given = [file, case.title, *names, *case.site.records]
+    footer = [attrs["references"], f"{attrs['history']}, from {file}."]
     title = f"{case.title}: {subject_of(case).page}"
     return page(title, answer_sections(answer), footer, as_given)
 
 
 def _pictures(answer: CaseAnswer) -> list[Picture]:
     about = subject_of(answer.case)
-    lines = "lines are the elastic periods" if not answer.case.alone else "line is the elastic period"
+    lines = "line is the elastic period" if answer.case.alone else "lines are the elastic periods"
     drawn = [
         Picture(
             f"{about.gap.capitalize()}s by rule",
@@ -116,7 +118,7 @@ def _pictures(answer: CaseAnswer) -> list[Picture]:
     if answer.risk is not None:
         title = f"How often {about.meet}"
         drawn.append(Picture(title, risk_caption(answer), partial(risk_figure, answer)))
-    if answer.case.records:
+    if answer.case.site.records:
         text = (
             f"{about.gap.capitalize()} that would just have been enough in each record, against "
             f"the answer. {about.records}"
@@ -134,7 +136,7 @@ def _records(answer: CaseAnswer) -> list[Block]:
     heads |= {f"record_peak_{n}": head for n, head in peaks.items() if f"record_peak_{n}" in table}
     rows = [
         (f"{n + 1}  {record}", *(centimetres(float(table[name][n])) for name in heads))
-        for n, record in enumerate(case.records)
+        for n, record in enumerate(case.site.records)
     ]
     return [Table.of(("record", *heads.values()), rows)]
 

@@ -140,7 +140,7 @@ def risk_sentences(answer: CaseAnswer) -> list[str]:
 
 
 def _allowed(answer: CaseAnswer) -> str:
-    risk = answer.case.risk
+    risk = answer.case.wanted.risk
     return f"{risk:g} per year (once in {_years(risk)})" if isinstance(risk, float) else str(risk)
 
 
@@ -148,7 +148,7 @@ def _left_out(answer: CaseAnswer, risk: xr.Dataset) -> list[str]:
     """The part beyond the table of the hazard, where it could be large."""
     sentences, rate, weakest = [], float(risk.risk_annual_rate), float(risk.risk_pounding_probability[0])
     name, units, unit = _measure(answer)
-    if isinstance(answer.case.hazard, HazardCurve) and weakest > NOTICED:
+    if isinstance(answer.case.site.hazard, HazardCurve) and weakest > NOTICED:
         least = f"{float(risk.risk_intensity[0]) / unit:.2g}{SPACE}{units}"
         sentences.append(
             f"The hazard begins at {name} {least}, with which {subject_of(answer.case).meet} in "
@@ -176,7 +176,7 @@ def _strongest(answer: CaseAnswer, risk: xr.Dataset) -> str:
 
 def _measure(answer: CaseAnswer) -> tuple[str, str, float]:
     """The name of the intensity of the hazard, its unit, and that in SI."""
-    hazard = answer.case.hazard
+    hazard = answer.case.site.hazard
     assert hazard is not None
     if hazard.measure == "intensity":
         return "S0", "m²/s³", 1.0

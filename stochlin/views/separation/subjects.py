@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
     import xarray as xr
 
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.case import Case
 
 
 class Subject(NamedTuple):

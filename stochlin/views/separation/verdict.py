@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.analyses.cases.storeys import StoreyBuilding
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import (
     AS_APPLIED,
@@ -57,7 +56,7 @@ def first_lines(answer: CaseAnswer) -> list[str]:
 
 def required(answer: CaseAnswer) -> str:
     """The answer in one sentence, and its interval."""
-    names = " and ".join(building.name for building in answer.case.one_or_two)
+    names = " and ".join(building.name for building in answer.case.buildings)
     stand = subject_of(answer.case).stand.format(gap=length(float(answer.separation.gap[0])))
     return f"{names} {stand}. 95{SPACE}% interval: {needed(answer)}."
 
@@ -87,10 +86,10 @@ def judged(answer: CaseAnswer) -> str:
     if answer.existing is None:
         return ""
     _, low, high = with_interval(answer.existing, SHARE)
-    if low >= answer.case.confidence:
+    if low >= answer.case.wanted.confidence:
         return "enough"
     undecided = "undecided within the error of the simulation"
-    return "not enough" if high < answer.case.confidence else undecided
+    return "not enough" if high < answer.case.wanted.confidence else undecided
 
 
 def verdict(answer: CaseAnswer) -> str:
@@ -106,7 +105,7 @@ def reason(answer: CaseAnswer) -> str:
     peaks = of_each(table, "peak_mean")
     means = f"mean peak{'s' * (len(peaks) > 1)} {' and '.join(map(centimetres, peaks))}{SPACE}cm"
     where = meeting_level(answer)
-    return f"Why: {confidence(case)} of {case.paths} motions need no more; {means}{where}."
+    return f"Why: {confidence(case)} of {case.simulated.motions} motions need no more; {means}{where}."
 
 
 def cautions(answer: CaseAnswer) -> list[str]:
@@ -128,14 +127,12 @@ def comparisons(answer: CaseAnswer) -> list[str]:
     """The answer beside codes and rules, records, and the spectrum or record of the site."""
     case, about = answer.case, subject_of(answer.case)
     sentences = [_codes(answer), _verdicts(answer)]
-    gap = float(answer.separation.gap[0])
+    gap, records = float(answer.separation.gap[0]), case.site.records
     if answer.over_records is not None:
-        sentences.append(over_records(answer.over_records, len(case.records), gap, about.gap))
-    elif case.records:
-        gaps = ", ".join(
-            f"{name} {length(float(gap))}"
-            for name, gap in zip(case.records, answer.separation.record_separation.values, strict=True)
-        )
+        sentences.append(over_records(answer.over_records, len(records), gap, about.gap))
+    elif records:
+        needed = zip(records, answer.separation.record_separation.values, strict=True)
+        gaps = ", ".join(f"{name} {length(float(gap))}" for name, gap in needed)
         sentences.append(f"In the recorded motions {about.they} would have needed: {gaps}.")
     sentences.append(" ".join(fit_in_words(answer.spectrum, case.periods)))
     return [sentence for sentence in sentences if sentence]
@@ -156,7 +153,7 @@ def details(answer: CaseAnswer) -> list[str]:
 
 def own_codes(answer: CaseAnswer) -> list[RuleLine]:
     """The codes of the case file as its engineer applies them, and the rules with numbers of its own."""
-    numbers = answer.case.numbers
+    numbers = answer.case.wanted.of_rules()
     return [row for row in rows(answer) if row.group == AS_APPLIED or row.rule in numbers]
 
 
@@ -171,11 +168,11 @@ def _codes(answer: CaseAnswer) -> str:
 
 def _without_storeys(answer: CaseAnswer) -> str:
     """What a building without storeys is compared with beside one with storeys."""
-    both = answer.case.one_or_two
+    both = answer.case.buildings
     if "height" not in answer.separation.dims:
         return ""
     for building, other in zip(both, both[::-1], strict=True):
-        if not isinstance(building, StoreyBuilding):
+        if not building.has_storeys:
             own_height = (
                 f", although it is {building.height:.4g}{SPACE}m high" if building.height else ""
             )
@@ -217,7 +214,7 @@ def _alike(table: xr.Dataset) -> str:
 def _falling(answer: CaseAnswer) -> list[str]:
     """In how many motions each building falls that does."""
     shares = of_each(answer.separation, "collapse_probability")
-    named = zip(answer.case.one_or_two, shares, strict=False)
+    named = zip(answer.case.buildings, shares, strict=False)
     fallen = [f"{one.name} falls in {per_cent(share, 1)}" for one, share in named if share > 0]
     return [
         f"{falls} of the motions, for which no gap is enough; it has no mean peak." for falls in fallen
@@ -258,8 +255,8 @@ def _at_yield(table: xr.Dataset) -> str:
 def _storeys(answer: CaseAnswer) -> str:
     """The storey of each building with the largest ductility, or the largest drift if none yields."""
     table, parts = answer.separation, []
-    for number, building in enumerate(answer.case.one_or_two, start=1):
-        if not isinstance(building, StoreyBuilding) or np.isinf(table[f"peak_mean_{number}"]):
+    for number, building in enumerate(answer.case.buildings, start=1):
+        if not building.has_storeys or np.isinf(table[f"peak_mean_{number}"]):
             continue
         of_building = (table.element_structure == number) & (table.storey > 0)
         own = table.isel(element=np.flatnonzero(of_building))

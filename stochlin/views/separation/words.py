@@ -24,7 +24,7 @@ from stochlin.views.shared.words import (
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.case import Case
     from stochlin.analyses.cases.separation import CaseAnswer
 
 # Groups of rules, in the order in which they are shown.
@@ -85,7 +85,7 @@ def meeting_level(answer: CaseAnswer) -> str:
     """The level at which both buildings could meet, to which peaks refer; empty if it is not known."""
     if answer.case.alone:
         return ""
-    table, buildings = answer.separation, answer.case.one_or_two
+    table, buildings = answer.separation, answer.case.buildings
     known = table.height[-1:] if "height" in table.dims else [b.height or np.nan for b in buildings]
     level = float(np.min(known))
     return f" at {level:.4g}{SPACE}m" if np.isfinite(level) else ""
@@ -186,7 +186,7 @@ def names_of(answer: CaseAnswer) -> dict[str, str]:
 
 def confidence(case: Case) -> str:
     """The required probability of no pounding."""
-    return f"{100 * case.confidence:.4g}{SPACE}%"
+    return f"{100 * case.wanted.confidence:.4g}{SPACE}%"
 
 
 def allowances(answer: CaseAnswer) -> list[Block]:
@@ -211,12 +211,12 @@ def allowances(answer: CaseAnswer) -> list[Block]:
 
 def _shaking(case: Case, limits: xr.Dataset) -> str:
     """The strongest sufficient shaking, as the site states its strength; empty if none is."""
-    now, strongest = float(case.ground.arrays()["intensity"]), float(limits.largest_intensity)
+    now, strongest = float(case.site.ground.arrays()["intensity"]), float(limits.largest_intensity)
     if not np.isfinite(strongest):
         return ANY if np.isinf(strongest) else ""
-    if case.of_site.by_intensity:
+    if "intensity" in case.site.form.table:
         return f"S0 up to {_with_interval(limits, 'largest_intensity')} m²/s³ (now {now:.3g})"
-    key, value = case.of_site.stated_strength
+    key, value = case.site.stated_strength
     factor = np.sqrt(strongest / now)
     shown = f", {key} = {value * factor:.3g}" if key == "scale" else f", {key} = {in_g(value * factor)}"
     times = _with_interval((limits / now) ** 0.5, "largest_intensity")

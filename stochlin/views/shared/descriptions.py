@@ -10,7 +10,7 @@ from stochlin.models.grounds.named import ground_names
 from stochlin.views.shared.words import rule_label
 
 if TYPE_CHECKING:
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.case import Case
 
 ROLES = {
     "first": "building 1",
@@ -32,16 +32,16 @@ def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
 
 def site_in_words(case: Case) -> str:
     """The ground of a case: the name or spectrum that it is given by, and its model."""
-    parts = [part.name for part in getattr(case.ground, "grounds", (case.ground,))]
+    parts = [part.name for part in getattr(case.site.ground, "grounds", (case.site.ground,))]
     model = f"{' and '.join(dict.fromkeys(parts))} ground"
     if len(parts) > 1:
         model = f"{len(parts)} {model}s in parallel"
-    if case.spectrum is not None:
-        code = case.spectrum.attrs.get("code")
-        return f"{rule_label(code) if code else case.site} spectrum, {model}"
-    if case.fitted:
+    if case.site.spectrum is not None:
+        code = case.site.spectrum.attrs.get("code")
+        return f"{rule_label(code) if code else case.site.name} spectrum, {model}"
+    if case.site.name == "fitted":
         return f"{model}, fitted to a record"
-    return f"{case.site}, {model}" if case.site in ground_names() else model
+    return f"{case.site.name}, {model}" if case.site.name in ground_names() else model
 
 
 def source_in_words(case: Case) -> str:
@@ -49,4 +49,4 @@ def source_in_words(case: Case) -> str:
 
     The errors of a fit over all periods are left out: a case has those in the band of its buildings.
     """
-    return ERRORS_OF_FIT.sub("", case.ground.source)
+    return ERRORS_OF_FIT.sub("", case.site.ground.source)

@@ -102,7 +102,7 @@ class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic typ
 
     def one(self, text: str, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """The number that a text stands for."""
-        from stochlin.analyses.cases.files.quantities import Quantity, in_si
+        from stochlin.analyses.cases.reading.kinds import Quantity
         from stochlin.models.parameters import POSITIVE
 
         try:
@@ -110,7 +110,7 @@ class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic typ
         except ValueError:
             value = text
         try:
-            return in_si(value, Quantity(self.units, POSITIVE))  # models know the range
+            return Quantity(self.units, POSITIVE).in_si(value)  # models know the range
         except ValueError as error:
             self.fail(f"{brief(text)} {error}", param, ctx)
 

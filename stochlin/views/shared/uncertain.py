@@ -9,7 +9,7 @@ from stochlin.views.shared.blocks import Block, Table, Text
 from stochlin.views.shared.words import valued
 
 if TYPE_CHECKING:
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.case import Case
     from stochlin.models.uncertain import Uncertain, UncertainModel
 
 WITHIN = 0.05, 0.95
@@ -20,9 +20,9 @@ def contained(case: Case, what: str) -> str:
     if not case.uncertain:
         return ""
     return (
-        f"Some parameters are uncertain. Each of the {case.paths} simulated motions has its own sample "
-        f"of them, and {what} of motions and samples together. Formulas, and the strength of the "
-        "shaking, are given for the medians."
+        f"Some parameters are uncertain. Each of the {case.simulated.motions} simulated motions has its "
+        f"own sample of them, and {what} of motions and samples together. Formulas, and the strength of "
+        "the shaking, are given for the medians."
     )
 
 

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import constants
 
+from stochlin.analyses.cases.reading.buildings import WALL
+from stochlin.analyses.cases.rows import unlike_storeys
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.models.arguments import checked
 from stochlin.models.buildings import ModalBuilding, ShearBuilding
@@ -21,8 +23,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import xarray as xr
 
-    from stochlin.analyses.cases.buildings import AnyBuilding
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.buildings import Building
+    from stochlin.analyses.cases.reading.case import Case
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 BEYOND = "\N{RIGHTWARDS ARROW}"
@@ -136,16 +138,16 @@ def behind(unit: str) -> str:
 
 def scatter(case: Case) -> str:
     """The scatter of the motions in strength and its source; empty where it is 0 as usual."""
-    usual = case.usual_scatter
-    if not case.scatter:
+    usual = case.site.usual_scatter
+    if not case.site.scatter:
         text = f"records show a scatter of {usual.scatter:.2g} ({usual.source})"
         without = "With scatter = 0 in [motion], all motions are equally strong"
         return f"{without}; {text}." if usual.scatter else ""
     shown = f"{usual.source}; scatter = 0 in [motion] omits it"
     return (
         "From earthquake to earthquake the motions differ in strength by a lognormal factor of median 1 "
-        f"and scatter {case.scatter:.2g} (standard deviation of its natural logarithm): "
-        f"{shown if case.scatter == usual.scatter else 'scatter in [motion] of the file'}."
+        f"and scatter {case.site.scatter:.2g} (standard deviation of its natural logarithm): "
+        f"{shown if case.site.scatter == usual.scatter else 'scatter in [motion] of the file'}."
     )
 
 
@@ -156,10 +158,8 @@ def in_g(acceleration: float) -> str:
 
 def shaking(table: xr.Dataset, case: Case) -> str:
     """The strength of the motions of an answer, in measures that engineers use."""
-    accelerations = [
-        float(table[f"spectral_acceleration_{n}"]) for n in range(1, len(case.buildings) + 1)
-    ]
-    at_median = " at median strength" if case.scatter else ""
+    accelerations = [float(table[f"spectral_acceleration_{n}"]) for n, _ in enumerate(case.periods, 1)]
+    at_median = " at median strength" if case.site.scatter else ""
     begin, spectral = f"The shaking, mean of the motions{at_median}:", _spectral(case, accelerations)
     strength = f"S0 {float(table.ground_intensity):.3g} m²/s³"
     if np.isnan(table.peak_ground_acceleration):
@@ -176,8 +176,8 @@ def recorded_shaking(table: xr.Dataset, case: Case) -> str:
 def _spectral(case: Case, accelerations: Iterable[float]) -> str:
     """The spectral accelerations at the periods of the buildings; of equal periods one."""
     at_periods = {
-        f"{building.period:.3g} s": in_g(float(acceleration))
-        for building, acceleration in zip(case.buildings, accelerations, strict=True)
+        f"{period:.3g} s": in_g(float(acceleration))
+        for period, acceleration in zip(case.periods, accelerations, strict=True)
     }
     shown = ", ".join(f"{acceleration} at {period}" for period, acceleration in at_periods.items())
     return f"Sa (damping 5{SPACE}%) {shown}"
@@ -218,10 +218,11 @@ def opening(case: Case, doubts: Sequence[str]) -> ViewSection:
 def left_out(case: Case) -> list[str]:
     """What the models leave out of walls, and of buildings that turn in plan."""
     turning = (building for building in case.buildings if building.turning)
-    return [*map(_wall, case.walls), *(TURNS.format(building=building.name) for building in turning)]
+    walls = (building for building in case.buildings if building.form.system == WALL)
+    return [*map(_wall, walls), *(TURNS.format(building=building.name) for building in turning)]
 
 
-def _wall(building: AnyBuilding) -> str:
+def _wall(building: Building) -> str:
     structure, caution = building.structure, f"Caution: {building.name} is a wall"
     if isinstance(structure, ModalBuilding):
         return (
@@ -249,7 +250,7 @@ def _wall(building: AnyBuilding) -> str:
 
 def floors(case: Case) -> str:
     """A warning that floors are not level, and the provision of codes; empty where that is not known."""
-    slabs, unlike = case.slabs_on_columns, case.unlike_storeys
+    slabs, unlike = case.slabs, unlike_storeys(case)
     if slabs:
         more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")
         return f"Floors are not level: {slabs[0]}{more}. {SLABS}"
@@ -257,7 +258,7 @@ def floors(case: Case) -> str:
         names, heights = zip(
             *((building.name, f"{building.storey_height:.2f} m") for building in unlike), strict=True
         )
-        said = ", although the file says so" if case.floors_align else ""
+        said = ", although the file says so" if case.wanted.floors_align else ""
         return (
             f"Floors can hardly all be level{said}: storeys are {' and '.join(heights)} high in "
             f"{' and '.join(names)}. {SLABS}"

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_case, example_record
+from stochlin.analyses.cases.examples import example_record, short_example
+from stochlin.analyses.cases.rows import gap_of
 from stochlin.models.grounds.named import ground_names
 
 print(*ground_names())
@@ -28,17 +29,17 @@ for name in sl.rules.peak_factor_names():
     model = sl.rules.peak_factor_model(name)
     print(name, f"{float(model.mean(40, 0.25)):.9g} {float(model.std(40, 0.25)):.9g}")
 print(sl.rho_white_noise(0.5, 0.6, 0.05, 0.02).rho.item())
-Path("case.toml").write_text(example_case(), encoding="utf-8")
+Path("case.toml").write_text(short_example(), encoding="utf-8")
 Path("record.at2").write_text(example_record(), encoding="utf-8")
 record = sl.read_record("record.at2")
 print(record.attrs["dt"], record.sizes["time"], f"{float(abs(record).max()):.9g}")
 case = sl.read_case("case.toml")
 print(
-    case.first.structure,
-    case.second.structure,
-    case.ground,
-    case.envelope,
-    case.gap,
+    case.buildings[0].structure,
+    case.buildings[1].structure,
+    case.site.ground,
+    case.site.course.envelope,
+    gap_of(case),
     case.contact,
     sep="\n",
 )

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
+from scipy import constants
 
-from stochlin.analyses.cases.sites.strength import doubtful_peak
 from stochlin.analyses.cases.variables import RECORDED
 from stochlin.analyses.records.cells import ends_of_events, events_of
 from stochlin.analyses.records.records import strong_part
@@ -16,10 +16,11 @@ from stochlin.analyses.simulation.finite_motions import keeping_apart, quantile_
 from stochlin.analyses.sites.intensity import shaking
 from stochlin.analyses.sites.spectra import USUAL_DAMPING
 from stochlin.analyses.tables import labels
+from stochlin.models.plausible import PLAUSIBLE
 
 if TYPE_CHECKING:
-    from stochlin.analyses.cases.buildings import AnyBuilding
-    from stochlin.analyses.cases.case import Case
+    from stochlin.analyses.cases.reading.buildings import Building
+    from stochlin.analyses.cases.reading.case import Case
 
 MOST_RECORDS = 5  # records reported one by one; of more, statistics are reported
 LEVELS = (0.5, 0.84)  # quantiles over more records, besides the confidence of the case
@@ -27,7 +28,12 @@ LEVELS = (0.5, 0.84)  # quantiles over more records, besides the confidence of t
 
 def shaking_of(case: Case) -> xr.Dataset:
     """Mean intensity of the motions of a case: PGA, rms, S0, and Sa at the period of each building."""
-    return shaking(case.ground, np.array(case.periods), case.duration, case.envelope)
+    return shaking(
+        case.site.ground,
+        np.array(case.periods),
+        case.site.course.duration,
+        case.site.course.envelope,
+    )
 
 
 def recorded_shaking(record: xr.DataArray, periods: list[float]) -> dict[str, xr.DataArray]:
@@ -46,9 +52,9 @@ def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Datase
 
     The intervals are those of `ends_of_events`.
     """
-    levels = np.unique([*LEVELS, case.confidence])
+    levels = np.unique([*LEVELS, case.wanted.confidence])
     table = xr.Dataset(coords={"quantile": labels.axis("quantile", "quantile", levels)})
-    events = events_of(case.records)
+    events = events_of(case.site.records)
     samples = separations, *ends_of_events(separations, events)
     for n, end in enumerate(labels.VALUE_AND_ENDS):
         values = quantile_intervals(samples[n].to_numpy(), levels)[n]
@@ -59,7 +65,7 @@ def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Datase
 
 def share_apart(case: Case, values: xr.DataArray, most: float) -> dict[str, xr.DataArray]:
     """Share of the records with values up to ``most``, and its 95 % interval, that of events."""
-    smallest, largest = ends_of_events(values, events_of(case.records))
+    smallest, largest = ends_of_events(values, events_of(case.site.records))
     samples = values, largest, smallest  # most events are within by the smallest values
     shares = [keeping_apart(each.rename(record="path"), most) for each in samples]
     return {f"record_{name}": share[name] for name, share in zip(shares[0], shares, strict=True)}
@@ -67,7 +73,7 @@ def share_apart(case: Case, values: xr.DataArray, most: float) -> dict[str, xr.D
 
 def doubts(
     shaken: xr.Dataset,
-    buildings: tuple[AnyBuilding, ...],
+    buildings: tuple[Building, ...],
     gap: float = 0.0,
     peaks: tuple[float, ...] = (),
 ) -> list[str]:
@@ -89,3 +95,9 @@ def doubts(
                 f"{building.height:.3g} m"
             )
     return texts
+
+
+def doubtful_peak(pga: float) -> str:
+    """Text of a warning on an implausible peak ground acceleration [m/s^2]; empty if plausible."""
+    known = PLAUSIBLE["pga"]
+    return "" if known.holds(pga) else f"{pga / constants.g:.3g} g, and {known.usually}"

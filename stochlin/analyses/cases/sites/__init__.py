@@ -1,1 +1,0 @@
-"""The site of a case file: design spectrum, records, and intensity of the shaking."""

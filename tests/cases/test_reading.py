@@ -1,0 +1,193 @@
+"""The reading of case files by forms: what is read, what is refused, and what is said of it."""
+
+from __future__ import annotations
+
+import pickle
+import tomllib
+import warnings
+from pathlib import Path
+
+import pytest
+
+from stochlin.analyses.cases.examples import full_example, short_example
+from stochlin.analyses.cases.reading.case import Case, read_case
+from stochlin.analyses.cases.reading.explained import TABLES, keys_of_table
+from stochlin.analyses.cases.reading.kinds import Inner
+
+pytestmark = pytest.mark.invariant
+
+EXAMPLE = short_example()
+SITE = 'ground = "firm"\nintensity = "0.01 m^2/s^3"'
+CODE = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\n'
+BUILDING = EXAMPLE[EXAMPLE.index('period = "1.0 s"') : EXAMPLE.index("[building_2]")]
+STRENGTH = (
+    "reduction_factor = 4            # or yield_displacement, ductility, pushover, elastic = true\n"
+)
+# An edit of the example, and a piece of the message.
+MISTAKES = {
+    "unit missing": ('period = "1.0 s"', "period = 1.0", 'units, "1 s", "1 ms"'),
+    "unit unknown": ('"1.0 s"', '"1.0 sek"', "unknown unit 'sek'; allowed: s, ms"),
+    "unit of another": ('"1.0 s"', '"1.0 m"', "unknown unit 'm'"),
+    "weight for mass": ('"3200 t"', '"3200 kN"', "unknown unit 'kN'; allowed: kg, t"),
+    "force for stiffness": ('"2000 MN/m"', '"2000 MN"', "unknown unit 'MN'; allowed: N/m"),
+    "strength of shaking in g": ('"0.01 m^2/s^3"', '"0.3 g"', "unknown unit 'g'"),
+    "comma": ('"1.0 s"', '"1,0 s"', 'has a comma; allowed: a decimal point, as "1.0 s"'),
+    "percent": ('damping = "5 %"', "damping = 5", 'did you mean "5 %" or 0.05?'),
+    "confidence": ('"90 %"', "90", 'did you mean "90 %" or 0.9?'),
+    "restitution": ("0.65", "65", 'did you mean "65 %" or 0.65?'),
+    "negative": ('damping = "5 %"', 'damping = "-5 %"', "out of range; allowed: 0 < value < 1"),
+    "ground misspelled": ('"firm"', '"frim"', "did you mean 'firm'?"),
+    "envelope misspelled": ('"amin_ang"', '"amin-ang"', "did you mean 'amin_ang'?"),
+    "key misspelled": ("duration", "duratoin", "did you mean duration?"),
+    "table misspelled": ("[motion]", "[moton]", "did you mean motion?"),
+    "building left out": ("[building_2]", "[building_3]", "did you mean building_2?"),
+    "swapped": ('rise_end = "4 s"', 'rise_end = "16 s"', "strong_end = 15; allowed: from rise_end, 16"),
+    "no strength": (STRENGTH, "", "has no strength; allowed: one of reduction_factor = 4,"),
+    "two strengths": (STRENGTH, STRENGTH + 'yield_displacement = "3 cm"\n', "as reduction_factor"),
+    "strength and elastic": (STRENGTH, STRENGTH + "elastic = true\n", "as well as reduction_factor"),
+    "truth": (STRENGTH, 'elastic = "yes"\n', "neither true nor false; allowed: true, false"),
+    "number as text": ("storeys = 8", 'storeys = "8"', "no whole number; allowed: a whole number"),
+    "no storeys": ("storeys = 8", "storeys = 0", "out of range; allowed: a whole number from 1"),
+    "of storeys": (STRENGTH, f'{STRENGTH}floor_mass = "400 t"\n', "a building without storeys"),
+    "of another law": (STRENGTH, f"{STRENGTH}beta = 0.5\n", 'belongs to law = "bouc_wen"'),
+    "missing": ('period = "1.0 s"\n', "", "period is missing; write, for instance, period ="),
+    "gaps": ('"5 cm"', '["5 cm", "3 cm"]', "has 2 gaps for 2 buildings; allowed: 1 in all"),
+    "two strengths of shaking": ('[motion]', 'pga = "0.3 g"\n[motion]', "as well as intensity"),
+    "spread": ('"1.0 s"', '"1.0 s +- 0.2"', 'a valid spread; allowed: "10 s +- 20 %"'),
+    "wide": ('"1.0 s"', '"1.0 s +- 120 %"', "spread of 120 %; allowed: 0 to 100 %"),
+    "ends": ('"1.0 s"', '"1.2 to 0.8 s"', "two positive numbers, the lower first"),
+    "certain": ('"5 cm"', '"5 cm +- 10 %"', "cannot be uncertain; allowed: one number"),
+    "record": ("[motion]", '[[site.records]]\npath = "a.at2"\n[motion]', "there is no such file"),
+    "code": ("floors_align = true", 'codes = ["eurocode8"]', "did you mean 'eurocode_8'?"),
+    "contact": ("restitution = 0.65", "", "does not fit: Kelvin"),
+    "no table": ("[contact]", "[measures]\nm = 3\n[contact]", "m = 3 is no table"),
+    "no hazard": ("[motion]", '[site.hazard]\nmeasure = "pga"\n[motion]', "has no numbers; write"),
+    "control sign": ('"Annex"', r'"A\u001b[2J"', "a text on one line"),
+    "path": ('"Annex"', r'"C:\taft"', "'single quotes'"),
+    "many digits": ('damping = "5 %"', f"damping = 1{400 * '0'}", "about 1e400 is out of range"),
+    "more digits than are read": ("storeys = 8", f"storeys = 1{5000 * '0'}", "is no TOML"),
+    "long number": ('"0.6 s"', f'"{"6" * 200_000} km"', "has the unknown unit 'km'"),
+    "long name": ('"Annex"', f'"{"A" * 200_000}"', "200 characters at most"),
+    "spread of spaces": ('"0.6 s"', f'"1{" " * 200_000}+- x"', "valid spread"),
+    "thousands": ('"3200 t"', '"3,200 t"', 'as "3.200 t" or "3200 t"'),
+    "unquoted unit": ('"0.6 s"', "0.6 s", 'period = "0.6 s"'),
+    "key twice": ("storeys = 8", "storeys = 8\nstoreys  = 8", "is already given in line"),
+    "dotted key": ("[contact]", "[contact]\na.b.c = 3", "contact.a is not a key"),
+    "unit of Hertz": ('"kelvin"', '"hertz_damp"', "allowed: N/m^1.5"),
+    "key of another contact": ('"kelvin"', '"linear_spring"', "restitution = 0.65 is not a key"),
+    "list of gaps": ('"5 cm"', '["5 cm", "-3 cm"]', "has a number 2 that is out of range"),
+    "shape of a ground": ('ground = "firm"', 'ground = "kanai_tajimi"', "and so is damping"),
+    "ground and spectrum": ('ground = "firm"', f"{CODE}ground = 'firm'", "is given beside a spectrum"),
+    "strength of a spectrum": (SITE, f'{CODE}pga = "0.3 g"', "pga = '0.3 g' is not a key"),
+    "no code": (SITE, 'spectrum = "eurocode_9"', "did you mean 'eurocode_8'"),
+    "no return period": (SITE, 'ground = "firm"\nreturn_period = "475 yr"', "needs a hazard; write"),
+    "hazard elsewhere": ("[contact]", '[hazard]\nmeasure = "pga"\n[contact]', "write [site.hazard]"),
+    "risk without a hazard": ("[contact]", 'risk = "2 % in 50 years"\n[contact]', "needs a hazard"),
+    "scatter": ("[building_1]", "scatter = 40\n[building_1]", "out of range; allowed: 0 <= value <= 2"),
+    "code without factors": ("[contact]", 'codes = ["asce_7"]\n[contact]', "asce_7 needs them"),
+    "suite": ("[motion]", '[site.suite]\npath = "none"\n[motion]', "neither a folder nor a table"),
+    "no file of modes": (BUILDING, 'modes = "m.csv"\nelastic = true\ndamping = 0.05\n', "no such file"),
+    "no curve": (STRENGTH, 'pushover = "p.csv"\n', "p.csv"),
+    "storeys without heights": (
+        BUILDING,
+        'masses = ["1 t"]\nstiffnesses = ["1 MN/m"]\ndamping = 0.05\nelastic = true\n',
+        "storey_height is missing; write",
+    ),
+    "too few heights": (
+        BUILDING,
+        'period = "1 s"\nstoreys = 2\nheights = ["3 m"]\nfloor_mass = "9 t"\ndamping = 0.05\n'
+        "elastic = true\n",
+        "has 1 values, storeys = 2; allowed: one number, or one for each storey",
+    ),
+    "fitted to nothing": (SITE, 'ground = "fitted"', "needs a record"),
+}  # fmt: skip
+# Lines of a measure, and a piece of the message.
+OF_MEASURES = {
+    "": "does nothing; allowed: added_damping_1",
+    "link_floors = [1, 1]": "has no link to tie",
+    'link_stiffness = "1 MN/m"\nlink_floors = [5, 1]': "is not a floor of each building",
+    'link_stiffness = "1 MN/m"\nlink_hardening = 0.1': "goes with link_yield_displacement",
+    'link_damping_constant = "1 MN s/m"\nlink_damping_exponent = 0.5': "MN (s/m)^0.5",
+    'contact = { model = "rubber" }': "m.contact.model = 'rubber'",
+    "dampers_1 = { storeys = [1] }": "does nothing; allowed: stiffness, damping_constant",
+    'dampers_1 = { storeys = [1, 2], stiffness = "1 MN/m" }': "numbers from 1 to 1, each once",
+    'dampers_1 = { storeys = "some", stiffness = "1 MN/m" }': "storeys = 'some'",
+    'dampers_1 = { stiffness = ["1 MN/m", "2 MN/m"] }': "has 2 values for dampers in 1 storeys",
+}
+DOUBTS = {
+    "late yield": (STRENGTH, 'yield_displacement = "3 m"\n', 'did you mean "3 cm"?'),
+    "weak shaking": ('"0.01 m^2/s^3"', '"0.01 cm^2/s^3"', 'did you mean "0.01 m^2/s^3"?'),
+    "short motion": ('"20 s"', '"3 s"', "ends before its strong part"),
+    "large factor": ("reduction_factor = 4", 'reduction_factor = "4 %"', "did you mean 4?"),
+    "metres": ('"5 cm"', '"5 m"', 'usual are 0.01 to 1 m; did you mean "5 cm"?'),
+    "height": ('"24 m"', '"24 cm"', 'usual are 3 to 500 m; did you mean "24 m"?'),
+    "mass": ('"3200 t"', '"3200 kg"', 'did you mean "3200 t"?'),
+    "percent twice": ('damping = "5 %"', 'damping = "0.05 %"', "did you mean 0.05?"),
+    "unused": (STRENGTH, STRENGTH + "behaviour_factor = 3\n", "is not used; name your code"),
+}
+
+
+def read(folder: Path, old: str = "", new: str = "") -> tuple[Case, list[str]]:
+    """The case of the example after an edit, and its warnings."""
+    assert old in EXAMPLE
+    path = folder / "case.toml"
+    path.write_text(EXAMPLE.replace(old, new, 1) if old else EXAMPLE, encoding="utf-8")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        return read_case(path), [str(warning.message) for warning in caught]
+
+
+@pytest.mark.parametrize("what", MISTAKES)
+def test_a_mistake_is_refused_with_its_line(what: str, tmp_path: Path) -> None:
+    old, new, says = MISTAKES[what]
+    with pytest.raises(ValueError, match=r"^case\.toml, line \d+: ") as refused:
+        read(tmp_path, old, new)
+    message = str(refused.value)
+    assert says in message
+    assert message.isprintable()
+    assert len(message) < 700
+
+
+@pytest.mark.parametrize("lines", OF_MEASURES)
+def test_a_mistake_in_a_measure_is_refused_with_its_line(lines: str, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"^case\.toml, line \d+: measures\.m") as refused:
+        read(tmp_path, "[contact]", f"[measures.m]\n{lines}\n[contact]")
+    assert OF_MEASURES[lines] in str(refused.value)
+
+
+@pytest.mark.parametrize("what", DOUBTS)
+def test_a_doubtful_value_is_warned_of_once(what: str, tmp_path: Path) -> None:
+    old, new, says = DOUBTS[what]
+    _, (message,) = read(tmp_path, old, new)
+    assert message.startswith("case.toml, line ")
+    assert says in message
+
+
+def test_the_short_example_is_short_and_right(tmp_path: Path) -> None:
+    """It is read without a warning, and a copy of the case is equal."""
+    case, doubts = read(tmp_path)
+    assert not doubts
+    assert len(EXAMPLE.splitlines()) <= 40
+    assert [building.period for building in case.buildings] == [1.0, 0.6]
+    assert case.site.ground.intensity == 0.01
+    copy = pickle.loads(pickle.dumps(case))
+    assert copy == case
+    assert copy.buildings[0].structure == case.buildings[0].structure
+
+
+@pytest.mark.parametrize(("given", "expected"), [("4 in +- 10 %", 0.1016), ("5 to 15 cm", 0.1)])
+def test_an_uncertain_value_has_its_unit(given: str, expected: float, tmp_path: Path) -> None:
+    case, _ = read(tmp_path, STRENGTH, f'yield_displacement = "{given}"\n')
+    (first, _) = case.buildings
+    assert first.structure.yield_displacement == pytest.approx(expected)
+    assert list(first.sampled.uncertain) == ["yield_displacement"]
+
+
+@pytest.mark.parametrize("table", TABLES)
+def test_every_key_accepts_its_own_example(table: str) -> None:
+    """So documentation, examples and messages show what is accepted."""
+    for row in keys_of_table(table):
+        if not isinstance(row.key.kind, Inner):
+            given = tomllib.loads(f"x = {row.example}")["x"]
+            row.key.kind.read(given, lambda what: None)
+            assert f"# {row.name} = " in full_example()
