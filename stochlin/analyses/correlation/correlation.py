@@ -93,8 +93,7 @@ def correlate(
     paths, seed, steps_per_period, relaxation_times
         As in `simulate`: options of the simulation.
     progress : callable, optional
-        Called with the share of the simulation, or of the work of the solver ``"lyapunov"``, that is
-        done. With dask arrays it is not called.
+        Called with the share of the simulation that is done. With dask arrays it is not called.
 
     Returns
     -------
@@ -256,7 +255,7 @@ def _by_linearization(query: Query, pair: Pair, ground: Ground, runs: Runs) -> A
     if chained:
         from stochlin.analyses.correlation.chained import chained_pairs
 
-        table |= chained_pairs(pair, ground, query.tolerance, query.settings.progress)
+        table |= chained_pairs(pair, ground, query.tolerance)
         how += f", solver={LYAPUNOV!r}"
     return table, how, {"comment": comment}
 

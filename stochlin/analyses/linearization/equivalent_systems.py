@@ -156,8 +156,11 @@ class Solved(NamedTuple):
 
     def dataset(self) -> xr.Dataset:
         """Dataset of a single structure: the variables `PUBLIC`, and those that a pair needs."""
-        more = [n for n in (*OF_DRIFT, "displacement_error", *JUDGED) if n in self.values]
-        return xr.Dataset(self.labelled(0, [*PUBLIC, *INTERNAL, STRENGTH_RATIO, *more]))
+        rows = [*self.values["system"], *self.values["forcing"]]
+        values = {**self.values, **dict(zip(INTERNAL, rows, strict=True))}
+        more = [n for n in (*OF_DRIFT, "displacement_error", *JUDGED) if n in values]
+        named = [*PUBLIC, *INTERNAL, STRENGTH_RATIO, *more]
+        return xr.Dataset(self._replace(values=values).labelled(0, named))
 
 
 def in_columns(rows: Sequence[Any], count: int) -> Array:
@@ -367,37 +370,31 @@ def _report(response: Response, soil: Filter, uy: Array, ratio: Array) -> dict[s
     forcing = soil.forcing(system)
     own = own_covariance(system, forcing)
     displacement, velocity, z = np.sqrt(own.mu_mu), np.sqrt(own.v_v), np.sqrt(own.z_z)
-    corr = np.where(elastic, 0.0, own.v_z / (velocity * z))
-    share = own.mu_z / (displacement * z)
-    total = np.hypot(displacement, response.drift[0])
-    extents = np.array([total, velocity, total / uy])
-    physical = (own.mu_mu > 0) & (own.v_v > 0) & np.isfinite(extents).all(axis=0)
-    correlated = np.maximum(np.abs(corr), np.abs(share))
+    total, share = np.hypot(displacement, response.drift[0]), own.mu_z / (displacement * z)
+    values = {
+        "displacement_std": total,
+        "velocity_std": velocity,
+        "ductility_std": total / uy,
+        "z_std": np.where(elastic, displacement, z) / uy,
+        "velocity_z_corr": np.where(elastic, 0.0, own.v_z / (velocity * z)),
+        "c_eq": np.where(elastic, -1.0, system.slip - 1),
+        "k_eq": np.where(elastic, 0.0, system.relaxation),
+        "yield_displacement": uy.copy(),
+        "system": response.system,
+        "forcing": np.array(forcing),
+        **dict(zip(OF_DRIFT, response.drift, strict=False)),
+        "drift_shares": response.drift[len(OF_DRIFT) :],
+    }
+    physical = (own.mu_mu > 0) & (own.v_v > 0)
+    for name in SHOWN[:3]:
+        physical &= np.isfinite(values[name])
+    correlated = np.maximum(np.abs(values["velocity_z_corr"]), np.abs(share))
     physical &= elastic | ((z > 0) & (correlated <= 1 + ROUNDING))
     status = np.where(elastic, labels.ELASTIC_LIMIT, labels.CONVERGED)
     status = np.where(physical, status, labels.NOT_PHYSICAL)
     lost = np.where(ratio > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
     status = np.where(response.converged, status, lost).astype(np.int8)
-    rows = (
-        *extents,
-        np.where(elastic, displacement, z) / uy,
-        corr,
-        np.where(elastic, -1.0, system.slip - 1),
-        np.where(elastic, 0.0, system.relaxation),
-        uy,
-        *response.system,
-        *forcing,
-        *response.drift,
-    )
-    shown, end = np.array(rows), len(SHOWN) + len(INTERNAL)
-    shown[:, status >= labels.NOT_CONVERGED] = np.nan
-    return {
-        **dict(zip((*SHOWN, *INTERNAL, *OF_DRIFT), shown, strict=False)),
-        "system": shown[len(SHOWN) : end - 3],
-        "forcing": shown[end - 3 : end],
-        "drift_shares": shown[end + len(OF_DRIFT) :],
-        STRENGTH_RATIO: ratio,
-        "iterations": response.iterations,
-        "residual": response.residual,
-        "status": status,
-    }
+    for row in values.values():
+        row[..., status >= labels.NOT_CONVERGED] = np.nan
+    ended = {"iterations": response.iterations, "residual": response.residual, "status": status}
+    return values | ended | {STRENGTH_RATIO: ratio}

@@ -92,12 +92,6 @@ class Flat(NamedTuple):
         whole = self.whole(values, blank)
         return xr.DataArray(whole, self.shape.coords, self.shape.dims) if whole.ndim else whole
 
-    def part(self, part: slice) -> Flat:
-        """Some of the valid cells alone, along one dimension that no model has."""
-        count = self.where[part].size
-        models = {role: model.isel({CELL: part}) for role, model in self.models.items()}
-        return Flat(xr.DataArray(np.zeros(count), dims=CELL), np.arange(count), models)
-
 
 def flat(models: Mapping[str, Model], settled: bool = True) -> Flat:
     """The valid cells of models whose arrays broadcast by dimension name, in one row.

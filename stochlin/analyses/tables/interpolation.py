@@ -68,11 +68,13 @@ class Grid(NamedTuple):
         """
         low, high = self.ends
         cells = np.flatnonzero(((points >= low - ROUNDING) & (points <= high + ROUNDING)).all(axis=0))
-        places, corners = np.clip(points[:, cells], low, high), []
-        part, out = np.zeros(cells.size, int), np.full((self.values.shape[-1], points.shape[1]), np.nan)
-        for axis, x in zip(self.axes[:-1], places, strict=False):
-            corners.append(np.clip(axis.searchsorted(x, "right") - 2, 0, max(axis.size - NEAR, 0)))
-            part = part * axis.size + corners[-1]
+        places = np.clip(points[:, cells], low, high)
+        out = np.full((self.values.shape[-1], points.shape[1]), np.nan)
+        *corners, lowest = (
+            np.clip(axis.searchsorted(x, "right") - 2, 0, max(axis.size - NEAR, 0))
+            for axis, x in zip(self.axes, places, strict=True)
+        )
+        part = np.ravel_multi_index((*corners, 0 * lowest), (*self.values.shape[:-2], 1))
         order = np.argsort(part, kind="stable")
         for begin in range(0, cells.size, TOGETHER):
             chosen = order[begin : begin + TOGETHER]
@@ -80,13 +82,14 @@ class Grid(NamedTuple):
             along = np.ones((chosen.size, 1))
             for rows, corner in zip(others, corners, strict=True):
                 near = corner[chosen, None] + np.arange(min(NEAR, rows.shape[1]))
-                used = np.take_along_axis(rows, near, axis=1)
-                along = (along[:, :, None] * used[:, None]).reshape(chosen.size, -1)
+                weight = np.take_along_axis(rows, near, axis=1)
+                along = (along[:, :, None] * weight[:, None]).reshape(chosen.size, -1)
             new = 1 + np.flatnonzero(np.diff(part[chosen]))
             for first, end in pairwise([0, *new.tolist(), chosen.size]):
-                lowest = [corner[chosen[first]] for corner in corners]
-                block = self.values[tuple(slice(n, n + NEAR) for n in lowest)]
+                own = chosen[first:end]
+                used = slice(lowest[own].min(), lowest[own].max() + NEAR)
+                block = self.values[(*(slice(c[own[0]], c[own[0]] + NEAR) for c in corners), used)]
                 sums = along[first:end] @ block.reshape(along.shape[1], -1)
-                sums = sums.reshape(end - first, last.shape[1], -1)
-                out[:, cells[chosen[first:end]]] = (last[first:end, None] @ sums)[:, 0].T
+                sums = sums.reshape(end - first, block.shape[-2], -1)
+                out[:, cells[own]] = (last[first:end, None, used] @ sums)[:, 0].T
         return out
