@@ -9,9 +9,7 @@ from cases import assert_near, recorded_example
 from commands import answered, refused
 
 import stochlin as sl
-from stochlin.views.pounding.ensembles import draw_ensemble
-from stochlin.views.pounding.floors import draw_floors
-from stochlin.views.pounding.pictures import draw_pound
+from stochlin.views.pounding.pictures import draw_ensemble, draw_floors, draw_pound
 
 YIELDING = {"hardening": 0.05, "yield_displacement": 0.02}
 OSCILLATOR = sl.Bilinear(1.2, 0.05, **YIELDING, mass=2e5)

@@ -18,8 +18,7 @@ import stochlin as sl
 from stochlin.analyses.cases.pounding import pound_motions
 from stochlin.analyses.cases.rows import motion_of, pair_of
 from stochlin.models.contacts.base import CONTACTS
-from stochlin.views.pounding.floors import draw_floors
-from stochlin.views.pounding.pictures import draw_pound
+from stochlin.views.pounding.pictures import draw_floors, draw_pound
 
 pytestmark = pytest.mark.cli
 
@@ -481,17 +480,13 @@ def test_the_share_of_motions_with_contact_is_that_of_the_gap(kind: str, tmp_pat
     needed = sl.separation(*structures, case.site.ground, **motion_of(case)).separation_samples.values
     gap = float(np.median(needed))
     path.write_text(re.sub('existing = ".*?"', f'existing = "{gap} m"', text), encoding="utf-8")
-    done = answered("pound", path, "--motions", 128, "--out", tmp_path / "p.nc")
-    assert "These are the motions of 'stochlin gap': its share" in " ".join(done.output.split())
+    answered("pound", path, "--motions", 128, "--out", tmp_path / "p.nc")
     with xr.open_dataset(tmp_path / "p.nc") as table:
         hit = table.impacts_between[:, 0].values > 0
     near = np.abs(needed / gap - 1) < 0.01  # the ground within a step differs
     assert near.sum() <= 8
     np.testing.assert_array_equal(hit[~near], (needed > gap)[~near])
-    fewer = answered("pound", path, "--motions", 8, "--out", tmp_path / "p.nc")
-    assert "The first 8 of them are also the first of the 128 motions of 'stochlin gap'" in " ".join(
-        fewer.output.split()
-    )
+    answered("pound", path, "--motions", 8, "--out", tmp_path / "p.nc")
     with xr.open_dataset(tmp_path / "p.nc") as table:
         np.testing.assert_array_equal(table.impacts_between[:, 0].values > 0, hit[:8])
 
@@ -500,7 +495,7 @@ def test_uncertain_buildings_are_told_to_be_those_of_the_gap_at_their_medians(tm
     text = example_case().replace('"1.0 s" ', '"1.0 s +- 10 %" ')
     done = answered("pound", case_file(tmp_path, text=text), "--motions", 4)
     shown = " ".join(done.output.split())
-    assert "a sample of the uncertain parameters in each of its 2048 motions" in shown
+    assert "here they are taken at their medians" in shown
 
 
 def test_motions_that_failed_are_said_loudly(tmp_path: Path) -> None:

@@ -89,8 +89,7 @@ def pound(
         from stochlin.analyses.cases.pounding import pound_case
         from stochlin.analyses.cases.reading.case import read_case
         from stochlin.analyses.cases.shaking import MOST_RECORDS
-        from stochlin.views.pounding.floors import draw_floors
-        from stochlin.views.pounding.pictures import draw_pound
+        from stochlin.views.pounding.pictures import draw_floors, draw_pound
         from stochlin.views.pounding.words import answer_sections
 
         described = read_case(case)
@@ -116,7 +115,8 @@ def _together(
     """Show and save the results of many motions."""
     from stochlin.analyses.cases.pounding import by_motion, pound_motions
     from stochlin.analyses.tables.storage import CSV, FORMATS
-    from stochlin.views.pounding.ensembles import draw_ensemble, ensemble_sections
+    from stochlin.views.pounding.pictures import draw_ensemble
+    from stochlin.views.pounding.words import ensemble_sections
 
     data = data_target(out, picture, FORMATS, case.files)
     with progress_bar("pounding") as progress:

@@ -1,13 +1,15 @@
-"""Pictures of pounding: both sides of every gap, the forces of contacts, and the energies."""
+"""Pictures of pounding: histories of a motion, peaks over height, and frequencies in many motions."""
 
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterator, Sequence
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
+from scipy import constants
 
 from stochlin.analyses.cases.pounding import (
     ENERGIES,
@@ -15,26 +17,28 @@ from stochlin.analyses.cases.pounding import (
     energy_of,
     hardest_contacts,
     hardness,
+    is_oscillator,
 )
 from stochlin.analyses.pounding.rows import COLUMN
 from stochlin.views.shared.descriptions import roles_in_words
-from stochlin.views.shared.style import AS_GIVEN, CURVES, describe, filled, styled
+from stochlin.views.shared.screen import cut
+from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
+from stochlin.views.shared.words import along
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-WIDTH = 7.2  # inches
-GAP, FORCE, ENERGY, CLOSE_UP = 1.6, 1.2, 1.6, 1.6  # inches: heights of the panels
-HEAD, BETWEEN, AXIS, LINE = 0.35, 0.15, 0.52, 0.135  # inches: above, between, below a time axis, of text
-LEFT, RIGHT = 0.11, 0.72  # of the width
-CAPTION = 108  # characters
-NAME = 22  # characters of a line in a legend
+WIDTH, WORDS, LINE = 7.2, 0.5, 0.135  # inches: of a picture, around its panels, of a line of text
+HISTORY, PROFILE, FREQUENCY = 1.6, 3.3, 2.6  # inches: heights of the panels
+CAPTION, NAME, LEGEND_NAME = 108, 22, 24  # characters of a line
 AROUND = 1.5  # s: of the close-up, to both sides of the hardest impact
 CENTIMETRES, MEGA, KILO = 100.0, 1e-6, 1e-3
 MANY = 1e7  # J: from there on in MJ
 CONTACTS = "contacts"
 LABELS = ("from the ground", "damping", "yielding", CONTACTS, "motion, springs")  # of ENERGIES
+QUANTILE = 0.84  # of the motions, in profiles
+ALONE: Any = {"color": "0.35", "marker": "o", "mfc": "white", "ms": 4, "lw": 0.7}  # in a legend
 
 
 @styled(AS_GIVEN)
@@ -58,66 +62,77 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     ValueError
         If the dataset is another one.
     """
-    from matplotlib.figure import Figure
-
-    if "energy_share" not in dataset:
-        raise ValueError(
-            f"dataset has dimensions {tuple(dataset.dims)}; allowed: one that 'stochlin pound' saves"
-        )
+    _check("energy_share" in dataset, dataset, "")
     shown = hardest_contacts(dataset) if "contact" in dataset.dims else []
     hits = bool(dataset.sizes.get("impact"))
-    over_time = len(shown) + 2  # panels, the last of them energies
-    heights = [*[GAP] * len(shown), FORCE if shown else GAP, ENERGY, *[CLOSE_UP] * hits]
-    caption = caption_of(dataset)
-    foot = AXIS + LINE * (caption.count("\n") + 1) + 0.1
-    height = HEAD + sum(heights) + BETWEEN * (len(heights) - 1) + AXIS * hits + foot
-    figure = Figure(figsize=(WIDTH, height))
-    panels, top = [], height - HEAD
-    for number, panel_height in enumerate(heights):
-        top -= panel_height + (AXIS * hits if number == over_time else 0)
-        box = (LEFT, top / height, RIGHT - LEFT, panel_height / height)
-        panels.append(figure.add_axes(box))
-        top -= BETWEEN
-    for axes, number in zip(panels, shown, strict=False):
+    figure, panels = _panels(dataset, len(shown) + 2 + hits, 1, HISTORY)
+    over_time = panels[: len(shown) + 2]
+    for axes, number in zip(over_time, shown, strict=False):
         _sides(axes, dataset, number)
     if shown:
-        _forces(panels[len(shown)], dataset, shown)
+        _forces(over_time[-2], dataset, shown)
     else:
-        _roof(panels[0], dataset)
-    _energies(panels[over_time - 1], dataset)
-    for axes in panels[:over_time]:
+        _roof(over_time[0], dataset)
+    _energies(over_time[-1], dataset)
+    for axes in over_time:
         axes.set_xlim(float(dataset.time[0]), float(dataset.time[-1]))
-        axes.tick_params(labelbottom=axes is panels[over_time - 1])
+        axes.tick_params(labelbottom=axes is over_time[-1])
     if hits:
         _close_up(panels[-1], dataset)
     for axes in (panel for panel in panels if panel.get_legend_handles_labels()[1]):
         axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.03), borderaxespad=0, fontsize=8)
-    for axes in {panels[over_time - 1], panels[-1]}:
+    for axes in {over_time[-1], panels[-1]}:
         axes.set_xlabel("time [s]")
-    describe(figure, LEFT, foot - AXIS, dataset.attrs["title"], caption)
+    figure.suptitle(dataset.attrs["title"], x=0.01, ha="left", size=10)
     return figure
+
+
+def _check(fits: bool, dataset: xr.Dataset, what: str) -> None:
+    """Raise a ValueError for a dataset that a picture does not fit."""
+    if not fits:
+        raise ValueError(
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: one that 'stochlin pound' "
+            f"saves{what}"
+        )
+
+
+def _panels(dataset: xr.Dataset, rows: int, columns: int, height: float) -> tuple[Figure, list[Axes]]:
+    """A picture with panels of this height, and below them the models and the gaps in words."""
+    from matplotlib.figure import Figure
+
+    texts = [
+        f"{name}: {dataset.attrs[f'structure_{number}']}"
+        for number, name in enumerate(dataset.building.values, start=1)
+    ]
+    if "contact" in dataset.dims:
+        widths = (CENTIMETRES * float(gap) for gap in np.atleast_1d(dataset.attrs["gaps"]))
+        gaps = ", ".join(f"{width:.3g}" for width in widths)
+        texts.append(f"{roles_in_words(dataset.attrs, 'contact')[0]}; gap {gaps} cm")
+    texts += roles_in_words(dataset.attrs, "ground", "envelope")  # of simulated motions
+    caption = filled(texts, CAPTION, "    ")
+    total = rows * height + WORDS + LINE * len(caption.splitlines())
+    figure = Figure(figsize=(WIDTH, total), layout="constrained")
+    figure.supxlabel(caption, x=0.01, ha="left", size=7.5)
+    return figure, list(figure.subplots(rows, columns, squeeze=False).ravel())
 
 
 def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
     """Both sides of a gap in one frame: the distance between the curves is open."""
     contact = dataset.isel(contact=number)
-    gap = float(contact.gap)
     beside = (displacement_beside(dataset, side) for side in ("left", "right"))
-    left, right = (side.isel(contact=number).values for side in beside)
-    left, right = CENTIMETRES * left, CENTIMETRES * (right + gap)
+    left, right = (CENTIMETRES * side.isel(contact=number).values for side in beside)
+    right = right + CENTIMETRES * float(contact.gap)
     time = dataset.time.values
     axes.fill_between(time, left, np.maximum(left, right), color="0.9", lw=0, label="open")
-    for values, name, (color, dash) in zip(
-        (left, right), _names(dataset, contact), CURVES, strict=False
-    ):
+    names = _names(dataset, contact)
+    for values, name, (color, dash) in zip((left, right), names, CURVES, strict=False):
         axes.plot(time, values, color=color, linestyle=dash, lw=0.9, label=name)
     hits = dataset.impact_time.values[dataset.impact_contact.values == number + 1]
     hits = hits[(hits >= time[0]) & (hits <= time[-1])]
     struck = "level" in dataset.coords and str(contact.kind.item()) == COLUMN
     if hits.size:
-        style: Any = {"marker": "v", "color": "#2166ac", "ls": "", "ms": 4, "clip_on": False}
-        if struck:
-            style |= {"marker": "X", "color": "#b2182b", "ms": 6}
+        marker, color = ("X", "#b2182b") if struck else ("v", "#2166ac")
+        style: Any = {"marker": marker, "color": color, "ls": "", "ms": 5, "clip_on": False}
         transform = axes.get_xaxis_transform()
         axes.plot(hits, np.full(hits.size, 1.0), transform=transform, label="impact", **style)
     if "level" in dataset.coords:
@@ -158,38 +173,190 @@ def _forces(axes: Axes, dataset: xr.Dataset, shown: list[int]) -> None:
         axes.set(yticks=[], ylabel="force")
         return
     name = hardness(dataset)
-    forces = name == "largest_force"
-    scale = MEGA if forces else 1.0
+    scale, label = (MEGA, "force [MN]") if name == "largest_force" else (1.0, "approach [m/s]")
     for number, (color, _), marker in zip(shown, cycle(CURVES), cycle("osD^v"), strict=False):
         same = dataset.left.values == int(dataset.left[number])  # all contacts across this gap
         mine = same[dataset.impact_contact.values - 1]
         time, values = dataset.impact_time.values[mine], scale * dataset[name].values[mine]
         axes.vlines(time, 0, values, color=color, lw=0.8)
-        label = " |\n".join(_names(dataset, dataset.isel(contact=number)))
-        axes.plot(time, values, color=color, marker=marker, ls="", ms=3, label=label)
-    axes.set(ylim=(0, None), ylabel="force [MN]" if forces else "approach [m/s]")
+        across = " |\n".join(_names(dataset, dataset.isel(contact=number)))
+        axes.plot(time, values, color=color, marker=marker, ls="", ms=3, label=across)
+    axes.set(ylim=(0, None), ylabel=label)
 
 
 def _energies(axes: Axes, dataset: xr.Dataset) -> None:
+    """Energies of all buildings together over time."""
     histories = [energy_of(dataset, where).values for where in ENERGIES]
-    many = histories[0].max() >= MANY
+    scale, unit = (MEGA, "MJ") if histories[0].max() >= MANY else (KILO, "kJ")
     for values, label, (color, dash) in zip(histories, LABELS, CURVES, strict=False):
-        if label == CONTACTS and "contact" not in dataset.dims:
-            continue
-        scaled = (MEGA if many else KILO) * values
-        axes.plot(dataset.time, scaled, color=color, linestyle=dash, lw=1.2, label=label)
-    axes.set(ylim=(0, None), ylabel="energy [MJ]" if many else "energy [kJ]")
+        if label != CONTACTS or "contact" in dataset.dims:
+            axes.plot(dataset.time, scale * values, color=color, linestyle=dash, lw=1.2, label=label)
+    axes.set(ylim=(0, None), ylabel=f"energy [{unit}]")
 
 
-def caption_of(dataset: xr.Dataset) -> str:
-    """The buildings, the contact, the gaps and the source of the motions, in lines."""
-    texts = [
-        f"{name}: {dataset.attrs[f'structure_{number}']}"
-        for number, name in enumerate(dataset.building.values, start=1)
-    ]
-    if "contact" in dataset.dims:
-        widths = (CENTIMETRES * float(gap) for gap in np.atleast_1d(dataset.attrs["gaps"]))
-        gaps = ", ".join(f"{width:.3g}" for width in widths)
-        texts.append(f"{roles_in_words(dataset.attrs, 'contact')[0]}; gap {gaps} cm")
-    texts += roles_in_words(dataset.attrs, "ground", "envelope")  # of simulated motions
-    return filled(texts, CAPTION, "    ")
+@styled(AS_GIVEN)
+def draw_floors(dataset: xr.Dataset) -> Figure:
+    """Draw the floor accelerations, storey shears and forces on columns of one ``stochlin pound``.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        As `stochlin.charts.pound_case` makes them of rows with storeys, from memory or from file.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Side by side, over height: the largest accelerations and storey shears, each also for the
+        building alone; where slabs hit columns, the largest force on each column.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one.
+    """
+    _check("floor_level" in dataset.coords, dataset, " of a row with storeys")
+    struck = "column_force" in dataset and bool((dataset.column_force > 0).any())
+    labels = ["acceleration [g]", "storey shear [MN]", *["force on columns [MN]"] * struck]
+    figure, panels = _panels(dataset, 1, len(labels), PROFILE)
+    for number, (name, style) in enumerate(_looks(dataset)):
+        table, levels = dataset.isel(structure=number), _levels(dataset, number)
+        middle = levels if is_oscillator(table) else 0.5 * (levels + np.append(0.0, levels[:-1]))
+        _profile(panels[0], table, "peak_acceleration", 1 / constants.g, levels, name, style)
+        _profile(panels[1], table, "peak_storey_shear", MEGA, middle, name, style)
+        if struck:
+            _columns(panels[2], dataset, number, style)
+    contacts = dataset.level.values if "level" in dataset.coords else []
+    top = float(np.nanmax([*dataset.floor_level.values.ravel(), *contacts]))
+    for axes, name in zip(panels, labels, strict=True):
+        axes.set(xlim=(0, None), ylim=(0, 1.04 * top), xlabel=name)
+        axes.tick_params(labelleft=axes is panels[0])
+    panels[0].set_ylabel("height [m]")
+    _head(figure, panels[0], dataset, "open, thin: standing alone", ALONE)
+    return figure
+
+
+def _head(figure: Figure, axes: Axes, dataset: xr.Dataset, alone: str, look: dict[str, Any]) -> None:
+    """The title above a picture and the buildings in its legend, also alone if they have neighbours."""
+    if {"contact", "neighbours"} & set(dataset.dims):
+        axes.plot([], [], label=alone, **look)
+    figure.legend(
+        *axes.get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8,
+        title=dataset.attrs["title"], title_fontsize=10, alignment="left",
+    )  # fmt: skip
+
+
+def _looks(dataset: xr.Dataset) -> Iterator[tuple[str, dict[str, Any]]]:
+    """The name of each building in a legend, and how its profile is drawn."""
+    looks = cycle(zip(CURVES, "osD^vP", strict=True))
+    for number, ((color, dash), marker) in zip(dataset.structure.values, looks, strict=False):
+        name = str(dataset.building.sel(structure=number).item())
+        style: dict[str, Any] = {"color": color, "linestyle": dash, "marker": marker, "ms": 4, "lw": 1.3}
+        yield cut(f"{number} {name}", LEGEND_NAME), style
+
+
+def _profile(
+    axes: Axes, table: xr.Dataset, peak: str, scale: float, levels: Any, name: str, style: Any
+) -> None:
+    """Peaks over height; those of the building alone, if it has neighbours, thin and open."""
+    end = "_quantile" if "quantile" in table.coords else ""
+    with_hits, alone = (
+        scale * table[f"{peak}{which}{end}"].values[: levels.size] for which in ("", "_alone")
+    )
+    if {"contact", "neighbours"} & set(table.dims):
+        axes.plot(alone, levels, **style | {"mfc": "white", "lw": 0.7})
+    axes.plot(with_hits, levels, label=name, **style)
+
+
+def _columns(axes: Axes, dataset: xr.Dataset, number: int, style: dict[str, Any]) -> None:
+    """The largest force on each column of this building that a slab hits."""
+    sides = {side: dataset[side].values == number + 1 for side in ("left", "right")}
+    own = np.select([dataset.column.values == side for side in sides], list(sides.values()), False)
+    hit = dataset.isel(contact=own & (dataset.column_force > 0).values)
+    force = MEGA * hit.column_force.values
+    axes.hlines(hit.level.values, 0, force, color=style["color"], lw=style["lw"])
+    axes.plot(force, hit.level.values, **style | {"linestyle": "none"})
+
+
+def _levels(dataset: xr.Dataset, number: int) -> np.ndarray:
+    """Heights of the floors of a building; an oscillator moves where it meets its neighbours."""
+    levels: np.ndarray = dataset.floor_level.values[number]
+    if np.isfinite(levels).any():
+        return levels[np.isfinite(levels)]
+    beside = (dataset.left.values == number + 1) | (dataset.right.values == number + 1)
+    return np.atleast_1d(np.nanmax(dataset.level.values[beside], initial=0.0))
+
+
+@styled(AS_GIVEN)
+def draw_ensemble(dataset: xr.Dataset) -> Figure:
+    """Draw pounding in many motions, as ``stochlin pound --motions`` computes it.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        As `stochlin.charts.pound_motions` makes it, from memory or from file.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The share of the motions with more impacts, and with a larger force, across each gap, if there is
+        one; and the accelerations and displacements with pounding and without: of oscillators how often
+        they are exceeded, of buildings with storeys a quantile over height.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one.
+    """
+    fits = "peak_quantile" in dataset and "building" in dataset.coords
+    _check(fits, dataset, " of many motions")
+    meets, storeys = "neighbours" in dataset.dims, "floor" in dataset.dims
+    figure, panels = _panels(dataset, 1 + meets, 2, FREQUENCY)
+    if meets:
+        _gaps(panels[:2], dataset)
+    kinds = (
+        ("peak_acceleration", 1 / constants.g, "acceleration [g]"),
+        ("peak", CENTIMETRES, "displacement [cm]"),
+    )
+    at = dataset.sel(quantile=QUANTILE, method="nearest")
+    for axes, (stem, scale, label) in zip(panels[-2:], kinds, strict=True):
+        for number, (name, style) in enumerate(_looks(dataset)):
+            if storeys:
+                table, levels = at.isel(structure=number), _levels(dataset, number)
+                _profile(axes, table, stem, scale, levels, name, style)
+                continue
+            look = {"color": style["color"], "linestyle": style["linestyle"]}
+            table = dataset.isel(structure=number)
+            _exceedance(axes, scale * table[stem].values, look | {"lw": 1.6, "label": name})
+            if meets:
+                _exceedance(axes, scale * table[f"{stem}_alone"].values, look | {"lw": 0.6})
+        share = f", not exceeded in {100 * float(at['quantile']):.3g} %" if storeys else ""
+        axes.set(xlim=(0, None), xlabel=f"{label}{share}", ylim=(0, None if storeys else 1.02))
+    panels[-2].set_ylabel("height [m]" if storeys else "share of motions with more")
+    alone = ("open, thin: alone", ALONE) if storeys else ("thin: alone", {"color": "0.35", "lw": 0.6})
+    _head(figure, panels[-2], dataset, *alone)
+    return figure
+
+
+def _gaps(panels: Sequence[Axes], dataset: xr.Dataset) -> None:
+    """The number of impacts and their forces across each gap."""
+    left, right = panels
+    forces = bool(dataset.hardest_force_between_mean.notnull().all())
+    for table, (color, dash) in zip(along(dataset, "neighbours"), cycle(CURVES), strict=False):
+        style: Any = {"color": color, "linestyle": dash, "lw": 1.4}
+        label = f"gap {table.neighbours.item()}"
+        _exceedance(left, table.impacts_between.values, style | {"label": label})
+        if forces:
+            none_is_zero = table.hardest_force_between.where(table.impacts_between > 0, 0.0)
+            _exceedance(right, MEGA * none_is_zero.where(table.status == 0).values, style)
+    if not forces:
+        right.text(0.5, 0.5, "no forces: velocities jump", transform=right.transAxes, ha="center")
+    left.set(xlabel="impacts", ylabel="share of motions with more", xlim=(0, None), ylim=(0, 1.02))
+    right.set(xlabel="largest force [MN]", xlim=(0, None), ylim=(0, 1.02))
+    left.legend(loc="upper right")
+
+
+def _exceedance(axes: Axes, samples: np.ndarray, style: dict[str, Any]) -> None:
+    """The share of the motions above each value; those that failed do not count."""
+    ordered = np.sort(samples[np.isfinite(samples)])
+    share = 1 - np.arange(ordered.size + 1) / ordered.size
+    axes.step(np.append(0.0, ordered), share, where="post", **style)

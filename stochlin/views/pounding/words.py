@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +11,7 @@ from scipy import constants
 from stochlin.analyses.cases.pounding import energy_of, is_oscillator
 from stochlin.analyses.cases.shaking import doubts
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
+from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.views.shared.blocks import Block, Table, Text, ViewSection, texts
 from stochlin.views.shared.descriptions import site_in_words
 from stochlin.views.shared.screen import cut
@@ -21,13 +22,17 @@ from stochlin.views.shared.words import (
     along,
     centimetres,
     floors,
+    in_g,
     left_out,
     length,
     number,
     opening,
     per_cent,
     recorded_shaking,
+    scatter,
+    shaking,
     short,
+    with_interval,
 )
 
 if TYPE_CHECKING:
@@ -35,7 +40,9 @@ if TYPE_CHECKING:
 
     from stochlin.analyses.cases.reading.case import Case
 
-LONGEST_NAME, SHORTER_NAME = 26, 20
+    Column = tuple[str, Callable[[xr.Dataset], str]]  # head, and the cell of a row
+
+LONGEST_NAME, NAME_OF_MANY, SHORTER_NAME = 26, 24, 20
 LARGE_ERROR = 0.01  # by time steps, above which a caution is given
 BASE = "Base: largest base shear."
 SINKS = {"viscous": "damping dissipated", "hysteretic": "yielding", "contacts": "contacts"}
@@ -58,6 +65,17 @@ JUMPS = (
 HITS = "Hits give: work of all impacts on the building, negative if they take energy from it."
 COLUMN = "Contacts with a star: a slab meets a column between two floors."
 CLOSEST = "Closest: smallest distance in the motion, negative if the contact is compressed."
+ERRORS = (
+    "Mean: with its standard error. The 95 % intervals of the quantiles are in brackets; over: the "
+    "motions are too few for the upper end of the interval."
+)
+FORCES = "Alone: without pounding. In motions without an impact, forces count as 0."
+OF_ROOF = "Displacements are those of the roof; accelerations are those of the floor with the largest "
+OF_ROOF += "acceleration"
+FAILED = (
+    "{} of {} motions FAILED and are left out: {}. These are probably strong motions, so the "
+    "quantiles are too small."
+)
 STRENGTH = (
     "Strengths given by reduction factor or ductility refer to the ground of the file, {}, not to the "
     "records."
@@ -153,132 +171,157 @@ def step_error(table: xr.Dataset) -> str:
     return f"{sentence} CAUTION: more than {per_cent(LARGE_ERROR)}; take more --steps-per-contact."
 
 
-def _measured(row: xr.Dataset, columns: Mapping[str, tuple[str, str]]) -> list[str]:
-    """Numbers of a row, by the head of their column the name of the variable and the unit."""
-    return [number(float(row[name]), unit) for name, unit in columns.values()]
+def _table(head: str, rows: Iterable[tuple[str, xr.Dataset]], columns: Iterable[Column]) -> Table:
+    """A row for each dataset, after its name."""
+    columns = list(columns)
+    heads = [head, *(name for name, _ in columns)]
+    return Table.of(heads, [[name, *(cell(row) for _, cell in columns)] for name, row in rows])
+
+
+def _in(unit: str, name: str) -> Callable[[xr.Dataset], str]:
+    """The cell with a variable in this unit."""
+    return lambda row: number(float(row[name]), unit)
+
+
+def _times(name: str) -> Callable[[xr.Dataset], str]:
+    """The cell with a ratio, to two decimals."""
+    return lambda row: f"{value:.2f}" if np.isfinite(value := float(row[name])) else MISSING
+
+
+def _numbered(table: xr.Dataset, longest: int) -> list[tuple[str, xr.Dataset]]:
+    """Buildings by their number and name."""
+    return [
+        (f"{place}  {cut(str(building.building.item()), longest)}", building)
+        for place, building in enumerate(along(table, "structure"), start=1)
+    ]
+
+
+def _roof(building: xr.Dataset) -> xr.Dataset:
+    """What is at the roof of a building with floors."""
+    return building.sel(floor=int(building.storeys)) if "floor" in building.dims else building
+
+
+def _at_most(building: xr.Dataset, name: str) -> xr.Dataset:
+    """What is at the floor where a variable is largest."""
+    return building.isel(floor=int(building[name].argmax("floor")))
+
+
+def _floor(building: xr.Dataset, name: str) -> str:
+    """The floor where a variable is largest; empty for an oscillator, which has none."""
+    return "" if is_oscillator(building) else str(int(_at_most(building, name).floor))
 
 
 def _alone(table: xr.Dataset) -> Table:
     """The response of a single building, floor by floor from the roof down."""
     building = table.isel(structure=0)
-    columns = {
-        "peak [cm]": ("peak", "cm"),
-        "accel. [g]": ("peak_acceleration", "g"),
-        "shear [MN]": ("peak_storey_shear", "MN"),
-    }
+    columns = [("peak [cm]", _in("cm", "peak")), ("accel. [g]", _in("g", "peak_acceleration"))]
+    columns += [("shear [MN]", _in("MN", "peak_storey_shear"))]
     if "floor" not in table.dims:
-        columns["ductility"] = ("peak_ductility", "1")
-        return Table.of([*columns], [_measured(building, columns)])
-    floors_down = along(building, "floor")[::-1]
-    rows = [
-        [str(int(floor.floor)), f"{float(floor.floor_level):.4g}", *_measured(floor, columns)]
-        for floor in floors_down
-    ]
-    return Table.of(["floor", "height [m]", *columns], rows)
+        (head, first), *others = [*columns, ("ductility", _in("1", "peak_ductility"))]
+        return _table(head, [(first(building), building)], others)
+    height: Column = ("height [m]", lambda floor: f"{float(floor.floor_level):.4g}")
+    down = [(str(int(floor.floor)), floor) for floor in along(building, "floor")[::-1]]
+    return _table("floor", down, [height, *columns])
 
 
 def _buildings(table: xr.Dataset) -> Table:
     """The effect of pounding on each building."""
-    rows = []
-    for place, name in enumerate(table.building.values, start=1):
-        building = table.isel(structure=place - 1)
-        cells = _roof(building) if "floor" in table.dims else _whole(building)
-        rows.append([f"{place}  {cut(str(name), LONGEST_NAME)}", *cells])
-    more = ["worst"] if "floor" in table.dims else ["estimate", "ductility"]
-    return Table.of(["building", "peak [cm]", "alone [cm]", "times", *more], rows)
-
-
-def _whole(building: xr.Dataset) -> list[str]:
-    """Peaks of an oscillator, their ratio, the estimate of it, and the ductility."""
-    ratios = ("amplification", "largest_radius_amplification", "peak_ductility")
-    values = (float(building[name]) for name in ratios)
-    return [
-        *(centimetres(float(building[name])) for name in ("peak", "peak_alone")),
-        *(f"{value:.2f}" if np.isfinite(value) else MISSING for value in values),
+    if "floor" in table.dims:
+        more: list[Column] = [("worst", _worst)]
+    else:
+        more = [("estimate", _times("largest_radius_amplification"))]
+        more += [("ductility", _times("peak_ductility"))]
+    columns: list[Column] = [
+        ("peak [cm]", lambda building: centimetres(float(_roof(building).peak))),
+        ("alone [cm]", lambda building: centimetres(float(_roof(building).peak_alone))),
+        ("times", lambda building: _times("amplification")(_roof(building))),
     ]
+    return _table("building", _numbered(table, LONGEST_NAME), [*columns, *more])
+
+
+def _worst(building: xr.Dataset) -> str:
+    """The floor whose displacement grows most."""
+    times = _times("amplification")(_at_most(building, "amplification"))
+    floor = _floor(building, "amplification")
+    return f"{times}, floor {floor}" if floor else times
 
 
 def _borne(table: xr.Dataset) -> Table:
     """Accelerations, shears, and the work of impacts on each building."""
-    storeys = "floor" in table.dims
-    heads = ["building", "accel. [g]", "alone", *["floor"] * storeys, "base [MN]", "alone"]
-    heads += [*["storey shear"] * storeys, "hits give [kJ]"]
-    rows = []
-    for place, name in enumerate(table.building.values):
-        building = table.isel(structure=place)
-        known = storeys and not is_oscillator(building)
-        most = (
-            building.isel(floor=int(building.peak_acceleration.argmax("floor"))) if storeys else building
-        )
-        row = [f"{place + 1}  {cut(str(name), SHORTER_NAME)}"]
-        row += [f"{float(most[f'peak_acceleration{end}']) / constants.g:.2f}" for end in ("", "_alone")]
-        row += [str(int(most.floor)) if known else MISSING] if storeys else []
-        row += [number(float(building[f"peak_base_shear{end}"]), "MN") for end in ("", "_alone")]
-        row += [_shear(building) if known else MISSING] if storeys else []
-        work = float(building.energy_received) / 1e3
-        rows.append([*row, f"{work:+.3g}" if work else "0"])
-    return Table.of(heads, rows)
+    storeys, peak = "floor" in table.dims, "peak_acceleration"
+
+    def acceleration(end: str) -> Callable[[xr.Dataset], str]:
+        def cell(building: xr.Dataset) -> str:
+            shaken = _at_most(building, peak) if storeys else building
+            return f"{float(shaken[f'{peak}{end}']) / constants.g:.2f}"
+
+        return cell
+
+    columns: list[Column] = [("accel. [g]", acceleration("")), ("alone", acceleration("_alone"))]
+    columns += [("floor", lambda building: _floor(building, peak) or MISSING)] * storeys
+    columns += [
+        ("base [MN]", _in("MN", "peak_base_shear")),
+        ("alone", _in("MN", "peak_base_shear_alone")),
+    ]
+    columns += [("storey shear", _shear)] * storeys
+    columns += [("hits give [kJ]", _work)]
+    return _table("building", _numbered(table, SHORTER_NAME), columns)
 
 
 def _shear(building: xr.Dataset) -> str:
     """The storey whose shear grows most."""
+    if is_oscillator(building):
+        return MISSING
     times = building.peak_storey_shear / building.peak_storey_shear_alone
     worst = times.isel(floor=int(times.argmax("floor")))
     return f"{float(worst):.2f}, storey {int(worst.floor)}"
 
 
+def _work(building: xr.Dataset) -> str:
+    """The energy that impacts give a building, with its sign."""
+    work = float(building.energy_received) / 1e3
+    return f"{work:+.3g}" if work else "0"
+
+
 def _struck(table: xr.Dataset) -> Table:
     """The columns that slabs have hit, storey by storey; no rows if none was."""
-    hit = table.isel(contact=np.flatnonzero(table.column_force > 0))
     worst: dict[tuple[int, int], xr.Dataset] = {}
-    for contact in along(hit, "contact"):
+    for contact in along(table.isel(contact=np.flatnonzero(table.column_force > 0)), "contact"):
         place = int(contact[str(contact.column.item())]), int(contact.storey)
         if place not in worst or contact.column_force > worst[place].column_force:
             worst[place] = contact
-    rows = [
-        [
-            f"{building}  {cut(str(table.building.values[building - 1]), LONGEST_NAME)}",
-            str(storey),
-            f"{float(contact.level):.4g}",
-            number(float(contact.column_force), "MN"),
-            per_cent(float(contact.column_force_share)),
-        ]
-        for (building, storey), contact in sorted(worst.items(), key=lambda item: item[0])
+    names = [name for name, _ in _numbered(table, LONGEST_NAME)]
+    rows = [(names[building - 1], worst[building, storey]) for building, storey in sorted(worst)]
+    columns: list[Column] = [
+        ("storey", lambda contact: str(int(contact.storey))),
+        ("hit at [m]", lambda contact: f"{float(contact.level):.4g}"),
+        ("force [MN]", _in("MN", "column_force")),
+        ("of the shear at yield", lambda contact: per_cent(float(contact.column_force_share))),
     ]
-    heads = ["columns of", "storey", "hit at [m]", "force [MN]", "of the shear at yield"]
-    return Table.of(heads, rows)
-
-
-def _roof(table: xr.Dataset) -> list[str]:
-    top = table.sel(floor=int(table.storeys))
-    worst = table.isel(floor=int(table.amplification.argmax("floor")))
-    return [
-        centimetres(float(top.peak)),
-        centimetres(float(top.peak_alone)),
-        f"{float(top.amplification):.2f}",
-        f"{float(worst.amplification):.2f}"
-        + ("" if is_oscillator(table) else f", floor {int(worst.floor)}"),
-    ]
+    return _table("columns of", rows, columns)
 
 
 def _contacts(table: xr.Dataset) -> Table:
     """What happens at each contact."""
-    columns = {
-        "force [MN]": ("hardest_force", "MN"),
-        "approach [m/s]": ("fastest_approach", "m/s"),
-        "longest [ms]": ("longest_impact", "ms"),
-        "lost [kJ]": ("contact_energy", "kJ"),
-    }
-    rows = []
-    for contact in along(table, "contact"):
-        closest = f"{round(100 * float(contact.least_clearance), 2) + 0:.2f}"  # zero without a sign
-        named = f"{int(contact.left)} | {int(contact.right)}"
-        if "level" in table.coords:
-            named += f", {float(contact.level):.4g} m up"
-            named += "*" if str(contact.kind.item()) == SLAB_TO_COLUMN else ""
-        begin = [named, centimetres(float(contact.gap)), closest, str(int(contact.impacts))]
-        rows.append(begin + _measured(contact, columns))
-    return Table.of(["contact", "gap [cm]", "closest [cm]", "impacts", *columns], rows)
+
+    def name(contact: xr.Dataset) -> str:
+        sides = f"{int(contact.left)} | {int(contact.right)}"
+        if "level" not in table.coords:
+            return sides
+        star = "*" if str(contact.kind.item()) == SLAB_TO_COLUMN else ""
+        return f"{sides}, {float(contact.level):.4g} m up{star}"
+
+    columns: list[Column] = [
+        ("gap [cm]", _in("cm", "gap")),
+        # zero without a sign
+        ("closest [cm]", lambda c: f"{round(100 * float(c.least_clearance), 2) + 0:.2f}"),
+        ("impacts", lambda contact: str(int(contact.impacts))),
+        ("force [MN]", _in("MN", "hardest_force")),
+        ("approach [m/s]", _in("m/s", "fastest_approach")),
+        ("longest [ms]", _in("ms", "longest_impact")),
+        ("lost [kJ]", _in("kJ", "contact_energy")),
+    ]
+    return _table("contact", [(name(contact), contact) for contact in along(table, "contact")], columns)
 
 
 def _notes(case: Case, table: xr.Dataset) -> str:
@@ -293,3 +336,115 @@ def _notes(case: Case, table: xr.Dataset) -> str:
     if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
         notes.append(STRENGTH.format(site_in_words(case)))
     return " ".join(notes)
+
+
+def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
+    """How often buildings meet, and means and quantiles of what that does."""
+    over = str(table.status.dims[0])
+    simulated, meets = over == "path", "neighbours" in table.dims
+    count, good = table.sizes[over], int((table.status == 0).sum())
+    strongest = table[["peak_ground_acceleration"]].max()
+    peaks = tuple(map(float, table.peak.max({*table.peak.dims} - {"structure"})))
+    motions = f"{count} records"
+    if simulated:
+        duration = f"{case.site.course.duration:.4g} s"
+        motions = f"{count} simulated motions of {duration}, {site_in_words(case)}"
+    about = [
+        f"{motions}: {_shares(table) if meets else ALONE}",
+        *((shaking(table, case), scatter(case)) if simulated else (_strengths(table),)),
+        at_medians(case),
+    ]
+    why = next((str(text) for text in table.missing.values if text), "")
+    failed = FAILED.format(count - good, count, why) if good < count else ""
+    columns = _columns_faced(table) if "column_force_quantile" in table else ""
+    heads = ["", "mean", *(per_cent(level) for level in table["quantile"].values)]
+    rows: list[list[str]] = []
+    for of_pair in along(table, "neighbours") if meets else ():
+        rows += _gap_rows(of_pair, heads)
+    for building in along(table, "structure"):
+        rows += _building_rows(building, heads)
+    notes = [f"{ERRORS} {FORCES}" if meets else ERRORS]
+    with_and_without = " in pounding, with and without pounding" if meets else ""
+    notes += [f"{OF_ROOF}{with_and_without}."] * ("floor" in table.dims)
+    notes += [JUMPS] * (meets and bool(table.hardest_force_between_mean.isnull().any()))
+    return [
+        opening(case, doubts(strongest, case.buildings, peaks=peaks)),
+        ViewSection("", texts([floors(case), *left_out(case)])),
+        *(ViewSection("", texts(several)) for several in (about, [failed], [columns])),
+        ViewSection("", [Table.of(heads, rows), Text(" ".join(notes))]),
+    ]
+
+
+def _strengths(table: xr.Dataset) -> str:
+    """From the weakest record to the strongest."""
+    low, high = (in_g(float(end)) for end in table.peak_ground_acceleration.quantile([0.0, 1.0]))
+    return f"The shaking: PGA {low} to {high}."
+
+
+def _shares(table: xr.Dataset) -> str:
+    """The share of the motions in which neighbours meet."""
+    shares = []
+    for of_pair in along(table, "neighbours"):
+        share, low, high = map(per_cent, with_interval(of_pair, "pounding_probability"))
+        left, right = str(of_pair.neighbours.item()).split(" | ")
+        shares.append(f"buildings {left} and {right} hit in {share} of them ({low} to {high})")
+    return f"{'; '.join(shares)}."
+
+
+def _columns_faced(table: xr.Dataset) -> str:
+    most = table.column_force_quantile.isel(quantile=-1)
+    contact = table.isel(contact=int(most.fillna(0.0).argmax("contact")))
+    struck, level = int(contact[str(contact.column.item())]), float(table["quantile"][-1])
+    return (
+        f"SLABS FACE COLUMNS: the floors are not level. Hit hardest, {float(contact.level):.4g} m up, "
+        f"are the columns of storey {int(contact.storey)} of building {struck}: with at most "
+        f"{short(1e-6 * float(contact.column_force_quantile[-1]))} MN in {per_cent(level)} of the "
+        "motions."
+    )
+
+
+def _gap_rows(table: xr.Dataset, heads: list[str]) -> list[list[str]]:
+    pair = str(table.neighbours.item())
+    gap = 100 * float(table.gap.values[table.left.values == int(pair.split(" | ", maxsplit=1)[0])][0])
+    kinds = {
+        "impacts": ("impacts_between", 1.0),
+        "largest force [MN]": ("hardest_force_between", 1e-6),
+        "energy lost [kJ]": ("contact_energy_between", 1e-3),
+    }
+    rows = [_row(f"  {name}", table, stem, scale) for name, (stem, scale) in kinds.items()]
+    return [[f"Gap {pair}, {gap:.3g} cm", *[""] * (len(heads) - 1)], *rows]
+
+
+def _building_rows(table: xr.Dataset, heads: list[str]) -> list[list[str]]:
+    top, shaken = _roof(table), table
+    at_floor, meets = "", "neighbours" in table.dims
+    if "floor" in table.dims:
+        times = table.peak_acceleration_mean / (table.peak_acceleration_alone_mean if meets else 1.0)
+        shaken = table.isel(floor=int(times.argmax("floor")))
+        at_floor = "" if is_oscillator(table) else f", floor {int(shaken.floor)}"
+    rows = []
+    for name, place, stem, scale in (
+        ("displacement [cm]", top, "peak", 100.0),
+        (f"acceleration [g]{at_floor}", shaken, "peak_acceleration", 1 / constants.g),
+        ("base shear [MN]", table, "peak_base_shear", 1e-6),
+    ):
+        rows.append(_row(f"  {name}", place, stem, scale))
+        rows += [_row("    alone", place, f"{stem}_alone", scale)] * meets
+    named = f"{int(table.structure)}  {cut(str(table.building.item()), NAME_OF_MANY)}"
+    return [[named, *[""] * (len(heads) - 1)], *rows]
+
+
+def _row(name: str, table: xr.Dataset, stem: str, scale: float) -> list[str]:
+    """Mean with its error, and quantiles with their intervals."""
+    mean, error = (scale * float(table[f"{stem}_mean{end}"]) for end in ("", "_standard_error"))
+    cells = [MISSING if np.isnan(mean) else f"{_digits(mean)} +- {error:.2g}"]
+    ends = (scale * table[f"{stem}_quantile{end}"].values for end in VALUE_AND_ENDS)
+    for value, low, high in zip(*ends, strict=True):
+        between = f"{_digits(low)}-{_digits(high)}" if np.isfinite(high) else f"over {_digits(low)}"
+        cells.append(MISSING if np.isnan(value) else f"{_digits(value)} ({between})")
+    return [name, *cells]
+
+
+def _digits(value: float) -> str:
+    """Three digits, below one two: the intervals are wider."""
+    return short(value) if value >= 1 else f"{value:.2g}"

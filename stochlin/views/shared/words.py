@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import xarray as xr
 
-    from stochlin.analyses.cases.reading.buildings import Building
     from stochlin.analyses.cases.reading.case import Case
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
@@ -52,13 +51,14 @@ TURNS = (
     "neighbour, so that a gap can be too small: export the displacements of joints on that edge, and "
     'name one on each floor, as points = ["12"].'
 )
-UNIFORM_WALL = (
-    "The first period of a uniform wall is 6.3 times the second, and in the first mode its roof moves "
-    "1.57 times and its mid-height 0.53 times as far as an oscillator of that period"
+OF_WALL = (
+    "Caution: {building} is a wall, which bends as a whole, and {model}: {effect}. Torsion and rocking "
+    "of the foundation are left out as well. Compare the result with modes of the wall itself."
 )
-BESIDES_WALLS = (
-    "Torsion, rocking of the foundation and shear in the wall are left out as well. Compare the result "
-    "with modes of the wall itself."
+LONE_WALL = "one oscillator stands for it", "without its second mode a gap at its roof can be too small"
+CHAIN = (
+    "a chain of storeys deforms in shear only",
+    "a gap at its roof can be too small, and one at lower floors too large",
 )
 
 
@@ -216,36 +216,18 @@ def opening(case: Case, doubts: Sequence[str]) -> ViewSection:
 
 
 def left_out(case: Case) -> list[str]:
-    """What the models leave out of walls, and of buildings that turn in plan."""
+    """What the models leave out of walls, and of buildings that turn in plan.
+
+    The modes of a building by its modes have the bending of a wall.
+    """
+    cautions = []
+    for wall in (building for building in case.buildings if building.form.system == WALL):
+        if not isinstance(wall.structure, ModalBuilding):
+            chain = isinstance(wall.structure, ShearBuilding) and wall.structure.storeys > 1
+            model, effect = CHAIN if chain else LONE_WALL
+            cautions.append(OF_WALL.format(building=wall.name, model=model, effect=effect))
     turning = (building for building in case.buildings if building.turning)
-    walls = (building for building in case.buildings if building.form.system == WALL)
-    return [*map(_wall, walls), *(TURNS.format(building=building.name) for building in turning)]
-
-
-def _wall(building: Building) -> str:
-    structure, caution = building.structure, f"Caution: {building.name} is a wall"
-    if isinstance(structure, ModalBuilding):
-        return (
-            f"{caution}, and its bending is in the modes that describe it. Torsion is in them if the "
-            "shapes are those of the edge that faces the neighbour, and rocking of the foundation if it "
-            "was in the model of which they are."
-        )
-    if not isinstance(structure, ShearBuilding) or structure.storeys == 1:
-        return (
-            f"{caution}, and one oscillator stands for it. {UNIFORM_WALL}. Its second mode, with "
-            f"19{SPACE}% of the mass, is left out, and a gap at its roof can be too small. "
-            f"{BESIDES_WALLS}"
-        )
-    periods, moved = structure.periods().values, structure.participation().values
-    levels = np.append(0.0, structure.levels())
-    at_middle = np.interp(0.5 * levels[-1], levels, np.append(0.0, moved))
-    return (
-        f"{caution}, which bends as a whole, so that its drifts grow toward the roof; a chain of "
-        f"storeys deforms in shear only. {UNIFORM_WALL}; of these storeys the numbers are "
-        f"{periods[0] / periods[1]:.2g}, {moved[-1]:.3g} and {at_middle:.2g}. A gap at its roof can be "
-        "too small, and one at lower floors too large. Stiffnesses storey by storey can give the chain "
-        f"the shape of the first mode, but not the higher periods. {BESIDES_WALLS}"
-    )
+    return [*cautions, *(TURNS.format(building=building.name) for building in turning)]
 
 
 def floors(case: Case) -> str:
