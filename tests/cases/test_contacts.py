@@ -21,7 +21,6 @@ pytestmark = pytest.mark.invariant
 EXAMPLE = example_case()
 CONTACT = EXAMPLE[EXAMPLE.index("[contact]") : EXAMPLE.index("# Measures")]
 MEASURES = EXAMPLE[EXAMPLE.index("# Measures") :]
-OPTIONAL = CONTACT + MEASURES
 GAP = 'existing = "5 cm" '
 BRACES = '{ storeys = "all", stiffness = "120 MN/m", yield_displacement = "5 mm", hardening = "2 %" }'
 THIRD = """[building_3]
@@ -151,11 +150,6 @@ damping_constant = "1 MN s/m"
         sl.Link(0.0, 1e6, damping_exponent=0.5, structures=(1, 1), floors=(2, 1)),
         sl.Link(5e6, 1e6, structures=(2, 2), floors=(2, 1)),
     ]
-
-
-def test_contact_and_measures_may_be_left_out(tmp_path: Path) -> None:
-    case = read(tmp_path, EXAMPLE.replace(OPTIONAL, ""))
-    assert (case.contact, case.measures, case.amplification_limit) == (None, {}, None)
 
 
 # --- Buildings ------------------------------------------------------------------------------------

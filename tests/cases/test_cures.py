@@ -126,10 +126,3 @@ def test_a_long_line_is_shown_with_its_end(tmp_path: Path) -> None:
     )
     assert re.search(r": 'yield_drifts = \[.*\.\.\..*, 1 cm\]' is no TOML file's text", message)
     assert len(message.partition("' is no TOML")[0]) < LONGEST + len("case.toml, line 999: '") + 1
-
-
-def test_a_number_beyond_all_is_out_of_range(tmp_path: Path) -> None:
-    text = changed(EXAMPLE, 'duration = "20 s"', f'duration = "20 s"\nscatter = {10**30}')
-    assert f"scatter = {10**30} is out of range; allowed: 0 <= value <= 2" in refused(tmp_path, text)
-    message = refused(tmp_path, changed(EXAMPLE, "seed = 0", f"seed = {2**63}"))
-    assert message.endswith(f"is out of range; allowed: a whole number from 0 to {2**63 - 1}")

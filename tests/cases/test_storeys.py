@@ -65,31 +65,6 @@ def same(one: sl.ShearBuilding, other: sl.ShearBuilding) -> None:
         np.testing.assert_array_equal(array, other.arrays()[name])
 
 
-@pytest.mark.parametrize("start", ["period", "masses"])
-def test_each_way_that_the_example_shows_is_read(start: str, tmp_path: Path) -> None:
-    buildings = [cases.storeyed_building(n, start) for n in (1, 2)]
-    case = read(tmp_path, *buildings, align="true")
-    for building in case.buildings:
-        assert isinstance(building.structure, sl.ShearBuilding)
-        assert building.structure.p_delta
-        assert building.structure.dampers == 2e6
-        assert building.strength in ("base_shear_coefficient", "yield_drifts")
-    assert case.wanted.floors_align
-    shown = {"period": (8, 24.0, 3.0), "masses": (3, 10.0, 10 / 3)}[start]
-    assert (
-        case.buildings[0].storeys,
-        case.buildings[0].height,
-        case.buildings[0].storey_height,
-    ) == shown
-    listed = 'heights = ["4 m", "3 m", "3 m"]'
-    if start == "period":
-        low = buildings[0].replace('storey_height = "3 m"', listed).replace("storeys = 8\n", "")
-        assert read(tmp_path, low, buildings[1]).buildings[0].height == 10.0
-    else:
-        high = buildings[0].replace(listed, 'storey_height = "3 m"')
-        assert read(tmp_path, high, buildings[1]).buildings[0].height == 9.0
-
-
 def test_a_regular_building_is_that_of_python(tmp_path: Path) -> None:
     case = read(tmp_path, REGULAR, SINGLE)
     same(case.buildings[0].structure, sl.ShearBuilding.regular(**KNOWN))

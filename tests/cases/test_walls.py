@@ -71,11 +71,3 @@ def test_the_screen_and_the_page_say_it_and_no_number_changes(tmp_path):
     assert "is a wall" not in report_page(without)
     told = " ".join(answered("gap", tmp_path / "case.toml").output.split())
     assert " ".join(caution.split()) in told.replace("\N{NO-BREAK SPACE}", " ")
-
-
-def test_other_systems_are_refused(tmp_path):
-    text = example_case().replace("[building_2]", '[building_2]\nsystem = "dome"', 1)
-    with pytest.raises(ValueError, match=r"building_2.system = 'dome' .*frame.*wall"):
-        case_of(tmp_path, text)
-    case = case_of(tmp_path, with_wall(example_case()))
-    assert [building.form.system for building in case.buildings] == ["frame", "wall"]

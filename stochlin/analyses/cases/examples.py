@@ -7,6 +7,14 @@ from importlib.resources import files
 from stochlin.analyses.cases.reading.explained import TABLES, keys_of_table
 from stochlin.analyses.cases.reading.kinds import Inner
 
+HEADERS = {  # of tables that are not written by their name alone
+    "": "the whole file",
+    "site.records": "[[site.records]]",
+    "building": "[building_1], [building_2] and so on",
+    "measures": '[measures."A name"]',
+    "measures.dampers": "dampers_1 = { } and dampers_2 = { } of a measure",
+}
+
 
 def short_example() -> str:
     """A case of two buildings that runs, as ``stochlin gap --example`` prints it."""
@@ -17,7 +25,7 @@ def full_example() -> str:
     """All keys of all tables, each with what it is and accepts, as comments of a file."""
     lines = []
     for name in TABLES:
-        lines += ["", f"# [{name}]" if name else "# the whole file"]
+        lines += ["", f"# {HEADERS.get(name, f'[{name}]')}"]
         for row in keys_of_table(name):
             if not isinstance(row.key.kind, Inner):
                 written = f"# {row.name} = {row.example}"
