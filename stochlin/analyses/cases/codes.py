@@ -88,12 +88,8 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
     structures = [building.structure for building in buildings]
     system = arrangement_of(structures)
     floors = np.concatenate([design_displacements(case, building, rule) for building in buildings])
-    peaks = np.array(
-        [
-            [weights(system, number, height) @ floors for height in heights]
-            for number in range(len(buildings))
-        ]
-    )
+    numbers = range(len(buildings))
+    peaks = np.array([[weights(system, n, z) @ floors for z in heights] for n in numbers])
     tall: tuple[Any, ...] = tuple(building.height for building in buildings)
     neighbours = Neighbours(**neighbours_of(case))
     if any(isinstance(structure, MultistoreyBuilding) for structure in structures):

@@ -177,7 +177,7 @@ def missing_of(building: Building, rule: CodeRule, has_spectrum: bool) -> tuple[
     Displacements under design forces are given, or those of the spectrum divided by the behaviour
     factor, which has no effect for a code that multiplies by it again.
     """
-    given = building.form.displacements
+    given, known = building.form.displacements, factors_of(building)
     if not rule.multiplies:
         return None
     if not (given or has_spectrum):
@@ -186,12 +186,9 @@ def missing_of(building: Building, rule: CodeRule, has_spectrum: bool) -> tuple[
     needed = [rule.multiplies] if given else [BEHAVIOUR, rule.multiplies]
     if not given and rule.multiplies == BEHAVIOUR:
         needed = []
-    for name in needed:
-        if name not in factors_of(building):
-            why = (
-                f"{rule.name} needs its {rule.called[name]}; write, for instance, {FACTORS[name]} = 3.0"
-            )
-            return FACTORS[name], why
+    for name in (name for name in needed if name not in known):
+        why = f"{rule.name} needs its {rule.called[name]}"
+        return FACTORS[name], f"{why}; write, for instance, {FACTORS[name]} = 3.0"
     return None
 
 

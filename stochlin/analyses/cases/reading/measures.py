@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Sequence
-from dataclasses import MISSING, dataclass
+from dataclasses import MISSING, dataclass, replace
 from typing import Any
 
 from stochlin.analyses.cases.reading.buildings import Building
@@ -50,7 +50,7 @@ class OfContact(Form):
             keys[name] = Key(quantity, "", MISSING if argument.default is argument.empty else None)
         if "stiffness" in keys and "exponent" in keys:
             given = table.values.get("exponent", arguments["exponent"].default)
-            keys["stiffness"] = _of_power(keys["stiffness"], f"N/m^{given}")
+            keys["stiffness"] = _in_units(keys["stiffness"], f"N/m^{given}")
         return keys
 
     def contact(self) -> Contact:
@@ -172,16 +172,12 @@ def read_measures(table: Table, buildings: Sequence[Building]) -> dict[str, Meas
 
 def _with_power(keys: dict[str, Key], prefix: str, table: Table) -> dict[str, Key]:
     """The keys of a link; the unit of a damping constant depends on the exponent."""
-    power = table.values.get(f"{prefix}damping_exponent", 1)
-    name = f"{prefix}damping_constant"
-    return keys if power == 1 else keys | {name: _of_power(keys[name], f"N (s/m)^{power}")}
+    power, name = table.values.get(f"{prefix}damping_exponent", 1), f"{prefix}damping_constant"
+    return keys if power == 1 else keys | {name: _in_units(keys[name], f"N (s/m)^{power}")}
 
 
-def _of_power(known: Key, units: str) -> Key:
+def _in_units(known: Key, units: str) -> Key:
     """A key with this unit of its number, or of the numbers of its list."""
     kind = known.kind
-    if isinstance(kind, ListOf):
-        return known._replace(
-            kind=ListOf(_of_power(known._replace(kind=kind.kind), units).kind, "alone")
-        )
-    return known._replace(kind=Quantity(units, kind.allowed, kind.plausible))
+    inner = replace(kind.kind if isinstance(kind, ListOf) else kind, units=units)
+    return known._replace(kind=replace(kind, kind=inner) if isinstance(kind, ListOf) else inner)
