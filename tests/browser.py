@@ -123,7 +123,7 @@ class Browser:
         return str(self.script(text, f"[data-{mark}]"))
 
     def value(self, mark: str) -> str:
-        value = "return document.querySelector(arguments[0]).value"
+        value = "return document.querySelector(arguments[0])?.value"
         return str(self.script(value, f"[data-{mark}]"))
 
     def gap(self) -> str:
