@@ -40,13 +40,13 @@ def read(text: str, folder: Path) -> sl.Case:
 
 def shown(text: str, table: str, name: str):
     """The entry or the choice of a key."""
-    rows = [row for group in form_of(tomllib.loads(text)) for row in (*group.entries, *group.choices)]
+    rows = [row for _, *both in form_of(tomllib.loads(text)) for rows in both for row in rows]
     return next(row for row in rows if (row.table, row.name) == (table, name))
 
 
 @pytest.mark.parametrize(("text", "least"), [(EXAMPLE, 20), (STOREYS, 18)], ids=["short", "storeys"])
 def test_an_entry_says_what_the_file_says(text, least):
-    entries = [entry for group in form_of(tomllib.loads(text)) for entry in group.entries]
+    entries = [entry for *_, of_table in form_of(tomllib.loads(text)) for entry in of_table]
     for entry in entries:
         assert entry.value == tomllib.loads(text)[entry.table][entry.name]
         assert isinstance(entry.value, bool) or entry.read(entry.text) == entry.value
@@ -147,7 +147,7 @@ def test_what_no_choice_writes_is_as_in_the_file():
     ["", "site = 3\n[building_1]\nname = 4\nmasses = []\nperiod = [[1]]\n", "[motion]\nduration = nan"],
 )
 def test_a_text_that_is_no_case_has_a_form_all_the_same(text):
-    for group in form_of(tomllib.loads(text)):
-        for entry in group.entries:
+    for *_, entries in form_of(tomllib.loads(text)):
+        for entry in entries:
             assert isinstance(entry.text, str)
             entry.reach()

@@ -13,8 +13,6 @@ import time
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
-from urllib.error import HTTPError
-from urllib.request import urlopen
 
 import pytest
 from browser import PATIENCE, served, wait
@@ -90,26 +88,19 @@ def test_websockets_of_other_pages_are_refused(address):
     assert response(address, channel, **upgrade, Origin="http://evil.example").status == 403
 
 
-def test_all_pages_that_are_asked_for_come_and_nonsense_is_a_line_of_the_log(tmp_path):
-    with served(tmp_path, example_of_short_motion(), more=2) as (address, _):
-        with ExitStack() as open_until_here:
-            pages = [http.client.HTTPConnection(address, timeout=PATIENCE) for _ in range(99)]
-            for page in pages:
-                open_until_here.callback(page.close)
-                page.request("GET", "/")
-            assert {page.getresponse().status for page in pages} == {200}
-        channel = f"http://{address}/_nicegui_ws/socket.io/?EIO=4&transport=polling"
-        with urlopen(channel) as opened:
-            session = json.loads(opened.read()[1:])["sid"]
-        urlopen(f"{channel}&sid={session}", b"4\x1b[31m").close()
-        with pytest.raises(HTTPError, match="400"):
-            urlopen(f"{channel}&sid=%1b[31m")
+def test_all_pages_that_are_asked_for_come(tmp_path):
+    with served(tmp_path, example_of_short_motion()) as (address, _), ExitStack() as open_until_here:
+        pages = [http.client.HTTPConnection(address, timeout=PATIENCE) for _ in range(99)]
+        for page in pages:
+            open_until_here.callback(page.close)
+            page.request("GET", "/")
+        assert {page.getresponse().status for page in pages} == {200}
 
 
 def test_the_page_comes_from_this_machine_alone_and_has_an_answer(page, address):
     assert page.gap().startswith("Office block and Annex should stand 8.")
-    assert page.script("return document.querySelectorAll('.answer svg').length") == 2
-    assert "eq. (3) with a correlation coefficient" in page.text("answer=Gap")
+    assert page.script("return document.querySelectorAll('.answer svg').length") == 1
+    assert "eq. (3) with a correlation coefficient" in page.text("answer")
     messages = [json.loads(e["message"])["message"] for e in page.driver.get_log("performance")]
     asked = [
         m["params"]["request"]["url"] for m in messages if m["method"] == "Network.requestWillBeSent"
@@ -192,7 +183,7 @@ def test_a_choice_changes_the_form(page):
 
 def test_the_correlation_has_a_tab(page):
     page.click("tab=Correlation")
-    wait(lambda: "On white noise" in page.text("answer=Correlation"))
+    wait(lambda: "On white noise" in page.text("answer"))
     page.idle()
     page.choose("building_2.", "equal storeys")
     wait(lambda: "is that of two oscillators" in page.text("alert"))

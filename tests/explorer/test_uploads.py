@@ -12,7 +12,7 @@ from uploads import open_case
 
 import stochlin as sl
 from stochlin.analyses.cases.examples import example_record, short_example
-from stochlin.analyses.explorer.uploads import of_case, read_upload, uploaded
+from stochlin.analyses.explorer.uploads import of_file, read_upload, uploaded
 
 pytestmark = pytest.mark.invariant
 
@@ -35,15 +35,15 @@ def test_a_case_is_opened_with_the_files_that_it_names(tmp_path):
     record = record_in(tmp_path / "records").read_bytes()
     text = with_site(f'{SITE}[[site.records]]\npath = "records/a.at2"\n')
     (tmp_path / "case.toml").write_text(text, encoding="utf-8")
-    of_file = sl.read_case(tmp_path / "case.toml")
+    original = sl.read_case(tmp_path / "case.toml")
     files = {"case.toml": text.encode(), "a.at2": record}
     case, doubts = open_case(files)
     assert doubts == []
-    np.testing.assert_array_equal(case.site.records["a.at2"], of_file.site.records["a.at2"])
-    copied = of_case(of_file)
+    np.testing.assert_array_equal(case.site.records["a.at2"], original.site.records["a.at2"])
+    copied = of_file(tmp_path / "case.toml")
     assert copied.text == text
     again, _ = read_upload(copied.folder.name, copied.name, copied.text)
-    np.testing.assert_array_equal(again.site.records["a.at2"], of_file.site.records["a.at2"])
+    np.testing.assert_array_equal(again.site.records["a.at2"], original.site.records["a.at2"])
     copied.folder.cleanup()
     del files["a.at2"]
     with pytest.raises(
@@ -60,8 +60,8 @@ def test_a_case_of_files_elsewhere_is_refused(tmp_path):
     path.write_text(
         with_site(f'{SITE}[[site.records]]\npath = "../elsewhere/a.at2"\n'), encoding="utf-8"
     )
-    with pytest.raises(ValueError, match=r"case.toml names .*a.at2, which is outside of its folder"):
-        of_case(sl.read_case(path))
+    with pytest.raises(ValueError, match=r"a\.at2.* is outside of the folder of the case file"):
+        of_file(path)
 
 
 @pytest.mark.parametrize(

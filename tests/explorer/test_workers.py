@@ -10,7 +10,7 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 import pytest
-from browser import PATIENCE, wait
+from browser import PATIENCE
 
 from stochlin.views.explorer import workers
 from stochlin.views.explorer.workers import GRACE, Job, Stopped, Worker
@@ -52,7 +52,7 @@ def of_worker(scenario: Callable[[Worker], Coroutine[Any, Any, None]]) -> Callab
             assert await worker.answer(Job(), twice, 2) == 4
             await asyncio.wait_for(scenario(worker), PATIENCE)
         finally:
-            worker.close()
+            worker.process.kill()
 
     def test_() -> None:
         asyncio.run(run())
@@ -131,14 +131,3 @@ async def test_a_process_that_ends_by_itself_is_replaced(worker):
     with pytest.raises(RuntimeError, match=r"has ended \(exit code -9\), perhaps for want of memory"):
         await task
     assert await worker.answer(Job(), twice, 3) == 6
-
-
-@of_worker
-async def test_closing_leaves_no_process(worker):
-    _, task = await begun(worker, stubborn)
-    process = worker.process
-    worker.close()
-    for question in (task, worker.answer(Job(), twice, 1)):
-        with pytest.raises((Stopped, EOFError, OSError)):
-            await question
-    wait(lambda: not process.is_alive())

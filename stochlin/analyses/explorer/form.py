@@ -31,7 +31,7 @@ from stochlin.models.envelopes import ENVELOPES
 Tables = Mapping[str, Any]
 """The tables of a case file by their names."""
 
-SHOWN = "site", "motion", "building", "separation"  # tables on which the gap depends
+SHOWN = "site", "motion", "building", "separation"  # on which the gap depends
 ALWAYS = {"separation": ["existing"]}  # keys that are shown where the file does not have them
 AS_IN_FILE = "as in the file"
 TIMES = 4.0  # a slider goes from the value over this to the value times this
@@ -106,14 +106,6 @@ class Choice(NamedTuple):
     present: str
 
 
-class Group(NamedTuple):
-    """The choices and entries of a table."""
-
-    title: str
-    choices: list[Choice]
-    entries: list[Entry]
-
-
 _OF_STOREYS = ("storeys", "storey_height")
 BUILDINGS = {
     "oscillator, reduction factor": Way(Oscillator, ("reduction_factor", "hardening")),
@@ -125,20 +117,18 @@ BUILDINGS = {
 }
 
 
-def form_of(tables: Tables) -> list[Group]:
-    """What the form shows of a case: choices and numbers of its site, motion, buildings and gap."""
-    groups = []
+def form_of(tables: Tables) -> Iterator[tuple[str, list[Choice], list[Entry]]]:
+    """Titles of the tables on which the gap depends, with their choices and entries."""
     for name, table in tables.items():
         if _kind(name) in SHOWN and isinstance(table, dict):
             form, keys = form_of_table(_kind(name), table)
             called = f": {table['name']}" if "name" in table else ""
-            title = f"{name.replace('_', ' ').capitalize()}{called}"
             choices = [
                 Choice(name, each, label, {**ways, present: ways.get(present, Way(form))}, present)
                 for each, label, ways, present in _choices(_kind(name), table, form, keys)
             ]
-            groups.append(Group(title, choices, list(_entries(name, table, keys))))
-    return groups
+            title = f"{name.replace('_', ' ').capitalize()}{called}"
+            yield title, choices, list(_entries(name, table, keys))
 
 
 def _kind(name: str) -> str:

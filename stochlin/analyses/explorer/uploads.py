@@ -11,7 +11,7 @@ from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
-from stochlin.analyses.cases.reading.case import Case, case_of
+from stochlin.analyses.cases.reading.case import Case, case_of, read_case
 from stochlin.analyses.cases.reading.tables import read_table
 from stochlin.analyses.tables.inputs import only_within
 from stochlin.analyses.tables.toml import read_toml
@@ -58,22 +58,19 @@ def uploaded(files: Mapping[str, bytes]) -> Upload:
     return Upload(folder, PurePath(cases[0]).name, text)
 
 
-def of_case(case: Case) -> Upload:
-    """The file of a case with copies of all files that it names; they lie in its folder or below it."""
-    path, files = Path(os.path.abspath(case.whole.table.source.path)), dict[Path, bytes]()
-    for each in (Path(os.path.abspath(each)) for each in case.files):
-        if not each.is_relative_to(path.parent):
-            raise ValueError(
-                f"{path.name} names {each}, which is outside of its folder; allowed in the explorer: "
-                "files in the folder of the case file, so copy it there"
-            )
-        within = [file for file in each.iterdir() if file.is_file()] if each.is_dir() else [each]
-        files |= {file.relative_to(path.parent): file.read_bytes() for file in within}
+def of_file(path: Path) -> Upload:
+    """A case file with copies of all files that it names; they must lie in its folder or below it."""
+    home = path.resolve().parent
+    with only_within(home):
+        named = read_case(path).files
     folder = TemporaryDirectory()
-    for name, content in files.items():
-        copy = Path(folder.name) / name
+    for each in named:
+        copy = Path(folder.name) / each.resolve().relative_to(home)
         copy.parent.mkdir(parents=True, exist_ok=True)
-        copy.write_bytes(content)
+        if each.is_dir():
+            shutil.copytree(each, copy)
+        else:
+            shutil.copy(each, copy)
     return Upload(folder, path.name, path.read_text(encoding="utf-8-sig"))
 
 

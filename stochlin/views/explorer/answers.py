@@ -13,7 +13,6 @@ from stochlin.analyses.explorer.uploads import read_upload, uploaded
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.views.separation import verdict, words
 from stochlin.views.separation.elevation import elevation_picture
-from stochlin.views.separation.pictures import rules_figure
 from stochlin.views.shared.blocks import Picture, Text, ViewSection, texts
 from stochlin.views.shared.page import page
 from stochlin.views.shared.style import CURVES, label_axis, legend_above, open_frame
@@ -23,12 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from stochlin.analyses.cases.reading.case import Case
-    from stochlin.analyses.cases.separation import CaseAnswer
 
 MARKERS = "o", "s"
-OF_RULES = (
-    "Each rule against the answer (dashed, its 95 % interval grey). Numbers are those of the table."
-)
 CAPTION = (
     "Building 1 stays, and the period of building 2 changes. Lines: linearization. Points: simulation, "
     "with 95 % intervals. The white noise is as strong as the ground of the case at the period of "
@@ -44,30 +39,23 @@ def get_ready(progress: Progress) -> None:
 
 
 def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
-    """The gap, its picture and the rules for a case of this text, as `stochlin gap` writes them."""
+    """The gap, its picture and the rules for a case of this text, as `stochlin gap` has them."""
     case, doubts = read_upload(folder, name, text)
     answer = gap_by_few_motions(case, progress)
-    more = ""
-    if (motions := case.simulated.motions) > PATHS:
-        more = (
-            f"From {PATHS} motions; 'stochlin gap' computes the saved case with all {motions}, and a "
-            "shorter interval."
-        )
-    sections = [*_sections(answer), ViewSection("", [Text(more, "note")])]
-    return _html(case, doubts, sections, "gap")
-
-
-def _sections(answer: CaseAnswer) -> list[ViewSection]:
-    """The answer, what makes it doubtful, and the rules."""
     first, *others = texts(verdict.first_lines(answer))
-    rules = Picture("Gaps by rule", OF_RULES, partial(rules_figure, answer))
-    return [
+    all_motions = (
+        f"From {PATHS} motions; 'stochlin gap' computes the saved case with all "
+        f"{case.simulated.motions}, and a shorter interval."
+    )
+    sections = [
         ViewSection("", [doubt(answer.doubts())]),
         ViewSection("", [replace(first, look="answer"), elevation_picture(answer), *others]),
         ViewSection("", texts(verdict.cautions(answer))),
-        ViewSection("The rules and the answer", [rules, words.rules_table(answer)]),
+        ViewSection("The rules and the answer", [words.rules_table(answer)]),
         ViewSection("", words.rules_notes(answer)),
+        ViewSection("", [Text(all_motions * (case.simulated.motions > PATHS), "note")]),
     ]
+    return _html(case, doubts, sections, "gap")
 
 
 def correlation_of(folder: str, name: str, text: str, progress: Progress) -> str:

@@ -38,12 +38,11 @@ def explore(case: Path | None, port: int, show: bool) -> None:
                 f"the explorer needs NiceGUI: pip install 'stochlin[app]' ({error})"
             ) from error
         from stochlin.analyses.cases.examples import short_example
-        from stochlin.analyses.cases.reading.case import read_case
-        from stochlin.analyses.explorer.uploads import of_case, uploaded
+        from stochlin.analyses.explorer.uploads import of_file, uploaded
         from stochlin.kernels.basics.folders import process_folder
 
         check_port(port)
         tempfile.tempdir = str(process_folder())  # removed with all that is left in it
-        start = of_case(read_case(case)) if case else uploaded({"case.toml": short_example().encode()})
+        start = of_file(case) if case else uploaded({"case.toml": short_example().encode()})
         with start.folder:
             serve(start, port=port, show=show)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import gc
 import logging
-import traceback
 import weakref
 from typing import TYPE_CHECKING
 
@@ -42,7 +41,7 @@ class Page:
         self._upload, self._shared = start, start
         self._text, self._worker = start.text, worker
         self._job = Job(wanted=False)  # the last one
-        self._answered: dict[str, str] = {}  # the text that each tab answers
+        self._answered: dict[str, tuple[str, str]] = {}  # of each tab, the text and its answer
         self._client = ui.context.client
         self._build()
         self._show_form()
@@ -59,43 +58,37 @@ class Page:
             with ui.element("h1"):
                 ui.label(HEADING)
             page = weakref.proxy(self)  # what receives files is never given free
-            self._files = ui.upload(
-                on_multi_upload=lambda event: page._open(event),  # noqa: PLW0108 (a bound method holds the page)
-                multiple=True,
-                auto_upload=True,
-            )
-            self._files.props(f"max-total-size={MOST_BYTES}").classes("files")
-            for failure in ("rejected", "failed"):
-                self._files.on(failure, lambda: page._not_sent(), args=[])  # noqa: PLW0108
+            self._files = ui.upload(multiple=True, auto_upload=True, max_total_size=MOST_BYTES)
+            self._files.on_multi_upload(lambda event: page._open(event))  # noqa: PLW0108
+            self._files.props("batch").classes("files")
+            self._files.on("rejected", lambda: page._not_sent(), args=[])  # noqa: PLW0108
             pick = f"() => getElement({self._files.id}).pickFiles()"
             _button("Open case file", "data-open").on("click", js_handler=pick)
             _button("Save case file", "data-save").on_click(self._save)
         with ui.element("main").classes("sheet"):
             self._form = ui.element("form").classes("controls").props('onsubmit="return false"')
             with ui.element("div").props("id=answer tabindex=-1"):
-                with ui.tabs(on_change=self._turn) as self._tabs:
+                with ui.tabs(on_change=self._compute) as self._tabs:
                     self._tabs.props("no-caps align=left dense")
                     for name in QUESTIONS:
                         ui.tab(name).props(f"data-tab={name}")
                 self._state = ui.label().classes("state").props("role=status data-state")
                 self._alert = ui.label().classes("wrong").props("role=alert data-alert")
-                self._answers = {
-                    name: ui.html("", sanitize=False).classes("answer").props(f"data-answer={name}")
-                    for name in QUESTIONS  # what is the user's is escaped in it
-                }
+                self._answer = ui.html("", sanitize=False)  # what is the user's is escaped in it
+                self._answer.classes("answer").props("data-answer")
 
     def _show_form(self) -> None:
         """The form of the present text."""
         self._form.clear()
         with self._form:
-            for group in form_of(toml_tables(self._text)):
+            for title, choices, entries in form_of(toml_tables(self._text)):
                 with ui.element("details").props("open"):
                     with ui.element("summary"):
-                        ui.label(group.title).style("display: inline")
-                    for choice in group.choices:
+                        ui.label(title).style("display: inline")
+                    for choice in choices:
                         choice_row(choice, self._choose)
-                    for entry in group.entries:
-                        EntryRow(entry, group.title, self._change)
+                    for entry in entries:
+                        EntryRow(entry, title, self._change)
 
     def _change(self, entry: Entry) -> None:
         """Take another value of a key."""
@@ -108,28 +101,22 @@ class Page:
         self._show_form()
         self._compute()
 
-    def _turn(self) -> None:
-        """Answer the question of another tab."""
-        for name, answer in self._answers.items():
-            answer.set_visibility(name == self._tabs.value)
-        self._compute()
-
     def _compute(self, pause: float = 0.0) -> None:
         """Stop what is computed, and compute the present tab anew after a pause, if a browser looks."""
         self._job.wanted = False
         tab = str(self._tabs.value)
-        self._job = Job(self._answered.get(tab) != self._text and self._client.has_socket_connection)
-        self._answers[tab].classes(**{"add" if self._job.wanted else "remove": "stale"})
+        text, self._answer.content = self._answered.get(tab, (None, ""))
+        self._job = Job(text != self._text and self._client.has_socket_connection)
         if self._job.wanted:
-            background_tasks.create(self._answer(self._job, tab, pause))
+            background_tasks.create(self._find(self._job, tab, pause))
         else:
             self._alert.text = ""
         self._look()
 
-    async def _answer(self, job: Job, tab: str, pause: float) -> None:
+    async def _find(self, job: Job, tab: str, pause: float) -> None:
         """Show an answer, or say why there is none, unless something else is wanted meanwhile."""
         await asyncio.sleep(pause)
-        upload, text, answer, why = self._upload, self._text, None, ""
+        upload, text, why = self._upload, self._text, ""
         try:
             answer = await self._worker.answer(
                 job, QUESTIONS[tab], upload.folder.name, upload.name, text
@@ -141,15 +128,16 @@ class Page:
         if not job.wanted:
             return
         job.wanted, self._alert.text = False, why
-        if answer is not None:
-            self._answers[tab].content = answer
-            self._answers[tab].classes(remove="stale")
-            self._answered[tab] = text
+        if not why:
+            self._answer.content = answer
+            self._answered[tab] = text, answer
         self._look()
 
     def _look(self) -> None:
         """Say whether something is computed, and how far it is."""
-        self._state.text = f"Computing ... {100 * self._job.share:.0f} %" if self._job.wanted else ""
+        job, old = self._job, self._answered.get(str(self._tabs.value), ("",))[0] != self._text
+        self._state.text = f"Computing ... {100 * job.share:.0f} %" if job.wanted else ""
+        self._answer.classes(**{"add" if old else "remove": "stale"})
 
     async def _open(self, event: events.MultiUploadEventArguments) -> None:
         """Show another case file; one that cannot be opened changes nothing."""
@@ -187,8 +175,7 @@ class Page:
 def _why(error: Exception) -> str:
     """What to say of an error; a fault of ours, or a process that died, is logged."""
     if not isinstance(error, REFUSED):
-        for line in "".join(traceback.format_exception(error)).splitlines():
-            LOG.error("%s", line)
+        LOG.error("no answer", exc_info=error)
     return sentence(error, LONGEST_MESSAGE)
 
 

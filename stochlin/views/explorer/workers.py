@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import multiprocessing
-import os
 import signal
 import tempfile
-import threading
 import time
 import traceback
 from dataclasses import dataclass
-from multiprocessing.connection import wait
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -47,45 +44,41 @@ class Worker:
         self.process: SpawnProcess | None = None
         self._context = multiprocessing.get_context("spawn")  # numba's threads do not survive a fork
         self._turn = asyncio.Lock()
-        self._closed = False
 
     async def answer(self, job: Job, question: Callable[..., Any], *subject: Any) -> Any:
         """What a function of these arguments and of ``progress`` returns; raises what it raises.
 
-        Raises `Stopped` once the job is not wanted any more, or the worker is closed.
+        Raises `Stopped` once the job is not wanted any more.
         """
         async with self._turn:
-            if not job.wanted or self._closed:
+            if not job.wanted:
                 raise Stopped
             if self.process is None or not self.process.is_alive():
-                self._start()
+                self.process = self._start()
             try:
                 self._pipe.send((question, subject))
                 answer, failure = await self._reply(job)
             except BaseException as error:  # also that the page ends
-                code = self._end()
-                if self._closed or not isinstance(error, (EOFError, OSError)):
+                self.process.kill()
+                self.process.join()
+                self._pipe.close()
+                if not isinstance(error, (EOFError, OSError)):
                     raise
                 raise RuntimeError(
-                    f"the process that computes has ended (exit code {code}), perhaps for want of "
-                    "memory; ask again, with fewer storeys or a shorter motion"
+                    f"the process that computes has ended (exit code {self.process.exitcode}), perhaps "
+                    "for want of memory; ask again, with fewer storeys or a shorter motion"
                 ) from error
         if failure is not None:
             raise failure
         return answer
 
-    def close(self) -> None:
-        """Answer no other question, and kill the process."""
-        self._closed = True
-        if self.process is not None:
-            self.process.kill()
-
-    def _start(self) -> None:
+    def _start(self) -> SpawnProcess:
         self._pipe, other = self._context.Pipe()
         arguments = other, tempfile.gettempdir()
-        self.process = self._context.Process(target=_answer_questions, args=arguments, daemon=True)
-        self.process.start()
+        process = self._context.Process(target=_answer_questions, args=arguments, daemon=True)
+        process.start()
         other.close()  # so that the end of the process ends the pipe
+        return process
 
     async def _reply(self, job: Job) -> tuple[Any, Exception | None]:
         """What the process tells at last: the answer, or why there is none."""
@@ -104,20 +97,11 @@ class Worker:
                 raise Stopped
             await asyncio.sleep(LOOK)
 
-    def _end(self) -> int | None:
-        """Kill the process; its exit code."""
-        assert self.process is not None
-        self.process.kill()
-        self.process.join()
-        self._pipe.close()
-        return self.process.exitcode
-
 
 def _answer_questions(pipe: Connection, folder: str) -> None:
-    """In the process: answer what comes through the pipe; leave Ctrl+C to the page, and end with it."""
+    """In the process: answer what comes through the pipe; leave Ctrl+C to the page."""
     tempfile.tempdir = folder  # the page's, which removes what a process has left that was killed
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_end_with_the_page, daemon=True).start()
 
     def progress(share: float) -> None:
         if pipe.poll():  # while a question is answered, only the wish to stop can come
@@ -136,10 +120,3 @@ def _answer_questions(pipe: Connection, folder: str) -> None:
             error.add_note(traceback.format_exc())  # which does not pass the pipe otherwise
             reply = None, error
         pipe.send(reply)
-
-
-def _end_with_the_page() -> None:
-    page = multiprocessing.parent_process()
-    if page is not None:
-        wait([page.sentinel])
-        os._exit(0)
