@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.cases.reading.case import Case
-from stochlin.analyses.cases.rows import motion_of, pair_of
+from stochlin.analyses.cases.rows import motion_of, pair_of, simulated_as
 from stochlin.analyses.cases.shaking import MOST_RECORDS, doubts, over_records, shaking_of
 from stochlin.analyses.cases.variables import RECORDED
 from stochlin.analyses.linearization.strength import strength_in_metres
@@ -65,20 +65,17 @@ def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> Proba
     sampled = first.sampled, second.sampled, case.site.sampled_ground, gap
     simulating = part_of(progress, 0.0, BEFORE_RECORDS if many else 1.0)
     table = pounding_probability(*sampled, **motion_of(case), progress=simulating)
+    options: Any = {"method": "hybrid", "confidence": case.wanted.confidence}
     records = {
-        name: pounding_probability(
-            *medians, method="hybrid", record=record, confidence=case.wanted.confidence
-        )
-        for name, record in motions.items()
+        name: pounding_probability(*medians, record=each, **options) for name, each in motions.items()
     }
-    hybrid = _side_by_side(records) if records else None
-    suite = None
+    hybrid, suite = _side_by_side(records) if records else None, None
     if many:
         pair = [strength_in_metres(building.structure, case.site.ground) for building in pair_of(case)]
         rest = part_of(progress, BEFORE_RECORDS, 1.0)
         separations = recorded_gap(pair[0], pair[1], dict(case.site.records), progress=rest).separation
         suite = over_records(case, separations, gap)
-    return ProbabilityAnswer(case, gap, table, hybrid, shaking_of(case), suite)
+    return ProbabilityAnswer(simulated_as(case, table), gap, table, hybrid, shaking_of(case), suite)
 
 
 def _side_by_side(records: Mapping[str, xr.Dataset]) -> xr.Dataset:

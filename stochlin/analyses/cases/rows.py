@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from stochlin.analyses.cases.reading.buildings import Building
     from stochlin.analyses.cases.reading.case import Case
 
@@ -70,9 +73,14 @@ def motion_of(case: Case) -> dict[str, Any]:
         "envelope": case.site.course.envelope,
         "scatter": case.site.scatter,
         "confidence": case.wanted.confidence,
-        "paths": case.simulated.motions,
+        "paths": case.simulated.paths and case.simulated.motions,
         "seed": case.simulated.seed,
     }
+
+
+def simulated_as(case: Case, table: xr.Dataset) -> Case:
+    """The case with the number of motions of a result."""
+    return replace(case, simulated=replace(case.simulated, paths=table.attrs["paths"]))
 
 
 def neighbours_of(case: Case) -> dict[str, bool]:

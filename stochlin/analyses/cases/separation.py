@@ -19,6 +19,7 @@ from stochlin.analyses.cases.rows import (
     neighbours_of,
     of_codes,
     one_or_two,
+    simulated_as,
 )
 from stochlin.analyses.cases.shaking import MOST_RECORDS, doubts, over_records, shaking_of
 from stochlin.analyses.risk.risk import CERTAIN, RiskInputs, SimulatedRisk, Target
@@ -135,13 +136,14 @@ def answer_case(
     table = with_applied_codes(case, simulated)
     answer, matters, records = float(table.gap[0]), None, None
     if sensitivities:
-        fewer = {"paths": min(motion["paths"], _paths(case)), "progress": part_of(progress, end, 1.0)}
+        few = min(case.simulated.motions, _paths(case))
+        fewer = {"paths": few, "progress": part_of(progress, end, 1.0)}
         matters = sensitivity(*models, **motion | fewer)
     if len(case.site.records) > MOST_RECORDS:
         records = over_records(case, table.record_separation, answer)
     risk = None if risky is None else _risk_table(risky, case, answer)
     results = existing, _spectrum(case), shaking_of(case), records, risk, matters
-    return CaseAnswer(case, table, *results, every_rule)
+    return CaseAnswer(simulated_as(case, table), table, *results, every_rule)
 
 
 def _paths(case: Case) -> int:
@@ -183,7 +185,7 @@ def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | No
     """Simulated motions at all intensities of the hazard; None if the case has no hazard."""
     if case.site.hazard is None:
         return None
-    sampled = [building.sampled for building in one_or_two(case)]
+    sampled = (building.sampled for building in one_or_two(case))
     structures = dict(zip(("first", "second"), sampled, strict=False))
     motion = case.site.course.duration, case.site.course.envelope, case.site.scatter
     paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // SHARE))

@@ -17,6 +17,7 @@ from stochlin.analyses.records.cells import RECORD
 from stochlin.analyses.separation.storeys import linearized_at_roof
 from stochlin.analyses.simulation.finite_motions import (
     Columns,
+    enough_motions,
     keeping_apart,
     mean_columns,
     pair_peaks,
@@ -47,7 +48,8 @@ class MitigatedPair:
     ground: Ground
     gap: float
     confidence: float
-    motion: Mapping[str, Any]  # the other options of `simulate`
+    motion: Mapping[str, Any]  # other options of `simulate`
+    paths: tuple[int, int]  # fewest and most motions
     contact: Contact | None
     records: Mapping[str, xr.DataArray]
 
@@ -92,8 +94,7 @@ class MitigatedPair:
 
     def system(self, measure: Measure) -> Arrangement:
         """The structures with the links of the measure, which have to fit."""
-        links = checked_links(measure.links, len(self.structures))
-        return arrangement_of(self.known(measure), links)
+        return arrangement_of(self.known(measure), checked_links(measure.links, len(self.structures)))
 
     def row(self, measure: Measure) -> xr.Dataset:
         """All results of a measure; contact between bumpers counts as pounding."""
@@ -115,14 +116,15 @@ class MitigatedPair:
     @cached_property
     def built(self) -> xr.Dataset:
         """The simulated motions of the buildings as built."""
-        return self.simulated(Measure())
+        return enough_motions(partial(self.simulated, Measure()), *self.paths)
 
-    def simulated(self, measure: Measure, **motion: Any) -> xr.Dataset:
-        """The simulated motions, with other options of `simulate` where they are given."""
+    def simulated(self, measure: Measure, paths: int | None = None) -> xr.Dataset:
+        """The simulated motions, as many as for the buildings as built or another number of them."""
         return simulate(
             self.changed(measure),
             self.ground,
-            **{**self.motion, **motion},
+            **self.motion,
+            paths=paths or self.built.sizes["path"],
             quantiles=[self.confidence],
             link=measure.links,
         )

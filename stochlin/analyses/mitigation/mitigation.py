@@ -65,7 +65,7 @@ def mitigate(
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
     scatter: Scatter = 0.0,
-    paths: Paths = 2048,
+    paths: Paths | None = None,
     seed: Seed = 0,
     contact: Contact | None = None,
     records: Mapping[str, xr.DataArray] | None = None,
@@ -164,29 +164,27 @@ def mitigate(
     left, right = _checked(first, second, ground, measures, contact, records, amplification_limit)
     both = [median_of(structure) for structure in (left, right)]
     check_existing(gap, duration, dict(zip(("first", "second"), both, strict=True)))
-    check_repeated(both, median_of(ground), duration, paths, len(measures) + SIMULATIONS)
-    if progress is not None:
-        progress(0.0)
-    motion = {"duration": duration, "envelope": envelope, "scatter": scatter}
     pair = MitigatedPair(
         structures=(left, right),
         ground=ground,
         gap=float(gap),
         confidence=confidence,
-        motion=motion | {"paths": paths, "seed": seed},
+        motion={"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed},
+        paths=check_repeated(both, median_of(ground), duration, paths, len(measures) + SIMULATIONS),
         contact=contact,
         records=records or {},
     )
+    if progress is not None:
+        progress(0.0)
+    lines: list[MeasureLine | Search] = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
     for name, measure in measures.items():
         try:
             pair.open_gap(measure)
             pair.system(measure)
         except (TypeError, ValueError) as error:
             raise type(error)(f"measures[{brief(name)}]: {error}") from error
-    lines: list[MeasureLine | Search] = [MeasureLine(AS_BUILT, AS_BUILT, Measure())]
-    for name, measure in measures.items():
-        alone = measure.has_bumpers and not pair.records
-        lines.append(MeasureLine(name, "given", measure, missing=NO_RECORDS if alone else ""))
+        missing = NO_RECORDS if measure.has_bumpers and not records else ""
+        lines.append(MeasureLine(name, "given", measure, missing=missing))
     lines += searches(pair, amplification_limit)
     tables = []
     for done, line in enumerate(lines, start=1):
@@ -204,7 +202,7 @@ def mitigate(
             confidence=confidence,
             **labels.of_scatter(scatter),
             duration_s=duration,
-            paths=paths,
+            paths=pair.built.sizes["path"],
             seed=seed,
         ),
         f"Measures against pounding, {median_of(ground).name} ground",
@@ -245,8 +243,9 @@ def _checked(
 
 def _table(rows: list[xr.Dataset], confidence: float) -> xr.Dataset:
     """The rows, one below the other; what a row does not have is NaN."""
-    kept: dict[str, Any] = {"coords": "minimal", "compat": "override", "join": "outer"}
-    table = xr.concat(rows, "measure", data_vars="all", **kept)
+    table = xr.concat(
+        rows, "measure", data_vars="all", coords="minimal", compat="override", join="outer"
+    )
     known = table.required_gap.notnull()
     verdict = verdict_of(table.data_vars, confidence).where(known, NOT_AVAILABLE)
     table["verdict"] = verdict.astype(np.int8)

@@ -66,7 +66,7 @@ def searches(pair: MitigatedPair, limit: float | None) -> list[Search]:
 
         def in_motions(build: Build) -> Required:
             def simulated(value: float, paths: int) -> xr.Dataset:
-                return pair.simulated(build(value), paths=paths)
+                return pair.simulated(build(value), paths)
 
             return by_motions(simulated, pair.gap, 0.0, pair.built, interval=False)
 

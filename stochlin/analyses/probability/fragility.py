@@ -84,8 +84,7 @@ def pounding_fragility(
         motion by formula with crossings in clumps, and with the endings ``_poisson`` for independent
         crossings, ``_corrected`` for the known bias, ``_simulated`` with a 95 % interval ``_lower`` and
         ``_upper``, and for buildings with storeys ``_at_height`` and ``_at_most``, Boole's upper bound
-        for all heights together; with a simulation ``caution`` and ``caution_corrected``, as in
-        `pounding_probability`.
+        for all heights together.
 
         Over ``intensity``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``, and ``status``.
 
@@ -151,9 +150,7 @@ def pounding_fragility(
             table[f"required_gap{ending}"] = results[f"required_gap{ending}"]
     if SAMPLES in results:
         table = table.assign(_lognormal(results[SAMPLES], named_gap, named_intensity))
-    for name in ("status", "caution", "caution_corrected"):
-        if name in results:
-            table[name] = results[name]
+    table["status"] = results.status
     table = labels.label(table, VARIABLES).assign_attrs(results.attrs)
     return labels.with_run_information(
         table,

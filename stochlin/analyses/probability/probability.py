@@ -13,13 +13,15 @@ from stochlin.analyses.linearization.transient_systems import (
     over_time,
 )
 from stochlin.analyses.probability.cells import PairTable, by_formula
-from stochlin.analyses.probability.confidence_errors import measured_cautions
 from stochlin.analyses.probability.hybrid import hybrid_pounding
 from stochlin.analyses.probability.simulated import SAMPLES, Draws, by_simulation
 from stochlin.analyses.probability.strengths import ALONE, at_strengths, strengths
 from stochlin.analyses.probability.variables import VARIABLES
+from stochlin.analyses.simulation.finite_motions import enough_motions
+from stochlin.analyses.simulation.simulation import MOTIONS, check_repeated
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import together_or_alone
+from stochlin.analyses.tables.lazy import arrays_of
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.arguments import (
     Duration,
@@ -74,7 +76,7 @@ def pounding_probability(
     confidence: Probability = 0.9,
     scatter: Scatter = 0.0,
     points: Points = POINTS,
-    paths: PathsIfAny = 2048,
+    paths: PathsIfAny | None = None,
     seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -112,9 +114,9 @@ def pounding_probability(
         Not for ``"hybrid"``.
     points : int
         Number of instants of the result.
-    paths, seed : int
-        Number and seed of the motions of the simulation, as in `simulate`. With ``paths=0`` there is no
-        simulation, and no ``caution``. With a simulation only the intensity of the ground may be an
+    paths, seed : int, optional
+        Number of the motions of the simulation, by default as in `separation`, and their seed. With
+        ``paths=0`` there is no simulation. With a simulation only the intensity of the ground may be an
         array.
     progress : callable, optional
         Called with the share of the work that is done.
@@ -133,11 +135,8 @@ def pounding_probability(
         ``_corrected`` and ``_simulated`` versions. Also ``rho`` [-], NaN at rest; ``envelope`` [-]; and
         ``permanent_set``, a flag that is 1 after the strong shaking.
 
-        Without ``time``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``; ``status``; and,
-        with a simulation, ``caution``, a flag of the confidence by formula at the end of the motion: 0
-        if it is too large by 0.1 at most, 1 if it may be too large by more, 2 if it is NaN. Likewise
-        ``caution_corrected``. The flags compare with the lower end of the simulated interval; their
-        attribute ``comment`` names the seed. The variables of ``"hybrid"`` are in the notes.
+        Without ``time``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``, and ``status``.
+        The variables of ``"hybrid"`` are in the notes.
 
     Raises
     ------
@@ -232,7 +231,7 @@ def with_samples(
     confidence: float,
     scatter: float,
     points: int = POINTS,
-    paths: int,
+    paths: int | None,
     seed: int,
     progress: Progress | None,
 ) -> xr.Dataset:
@@ -247,7 +246,6 @@ def with_samples(
     seconds = check_course(duration, envelope)
     pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
     table, not_linearized = xr.Dataset({"status": pairs.status}), ""
-    flags: dict[str, xr.DataArray] = {}
 
     def formulas(first: AnyStructure, second: AnyStructure, ground: Ground, distance: Gap) -> xr.Dataset:
         weights = ALONE
@@ -256,24 +254,33 @@ def with_samples(
             first, second = (strength_in_metres(structure, ground) for structure in (first, second))
             ground = at_strengths(ground, factors)
         cells = PairTable.of(first, second, ground, distance, seconds, envelope, points, weights)
-        solved = cells.solve(ground, part_of(progress, 0.0, OF_FORMULA if paths else 1.0))
+        solved = cells.solve(ground, part_of(progress, 0.0, 1.0 if paths == 0 else OF_FORMULA))
         return by_formula(cells, solved, ground, confidence).assign(status=cells.status)
 
     medians: dict[str, Any] = {"first": first, "second": second, "ground": ground, "distance": distance}
     try:
         table = together_or_alone(formulas, medians, pairs.status < labels.NOT_CONVERGED)
     except ArithmeticError as error:
-        if not paths:
+        if paths == 0:
             raise
         not_linearized = str(error)
-    if paths:
+    if paths != 0:
         rest = part_of(progress, OF_FORMULA, 1.0)
-        options = confidence, Draws(paths, seed, float(scatter)), rest
-        simulated = by_simulation(pairs, described, distance, *options)
+        pair = {role: model for role, model in medians.items() if role != "distance"}
+        begin = most = paths or MOTIONS[1]
+        if not arrays_of(pair):
+            begin, most = check_repeated([first, second], ground, seconds, paths, 1)
+
+        def of_motions(count: int) -> xr.Dataset:
+            draws = Draws(count, seed, float(scatter))
+            return by_simulation(pairs, described, distance, confidence, draws, rest)
+
+        simulated = enough_motions(of_motions, begin, most, _simulated_gaps)
+        paths = simulated.attrs["paths"]
         table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
-        flags = measured_cautions(table)
-    table = over_time(table, pairs.course).assign(flags)
-    table = table.assign_attrs(confidence=confidence, **labels.of_scatter(scatter))
+    table = over_time(table, pairs.course).assign_attrs(
+        confidence=confidence, **labels.of_scatter(scatter)
+    )
     table = labels.label(table, VARIABLES)
     labels.raise_if_lone_failure(table, "pounding_probability")
     if first.yields or second.yields:
@@ -287,3 +294,8 @@ def with_samples(
         {**described, "gap": distance},
         REFERENCES,
     )
+
+
+def _simulated_gaps(table: xr.Dataset) -> list[float]:
+    """The largest required gap of a table [m], and the ends of its interval."""
+    return [float(table[f"required_gap_simulated{end}"].max()) for end in labels.VALUE_AND_ENDS]

@@ -12,8 +12,13 @@ from stochlin.analyses.sensitivity.estimates import changed_quantiles
 from stochlin.analyses.sensitivity.inputs import Inputs
 from stochlin.analyses.sensitivity.variables import VARIABLES
 from stochlin.analyses.simulation.draws import INPUT
-from stochlin.analyses.simulation.finite_motions import quantile_intervals
-from stochlin.analyses.simulation.simulation import check_repeated, drawn_separations
+from stochlin.analyses.simulation.finite_motions import (
+    pair_separation,
+    quantile_intervals,
+    simulate_finite,
+)
+from stochlin.analyses.simulation.simulation import STEPS_PER_PERIOD, check_repeated, checked_structures
+from stochlin.analyses.simulation.structures_in_motion import structures_in_motion
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_duration, standing
 from stochlin.kernels.basics.arrays import Array
@@ -103,12 +108,11 @@ def sensitivity(
     structures = standing(first, second)
     both = {role: median_of(structure) for role, structure in structures.items()}
     check_duration(duration, both)
-    check_repeated([*both.values()], usual, duration, paths, 1)
+    checked_structures([*both.values()], usual)
     inputs = Inputs.of([*structures.values()], ground)
-    times = 2 * (1 + len(inputs.inputs))
-    check_repeated([*both.values()], usual, duration, paths, times)
-    motion = {"paths": paths, "seed": seed, "duration": duration, "envelope": envelope}
-    responses = _responses(inputs, motion | {"scatter": float(scatter)}, times, progress)
+    check_repeated([*both.values()], usual, duration, paths, 2 * (1 + len(inputs.inputs)))
+    draws = {"paths": paths, "seed": seed, "scatter": float(scatter)}
+    responses = _responses(inputs, duration, envelope, draws, progress)
     table = labels.label(_table(responses, inputs, confidence), VARIABLES)
     subject = "the set-back of a building" if second is None else "the gap of two buildings"
     return labels.with_run_information(
@@ -137,32 +141,36 @@ class _Responses(NamedTuple):
 
 
 def _responses(
-    inputs: Inputs, motion: Mapping[str, Any], times: int, progress: Progress | None
+    inputs: Inputs,
+    duration: float,
+    envelope: Envelope | None,
+    draws: Mapping[str, Any],
+    progress: Progress | None,
 ) -> _Responses:
-    """Responses of all simulations, ``times`` of them, which have the time step of the first.
+    """Responses of all simulations, with the time step of the first.
 
-    ``motion`` has the options of `drawn_separations`.
+    ``draws`` are the number, the seed and the scatter of the motions.
     """
-    paths, seed, count = motion["paths"], motion["seed"], len(inputs.inputs)
-    motions = whole_groups(paths)
-    done = 0
-    step: float | None = None
-    base = inputs.sampled(paths, seed)
+    motions, count = whole_groups(draws["paths"]), len(inputs.inputs)
+    base = inputs.sampled(draws["paths"], draws["seed"])
     of_base = inputs.at(base, {}, motions)
     made = {role: of_base.samples_of(role) for role in of_base.factors}
+    steps: list[float] = []  # of the simulations so far
 
     def run(samples: Mapping[str, Array], changes: Mapping[str, float]) -> Array:
-        nonlocal done, step
         drawn = inputs.at(samples, changes, motions)
         if samples is base or changes:
             changed = {name.partition(".")[0] for name in changes}
-            kept = {role: each for role, each in made.items() if role not in changed}
-            drawn = drawn._replace(made=kept)
-        separations, step = drawn_separations(drawn, **motion, step=step)
-        done += 1
+            drawn = drawn._replace(made={role: made[role] for role in made if role not in changed})
+        structures, ground = drawn.medians
+        moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
+        options = {**draws, "grounds": drawn.grounds(), "step": steps[0] if steps else None}
+        simulation = moving.run(ground, steps_per_period=STEPS_PER_PERIOD, **options)
+        table = simulate_finite(moving, simulation, duration, envelope, (), None)
+        steps.append(simulation.plan.dt)
         if progress is not None:
-            progress(done / times)
-        return separations
+            progress(len(steps) / (2 * count + 2))
+        return pair_separation(table).to_numpy()
 
     of_samples = run(base, {})
     factors, ends = np.ones((count, 2)), np.empty((count, 2, motions))
@@ -185,24 +193,21 @@ def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Datas
             "motions: separation takes it as it is"
         )
     gap, lower, upper = (float(end[0]) for end in quantile_intervals(base, level))
-    medians = np.array([entry.value for entry in listed])
     of_ends = np.vstack([responses.ends.reshape(-1, base.size), responses.usual])
     at_ends = changed_quantiles(base, of_ends, base[None], confidence)
-    shape = responses.factors.shape
-    units = [entry.units for entry in listed]
+    medians = [entry.value for entry in listed]
     coords: dict[str, Any] = {
         INPUT: (INPUT, [entry.name for entry in listed], {"long_name": "number of a model"}),
         "input_median": (INPUT, medians, {"long_name": "the input, or its median, in its unit"}),
-        "input_unit": (INPUT, units, {"long_name": "unit of the input"}),
+        "input_unit": (INPUT, [entry.units for entry in listed], {"long_name": "unit of the input"}),
         "uncertain": (INPUT, np.array([entry.uncertain for entry in listed], np.int8),
                       {"long_name": "1 where the input is not known exactly"}),
         END: (END, list(ENDS), {"long_name": "end of the range of the input"}),
     }  # fmt: skip
-    table = xr.Dataset(coords=coords)
-    table = table.assign(gap=gap, gap_lower=lower, gap_upper=upper)
+    table = xr.Dataset({"gap": gap, "gap_lower": lower, "gap_upper": upper}, coords)
     table["gap_of_medians"] = gap + at_ends.value[-1]
     table["gap_of_medians_standard_error"] = at_ends.error[-1]
     table["input_factor_at"] = (INPUT, END), responses.factors
-    table["gap_change"] = (INPUT, END), at_ends.value[:-1].reshape(shape)
-    table["gap_change_standard_error"] = (INPUT, END), at_ends.error[:-1].reshape(shape)
+    table["gap_change"] = (INPUT, END), at_ends.value[:-1].reshape(-1, len(ENDS))
+    table["gap_change_standard_error"] = (INPUT, END), at_ends.error[:-1].reshape(-1, len(ENDS))
     return table

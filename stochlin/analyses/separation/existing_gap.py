@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from stochlin.analyses.linearization.strength import solved_reduction_factor, st
 from stochlin.analyses.separation.searches import around, by_motions, least, up_to
 from stochlin.analyses.separation.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import (
+    enough_motions,
     keeping_apart,
     pair_separation,
     required_gaps,
@@ -55,7 +57,7 @@ def existing_gap(
     envelope: Envelope | None = None,
     confidence: Probability = 0.9,
     scatter: Scatter = 0.0,
-    paths: Paths = 2048,
+    paths: Paths | None = None,
     seed: Seed = 0,
     progress: Progress | None = None,
 ) -> xr.Dataset:
@@ -99,7 +101,7 @@ def existing_gap(
 
     Notes
     -----
-    Trial values are simulated with one motion in eight, at least 128, where these decide by twice the
+    Trial values are simulated with one motion in eight, at least 64, where these decide by twice the
     half length of their 95 % interval; limits are found with all motions, to 0.1 % of the gap.
 
     A least reduction factor above 0 means that the gap is not sufficient for stronger structures, for
@@ -122,21 +124,22 @@ def existing_gap(
     structures = standing(first, second)
     both = {role: median_of(structure) for role, structure in structures.items()}
     check_existing(gap, duration, both)
-    check_repeated(list(both.values()), median_of(ground), duration, paths, SIMULATIONS)
+    begin, most = check_repeated(list(both.values()), median_of(ground), duration, paths, SIMULATIONS)
     if progress is not None:
         progress(0.0)
     done = 0.0
     motion: Any = {"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed}
 
-    def simulated(pair: Sequence[AnyStructure], ground: Ground, count: int = paths) -> xr.Dataset:
+    def simulated(pair: Sequence[AnyStructure], ground: Ground, count: int) -> xr.Dataset:
         nonlocal done
         motions = simulate(list(pair), ground, paths=count, quantiles=[confidence], **motion)
-        done += count / paths
+        done += count / max(count, begin)
         if progress is not None:
             progress(min(done / SIMULATIONS, 1.0))
         return motions
 
-    built = simulated(list(structures.values()), ground)
+    built = enough_motions(partial(simulated, [*structures.values()], ground), begin, most)
+    begin = built.sizes["path"]
     usual = median_of(ground)
     pair = [applied(lambda s: strength_in_metres(s, usual), each) for each in structures.values()]
 

@@ -21,7 +21,7 @@ from stochlin.kernels.basics.arrays import Array
 
 FAR = 1e6  # [m], in place of a required gap that is infinite, since a structure falls
 CLOSE = 1e-3  # relative tolerance of a found value, and of an estimated gap there
-FEW, LEAST_FEW = 8, 128  # a few motions are one in eight, and at least this many
+FEW, LEAST_FEW = 8, 64  # a few motions are one in eight, and at least this many
 CLEAR = 2.0  # half 95 % intervals between a gap from a few motions and the limit, so that these decide
 
 

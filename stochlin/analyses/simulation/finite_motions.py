@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,7 @@ from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores
 from stochlin.kernels.simulation.ensemble import Crowd, Extremes, Links, finite_extremes
-from stochlin.kernels.simulation.stepping import LANES
+from stochlin.kernels.simulation.stepping import LANES, whole_groups
 from stochlin.messages import brief
 from stochlin.models.arguments import checked, is_number
 from stochlin.models.envelopes import Envelope, envelope_at
@@ -37,6 +37,7 @@ from stochlin.models.systems import AnyStructure, Arrangement, Tie
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
 FAR = 1e200  # [m], in place of infinity, between which and a number no quantile can be
+PRECISION, MARGIN = 0.1, 1.2  # half of an interval over a gap, and motions over those that it needs
 BLOCK = 256  # time steps that are computed at once
 HEIGHT = "height above the ground"
 RUNS_AWAY = (
@@ -354,6 +355,25 @@ def required_gaps(motions: xr.Dataset) -> tuple[float, float, float]:
     intervals = quantile_intervals(pair_separation(motions).values, motions["quantile"].values[:1])
     required, lower, upper = (float(column[0]) for column in intervals)
     return required, lower, upper
+
+
+def enough_motions(
+    simulated: Callable[[int], xr.Dataset],
+    paths: int,
+    most: int,
+    gaps: Callable[[xr.Dataset], Sequence[float]] = required_gaps,
+) -> xr.Dataset:
+    """As many simulated motions as a gap needs, from ``paths`` to ``most``.
+
+    They are enough if the 95 % interval of the gap is no longer than `PRECISION` times the gap to both
+    sides. ``gaps`` are the gap and the ends of its interval, ``simulated`` the motions for a number.
+    """
+    motions = simulated(paths)
+    gap, lower, upper = gaps(motions)
+    wide = (upper - lower) / (2 * PRECISION * gap) if upper > lower else 0.0
+    if wide <= 1 or paths >= most:
+        return motions
+    return enough_motions(simulated, whole_groups(int(min(most, MARGIN * paths * wide**2))), most, gaps)
 
 
 def _is_alone(motions: xr.Dataset) -> bool:

@@ -9,12 +9,11 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.simulation.draws import Draw, draw
-from stochlin.analyses.simulation.ensembles import SimulationRun, check_memory
+from stochlin.analyses.simulation.ensembles import SimulationRun, check_memory, seconds_of
 from stochlin.analyses.simulation.finite_motions import (
     check_finite,
     check_motion,
     check_response,
-    pair_separation,
     simulate_finite,
 )
 from stochlin.analyses.simulation.run_lengths import BURN_IN, with_length
@@ -27,7 +26,7 @@ from stochlin.analyses.tables.floors import ELEMENT, element_coordinates
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Sums, View, stationary_sums
-from stochlin.kernels.simulation.stepping import LANES
+from stochlin.kernels.simulation.stepping import LANES, whole_groups
 from stochlin.messages import brief
 from stochlin.models.arguments import (
     Duration,
@@ -48,6 +47,7 @@ from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
 
 SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
 STEPS_PER_PERIOD = 32
+SHORT, MOTIONS = 0.5, (256, 2048)  # [s] of a simulation, and fewest and most motions, where not given
 ROUNDING = 1e-13  # relative size of a sum, over its terms, below which it is a rounding error
 NOT_STATIONARY = 5.0  # change of a variance, in standard errors, above which a run is not stationary
 # A drift is waited for if each motion then has at most this number of time steps. With 256 motions of
@@ -231,35 +231,6 @@ def simulate(
     )
 
 
-def drawn_separations(
-    drawn: Draw,
-    *,
-    paths: int,
-    seed: int,
-    duration: float,
-    envelope: Envelope | None,
-    scatter: float,
-    step: float | None = None,
-) -> tuple[Array, float]:
-    """Peak of ``u_1 - u_2`` [m] in each motion, or of ``u_1`` of one structure, and the time step [s].
-
-    The simulation is that of `simulate` for samples ``drawn`` before. Without a ``step`` it chooses one.
-    """
-    structures, ground = drawn.medians
-    moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
-    run = moving.run(
-        ground,
-        paths=paths,
-        seed=seed,
-        steps_per_period=STEPS_PER_PERIOD,
-        scatter=scatter,
-        grounds=drawn.grounds(),
-        step=step,
-    )
-    table = simulate_finite(moving, run, duration, envelope, (), None)
-    return pair_separation(table).to_numpy(), run.plan.dt
-
-
 def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure], Ground]:
     """Medians of uncertain structures and ground; raises a ValueError without a duration."""
     if duration is None:
@@ -336,14 +307,21 @@ def check_repeated(
     structures: Sequence[AnyStructure],
     ground: Ground,
     duration: float,
-    paths: int,
+    paths: int | None,
     times: int,
-) -> None:
-    """Raise if structures do not suit `simulate`, or if ``times`` simulations would take too long."""
+) -> tuple[int, int]:
+    """Fewest and most motions of finite simulations: ``paths``, or so many that each is short.
+
+    Raises if structures do not suit `simulate`, or if ``times`` simulations would take too long.
+    """
     checked_structures(structures, ground)
     moving = structures_in_motion(structures, ground, None, stationary=False)
-    run = moving.run(ground, paths=paths, seed=0, steps_per_period=STEPS_PER_PERIOD)
+    run = moving.run(ground, paths=paths or LANES, seed=0, steps_per_period=STEPS_PER_PERIOD)
     check_finite(run, duration, moving.functions, times)
+    if paths is not None:
+        return paths, paths
+    each = seconds_of(run, duration / run.plan.dt, 2.0 * moving.functions) / LANES
+    return whole_groups(int(np.clip(SHORT / each, *MOTIONS))), MOTIONS[1]
 
 
 def simulate_moments(

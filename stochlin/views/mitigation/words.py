@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.analyses.cases.rows import pair_of
+from stochlin.analyses.cases.rows import pair_of, simulated_as
 from stochlin.analyses.cases.shaking import doubts
-from stochlin.analyses.separation.separation import AT_LEAST, LESS, NOT_AVAILABLE
+from stochlin.analyses.separation.separation import AT_LEAST, LESS
 from stochlin.views.shared.blocks import Items, Table, ViewSection, texts
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.uncertain import unknowns
@@ -49,6 +49,7 @@ NOTES = (
     "relative displacement by linearization, which is too small where buildings yield. All measures are "
     "simulated with the same motions."
 )
+HEADS = "interval", "apart", "verdict", "std [cm]"
 NO_DASHPOT = (
     "least dashpot between: not searched; it needs masses, and floors of both buildings at one level."
 )
@@ -67,6 +68,7 @@ TIMES = (
 
 def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
     """The answer, the measures in simulated motions and in records, and what their columns mean."""
+    case = simulated_as(case, table)
     built = table.isel(measure=0)
     peaks = float(built.peak_mean_1), float(built.peak_mean_2)
     about = (_headline(table), shaking(table, case), scatter(case))
@@ -101,10 +103,8 @@ def _headline(table: xr.Dataset) -> str:
 
 
 def _motions(table: xr.Dataset) -> Table:
-    heads = ["measure", "damping [%]", "dashpot [MN s/m]"]
-    heads += ["needed [cm]", "interval", "apart", "verdict", "std [cm]"]
-    meanings = dict(enumerate(table.verdict.attrs["flag_meanings"].split()))
-    meanings[NOT_AVAILABLE] = "none found"
+    heads = "measure", "damping [%]", "dashpot [MN s/m]", "needed [cm]", *HEADS
+    meanings = table.verdict.attrs["flag_meanings"].replace("not_available", "none_found").split()
     rows = []
     for row in along(table, "measure"):
         needed, low, high = map(centimetres, with_interval(row, "required_gap"))

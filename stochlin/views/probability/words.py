@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.cases.probability import ProbabilityAnswer
     from stochlin.analyses.cases.reading.case import Case
 
+OFF = 0.1  # of a confidence by formula above the interval of the simulated one, of which a line warns
 ROWS = 11  # instants that are printed
 COLUMNS = (
     ("formula", ""),
@@ -99,14 +100,15 @@ def _cautions(answer: ProbabilityAnswer, shown: Sequence[tuple[str, str]]) -> li
             "simulated confidence is for all heights at once."
         )
     last = table.isel(time=-1)
+    most = float(last[f"{STEM}_simulated_lower"]) + OFF
     for name, ending in shown:
-        if int(table.get(f"caution{ending}", 0)) and bool(last[STEM + ending].notnull()):
+        if ending in ("", "_corrected") and float(last[STEM + ending]) > most:
             cautions.append(UNRELIABLE.format(name))
     yields = any(building.structure.yields for building in pair_of(case))
     if STEM in table and yields and bool(table.permanent_set.any()):
-        end = table.attrs["strong_shaking_end_s"]
+        end = f"{table.attrs['strong_shaking_end_s']:.3g} s"
         cautions.append(
-            f"After {end:.3g} s the formula no longer includes the permanent set of yielding buildings."
+            f"After {end} the formula no longer includes the permanent set of yielding buildings."
         )
     return cautions
 
@@ -139,13 +141,10 @@ def _beyond_the_map(case: Case) -> str:
 
 def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> list[str]:
     """Four decimals; a word for values whose bias is unknown."""
-    confidences = [float(row[STEM + ending]) for _, ending in shown]
     _, low, high = with_interval(row, f"{STEM}_simulated")
-    return [
-        f"{float(row.time):.2f}",
-        *("unknown" if np.isnan(value) else f"{value:.4f}" for value in confidences),
-        f"{low:.4f} to {high:.4f}",
-    ]
+    values = [float(row[STEM + ending]) for _, ending in shown]
+    shares = ["unknown" if np.isnan(value) else f"{value:.4f}" for value in values]
+    return [f"{float(row.time):.2f}", *shares, f"{low:.4f} to {high:.4f}"]
 
 
 def _in_record(end: xr.Dataset, gap: float, wanted: float) -> str:

@@ -40,7 +40,7 @@ from stochlin.models.rules.codes import (
     rules_of,
 )
 
-FEWEST_PATHS = 100  # smallest number of motions for a quantile with an interval
+FEWEST_PATHS, MOST_PATHS = 100, 2048  # for a quantile with an interval, and where none is given
 GAP = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["gap"])
 SHARE = Quantity("1", Range(upper=1.0, reason="a probability"), PLAUSIBLE["confidence"])
 RATE = Quantity("1", Range(upper=1.0, reason="a year"), PLAUSIBLE["risk"])
@@ -147,13 +147,13 @@ class Wanted(Form):
 class Simulated(Form):
     """The table [simulation]."""
 
-    paths: int = key(integer(FEWEST_PATHS), "Simulated motions", 2048)
+    paths: int | None = key(integer(FEWEST_PATHS), "Simulated motions; else as many as needed", None)
     seed: int = key(integer(0), "Seed of the motions", 0)
 
     @property
     def motions(self) -> int:
         """Number of simulated motions, in whole groups of 32."""
-        return whole_groups(self.paths)
+        return whole_groups(self.paths or MOST_PATHS)
 
 
 @dataclass(frozen=True, kw_only=True)
