@@ -13,7 +13,6 @@ from stochlin.kernels.basics.arrays import Array
 
 ROUNDING = 1e-9  # distance beyond the end of an axis at which a point still counts as inside
 TOGETHER = 1024  # points interpolated together
-NEAR = 4  # points of an axis, in a row, of which all others have no weight
 
 # Weights (n, m) of the m points of an axis at places (n,), most of them 0.
 Weights = Callable[[Array], Array]
@@ -64,32 +63,35 @@ class Grid(NamedTuple):
     def at(self, points: Array) -> Array:
         """Values (columns, n) at ``points`` (axes, n); NaN at points outside or with NaN.
 
-        Points that need the same part of the grid, but for the last axis, are interpolated together.
+        Points in the same intervals of all axes but the last are interpolated together.
         """
         low, high = self.ends
-        cells = np.flatnonzero(((points >= low - ROUNDING) & (points <= high + ROUNDING)).all(axis=0))
-        places = np.clip(points[:, cells], low, high)
-        out = np.full((self.values.shape[-1], points.shape[1]), np.nan)
-        *corners, lowest = (
-            np.clip(axis.searchsorted(x, "right") - 2, 0, max(axis.size - NEAR, 0))
-            for axis, x in zip(self.axes, places, strict=True)
-        )
-        part = np.ravel_multi_index((*corners, 0 * lowest), (*self.values.shape[:-2], 1))
-        order = np.argsort(part, kind="stable")
-        for begin in range(0, cells.size, TOGETHER):
-            chosen = order[begin : begin + TOGETHER]
-            *others, last = (rows(x[chosen]) for rows, x in zip(self.weights, places, strict=True))
-            along = np.ones((chosen.size, 1))
-            for rows, corner in zip(others, corners, strict=True):
-                near = corner[chosen, None] + np.arange(min(NEAR, rows.shape[1]))
-                weight = np.take_along_axis(rows, near, axis=1)
-                along = (along[:, :, None] * weight[:, None]).reshape(chosen.size, -1)
-            new = 1 + np.flatnonzero(np.diff(part[chosen]))
-            for first, end in pairwise([0, *new.tolist(), chosen.size]):
-                own = chosen[first:end]
-                used = slice(lowest[own].min(), lowest[own].max() + NEAR)
-                block = self.values[(*(slice(c[own[0]], c[own[0]] + NEAR) for c in corners), used)]
-                sums = along[first:end] @ block.reshape(along.shape[1], -1)
-                sums = sums.reshape(end - first, block.shape[-2], -1)
-                out[:, cells[own]] = (last[first:end, None, used] @ sums)[:, 0].T
+        inside = ((points >= low - ROUNDING) & (points <= high + ROUNDING)).all(axis=0)
+        out = np.full((self.values.shape[-1], inside.size), np.nan)
+        cells = np.flatnonzero(inside)
+        if not cells.size:
+            return out
+        places, interval = np.clip(points[:, cells], low, high), np.zeros(cells.size, int)
+        for axis, x in zip(self.axes[:-1], places, strict=False):
+            interval = interval * axis.size + axis.searchsorted(x, side="right")
+        order = np.argsort(interval, kind="stable")
+        weights = [rows(x[order]) for rows, x in zip(self.weights, places, strict=True)]
+        new = np.diff(interval[order]) != 0
+        new[TOGETHER - 1 :: TOGETHER] = True
+        for begin, end in pairwise([0, *(1 + np.flatnonzero(new)), cells.size]):
+            part = [rows[begin:end] for rows in weights]
+            out[:, cells[order[begin:end]]] = _sums(self.values, part)
         return out
+
+
+def _sums(values: Array, weights: Sequence[Array]) -> Array:
+    """Columns (columns, n) of a grid at places of which most points have no weight."""
+    used = [np.flatnonzero(rows.any(axis=0)) for rows in weights]
+    parts = [slice(points[0], points[-1] + 1) for points in used]
+    block = values[tuple(parts)]
+    *others, last = (rows[:, part] for rows, part in zip(weights, parts, strict=True))
+    along = np.ones((len(last), 1))
+    for rows in others:
+        along = (along[:, :, None] * rows[:, None, :]).reshape(len(rows), -1)
+    sums = (along @ block.reshape(along.shape[1], -1)).reshape(*last.shape, -1)
+    return (last[:, None] @ sums)[:, 0].T
