@@ -63,7 +63,8 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
 
     A number is a value (0.5s), a list (0.5s,1s,2s) or a sweep start:stop:count, with :log for a
     geometric one (0.2s:4s:81:log). Each has its unit, as in case files: 3cm, 700ms, 0.01m^2/s^3; ratios
-    have none. Options without a number in the name apply to both structures.
+    have none. Options of structures apply to both, and with -1 or -2 behind the name to one of them. The
+    parameters of a law are options, too, such as --beta and --exponent of bouc_wen.
 
     \b
     Examples:

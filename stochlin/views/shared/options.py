@@ -150,12 +150,16 @@ class Numbers(QuantityType):
 
 
 def numbers_option(
-    name: str, help_text: str, default: str | None = None, units: str = "1"
+    name: str, help_text: str = "", default: str | None = None, units: str = "1"
 ) -> Callable[[Any], Any]:
-    """An option that takes a number, a list or a sweep, with these units."""
-    return click.option(
-        name, type=Numbers(units), metavar="NUMBERS", default=default, show_default=True, help=help_text
-    )
+    """An option that takes a number, a list or a sweep, with these units; hidden without a text."""
+    shown: dict[str, Any] = {
+        "default": default,
+        "show_default": True,
+        "help": help_text,
+        "hidden": not help_text,
+    }
+    return click.option(name, type=Numbers(units), metavar="NUMBERS", **shown)
 
 
 def ground_options() -> dict[str, list[str]]:
@@ -194,45 +198,38 @@ def options_of_grounds() -> Iterable[Any]:
 
 
 def shared_option(
-    name: str, help_text: str, default: str | None = None, units: str = "1"
+    name: str, help_text: str = "", default: str | None = None, units: str = "1"
 ) -> Callable[[Any], Any]:
     """``--name`` for both structures, and ``--name-1``, ``--name-2`` for one."""
-    return together(
-        numbers_option(f"--{name}", help_text, default, units),
-        *(numbers_option(f"--{name}-{n}", f"Of structure {n}.", units=units) for n in (1, 2)),
-    )
+    of_one = (numbers_option(f"--{name}-{n}", units=units) for n in (1, 2))
+    return together(numbers_option(f"--{name}", help_text, default, units), *of_one)
 
 
 _LAWS = Names("stochlin.models.laws", "laws_in_numbers")
 law_options = together(
     click.option("--law", type=_LAWS, default="bilinear", show_default=True, help="Hysteresis law."),
-    *(click.option(f"--law-{n}", type=_LAWS, help=f"Of structure {n}.") for n in (1, 2)),
+    *(click.option(f"--law-{n}", type=_LAWS, hidden=True) for n in (1, 2)),
 )
 
 
 def options_of_laws() -> Iterable[Any]:
     """Options for every parameter that a law has of its own."""
     return (
-        shared_option(name.replace("_", "-"), text, units=units)
-        for name, (text, units) in own_parameters().items()
+        shared_option(name.replace("_", "-"), units=units) for name, units in own_parameters().items()
     )
 
 
-def own_parameters() -> dict[str, tuple[str, str]]:
-    """Parameters that one law has and not every structure, what they are, and their units."""
+def own_parameters() -> dict[str, str]:
+    """Parameters that one law has and not every structure, with their units."""
     from stochlin.models.laws import laws_in_numbers
 
-    descriptions: dict[str, list[str]] = {}
-    units: dict[str, str] = {}
-    for name, law in laws_in_numbers().items():
-        for field in dataclasses.fields(law):
-            if field.name in law.own_parameters():
-                usual = getattr(law, field.name, None)  # a class has what is usual, if anything is
-                usual = "" if usual is None else f", {usual:g} if not given"
-                what = f"{field.metadata['long_name']}, of {name}{usual}"
-                descriptions.setdefault(field.name, []).append(what)
-                units[field.name] = field.metadata["units"]
-    return {name: (f"{'; '.join(texts)}.", units[name]) for name, texts in descriptions.items()}
+    of_laws = ((law.own_parameters(), dataclasses.fields(law)) for law in laws_in_numbers().values())
+    return {
+        field.name: field.metadata["units"]
+        for names, fields in of_laws
+        for field in fields
+        if field.name in names
+    }
 
 
 simulation_options = together(
