@@ -223,12 +223,11 @@ def own_parameters() -> dict[str, str]:
     """Parameters that one law has and not every structure, with their units."""
     from stochlin.models.laws import laws_in_numbers
 
-    of_laws = ((law.own_parameters(), dataclasses.fields(law)) for law in laws_in_numbers().values())
     return {
         field.name: field.metadata["units"]
-        for names, fields in of_laws
-        for field in fields
-        if field.name in names
+        for law in laws_in_numbers().values()
+        for field in dataclasses.fields(law)
+        if field.name in law.own_parameters()
     }
 
 
@@ -260,12 +259,7 @@ record_options = together(
         show_default=True,
         help="Ground to fit.",
     ),
-    click.option(
-        "--estimator",
-        default="psd",
-        show_default=True,
-        help="Estimator of the fit: psd, log_psd or whittle.",
-    ),
+    click.option("--estimator", default="psd", show_default=True, help="Fit: psd, log_psd or whittle."),
 )
 
 
