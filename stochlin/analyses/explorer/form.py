@@ -65,7 +65,7 @@ class Entry(NamedTuple):
     def slid(self, at: float) -> Any:
         """The value times `TIMES` to a power from -1 to 1, in its unit."""
         written = NUMBER.fullmatch(str(self.value))
-        if at == 0 or written is None:
+        if at == 0 or written is None or FROM_TO.fullmatch(str(self.value)):
             return self.value
         number = float(written[1]) * TIMES**at
         shown = f"{float(f'{number:.3g}'):g}" if isinstance(self.key.kind, Quantity) else f"{number:.0f}"
@@ -73,19 +73,12 @@ class Entry(NamedTuple):
 
     def reach(self) -> tuple[float, float] | None:
         """Lowest and highest power for which the key accepts the value; None if it has no slider."""
-        if FROM_TO.fullmatch(str(self.value)):
-            return None
-        powers = (number * STEP for number in range(-round(1 / STEP), round(1 / STEP) + 1))
-        reached = [at for at in powers if self._accepts(self.slid(at))]
-        distinct = {str(self.slid(at)) for at in reached}
-        return (reached[0], reached[-1]) if len(distinct) > 2 else None
-
-    def _accepts(self, value: Any) -> bool:
-        try:
-            self.key.kind.read(value, lambda doubt: None)
-        except ValueError:
-            return False
-        return True
+        reached = {}
+        for at in (number * STEP for number in range(-round(1 / STEP), round(1 / STEP) + 1)):
+            with suppress(ValueError):
+                self.key.kind.read(self.slid(at), lambda doubt: None)
+                reached[at] = str(self.slid(at))
+        return (min(reached), max(reached)) if len({*reached.values()}) > 2 else None
 
 
 class Way(NamedTuple):

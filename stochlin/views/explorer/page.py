@@ -57,7 +57,7 @@ class Page:
         with ui.element("header").classes("head"):
             with ui.element("h1"):
                 ui.label(HEADING)
-            page = weakref.proxy(self)  # what receives files is never given free
+            page = weakref.proxy(self)  # FastAPI never lets go of what receives files
             self._files = ui.upload(multiple=True, auto_upload=True, max_total_size=MOST_BYTES)
             self._files.on_multi_upload(lambda event: page._open(event))  # noqa: PLW0108
             self._files.props("batch").classes("files")
