@@ -48,7 +48,7 @@ AT_LEVEL = 12  # iterations at one level of shaking
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 LEAST_DELTA = 0.05  # smallest pseudo-time step
 LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
-CHUNK = 4096  # cells solved together: the temporary arrays of a step then stay in the cache
+CHUNK = 8192  # cells solved together, which limits the temporary arrays of a step
 
 
 class State(NamedTuple):
