@@ -6,7 +6,7 @@ import xarray as xr
 import stochlin as sl
 from stochlin.models.grounds.base import GROUNDS
 from stochlin.models.structures import Gap
-from stochlin.views.shared.descriptions import roles_in_words
+from stochlin.views.shared.words import roles_in_words
 
 pytestmark = pytest.mark.cli
 

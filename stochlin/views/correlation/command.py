@@ -77,7 +77,7 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
     """
     from stochlin.analyses.correlation.correlation import correlate
     from stochlin.analyses.tables.storage import FORMATS, save_table
-    from stochlin.views.shared.descriptions import roles_in_words
+    from stochlin.views.shared.words import roles_in_words
 
     with bad_input():
         check_target("--out", out, FORMATS, [record] if record else [])

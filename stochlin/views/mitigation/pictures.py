@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.descriptions import roles_in_words
 from stochlin.views.shared.style import AS_GIVEN, CURVES, describe, filled, legend_above, styled
-from stochlin.views.shared.words import along
+from stochlin.views.shared.words import along, roles_in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

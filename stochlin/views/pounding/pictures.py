@@ -20,10 +20,9 @@ from stochlin.analyses.cases.pounding import (
     is_oscillator,
 )
 from stochlin.analyses.pounding.rows import COLUMN
-from stochlin.views.shared.descriptions import roles_in_words
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
-from stochlin.views.shared.words import along
+from stochlin.views.shared.words import along, roles_in_words
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

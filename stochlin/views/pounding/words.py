@@ -13,7 +13,6 @@ from stochlin.analyses.cases.shaking import doubts
 from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.views.shared.blocks import Block, Table, Text, ViewSection, texts
-from stochlin.views.shared.descriptions import site_in_words
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.uncertain import at_medians
 from stochlin.views.shared.words import (
@@ -32,6 +31,7 @@ from stochlin.views.shared.words import (
     scatter,
     shaking,
     short,
+    site_in_words,
     with_interval,
 )
 

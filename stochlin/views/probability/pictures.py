@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.descriptions import roles_in_words
 from stochlin.views.shared.style import CURVES, filled, legend_beside, styled
+from stochlin.views.shared.words import roles_in_words
 
 if TYPE_CHECKING:
     from collections.abc import Hashable

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stochlin.views.sensitivity.words import CENTIMETRES, EXAMPLE, NAMES, asked, rows
-from stochlin.views.shared.descriptions import roles_in_words
 from stochlin.views.shared.style import (
     AS_GIVEN,
     filled,
@@ -17,6 +16,7 @@ from stochlin.views.shared.style import (
     styled,
     swatches,
 )
+from stochlin.views.shared.words import roles_in_words
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

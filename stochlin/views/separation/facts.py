@@ -10,8 +10,7 @@ from stochlin.messages import hyphenated
 from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding, ShearBuilding
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.blocks import Term, Terms, Text
-from stochlin.views.shared.descriptions import site_in_words, source_in_words
-from stochlin.views.shared.words import valued
+from stochlin.views.shared.words import site_in_words, valued
 
 if TYPE_CHECKING:
     from stochlin.analyses.cases.reading.buildings import Building
@@ -94,7 +93,8 @@ def _law(building: Building) -> str:
 
 def facts(case: Case) -> Terms:
     """The models as they were read, in the units of their parameters."""
-    site = [*filter(None, (site_in_words(case), source_in_words(case))), *_parameters(case.site.ground)]
+    ground = case.site.ground
+    site = [text for text in (site_in_words(case), ground.source, *_parameters(ground)) if text]
     terms = [Term("Site", "; ".join(site))]
     if envelope := case.site.course.envelope:
         shape = [hyphenated(type(envelope).__name__), *_parameters(envelope)]

@@ -8,9 +8,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.views.separation.subjects import gap_of
-from stochlin.views.shared.descriptions import roles_in_words
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, legend_above, open_frame, styled
-from stochlin.views.shared.words import rule_label
+from stochlin.views.shared.words import roles_in_words, rule_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -111,13 +110,8 @@ def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
         axes.axvline(whole, color="0.1", lw=0.9, ls=(0, (4, 2)), label="one for all heights")
     if "existing_gap_m" in dataset.attrs:
         now = CENTIMETRES * float(dataset.attrs["existing_gap_m"])
-        axes.axvline(
-            now,
-            color="0.35",
-            lw=1.0,
-            ls=(0, (8, 2, 1, 2, 1, 2)),
-            label=f"existing {gap_of(dataset)}",
-        )
+        style = {"color": "0.35", "lw": 1.0, "ls": (0, (8, 2, 1, 2, 1, 2))}
+        axes.axvline(now, label=f"existing {gap_of(dataset)}", **style)
     share = f"{100 * float(dataset.attrs['confidence']):.4g} %"
     axes.set(
         ylabel="height [m]", xlabel=f"{gap_of(dataset)} [cm] not exceeded in {share} of the motions"

@@ -13,12 +13,14 @@ from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.models.arguments import checked
 from stochlin.models.buildings import ModalBuilding, ShearBuilding
 from stochlin.models.descriptions import shown_unit
+from stochlin.models.grounds.named import ground_names
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
 from stochlin.views.shared.blocks import Text, ViewSection
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
+    from typing import Any
 
     import numpy.typing as npt
     import xarray as xr
@@ -60,6 +62,16 @@ CHAIN = (
     "a chain of storeys deforms in shear only",
     "a gap at its roof can be too small, and one at lower floors too large",
 )
+ROLES = {
+    "first": "building 1",
+    "second": "building 2",
+    "ground": "ground",
+    "envelope": "envelope",
+    "envelope_model": "envelope",
+    "contact": "contact",
+    "gap": "gap",
+    "record": "record",
+}
 
 
 def centimetres(metres: float) -> str:
@@ -213,6 +225,25 @@ def doubt(doubts: Sequence[str]) -> Text:
 def opening(case: Case, doubts: Sequence[str]) -> ViewSection:
     """Doubtful input, if there is any, and the title of the case."""
     return ViewSection("", [doubt(doubts), Text(case.title, "title")])
+
+
+def roles_in_words(attrs: Mapping[Any, Any], *roles: str) -> list[str]:
+    """A line for each of these roles that the attributes of a dataset describe; all if none is named."""
+    return [f"{ROLES[r]}: {attrs[r].removeprefix(f'{r} ')}" for r in roles or ROLES if r in attrs]
+
+
+def site_in_words(case: Case) -> str:
+    """The ground of a case: the name or spectrum that it is given by, and its model."""
+    parts = [part.name for part in getattr(case.site.ground, "grounds", (case.site.ground,))]
+    model = f"{' and '.join(dict.fromkeys(parts))} ground"
+    if len(parts) > 1:
+        model = f"{len(parts)} {model}s in parallel"
+    if case.site.spectrum is not None:
+        code = case.site.spectrum.attrs.get("code")
+        return f"{rule_label(code) if code else case.site.name} spectrum, {model}"
+    if case.site.name == "fitted":
+        return f"{model}, fitted to a record"
+    return f"{case.site.name}, {model}" if case.site.name in ground_names() else model
 
 
 def left_out(case: Case) -> list[str]:
