@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Annotated, NamedTuple, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -91,7 +91,10 @@ CHARTS: Registry[Chart] = Registry("chart", "stochlin.views.figures")
 PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry("chart", "stochlin.views.figures")
 
 
-def register_chart(name: str, of: str = FORMULA, place: int = LAST) -> Callable[[Compute], Compute]:
+@checked
+def register_chart(
+    name: str, of: Annotated[str, OneOf(SUBJECTS)] = FORMULA, place: int = LAST
+) -> Callable[[Compute], Compute]:
     """A decorator that makes a chart of the function that computes its dataset.
 
     Parameters
@@ -105,7 +108,6 @@ def register_chart(name: str, of: str = FORMULA, place: int = LAST) -> Callable[
     place : int
         Charts with a lower number are drawn first.
     """
-    OneOf(SUBJECTS)("of", of)
 
     def register(compute: Compute) -> Compute:
         CHARTS.register(name, place)(Chart(compute, of))
