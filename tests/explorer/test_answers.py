@@ -46,7 +46,7 @@ def test_the_gap_is_that_of_the_case_with_few_motions(tmp_path):
     for sentence in first_lines(expected):
         assert sentence in page
     xr.testing.assert_identical(gap_by_few_motions(case).separation.gap, expected.separation.gap)
-    assert f"From {PATHS} motions; 'stochlin gap' computes the saved case with all 2048" in page
+    assert f"From {PATHS} motions; 'stochlin gap' takes more" in page
     assert "RuleGap [cm]Error" in page
 
 

@@ -43,17 +43,14 @@ def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
     case, doubts = read_upload(folder, name, text)
     answer = gap_by_few_motions(case, progress)
     first, *others = texts(verdict.first_lines(answer))
-    all_motions = (
-        f"From {PATHS} motions; 'stochlin gap' computes the saved case with all "
-        f"{case.simulated.motions}, and a shorter interval."
-    )
+    of_few = f"From {PATHS} motions; 'stochlin gap' takes more for the saved case where it needs them."
     sections = [
         ViewSection("", [doubt(answer.doubts())]),
         ViewSection("", [replace(first, look="answer"), elevation_picture(answer), *others]),
         ViewSection("", texts(verdict.cautions(answer))),
         ViewSection("The rules and the answer", [words.rules_table(answer)]),
         ViewSection("", words.rules_notes(answer)),
-        ViewSection("", [Text(all_motions * (case.simulated.motions > PATHS), "note")]),
+        ViewSection("", [Text(of_few * (case.simulated.motions > PATHS), "note")]),
     ]
     return _html(case, doubts, sections, "gap")
 
