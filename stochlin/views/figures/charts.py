@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 FORMULA, GROUND, MOTION, RECORD = SUBJECTS = ("formula", "ground", "motion", "record")
+Subject = Annotated[str, OneOf(SUBJECTS)]
 # Motions of Figs. 1, 2 and 5b, in periods of the ground, so that an amplification does not depend on it:
 # the duration, the ends of the rise and of the strong part, and the decay. For 2 s it lasts 30 s.
 DURATION, RISE_END, STRONG_END, DECAY = 15.0, 2.0, 7.5, 0.7
@@ -48,10 +49,9 @@ class ChartInputs:
         """Grounds by the titles of their panels: the model grounds, or the fitted one."""
         if self.fitted is not None:
             return {"": self.fitted}
+        period = self.settings.ground_period
         return {
-            f"{BANDS.get(damping, '')}ξg = {damping:g}": KanaiTajimi(
-                self.settings.ground_period, damping
-            )
+            f"{BANDS.get(damping, '')}ξg = {damping:g}": KanaiTajimi(period, damping)
             for damping in self.settings.ground_dampings
         }
 
@@ -92,9 +92,7 @@ PICTURES: Registry[Callable[[Figure, xr.Dataset], None]] = Registry("chart", "st
 
 
 @checked
-def register_chart(
-    name: str, of: Annotated[str, OneOf(SUBJECTS)] = FORMULA, place: int = LAST
-) -> Callable[[Compute], Compute]:
+def register_chart(name: str, of: Subject = FORMULA, place: int = LAST) -> Callable[[Compute], Compute]:
     """A decorator that makes a chart of the function that computes its dataset.
 
     Parameters
