@@ -370,7 +370,7 @@ def enough_motions(
     """
     motions = simulated(paths)
     gap, lower, upper = gaps(motions)
-    wide = (upper - lower) / (2 * PRECISION * gap) if upper > lower else 0.0
+    wide = (upper - lower) / (2 * PRECISION * gap) if upper > lower and gap > 0 else 0.0
     if wide <= 1 or paths >= most:
         return motions
     return enough_motions(simulated, whole_groups(int(min(most, MARGIN * paths * wide**2))), most, gaps)
