@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from importlib.resources import files
 
-from stochlin.analyses.cases.reading.explained import TABLES, keys_of_table
-from stochlin.analyses.cases.reading.kinds import Inner
-
 HEADERS = {  # of tables that are not written by their name alone
     "": "the whole file",
     "site.records": "[[site.records]]",
@@ -23,6 +20,9 @@ def short_example() -> str:
 
 def full_example() -> str:
     """All keys of all tables, each with what it is and accepts, as comments of a file."""
+    from stochlin.analyses.cases.reading.explained import TABLES, keys_of_table
+    from stochlin.analyses.cases.reading.kinds import Inner
+
     lines = []
     for name in TABLES:
         lines += ["", f"# {HEADERS.get(name, f'[{name}]')}"]

@@ -8,7 +8,7 @@ from its property line.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -213,9 +213,6 @@ class Neighbours:
     def told(self) -> str:
         """What is true, for the run information: ``", floors_align=True"``, or empty."""
         return "".join(f", {name}=True" for name, value in vars(self).items() if value)
-
-
-IN_COMMON = tuple(field.name for field in fields(Neighbours))
 
 
 @dataclass(frozen=True)
