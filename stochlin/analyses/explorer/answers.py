@@ -61,7 +61,7 @@ def correlations(case: Case, progress: Progress | None = None) -> Iterator[OnGro
         share = part_of(progress, number / 2, (number + 1) / 2)
         options: dict[str, Any] = {"paths": PATHS, "seed": case.simulated.seed, "progress": share}
         simulated = _correlation(case, POINTS, ground, "simulation", **options)
-        linearized = _correlation(case, LINES, ground, "linearization")
+        linearized = _correlation(case, LINES, ground, "linearization", bias=False)
         yield OnGround(name, linearized.rho, simulated[["rho", "rho_standard_error"]])
 
 

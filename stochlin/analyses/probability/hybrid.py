@@ -64,7 +64,7 @@ def hybrid_pounding(
     radius_1, radius_2 = (motion.radius.to_numpy() for motion in motions)
     recorded = recorded_gap(left, right, record)
     try:
-        rho = float(correlate(left, right, ground).rho)
+        rho = float(correlate(left, right, ground, bias=False).rho)
     except NotLinearizedError:
         rho = float(recorded.rho)
     k = concentration(min(max(rho, -1.0), 1.0))

@@ -53,7 +53,7 @@ class RhoEstimate(NamedTuple):
     def of(self, first: Structure, second: Structure, recorded: xr.Dataset) -> xr.DataArray:
         """Correlation of the structures [-]; ``recorded`` has their peaks in the record."""
         if self.ground is not None:
-            return correlate(first, second, self.ground, closure=self.closure).rho
+            return correlate(first, second, self.ground, closure=self.closure, bias=False).rho
         pairs: dict[str, xr.DataArray] = {}
         for n, structure in enumerate((first, second), start=1):
             own = structure.arrays()

@@ -94,7 +94,7 @@ def combine_modes(
     ``displacements`` [m] are those of the oscillators, ``weights`` of the floors at the heights.
     """
     both = oscillators_of(modes), oscillators_of(modes, OTHER)
-    rho = correlate(*both, ground).rho.transpose(MODE, OTHER).to_numpy()
+    rho = correlate(*both, ground, bias=False).rho.transpose(MODE, OTHER).to_numpy()
     shared = rho * np.outer(displacements, displacements)
     return combined(shared, [row @ modes.moves for row in weights])
 

@@ -165,7 +165,7 @@ class PairInMotion:
         if lacking:
             raise ValueError(f"no {closure} closure for {', '.join(sorted(lacking))}")
         first, second = self.structures
-        return np.atleast_1d(correlate(first, second, self.ground, closure=closure).rho.values)
+        return np.atleast_1d(correlate(first, second, self.ground, closure=closure, bias=False).rho)
 
     def amplified_peaks(self) -> Array:
         """Quantile of the elastic peak ``|u|`` times ``D`` of linearization [m], as `peaks`.

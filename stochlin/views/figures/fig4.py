@@ -104,9 +104,9 @@ def _on_ground(settings: ChartSettings, second_period: float, ground: Ground) ->
     periods = (ratio * second_period, second_period)
     first, second = (bilinear(settings, period, factors) for period in periods)
     elastic_1, elastic_2 = (Bilinear(period, settings.damping) for period in periods)
-    chart = correlate(first, second, ground, closure=settings.closure)[["rho", "status"]]
+    chart = correlate(first, second, ground, closure=settings.closure, bias=False)[["rho", "status"]]
     chart = chart.transpose("reduction_factor", "period_ratio")
-    chart["rho_elastic"] = correlate(elastic_1, elastic_2, ground).rho
+    chart["rho_elastic"] = correlate(elastic_1, elastic_2, ground, bias=False).rho
     chart["rho_white_noise"] = correlate(elastic_1, elastic_2, ground, "white_noise").rho
     chart = _with_rules(chart, (first, second), ground, settings.curves or USUAL_RULES)
     size, places = ratio.size, []
@@ -150,7 +150,7 @@ def with_truth(
     ``rho_simulated``, ``rho_standard_error`` and ``rho_difference`` are NaN elsewhere.
     """
     if settings.closure != DRIFT:
-        drift = correlate(*pair, ground, closure=DRIFT).rho
+        drift = correlate(*pair, ground, closure=DRIFT, bias=False).rho
         chart["rho_drift"] = drift.transpose(*chart.rho.dims)
     options: Any = {"paths": settings.paths, "seed": settings.seed}
     for place in places:

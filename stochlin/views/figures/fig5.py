@@ -99,7 +99,7 @@ def _plane(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     ]
     period, factor = ground_period({"": ground}), settings.plane_reduction_factor
     first, second = (bilinear(settings, ratio * period, factor) for ratio in axes)
-    chart = correlate(first, second, ground, closure=settings.closure)[["rho", "status"]]
+    chart = correlate(first, second, ground, closure=settings.closure, bias=False)[["rho", "status"]]
     places = []
     if count := number_of_points(settings, SIMULATED_POINTS):
         step = max(1, round((settings.points - 1) / (count - 1)))
