@@ -87,13 +87,13 @@ def recorded_gap_chart(record: xr.DataArray, damping: float, points: Points = 61
 def draw_critical_gap(figure: Figure, dataset: xr.Dataset) -> None:
     """Peak of ``u_1 - u_2`` in the record, and eqs. (3) and (4), over the periods."""
     shown = {"separation": "largest u1 - u2", "critical_gap": "eqs. (3) and (4)"}
+    over = "period_1", "period_2"
     tables = [
-        (typeset(title), in_cm(dataset[name]).transpose("period_1", "period_2"))
+        (typeset(title), in_cm(dataset[name].assign_attrs(dataset.critical_gap.attrs)).transpose(*over))
         for name, title in shown.items()
     ]
     highest = max(float(table.max()) for _, table in tables)
-    every = in_a_row(figure, 2, SQUARE, shared=True)
-    planes(figure, every, tables, _levels(highest))
+    planes(figure, in_a_row(figure, 2, SQUARE, shared=True), tables, _levels(highest))
     number_contours(figure)
 
 

@@ -202,7 +202,7 @@ def planes(
         axes.grid(visible=False)
         axes.set_box_aspect(1)
         axes.label_outer()
-    bar_beside(figure, filled, every, tables[-1][1])
+    bar_beside(figure, filled, every, tables[0][1])
 
 
 def _shades(levels: np.ndarray) -> Colormap:
