@@ -11,12 +11,15 @@ settings.register_profile("short", settings.get_profile("all"), max_examples=30)
 
 def pytest_configure(config):
     """``make test`` draws half as many examples as ``make test-all``."""
-    settings.load_profile("short" if config.option.markexpr == "not slow" else "all")
+    settings.load_profile("short" if "not slow" in config.option.markexpr else "all")
 
 
+@pytest.hookimpl(tryfirst=True)  # before tests are chosen by their marks
 def pytest_collection_modifyitems(items):
     """Property tests and extreme ones have buildings that are allowed, and that nobody has."""
     for item in items:
+        if isinstance(item, pytest.DoctestItem):  # an example of the reference
+            item.add_marker("cli")
         drawn = getattr(getattr(item, "obj", None), "is_hypothesis_test", False)
         if drawn or item.get_closest_marker("extreme"):
             item.add_marker(pytest.mark.filterwarnings("ignore::stochlin.messages.ImplausibleInput"))

@@ -1,6 +1,6 @@
 """Case files, records and hazards, mutated: a result, or one line that says what is wrong.
 
-A minute or so here; ``make fuzz`` goes on for an hour, with examples of its own each time.
+A minute or so; with ``FUZZ_TIMES=60`` in the environment an hour, with other examples each time.
 """
 
 import gzip

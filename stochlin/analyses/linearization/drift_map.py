@@ -14,8 +14,8 @@ The corrections of a structure are interpolated between the points of the map; o
 values at its boundary are used. At two boundaries the corrections are exactly 0, because the structure
 is linear there: at the hardening ratio 1, and where the yield displacement is about seven standard
 deviations of the elastic displacement. The more the surrounding points differ, the larger is
-``displacement_error``, the error that is expected after the correction. ``make drift_map`` computes the
-map.
+``displacement_error``, the error that is expected after the correction. ``benchmarks/drift_map.py``
+computes the map.
 """
 
 from __future__ import annotations
