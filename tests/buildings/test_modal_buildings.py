@@ -325,10 +325,10 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "law": ({"law": "elastic"}, r"law = 'elastic'"),
     "parameters of the law": (
         {
-            **{"yield_displacements": [0.01], "hardening": 0.1, "law": "bouc_wen"},
-            "law_parameters": {"beta": [0.5, 0.5]},
+            **{"yield_displacements": [0.01, 0.01], "hardening": [0.1, 0.5]},
+            **{"law": "modified_clough", "law_parameters": {"softening": 0.2, "cap_ductility": 4.0}},
         },
-        r"beta has 2 values; .*the 1 modes that may yield",
+        r"law_parameters = .*softening.*; allowed: what fits the hardening of every mode",
     ),
 }
 

@@ -80,7 +80,7 @@ def test_a_regular_building_is_that_of_python(tmp_path: Path) -> None:
 
 
 def test_laws_dampers_and_the_weight_are_read_by_storey(tmp_path: Path) -> None:
-    lines = 'law = "bouc_wen"\nbeta = [0.6, "50 %"]\nexponent = 2\ngamma = 0.3\n'
+    lines = 'law = "bouc_wen"\nbeta = "60 %"\nexponent = 2\ngamma = 0.3\n'
     lines += 'dampers = ["2 MN s/m", "0 N s/m"]\np_delta = true\nstoreys = 2\n'
     lines += "damping_modes = [2, 1]\n"
     found = (
@@ -95,7 +95,7 @@ def test_laws_dampers_and_the_weight_are_read_by_storey(tmp_path: Path) -> None:
         [0.01, 0.008],
         dampers=[2e6, 0.0],
         law="bouc_wen",
-        law_parameters={"beta": [0.6, 0.5], "gamma": 0.3, "exponent": 2.0},
+        law_parameters={"beta": 0.6, "gamma": 0.3, "exponent": 2.0},
         p_delta=True,
         damping_modes=(2, 1),
     )

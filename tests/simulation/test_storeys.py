@@ -274,7 +274,7 @@ def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch):
 
 def test_laws_in_one_frame_are_each_their_own():
     """Linked by nothing, a building of another law moves as it does alone."""
-    pair = [four(law=SMOOTH), two(law="bouc_wen", law_parameters={"beta": [0.5, 0.8], "gamma": -0.1})]
+    pair = [four(law=SMOOTH), two(law="bouc_wen", law_parameters={"beta": 0.6, "gamma": -0.1})]
     usual = {"paths": 32, "duration": 6.0, "seed": 2}
     free, linked = (
         sl.simulate(pair, FIRM, link=link, **usual) for link in (None, sl.Link(0.0, floors=(2, 2)))

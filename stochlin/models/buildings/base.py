@@ -14,6 +14,7 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.messages import DoubtfulInput, brief
+from stochlin.models.arguments import is_number
 from stochlin.models.laws.hysteretic import Hysteretic, law_of
 from stochlin.models.parameters import CASE, Model, as_array
 from stochlin.models.states import in_words
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     import sympy
 
 STOREY, MODE, FLOOR = "storey", "mode", "floor"
+MOVES = "1", "displacement of the floor over that of the oscillator"
 MOST_STOREYS = 200
 PERIOD_OFF = 0.1  # of the first period, by which a pushover curve may differ
 GRAVITY = scipy.constants.g
@@ -49,17 +51,18 @@ class MultistoreyBuilding(Model):
 
     def __post_init__(self) -> None:
         name = f"{type(self).__name__}: "
+        sizes = self._sizes()
         for field, dimension in self.dimensions.items():
             value = getattr(self, field)
             optional = value is None and self.__dataclass_fields__[field].default is None
-            if not (optional or (field in self.one_for_all and np.isscalar(value))):
-                object.__setattr__(self, field, along(f"{name}{field}", value, dimension))
-        counts = self._counts()
-        for field, dimension in self.dimensions.items():
-            value, (wanted, other) = getattr(self, field), counts[dimension]
-            if wanted and isinstance(value, xr.DataArray) and value.size != wanted:
-                what = f"{name}{field} has {value.size} values, and {other} has {wanted}"
+            if optional or (field in self.one_for_all and np.isscalar(value)):
+                continue
+            array = along(f"{name}{field}", value, dimension)
+            size, other = sizes.setdefault(dimension, (array.size, field))
+            if array.size != size:
+                what = f"{name}{field} has {array.size} values, and {other} has {size}"
                 raise ValueError(f"{what}; allowed: one for each {dimension} in both")
+            object.__setattr__(self, field, array)
         super().__post_init__()
         check_ranges(self, name)
         if self.yields and self.hardening is None:
@@ -68,9 +71,9 @@ class MultistoreyBuilding(Model):
         self._check(name)
         _ = self.element_law
 
-    @abstractmethod
-    def _counts(self) -> Mapping[str, tuple[int, str]]:
-        """Number of values that lists over a dimension must have, and the parameter that says it."""
+    def _sizes(self) -> dict[str, tuple[int, str]]:
+        """Sizes of dimensions that are known beforehand, and the parameters that say them."""
+        return {}
 
     @abstractmethod
     def _check(self, name: str) -> None:
@@ -204,53 +207,28 @@ class MultistoreyBuilding(Model):
 
     def levels(self) -> Array:
         """Levels of the floors above the ground [m], (storeys,)."""
-        heights: Array = self.arrays()["heights"].to_numpy()
-        return np.cumsum(heights)
+        return np.cumsum(self._numbers("heights"))
 
-    def _law_over(self, dimension: str, count: int, common: Mapping[str, Any]) -> Structure:
-        """Oscillators with the law and these parameters; raises a ValueError if one is not valid."""
-        law = law_of(self.law, common, dict(self._own_parameters()))
-        bad = np.flatnonzero(~np.broadcast_to(law.valid(), count))
-        if bad.size:
-            one = {dimension: bad[0]}
-            each = {name: array.isel(one, missing_dims="ignore") for name, array in law.arrays().items()}
-            try:
-                type(law)(**{name: float(value) for name, value in each.items()})
-            except ValueError as error:
-                raise ValueError(f"law_parameters: {dimension} {bad[0] + 1}, {error}") from error
+    def _numbers(self, name: str) -> Array:
+        """A parameter as an array without labels."""
+        numbers: Array = self.arrays()[name].to_numpy()
+        return numbers
+
+    def _law(self, **common: Any) -> Structure:
+        """Oscillators with the law and these parameters; raises a ValueError if they do not fit."""
+        values = self.law_parameters if self.law_parameters is not None else {}
+        if not isinstance(values, Mapping) or not all(map(is_number, values.values())):
+            raise TypeError(f"law_parameters = {brief(values)}; allowed: a mapping of numbers by name")
+        law = law_of(self.law, common, values)
+        if not law.valid().all():
+            what = f"law_parameters = {brief(dict(values))}"
+            raise ValueError(f"{what}; allowed: what fits the hardening of every {self.element}")
         return law
 
     def further(self) -> list[str]:
         """The law and its parameters, if it is not the bilinear one."""
         parts = [] if self.law == "bilinear" else [f"law {in_words(self.law)}"]
-        own = self._own_parameters()
-        return parts + [f"{name} {brief(np.asarray(value).tolist())}" for name, value in own]
-
-    def _own_parameters(self) -> list[tuple[str, Any]]:
-        """Names and values of the ``law_parameters``; arrays are over the elements."""
-        values = self.law_parameters if self.law_parameters is not None else {}
-        if not isinstance(values, Mapping):
-            raise TypeError(f"law_parameters = {brief(values)}; allowed: a mapping of numbers by name")
-        return [(name, self._of_elements(name, value)) for name, value in values.items()]
-
-    def _of_elements(self, name: str, value: Any) -> Any:
-        """A parameter of the law, checked: a number, or an array over the elements."""
-        if np.isscalar(value):
-            return value
-        array = along(f"law_parameters: {name}", value, self.element)
-        if array.size != self._yielding:
-            allowed = f"a number, or one for each of the {self._yielding} {self.element}s that may yield"
-            raise ValueError(f"law_parameters: {name} has {array.size} values; allowed: {allowed}")
-        return self._over_elements(array)
-
-    @property
-    @abstractmethod
-    def _yielding(self) -> int:
-        """Number of the elements that may yield, which are the first ones."""
-
-    def _over_elements(self, value: xr.DataArray) -> xr.DataArray:
-        """A parameter of the elements that may yield over all elements."""
-        return value
+        return parts + [f"{name} {brief(value)}" for name, value in (self.law_parameters or {}).items()]
 
 
 def check_ranges(model: Model, prefix: str) -> None:
@@ -264,17 +242,20 @@ def check_ranges(model: Model, prefix: str) -> None:
             number = float(value.to_numpy()[tuple(bad[0])])
             dims = (STOREY if dim == CASE else dim for dim in value.dims)
             where = ", ".join(f"{dim} {n + 1}" for dim, n in zip(dims, bad[0], strict=True))
-            raise ValueError(
-                f"{prefix}{key} = {number:g} in {where} is out of range; allowed: {allowed}"
-            )
+            what = f"{prefix}{key} = {number:g} in {where} is out of range"
+            raise ValueError(f"{what}; allowed: {allowed}")
+
+
+def numbered(values: Array, dimension: str, units: str, long_name: str) -> xr.DataArray:
+    """Numbers of modes or floors, which are counted from 1."""
+    coords = {dimension: np.arange(1, values.size + 1)}
+    return xr.DataArray(values, coords, dimension, attrs={"units": units, "long_name": long_name})
 
 
 def along(label: str, value: Any, dimension: str) -> xr.DataArray:
     """A list or 1-D array as an array over a dimension; raises a ValueError for anything else."""
     array = as_array(value)
     if array.ndim != 1 or not array.size:
-        raise ValueError(
-            f"{label} = {brief(value)}; allowed: a list or 1-D array with one number for each "
-            f"{dimension}"
-        )
+        allowed = f"a list or 1-D array with one number for each {dimension}"
+        raise ValueError(f"{label} = {brief(value)}; allowed: {allowed}")
     return xr.DataArray(array, dims=dimension)

@@ -18,8 +18,10 @@ from stochlin.models.buildings.base import (
     FLOOR,
     MODE,
     MOST_STOREYS,
+    MOVES,
     STOREY,
     MultistoreyBuilding,
+    numbered,
 )
 from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, Range, as_array, parameter
 from stochlin.models.structures import DAMPING, HARDENING, Structure
@@ -90,7 +92,7 @@ class ModalBuilding(MultistoreyBuilding):
     law : str, sympy.Expr or mapping
         Hysteresis law of the modes that yield, as in `ShearBuilding`.
     law_parameters : mapping, optional
-        Parameters that the law adds: numbers, or arrays with one number for each mode that yields.
+        Parameters that the law adds, the same for all modes that yield.
 
     Raises
     ------
@@ -149,10 +151,8 @@ class ModalBuilding(MultistoreyBuilding):
     def check_uncertain(cls, names: Collection[str]) -> None:
         """Raise a ValueError if the shapes or what follows from them are uncertain."""
         for name in {"shapes", "participation"}.intersection(names):
-            raise ValueError(
-                f"{cls.__name__}: {name} is uncertain; allowed: numbers. Let periods, damping or "
-                "yield displacements be uncertain"
-            )
+            allowed = "numbers; periods, damping and yield displacements may be uncertain"
+            raise ValueError(f"{cls.__name__}: {name} is uncertain; allowed: {allowed}")
 
     @classmethod
     @takes_uncertain
@@ -194,10 +194,8 @@ class ModalBuilding(MultistoreyBuilding):
         1
         """
         if not isinstance(table, xr.Dataset) or not {*table.data_vars} >= OF_TABLE:
-            raise ValueError(
-                f"table = {brief(table)}; allowed: a dataset with {listed(sorted(OF_TABLE))}, as from "
-                "read_modes"
-            )
+            allowed = f"a dataset with {listed(sorted(OF_TABLE))}, as from read_modes"
+            raise ValueError(f"table = {brief(table)}; allowed: {allowed}")
         shapes = _table("table: shape", table["shape"].transpose(MODE, FLOOR)).to_numpy()
         masses = table["mass"].to_numpy()
         if "modal_mass" in table and not _give(shapes, masses, table["modal_mass"].to_numpy()):
@@ -214,27 +212,26 @@ class ModalBuilding(MultistoreyBuilding):
         object.__setattr__(self, "shapes", _table(f"{name}shapes", self.shapes))
         super().__post_init__()
 
-    def _counts(self) -> dict[str, tuple[int, str]]:
+    def _sizes(self) -> dict[str, tuple[int, str]]:
         assert isinstance(self.shapes, xr.DataArray)
-        modes, floors = self.shapes.shape
-        if self._yielding > modes:
-            allowed = f"one for each of at most {modes} modes"
-            raise ValueError(
-                f"ModalBuilding: yield_displacements has {self._yielding} values; allowed: {allowed}"
-            )
-        of_shapes = dict.fromkeys((FLOOR, STOREY), (floors, "shapes")) | {MODE: (modes, "shapes")}
-        return of_shapes | {YIELDING: (self._yielding, "yield_displacements")}
+        modes, floors = ((size, "shapes") for size in self.shapes.shape)
+        sizes = {MODE: modes, FLOOR: floors, STOREY: floors}
+        if not self.yields:
+            return sizes
+        if self._yielding > modes[0]:
+            what = f"{type(self).__name__}: yield_displacements has {self._yielding} values"
+            raise ValueError(f"{what}; allowed: one for each of at most {modes[0]} modes")
+        return sizes | {YIELDING: (self._yielding, "yield_displacements")}
 
     def _check(self, name: str) -> None:
-        periods = self.arrays()["periods"].to_numpy()
+        periods = self._numbers("periods")
         for n in np.flatnonzero(np.diff(periods) > 0)[:1]:
-            both = f"{periods[n]:g} and {periods[n + 1]:g} s"
-            what = f"{name}periods of modes {n + 1} and {n + 2} are {both}"
-            raise ValueError(f"{what}; allowed: periods in seconds, the longest first")
+            what = f"{name}periods of modes {n + 1} and {n + 2} are {periods[n]:g} and"
+            raise ValueError(f"{what} {periods[n + 1]:g} s; allowed: the longest first, in seconds")
         if (self.participation is None) != (self.modal_masses is None):
+            what = f"{name}participation and modal_masses belong together"
             raise ValueError(
-                f"{name}participation and modal_masses belong together; allowed: both, as the "
-                "program of the modes prints them, or neither"
+                f"{what}; allowed: both, as the program of the modes prints them, or neither"
             )
         if self.participation is None:
             self._check_orthogonal(name)
@@ -252,27 +249,26 @@ class ModalBuilding(MultistoreyBuilding):
         Modes that stay elastic have the strength of the last one that yields, which has no use.
         """
         values = self.arrays()
-        common: dict[str, Any] = {"period": values["periods"], "damping": self.damping}
+        strength: dict[str, Any] = {}
         if self.yields:
-            common |= {
+            strength = {
                 "hardening": self._over_modes(self.hardening),
                 "yield_displacement": self._over_modes(self.yield_displacements),
             }
-        return self._law_over(MODE, self.modes, common)
+        return self._law(period=values["periods"], damping=self.damping, **strength)
 
     def system(self) -> System:
         """The building as coordinates, elements and floors: each mode is one coordinate and element."""
-        values, unit, mass = self.arrays(), np.eye(self.modes), self.effective_masses()
-        w = 2 * np.pi / values["periods"].to_numpy()
-        damping = np.broadcast_to(values["damping"].to_numpy(), w.shape)
+        mass, w = self.effective_masses(), 2 * np.pi / self._numbers("periods")
         k, hardening, strength = mass * w**2, np.ones(w.size), np.full(w.size, np.inf)
         weak = slice(self._yielding)
         if self.yields:
-            hardening[weak], strength[weak] = values["hardening"], values["yield_displacements"]
+            hardening[weak] = self._numbers("hardening")
+            strength[weak] = self._numbers("yield_displacements")
         return System(
             mass=mass,
-            damping=np.diag(2 * damping * w * mass),
-            extensions=unit,
+            damping=np.diag(2 * self._numbers("damping") * w * mass),
+            extensions=np.eye(self.modes),
             shapes=self.moves(),
             post=hardening * k,
             couple=(1 - hardening) * k,
@@ -289,7 +285,7 @@ class ModalBuilding(MultistoreyBuilding):
             shares = np.full((self.storeys, self.modes), np.nan)
             shares[0] = 1.0
             return shares
-        forces = self.arrays()["masses"].to_numpy()[:, None] * self.moves()
+        forces = self._numbers("masses")[:, None] * self.moves()
         above: Array = forces[::-1].cumsum(axis=0)[::-1]
         return above / self.effective_masses()
 
@@ -301,34 +297,28 @@ class ModalBuilding(MultistoreyBuilding):
     def effective_masses(self) -> Array:
         """Effective modal mass of each mode along the gap [kg], (modes,)."""
         if self.modal_masses is not None:
-            given: Array = self.arrays()["modal_masses"].to_numpy()
-            return given
-        return effective_masses_of(*self._shapes_and_masses)
+            return self._numbers("modal_masses")
+        return effective_masses_of(self._numbers("shapes"), self._numbers("masses"))
 
     def factors(self) -> Array:
         """Participation factor of each mode for ground motion along the gap [-], (modes,)."""
         if self.participation is not None:
-            given: Array = self.arrays()["participation"].to_numpy()
-            return given
-        shapes, masses = self._shapes_and_masses
+            return self._numbers("participation")
+        shapes, masses = self._numbers("shapes"), self._numbers("masses")
         computed: Array = (shapes @ masses) / (shapes**2 @ masses)
         return computed
 
     def moves(self) -> Array:
         """Displacement of each floor over that of each mode's oscillator [-] (floors, modes)."""
-        moves: Array = (self.arrays()["shapes"].to_numpy() * self.factors()[:, None]).T
-        return moves
+        return (self._numbers("shapes") * self.factors()[:, None]).T
 
     def mode_periods(self) -> xr.DataArray:
         """Periods of the elastic building [s] over ``mode``, which is counted from 1."""
-        periods = self.arrays()["periods"]
-        return periods.assign_coords({MODE: np.arange(1, periods.size + 1)})
+        return numbered(self._numbers("periods"), MODE, "s", "period of the mode")
 
     def first_mode_moves(self) -> xr.DataArray:
         """Displacement of each floor over that of `oscillator` [-], over ``floor``."""
-        attrs = {"units": "1", "long_name": "displacement of the floor over that of the oscillator"}
-        floors = {FLOOR: np.arange(1, self.storeys + 1)}
-        return xr.DataArray(self.moves()[:, self.leading], dims=FLOOR, coords=floors, attrs=attrs)
+        return numbered(self.moves()[:, self.leading], FLOOR, *MOVES)
 
     def oscillator(self) -> Structure:
         """The mode with the largest effective mass [kg] as an oscillator.
@@ -353,19 +343,13 @@ class ModalBuilding(MultistoreyBuilding):
 
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
         if self.leading:
-            raise ValueError(
-                f"{type(self).__name__}: mode {self.leading + 1} has more effective mass than mode 1; "
-                "allowed with a pushover curve: a first mode that has the most"
-            )
-        periods = [period, *self.arrays()["periods"].to_numpy()[1:]]
+            what = f"mode {self.leading + 1} has more effective mass than mode 1"
+            allowed = "a first mode that has the most, with a pushover curve"
+            raise ValueError(f"{type(self).__name__}: {what}; allowed: {allowed}")
+        periods = [period, *self._numbers("periods")[1:]]
         hardenings = [hardening, *self._of_yielding(self.hardening)[1:]]
         strengths = [yield_displacement, *self._of_yielding(self.yield_displacements)[1:]]
         return replace(self, periods=periods, hardening=hardenings, yield_displacements=strengths)
-
-    @property
-    def _shapes_and_masses(self) -> tuple[Array, Array]:
-        values = self.arrays()
-        return values["shapes"].to_numpy(), values["masses"].to_numpy()
 
     @property
     def _yielding(self) -> int:
@@ -382,60 +366,44 @@ class ModalBuilding(MultistoreyBuilding):
         """A parameter of the modes that yield, of each of them."""
         return np.broadcast_to(np.asarray(value, float), self._yielding)
 
-    def _over_elements(self, value: xr.DataArray) -> xr.DataArray:
-        return self._over_modes(value.to_numpy())
-
     def _check_orthogonal(self, name: str) -> None:
-        shapes, masses = self._shapes_and_masses
-        moving = shapes.any(axis=1)
-        if not moving.all():
-            still = int(np.argmin(moving)) + 1
+        shapes = self._numbers("shapes")
+        for still in np.flatnonzero(~shapes.any(axis=1))[:1] + 1:
             raise ValueError(f"{name}shapes of mode {still} are all 0; allowed: a mode that moves")
-        shared = _shared(shapes, masses)
+        shared = _shared(shapes, self._numbers("masses"))
         if shared.max() > ORTHOGONAL:
             i, j = np.sort(np.unravel_index(np.argmax(shared), shared.shape)) + 1
             raise ValueError(
                 f"{name}shapes of modes {i} and {j} are not orthogonal with the masses: they share "
-                f"{shared.max():.2g} of their modal masses; allowed: at most {ORTHOGONAL:g}. Give all "
-                "floors and their masses, or, for the corner of a building that turns, participation "
-                "and modal_masses of the program that made the modes"
+                f"{shared.max():.2g} of their modal masses; allowed: at most {ORTHOGONAL:g}, or "
+                "participation and modal_masses for the corner of a building that turns"
             )
 
     def _check_masses(self, name: str) -> None:
-        shares = self.effective_masses() / self._shapes_and_masses[1].sum()
-        still = np.flatnonzero((shares < LEAST_MASS) | (self.factors() == 0)) + 1
-        if still.size:
-            raise ValueError(
-                f"{name}mode {listed(still)} does not move along the gap: less than {LEAST_MASS:g} of "
-                "the mass takes part; leave such modes out"
-            )
-        if shares.sum() > 1 + ORTHOGONAL:
-            raise ValueError(
-                f"{name}modal_masses are {shares.sum():.3g} of the masses together; allowed: at most 1. "
-                "Give effective modal masses in kg, along the gap"
-            )
-        if shares.sum() < ENOUGH_MASS:
-            warnings.warn(
-                f"{name}the modes have {shares.sum():.1%} of the mass; {1 - shares.sum():.1%} is left "
-                f"out, more than the {1 - ENOUGH_MASS:.0%} that codes allow: give more modes",
-                DoubtfulInput,
-                stacklevel=4,
-            )
+        shares = self.effective_masses() / self._numbers("masses").sum()
+        still, total = (shares < LEAST_MASS) | (self.factors() == 0), shares.sum()
+        if still.any():
+            what = f"{name}mode {listed(np.flatnonzero(still) + 1)} does not move along the gap"
+            raise ValueError(f"{what}; allowed: modes with {LEAST_MASS:g} of the mass or more")
+        if total > 1 + ORTHOGONAL:
+            what = f"{name}modal_masses are {total:.3g} of the masses together"
+            raise ValueError(f"{what}; allowed: at most 1, in kg and along the gap")
+        if total < ENOUGH_MASS:
+            what = f"{name}the modes have {total:.1%} of the mass; {1 - total:.1%} is left out"
+            limit = f"more than the {1 - ENOUGH_MASS:.0%} that codes allow"
+            warnings.warn(f"{what}, {limit}: give more modes", DoubtfulInput, stacklevel=4)
 
 
 def _table(label: str, value: Any) -> xr.DataArray:
     """Mode shapes over modes and floors; raises a ValueError for anything but a table of numbers."""
     array = as_array(value)
     if array.ndim != 2 or not array.size or array.dtype.kind not in "iuf":
-        raise ValueError(
-            f"{label} = {brief(value)}; allowed: a list of modes, each with one number for every floor"
-        )
+        allowed = "a list of modes, each with one number for every floor"
+        raise ValueError(f"{label} = {brief(value)}; allowed: {allowed}")
     modes, floors = array.shape
     if modes > MOST_MODES or floors > MOST_STOREYS:
-        raise ValueError(
-            f"{label} has {modes} modes of {floors} floors; allowed: {MOST_MODES} modes of "
-            f"{MOST_STOREYS} floors at most"
-        )
+        most = f"{MOST_MODES} modes of {MOST_STOREYS} floors at most"
+        raise ValueError(f"{label} has {modes} modes of {floors} floors; allowed: {most}")
     return xr.DataArray(array, dims=(MODE, FLOOR))
 
 

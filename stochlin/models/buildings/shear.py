@@ -19,9 +19,11 @@ from stochlin.models.buildings.base import (
     GRAVITY,
     MODE,
     MOST_STOREYS,
+    MOVES,
     STOREY,
     MultistoreyBuilding,
     check_ranges,
+    numbered,
 )
 from stochlin.models.buildings.chains import chain_modes
 from stochlin.models.parameters import (
@@ -101,8 +103,7 @@ class ShearBuilding(MultistoreyBuilding):
         sympy expression or a mapping of rates by state, as in `Hysteretic`. Its ``v`` is the rate of the
         drift over the yield drift.
     law_parameters : mapping, optional
-        Parameters that the law adds, for instance ``{"beta": 0.5, "gamma": 0.5}``: numbers, or arrays
-        with one number for each storey.
+        Parameters that the law adds, for instance ``{"beta": 0.5, "gamma": 0.5}``.
     p_delta : bool
         Whether the stiffness of each storey is reduced by the weight above it over its height. The
         modes and their damping then include this reduction.
@@ -152,17 +153,10 @@ class ShearBuilding(MultistoreyBuilding):
     p_delta: bool = False
     damping_modes: tuple[int, int] | None = None
 
-    def _counts(self) -> dict[str, tuple[int, str]]:
-        assert isinstance(self.masses, xr.DataArray)
-        storeys = self.masses.size
-        if storeys > MOST_STOREYS:
-            raise ValueError(
-                f"{type(self).__name__}: masses has {storeys} values; allowed: one for each of at most "
-                f"{MOST_STOREYS} storeys"
-            )
-        return {STOREY: (storeys, "masses")}
-
     def _check(self, name: str) -> None:
+        if self.storeys > MOST_STOREYS:
+            allowed = f"one for each of at most {MOST_STOREYS} storeys"
+            raise ValueError(f"{name}masses has {self.storeys} values; allowed: {allowed}")
         for field in ("damping", "hardening"):
             if isinstance(getattr(self, field), xr.DataArray):
                 raise ValueError(f"{name}{field} is an array; allowed: one number for the building")
@@ -240,10 +234,8 @@ class ShearBuilding(MultistoreyBuilding):
         values = {name: np.asarray(value) for name, value in known.cells().items()}
         heights = values["storey_height"]
         if heights.ndim and heights.shape != (storeys,):
-            raise ValueError(
-                f"storey_height has {heights.size} values, storeys = {storeys}; allowed: one number, or "
-                "one for each storey"
-            )
+            what = f"storey_height has {heights.size} values, storeys = {storeys}"
+            raise ValueError(f"{what}; allowed: one number, or one for each storey")
         relative = heights / heights.flat[0]
         levels = np.cumsum(np.broadcast_to(relative, storeys))
         above = levels[::-1].cumsum()[::-1]
@@ -274,11 +266,11 @@ class ShearBuilding(MultistoreyBuilding):
         values = self._over_all
         periods = 2 * np.pi * np.sqrt(values["masses"] / values["stiffnesses"])
         periods = np.clip(periods, PERIODS.lower, PERIODS.upper)  # beyond, the modes are refused
-        common = dict[str, Any](period=xr.DataArray(periods, dims=STOREY), damping=self.damping)
+        strength: dict[str, Any] = {}
         if self.yields:
             drifts = xr.DataArray(values["yield_drifts"], dims=STOREY)
-            common |= {"hardening": self.hardening, "yield_displacement": drifts}
-        return self._law_over(STOREY, self.storeys, common)
+            strength = {"hardening": self.hardening, "yield_displacement": drifts}
+        return self._law(period=xr.DataArray(periods, dims=STOREY), damping=self.damping, **strength)
 
     def system(self) -> System:
         """The building as a chain: coordinates are the displacements of the floors."""
@@ -305,20 +297,15 @@ class ShearBuilding(MultistoreyBuilding):
 
     def _of_first_mode(self, period: float, yield_displacement: float, hardening: float) -> Self:
         if self.p_delta:
-            raise ValueError(
-                f"{type(self).__name__}: p_delta = True; allowed with a pushover curve: False, since "
-                "the curve contains the effect of the weight"
-            )
+            allowed = "False with a pushover curve, which contains the effect of the weight"
+            raise ValueError(f"{type(self).__name__}: p_delta = True; allowed: {allowed}")
         drifts = yield_displacement * np.diff(self.participation(), prepend=0.0)
         stiffer = self.stiffened((float(self.periods()[0]) / period) ** 2)
         return replace(stiffer, hardening=hardening, yield_drifts=drifts)
 
     def periods(self) -> xr.DataArray:
         """Periods of the elastic building [s] over ``mode``, which is counted from 1, longest first."""
-        w, _ = self._modes()
-        modes = np.arange(1, w.size + 1)
-        attrs = {"units": "s", "long_name": "period of the mode"}
-        return xr.DataArray(2 * np.pi / w, dims=MODE, coords={MODE: modes}, attrs=attrs)
+        return numbered(2 * np.pi / self._modes()[0], MODE, "s", "period of the mode")
 
     def participation(self) -> xr.DataArray:
         """Displacement of each floor in the first mode over that of `oscillator` [-], over ``floor``.
@@ -326,9 +313,7 @@ class ShearBuilding(MultistoreyBuilding):
         It is the participation factor ``phi' M 1/(phi' M phi)`` times the mode shape ``phi``.
         """
         mass, shape = self._over_all["masses"], self._modes()[1][:, 0]
-        attrs = {"units": "1", "long_name": "displacement of the floor over that of the oscillator"}
-        floors = {FLOOR: np.arange(1, mass.size + 1)}
-        return xr.DataArray((mass @ shape) * shape, dims=FLOOR, coords=floors, attrs=attrs)
+        return numbered((mass @ shape) * shape, FLOOR, *MOVES)
 
     mode_periods = periods  # names that all buildings have
     first_mode_moves = participation
@@ -386,8 +371,7 @@ class ShearBuilding(MultistoreyBuilding):
         if not self.p_delta:
             return np.zeros(self.storeys)
         above = self._over_all["masses"][::-1].cumsum()[::-1]
-        taken: Array = GRAVITY * above / self._over_all["heights"]
-        return taken
+        return GRAVITY * above / self._numbers("heights")
 
     def damping_ratios(self) -> xr.DataArray:
         """Damping ratio of every mode of the elastic building [-] over ``mode``, without the dampers.
@@ -403,8 +387,8 @@ class ShearBuilding(MultistoreyBuilding):
         >>> tower.damping_ratios().round(4).values
         array([0.05  , 0.05  , 0.0623])
         """
-        ratios = self.periods().copy(data=self._ratios(self._modes()[0]))
-        return ratios.assign_attrs(units="1", long_name="damping ratio of the mode")
+        ratios = self._ratios(self._modes()[0])
+        return numbered(ratios, MODE, "1", "damping ratio of the mode")
 
     def _ratios(self, frequencies: Array) -> Array:
         """Damping ratios (n,) of all modes, which have these circular frequencies [rad/s]."""
@@ -431,10 +415,6 @@ class ShearBuilding(MultistoreyBuilding):
         parts += [f"damping of modes {modes[0]} and {modes[1]}" if modes else ""]
         return [part for part in parts if part]
 
-    @property
-    def _yielding(self) -> int:
-        return self.storeys
-
     @cached_property
     def _over_all(self) -> dict[str, Array]:
         """Parameters of the storeys by name, each as an array (storeys,)."""
@@ -448,26 +428,20 @@ class ShearBuilding(MultistoreyBuilding):
         stiffness, taken = self._over_all["stiffnesses"], self.geometric_stiffness()
         if self.p_delta and (stiffness <= taken).any():
             worst = int(np.argmin(stiffness - taken))
-            raise ValueError(
-                f"{type(self).__name__}: the weight above takes {taken[worst]:g} N/m from storey "
-                f"{worst + 1}, which has {stiffness[worst]:g} N/m: it would fall over; give stiffer "
-                "storeys, or p_delta=False"
-            )
+            what = f"the weight above takes {taken[worst]:g} N/m from storey {worst + 1}"
+            allowed = f"less than its stiffness, {stiffness[worst]:g} N/m, or p_delta=False"
+            raise ValueError(f"{type(self).__name__}: {what}; allowed: {allowed}")
 
     def _check_damping_modes(self) -> None:
         modes, known = self.damping_modes, Whole(1, self.storeys)
         each = tuple(modes) if isinstance(modes, (tuple, list)) else ()
         if len(each) != 2 or not all(map(known.contains, each)) or each[0] == each[1]:
-            raise ValueError(
-                f"{type(self).__name__}: damping_modes = {brief(modes)}; allowed: two different modes, "
-                f"each {known}"
-            )
+            what = f"{type(self).__name__}: damping_modes = {brief(modes)}"
+            raise ValueError(f"{what}; allowed: two different modes, each {known}")
         object.__setattr__(self, "damping_modes", each)
         if (first := float(self.damping_ratios()[0])) >= 1:
-            raise ValueError(
-                f"{type(self).__name__}: damping_modes = {each} give mode 1 the damping ratio "
-                f"{first:.3g}; allowed: below 1; take mode 1 as one of them"
-            )
+            what = f"{type(self).__name__}: damping_modes = {each} give mode 1 the damping ratio"
+            raise ValueError(f"{what} {first:.3g}; allowed: below 1")
 
     def _modes(self) -> tuple[Array, Array]:
         """Circular frequencies [rad/s] of the modes, and mode shapes of unit modal mass as columns."""
