@@ -16,6 +16,7 @@ from stochlin.kernels.basics.compiled import compiled
 from stochlin.kernels.basics.rows import Rows
 from stochlin.kernels.simulation.contacts import stored_in
 from stochlin.kernels.simulation.laws import VISCOUS
+from stochlin.kernels.simulation.stepping import turned
 from stochlin.kernels.simulation.time_step import (
     COUPLE,
     KIND,
@@ -123,17 +124,16 @@ def _watch_accelerations(column, weight, dt, at, to, x, lanes):
 @compiled
 def watch_displacements(steps, at, to, x, lanes):
     """Largest and smallest displacements, at the end of the step and where they turn within it."""
-    (column, weight), dt = steps.shapes, steps.dt
+    column, weight = steps.shapes
     u, change, turn = to.scratch_1, to.scratch_2, to.scratch_3
     for i in range(column.shape[0]):
         highest, lowest = to.highest + i, to.lowest + i
         times_row(column, weight, i, x, at.q, u, lanes)
         times_row(column, weight, i, x, at.dq, change, lanes)
-        times_row(column, weight, i, x, at.known, turn, lanes)
-        for lane in range(lanes):  # the way is a parabola; the known velocity is that at the beginning
-            v0, v1 = x[turn, lane], 2.0 * x[change, lane] / dt - x[turn, lane]
-            rise = 0.5 * dt * v0 * v0 / (v0 - v1) if v0 * v1 < 0.0 else x[change, lane]
-            x[turn, lane] = x[u, lane] - x[change, lane] + rise
+        times_row(column, weight, i, x, at.known, turn, lanes)  # the velocity at the beginning
+        for lane in range(lanes):
+            end, way = x[u, lane], steps.dt * x[turn, lane]
+            x[turn, lane], _ = turned(end - x[change, lane], end, way)
         for lane in range(lanes):
             most = max(x[u, lane], x[turn, lane]) if x[to.counts, lane] > 0.0 else 0.0
             x[highest, lane] = max(x[highest, lane], most)

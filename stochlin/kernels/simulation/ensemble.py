@@ -358,10 +358,10 @@ def finite_extremes(
 
     def of_group(motion: MotionGroup) -> Extremes:
         """The extremes in one group of motions."""
-        highest, lowest = np.zeros((2, len(view.row), LANES))
+        begin, way, highest, lowest = np.zeros((4, len(view.row), LANES))
         peaks = LinkPeaks.at_rest(len(links.parameters) if links else 0)
         for out in motion.under(envelope):
-            keep_extremes(out, *view, highest, lowest)
+            keep_extremes(out, *view, begin, way, highest, lowest)
             if links is not None:
                 watch_links(links.extensions.of(out), links.parameters, crowd.plan.dt, peaks)
         lost = ~np.isfinite(view.of(out[-1:])[0])

@@ -11,7 +11,7 @@ import numpy as np
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.simulation.ensemble import Crowd, MotionGroup, View
-from stochlin.kernels.simulation.stepping import LANES
+from stochlin.kernels.simulation.stepping import LANES, turning_points
 
 AT_ONCE = 1 << 18  # displacements that are compared with gaps at once
 # Displacements of structures that have fallen, left and right: beyond any gap, but with fourth powers.
@@ -90,15 +90,20 @@ def separation_histories(
         """The histories of one group of motions."""
         survivors, beyond = np.full((instants.size, cells), LANES), np.zeros((instants.size, cells), int)
         squares, fourths = np.zeros((2, instants.size, 3, rows))
-        largest, last = np.zeros((rows, LANES)), np.zeros((2, 1, rows, LANES))
+        largest, before, way = np.zeros((3, rows, LANES))
+        last = np.zeros((2, 1, rows, LANES))
         fallen = np.zeros((2, 1, rows, LANES), bool)
         begin = 0
         for out in motion.under(envelope):
             sides = np.concatenate([last, watched.sides(out)], axis=1)  # at the start, after each step
+            apart = sides[0] - sides[1]
+            turns = apart.copy()
+            turning_points(apart[1:], before, way, turns[1:])
             if watched.falls is not None:
                 fallen = watched.fallen(out, fallen[:, -1:], motion.group)
                 sides = np.where(fallen, OUT_OF_THE_WAY, sides)
-            so_far = np.maximum(np.maximum.accumulate(sides[0] - sides[1]), largest)
+            so_far = np.maximum.accumulate(np.fmax(turns, sides[0] - sides[1]))
+            so_far = np.maximum(so_far, largest)
             last, largest = sides[:, -1:], so_far[-1]
             inside = (instants > begin) & (instants <= begin + len(out))
             step, share = np.divmod(instants[inside] - begin, 1)

@@ -255,42 +255,47 @@ def observe(out, row, weight, seen):
 
 
 @called_often
-def _widen(a, b, c, d, weight, high, low):
-    """Update the extremes by four samples in their order; values that are NaN are left out.
+def turned(begin, end, way):
+    """The displacement at which a step turns, or else ``end``, and ``way`` at the end of the step.
 
-    To the extremes so far 0 is added, since the compiler would otherwise write only to the lanes whose
-    extreme changes, and a write to some lanes takes much longer than one to all.
+    ``way`` is the velocity times the time step. By the trapezoidal rule the change of the displacement
+    is its mean at both ends, and the displacement within the step a parabola.
     """
-    for lane in range(LANES):
-        x0, x1, x2, x3 = weight * a[lane], weight * b[lane], weight * c[lane], weight * d[lane]
-        first = x1 if x1 > x0 else x0
-        last = x3 if x3 > x2 else x2
-        most = last if last > first else first
-        before = high[lane] + 0.0
-        high[lane] = most if most > before else before
-        first = x1 if x1 < x0 else x0
-        last = x3 if x3 < x2 else x2
-        least = last if last < first else first
-        before = low[lane] + 0.0
-        low[lane] = least if least < before else before
+    then = 2.0 * (end - begin) - way
+    return (begin + 0.5 * way * way / (way - then) if way * then < 0.0 else end), then
 
 
 @entry
-def keep_extremes(out, row, weight, highest, lowest):
+def turning_points(values, begin, way, turn):
+    """Write `turned` of displacements ``values`` (steps, m, LANES) to ``turn``.
+
+    ``begin`` and ``way`` (m, LANES) are those at the beginning; they are updated.
+    """
+    for s in range(values.shape[0]):
+        for i in range(values.shape[1]):
+            for lane in range(LANES):
+                end = values[s, i, lane]
+                turn[s, i, lane], way[i, lane] = turned(begin[i, lane], end, way[i, lane])
+                begin[i, lane] = end
+
+
+@entry
+def keep_extremes(out, row, weight, begin, way, highest, lowest):
     """Update the extremes (m, LANES) of weighted sums of displacements by those in ``out``.
 
-    Four samples are compared at a time, so that the extremes are written a quarter as often.
+    ``begin`` and ``way`` are those of `turning_points`. Values that are NaN are left out. To the
+    extremes so far 0 is added, since the compiler would otherwise write only to the lanes whose extreme
+    changes, and a write to some lanes takes much longer than one to all.
     """
-    four = np.empty((4, LANES))
-    last = out.shape[0] - 1
+    value = np.empty(LANES)
     for i in range(len(row)):
-        alone = row.shape[1] == 1 or weight[i, 1] == 0.0
-        n, factor = row[i, 0], weight[i, 0]
-        for s in range(0, last + 1, 4):
-            if alone:
-                t, u, v = min(s + 1, last), min(s + 2, last), min(s + 3, last)
-                _widen(out[s, n], out[t, n], out[u, n], out[v, n], factor, highest[i], lowest[i])
-            else:
-                for k in range(4):
-                    _value(out[min(s + k, last)], row[i], weight[i], four[k])
-                _widen(four[0], four[1], four[2], four[3], 1.0, highest[i], lowest[i])
+        for s in range(out.shape[0]):
+            _value(out[s], row[i], weight[i], value)
+            for lane in range(LANES):
+                end = value[lane]
+                turn, way[i, lane] = turned(begin[i, lane], end, way[i, lane])
+                begin[i, lane] = end
+                high, low = highest[i, lane] + 0.0, lowest[i, lane] + 0.0
+                most, least = (turn, end) if turn > end else (end, turn)
+                highest[i, lane] = most if most > high else high
+                lowest[i, lane] = least if least < low else low
