@@ -11,7 +11,14 @@ from scipy.integrate import solve_ivp
 from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.ensemble import SteppedStructures
 from stochlin.kernels.simulation.laws import BILINEAR, BOUC_WEN, OTHER, by_number
-from stochlin.kernels.simulation.stepping import LANES, bilinear_block, filter_steps, ground_block
+from stochlin.kernels.simulation.stepping import (
+    LANES,
+    bilinear_block,
+    filter_steps,
+    ground_block,
+    keep_extremes,
+    turning_points,
+)
 from stochlin.kernels.simulation.time_step import Elements
 
 pytestmark = pytest.mark.oracle
@@ -322,3 +329,20 @@ def test_noise_free_ground_decays_as_the_continuous_filter(filters):
         off.append(np.abs(f.mean(axis=0) - output @ integral).max())
     for coarse, fine in (errors, off):
         assert 3.8 < coarse / fine < 4.2
+
+
+@pytest.mark.parametrize("steps", [30.8, 32.9, 33.4])
+def test_a_peak_between_two_steps_is_known_to_1e_5(steps):
+    """Of ``1 - cos``, whose steps miss it by 1e-3 or more, also in the difference of two of them."""
+    path = 1 - np.cos(2 * np.pi / steps * np.arange(1.0, 41.0))
+    assert 2 - path.max() > 1e-3
+    out = np.repeat(np.stack([3 * path, path], axis=1)[..., None], LANES, axis=2)
+    begin, way, highest, lowest = np.zeros((4, 2, LANES))
+    for part in np.split(out, [20]):  # block by block
+        row, weight = np.array([[0, 1], [1, 0]]), np.array([[1.0, -1.0], [-1.0, 0.0]])
+        keep_extremes(part, row, weight, begin, way, highest, lowest)
+    for found, exact in ((highest[0], 4.0), (lowest[0], 0.0), (highest[1], 0.0), (lowest[1], -2.0)):
+        np.testing.assert_allclose(found, exact, rtol=1e-5, atol=5e-5)
+    turn = np.empty_like(out)
+    turning_points(out, *np.zeros((2, 2, LANES)), turn)
+    np.testing.assert_allclose(turn.max(axis=0), [[6.0] * LANES, [2.0] * LANES], rtol=1e-5)

@@ -34,7 +34,7 @@ from stochlin.models.parameters import Model
 
 PERIODS = 48  # number of periods at which a target spectrum is compared
 QUANTILES = (0.16, 0.5, 0.84)
-# In the shortest period. A peak between two steps is missed: with n steps a sinusoid loses (pi/n)^2/6.
+# In the shortest period. With n steps a period is longer by the factor 1 + (2 pi/n)^2/12.
 STEPS_PER_PERIOD = 64
 PGA_STEP = 0.01  # [s], of the motions whose peaks are counted; they grow with smaller steps
 TOGETHER = 24  # oscillators of neighbouring periods that have the same time step
