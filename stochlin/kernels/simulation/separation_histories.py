@@ -102,8 +102,7 @@ def separation_histories(
             if watched.falls is not None:
                 fallen = watched.fallen(out, fallen[:, -1:], motion.group)
                 sides = np.where(fallen, OUT_OF_THE_WAY, sides)
-            so_far = np.maximum.accumulate(np.fmax(turns, sides[0] - sides[1]))
-            so_far = np.maximum(so_far, largest)
+            so_far = np.maximum(np.maximum.accumulate(np.fmax(turns, sides[0] - sides[1])), largest)
             last, largest = sides[:, -1:], so_far[-1]
             inside = (instants > begin) & (instants <= begin + len(out))
             step, share = np.divmod(instants[inside] - begin, 1)
