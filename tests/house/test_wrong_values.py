@@ -1,4 +1,4 @@
-"""Every public call with every kind of wrong value: what is raised is one short line for the user."""
+"""Every public call with wrong values, and every kind of structure: an answer, or one short line."""
 
 import inspect
 import re
@@ -285,4 +285,93 @@ def test_what_is_wrong_is_said_in_a_line_that_names_the_parameter(name: str, tmp
             error = complaint(call, given | {parameter: value})
             if fault := unfit(error, parameter):
                 said.append(f"{parameter}, {kind}: {fault}: {type(error).__name__} {str(error)[:200]!r}")
+    assert not said, "\n".join(said)
+
+
+# --- Structures of every kind -------------------------------------------------------------------------
+
+
+def oscillators(kind: Any, **law: Any) -> tuple[Any, Any]:
+    one, two = (kind(T, 0.05, 0.05, yield_displacement=5e-4, mass=1e5, **law) for T in (0.1, 0.14))
+    return one, two
+
+
+def shear(law: Any) -> tuple[Any, Any]:
+    strength = {"hardening": 0.5, "yield_drifts": 0.001, "law": law}
+    one, two = (
+        sl.ShearBuilding([1e5] * n, [1e9] * n, [3.0] * n, 0.05, **strength)  # type: ignore[arg-type]
+        for n in (2, 3)
+    )
+    return one, two
+
+
+def by_modes(storeys: int) -> sl.ModalBuilding:
+    """A uniform chain of these storeys by its modes, in closed form; the first one yields."""
+    phase = (2 * np.arange(1, storeys + 1) - 1) * np.pi / (4 * storeys + 2)
+    shapes = np.sin(2 * phase[:, None] * np.arange(1, storeys + 1))
+    chain = np.pi / (100 * np.sin(phase)), shapes, [1e5] * storeys, [3.0] * storeys
+    return sl.ModalBuilding(*chain, 0.05, hardening=0.5, yield_displacements=0.001)
+
+
+@cache
+def kinds() -> list[tuple[Any, Any]]:
+    """Pairs of every kind and law, the bilinear one first."""
+    own, worn = V - (abs(V) * Z + V * abs(Z)) / 2, {"strength_decay": 0.02, "pinching": 0.9}
+    pairs = [oscillators(each) for each in (sl.Bilinear, sl.BoucWen, sl.ModifiedClough, sl.Flag)]
+    pairs += [oscillators(sl.Hysteretic, law=own), oscillators(sl.BoucWenBaberNoori, **worn)]
+    pairs += [shear(law) for law in ("bilinear", "bouc_wen", "modified_clough", own)]
+    return [*pairs, (by_modes(2), by_modes(3)), (pairs[0][0], shear("bilinear")[1])]
+
+
+GROUNDS = sl.KanaiTajimi(0.2, 0.6, 0.01), sl.WhiteNoise(0.01), sl.CloughPenzien(0.2, 0.6, 1.0, 0.6, 0.01)
+SIZES = {"duration": 0.15, "paths": 16, "relaxation_times": 1.0, "points": 5}
+WAYS: dict[str, list[dict[str, Any]]] = {
+    "linearize": [{"closure": "clipped"}, {"closure": "drift"}],
+    "correlate": [
+        {"closure": "drift"},
+        *({"method": name} for name in ("white_noise", "effective", "simulation")),
+    ],
+    "linearize_system": [{"links": [sl.Link(1e6, 1e5)]}],
+    "simulate": [{"link": sl.Link(1e6, 1e5)}],
+    "amplification": [{"of": "peak"}, {"method": "simulation"}],
+    "pounding_probability": [{"method": "hybrid", "record": RECORD[:20], "duration": None}],
+    "separation": [{"second": None}, {"records": {"a": RECORD[:20]}}],
+    "sensitivity": [{"second": None}],
+    "pound": [{"link": sl.Link(1e6, 1e5)}],
+    "code_gaps": [{"peak_1": None, "peak_2": None, "spectrum": sl.eurocode_8(2.0, "B")}],
+}
+OF_PAIR: dict[str, Callable[[Any, Any], Any]] = {
+    **dict.fromkeys(("structure", "first", "modes_1"), lambda first, second: first),
+    **dict.fromkeys(("second", "modes_2"), lambda first, second: second),
+    "structures": lambda first, second: [first, second],
+}
+OF_STRUCTURES = [
+    name
+    for name in NAMES
+    if inspect.isfunction(call := attrgetter(name)(sl))
+    and OF_PAIR.keys() & inspect.signature(call).parameters
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", OF_STRUCTURES)
+def test_structures_of_any_kind_are_answered_or_refused_in_words(name: str, tmp_path: Path) -> None:
+    call, given = attrgetter(name)(sl), arguments(name, tmp_path)
+    parameters = inspect.signature(call).parameters
+    short = {key: value for key, value in SIZES.items() if key in parameters}
+    short |= {"record": RECORD[:20]} if "record" in given else {}
+    pairs = [(pair, GROUNDS[0]) for pair in kinds()] + [(kinds()[0], ground) for ground in GROUNDS[1:]]
+    said = []
+    for way in [{}, *WAYS.get(name, [])]:
+        for pair, ground in pairs:
+            here = {
+                key: of(*pair) for key, of in OF_PAIR.items() if key in given or key[:-1] == "modes_"
+            }
+            here |= {"ground": ground} if "ground" in given else {}
+            tried = given | short | here | way
+            error = complaint(call, {key: value for key, value in tried.items() if key in parameters})
+            words = "" if error is None else str(error)
+            fine = any(word in words for word in ("allowed", "give", "write", "follow"))
+            if error is not None and not (fine and words.isprintable() and len(words) <= LONGEST):
+                said.append(f"{way}, {[type(each).__name__ for each in pair]}: {error!r}")
     assert not said, "\n".join(said)
