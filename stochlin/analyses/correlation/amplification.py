@@ -100,7 +100,7 @@ def amplification(
         ``displacement_std`` [m] and ``ductility_std`` [-] of the inelastic structure, and ``status``.
         Linearization adds ``bias`` [-], the relative error of these three against the drift closure, and
         ``caution``, a flag that is set where the bias exceeds 10 % or is unknown, both as in
-        `linearize`. Simulation adds ``amplification_standard_error`` [-].
+        `linearize`. Simulation adds ``amplification_standard_error`` [-] and ``drift_memory`` [s].
 
         For peaks: ``amplification`` [-], the mean of ``max |u|`` of the structure over that of its
         elastic counterpart, with its standard error; ``peak_mean`` and ``elastic_peak_mean`` [m] with
@@ -161,7 +161,8 @@ def amplification(
             table.attrs["comment"] = inelastic.attrs["comment"]
     else:
         pairs = correlate(structure, structure, ground, method, paths=paths, seed=seed)
-        names = {f"{name}_1": name for name in ("displacement_std", "ductility_std", STD_ERROR)}
+        shown = ("displacement_std", "ductility_std", "drift_memory", STD_ERROR)
+        names = {f"{name}_1": name for name in shown}
         table, how = pairs[[*names, "status"]].rename(names), f"paths={paths}, seed={seed}"
         table["amplification_standard_error"] = table[STD_ERROR] / elastic
         table = table.drop_vars(STD_ERROR)

@@ -118,9 +118,10 @@ def correlate(
         ``ductility_std``.
 
         Simulation adds ``rho_standard_error`` [-], ``displacement_std_standard_error_1`` and ``_2`` [m],
-        and ``drift_1`` and ``_2`` [-], the change of the variance during the run in standard errors. If
-        it exceeds 5, the run was too short to be stationary, and the cell is ``not_converged``. Floors
-        have the statuses of `simulate`, the worst of them for all.
+        ``drift_memory_1`` and ``_2`` [s], the relaxation times of the plastic drifts as `simulate` gives
+        them, and ``drift_1`` and ``_2`` [-], the change of the variance during the run in standard
+        errors. If it exceeds 5, the run was too short to be stationary, and the cell is
+        ``not_converged``. Floors have the statuses of `simulate`, the worst of them for all.
 
         If one structure is a building with storeys (linearization and simulation only), ``rho`` and
         ``relative_displacement_std`` are over ``floor``, the floors of the first structure, and

@@ -49,7 +49,14 @@ def planned_runs(
     second.check_stationary("second")
     sides, ground = (computed(first), computed(second)), computed(ground)
     if not lazy and any(array.size > 1 for array in ground.arrays().values()):
-        _check_grounds(*sides, ground, settings)
+        seconds = over_grounds(partial(_seconds, settings=settings), sides, ground).seconds
+        check_work(
+            f"the simulations on {seconds.size} grounds would take",
+            "take fewer grounds at a time, lower paths or relaxation_times, or leave out structures "
+            "that yield rarely",
+            seconds=float(seconds.sum()),
+            cores=cores(),
+        )
     return over_grounds(partial(_planned, settings=settings, lazy=lazy), sides, ground)
 
 
@@ -102,6 +109,9 @@ class _Pairs(NamedTuple):
         (cells_1, index_1), (cells_2, index_2) = cells_of(first, ground), cells_of(second, ground)
         return cls(join_cells([cells_1, cells_2]), (index_1, index_2 + cells_1.valid.size))
 
+    def of_cells(self, values: Array, *index: xr.DataArray) -> xr.DataArray:
+        return xr.apply_ufunc(lambda *i: values[i], *index, join="exact")
+
     def run(self, ground: Ground, settings: SimulationSettings, **options: Any) -> SimulationRun:
         return prepare(
             self.cells,
@@ -116,9 +126,12 @@ class _Pairs(NamedTuple):
 def _planned(
     first: Structure, second: Structure, ground: Ground, settings: SimulationSettings, lazy: bool
 ) -> xr.Dataset:
-    run = _Pairs.of(first, second, ground).run(ground, settings, moments=not lazy)
+    pairs = _Pairs.of(first, second, ground)
+    run = pairs.run(ground, settings, moments=not lazy)
     run = with_length(run, settings.relaxation_times, measured_alone=lazy)
-    plan: dict[str, float] = {name: getattr(run.plan, name) for name in PLANNED}
+    plan: dict[str, Any] = {name: getattr(run.plan, name) for name in PLANNED}
+    for n, index in enumerate(pairs.places, start=1):
+        plan[f"drift_memory_{n}"] = pairs.of_cells(run.drift_memory, index)
     return xr.Dataset(plan, attrs=run_attributes(run))
 
 
@@ -139,22 +152,7 @@ def _on_one_ground(
         none, status = np.full(valid.size, np.nan), np.full(valid.size, labels.INVALID_INPUT, np.int8)
         square = np.full((valid.size, valid.size), np.nan)
         moments = MomentEstimates(none, none, square, square, none, status)
-    return _table(pairs, moments).assign_attrs(runs.attrs)
-
-
-def _check_grounds(
-    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
-) -> None:
-    """Raise a ValueError if the simulations on all grounds would together take too long."""
-    seconds = over_grounds(partial(_seconds, settings=settings), (first, second), ground).seconds
-    grounds = seconds.size
-    check_work(
-        f"the simulations on {grounds} grounds would take",
-        "take fewer grounds at a time, lower paths or relaxation_times, or leave out structures that "
-        "yield rarely",
-        seconds=float(seconds.sum()),
-        cores=cores(),
-    )
+    return _table(pairs, moments).assign(runs.drop_vars(PLANNED)).assign_attrs(runs.attrs)
 
 
 def _seconds(
@@ -165,11 +163,7 @@ def _seconds(
 
 
 def _table(pairs: _Pairs, moments: MomentEstimates) -> xr.Dataset:
-    index_1, index_2 = pairs.places
-
-    def of_cells(values: Array, *index: xr.DataArray) -> xr.DataArray:
-        return xr.apply_ufunc(lambda *i: values[i], *index, join="exact")
-
+    (index_1, index_2), of_cells = pairs.places, pairs.of_cells
     worst = xr.apply_ufunc(
         np.maximum, of_cells(moments.status, index_1), of_cells(moments.status, index_2), join="exact"
     )

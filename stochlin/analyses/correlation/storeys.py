@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from stochlin.analyses.correlation.correlation import Query
 
 LINEARIZATION, SIMULATION = "linearization", "simulation"
-OF_FLOORS = ("displacement_std", "displacement_std_standard_error", "drift")
+OF_FLOORS = ("displacement_std", "displacement_std_standard_error", "drift", "drift_memory")
 
 
 def floor_pairs(pair: tuple[AnyStructure, AnyStructure], ground: Ground, query: Query) -> xr.Dataset:

@@ -22,7 +22,6 @@ from stochlin.kernels.simulation.laws import (
     by_number,
 )
 from stochlin.kernels.simulation.time_step import Elements
-from stochlin.models.links import Link
 from stochlin.models.systems import Arrangement, Stack
 
 # Least share of the mass in a mode that determines the time step. Higher modes are integrated stably.
@@ -165,7 +164,7 @@ def elements_of(system: Arrangement, members: Array) -> tuple[Elements, Any]:
         force.append(list(tie.link.spring))
         if not tie.link.is_power_law:
             damping += tie.link.number("damping_constant") * np.outer(along, along)
-        kinds.append(_kind(tie.link))
+        kinds.append(BILINEAR if tie.link.yields else LINEAR)
         own.append(np.empty(0))
     for along, tie in zip(drifts[n:], ties, strict=True):
         if tie.link.is_power_law:
@@ -207,10 +206,6 @@ def shortest_mode(system: System, of_displacements: bool = False) -> float:
         yields = strained[system.couple > 0].max(axis=0, initial=0.0) > ROUNDING * strained.max(axis=0)
         matter &= yields | (static >= LEAST_DISPLACEMENT * static.max())
     return float(periods[matter].min())
-
-
-def _kind(link: Link) -> int:
-    return BILINEAR if link.yields else LINEAR
 
 
 def laws_of(steps: Sequence[int | RateLaw]) -> tuple[Array, Array, Any]:

@@ -77,6 +77,13 @@ class SimulationRun(NamedTuple):
         """Time step, duration, number and seed of the motions."""
         return self.crowd.plan
 
+    @property
+    def drift_memory(self) -> Array:
+        """`drift_time` of all floors (n,) [s]; NaN of those that cannot be simulated."""
+        times = np.full(self.valid.size, np.nan)
+        times[self.valid] = self.drift_time
+        return times
+
     def with_plan(self, **changes: Any) -> SimulationRun:
         """The run with other entries of the plan."""
         return self._replace(crowd=self.crowd._replace(plan=self.plan._replace(**changes)))

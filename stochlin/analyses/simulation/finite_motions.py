@@ -32,7 +32,6 @@ from stochlin.kernels.simulation.stepping import LANES, whole_groups
 from stochlin.messages import brief
 from stochlin.models.arguments import checked, is_number
 from stochlin.models.envelopes import Envelope, envelope_at
-from stochlin.models.links import Link
 from stochlin.models.systems import AnyStructure, Arrangement, Tie
 
 TAIL = (1 - 0.95) / 2  # probability on each side of a 95 % interval
@@ -88,9 +87,8 @@ def check_response(system: Arrangement, finite: Array) -> None:
     lost = ~np.logical_and.reduceat(finite, system.first[:-1], axis=1)
     if lost.any():
         worst = int(np.argmax(lost.sum(axis=0)))
-        motions = f" in {lost[:, worst].sum()} of {len(lost)} motions" if len(lost) > 1 else ""
         raise ArithmeticError(
-            f"structures, number {worst + 1}: its response is no longer finite{motions}; {RUNS_AWAY}"
+            f"structures, number {worst + 1}: its response is no longer finite; {RUNS_AWAY}"
         )
 
 
@@ -153,7 +151,9 @@ def simulate_finite(
         coords["height"] = labels.axis("height", HEIGHT, heights, "m").height
     if system.ties:
         coords |= link_coordinates([tie.number for tie in system.ties])
-        samples |= _of_links(extremes, np.asarray(fallen.any(axis=1, keepdims=True)))
+        of_links = extremes.force, extremes.stroke, extremes.energy
+        for name, each in zip(OF_LINKS, of_links, strict=True):
+            samples[name] = ("path", LINK), np.where(fallen.any(axis=1)[:, None], np.inf, each)
     means = _means(samples)
     if storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength
@@ -164,15 +164,6 @@ def simulate_finite(
     coords["quantile"] = "quantile", levels, {"units": "1", "long_name": "quantile"}
     # Made at once, because each addition to a dataset takes a millisecond.
     return xr.Dataset(samples | means | quantile, coords, finite_attributes(run, duration, envelope))
-
-
-def _of_links(extremes: Extremes, fallen: Array) -> Columns:
-    """Results of links, which are infinite in motions (motions, 1) in which a structure has fallen."""
-    values = extremes.force, extremes.stroke, extremes.energy
-    return {
-        name: (("path", LINK), np.where(fallen, np.inf, each))
-        for name, each in zip(OF_LINKS, values, strict=True)
-    }
 
 
 def _means(samples: Columns) -> Columns:
@@ -231,13 +222,11 @@ def _extremes(
     if ties:
         terms = [{tie.one: 1.0} | ({tie.two: -1.0} if tie.two >= 0 else {}) for tie in ties]
         extensions = view_of(terms, run.order, run.scale)
-        links = Links(extensions, np.array([_parameters(tie.link) for tie in ties]))
+        springs = [
+            [*tie.link.spring, tie.link.number("damping_constant"), tie.link.exponent] for tie in ties
+        ]
+        links = Links(extensions, np.array(springs))
     return finite_extremes(crowd, view_of(functions, run.order, run.scale), shape, progress, links)
-
-
-def _parameters(link: Link) -> list[float]:
-    """The parameters of a link as `watch_links` takes them."""
-    return [*link.spring, link.number("damping_constant"), link.exponent]
 
 
 def _at_heights(

@@ -30,9 +30,9 @@ def with_length(
 ) -> SimulationRun:
     """The run with burn-in and duration, which are multiples of its memory.
 
-    If the memory is that of a plastic drift, it is measured. Before that, a ValueError is raised if the
-    run, with the memory by linearization, would take too long; with ``measured_alone`` (the run itself
-    is split into chunks) only if the measurement would.
+    If the memory is that of a plastic drift, the memories of all drifts are measured. Before that, a
+    ValueError is raised if the run, with the memory by linearization, would take too long; with
+    ``measured_alone`` (the run itself is split into chunks) only if the measurement would.
     """
     expected = run.drift_time
     slowest, period = float(expected.max()), float(run.period[np.argmax(expected)])
@@ -48,10 +48,9 @@ def with_length(
         cores=cores(),
     )
     if slowest > run.memory:
-        measured = _measure(run, slowest)[run.order]
-        slowest = float(np.minimum(measured, expected).max())
-    memory = max(run.memory, slowest)
-    return run._replace(memory=memory).with_plan(
+        expected = np.minimum(_measure(run, slowest)[run.order], expected)
+    memory = max(run.memory, float(expected.max()))
+    return run._replace(memory=memory, drift_time=expected).with_plan(
         burn_in=int(np.ceil(BURN_IN * memory / run.plan.block)),
         recorded=max(2, int(np.ceil(relaxation_times * memory / run.plan.block))),
     )

@@ -17,6 +17,7 @@ VARIABLES: Variables = {
     ),
     "rho_standard_error": ("1", "standard error of rho"),
     "drift": ("1", "change of the variance during the run, in standard errors"),
+    "drift_memory": ("s", "relaxation time of the plastic drift"),
     "peak": ("m", "peak absolute displacement"),
     "peak_positive": ("m", "peak displacement in the positive direction"),
     "peak_negative": ("m", "peak displacement in the negative direction"),
