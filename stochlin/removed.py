@@ -5,6 +5,8 @@ Whoever still uses it reads the clause in an error.
 """
 
 REMOVED: dict[str, str] = {
+    "amplification_limit": "mitigate has amplification_1 and _2 of every measure in the records",
+    "mitigation": "stochlin mitigate shows the amplification of every measure in the records",
     "example_case": "stochlin gap --example prints it",
     "example_record": "stochlin gap --example-record prints it",
     "draw_pushover": "matplotlib plots base_shear and idealized_base_shear of bilinear_of",

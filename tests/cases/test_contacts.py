@@ -109,7 +109,6 @@ def test_measures_of_the_example(tmp_path: Path) -> None:
         "A stiffer and stronger annex": sl.Measure(stiffening_2=1.5, strengthening_2=1.3),
     }
     assert next(iter(case.measures)) == "Dampers in the annex"
-    assert case.amplification_limit == 1.2
     assert case.contact == sl.Kelvin(2e9, restitution=0.65)
 
 
@@ -126,7 +125,6 @@ restitution = 0.4
     case = read(tmp_path, EXAMPLE.replace(MEASURES, lines))
     link = sl.Link(stiffness=3e6, damping_constant=2e3)
     assert case.measures == {"All": sl.Measure(0.1, 0.05, link, sl.Stereomechanical(0.4))}
-    assert case.amplification_limit is None
 
 
 def test_devices_stand_in_storeys(tmp_path: Path) -> None:

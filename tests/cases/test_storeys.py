@@ -55,7 +55,7 @@ def read(
     text = cases.with_buildings(*buildings).replace("align = true", f"align = {align}")
     text = text.replace('existing = "5 cm"', f"existing = {gaps}")
     path = folder / "case.toml"
-    path.write_text(text.replace("[mitigation]", f"{more}\n[mitigation]"), encoding="utf-8")
+    path.write_text(f"{text}\n{more}\n", encoding="utf-8")
     return sl.read_case(path)
 
 

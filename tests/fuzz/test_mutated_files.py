@@ -188,7 +188,6 @@ LINES = [
         '[measures."\\u0007"]',
         'zone = "II"',
         "confidence = 2",
-        "[mitigation]",
         "a.b.c = 1",
     ),
 ]

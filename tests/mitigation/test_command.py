@@ -1,11 +1,9 @@
 """``stochlin mitigate``: what it says, saves and draws."""
 
-import re
-
 import numpy as np
 import pytest
 import xarray as xr
-from cases import example_case, recorded_example, storeyed_building, with_buildings
+from cases import example_case, recorded_example
 from commands import answered, invoke, refused
 
 import stochlin as sl
@@ -75,31 +73,11 @@ def test_it_says_what_the_library_says(kind, request):
         np.testing.assert_array_equal(saved[name], table[name])
     assert saved.attrs["gap_m"] == table.attrs["gap_m"]
     assert (folder / "m.png").stat().st_size > 20_000
-
-
-def test_devices_are_shown_in_a_table_and_saved(enough):
-    folder, result = enough
-    lines = result.output.splitlines()
-    begin = lines.index("Devices:")
-    with xr.open_dataset(folder / "m.nc") as opened:
-        saved = opened.load()
-    shown = 0
-    for measure in saved.measure.values:
-        row = saved.sel(measure=measure, device=1)
-        if not row.device_kind.item():
-            continue
-        line = next(one for one in lines[begin:] if one.startswith(f"{measure}  "))
-        assert f"{row.device_kind.item()} {row.device_place.item()}" in line
-        for name, unit, digits in (("force", 1e3, 3), ("stroke", 0.01, 2), ("energy", 1e3, 3)):
-            mean, high = (float(row[f"device_{name}_{end}"]) / unit for end in ("mean", "quantile"))
-            cells = [float(one) for one in re.findall(r"[\d.]+", line.partition(" to ")[2])]
-            for value in (mean, high):
-                near = 10.0 ** (np.ceil(np.log10(value)) - digits) if value > 0 else 0.0
-                assert min(abs(value - cell) for cell in cells) <= near, (name, line)
-        shown += 1
-    assert shown >= 2
-    told = " ".join(result.output.split())
-    assert told.count("partial factors of codes") == 1
+    device = next(one for one in result.output.splitlines() if "damper 1 to ground" in one)
+    of_device = table.sel(measure="Braces in the office block", device=1)
+    ends = [1e-3 * float(of_device[f"device_force_{end}"]) for end in ("mean", "quantile")]
+    assert " | ".join(f"{end:.0f}" for end in ends) in device
+    assert ("so no further measure is searched." in result.output) == (kind == "enough")
 
 
 def test_a_table_of_rows_has_no_devices(tmp_path):
@@ -142,60 +120,6 @@ def test_bumpers_that_would_be_crushed_and_forces_of_links_are_shown(tmp_path):
         assert float(braced.largest_link_force) > 0.6e6
 
 
-def test_a_gap_that_is_enough_asks_for_nothing_more(enough):
-    _, result = enough
-    assert result.exit_code == 0, result.output
-    assert "so no further measure is searched." in " ".join(result.output.split())
-    assert "least" not in result.output.split("Damping: added")[0]
-
-
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ([('existing = "5 cm"', "")], 'write existing = "5 cm" in [separation], "0 cm" for buildings'),
-        (
-            [('existing = "5 cm"', 'existing = "0 cm"')],
-            "measures['Rubber bumpers']: bumper_thickness = 0.02 m fills",
-        ),
-        ([('mass = "3200 t"', "")], "measures['Dampers between both']: structure 1: mass is not given"),
-        (
-            [('bumper_thickness = "2 cm"', 'bumper_thickness = "50 mm"')],
-            "case.toml: measures['Rubber bumpers']: bumper_thickness = 0.05 m fills the gap of 0.05 m",
-        ),
-        (
-            [('reduction_factor = 4\nheight = "15 m"', 'elastic = true\nheight = "15 m"')],
-            "stronger annex']: strengthening_2 = 1.3, and structure 2 never yields",
-        ),
-        (
-            [
-                ('mass = "3200 t"', ""),
-                ('link_damping_constant = "5 MN s/m"', "added_damping_1 = 0.1"),
-            ],
-            "measures['Braces in the office block']: structure 1: mass is not given",
-        ),
-    ],
-)
-def test_cases_that_have_no_answer_are_refused_in_words(tmp_path, changes, told):
-    assert told in refused("mitigate", case_file(tmp_path, *changes))
-
-
-@pytest.mark.slow
-def test_floors_that_are_not_level_are_told_and_links_have_to_say_theirs(tmp_path):
-    storeys = [storeyed_building(n, start) for n, start in ((1, "period"), (2, "masses"))]
-    path = tmp_path / "case.toml"
-    text = with_buildings(*storeys).replace(*FEW).replace("align = true", "align = false")
-    path.write_text(text.replace('duration = "20 s"', 'duration = "8 s"'))
-    said = refused("mitigate", path)
-    assert (
-        "case.toml: measures['Dampers between both']: link 1: the structures have no two floors" in said
-    )
-    constant = 'link_damping_constant = "5 MN s/m"'
-    path.write_text(path.read_text().replace(constant, f"{constant}\nlink_floors = [3, 3]"))
-    result = answered("mitigate", path)
-    assert "Floors are not level: floor 1 of Block 1, at 3 m" in " ".join(result.output.split())
-    assert "least dashpot between: not searched" in result.output
-
-
 def test_the_picture_shows_the_thickness_of_bumpers_below_the_gap_that_is_needed(enough):
     """Both in cm, as a bar that ends at the gap needed."""
     folder, _ = enough
@@ -207,8 +131,20 @@ def test_the_picture_shows_the_thickness_of_bumpers_below_the_gap_that_is_needed
     (bar,) = drawn.get_segments()
     np.testing.assert_allclose(bar, [[float(end), row] for end in ends], rtol=1e-12)
     assert float(ends[1] - ends[0]) == pytest.approx(2.0, rel=1e-12)
-
-
-def test_the_picture_takes_nothing_else():
     with pytest.raises(ValueError, match="allowed: a dataset that mitigate returns"):
         draw_measures(xr.Dataset())
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ([('existing = "5 cm"', "")], 'write existing = "5 cm" in [separation], "0 cm" for buildings'),
+        ([('mass = "3200 t"', "")], "measures['Dampers between both']: structure 1: mass is not given"),
+        (
+            [('bumper_thickness = "2 cm"', 'bumper_thickness = "50 mm"')],
+            "case.toml: measures['Rubber bumpers']: bumper_thickness = 0.05 m fills the gap of 0.05 m",
+        ),
+    ],
+)
+def test_cases_that_have_no_answer_are_refused_in_words(tmp_path, changes, told):
+    assert told in refused("mitigate", case_file(tmp_path, *changes))

@@ -84,17 +84,6 @@ def test_energies_of_links_are_those_of_the_balance():
     assert found > 0.2 * float(end.input_energy.sum())
 
 
-def test_force_of_a_linear_link_is_that_of_its_spring_and_dashpot():
-    """By the histories of both floors; the peak is that of means over steps."""
-    link = sl.Link(2e7, 2e6)
-    table = sl.pound(pair(), 5.0, STIFF, harmonic(6.0, duration=20.0), link=link)
-    apart, fast = (table[n].diff("structure").values[:, 0] for n in ("displacement", "velocity"))
-    force = -(link.stiffness * apart + link.damping_constant * fast)
-    np.testing.assert_allclose(table.link_force[:, 0], force, rtol=1e-9, atol=1e-6)
-    assert float(table.peak_link_force[0]) == pytest.approx(np.abs(force).max(), rel=2e-3)
-    assert float(table.peak_link_stroke[0]) == pytest.approx(np.abs(apart).max(), rel=1e-3)
-
-
 def test_a_linear_damper_in_a_harmonic_motion_dissipates_pi_c_w_a_squared_in_each_cycle():
     w, seconds = 6.0, 80.0
     device = sl.Link(1e6, 3e6, structures=(1, 1), floors=(1, 0))
@@ -153,14 +142,6 @@ def test_measures_without_devices_have_none(table):
         assert bool(row.device_force_mean.isnull().all())
     plain = sl.mitigate(*pair(), FIRM, 8.0, 0.5, {"damping": sl.Measure(0.1)}, paths=32)
     assert "device" not in plain.dims
-
-
-def test_devices_have_units_and_names(table):
-    for name, unit in (("force", "N"), ("stroke", "m"), ("energy", "J")):
-        for end in ("_mean", "_mean_standard_error", "_quantile", "_quantile_upper"):
-            attrs = table[f"device_{name}{end}"].attrs
-            assert attrs["units"] == unit
-            assert attrs["long_name"]
 
 
 def test_floors_of_devices_in_buildings_with_storeys():

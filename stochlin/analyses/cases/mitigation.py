@@ -27,11 +27,7 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
         cure = 'write existing = "5 cm" in [separation], "0 cm" for buildings that touch'
         raise error_of(case, f"measures are compared for the existing gap; {cure}")
     pounding = case.site.records and case.contact and first.weighed and second.weighed
-    in_records = {
-        "contact": case.contact,
-        "records": dict(case.site.records) if pounding else None,
-        "amplification_limit": case.amplification_limit if pounding else None,
-    }
+    in_records = {"contact": case.contact, "records": dict(case.site.records) if pounding else None}
     ground, options = case.site.sampled_ground, {**motion_of(case), **in_records, "progress": progress}
     with named_errors(case):
         table = mitigate(

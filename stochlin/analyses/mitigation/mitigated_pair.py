@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -20,6 +20,7 @@ from stochlin.analyses.simulation.finite_motions import (
     enough_motions,
     keeping_apart,
     mean_columns,
+    mean_with_error,
     pair_peaks,
     pair_separation,
     quantile_columns,
@@ -37,6 +38,8 @@ from stochlin.models.uncertain import applied, median_of
 
 DEVICE = "device"
 OF_DEVICES = "device_force", "device_stroke", "device_energy"
+OF_PEAKS = "peak_mean", "peak_mean_standard_error"
+SHOWN = "added_damping_1", "added_damping_2", "bumper_thickness"  # parameters of a measure
 LEVEL = np.array([0.95])  # of the quantile of these over motions
 
 
@@ -47,7 +50,6 @@ class MitigatedPair:
     structures: tuple[Any, Any]
     ground: Ground
     gap: float
-    confidence: float
     motion: Mapping[str, Any]  # other options of `simulate`
     paths: tuple[int, int]  # fewest and most motions
     contact: Contact | None
@@ -100,18 +102,18 @@ class MitigatedPair:
         """All results of a measure; contact between bumpers counts as pounding."""
         motions = self.built if measure == Measure() else self.simulated(measure)
         gaps = zip(labels.VALUE_AND_ENDS, required_gaps(motions), strict=True)
+        peaks = zip(OF_PEAKS, mean_with_error(pair_peaks(motions)), strict=True)
         columns = {
-            **{name: getattr(measure, name) for name in measure.parameter_names()},
-            **_sums([link for link in measure.links if not link.within_one]),
-            **{f"devices_{n}": sum(link.structures == (n, n) for link in measure.links) for n in (1, 2)},
+            **{name: getattr(measure, name) for name in SHOWN},
+            "link_damping_constant": _of_dashpots(measure.links),
             **{f"required_gap{end}": gap + measure.bumper_thickness for end, gap in gaps},
             **keeping_apart(pair_separation(motions), self.open_gap(measure)),
-            **mean_columns("peak", ["structure"], pair_peaks(motions)),
+            **{f"{name}_{n + 1}": values[n] for name, values in peaks for n in (0, 1)},
             **self._linearized(measure),
         }
         devices = _devices(motions, self.system(measure)) if measure.links else xr.Dataset()
-        recorded = self.recorded(measure) if self.records else xr.Dataset()
-        return _by_structure(xr.Dataset(columns)).merge(devices).merge(recorded)
+        recorded = self._recorded(measure) if self.records else xr.Dataset()
+        return xr.Dataset(columns).merge(devices).merge(recorded)
 
     @cached_property
     def built(self) -> xr.Dataset:
@@ -125,7 +127,6 @@ class MitigatedPair:
             self.ground,
             **self.motion,
             paths=paths or self.built.sizes["path"],
-            quantiles=[self.confidence],
             link=measure.links,
         )
 
@@ -137,7 +138,7 @@ class MitigatedPair:
             rho, apart = linearized_at_roof(self.known(measure), median_of(self.ground), measure.links)
         return {"rho": rho, "relative_displacement_std": apart}
 
-    def recorded(self, measure: Measure) -> xr.Dataset:
+    def _recorded(self, measure: Measure) -> xr.Dataset:
         """Amplifications, impacts and forces over ``record``, from pounding."""
         table = self._pounded(measure)
         nothing = xr.full_like(table.hardest_force, np.nan)
@@ -151,11 +152,6 @@ class MitigatedPair:
         whole = {name: each.max(set(each.dims) - {RECORD}) for name, each in columns.items()}
         whole["impacts"] = table.impacts.sum("contact")
         return xr.Dataset(whole).reset_coords(drop=True).drop_attrs()
-
-    def worst_amplification(self, measure: Measure) -> float:
-        """Largest amplification of both buildings in all records [-]."""
-        recorded = self.recorded(measure)
-        return float(max(recorded.amplification_1.max(), recorded.amplification_2.max()))
 
     @cached_property
     def _peaks_alone(self) -> xr.DataArray:
@@ -173,22 +169,12 @@ class MitigatedPair:
         return table
 
 
-def _by_structure(table: xr.Dataset) -> xr.Dataset:
-    """The table with a variable for each structure in place of the dimension."""
-    over = [name for name, array in table.items() if "structure" in array.dims]
-    columns = {f"{name}_{n + 1}": table[name][n] for name in over for n in (0, 1)}
-    return table.drop_vars(over).assign(columns)
-
-
-def _sums(links: list[Link]) -> dict[str, float]:
-    """Sums of stiffnesses and damping constants of links; NaN for unlike exponents."""
-    exponents = {link.exponent for link in links if link.damping_constant}
-    constant = sum(link.number("damping_constant") for link in links)
-    return {
-        "link_stiffness": sum(link.number("stiffness") for link in links),
-        "link_damping_constant": np.nan if len(exponents) > 1 else constant,
-        "link_damping_exponent": exponents.pop() if len(exponents) == 1 else np.nan,
-    }
+def _of_dashpots(links: Sequence[Link]) -> float:
+    """Damping constant of all links between both structures; NaN if some dashpots are not linear."""
+    dashpots = [link for link in links if not link.within_one and link.damping_constant]
+    if any(link.exponent != 1 for link in dashpots):
+        return np.nan
+    return sum(link.number("damping_constant") for link in dashpots)
 
 
 def _devices(motions: xr.Dataset, system: Arrangement) -> xr.Dataset:

@@ -29,7 +29,6 @@ from stochlin.models.arguments import (
     Seed,
     check_label,
     checked,
-    is_number,
 )
 from stochlin.models.contacts import Contact
 from stochlin.models.envelopes import Envelope
@@ -44,8 +43,7 @@ VERDICTS = "answer enough not_enough within_error not_available no_verdict"  # n
 SIMULATIONS = 60  # usual number of simulations of all searches together
 NO_RECORDS = "the effect of a contact is only computed in records, and none is given"
 TEXTS: dict[str, str] = {
-    "kind": "as built, given, or the least that meets an aim",
-    "aim": "aim of the least measure: the confidence, or the limit of amplification in the records",
+    "kind": "as built, given, or the least that is sufficient",
     "description": "the measure with its parameters",
     "missing": "missing results of a row, and the reason",
     "device_kind": "link between both structures, or damper in one of them",
@@ -69,16 +67,14 @@ def mitigate(
     seed: Seed = 0,
     contact: Contact | None = None,
     records: Mapping[str, xr.DataArray] | None = None,
-    amplification_limit: float | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Compare mitigation measures against pounding in the same motions, and find the least sufficient.
 
     The rows of the table are the buildings as built and each given measure. Further rows are the least
     damping, added to both buildings or to one of them, and the least dashpot between both, with which
-    the buildings do not touch with the probability ``confidence``. With an amplification limit, there
-    are also the least measures that keep it in the records. There is no search for an aim that is met as
-    built.
+    the buildings do not touch with the probability ``confidence``. Nothing is searched if the gap is
+    enough as built.
 
     Parameters
     ----------
@@ -94,25 +90,20 @@ def mitigate(
         Contact between the buildings as built, required with records.
     records : mapping of str to xarray.DataArray, optional
         Ground accelerations [m/s^2] by name, as from `read_record`, for which pounding is computed.
-    amplification_limit : float, optional
-        Largest allowed peak in the records over the peak as built without neighbours [-], positive.
     progress : callable, optional
         Called with the share of the rows that is done.
 
     Returns
     -------
     xarray.Dataset
-        Over ``measure``, the parameters of the measure: ``added_damping_1`` and ``_2``,
-        ``stiffening_1`` and ``_2``, ``strengthening_1`` and ``_2`` [-], ``bumper_thickness`` [m]; for
-        all links between both buildings together ``link_stiffness`` [N/m],
-        ``link_damping_constant`` [N (s/m)^a] and ``link_damping_exponent`` a [-]; and ``devices_1`` and
-        ``_2``, the numbers of devices in each building. Damping constants with different exponents
-        cannot be added and are NaN.
+        Over ``measure``: ``added_damping_1`` and ``_2`` [-], ``bumper_thickness`` [m], and
+        ``link_damping_constant`` [N s/m] of all links between both buildings together, NaN if some of
+        their dashpots are not linear.
 
         Over ``measure``, by simulation: ``required_gap`` [m], and ``no_pounding_probability`` [-] with
         the existing gap, each with a 95 % interval ``_lower`` and ``_upper``; ``verdict`` on the gap;
         ``peak_mean_1`` and ``_2`` [m] without contact, with standard errors. By linearization: ``rho``
-        [-] and ``relative_displacement_std`` [m]. The coordinates ``kind``, ``aim``, ``description`` and
+        [-] and ``relative_displacement_std`` [m]. The coordinates ``kind``, ``description`` and
         ``missing`` are texts. A row whose search found nothing is NaN.
 
         For measures with links or dampers, over ``measure`` and ``device``: the texts ``device_kind``
@@ -129,7 +120,7 @@ def mitigate(
     Raises
     ------
     ValueError, TypeError
-        If a gap, limit, mass or measure is out of range, missing or of the wrong kind; otherwise as in
+        If a gap, mass or measure is out of range, missing or of the wrong kind; otherwise as in
         `separation`.
 
     Notes
@@ -137,8 +128,8 @@ def mitigate(
     Strengths are converted to metres as built; stiffening and strengthening change them as described in
     `Measure`. Peaks, required gaps and probabilities are for motions without contact and do not depend
     on the kind of contact; the effect of bumpers shows only in the records. Linearization is unsafe if
-    structures yield and is given for comparison. A least measure is the first that meets its aim as the
-    damping grows from zero.
+    structures yield and is given for comparison. A least measure is the first that is enough
+    as the damping grows from zero.
 
     Contact between bumpers counts as pounding. With bumpers, the probability of no pounding is that of
     the gap minus their thickness, the required gap includes their thickness, and pounding in the records
@@ -161,15 +152,17 @@ def mitigate(
     >>> table.measure.values[-1].item()
     'least dashpot between'
     """
-    left, right = _checked(first, second, ground, measures, contact, records, amplification_limit)
+    left, right = _checked(first, second, ground, measures, contact, records)
     both = [median_of(structure) for structure in (left, right)]
     check_existing(gap, duration, dict(zip(("first", "second"), both, strict=True)))
     pair = MitigatedPair(
         structures=(left, right),
         ground=ground,
         gap=float(gap),
-        confidence=confidence,
-        motion={"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed},
+        motion={
+            **{"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed},
+            "quantiles": [confidence],
+        },
         paths=check_repeated(both, median_of(ground), duration, paths, len(measures) + SIMULATIONS),
         contact=contact,
         records=records or {},
@@ -185,12 +178,12 @@ def mitigate(
             raise type(error)(f"measures[{brief(name)}]: {error}") from error
         missing = NO_RECORDS if measure.has_bumpers and not records else ""
         lines.append(MeasureLine(name, "given", measure, missing=missing))
-    lines += searches(pair, amplification_limit)
+    lines += searches(pair)
     tables = []
     for done, line in enumerate(lines, start=1):
-        row = line.result() if isinstance(line, Search) else line
+        row = line.result(pair) if isinstance(line, Search) else line
         described = "" if row.measure is None else row.measure.describe()
-        texts = {"kind": row.kind, "aim": row.aim, "description": described, "missing": row.missing}
+        texts = {"kind": row.kind, "description": described, "missing": row.missing}
         results = xr.Dataset() if row.measure is None else pair.row(row.measure)
         tables.append(xr.Dataset(texts, {"measure": row.name}).merge(results))
         if progress is not None:
@@ -218,7 +211,6 @@ def _checked(
     measures: Mapping[str, Measure],
     contact: Contact | None,
     records: Mapping[str, xr.DataArray] | None,
-    limit: float | None,
 ) -> list[Any]:
     """The structures, with strengths in metres, after a check of the other arguments."""
     for name, mapping in (("measures", measures), ("records", records)):
@@ -228,10 +220,6 @@ def _checked(
             check_label(f"the name of a {name.removesuffix('s')}", label)
     for name, measure in measures.items():
         expect(measure, Measure, f"measures[{brief(name)}]")
-    if limit is not None and not (records and is_number(limit) and 0 < limit < np.inf):
-        raise ValueError(
-            f"amplification_limit = {brief(limit)}; allowed: a positive number, with contact and records"
-        )
     usual = median_of(ground)
     pair = [applied(lambda s: strength_in_metres(s, usual), structure) for structure in (first, second)]
     if records:

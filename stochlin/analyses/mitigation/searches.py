@@ -11,7 +11,7 @@ import xarray as xr
 from stochlin.analyses.mitigation.mitigated_pair import MitigatedPair
 from stochlin.analyses.separation.added_damping import SIDES
 from stochlin.analyses.separation.existing_gap import DAMPINGS
-from stochlin.analyses.separation.searches import Required, by_motions, least
+from stochlin.analyses.separation.searches import by_motions, least
 from stochlin.analyses.simulation.finite_motions import required_gaps
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation.contacts import reduced_mass
@@ -19,10 +19,8 @@ from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 from stochlin.models.systems import arrangement_of, first_mode
 
+LEAST = "least"
 CONSTANTS = np.append(0.0, np.geomspace(1e-3, 10, 13))  # damping constants that are tried, over 2 m w
-
-
-Build = Callable[[float], Measure]
 
 
 class MeasureLine(NamedTuple):
@@ -31,70 +29,46 @@ class MeasureLine(NamedTuple):
     name: str
     kind: str
     measure: Measure | None
-    aim: str = ""
     missing: str = ""
 
 
 class Search(NamedTuple):
-    """A search for the least measure, with the values that are tried."""
+    """A search for the least measure with which the existing gap has the wanted confidence."""
 
     name: str
-    aim: str
-    build: Build
-    required: Callable[[Build], Required]  # for the aim, as a function of the value
-    values: Array
-    searched: str  # what they are, for a reader, with a place for the largest
-    scale: float = 1.0  # of the largest, in the unit of that text
+    build: Callable[[float], Measure]
+    values: Array  # that are tried
+    searched: str  # what they are, for a reader
 
-    def result(self) -> MeasureLine:
+    def result(self, pair: MitigatedPair) -> MeasureLine:
         """The row with the least measure, or the reason why none was found."""
-        value = least(self.required(self.build), self.values).value
+
+        def simulated(value: float, paths: int) -> xr.Dataset:
+            return pair.simulated(self.build(value), paths)
+
+        required = by_motions(simulated, pair.gap, 0.0, pair.built, interval=False)
+        value = least(required, self.values).value
         if np.isfinite(value):
-            return MeasureLine(self.name, "least", self.build(value), self.aim)
-        largest = f"{self.scale * self.values[-1]:.3g}"
-        tried = f"{self.searched.format(largest)} was searched, and none is enough"
-        return MeasureLine(self.name, "least", None, self.aim, tried)
+            return MeasureLine(self.name, LEAST, self.build(value))
+        return MeasureLine(self.name, LEAST, None, f"{self.searched} was searched, and none is enough")
 
 
-def searches(pair: MitigatedPair, limit: float | None) -> list[Search]:
-    """Searches for added damping, and for a dashpot if the structures have masses, for each aim.
+def searches(pair: MitigatedPair) -> list[Search]:
+    """Searches for added damping, and for a dashpot if the structures have masses.
 
-    There is no search for an aim that is met as built.
+    There is none if the gap is enough as built.
     """
-    listed = []
-    if required_gaps(pair.built)[0] > pair.gap:
-
-        def in_motions(build: Build) -> Required:
-            def simulated(value: float, paths: int) -> xr.Dataset:
-                return pair.simulated(build(value), paths)
-
-            return by_motions(simulated, pair.gap, 0.0, pair.built, interval=False)
-
-        listed += _searches(pair, "confidence", "", in_motions)
-    if limit is not None and (worst := pair.worst_amplification(Measure())) > limit:
-
-        def in_records(build: Build) -> Required:
-            return Required(lambda x: pair.worst_amplification(build(x)), limit, known={0.0: worst})
-
-        listed += _searches(pair, "amplification", " (limit)", in_records)
-    return listed
-
-
-def _searches(
-    pair: MitigatedPair,
-    aim: str,
-    suffix: str,
-    required: Callable[[Callable[[float], Measure]], Required],
-) -> list[Search]:
-    """The searches for one aim."""
-    percent, newtons = "added damping up to {} % of critical", "a damping constant up to {} MN s/m"
+    if required_gaps(pair.built)[0] <= pair.gap:
+        return []
     listed = []
     for side, shares in SIDES.items():
-        name, tried = f"least damping, {side}{suffix}", _dampings(pair, shares)
-        listed.append(Search(name, aim, _damping(shares), required, tried, percent, 100))
+        tried = _dampings(pair, shares)
+        searched = f"added damping up to {100 * tried[-1]:.3g} % of critical"
+        listed.append(Search(f"least damping, {side}", _damping(shares), tried, searched))
     if (scale := _dashpot_scale(pair)) is not None:
-        name, tried = f"least dashpot between{suffix}", scale * CONSTANTS
-        listed.append(Search(name, aim, _dashpot, required, tried, newtons, 1e-6))
+        tried = scale * CONSTANTS
+        searched = f"a damping constant up to {1e-6 * tried[-1]:.3g} MN s/m"
+        listed.append(Search("least dashpot between", _dashpot, tried, searched))
     return listed
 
 

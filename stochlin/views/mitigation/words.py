@@ -20,6 +20,7 @@ from stochlin.views.shared.words import (
     floors,
     left_out,
     length,
+    number,
     opening,
     per_cent,
     scatter,
@@ -29,7 +30,7 @@ from stochlin.views.shared.words import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     import xarray as xr
 
@@ -40,30 +41,24 @@ WORDS, UNDECIDED = (
     {AT_LEAST: "enough", LESS: "not enough"},
     "undecided within the error of the simulation",
 )
-NOTES = (
-    "Damping: added damping of buildings 1 and 2 in per cent of critical. Dashpot: damping constant of "
-    "all links between the buildings. Needed: the gap for the confidence, and its 95 % interval; where "
-    "there are bumpers, with their thickness, since contact of the bumpers counts as contact of the "
-    "buildings. Apart: share of the simulated motions in which the existing gap prevents pounding. "
-    "Within error: the difference is within the error of the simulation. Std: standard deviation of the "
-    "relative displacement by linearization, which is too small where buildings yield. All measures are "
-    "simulated with the same motions."
-)
-HEADS = "interval", "apart", "verdict", "std [cm]"
-NO_DASHPOT = (
-    "least dashpot between: not searched; it needs masses, and floors of both buildings at one level."
-)
-OF_DEVICES = (
-    "Devices: mean | 95 % quantile over the simulated motions, without contact of the buildings, of the "
-    "largest force, of the largest extension or compression (stroke), and of the energy that the device "
-    "dissipates in a motion. Numbers are those of the buildings; 1.3 is floor 3 of building 1. The "
-    "values are those of the analysis, without partial factors of codes."
-)
-TIMES = (
-    "Times: largest displacement of buildings 1 and 2, relative to the building as built and alone. "
-    "Pressed: the deepest compression of the contact; bumpers have to be thicker. Link: the largest "
-    "force of links and dampers. What bumpers do to the buildings is visible only in these columns."
-)
+NOTES = {
+    "measure": "Damping: added damping of buildings 1 and 2 in per cent of critical. Dashpot: damping "
+    "constant of all linear links between the buildings. Needed: the gap for the confidence, and its "
+    "95 % interval; where there are bumpers, with their thickness, since contact of the bumpers counts "
+    "as contact of the buildings. Apart: share of the simulated motions in which the existing gap "
+    "prevents pounding. Within error: the difference is within the error of the simulation. Std: "
+    "standard deviation of the relative displacement by linearization, which is too small where "
+    "buildings yield. All measures are simulated with the same motions.",
+    "device": "Devices: mean | 95 % quantile over the simulated motions, without contact of the "
+    "buildings, of the largest force, of the largest extension or compression (stroke), and of the "
+    "energy that the device dissipates in a motion. Numbers are those of the buildings; 1.3 is floor 3 "
+    "of building 1. The values are those of the analysis, without partial factors of codes.",
+    "record": "Times: largest displacement of buildings 1 and 2, relative to the building as built and "
+    "alone. Pressed: the deepest compression of the contact; bumpers have to be thicker. Link: the "
+    "largest force of links and dampers. What bumpers do to the buildings is visible only in these "
+    "columns.",
+}
+Columns = dict[str, "Callable[[xr.Dataset], str]"]  # heads, and the cells below them
 
 
 def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
@@ -71,17 +66,15 @@ def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
     case = simulated_as(case, table)
     built = table.isel(measure=0)
     peaks = float(built.peak_mean_1), float(built.peak_mean_2)
-    about = (_headline(table), shaking(table, case), scatter(case))
-    notes = {"measure": NOTES, "device": OF_DEVICES, "record": TIMES}
+    about = (floors(case), *left_out(case), _headline(table), shaking(table, case), scatter(case))
     return [
         opening(case, doubts(table, pair_of(case), float(built.required_gap), peaks)),
-        ViewSection("", texts([floors(case), *left_out(case)])),
         ViewSection("", [*texts(about), *unknowns(case, "needed gaps and shares are those")]),
-        ViewSection("", [_motions(table)]),
+        ViewSection("", [_table(along(table, "measure"), _of_motions(table))]),
         *_devices(table),
         *_in_records(table),
         ViewSection("", [Items(_remarks(table))]),
-        ViewSection("", texts([text for name, text in notes.items() if name in table.dims])),
+        ViewSection("", texts([text for name, text in NOTES.items() if name in table.dims])),
     ]
 
 
@@ -97,116 +90,101 @@ def _headline(table: xr.Dataset) -> str:
         sentence += " That is enough, so no further measure is searched."
     parts = [
         f"{row.measure.item()}, {WORDS.get(int(row.verdict), UNDECIDED)}"
-        for row in along(table.where(table.kind == "given", drop=True), "measure")
+        for row in along(table, "measure")
+        if row.kind.item() == "given"
     ]
     return f"{sentence} The measures of the file: {'; '.join(parts)}." if parts else sentence
 
 
-def _motions(table: xr.Dataset) -> Table:
-    heads = "measure", "damping [%]", "dashpot [MN s/m]", "needed [cm]", *HEADS
-    meanings = table.verdict.attrs["flag_meanings"].replace("not_available", "none_found").split()
-    rows = []
-    for row in along(table, "measure"):
-        needed, low, high = map(centimetres, with_interval(row, "required_gap"))
-        rows.append(
-            [
-                cut(row.measure.item(), WIDE),
-                _pair(row, "added_damping", "{:.1f}", 100),
-                _dashpot(row),
-                needed,
-                f"{low} to {high}" if np.isfinite(float(row.required_gap)) else MISSING,
-                per_cent(float(row.no_pounding_probability), 1),
-                meanings[int(row.verdict)].replace("_", " "),
-                centimetres(float(row.relative_displacement_std)),
-            ]
-        )
-    return Table.of(heads, rows)
+def _table(rows: Sequence[xr.Dataset], columns: Columns, words: Sequence[str] = ()) -> Table:
+    """A table of rows of a dataset, each with its measure and the columns."""
+    cells = [(cut(row.measure.item(), WIDE), *(cell(row) for cell in columns.values())) for row in rows]
+    return Table.of(("measure", *columns), cells, words)
 
 
-def _dashpot(row: xr.Dataset) -> str:
-    """Constant of the dashpots between both, with their exponent where they are not linear."""
-    constant, exponent = float(row.link_damping_constant) / 1e6, float(row.link_damping_exponent)
-    shown = f" (a {exponent:g})" if np.isfinite(exponent) and exponent != 1 else ""
-    return f"{short(constant)}{shown}"
+def _of_motions(table: xr.Dataset) -> Columns:
+    """The parameters that were searched, and the results in simulated motions."""
+    verdicts = table.verdict.attrs["flag_meanings"].replace("not_available", "none_found").split()
+    return {
+        "damping [%]": lambda row: _pair(row, "added_damping", "{:.1f}", 100),
+        "dashpot [MN s/m]": lambda row: short(float(row.link_damping_constant) / 1e6),
+        "needed [cm]": lambda row: centimetres(float(row.required_gap)),
+        "interval": _interval,
+        "apart": lambda row: per_cent(float(row.no_pounding_probability), 1),
+        "verdict": lambda row: verdicts[int(row.verdict)].replace("_", " "),
+        "std [cm]": lambda row: centimetres(float(row.relative_displacement_std)),
+    }
+
+
+def _interval(row: xr.Dataset) -> str:
+    gap, low, high = with_interval(row, "required_gap")
+    return f"{centimetres(low)} to {centimetres(high)}" if np.isfinite(gap) else MISSING
 
 
 def _devices(table: xr.Dataset) -> list[ViewSection]:
     """A table of all links and dampers; none without them."""
     if "device" not in table.dims:
         return []
-    heads = ["measure", "device", "force [kN]", "stroke [cm]", "energy [kJ]"]
-    rows = [
-        [
-            cut(row.measure.item(), WIDE),
-            f"{row.device_kind.item()} {row.device_place.item()}",
-            _mean_and_quantile(row, "device_force", lambda force: short(force / 1e3)),
-            _mean_and_quantile(row, "device_stroke", centimetres),
-            _mean_and_quantile(row, "device_energy", lambda energy: short(energy / 1e3)),
-        ]
-        for measure in along(table, "measure")
-        for row in along(measure, "device")
-        if row.device_kind.item()
-    ]
-    return [ViewSection("Devices", [Table.of(heads, rows, words=["device"])])]
 
+    def both(name: str, shown: Callable[[float], str]) -> Callable[[xr.Dataset], str]:
+        ends = f"device_{name}_mean", f"device_{name}_quantile"
+        return lambda row: " | ".join(shown(float(row[end])) for end in ends)
 
-def _mean_and_quantile(row: xr.Dataset, name: str, shown: Callable[[float], str]) -> str:
-    return " | ".join(shown(float(row[f"{name}_{what}"])) for what in ("mean", "quantile"))
+    def thousands(value: float) -> str:
+        return short(value / 1e3)
+
+    columns = {
+        "device": lambda row: f"{row.device_kind.item()} {row.device_place.item()}",
+        "force [kN]": both("force", thousands),
+        "stroke [cm]": both("stroke", centimetres),
+        "energy [kJ]": both("energy", thousands),
+    }
+    rows = [row for measure in along(table, "measure") for row in along(measure, "device")]
+    present = [row for row in rows if row.device_kind.item()]
+    return [ViewSection("Devices", [_table(present, columns, ["device"])])]
 
 
 def _in_records(table: xr.Dataset) -> list[ViewSection]:
     """A table of each record, or of all of them where they are many; none without records."""
     if "quantile" in table.dims:
+        levels = [f"{100 * level:.4g}{SPACE}%" for level in table["quantile"].values]
         what = (
             f"In {table.sizes['record']} records; the values are not exceeded in half of them and in "
-            f"{_levels(table)[-1]} of them"
+            f"{levels[-1]} of them"
         )
-        return [ViewSection(what, [_over_records(table)])]
-    records = table.record.values if "record" in table.dims else ()
-    return [ViewSection(f"In {name}", [_recorded(table.sel(record=name))]) for name in records]
-
-
-def _recorded(table: xr.Dataset) -> Table:
-    """The effect of each measure in a record."""
-    heads = ["measure", "times", "impacts", "force [MN]", "pressed [cm]", "link [MN]"]
-    rows = [
-        [
-            cut(row.measure.item(), WIDE),
-            _pair(row, "amplification", "{:.2f}"),
-            short(float(row.impacts)),
-            short(float(row.largest_force) / 1e6),
-            centimetres(float(row.deepest_compression)),
-            short(float(row.largest_link_force) / 1e6),
+        rows = [
+            row
+            for row in along(table, "measure")
+            if np.isfinite(float(row.record_no_pounding_probability))
         ]
-        for row in along(table, "measure")
-        if np.isfinite(float(row.amplification_1))
-    ]
-    return Table.of(heads, rows)
+        return [ViewSection(what, [_table(rows, _over_records(levels))])]
+    columns: Columns = {
+        "times": lambda row: _pair(row, "amplification", "{:.2f}"),
+        "impacts": lambda row: short(float(row.impacts)),
+        "force [MN]": lambda row: number(float(row.largest_force), "MN"),
+        "pressed [cm]": lambda row: centimetres(float(row.deepest_compression)),
+        "link [MN]": lambda row: number(float(row.largest_link_force), "MN"),
+    }
+    sections = []
+    for name in table.record.values if "record" in table.dims else ():
+        rows = along(table.sel(record=name), "measure")
+        known = [row for row in rows if np.isfinite(float(row.amplification_1))]
+        sections.append(ViewSection(f"In {name}", [_table(known, columns)]))
+    return sections
 
 
-def _levels(table: xr.Dataset) -> list[str]:
-    return [f"{100 * level:.4g}{SPACE}%" for level in table["quantile"].values]
+def _over_records(levels: Sequence[str]) -> Columns:
+    """The effect of a measure in many records, by quantiles at these levels."""
 
+    def times(place: int) -> Callable[[xr.Dataset], str]:
+        return lambda row: _pair(row.isel(quantile=place), "record_amplification", "{:.2f}")
 
-def _over_records(table: xr.Dataset) -> Table:
-    """The effect of each measure in many records, by quantiles."""
-    heads = ["measure", "do not meet", *(f"times, {level}" for level in _levels(table))]
-    heads += ["impacts", "force [MN]"]
-    rows = []
-    for row in along(table, "measure"):
-        if not np.isfinite(float(row.record_no_pounding_probability)):
-            continue
-        each = along(row, "quantile")
-        rows.append(
-            [
-                cut(row.measure.item(), WIDE),
-                per_cent(float(row.record_no_pounding_probability)),
-                *(_pair(at, "record_amplification", "{:.2f}") for at in each),
-                " | ".join(short(float(at.record_impacts)) for at in each),
-                " | ".join(short(float(at.record_largest_force) / 1e6) for at in each),
-            ]
-        )
-    return Table.of(heads, rows)
+    return {
+        "do not meet": lambda row: per_cent(float(row.record_no_pounding_probability)),
+        **{f"times, {level}": times(place) for place, level in enumerate(levels)},
+        "impacts": lambda row: " | ".join(map(short, row.record_impacts.values)),
+        "force [MN]": lambda row: " | ".join(map(short, row.record_largest_force.values / 1e6)),
+    }
 
 
 def _remarks(table: xr.Dataset) -> list[str]:
@@ -222,9 +200,6 @@ def _remarks(table: xr.Dataset) -> list[str]:
             )
         if row.missing.item():
             remarks.append(f"{name}: {row.missing.item()}.")
-    searched = table.measure.values[(table.kind == "least").values]
-    if searched.size and not any("dashpot" in str(name) for name in searched):
-        remarks.append(NO_DASHPOT)
     return remarks
 
 

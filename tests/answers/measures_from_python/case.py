@@ -20,11 +20,7 @@ time = 0.02 * np.arange(300)
 record = xr.DataArray(
     1.5 * np.sin(7 * time) * np.sin(np.pi * time / 6), dims="time", coords={"time": time}
 )
-options = {
-    "contact": sl.Kelvin(1e8, restitution=0.65),
-    "records": {"made": record},
-    "amplification_limit": 1.2,
-}
+options = {"contact": sl.Kelvin(1e8, restitution=0.65), "records": {"made": record}}
 firm = sl.named_ground("firm", intensity=0.002)
 sl.mitigate(*pair, firm, 10.0, 0.03, measures, paths=64, confidence=0.8, **options).to_netcdf(
     "measures.nc"

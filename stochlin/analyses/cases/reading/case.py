@@ -15,7 +15,7 @@ from stochlin.analyses.cases.reading.buildings import (
     read_building,
     slabs_of_row,
 )
-from stochlin.analyses.cases.reading.codes import Mitigation, Simulated, Wanted
+from stochlin.analyses.cases.reading.codes import Simulated, Wanted
 from stochlin.analyses.cases.reading.kinds import TEXT, Inner, Key, key, keys_of
 from stochlin.analyses.cases.reading.measures import OfContact, read_measures
 from stochlin.analyses.cases.reading.site import Site, read_site
@@ -81,7 +81,6 @@ class Case:
     codes: tuple[str, ...] = field(compare=False)
     contact: Contact | None = field(compare=False)
     measures: Mapping[str, Measure] = field(compare=False)
-    amplification_limit: float | None = field(compare=False)
 
     @property
     def title(self) -> str:
@@ -140,8 +139,8 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         ``scatter`` [-] and ``course``, the duration [s] and the envelope; each of its ``buildings`` has
         its ``structure``, which is an argument of the analyses, and ``sampled`` with its uncertain
         parameters; ``wanted`` has the ``existing`` gaps [m], the ``confidence`` [-] and the ``risk``;
-        ``simulated`` the ``paths`` and the ``seed``; ``contact``, ``measures`` and
-        ``amplification_limit`` [-] are arguments of `pound` and `mitigate`.
+        ``simulated`` the ``paths`` and the ``seed``; ``contact`` and ``measures`` are arguments of
+        `pound` and `mitigate`.
 
     Raises
     ------
@@ -207,5 +206,4 @@ def case_of(table: Table, before: Case | None = None) -> Case:
         codes=wanted.applied_codes(buildings, site.written),
         contact=whole.contact.read(OfContact).contact() if whole.contact else None,
         measures=read_measures(table.table("measures"), buildings),
-        amplification_limit=table.table("mitigation").read(Mitigation).amplification_limit,
     )

@@ -156,15 +156,6 @@ class Simulated(Form):
         return whole_groups(self.paths or MOST_PATHS)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Mitigation(Form):
-    """The table [mitigation]."""
-
-    amplification_limit: float | None = key(
-        Quantity("1", POSITIVE), "Accepted ratio of displacements with and without pounding", None
-    )
-
-
 def factors_of(building: Building) -> dict[str, float]:
     """Factors of the code of a building that the file has, by their general names."""
     values = {name: getattr(building.form, key) for name, key in FACTORS.items()}

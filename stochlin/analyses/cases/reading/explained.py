@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from stochlin.analyses.cases.reading.buildings import FORMS
 from stochlin.analyses.cases.reading.case import Whole
-from stochlin.analyses.cases.reading.codes import Mitigation, Numbers, Simulated, Wanted
+from stochlin.analyses.cases.reading.codes import Numbers, Simulated, Wanted
 from stochlin.analyses.cases.reading.hazards import OfFile, OfPoints, OfPowerLaw
 from stochlin.analyses.cases.reading.kinds import Key
 from stochlin.analyses.cases.reading.measures import Devices, OfContact, OfMeasure
@@ -42,7 +42,6 @@ TABLES: Mapping[str, Sequence[type[Form]]] = {
     "contact": [OfContact],
     "measures": [OfMeasure],
     "measures.dampers": [Devices],
-    "mitigation": [Mitigation],
 }
 
 
