@@ -149,7 +149,7 @@ def test_a_file_gives_what_was_written(tmp_path):
         ),
         ([*of_code()[:5], "0.15,1"], None, "(time|period|increas)"),
         (of_code()[:3], None, "spectrum has 3 points; allowed: 4 or more"),
-        (of_code(divided=3.0), None, "line 2: the spectrum rises to .* divided by a behaviour factor"),
+        (of_code(divided=3.0), None, "line 2: the spectrum rises to .* so multiply by the behav"),
         (of_code(floor=0.16)[1:], None, "line 12: the spectrum is level from 2 s on"),
     ],
 )

@@ -53,17 +53,7 @@ USGS = samples.usgs(
     }
     | {"PGV": ([1.0, 100.0], [0.1, 1e-4])}
 )
-COMMENT = SITES.split("\n")[0]
 OF_IDS = re.sub(r"(?m)^(-9)", r"roma,\1", SITES).replace("lon,", "custom_site_id,lon,")
-LONG = "\n".join(
-    [COMMENT.replace(", imt='PGA'", ""), "lon,lat,depth,imt,iml,poe"]
-    + [
-        f"{lon},{lat},0,{measure},{level:.9f},{p:.12f}"
-        for lon, lat in ((-99.05, 19.4), (-99.17, 19.33))
-        for measure, period in PERIODS.items()
-        for level, p in zip(LEVELS, probability(period) / (2 if lat > 19.35 else 1), strict=True)
-    ]
-)
 TOTAL = "\n".join(
     ["name,lon,lat," + ",".join(f"{level:.9f}" for level in LEVELS)]
     + [
@@ -78,13 +68,6 @@ READINGS = {
     "OpenQuake by place": (SITES, PGA, {"site": (-99.172, 19.328)}),
     "OpenQuake with the names of sites": (OF_IDS, PGA, {"site": 1}),
     "OpenQuake in Windows": (SITES.replace("\n", "\r\n"), PGA, {"site": 1}),
-    "long form": (LONG, "curves.csv", {"site": (-99.17, 19.33)}),
-    "long form, SA": (LONG, "curves.csv", {"site": 2, "measure": "sa", "period": 0.5}),
-    "long form of one site": (
-        re.sub(r"(?m)^(-99.05.*\n|(-99.17|lon),(19.33|lat),)", "", LONG),
-        "a.csv",
-        {},
-    ),
     "nshmp": (TOTAL, "PGA/total.csv", {"site": 1}),
     "USGS": (USGS, "hazard.json", {}),
     **{
@@ -164,6 +147,7 @@ REFUSALS = {
     ),
     "= -1 is out of range; allowed: a positive": (SITES, {"site": 1, "investigation_time": -1}),
     "lon, lat, depth, poe-low.*allowed: a hazard curve": ONE.replace("poe-0.0500000", "poe-low"),
+    "imt, iml, poe; allowed: a hazard curve": "lon,lat,imt,iml,poe\n12,41,PGA,.1,.3\n12,41,PGA,.2,.1\n",
     "pga-0.02; allowed: a hazard curve": "lon,lat,PGA-0.1,PGA-0.02\n12,41,.3,.7\n13,41,.3,.6\n",
     "line 1: the table does not state the time of its": ONE.partition("\n")[2],
     r"allowed: imt='PGA' or imt='SA\(0\.5\)', or a folder SA0P5": (TOTAL, {"site": 1}),

@@ -54,7 +54,7 @@ def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Datase
     """
     levels = np.unique([*LEVELS, case.wanted.confidence])
     table = xr.Dataset(coords={"quantile": labels.axis("quantile", "quantile", levels)})
-    events = events_of(case.site.records)
+    events = events_of(case.site.records.values())
     samples = separations, *ends_of_events(separations, events)
     for n, end in enumerate(labels.VALUE_AND_ENDS):
         values = quantile_intervals(samples[n].to_numpy(), levels)[n]
@@ -65,7 +65,7 @@ def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Datase
 
 def share_apart(case: Case, values: xr.DataArray, most: float) -> dict[str, xr.DataArray]:
     """Share of the records with values up to ``most``, and its 95 % interval, that of events."""
-    smallest, largest = ends_of_events(values, events_of(case.site.records))
+    smallest, largest = ends_of_events(values, events_of(case.site.records.values()))
     samples = values, largest, smallest  # most events are within by the smallest values
     shares = [keeping_apart(each.rename(record="path"), most) for each in samples]
     return {f"record_{name}": share[name] for name, share in zip(shares[0], shares, strict=True)}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
@@ -13,10 +13,7 @@ from stochlin.analyses.records.records import checked_record
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import row_of
 from stochlin.analyses.tables.lazy import arrays_of, check_names
-from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.linear_branch import LONGEST
-from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.records.oscillator import HIGHEST, LOWEST
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.models.arguments import OfClass, check_label
@@ -36,6 +33,7 @@ SHORTEST = 0.1  # shortest period over time step; below it the response is to th
 class RecordedMotions(NamedTuple):
     """Checked records, as accelerations with a time step, and their names."""
 
+    records: list[xr.DataArray]
     grounds: list[SampledMotion]
     names: list[str] | None  # None for a single record, which adds no dimension to results
 
@@ -49,7 +47,7 @@ class RecordedMotions(NamedTuple):
 def checked_motions(record: Records) -> RecordedMotions:
     """The records, checked; names in a list are those of the sources, if all differ, or else numbers."""
     if isinstance(record, xr.DataArray):
-        return RecordedMotions([SampledMotion(*checked_record(record))], None)
+        return RecordedMotions([record], [SampledMotion(*checked_record(record))], None)
     if isinstance(record, Mapping):
         names, records = [str(name) for name in record], list(record.values())
     elif isinstance(record, (list, tuple)):
@@ -68,19 +66,12 @@ def checked_motions(record: Records) -> RecordedMotions:
             grounds.append(SampledMotion(*checked_record(each)))
         except (TypeError, ValueError) as error:
             raise type(error)(f"record {name}: {error}") from error
-    return RecordedMotions(grounds, names)
+    return RecordedMotions(records, grounds, names)
 
 
-def as_list(record: Records) -> list[xr.DataArray]:
-    """One record or several as a list, without their names."""
-    if isinstance(record, xr.DataArray):
-        return [record]
-    return [*(record.values() if isinstance(record, Mapping) else record)]
-
-
-def events_of(record: Records) -> list[object]:
+def events_of(records: Iterable[xr.DataArray]) -> list[object]:
     """What is equal for the components of a station in one earthquake, for each record."""
-    stated = [(each.attrs.get("event"), each.attrs.get("station")) for each in as_list(record)]
+    stated = [(each.attrs.get("event"), each.attrs.get("station")) for each in records]
     return [pair if all(pair) else n for n, pair in enumerate(stated)]
 
 
@@ -145,20 +136,6 @@ class RecordCells(NamedTuple):
             sides.append(np.stack([row_of(column, like) for column in columns], axis=1).astype(float))
             valid &= row_of(usable, like)
         return cls(motions, like, valid, [side[valid] for side in sides])
-
-    def check_run(self, more: float = 1.0, numbers: int = 0) -> None:
-        """Raise a ValueError if the responses would take too long.
-
-        There are ``more`` sub-steps than those of the stiffest structure of each cell, and so many
-        ``numbers`` of each are stored while a cell runs.
-        """
-        w = more * np.max([side[:, 0] for side in self.sides], axis=0)
-        samples, dt = np.array([(len(values), dt) for values, dt in self.motions.grounds]).T
-        steps = samples[:, None] * np.maximum(1.0, dt[:, None] * w / LONGEST)
-        stored = numbers * cores() * float(steps.max(initial=0.0))
-        cure = "take longer periods, or fewer structures or records at a time"
-        seconds, what = 3e-8 * float(steps.sum()), "structures on records would take"
-        check_work(what, cure, numbers=stored, seconds=seconds, cores=cores())
 
     def peak(self, number: int, peaks: Array) -> Array:
         """Peak displacements of a structure (records, valid cells) [m], infinite where it falls."""

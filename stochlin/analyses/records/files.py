@@ -1,18 +1,16 @@
-"""Record files: the registered formats, columns of text, and traces, without conversion of units."""
+"""Record files: the registered formats and columns of text, without conversion of units."""
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from stochlin.analyses.records.columns import Column, Text
 from stochlin.analyses.records.formats import FORMATS, HEADER_LINES, RecordFile, Series
-from stochlin.analyses.tables.inputs import read_text
+from stochlin.analyses.tables.inputs import input_path, read_text
 from stochlin.messages import brief, plain, refuse
 from stochlin.models.arguments import is_label, is_whole
 from stochlin.models.units import size_of
@@ -29,18 +27,19 @@ def unknown_format(name: str) -> UnknownFormatError:
     titles = ", ".join(of.title for of in FORMATS.values())
     return UnknownFormatError(
         f"{name} has no accelerations in a format that is known; allowed: {titles}, columns of numbers "
-        "(skip= leaves out lines above them), or a trace: read_record(obspy.read(path)[0], units=)"
+        "(skip= leaves out lines above them); docs/from_records.md has what obspy reads"
     )
 
 
 def read_channels(
-    path: Path,
+    path: str | os.PathLike[str],
     column: Column | None = None,
     time_column: Column | None = None,
     wrapped: bool = False,
     skip: int = 0,
-) -> list[Series]:
-    """The components in a record file of any format."""
+) -> tuple[str, list[Series]]:
+    """The name of a record file of any format, and the components in it."""
+    path = input_path("path", path)
     name, lines = plain(path.name), _lines(path)
     first = "\n".join(islice(filter(str.strip, islice(lines, skip, None)), HEADER_LINES))
     if not first:
@@ -49,7 +48,7 @@ def read_channels(
     if of is None:
         if (text := Text.of(name, lines, skip)) is None:
             raise unknown_format(name)
-        return [text.series(column, time_column, wrapped)]
+        return name, [text.series(column, time_column, wrapped)]
     columns = {"column": column, "time_column": time_column, "wrapped": wrapped or None}
     refuse(name, of.title, columns)
     channels = of.read(RecordFile(name, lines))
@@ -58,16 +57,7 @@ def read_channels(
     for unit in (channel.units for channel in channels if channel.units):
         if size_of(unit, "m/s^2") is None:
             raise ValueError(f"{name} has {brief(unit)}; allowed: units of an acceleration")
-    return channels
-
-
-def of_trace(trace: Any) -> Series:
-    """The record that a trace of obspy or gmprocess holds, whose gaps are NaN."""
-    stats = trace.stats
-    data: Any = np.ma.array(trace.data, dtype=float)
-    of = {"event": "starttime", "station": "station", "component": "channel"}
-    about = {key: str(getattr(stats, name, "")) for key, name in of.items()}
-    return Series(data.filled(np.nan), None, float(stats.delta), None, about=about)
+    return name, channels
 
 
 def chosen(channels: Sequence[Series], component: Column | None, name: str) -> Series:

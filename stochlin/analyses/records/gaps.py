@@ -25,7 +25,7 @@ from stochlin.analyses.tables.cells import over_cells
 from stochlin.analyses.tables.checks import standing
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
-from stochlin.kernels.records.runs import PAIR, gaps_on_records, peaks_on_records
+from stochlin.kernels.records.runs import gaps_on_records, peaks_on_records
 from stochlin.models.arguments import checked
 from stochlin.models.laws.bilinear import Bilinear
 
@@ -113,7 +113,7 @@ def recorded_gap(
     else:
         table = over_cells(lambda **roles: stepped_gap(list(roles.values()), motions, progress), roles)
     if RECORD in table.dims:
-        table = table.merge(_over_records(table.separation, events_of(record)))
+        table = table.merge(_over_records(table.separation, events_of(motions.records)))
     title, known = "Gap of two structures in recorded motions", VARIABLES
     if second is None:
         title, known = SET_BACK, {**VARIABLES, **ALONE}
@@ -139,11 +139,9 @@ def _exactly(
     """Exact results for bilinear structures in all cells, without labels."""
     cells = RecordCells.of(motions, *structures)
     if len(structures) == 1:
-        cells.check_run()
         each = [peaks_on_records(motions.grounds, cells.sides[0], progress)]
         separation, rho = each[0][..., recorded.HIGHEST], None
     else:
-        cells.check_run(2 * PAIR, numbers=6)
         first, second = cells.sides
         gaps = gaps_on_records(motions.grounds, first, second, progress)
         *each, together = np.split(gaps, [recorded.PEAKS, 2 * recorded.PEAKS], axis=-1)

@@ -6,7 +6,7 @@ import os
 import re
 import warnings
 from collections.abc import Iterator
-from typing import Annotated, Any, Protocol
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
@@ -14,11 +14,10 @@ import xarray as xr
 from scipy import constants
 
 from stochlin.analyses.records.columns import Column
-from stochlin.analyses.records.files import chosen, letters, of_trace, read_channels
+from stochlin.analyses.records.files import chosen, letters, read_channels
 from stochlin.analyses.records.formats import Series
-from stochlin.analyses.tables.inputs import input_path
 from stochlin.kernels.basics.arrays import Array
-from stochlin.messages import DoubtfulInput, brief, plain
+from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import Seconds, Truth, Whole, checked, is_number
 from stochlin.models.units import size_of, stated_size
 
@@ -36,16 +35,9 @@ LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * constants.g  # s, m/s^2; larger values giv
 _NO_ACCELERATION = re.compile(r"\b(vel|velocity|disp|displacement|time)\b", re.IGNORECASE)
 
 
-class Trace(Protocol):
-    """A trace of obspy or gmprocess: its samples, and statistics with their time step ``delta`` [s]."""
-
-    data: Any
-    stats: Any
-
-
 @checked
 def read_record(
-    path: str | os.PathLike[str] | Trace,
+    path: str | os.PathLike[str],
     *,
     dt: Seconds | None = None,
     units: str | None = None,
@@ -60,20 +52,18 @@ def read_record(
     Formats are recognized by their header, which states time step and units: PEER AT2 (``NPTS=  5372,
     DT=   .0100 SEC`` or ``4096    0.0100    NPTS, DT``), CSMIP Volume 2 (``.V2``), COSMOS 1.20
     (``.V2c``), K-NET and KiK-net, the Engineering Strong Motion database (ESM), and the standard file of
-    UNAM and other Mexican networks. Files of other networks are read by obspy or gmprocess, whose traces
-    are read here. A file with columns of text, separated by comma, semicolon or white space, may begin
-    with two lines of titles, a row of names and a row of units. It states the time step only in a first
-    row of the number of samples and it, such as ``1559 0.02``, and the units only in a name such as
-    ``acc [g]``. Between semicolons or tabs numbers may have decimal commas. A line that begins with
-    ``#`` or ``%``, and what follows them beside numbers, is a comment. Missing information is never
-    guessed.
+    UNAM and other Mexican networks. A file with columns of text, separated by comma, semicolon or white
+    space, may begin with two lines of titles, a row of names and a row of units. It states the time step
+    only in a first row of the number of samples and it, such as ``1559 0.02``, and the units only in a
+    name such as ``acc [g]``. Between semicolons or tabs numbers may have decimal commas. A line that
+    begins with ``#`` or ``%``, and what follows them beside numbers, is a comment. Missing information
+    is never guessed.
 
     Parameters
     ----------
-    path : str, path or trace
+    path : str or path
         Path of the file, text in UTF-8, also compressed by gzip: a regular file of at most 64 MiB and
-        two million lines. Or a trace in memory, anything with ``data`` and ``stats.delta`` [s], of which
-        the ``units`` have to be given.
+        two million lines.
     dt : float, optional
         Time step [s], positive. Not needed if the header states it or with a ``time_column``.
     units : str, optional
@@ -129,17 +119,8 @@ def read_record(
     >>> record.sizes["time"], record.attrs["dt"], float(record.max())
     (100, 0.02, 0.01)
     """
-    reading = {"column": column, "time_column": time_column, "wrapped": wrapped, "skip": skip}
-    name, channels = source_of(path, **reading)
+    name, channels = read_channels(path, column, time_column, wrapped, skip)
     return recorded(chosen(channels, component, name), name, dt, units)
-
-
-def source_of(path: Any, **options: Any) -> tuple[str, list[Series]]:
-    """Name and components of a record file, read with the options of `read_channels`, or of a trace."""
-    if hasattr(path, "data") and hasattr(path, "stats"):
-        return plain(getattr(path, "id", "the trace")), [of_trace(path)]
-    path = input_path("path", path)
-    return plain(path.name), read_channels(path, **options)
 
 
 def recorded(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:

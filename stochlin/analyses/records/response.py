@@ -162,7 +162,6 @@ def response_spectrum(
     structure = Bilinear(period, damping, hardening, yield_displacement)
     motions = checked_motions(record)
     cells = RecordCells.of(motions, structure)
-    cells.check_run()
     [parameters] = cells.sides
     peaks = peaks_on_records(motions.grounds, parameters, progress)
     w, displacement = parameters[:, 0], cells.peak(0, peaks)

@@ -41,9 +41,8 @@ def read_hazard(
     r"""Read a hazard curve from a file.
 
     These are read: columns of text; tables of sites of OpenQuake, one for each intensity measure
-    (``hazard_curve-mean-SA(0.5)_17.csv``) or with the columns ``imt``, ``iml`` and ``poe``, and of
-    nshmp-haz (``SA0P5/total.csv``); and responses of the hazard service of the U.S. Geological Survey in
-    JSON, with several intensity measures of one site.
+    (``hazard_curve-mean-SA(0.5)_17.csv``), and of nshmp-haz (``SA0P5/total.csv``); and responses of the
+    hazard service of the U.S. Geological Survey in JSON, with several intensity measures of one site.
 
     Parameters
     ----------
@@ -109,7 +108,7 @@ def _ordinates(path: Path, of: Hazard, asked: AskedHazard) -> list[Ordinate]:
     """The hazard curves in a file: of the USGS, or in a table."""
     if read_input(path).lstrip().startswith(b"{"):
         return usgs.read(path, read_text(path), asked)
-    return tables.read(path, of, asked)
+    return [tables.read(path, of, asked)]
 
 
 def _of_ordinates(

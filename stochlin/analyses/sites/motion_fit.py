@@ -10,7 +10,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.cells import Records, as_list, checked_motions
+from stochlin.analyses.records.cells import Records, checked_motions
 from stochlin.analyses.records.envelope_fit import FITTED_ENVELOPES, fit_envelope
 from stochlin.analyses.records.records import checked_record, is_horizontal, strong_samples
 from stochlin.analyses.records.response import response_spectrum
@@ -111,7 +111,7 @@ def checked_components(record: Records) -> Components:
     """The component, or both; a ValueError if two cannot be those of one station in one earthquake."""
     motions = checked_motions(record)
     names = motions.names or ["record"]
-    records = as_list(record)
+    records = motions.records
     if len(records) > 2:
         raise ValueError(f"record has {len(records)} components; allowed: one, or both of a station")
     for name, each in zip(names, records, strict=True):

@@ -99,14 +99,13 @@ def check_ordinates(period: Array, values: Array, damping: float, places: list[s
     """Raise a ValueError unless these are an elastic spectrum; ``places`` name the points."""
     if period.size < FEWEST:
         raise ValueError(f"spectrum has {period.size} points; allowed: {FEWEST} or more")
-    for place, t, sa in zip(places, period, values, strict=True):
+    for place, last, t, sa in zip(places, [-1.0, *period[:-1]], period, values, strict=True):
         if not (np.isfinite(t) and t >= 0):
             raise ValueError(f"{place}: the period is {t:g} s; allowed: 0 or more, finite")
         if not (np.isfinite(sa) and sa > 0):
             raise ValueError(f"{place}: the acceleration at {t:g} s is {sa:g}; allowed: positive")
-    for place, before, t in zip(places[1:], period[:-1], period[1:], strict=True):
-        if t <= before:
-            raise ValueError(f"{place}: {t:g} s follows {before:g} s; allowed: increasing periods")
+        if t <= last:
+            raise ValueError(f"{place}: {t:g} s follows {last:g} s; allowed: increasing periods")
     _check_elastic(period, values, damping, places)
 
 
@@ -115,16 +114,12 @@ def _check_elastic(period: Array, values: Array, damping: float, places: list[st
     least = 1 + (_LEAST_RISE - 1) * np.sqrt(USUAL_DAMPING / damping)
     rise = float(values.max() / values[0])
     if period[0] <= _STIFF and rise < least:
-        raise ValueError(
-            f"{places[0]}: the spectrum rises to {rise:.3g} times its value at {period[0]:g} s only, as "
-            f"one divided by a behaviour factor; {cure}, or leave out what is below {_STIFF:g} s"
-        )
+        what = f"the spectrum rises to {rise:.3g} times its value at {period[0]:g} s only"
+        raise ValueError(f"{places[0]}: {what}; {cure}")
     flat = np.ptp(values[-_FLAT:]) <= 1e-6 * values[-1]
     if flat and values[-1] < 0.9 * values.max():
-        raise ValueError(
-            f"{places[-_FLAT]}: the spectrum is level from {period[-_FLAT]:g} s on, as a design "
-            f"spectrum at its lower bound; {cure}, without that bound"
-        )
+        what = f"the spectrum is level from {period[-_FLAT]:g} s on, as at a lower bound"
+        raise ValueError(f"{places[-_FLAT]}: {what}; {cure}, without that bound")
 
 
 @checked

@@ -14,8 +14,8 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.records.columns import Column
-from stochlin.analyses.records.files import UnknownFormatError, chosen, is_record
-from stochlin.analyses.records.records import checked_record, is_horizontal, recorded, source_of
+from stochlin.analyses.records.files import UnknownFormatError, chosen, is_record, read_channels
+from stochlin.analyses.records.records import checked_record, is_horizontal, recorded
 from stochlin.analyses.records.response import response_spectrum
 from stochlin.analyses.sheets.sheets import number_in, text_sheet
 from stochlin.analyses.sites.spectra import (
@@ -165,7 +165,7 @@ def _components(
     path: Path, name: str, dt: float | None, units: str | None, component: Column | None, **reading: Any
 ) -> Iterator[tuple[str, xr.DataArray]]:
     """The components of a file with their names: the one that is asked for, or both horizontal ones."""
-    source, channels = source_of(path, **reading)
+    source, channels = read_channels(path, **reading)
     if component is None and 1 < len(channels) <= 3:
         for channel in channels:
             label = f"{name}, {channel.about.get('component', '')}"

@@ -354,7 +354,7 @@ class ModalBuilding(MultistoreyBuilding):
     @property
     def _yielding(self) -> int:
         """Number of modes that yield, which are the first ones."""
-        return np.asarray(self.yield_displacements).size if self.yields else 0
+        return as_array(self.yield_displacements).size if self.yields else 0
 
     def _over_modes(self, value: Any) -> xr.DataArray:
         """A parameter of the modes that yield over all modes; the last one stands for the others."""

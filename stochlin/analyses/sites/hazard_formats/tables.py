@@ -3,9 +3,9 @@
 GEM, OpenQuake Engine manual, Outputs from classical PSHA, ``hazard_curve-mean-PGA_17.csv``: a comment
 with ``investigation_time=50.0, imt='PGA'``, the columns ``lon,lat,depth,poe-0.005,...``, whose names
 have the intensities, in g for ``PGA`` and ``SA``, and a row for each site with the probabilities that
-they are exceeded in the investigation time [yr]; or a row for each level, with ``imt,iml,poe``. U.S.
-Geological Survey, nshmp-haz, ``PGA/total.csv``: the columns ``name,lon,lat,0.0025,...``, whose names
-have the intensities [g], and annual frequencies of exceedance, in a folder named by the measure.
+they are exceeded in the investigation time [yr]. U.S. Geological Survey, nshmp-haz, ``PGA/total.csv``:
+the columns ``name,lon,lat,0.0025,...``, whose names have the intensities [g], and annual frequencies of
+exceedance, in a folder named by the measure.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from stochlin.analyses.sheets.sheets import Sheet, Table, number_in, sheets_of, table_in
 from stochlin.analyses.sites.hazard_formats import (
@@ -44,14 +43,14 @@ _LEVEL = "poe-"
 _NEAR = 0.01  # degrees, about 1 km: largest distance of a site that is named by its coordinates
 
 
-def read(path: Path, of: Hazard, asked: AskedHazard) -> list[Ordinate]:
-    """The curves at the site that is asked for, or the one in columns."""
+def read(path: Path, of: Hazard, asked: AskedHazard) -> Ordinate:
+    """The curve at the site that is asked for, or the one in columns."""
     sheets = sheets_of(path)
     content = sheets[0].without_comments().cells
     if len(sheets) == 1 and len(content) and content.iloc[0].map(_SITES.match).any():
         line = content.index[0]
         return _of_sites(Table("the table", sheets[0], line, 0, content.iloc[1:]), path, asked)
-    return [_of_columns(sheets, of, asked)]
+    return _of_columns(sheets, of, asked)
 
 
 def _of_columns(sheets: Sequence[Sheet], of: Hazard, asked: AskedHazard) -> Ordinate:
@@ -82,31 +81,14 @@ def _named(table: Table, words: str, usual: int) -> int:
     return named[0] if len(named) == 1 else usual
 
 
-def _of_sites(table: Table, path: Path, asked: AskedHazard) -> list[Ordinate]:
-    """The curves at a site, whose levels are in the titles or in the rows."""
+def _of_sites(table: Table, path: Path, asked: AskedHazard) -> Ordinate:
+    """The curve at a site, whose levels are in the titles."""
     titles, sheet = [head.lower() for head in table.title_cells], table.sheet
     if table.rows.empty or len({*titles}) < len(titles):
         raise table.error("has no site, or a name twice; allowed: a row for each site")
     sheet.check_width(table.rows.index, len(titles))
     comments = " ".join(sheet.cells.loc[: table.titles - 1].to_numpy().ravel())
-    along = [n for n, title in enumerate(titles) if title in _ALONG]
-    places = [*map(tuple, sheet.numbers(table.rows[along], "coordinate").tolist())]
     measure = stated[1] if (stated := _MEASURE.search(comments)) else ""
-    if {"iml", "poe"} <= {*titles}:
-        sites = [*dict.fromkeys(places)]
-        wanted = sites[_chosen(sheet.name, sites, asked.site)]
-        rows = table.rows[[place == wanted for place in places]]
-        measures = rows[titles.index("imt")] if "imt" in titles else pd.Series(measure, rows.index)
-        return [
-            _ordinate(
-                part := table._replace(rows=each),
-                of,
-                part.numbers("iml", "level"),
-                part.numbers("poe", "probability", SHARE),
-                _years(table, comments, asked.years),
-            )
-            for of, each in rows.groupby(measures, sort=False)
-        ]
     columns = [n for n, title in enumerate(titles) if title.startswith(_LEVEL)]
     years = _years(table, comments, asked.years) if columns else None
     if not columns:  # of nshmp-haz, with frequencies
@@ -115,28 +97,17 @@ def _of_sites(table: Table, path: Path, asked: AskedHazard) -> list[Ordinate]:
     levels = [number_in(titles[n].removeprefix(_LEVEL)) for n in columns]
     if not columns or None in levels:
         raise table.error(f"has {listed(titles, 6)}; allowed: a hazard curve, as poe-0.005")
-    site = table._replace(rows=table.rows.iloc[[_chosen(sheet.name, places, asked.site)], :])
-    what, allowed = ("probability", SHARE) if years else ("annual frequency", None)
-    values = sheet.numbers(site.rows[columns], what, allowed)[0]
-    return [_ordinate(site, measure, np.array(levels, float), values, years, columns)]
-
-
-def _ordinate(
-    table: Table,
-    measure: str,
-    levels: Array,
-    values: Array,
-    years: float | None,
-    columns: Sequence[int] = (),
-) -> Ordinate:
-    """The curve of a measure, from probabilities in some years, or from frequencies."""
-    period = period_of(measure)
-    if period is None:
+    if (period := period_of(measure)) is None:
         shown = brief(measure) if measure else "no imt"
         raise table.error(f"has {shown}; allowed: imt='PGA' or imt='SA(0.5)', or a folder SA0P5")
-    where = [table.sheet.where(table.rows.index[0], column) for column in columns] or [*table.places()]
-    frequencies = values if years is None else annual_frequencies(values, years)
-    return Ordinate(period, levels, frequencies, where, "g")
+    along = [n for n, title in enumerate(titles) if title in _ALONG]
+    places = sheet.numbers(table.rows[along], "coordinate").tolist()
+    line = table.rows.index[_chosen(sheet.name, places, asked.site)]
+    what, allowed = ("probability", SHARE) if years else ("annual frequency", None)
+    values = sheet.numbers(table.rows.loc[[line], columns], what, allowed)[0]
+    frequencies = annual_frequencies(values, years) if years else values
+    where = [sheet.where(line, column) for column in columns]
+    return Ordinate(period, np.array(levels, float), frequencies, where, "g")
 
 
 def _years(table: Table, comments: str, given: float | None) -> float:
