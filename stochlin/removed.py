@@ -60,6 +60,8 @@ REMOVED: dict[str, str] = {
     "slack": "a contact of pound acts where a gap has closed, and a link without slack always",
     "per_spectrum_chart": "pseudo_energy_radius over periods, or energy_chart, has the spectrum",
     "link_slack": "a contact acts where a gap has closed, and a link without slack always",
+    "system": "no number depends on it; the page on buildings says what a chain leaves out of a wall",
+    "parallel": "ParallelGround in Python, or a site by its spectrum, has several grounds",
 }
 
 

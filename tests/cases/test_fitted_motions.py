@@ -14,7 +14,7 @@ from motions import write_at2
 import stochlin as sl
 from stochlin.analyses.cases.reading.case import Case
 from stochlin.analyses.cases.separation import answer_case
-from stochlin.views.separation.verdict import comparisons
+from stochlin.views.separation.words import details
 from stochlin.views.shared.words import scatter
 
 pytestmark = pytest.mark.invariant
@@ -56,7 +56,7 @@ def test_the_answer_says_how_the_motions_compare_with_the_record(fitted: Case) -
     (record,) = fitted.site.records.values()
     of_record = sl.response_spectrum(record, answer.spectrum.period.values, 0.05).pseudo_acceleration
     np.testing.assert_allclose(answer.spectrum.target, of_record.squeeze(), rtol=1e-9)
-    told = comparisons(answer)[-1]
+    told = " ".join(details(answer))
     assert "mean of the motions relative to the target from 0.12 to 1.5 s, 0.2 to 1.5 times the" in told
 
 

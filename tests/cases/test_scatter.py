@@ -49,8 +49,7 @@ def test_the_usual_one_is_none_where_the_strength_of_the_ground_is_given(tmp_pat
 def test_it_is_read_and_said(tmp_path):
     case = read(tmp_path, "scatter = 0.3")
     assert case.site.scatter == motion_of(case)["scatter"] == 0.3
-    assert "scatter 0.3 (standard deviation" in scatter(case)
-    assert scatter(case).endswith("scatter in [motion] of the file.")
+    assert scatter(case).endswith("the standard deviation 0.3 (scatter in [motion]).")
 
 
 @pytest.mark.slow
@@ -58,7 +57,6 @@ def test_of_a_spectrum_it_is_what_suites_show_and_can_be_left_out(tmp_path):
     case = read(tmp_path, site=CODE)
     assert case.site.scatter == case.site.usual_scatter.scatter == USES["spectrum"].scatter == 0.3
     assert case.site.usual_scatter.source in scatter(case)
-    assert "scatter = 0 in [motion] omits it" in scatter(case)
     none = read(tmp_path, "scatter = 0", site=CODE)
     assert none.site.scatter == 0
     assert "records show a scatter of 0.3 (suites of records about a spectrum" in scatter(none)
@@ -66,12 +64,10 @@ def test_of_a_spectrum_it_is_what_suites_show_and_can_be_left_out(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", GAPS)
-def test_every_command_simulates_and_says_it(tmp_path, command):
+def test_every_command_simulates_it(tmp_path, command):
     outputs = []
     for line in ("scatter = 0", "scatter = 0.5"):
         result = CliRunner().invoke(main, [command, str(write(tmp_path, line, command=command))])
         assert result.exit_code == 0, result.output
         outputs.append(result.output)
-    assert "scatter 0.5" in " ".join(outputs[1].split())
-    assert "scatter" not in outputs[0]
     assert outputs[0] != outputs[1]

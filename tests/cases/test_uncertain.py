@@ -137,19 +137,6 @@ def test_the_ground_may_be_uncertain(site, name, tmp_path):
         assert float(median[key]) == pytest.approx(float(value), rel=1e-12)
 
 
-def test_several_grounds_may_be_uncertain_together_alone(tmp_path):
-    parts = "".join(
-        f'[[site.grounds]]\nground = "{name}"\nintensity = "0.01 m^2/s^3"\n' for name in ("firm", "soft")
-    )
-    site = f'ground = "parallel"\nintensity = "0.02 m^2/s^3 +- 30 %"\n{parts}'
-    case = read(tmp_path, case_text(OSCILLATOR, FIRM_SITE.replace(GROUND, site)))
-    table = sl.simulate([case.buildings[0].sampled], case.site.sampled_ground, duration=5.0, paths=32)
-    assert table.input.values.tolist() == ["ground.intensity"]
-    site = f'ground = "parallel"\n{parts.replace("0.01 m^2/s^3", "0.01 m^2/s^3 +- 30 %", 1)}'
-    with pytest.raises(ValueError, match=r"line \d+: site.grounds.intensity .* one of several"):
-        read(tmp_path, case_text(OSCILLATOR, FIRM_SITE.replace(GROUND, site)))
-
-
 @pytest.mark.slow
 def test_answers_say_what_is_not_known_and_that_they_contain_it(tmp_path):
     building = changed(changed(OSCILLATOR, "period", '"1.0 s +- 20 %"'), "damping", '"3 to 7 %"')
@@ -163,7 +150,7 @@ def test_answers_say_what_is_not_known_and_that_they_contain_it(tmp_path):
         assert "0.72 to 1.39 s" in text.replace("\N{NO-BREAK SPACE}", " ")  # exp of 1.645 times 0.2
         assert "0.032 to 0.068" in text
         assert "the gap is that of" in " ".join(text.split())
-    assert "the uncertainty of the others is in the answer" in page
+    assert "parameters that are not uncertain here are left out" in page
     judged = judge_gap(case, 0.05)
     assert told in "\n".join(lines(probability_sections(judged)))
     assert "input_factor" in judged.whole()

@@ -16,7 +16,7 @@ from stochlin.analyses.cases.separation import answer_case
 from stochlin.analyses.explorer.answers import PATHS, correlations, gap_by_few_motions
 from stochlin.analyses.explorer.uploads import uploaded
 from stochlin.views.explorer.answers import correlation_of, gap_of
-from stochlin.views.separation.verdict import first_lines
+from stochlin.views.separation.words import first_lines
 
 pytestmark = pytest.mark.invariant
 

@@ -68,7 +68,7 @@ def test_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
 def test_the_case_file_gives_the_table(tmp_path: Path) -> None:
     case = tmp_path / "case.toml"
     case.write_text("".join(blocks(README, "toml")), encoding="utf-8")
-    printed = iter(answered("gap", case, "--details").output.splitlines())
+    printed = iter(answered("gap", case).output.splitlines())
     assert all(line in printed for line in blocks(README, "text")[0].splitlines())
 
 

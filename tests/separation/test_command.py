@@ -78,7 +78,7 @@ def test_the_answer_comes_first_and_is_the_librarys(example: Done) -> None:
     with xr.open_dataset(example.folder / "gap.nc") as table:
         gap = 100 * float(table.gap.sel(rule="simulation"))
         probability = 100 * float(table.existing_no_pounding_probability)
-        rules = [str(name) for name in table.rule.values]
+        rules = [str(name) for name in table.rule.values if not table.missing.sel(rule=name).item()]
         assert table.gap.attrs["units"] == "m"
     assert f"Office block and Annex should stand {gap:.1f} cm apart." in output
     assert f"keeps them apart in {probability:.1f} %" in output
@@ -101,7 +101,7 @@ def test_the_table_fits_the_screen_and_any_console(example: Done, site: Done) ->
 def test_rules_that_give_less_than_the_answer_are_marked_so(example: Done) -> None:
     with xr.open_dataset(example.folder / "gap.nc") as table:
         meanings = table.verdict.attrs["flag_meanings"].split()
-        for name in table.rule.values:
+        for name in table.rule.values[table.missing.values == ""]:
             word = meanings[int(table.verdict.sel(rule=name))].replace("_", " ")
             (line,) = re.findall(rf"^{name} .*$", example.result.output, re.MULTILINE)
             assert f" {word}" in line
@@ -154,7 +154,7 @@ class Page(HTMLParser):
 
 
 def test_the_page_ends_with_a_place_to_sign_and_says_what_the_file_leaves_open(example: Done) -> None:
-    _, _, case = Page(example.page).text.partition("Assumptions of each rule")
+    _, _, case = Page(example.page).text.partition("The case")
     assert "case.toml. Date, prepared by, checked by:" in case
     assert f"stochlin {sl.__version__}: separation(duration=20, confidence=0.9, paths=2048" in case
 
@@ -179,7 +179,7 @@ def test_the_page_needs_nothing_else(name: str, request: pytest.FixtureRequest) 
     assert used <= set(ids)
 
 
-@pytest.mark.parametrize(("name", "pictures"), [("example", 4), ("site", 5)])
+@pytest.mark.parametrize(("name", "pictures"), [("example", 4), ("site", 4)])
 def test_the_page_can_be_read_aloud(name: str, pictures: int, request: pytest.FixtureRequest) -> None:
     page = Page(request.getfixturevalue(name).page)
     assert ("html", {"lang": "en"}) in page.tags
@@ -213,10 +213,9 @@ def test_text_of_the_user_stays_text(site: Done) -> None:
 
 def test_the_page_warns_of_what_is_doubtful(site: Done) -> None:
     words = Page(site.page).text
-    assert "Strength from ductility" in words
     assert "storeys are 2.50 m and 3.00 m high" in words
     assert "Kasai, Jagiasi and Jeng (1996), constants unverified" in words
-    assert "In the recorded motions they would have needed" in words
+    assert "Record Gap [cm] Peak 1 at 15 m [cm]" in words
     assert "stays sufficient up to these values" in words
     assert re.search(r"keeps them apart in [\d.]+.% of the motions \([^)]*\)\. Verdict: enough; ", words)
 
@@ -226,7 +225,7 @@ def test_elastic_buildings_without_a_gap(tmp_path: Path) -> None:
     text = text.replace('ground = "firm"', 'ground = "white_noise"')
     one = done(tmp_path, few(text))
     assert one.result.exit_code == 0, one.result.output
-    assert "Both buildings stay elastic." in one.result.output
+    assert "Mean peak ductility: none (elastic) and none (elastic)." in one.result.output
     assert "existing gap</h2>" not in one.page
 
 
@@ -277,7 +276,6 @@ def test_storeys_are_told_and_drawn_from_the_saved_data(storeyed: dict[str, Done
     )
     words = Page(storeyed["mixed"].page).text
     assert "Block 1 is a row of bilinear storeys, Kiosk is one bilinear oscillator" in words
-    assert "mass of the floor 300 t" in words
 
 
 def test_a_picture_over_height_needs_heights(example: Done) -> None:

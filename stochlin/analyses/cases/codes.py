@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.cases.reading.codes import factors_of, missing_of
+from stochlin.analyses.cases.reading.codes import factors_of
 from stochlin.analyses.cases.rows import neighbours_of, of_codes, one_or_two
 from stochlin.analyses.separation.rules import Rule, code_rules
 from stochlin.analyses.separation.separation import COMBINED, gaps_by_height, judged_rules
@@ -58,13 +58,7 @@ def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
             applied[f"gap_at_height_{end}"] = xr.full_like(applied.gap_at_height, np.nan)
     whole = xr.concat([table, applied], "rule", data_vars="minimal", coords="minimal", compat="override")
     whole = labels.label(whole, VARIABLES)
-    return whole.assign_attrs(comment=f"{applied_in_words(case)} {COMBINED}")
-
-
-def applied_in_words(case: Case) -> str:
-    """What the codes are that the engineer applies, and the source of their displacements."""
-    displaced = any(CODE_RULES[name].multiplies for name in case.codes)
-    return f"{APPLY} Displacements: {sources(case)}." if displaced else APPLY
+    return whole.assign_attrs(comment=f"{APPLY} {COMBINED}")
 
 
 def sources(case: Case) -> str:
@@ -81,9 +75,7 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
     buildings, heights = one_or_two(case), np.atleast_1d(table.get("height", np.nan))
     name, nothing = f"{rule.name}{APPLIED}", np.full(heights.size, np.nan)
     for building in buildings:
-        missing = missing_of(building, rule, case.site.spectrum is not None)
-        lacking = ": ".join(missing) if missing else _beyond(case, building)
-        if lacking:
+        if lacking := _beyond(case, building):
             return Rule(name, "code", nothing, missing=f"{building.name} lacks {lacking}")
     structures = [building.structure for building in buildings]
     system = arrangement_of(structures)

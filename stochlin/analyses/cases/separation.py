@@ -34,6 +34,7 @@ from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import DoubtfulInput
 from stochlin.models.parameters import Model
+from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.uncertain import UncertainModel
 
 HAZARD = ": site.hazard cannot be used"
@@ -71,9 +72,10 @@ class CaseAnswer:
         table = self.separation
         if self.every_rule:
             return table
-        wanted = {*USUAL, *self.case.codes, *self.case.wanted.of_rules()}
-        names = [str(name).removesuffix(APPLIED) for name in table.rule.values]
-        return table.isel(rule=[name in wanted for name in names])
+        as_they_are = [name for name in self.case.codes if not CODE_RULES[name].multiplies]
+        wanted = {*USUAL, *as_they_are, *self.case.wanted.of_rules()}
+        names = [str(name) for name in table.rule.values]
+        return table.isel(rule=[name in wanted or name.endswith(APPLIED) for name in names])
 
     def table(self, samples: bool = True) -> xr.Dataset:
         """All results in one dataset; without samples, only variables with one value for each rule."""

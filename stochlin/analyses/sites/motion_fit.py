@@ -46,15 +46,12 @@ class UsualScatter(NamedTuple):
     source: str
 
 
-_PAGE = "docs/reality.md"
 # What motions are used for, and the scatter that recorded earthquakes show there.
 USES = {
     "same_record": UsualScatter(0.0, "motions like the record itself"),
-    "other_component": UsualScatter(0.4, f"the other component of a station in the far field ({_PAGE})"),
-    "other_station": UsualScatter(
-        0.4, f"other stations and earthquakes, scaled to the same Sa ({_PAGE})"
-    ),
-    "spectrum": UsualScatter(0.3, f"suites of records about a spectrum ({_PAGE})"),
+    "other_component": UsualScatter(0.4, "the other component of a station in the far field"),
+    "other_station": UsualScatter(0.4, "other stations and earthquakes, scaled to the same Sa"),
+    "spectrum": UsualScatter(0.3, "suites of records about a spectrum"),
 }
 FITTED_USES = ("same_record", "other_component", "other_station")
 OTHER_COMPONENT = "other_component"

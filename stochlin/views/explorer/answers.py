@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -11,12 +10,11 @@ from stochlin.analyses.cases.rows import pair_of
 from stochlin.analyses.explorer.answers import PATHS, OnGround, correlations, gap_by_few_motions
 from stochlin.analyses.explorer.uploads import read_upload, uploaded
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.views.separation import verdict, words
-from stochlin.views.separation.elevation import elevation_picture
-from stochlin.views.shared.blocks import Picture, Text, ViewSection, texts
+from stochlin.views.separation.report import first_sections
+from stochlin.views.separation.rules import rules_notes, rules_table
+from stochlin.views.shared.blocks import Picture, Text, ViewSection
 from stochlin.views.shared.page import page
 from stochlin.views.shared.style import CURVES, label_axis, legend_above, open_frame
-from stochlin.views.shared.words import doubt
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,14 +40,11 @@ def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:
     """The gap, its picture and the rules for a case of this text, as `stochlin gap` has them."""
     case, doubts = read_upload(folder, name, text)
     answer = gap_by_few_motions(case, progress)
-    first, *others = texts(verdict.first_lines(answer))
     of_few = f"From {PATHS} motions; 'stochlin gap' takes more for the saved case where it needs them."
     sections = [
-        ViewSection("", [doubt(answer.doubts())]),
-        ViewSection("", [replace(first, look="answer"), elevation_picture(answer), *others]),
-        ViewSection("", texts(verdict.cautions(answer))),
-        ViewSection("The rules and the answer", [words.rules_table(answer)]),
-        ViewSection("", words.rules_notes(answer)),
+        *first_sections(answer),
+        ViewSection("The rules and the answer", [rules_table(answer)]),
+        ViewSection("", rules_notes(answer)),
         ViewSection("", [Text(of_few * (case.simulated.motions > PATHS), "note")]),
     ]
     return _html(case, doubts, sections, "gap")

@@ -21,7 +21,7 @@ from stochlin.views.shared.screen import (
 )
 
 REPORTS = (".html", ".htm")
-MORE = "'--details' adds the shaking, heights, drifts and the table of rules."
+MORE = "'--details' adds the shaking, heights, drifts and the notes on the rules."
 
 
 @COMMANDS.register("gap")
@@ -36,8 +36,8 @@ MORE = "'--details' adds the shaking, heights, drifts and the table of rules."
 @click.option(
     "--picture",
     type=FILE,
-    help="Draw the gap over height and the drifts of storeys, or, without storeys, the gaps by rule, "
-    "as .png, .svg or .pdf, and save the data beside the picture.",
+    help="Draw the buildings to scale with the gaps and how often they are enough, as .png, .svg or "
+    ".pdf, and save the data beside the picture.",
 )
 @click.option(
     "--sensitivity",
@@ -51,7 +51,7 @@ MORE = "'--details' adds the shaking, heights, drifts and the table of rules."
     help="Show all rules and codes, not only the usual ones and your codes; with details.",
 )
 @click.option(
-    "--details", is_flag=True, help="Also print shaking, heights, drifts and the table of rules."
+    "--details", is_flag=True, help="Also print shaking, heights, drifts and notes on the rules."
 )
 @click.option(
     "--example",
@@ -105,7 +105,7 @@ def gap(
         from stochlin.analyses.cases.separation import answer_case
         from stochlin.analyses.tables.storage import CSV, FORMATS, whole_file
         from stochlin.views.sensitivity.pictures import draw_sensitivity
-        from stochlin.views.separation.pictures import answer_figure
+        from stochlin.views.separation.elevation import elevation_figure
         from stochlin.views.separation.report import answer_sections, report_page
         from stochlin.views.separation.words import names_of
 
@@ -121,7 +121,7 @@ def gap(
         details = details or all_rules
         show([*lines(answer_sections(answer), details), *([] if details else ["", MORE])])
         table = answer.table(samples=data is not None and data.suffix.lower() != CSV)
-        write(table, data, picture, lambda _: answer_figure(answer))
+        write(table, data, picture, lambda _: elevation_figure(answer))
         if answer.matters is not None:
             write(answer.matters, beside, sensitivity, partial(draw_sensitivity, names=names_of(answer)))
         if report is not None:

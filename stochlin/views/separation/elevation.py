@@ -7,9 +7,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from stochlin.views.separation.rules import own_codes
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.separation.verdict import SHARE, judged, needed, own_codes, share
-from stochlin.views.separation.words import confidence, meeting_level
+from stochlin.views.separation.words import (
+    SHARE,
+    confidence,
+    judged,
+    meeting_level,
+    needed,
+    share_of,
+)
 from stochlin.views.shared.blocks import Picture
 from stochlin.views.shared.page import PAGE_STYLE
 from stochlin.views.shared.screen import cut
@@ -48,10 +55,10 @@ def elevation_picture(answer: CaseAnswer) -> Picture:
     """The picture with its title and what it shows in words."""
     about = subject_of(answer.case)
     caption = (
-        f"Heights are to scale; {about.gap}s and displacements have a scale of their own. Grey: 95 % "
-        f"interval. Dashed: peak displacements, not exceeded in {confidence(answer.case)} of the motions"
+        f"Heights and {about.gap}s have scales of their own. Grey: 95 % interval. Dashed: peak "
+        f"displacements, not exceeded in {confidence(answer.case)} of the motions"
     )
-    caption += "." if answer.case.alone else "; both are hardly ever reached at one time."
+    caption += "." if answer.case.alone else ", hardly ever both at one time."
     if answer.case.slabs:
         caption += " Crosses: slabs that meet columns."
     title = f"{about.the_buildings.capitalize()} and the {about.gap}"
@@ -207,6 +214,6 @@ def _draw_shares(axes: Axes, answer: CaseAnswer) -> None:
     axes.plot([required, required], [-0.6, 0.6], color=EDGE, lw=1.2, ls=(0, (3, 1.5)))
     axes.text(required, -0.62, f"required {confidence(answer.case)}", ha="right", va="top", size=SIZE)
     which = "required" if now is None else "existing"
-    title = f"{about.good.capitalize()}, {which} {about.gap}: {share(table)}"
+    title = f"{about.good.capitalize()}, {which} {about.gap}: {share_of(table)}"
     axes.text(-2.5, 0.62, title, va="bottom", size=SIZE)
     axes.text(0, -0.62, f"hatched: {about.meet}", va="top", size=SIZE)

@@ -5,22 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.optimize import isotonic_regression
 
-from stochlin.views.separation.storeys import LINE, caption_of, draw_heights
+from stochlin.views.separation.rules import AT_LEAST, LESS, WITHIN, rows
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.separation.words import AT_LEAST, LESS, WITHIN, RuleLine, rows
-from stochlin.views.shared.page import PAGE_STYLE
 from stochlin.views.shared.style import (
     CURVES,
     filled,
     legend_above,
     name_rows,
     open_frame,
-    styled,
     swatches,
 )
-from stochlin.views.shared.words import BEYOND, FAR, MISSING, with_interval
+from stochlin.views.shared.words import BEYOND, FAR, with_interval
 from stochlin.views.sites.pictures import draw_spectrum
 
 if TYPE_CHECKING:
@@ -42,30 +38,18 @@ VERDICTS = {
     "no verdict": ("#ffffff", ""),
 }
 EDGE = "#1b1b1b"
-NEAR, APART = 0.015, 0.038  # of the axis: gaps as near as this share a label; between labels
+DENSITY = "Power spectral density of the ground acceleration over period."
+SPECTRUM = "Response spectra of the motions and of the target; below, the ratio with its 95 % interval."
 
 
-@styled(PAGE_STYLE)
-def answer_figure(answer: CaseAnswer) -> Figure:
-    """The picture that stands alone: over height where there are storeys, else the gaps by rule."""
-    table = answer.table()
-    if "height" in table.dims:
-        return draw_heights(table)
-    return rules_figure(answer, caption_of(table))
-
-
-def rules_figure(answer: CaseAnswer, caption: str = "") -> Figure:
-    """Gaps by rule, against the answer and its interval; below it the caption."""
+def rules_figure(answer: CaseAnswer) -> Figure:
+    """Gaps by rule, against the answer and its interval."""
     shown = [row for row in rows(answer) if row.verdict in VERDICTS]
     gaps = [100 * row.metres for row in shown]
-    names = [filled([f"{row.number}  {row.label}"], NAME_WIDTH) for row in shown]
+    names = [filled([row.label], NAME_WIDTH) for row in shown]
     wide = any("\n" in name for name in names)
     pitch = 0.34 if wide else 0.235
-    foot = LINE * (caption.count("\n") + 2) if caption else 0.0
-    height = pitch * len(shown) + 1.35 + foot
-    figure, axes = _blank(height)
-    figure.set_layout_engine("constrained", rect=(0, foot / height, 1, 1 - foot / height))
-    figure.text(0.02, (foot - 0.5 * LINE) / height, caption, va="top", size=8.5, parse_math=False)
+    figure, axes = _blank(pitch * len(shown) + 1.35)
     place = np.arange(len(shown))
     right = 1.04 * _farthest(answer, gaps) or 1
     for at, (row, gap) in enumerate(zip(shown, gaps, strict=True)):
@@ -87,35 +71,26 @@ def rules_figure(answer: CaseAnswer, caption: str = "") -> Figure:
 
 
 def distribution_figure(answer: CaseAnswer) -> Figure:
-    """Probability of no pounding over the gap, with the gaps of the rules on it."""
+    """Probability of no pounding over the gap, in the motions and, if there are many, the records."""
     table, about = answer.separation, subject_of(answer.case)
     samples = 100 * np.sort(table.separation_samples.values)
     share = np.linspace(0, 1, 401)
-    figure, axes = _blank(3.9)
-    axes.plot(np.quantile(samples, share), share, color="0.1", zorder=3)
-    shown = [row for row in rows(answer) if row.verdict in VERDICTS and row.probability != MISSING]
-    gaps = {row.number: 100 * row.metres for row in shown}
-    right = 1.06 * max(_farthest(answer, gaps.values()), samples[-1]) or 1
-    now = 100 * answer.existing.attrs["gap_m"] if answer.existing is not None else np.inf
-    if now < 1.6 * right:  # farther off it would squeeze the rest
-        right = max(right, 1.3 * now)
-        axes.axvline(now, color="#2166ac", lw=1.2, ls=(0, (6, 1.5, 1, 1.5)))
-        axes.text(now + 0.01 * right, 0.02, f"existing {about.gap}", size=9, color="#1d4f86")
-    axes.set(xlim=(0, right), ylim=(0, 1.02))
-    far = [f"{row.number}: {row.gap} cm {BEYOND}" for row in shown if gaps[row.number] > right]
-    axes.text(0.99 * right, 0.84, "\n".join(far), ha="right", va="top", size=9)
-    shown = [row for row in shown if gaps[row.number] <= right]
-    for row in shown:
-        face, hatch = VERDICTS[row.verdict]
-        chance = float(table.no_pounding_probability.sel(rule=row.rule))
-        style: Any = {"color": face, "mec": EDGE, "mew": 0.8, "ls": "", "zorder": 4}
-        axes.plot(gaps[row.number], chance, marker="s" if hatch else "o", ms=5.5, **style)
-    _rule_numbers(axes, shown, gaps, right)
-    confidence = answer.case.wanted.confidence
-    axes.axhline(confidence, color="0.3", lw=0.9, ls=(0, (4, 2)))
-    axes.text(0.01 * right, confidence + 0.015, f"{100 * confidence:g} %", size=9, color="0.2")
+    figure, axes = _blank(3.6)
+    axes.plot(np.quantile(samples, share), share, color="0.1", zorder=3, label="motions")
+    right = samples[-1]
+    if answer.over_records is not None:
+        records = 100 * table.record_separation.values
+        axes.ecdf(records, color="#6b5d45", lw=1.6, label="records")
+        right = max(right, records.max())
+    if answer.existing is not None and (now := 100 * answer.existing.attrs["gap_m"]) < 1.6 * right:
+        right = max(right, 1.3 * now)  # farther off it would squeeze the rest
+        line: Any = {"color": "#2166ac", "lw": 1.2, "ls": (0, (6, 1.5, 1, 1.5))}
+        axes.axvline(now, label=f"existing {about.gap}", **line)
+    _answer_line(axes, answer)
+    axes.axhline(answer.case.wanted.confidence, color="0.3", lw=0.9, ls=(0, (1, 1)), label="required")
     axes.set_yticks(np.arange(0, 1.01, 0.2), [f"{p:.0f} %" for p in np.arange(0, 101, 20)])
-    axes.set(xlabel=_axis(answer), ylabel=about.good)
+    axes.set(xlim=(0, 1.04 * right or 1), ylim=(0, 1.02), xlabel=_axis(answer), ylabel=about.good)
+    legend_above(axes, 2, 9)
     return figure
 
 
@@ -153,39 +128,6 @@ def spectrum_figure(answer: CaseAnswer) -> Figure:
     return figure
 
 
-def records_figure(answer: CaseAnswer) -> Figure:
-    """Gaps that the recorded motions would have needed, against the answer; numbered as in the text."""
-    gaps = 100 * answer.separation.record_separation.values
-    if answer.over_records is not None:
-        return _many_records(answer, gaps)
-    figure, axes = _blank(0.3 * len(gaps) + 1.35)
-    place = np.arange(len(gaps))
-    axes.barh(place, gaps, 0.6, color="#d9d3c7", edgecolor=EDGE, lw=0.6, zorder=2)
-    _answer_line(axes, answer)
-    name_rows(axes, place, _named(answer.case.site.records))
-    axes.set(xlim=(0, 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1))
-    axes.set(xlabel=_axis(answer))
-    legend_above(axes, 3, 9)
-    return figure
-
-
-def _named(records: Iterable[str]) -> list[str]:
-    """Names of records with their numbers; a dollar sign begins no formula."""
-    numbered = (f"{n}  {name}".replace("$", r"\$") for n, name in enumerate(records, start=1))
-    return [filled([label], NAME_WIDTH) for label in numbered]
-
-
-def _many_records(answer: CaseAnswer, gaps: np.ndarray) -> Figure:
-    """Share of the records for which a gap would have been enough, against the answer."""
-    figure, axes = _blank(3.3)
-    axes.ecdf(gaps, color="#6b5d45", lw=1.6, label="records")
-    _answer_line(axes, answer)
-    right = 1.04 * max(*gaps, 100 * float(answer.separation.gap[0])) or 1
-    axes.set(xlim=(0, right), ylim=(0, 1.02), xlabel=_axis(answer), ylabel="share of the records")
-    legend_above(axes, 3, 9)
-    return figure
-
-
 def _axis(answer: CaseAnswer) -> str:
     return f"{subject_of(answer.case).gap} [cm]"
 
@@ -205,22 +147,4 @@ def _answer_line(axes: Axes, answer: CaseAnswer) -> None:
     if np.isfinite(high):
         axes.axvspan(low, high, color="0.6", alpha=0.55, lw=0, zorder=1.5)
     line: Any = {"color": "#1b1b1b", "lw": 1.2, "ls": (0, (4, 2)), "zorder": 3}
-    axes.axvline(100 * float(table.gap[0]), label="the answer, with its 95 % interval", **line)
-
-
-def _rule_numbers(axes: Axes, shown: list[RuleLine], gaps: dict[int, float], right: float) -> None:
-    """Numbers of the rules in a row above the curve, those at one gap together, each led to its gap."""
-    groups: list[list[RuleLine]] = []
-    for row in sorted(shown, key=lambda row: gaps[row.number]):
-        if groups and gaps[row.number] - gaps[groups[-1][0].number] < NEAR * right:
-            groups[-1].append(row)
-        else:
-            groups.append([row])
-    at = [float(np.mean([gaps[row.number] for row in group])) for group in groups]
-    apart = APART * right * np.arange(len(groups))
-    place = isotonic_regression(np.array(at) - apart).x + apart  # as near as labels can stand
-    for gap, label, group in zip(at, place, groups, strict=True):
-        text = ", ".join(str(number) for number in sorted(row.number for row in group))
-        line: Any = {"color": "0.6", "lw": 0.6, "clip_on": False, "zorder": 1}
-        axes.plot([gap, gap, label], [1.0, 1.05, 1.1], **line)
-        axes.text(label, 1.11, text, size=8.5, rotation=90, ha="center", va="bottom")
+    axes.axvline(100 * float(table.gap[0]), label="answer, 95 % interval", **line)

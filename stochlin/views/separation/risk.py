@@ -44,8 +44,8 @@ def risk_blocks(answer: CaseAnswer) -> list[Block]:
     heads = ("gap", "[cm]", "per year", "once in", f"in {table.attrs['risk_years']:g} years", "interval")
     note = (
         f"From {table.attrs['risk_paths']} motions at each of {table.sizes['risk_intensity']} "
-        f"intensities of the hazard; the intervals, of 95{SPACE}%, are those of the sampling of "
-        "motions. Different years are taken as independent."
+        f"intensities of the hazard; the intervals, of 95{SPACE}%, are those of their sampling. "
+        "Different years are taken as independent."
     )
     return [*texts(risk_sentences(answer)), Table.of(heads, rows), Text(note, "note")]
 
@@ -87,10 +87,9 @@ def risk_caption(answer: CaseAnswer) -> str:
     """The caption of the picture."""
     assert answer.risk is not None
     return (
-        f"For a {subject_of(answer.case).gap} of {length(float(answer.risk.risk_gap[0]))}. Above: the "
-        f"share of motions in which {subject_of(answer.case).meet}, by intensity. Below: the share of "
-        "the annual frequency by intensity; the outermost bars contain all weaker and stronger "
-        "shaking."
+        f"With {length(float(answer.risk.risk_gap[0]))}, by intensity: above the share of motions in "
+        f"which {subject_of(answer.case).meet}, below that of the annual frequency; the outermost bars "
+        "contain all weaker and stronger shaking."
     )
 
 
@@ -112,28 +111,19 @@ def _years(rate: float) -> str:
 
 
 def risk_sentences(answer: CaseAnswer) -> list[str]:
-    """The frequency for the first of these gaps, and the gap for the risk allowed."""
+    """The shaking that matters for the first of these gaps, and the gap for the risk allowed."""
     table = answer.risk
-    if table is None:
-        return []
-    about = subject_of(answer.case)
-    risk, years = table.isel(risk_gap=0), table.attrs["risk_years"]
-    rate, low, high = with_interval(risk, "risk_annual_rate")
-    which = "existing " if risk.risk_of.item() == "existing" else ""
-    gap = f"the {which}{about.gap} of {length(float(risk.risk_gap))}"
-    sentences = [f"With {gap} {about.met} in none of the motions, at any intensity of the hazard."]
-    if rate:
-        sentences = [
-            f"Under the hazard of the site and with {gap}, {about.meet} {rate:.2g} times a year on "
-            f"average ({low:.2g} to {high:.2g}), which is once in {_years(rate)}. The probability that "
-            f"this happens within {years:g} years is "
-            f"{per_cent(float(risk.risk_probability_in_years), 1)}. {_strongest(answer, risk)}"
-        ]
+    assert table is not None
+    about, risk = subject_of(answer.case), table.isel(risk_gap=0)
+    which = "existing" if risk.risk_of.item() == "existing" else "required"
+    gap = f"the {which} {about.gap} of {length(float(risk.risk_gap))}"
+    sentences = [f"With {gap} {about.meet} in none of the motions, at any intensity of the hazard."]
+    if float(risk.risk_annual_rate):
+        sentences = [_strongest(answer, risk, gap)]
     if "risk_required_gap" in table:
         needed, *ends = with_interval(table, "risk_required_gap")
         sentences.append(
-            f"For the risk allowed, {_allowed(answer)}, {about.they} "
-            f"{about.stand.format(gap=length(needed))} "
+            f"For the risk allowed, {_allowed(answer)}, the {about.gap} is {length(needed)} "
             f"({' to '.join(map(centimetres, ends))})."
         )
     return sentences + _left_out(answer, risk)
@@ -152,9 +142,8 @@ def _left_out(answer: CaseAnswer, risk: xr.Dataset) -> list[str]:
         least = f"{float(risk.risk_intensity[0]) / unit:.2g}{SPACE}{units}"
         sentences.append(
             f"The hazard begins at {name} {least}, with which {subject_of(answer.case).meet} in "
-            f"{per_cent(weakest)} of the motions. Weaker shaking is not in the table of the hazard and "
-            "is left out, so that the true frequency is higher than printed here: start the table at "
-            "lower intensities."
+            f"{per_cent(weakest)} of the motions. Weaker shaking is left out, so that the true "
+            "frequency is higher: start the table at lower intensities."
         )
     if float(risk.risk_annual_rate_unseen) > NOTICED * rate:
         sentences.append(
@@ -164,14 +153,14 @@ def _left_out(answer: CaseAnswer, risk: xr.Dataset) -> list[str]:
     return sentences
 
 
-def _strongest(answer: CaseAnswer, risk: xr.Dataset) -> str:
+def _strongest(answer: CaseAnswer, risk: xr.Dataset, gap: str) -> str:
     """The intensities that contribute nine tenths of the rate."""
     name, units, unit = _measure(answer)
     low, high = (end / unit for end in range_of_rate(risk, LITTLE))
     within = f"{low:.2g} to {high:.2g}{SPACE}{units}" if low else f"less than {high:.2g}{SPACE}{units}"
     if not np.isfinite(high):
         within = f"more than {low:.2g}{SPACE}{units}"
-    return f"Nine tenths of this frequency come from shaking of {name} {within}."
+    return f"With {gap}, nine tenths of the annual frequency come from shaking of {name} {within}."
 
 
 def _measure(answer: CaseAnswer) -> tuple[str, str, float]:

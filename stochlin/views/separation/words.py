@@ -1,84 +1,89 @@
-"""An answer about a gap in plain words and short numbers, for the screen and the page."""
+"""An answer about a gap in plain words and short numbers: each sentence once, for screen and page."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.analyses.cases.codes import APPLIED, KIND, applied_in_words
-from stochlin.analyses.separation.separation import COMBINED
-from stochlin.models.rules.codes import CODE_RULES
+from stochlin.analyses.tables.toml import toml_text
+from stochlin.messages import hyphenated
+from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding
 from stochlin.views.separation.subjects import subject_of
-from stochlin.views.shared.blocks import Block, Items, Row, Table, Text, texts
+from stochlin.views.shared.blocks import Block, Items, Text, texts
 from stochlin.views.shared.words import (
     SPACE,
-    along,
     centimetres,
-    in_g,
+    floors,
+    interval,
+    left_out,
+    length,
+    over_records,
     per_cent,
-    rule_label,
+    scatter,
+    shaking,
+    site_in_words,
     with_interval,
 )
+from stochlin.views.sites.words import fit_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from stochlin.analyses.cases.reading.buildings import Building
     from stochlin.analyses.cases.reading.case import Case
     from stochlin.analyses.cases.separation import CaseAnswer
 
-# Groups of rules, in the order in which they are shown.
-FORMULAS, FAMILY = "eq. (3) with a correlation coefficient", "families of rules of building codes"
-AS_APPLIED, COMBINATION = "the code as you apply it", "the code's combination of simulated peaks"
-SPECTRUM = "response spectrum analysis"
-GROUPS = ("", FORMULAS, SPECTRUM, "linearization", FAMILY, AS_APPLIED, COMBINATION)
-KINDS = {
-    "simulation": "",
-    "equation_3": FORMULAS,
-    "response_spectrum": SPECTRUM,
-    "linearization": "linearization",
-    "code": FAMILY,
-    KIND: AS_APPLIED,
-}
-NAMED = {AS_APPLIED: "as you apply it", COMBINATION: "of simulated peaks"}
-MORE = "'stochlin gap --all-rules' shows all other rules and codes."
-NO_CODES = (
-    'For a building code as you apply it write, for instance, codes = ["eurocode_8"] in [separation], '
-    "and in each building displacements of your analysis and the factors of the code."
-)
-NOT_COMPARED = "not compared with its source"  # what the mark M says
-MARKS = (
-    "Marks: S, formula seen in a copy of its source; C, derived and checked; P, in the text of the "
-    f"paper that was available; M, {NOT_COMPARED}, with a high or a low confidence that it agrees."
-)
-AT_LEAST, LESS, WITHIN = "at least the answer", "less than the answer", "within error"  # verdicts
+ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
+SHARE = "no_pounding_probability"
 ANY = "any of those searched"
-OF_TWO = "needs a second building"  # the reason why a rule is not available
-SHOWN_TEXTS = ("mark", "reference", "assumptions", "missing")
+LINE = (
+    "Nothing beyond the property line is in the model: two neighbours that each stay on their own side "
+    "cannot meet; for a neighbour nearer to the line, compute the gap between both buildings."
+)
 
 
-class RuleLine(NamedTuple):
-    """One rule as it is shown."""
+def first_lines(answer: CaseAnswer) -> list[str]:
+    """Required gap, existing gap, verdict and reason; two of them where no gap exists."""
+    case, table, about = answer.case, answer.separation, subject_of(answer.case)
+    names = " and ".join(building.name for building in case.buildings)
+    stand = about.stand.format(gap=length(float(table.gap[0])))
+    lines = [f"{names} {stand}. 95{SPACE}% interval: {needed(answer)}."]
+    if answer.existing is not None:
+        gap, share = length(float(answer.existing.attrs["gap_m"])), share_of(answer.existing)
+        share = share.replace(" (", " of the motions (")
+        lines.append(f"The existing {about.gap} of {gap} {about.keeping} in {share}.")
+        lines.append(f"Verdict: {judged(answer)}; {confidence(case)} are required.")
+    peaks = of_each(table, "peak_mean")
+    means = f"mean peak{'s' * (len(peaks) > 1)} {' and '.join(map(centimetres, peaks))}{SPACE}cm"
+    why = f"{confidence(case)} of {case.simulated.motions} motions need no more"
+    return [*lines, f"Why: {why}; {means}{meeting_level(answer)}."]
 
-    number: int
-    rule: str  # as in the dataset
-    name: str  # on the screen
-    label: str  # as in a text
-    group: str
-    metres: float
-    gap: str
-    error: str
-    probability: str
-    verdict: str
-    mark: str
-    reference: str
-    assumptions: str
-    missing: str
 
-    @property
-    def remark(self) -> str:
-        """That the rule was not compared with its source, to stand behind its name."""
-        return f" ({NOT_COMPARED})" if "M" in self.mark else ""
+def needed(answer: CaseAnswer) -> str:
+    """The interval of the answer, of 95 %."""
+    return interval(answer.separation.isel(rule=0), "gap")
+
+
+def share_of(table: xr.Dataset) -> str:
+    """The share of motions in which a gap is enough, with its interval."""
+    of_all, low, high = (per_cent(value, 1) for value in with_interval(table, SHARE))
+    return f"{of_all} ({low} to {high})"
+
+
+def judged(answer: CaseAnswer) -> str:
+    """Whether the existing gap is enough."""
+    assert answer.existing is not None
+    _, low, high = with_interval(answer.existing, SHARE)
+    if low >= answer.case.wanted.confidence:
+        return "enough"
+    undecided = "undecided within the error of the simulation"
+    return "not enough" if high < answer.case.wanted.confidence else undecided
+
+
+def confidence(case: Case) -> str:
+    """The required probability of no pounding."""
+    return f"{100 * case.wanted.confidence:.4g}{SPACE}%"
 
 
 def meeting_level(answer: CaseAnswer) -> str:
@@ -96,104 +101,102 @@ def of_each(table: xr.Dataset, name: str) -> list[float]:
     return [float(table[f"{name}_{n}"]) for n in (1, 2) if f"{name}_{n}" in table]
 
 
-def ductilities(table: xr.Dataset) -> str:
-    """Mean peak ductilities of the buildings."""
-    values = of_each(table, "ductility")
-    texts = ["none (elastic)" if np.isnan(v) else f"{v:.1f}".replace("inf", "infinite") for v in values]
-    return " and ".join(texts)
-
-
-def rows(answer: CaseAnswer) -> list[RuleLine]:
-    """The rules that are shown, the answer first; for one building those that apply to one building."""
-    table = answer.shown
-    if answer.case.alone:
-        of_two = [str(text).startswith(OF_TWO) for text in table.missing.values]
-        table = table.isel(rule=~np.array(of_two))
-    grouped = [(_group(answer.case, row), row) for row in along(table, "rule")]
-    grouped.sort(key=lambda of_rule: GROUPS.index(of_rule[0]))
-    return [_line(answer, n, *of_rule) for n, of_rule in enumerate(grouped, start=1)]
-
-
-def _group(case: Case, row: xr.Dataset) -> str:
-    """The group to which a rule belongs; a code without displacements is applied as it is."""
-    kind, rule = str(row.kind.item()), str(row.rule.item())
-    if kind == "code" and CODE_RULES[rule].multiplies:
-        return COMBINATION
-    return AS_APPLIED if rule in case.codes else KINDS[kind]
-
-
-def _line(answer: CaseAnswer, number: int, group: str, row: xr.Dataset) -> RuleLine:
-    meanings = answer.separation.verdict.attrs["flag_meanings"].split()
-    rule = str(row.rule.item())
-    stem, words = rule.removesuffix(APPLIED), NAMED.get(group, "")
-    label = subject_of(answer.case).labels.get(rule, rule_label(stem))
-    return RuleLine(
-        number=number,
-        rule=rule,
-        name=f"{stem} {words}" if words else rule,
-        label=f"{label}, {words}" if words else label,
-        group=group,
-        metres=float(row.gap),
-        gap=centimetres(float(row.gap)),
-        error=per_cent(float(row.error), sign="+") if number > 1 else "",
-        probability=per_cent(float(row.no_pounding_probability), 1),
-        verdict=meanings[int(row.verdict)].replace("_", " "),
-        **{name: str(row[name].item()) for name in SHOWN_TEXTS},
-    )
-
-
-def rules_table(answer: CaseAnswer) -> Table:
-    """A row for each rule: on the screen by its name in files, on a page by its number and title."""
-    about = subject_of(answer.case)
-    heads = ("rule", f"{about.gap} [cm]", "error", about.column, "verdict", "mark")
-    table_rows = [
-        Row(
-            (row.name, row.gap, row.error, row.probability, row.verdict, row.mark),
-            label=f"{row.number}{SPACE}{SPACE}{row.label.removeprefix('eq. (3), ')}{row.remark}",
-            group=row.group,
-            look=row.verdict,
-        )
-        for row in rows(answer)
-    ]
-    return Table(heads, table_rows, words=heads[4:], minor=heads[5:])
-
-
-def rules_caption(answer: CaseAnswer) -> str:
-    """Which rows are a code as its engineer applies it, and which are its combination of peaks."""
-    told = {AS_APPLIED: applied_in_words(answer.case), COMBINATION: COMBINED}
-    groups = {row.group for row in rows(answer)}
-    sentences = [text for group, text in told.items() if group in groups] or [NO_CODES]
-    return " ".join(sentences if answer.every_rule else [*sentences, MORE])
-
-
-def rules_notes(answer: CaseAnswer) -> list[Text]:
-    """The two ways to use a code, and the meaning of the columns and marks."""
-    about = subject_of(answer.case)
-    columns = (
-        f"Error: the rule's {about.gap} relative to the answer. "
-        f"{about.column.capitalize()}: share of the simulated motions in which {about.share}. Within "
-        "error: the difference is within the error of the simulation."
-    )
-    notes = rules_caption(answer), about.rules, columns, MARKS
-    return [Text(note, "note") for note in notes]
-
-
 def names_of(answer: CaseAnswer) -> dict[str, str]:
     """The names of the models of the case."""
     buildings = enumerate(answer.case.buildings, start=1)
     return {**{f"structure_{n}": building.name for n, building in buildings}, "ground": "the ground"}
 
 
-def confidence(case: Case) -> str:
-    """The required probability of no pounding."""
-    return f"{100 * case.wanted.confidence:.4g}{SPACE}%"
+def cautions(answer: CaseAnswer) -> list[str]:
+    """What makes the answer doubtful, or what it leaves out here."""
+    table, buildings = answer.separation, answer.case.buildings
+    shares = zip(buildings, of_each(table, "collapse_probability"), strict=False)
+    sentences = [
+        floors(answer.case),
+        _without_storeys(answer),
+        *(
+            f"{building.name} falls in {per_cent(share, 1)} of the motions, for which no gap is enough; "
+            "it has no mean peak."
+            for building, share in shares
+            if share > 0
+        ),
+        *left_out(answer.case),
+    ]
+    if "peak_2" in table and float(table.gap[0]) <= ALIKE * max(of_each(table, "peak")):
+        sentences.append(
+            "Both move alike in this model, but no two real buildings do. A small difference of the "
+            "periods needs a gap: repeat the calculation with one."
+        )
+    if any(MUCH < ductility < np.inf for ductility in of_each(table, "ductility")):
+        sentences.append(
+            f"{_ductilities(table)} More than {MUCH:g} is more than most buildings can sustain, and the "
+            "model does not include loss of strength."
+        )
+    return [sentence for sentence in sentences if sentence]
+
+
+def _without_storeys(answer: CaseAnswer) -> str:
+    """What a building without storeys is compared with beside one with storeys."""
+    both = answer.case.buildings
+    for building, other in zip(both, both[::-1], strict=True):
+        if "height" in answer.separation.dims and not building.has_storeys:
+            height = f", although it is {building.height:.4g}{SPACE}m high" if building.height else ""
+            return (
+                f"{building.name} is described without storeys: its displacement is compared with that "
+                f"of the roof of {other.name}, {other.height:.4g}{SPACE}m up{height}."
+            )
+    return ""
+
+
+def _ductilities(table: xr.Dataset) -> str:
+    """Mean peak ductilities of the buildings."""
+    values = of_each(table, "ductility")
+    shown = ["none (elastic)" if np.isnan(v) else f"{v:.1f}".replace("inf", "infinite") for v in values]
+    return f"Mean peak ductility: {' and '.join(shown)}."
+
+
+def many_records(answer: CaseAnswer) -> str:
+    """The gap over many records; empty where there are few, of which each has a row."""
+    if answer.over_records is None:
+        return ""
+    gap, count = float(answer.separation.gap[0]), len(answer.case.site.records)
+    return over_records(answer.over_records, count, gap, subject_of(answer.case).gap)
+
+
+def details(answer: CaseAnswer) -> list[str]:
+    """The shaking and its scatter, the fit of the ground, the height, ductilities and drifts."""
+    case, table = answer.case, answer.separation
+    sentences = [shaking(answer.shaking, case), scatter(case)]
+    sentences.append(" ".join(fit_in_words(answer.spectrum, case.periods)))
+    if "height" in table.dims:
+        governs = float(table.governing_height[0])
+        sentences.append(f"The {subject_of(case).gap} is needed at {governs:.4g}{SPACE}m.")
+    sentences += [_ductilities(table), _storeys(answer)]
+    return [sentence for sentence in sentences if sentence]
+
+
+def _storeys(answer: CaseAnswer) -> str:
+    """The storey of each building with the largest ductility, or the largest drift if none yields."""
+    table, parts = answer.separation, []
+    for number, building in enumerate(answer.case.buildings, start=1):
+        if not building.has_storeys or np.isinf(table[f"peak_mean_{number}"]):
+            continue
+        own = table.isel(element=(table.element_structure.values == number) & (table.storey.values > 0))
+        yields = bool((own.ductility > 0).any())  # not of a building by its modes, of which modes yield
+        worst = own.ductility if yields else own.peak_drift_mean
+        row = own.isel(element=int(worst.argmax("element")))
+        drift, storey = float(row.peak_drift_mean), int(row.storey)
+        share = drift / float(building.structure.arrays()["heights"][storey - 1])
+        text = f"storey {storey} of {building.name}, {length(drift)}, {per_cent(share, 2)} of its height"
+        parts.append(f"{text}, ductility {float(row.ductility):.1f}" if yields else text)
+    return f"Mean peak drifts of the worst storeys: {'; '.join(parts)}." if parts else ""
 
 
 def allowances(answer: CaseAnswer) -> list[Block]:
     """Changes that make the existing gap sufficient, or the limits up to which it is."""
-    if answer.existing is None:
-        return []
     limits, about = answer.existing, subject_of(answer.case)
+    if limits is None:
+        return []
     changes = _strength(limits, answer.separation)
     changes |= {"shaking": _shaking(answer.case, limits), "damping": _damping(answer.case, limits)}
     known = [f"{name.capitalize()}: {text}" for name, text in changes.items() if text]
@@ -210,17 +213,11 @@ def allowances(answer: CaseAnswer) -> list[Block]:
 
 
 def _shaking(case: Case, limits: xr.Dataset) -> str:
-    """The strongest sufficient shaking, as the site states its strength; empty if none is."""
+    """The strongest sufficient shaking over that of the case; empty if none is."""
     now, strongest = float(case.site.ground.arrays()["intensity"]), float(limits.largest_intensity)
     if not np.isfinite(strongest):
         return ANY if np.isinf(strongest) else ""
-    if "intensity" in case.site.form.table:
-        return f"S0 up to {_with_interval(limits, 'largest_intensity')} m²/s³ (now {now:.3g})"
-    key, value = case.site.stated_strength
-    factor = np.sqrt(strongest / now)
-    shown = f", {key} = {value * factor:.3g}" if key == "scale" else f", {key} = {in_g(value * factor)}"
-    times = _with_interval((limits / now) ** 0.5, "largest_intensity")
-    return f"up to {times} times as strong{shown if key else ''}"
+    return f"up to {_with_interval((limits / now) ** 0.5, 'largest_intensity')} times as strong"
 
 
 def _damping(case: Case, limits: xr.Dataset) -> str:
@@ -257,3 +254,39 @@ def _with_interval(table: xr.Dataset, name: str, of: str = "") -> str:
     """A value and its 95 % interval."""
     value, low, high = with_interval(table, name, of)
     return f"{value:.3g} [{low:.3g} to {high:.3g}]" if low < high else f"{value:.3g}"
+
+
+def method(case: Case) -> list[str]:
+    """The models of the answer and what they leave out, for the page."""
+    spread = f"; a scatter of {case.site.scatter:g} about it is in the answer" * bool(case.site.scatter)
+    known = " that are not uncertain here" * bool(case.uncertain)
+    models = ", ".join(f"{building.name} is {_model(building)}" for building in case.buildings)
+    return [
+        f"Motions: {case.simulated.motions} of a stationary random process with an envelope "
+        f"({site_in_words(case)}); the interval covers their sampling only. The strength of the next "
+        f"earthquake is the largest unknown{spread}.",
+        f"Buildings: {models}. Modes beyond these models, torsion of irregular plans, soil under the "
+        f"foundations, loss of strength and the error of the parameters{known} are left out.",
+        "Rules: they combine the simulated peaks, and only a code as you apply it uses displacements "
+        "of a design. Load factors and minimum distances of codes are left out.",
+        *([LINE] if case.alone else []),
+    ]
+
+
+def _model(building: Building) -> str:
+    """The model of a building: storeys, modes, or one oscillator."""
+    structure = building.structure
+    law = structure.element_law if isinstance(structure, MultistoreyBuilding) else structure
+    name = hyphenated(type(law).__name__).replace("Bilinear", "bilinear")
+    if isinstance(structure, ModalBuilding):
+        count = structure.modes
+        return f"a sum of {count} modes, each a {name} oscillator" if count > 1 else f"one {name} mode"
+    return f"a row of {name} storeys" if building.has_storeys else f"one {name} oscillator"
+
+
+def case_file(case: Case) -> list[Text]:
+    """The tables of the case file, from which the same case can be typed again."""
+    beside = ", ".join(path.name for path in case.files[1:])
+    words = "With the same version of stochlin the case file gives the same numbers."
+    needs = f" It needs these files beside it: {beside}." if beside else ""
+    return [Text(words + needs), Text(toml_text(case.whole.table.values), "file")]

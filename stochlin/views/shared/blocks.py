@@ -51,22 +51,6 @@ class Table:
 
 
 @dataclass(frozen=True)
-class Term:
-    """Something with its name, and a note behind it."""
-
-    name: str
-    text: str
-    note: str = ""
-
-
-@dataclass(frozen=True)
-class Terms:
-    """Names with what they mean, in paragraphs."""
-
-    terms: Sequence[Term]
-
-
-@dataclass(frozen=True)
 class Picture:
     """A picture, drawn where it is shown, with its description in words."""
 
@@ -76,7 +60,7 @@ class Picture:
     beside: bool = False  # first of a page, without its title: what follows stands beside it
 
 
-Block: TypeAlias = Text | Items | Table | Terms | Picture
+Block: TypeAlias = Text | Items | Table | Picture
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import constants
 
-from stochlin.analyses.cases.reading.buildings import WALL
 from stochlin.analyses.cases.rows import unlike_storeys
 from stochlin.analyses.tables.labels import VALUE_AND_ENDS
 from stochlin.models.arguments import checked
-from stochlin.models.buildings import ModalBuilding, ShearBuilding
 from stochlin.models.descriptions import shown_unit
 from stochlin.models.grounds.named import ground_names
 from stochlin.models.rules.codes import CODE_RULES
@@ -52,15 +50,6 @@ TURNS = (
     "Caution: {building} turns in plan, and its displacements are not those of the edge that faces the "
     "neighbour, so that a gap can be too small: export the displacements of joints on that edge, and "
     'name one on each floor, as points = ["12"].'
-)
-OF_WALL = (
-    "Caution: {building} is a wall, which bends as a whole, and {model}: {effect}. Torsion and rocking "
-    "of the foundation are left out as well. Compare the result with modes of the wall itself."
-)
-LONE_WALL = "one oscillator stands for it", "without its second mode a gap at its roof can be too small"
-CHAIN = (
-    "a chain of storeys deforms in shear only",
-    "a gap at its roof can be too small, and one at lower floors too large",
 )
 ROLES = {
     "first": "building 1",
@@ -150,16 +139,16 @@ def behind(unit: str) -> str:
 
 def scatter(case: Case) -> str:
     """The scatter of the motions in strength and its source; empty where it is 0 as usual."""
-    usual = case.site.usual_scatter
-    if not case.site.scatter:
-        text = f"records show a scatter of {usual.scatter:.2g} ({usual.source})"
-        without = "With scatter = 0 in [motion], all motions are equally strong"
-        return f"{without}; {text}." if usual.scatter else ""
-    shown = f"{usual.source}; scatter = 0 in [motion] omits it"
+    usual, now = case.site.usual_scatter, case.site.scatter
+    if not now:
+        without = (
+            "With scatter = 0 in [motion] all motions are equally strong; records show a scatter of"
+        )
+        return f"{without} {usual.scatter:.2g} ({usual.source})." if usual.scatter else ""
+    source = usual.source if now == usual.scatter else "scatter in [motion]"
     return (
-        "From earthquake to earthquake the motions differ in strength by a lognormal factor of median 1 "
-        f"and scatter {case.site.scatter:.2g} (standard deviation of its natural logarithm): "
-        f"{shown if case.site.scatter == usual.scatter else 'scatter in [motion] of the file'}."
+        "The motions differ in strength by a lognormal factor of median 1, whose logarithm has the "
+        f"standard deviation {now:.2g} ({source})."
     )
 
 
@@ -247,18 +236,8 @@ def site_in_words(case: Case) -> str:
 
 
 def left_out(case: Case) -> list[str]:
-    """What the models leave out of walls, and of buildings that turn in plan.
-
-    The modes of a building by its modes have the bending of a wall.
-    """
-    cautions = []
-    for wall in (building for building in case.buildings if building.form.system == WALL):
-        if not isinstance(wall.structure, ModalBuilding):
-            chain = isinstance(wall.structure, ShearBuilding) and wall.structure.storeys > 1
-            model, effect = CHAIN if chain else LONE_WALL
-            cautions.append(OF_WALL.format(building=wall.name, model=model, effect=effect))
-    turning = (building for building in case.buildings if building.turning)
-    return [*cautions, *(TURNS.format(building=building.name) for building in turning)]
+    """What the models leave out of buildings that turn in plan."""
+    return [TURNS.format(building=building.name) for building in case.buildings if building.turning]
 
 
 def floors(case: Case) -> str:

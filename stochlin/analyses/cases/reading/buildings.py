@@ -48,7 +48,6 @@ from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE
 from stochlin.models.systems import slabs_on_columns, tuned
 from stochlin.models.uncertain import applied, median_of
 
-FRAME, WALL = "frame", "wall"
 FACTOR = Quantity("1", Range(upper=100.0, include_upper=True))
 CODE_FACTOR = Quantity("1", AT_LEAST_1, PLAUSIBLE["behaviour"])
 PARTICIPATION = Quantity("1", Range(1.0, 3.0, True, True, "1 for one storey, about 1.3 to 1.6 for more"))
@@ -73,7 +72,6 @@ class OfBuilding(Form):
     of_law: ClassVar[Mapping[str, Any]] = {"single": "alone"}  # one number for all elements, or a list
 
     name: str = key(TEXT, "Name in results", "")
-    system: str = key(Word((FRAME, WALL)), "Structural system", FRAME)
     law: str = key(Word(laws_in_numbers), "Hysteresis law", "bilinear")
     damping: Any = of(Bilinear, "damping")
     hardening: Any = of(Bilinear, "hardening", default=None)

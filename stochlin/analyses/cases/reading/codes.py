@@ -111,10 +111,11 @@ class Wanted(Form):
     ) -> tuple[str, ...]:
         """Names of the codes that are applied; by default that of the spectrum of the site."""
         if "codes" not in self.table:
-            code = "" if spectrum is None else str(spectrum.attrs.get("code", ""))
-            if code not in CODE_RULES:
+            known = CODE_RULES.get("" if spectrum is None else str(spectrum.attrs.get("code", "")))
+            if known is None or any(missing_of(building, known, True) for building in buildings):
                 _warn_of_unused(buildings)
-            return (code,) if code in CODE_RULES else ()
+                return ()
+            return (known.name,)
         rules = [rule for name in self.codes for rule in self._rules(name)]
         for rule in rules:
             for building in buildings:

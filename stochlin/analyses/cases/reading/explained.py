@@ -18,7 +18,6 @@ from stochlin.analyses.cases.reading.site import (
     Asce7,
     ByParameters,
     Eurocode8,
-    InParallel,
     Motion,
     MotionOfRecord,
     OfRecord,
@@ -27,7 +26,7 @@ from stochlin.analyses.cases.reading.site import (
 )
 from stochlin.analyses.cases.reading.tables import EXAMPLES, Form, Source, Table
 
-GROUNDS = (ByParameters, InParallel, OfRecord, WithMotionOfRecord, Eurocode8, Asce7, SpectrumFile)
+GROUNDS = (ByParameters, OfRecord, WithMotionOfRecord, Eurocode8, Asce7, SpectrumFile)
 TABLES: Mapping[str, Sequence[type[Form]]] = {
     "": [Whole],
     "site": GROUNDS,

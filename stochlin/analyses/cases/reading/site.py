@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import islice
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -54,14 +54,14 @@ from stochlin.analyses.sites.spectra import BETWEEN, read_spectrum
 from stochlin.messages import hint, listed
 from stochlin.models.arguments import SCATTER
 from stochlin.models.envelopes import ENVELOPES, Envelope
-from stochlin.models.grounds import GROUNDS, MOST_FILTERS, Ground, ParallelGround, WhiteNoise
+from stochlin.models.grounds import GROUNDS, MOST_FILTERS, Ground, WhiteNoise
 from stochlin.models.grounds.named import ground_names, named_ground
 from stochlin.models.hazards import Hazard
 from stochlin.models.parameters import POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.uncertain import UncertainModel, median_of
 
-FITTED, NONE, PARALLEL = "fitted", "none", "parallel"
+FITTED, NONE = "fitted", "none"
 STRENGTHS = ("intensity", "pga", "sa", "return_period")
 AG, SDS = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("ag", "sds"))
 SPREAD = Quantity("1", SCATTER.allowed)  # of a logarithm
@@ -125,8 +125,6 @@ class OfSite(Form):
     suite: Table | None = key(Inner(), "A suite of records", None)
     hazard: Table | None = key(Inner(), "Hazard", None)
 
-    strength: ClassVar[str] = ""  # the key to which accelerations are proportional
-
 
 @dataclass(frozen=True, kw_only=True)
 class Scaled(OfSite):
@@ -164,27 +162,6 @@ class ByParameters(Scaled):
 
 
 @dataclass(frozen=True, kw_only=True)
-class InParallel(Scaled):
-    """Several grounds at once."""
-
-    ground: str = key(Word((PARALLEL,)), "Kind of the ground")
-    grounds: list[Table] = key(Inner(several=True), "The grounds")
-    intensity: Any = of(ParallelGround, "intensity", "Intensity S0 of all", None)
-
-    def model(self) -> Any:
-        """The ground, which may be uncertain."""
-        parts = [part.read(ByParameters) for part in self.grounds]
-        models = [part.model() for part in parts]
-        for part, model in zip(parts, models, strict=True):
-            if isinstance(model, UncertainModel):
-                what = "cannot be uncertain in one of several grounds; allowed: one number, or an"
-                raise part.table.error(
-                    next(iter(model.uncertain)), f"{what} uncertain intensity in [site]"
-                )
-        return self.table.made(ParallelGround, grounds=models, **self.given("intensity"))
-
-
-@dataclass(frozen=True, kw_only=True)
 class OfRecord(Scaled):
     """A ground that is fitted to the first record."""
 
@@ -214,8 +191,6 @@ class Eurocode8(Spectrum):
     """The elastic spectrum of EN 1998-1."""
 
     described_as = 'spectrum = "eurocode_8"'
-
-    strength = "ag"
 
     ag: float = key(AG, "Acceleration ag")
     soil: str = key(Word(tuple("ABCDE")), "Ground type")
@@ -247,7 +222,6 @@ class SpectrumFile(Spectrum, Scaled):
     """A spectrum from a file, with a factor."""
 
     described_as = "spectrum of a file"
-    strength = "scale"
 
     units: str | None = key(TEXT, "Unit of the accelerations in the file", None)
     column: str | int | None = key(COLUMN, "Column of the accelerations", None)
@@ -280,8 +254,8 @@ def _read_form(table: Table, with_motion: bool) -> Any:
     if with_motion:
         return table.read(WithMotionOfRecord)
     if "ground" in table:
-        table.value("ground", Word(lambda: [*grounds(), FITTED, PARALLEL]))
-    return table.read({FITTED: OfRecord, PARALLEL: InParallel}.get(str(name), ByParameters))
+        table.value("ground", Word(lambda: [*grounds(), FITTED]))
+    return table.read(OfRecord if name == FITTED else ByParameters)
 
 
 class Course(NamedTuple):
@@ -313,12 +287,6 @@ class Site:
     def name(self) -> str:
         """Ground or spectrum as written in the file."""
         return str(self.form.ground if self.written is None else self.form.spectrum)
-
-    @property
-    def stated_strength(self) -> tuple[str, float]:
-        """The key of the file to which accelerations are proportional, with its value, if it has one."""
-        key = self.form.strength if self.goal is None else self.goal[0] * (self.goal[0] in ("pga", "sa"))
-        return key, float(getattr(self.form, key, 1.0))
 
     @property
     def components(self) -> dict[str, xr.DataArray]:
@@ -452,7 +420,7 @@ def read_site(table: Table, of_motion: Table) -> Site:
         suite = of_suite, of_suite.read()
         check_names(suite[1], records, of_suite.table)
     hazard = read_hazard_of(table.table("hazard"))
-    described = form.model() if isinstance(form, (ByParameters, InParallel)) else None
+    described = form.model() if isinstance(form, ByParameters) else None
     goal = _goal(form, hazard) if isinstance(form, Scaled) else None
     site = Site(form, motion, records, suite, hazard, goal, spectrum, described)
     if not with_motion:
