@@ -4,6 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 import xarray as xr
+from cases import with_slow
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -76,7 +77,10 @@ def check(table, *names):
         assert bool(np.isfinite(table[name]).where(solved, True).all()), name
 
 
-@pytest.mark.parametrize("kind", [sl.WhiteNoise, sl.KanaiTajimi, sl.CloughPenzien])
+KINDS = with_slow([sl.WhiteNoise, sl.KanaiTajimi, sl.CloughPenzien], [sl.WhiteNoise, sl.CloughPenzien])
+
+
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("strength", [ELASTIC, STRENGTH, FACTOR], ids=["elastic", "strength", "factor"])
 def test_what_cannot_be_linearized_has_a_status(kind, strength):
     of = Extremes(len(strength) + 7)
@@ -89,7 +93,7 @@ def test_what_cannot_be_linearized_has_a_status(kind, strength):
     check(table, "peak_mean", "peak_std", "displacement_std")
 
 
-@pytest.mark.parametrize("kind", [sl.WhiteNoise, sl.KanaiTajimi, sl.CloughPenzien])
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("strength", [ELASTIC, STRENGTH], ids=["elastic", "strength"])
 def test_what_has_no_correlation_has_a_status(kind, strength):
     of = Extremes(len(strength) + 11)

@@ -5,6 +5,7 @@ import itertools
 import numpy as np
 import pytest
 import xarray as xr
+from cases import with_slow
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
@@ -256,8 +257,8 @@ FINITE = {
 }
 
 
-@pytest.mark.parametrize("finite", FINITE)
-@pytest.mark.parametrize("hardening", [TAKEN, 0.03], ids=["none left", "less than none"])
+@pytest.mark.parametrize("finite", with_slow(FINITE, {"existing_gap", "mitigate", "pounding_risk"}))
+@pytest.mark.parametrize("hardening", with_slow([TAKEN, 0.03], [TAKEN]))
 def test_p_delta_is_softer_storeys_with_less_hardening_in_every_analysis(finite, hardening):
     """Motions of finite length take both, and agree."""
     tables = [FINITE[finite](leaning(hardening, p_delta)) for p_delta in (True, False)]

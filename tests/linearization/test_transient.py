@@ -63,7 +63,7 @@ def direct(pair, ground, times):
     return np.concatenate(rows, axis=1).T.reshape(-1, *matrix.shape)[:, :4, :4]
 
 
-@pytest.mark.parametrize("name", with_slow(GROUNDS, {"high_pass", "resonant"}))
+@pytest.mark.parametrize("name", with_slow(GROUNDS, {"white", "high_pass", "resonant"}))
 def test_linear_pair_follows_the_lyapunov_differential_equation(name):
     ground = GROUNDS[name]
     pair = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.02)
@@ -91,7 +91,7 @@ def test_linear_pair_follows_the_lyapunov_differential_equation(name):
     ],
     ids=["elastic", "bilinear", "Bouc-Wen"],
 )
-@pytest.mark.parametrize("ground", [GROUNDS["white"], FIRM], ids=["white", "firm"])
+@pytest.mark.parametrize("ground", with_slow([FIRM, GROUNDS["white"]], [GROUNDS["white"]]))
 def test_meets_the_stationary_solution_when_the_envelope_stays_at_one(structure, ground):
     late = sl.transient_response(structure, ground, 60.0, points=3).isel(time=-1)
     stationary = sl.linearize(structure, ground)
@@ -152,7 +152,7 @@ def test_flag_rises_once_shaking_is_no_longer_strong():
     assert not steady.permanent_set.any()
 
 
-@pytest.mark.parametrize("factor", [4, 6])
+@pytest.mark.parametrize("factor", with_slow([4, 6], [6]))
 def test_bilinear_bias_at_the_end_of_strong_shaking_is_shown_and_corrected(factor):
     """Linearized sigma is a third too small there; the drift put back brings it within a tenth."""
     pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=factor) for T in (0.7, 1.0)]

@@ -25,7 +25,7 @@ def pair_of_axes():
     return first, second
 
 
-@pytest.mark.parametrize("closure", cases.with_slow(CLOSURES, {"drift"}))
+@pytest.mark.parametrize("closure", cases.with_slow(CLOSURES, {"drift", "clipped"}))
 def test_table_is_the_loop_over_its_cells(closure):
     first, second = pair_of_axes()
     ground = sl.KanaiTajimi(period=axis("ground_period", [0.5, 2.0]), damping=0.2)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from cases import with_slow
 
 import stochlin as sl
 from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
@@ -82,7 +83,7 @@ NAMED = {
 CASES = [(name, verb) for name, verbs in NAMED.items() for verb in verbs]
 
 
-@pytest.mark.parametrize("with_labels", [True, False])
+@pytest.mark.parametrize("with_labels", with_slow([True, False], [False]))
 @pytest.mark.parametrize(("name", "verb"), CASES)
 def test_a_dimension_has_no_name_of_the_result(name, verb, with_labels):
     periods = np.array([0.5, 1.0])
@@ -92,7 +93,7 @@ def test_a_dimension_has_no_name_of_the_result(name, verb, with_labels):
         NAMED[name][verb](one)
 
 
-@pytest.mark.parametrize("name", ["reduction_factor", "period", "gap"])
+@pytest.mark.parametrize("name", with_slow(["reduction_factor", "period", "gap"], ["period"]))
 def test_a_dimension_may_have_the_name_of_a_parameter(name):
     factors = xr.DataArray([3.0, 4.0], coords={name: [3.0, 4.0]})
     pair = [sl.Bilinear(period, 0.05, 0.05, reduction_factor=factors) for period in (0.6, 1.0)]
