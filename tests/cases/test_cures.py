@@ -101,23 +101,6 @@ def test_no_percentage_is_suggested_where_none_was_meant(old: str, new: str, tmp
     assert not any("did you mean" in message for message in messages)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "says"),
-    [
-        (
-            "[contact]",
-            '[measures."Rubber bumpers"]\n[contact]',
-            r"'\[measures\.\"Rubber bumpers\"\]' is already given in line \d+",
-        ),
-        ('"2 %" }', '"2 %", storeys = [1] }', r"'storeys' is already given in line \d+"),
-    ],
-)
-def test_what_is_given_twice_is_named_as_it_is_written(
-    old: str, new: str, says: str, tmp_path: Path
-) -> None:
-    assert re.search(says, refused(tmp_path, changed(EXAMPLE, old, new)))
-
-
 def test_a_long_line_is_shown_with_its_end(tmp_path: Path) -> None:
     drifts = ", ".join(['"1 cm"'] * 40)
     message = refused(

@@ -1,4 +1,4 @@
-"""Case files with a design spectrum in place of a ground."""
+"""Case files with a design spectrum in place of a ground, and the scatter of their motions."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import stochlin as sl
 from stochlin.analyses.cases.reading.case import Case
 from stochlin.analyses.cases.rows import motion_of
 from stochlin.analyses.sites.motion_fit import USES
+from stochlin.views.shared.words import scatter
 
 pytestmark = pytest.mark.invariant
 
@@ -20,10 +21,10 @@ EXAMPLE = example_case().replace('duration = "20 s"', 'duration = "5 s"')  # fit
 CODE = 'spectrum = "eurocode_8"\nag = "0.25 g"\nsoil = "C"\n'
 
 
-def read(folder: Path, site: str) -> Case:
+def read(folder: Path, site: str, more: str = "") -> Case:
     start, end = EXAMPLE.index("[site]"), EXAMPLE.index("[motion]")
-    path = folder / "case.toml"
-    path.write_text(f"{EXAMPLE[:start]}[site]\n{site}\n{EXAMPLE[end:]}", encoding="utf-8")
+    path, rest = folder / "case.toml", EXAMPLE[end:].replace("[motion]", f"[motion]\n{more}", 1)
+    path.write_text(f"{EXAMPLE[:start]}[site]\n{site}\n{rest}", encoding="utf-8")
     return sl.read_case(path)
 
 
@@ -56,16 +57,17 @@ def test_a_file_of_a_spectrum_is_read_and_kept_from_being_overwritten(tmp_path):
     np.testing.assert_allclose(one.site.ground.psd(frequency), two.site.ground.psd(frequency), rtol=0.03)
 
 
-@pytest.mark.parametrize(
-    ("site", "stated"),
-    [
-        (CODE, ("ag", 0.25 * G)),
-        ('spectrum = "asce_7"\nsds = "1 g"\nsd1 = "0.6 g"\ntl = "8 s"\n', ("", 1.0)),
-        ('ground = "firm"\npga = "0.3 g"\n', ("pga", 0.3 * G)),
-        ('ground = "firm"\nintensity = "0.01 m^2/s^3"\n', ("", 1.0)),
-    ],
-)
-def test_the_strength_of_a_site_is_told_by_the_key_that_states_it(tmp_path, site, stated):
-    of_site = read(tmp_path, site).site
-    assert of_site.stated_strength[0] == stated[0]
-    assert of_site.stated_strength[1] == pytest.approx(stated[1])
+def test_the_scatter_is_that_of_the_file_or_what_suites_show(tmp_path):
+    """None where the strength of the ground is given."""
+    firm = 'ground = "firm"\nintensity = "0.01 m^2/s^3"\n'
+    of_suites = "0.3 (suites of records about a spectrum)."
+    for site, given, value, said in (
+        (firm, "", 0.0, ""),
+        (firm, "scatter = 0.4", 0.4, "the standard deviation 0.4 (scatter in [motion])."),
+        (CODE, "", 0.3, f"the standard deviation {of_suites}"),
+        (CODE, "scatter = 0", 0.0, f"records show a scatter of {of_suites}"),
+    ):
+        case = read(tmp_path, site, given)
+        assert case.site.scatter == motion_of(case)["scatter"] == value
+        assert scatter(case).endswith(said)
+        assert bool(scatter(case)) == bool(said)

@@ -25,7 +25,6 @@ from stochlin.analyses.cases.separation import answer_case
 from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Range
 from stochlin.models.units import UNITS, size_of
-from stochlin.views.separation.words import first_lines
 
 pytestmark = pytest.mark.invariant
 
@@ -72,15 +71,6 @@ def test_example_is_what_its_comments_say(tmp_path: Path) -> None:
     assert (case.site.course.duration, gap_of(case), case.wanted.confidence) == (20.0, 0.05, 0.9)
     # The comment on the intensity: an rms acceleration of 0.1 g.
     assert rms_acceleration(case.site.ground) == pytest.approx(0.1 * 9.80665, rel=0.02)
-
-
-def test_progress_of_an_answer_never_goes_back(tmp_path: Path) -> None:
-    shares: list[float] = []
-    answer = answer_case(read(tmp_path, changed("paths = 2048", "paths = 100")), shares.append)
-    assert answer.separation.sizes["path"] == answer.case.simulated.motions == 128  # whole groups of 32
-    assert "% of 128 motions" in first_lines(answer)[-1]
-    assert shares == sorted(shares)
-    assert shares[-1] == 1
 
 
 def test_the_example_of_a_record_is_what_its_description_says(tmp_path: Path) -> None:
@@ -166,13 +156,6 @@ def test_the_first_cure_of_a_number_works(old: str, new: str, tmp_path: Path) ->
     wrong = new.replace("\nheight", "").rpartition("= ")[2]
     assert cure is not None, str(caught.value)
     read(tmp_path, changed(old, new.replace(wrong, cure[1])))  # without a warning
-
-
-def test_two_thousand_buildings_are_not_listed(tmp_path: Path) -> None:
-    more = "".join(f"[building_{n}]\n" for n in range(3, 2003))
-    with pytest.raises(ValueError, match=r"line \d+: building_101 is not a key") as caught:
-        read(tmp_path, changed("[motion]", f"{more}[motion]"))
-    assert len(str(caught.value)) < 1000
 
 
 def test_a_name_that_clears_the_screen_is_refused(tmp_path: Path) -> None:

@@ -6,15 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from cases import FIRM_SITE
-from click.testing import CliRunner
 
 import stochlin as sl
 from stochlin.analyses.cases.reading.case import Case
 from stochlin.analyses.cases.separation import answer_case
 from stochlin.messages import DoubtfulInput
-from stochlin.views.command import main
 from stochlin.views.separation.risk import risk_blocks, risk_sentences
 from stochlin.views.shared.blocks import Table
 
@@ -195,20 +192,3 @@ def test_a_hazard_that_leaves_much_out_says_so(tmp_path):
     assert "they pound in none of the motions" in none
     assert "could add up to 0.02 a year" in more
     assert table_of(answer).rows[0].cells[2:5] == ("0", "\N{EN DASH}", "0.0\N{NO-BREAK SPACE}%")
-
-
-@pytest.mark.slow
-def test_the_command_writes_risk_on_screen_page_and_file(tmp_path):
-    path = tmp_path / "case.toml"
-    text = text_of(HAZARD + POINTS).replace("512", "100")
-    path.write_text(text, encoding="utf-8")
-    out, page = tmp_path / "gap.nc", tmp_path / "gap.html"
-    found = CliRunner().invoke(main, ["gap", str(path), "--report", str(page), "--out", str(out)])
-    assert found.exit_code == 0, found.output
-    assert "nine tenths of the annual frequency" in " ".join(found.output.split())
-    written = page.read_text(encoding="utf-8")
-    assert "How often they pound" in written
-    assert written.count("risk allowed") == 0  # none is asked for
-    with xr.open_dataset(out) as table:
-        assert table.risk_annual_rate.sizes == {"risk_gap": 1}
-        assert "risk_annual_rate_by_intensity" in table

@@ -8,7 +8,6 @@ from typing import Any
 import cases
 import numpy as np
 import pytest
-from uploads import open_case
 
 import stochlin as sl
 from stochlin.analyses.cases.reading.case import Case
@@ -102,20 +101,6 @@ def test_hardening_is_that_of_the_curve_unless_it_is_given(push: Path, tmp_path:
         read(tmp_path, f'{OSCILLATOR}pushover_method = "eurocode_8"\n', STOREYS)
 
 
-def test_units_are_those_of_the_file_or_of_their_key(push: Path, tmp_path: Path) -> None:
-    known = read(tmp_path, OSCILLATOR, STOREYS)
-    text = push.read_text(encoding="utf-8")
-    push.write_text(text.replace(" [cm]", "").replace(" [kN]", ""), encoding="utf-8")
-    with pytest.raises(ValueError, match=r"line \d+: building_1.pushover = .*does not say the unit of"):
-        read(tmp_path, OSCILLATOR, STOREYS)
-    units = 'pushover_units = ["cm", "kN"]\n'
-    given = read(tmp_path, OSCILLATOR + units, STOREYS + units)
-    for one, other in zip(known.buildings, given.buildings, strict=True):
-        same(one.structure, other.structure)
-    with pytest.raises(ValueError, match="pushover_units = 'cm' is no list of 2"):
-        read(tmp_path, f'{OSCILLATOR}pushover_units = "cm"\n', STOREYS)
-
-
 def test_a_measured_period_and_a_factor_on_the_strength_come_after_the_curve(tmp_path: Path) -> None:
     """Storeys keep their yield shears under another period."""
     known = read(tmp_path, OSCILLATOR, SINGLY).buildings[1].structure
@@ -156,14 +141,3 @@ def test_doubtful_curves_are_doubted(push: Path, tmp_path: Path) -> None:
     assert "building_1.pushover = 'push.csv' is doubtful: its stiffness" in said[0]
     assert "give 8.33 of the mass as effective mass; check units" in said[0]
     assert "building_2.pushover = 'push.csv' is doubtful: the pushover curve begins" in said[1]
-
-
-def test_an_uploaded_case_reads_curves_of_its_own_folder_only(push: Path, tmp_path: Path) -> None:
-    text = cases.with_buildings(OSCILLATOR, STOREYS).replace("align = true", "align = false")
-    files = {"push.csv": push.read_bytes()}
-    inner = text.replace("push.csv", "curves/push.csv")
-    case, _ = open_case({"case.toml": inner.encode(), **files})
-    assert case.buildings[0].strength == "pushover"
-    for outside in ("../push.csv", str(push)):
-        with pytest.raises(ValueError, match="is outside of the folder of the case file; allowed here"):
-            open_case({"case.toml": text.replace("push.csv", outside).encode(), **files})

@@ -239,38 +239,6 @@ def test_many_records_have_quantiles_and_a_share(suite):
 # --- The shaking that was used, and what can hardly be meant ---
 
 
-@pytest.mark.slow
-def test_every_answer_prints_the_shaking_it_used(tmp_path):
-    for command, text in (("gap", ALONE), ("probability", EXAMPLE), ("mitigate", WIDE)):
-        out = tmp_path / f"{command}.nc"
-        details = ["--details"] if command == "gap" else []
-        words = said(command, tmp_path, f'{FIRM}pga = "0.3 g"\n', text, "--out", out, *details)
-        line = re.search(
-            r"of the motions: PGA 0\.3 g, Sa \(damping 5 %\) (\S+) g at 1 s, (\S+) g at 0\.6 s; rms "
-            r"(\S+) g in the strong part, S0 (\S+) m\^2/s\^3\.",
-            " ".join(words.split()),
-        )
-        assert line, words
-        with xr.open_dataset(out) as table:
-            names = ("spectral_acceleration_1", "spectral_acceleration_2", "rms_acceleration")
-            found = [float(table[name]) / G for name in names]
-            assert found == pytest.approx([float(line[n]) for n in (1, 2, 3)], rel=5e-3)
-            assert float(table.ground_intensity) == pytest.approx(float(line[4]), rel=5e-3)
-            assert float(table.peak_ground_acceleration) == pytest.approx(0.3 * G)
-            for name in (*names, "peak_ground_acceleration"):
-                assert table[name].attrs["units"] == "m/s^2"
-
-
-def test_the_shaking_of_a_record_is_printed_by_pound(suite):
-    record = '[[site.records]]\npath = "records/m00.at2"\n'
-    words = " ".join(said("pound", suite, f'{FIRM}intensity = "0.01 m^2/s^3"\n{record}').split())
-    one = sl.read_record(suite / "records/m00.at2")
-    found = sl.response_spectrum(one, [1.0, 0.6], 0.05).pseudo_acceleration.values.ravel() / G
-    peak = float(abs(one).max()) / G
-    told = f"PGA {peak:.3g} g, Sa (damping 5 %) {found[0]:.3g} g at 1 s, {found[1]:.3g} g at 0.6 s; rms"
-    assert told in words
-
-
 def test_a_gap_and_a_drift_beyond_the_height_are_the_first_line(tmp_path):
     site, text = (
         f'{FIRM}pga = "2.5 g"\n',

@@ -140,14 +140,3 @@ def test_every_choice_makes_a_case_and_the_first_one_comes_back(table, name, tmp
 def test_what_no_choice_writes_is_as_in_the_file():
     assert shown(STOREYS, "building_2", "").present == "as in the file"
     assert shown(STOREYS, "building_1", "").present == "equal storeys"
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["", "site = 3\n[building_1]\nname = 4\nmasses = []\nperiod = [[1]]\n", "[motion]\nduration = nan"],
-)
-def test_a_text_that_is_no_case_has_a_form_all_the_same(text):
-    for *_, entries in form_of(tomllib.loads(text)):
-        for entry in entries:
-            assert isinstance(entry.text, str)
-            entry.reach()

@@ -323,7 +323,7 @@ def test_a_number_without_its_unit_is_refused(arguments: tuple[str, ...], says: 
 
 
 def test_units_are_those_of_case_files() -> None:
-    plain = invoke("rho", "--period-1", "0,7s", "--period-2", "1 s", *YIELDING, "--damping", 0.02).output
+    plain = invoke("rho", "--period-1", "0.7s", "--period-2", "1 s", *YIELDING, "--damping", 0.02).output
     other = invoke("rho", "--period-1", "700ms", "--period-2", "1000 ms", *YIELDING, "--damping", "2%")
     assert other.output == plain
     strong = ("rho", "--period", "1s,1200ms", "--hardening", "0.05")

@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 from cases import BLOCK, KIOSK, example_case, with_buildings, with_slow
 from click.testing import Result
-from commands import answered, invoke, refused
+from commands import invoke, refused
 
 import stochlin as sl
 from stochlin.views.separation.storeys import draw_heights
@@ -108,14 +108,6 @@ def test_rules_that_give_less_than_the_answer_are_marked_so(example: Done) -> No
             assert ("less than the answer" in line) == (word == "less than the answer")
     for said in (example.result.output, Page(example.page).text):
         assert not re.search(r"\b(un)?safe\b", said)
-
-
-def test_the_table_has_no_samples_in_csv(tmp_path: Path) -> None:
-    (tmp_path / "case.toml").write_text(few(example_case()))
-    answered("gap", tmp_path / "case.toml", "--out", tmp_path / "t.csv")
-    lines = (tmp_path / "t.csv").read_text().splitlines()
-    assert lines[1].startswith("simulation,")
-    assert len(lines) == 32
 
 
 class Page(HTMLParser):
@@ -220,15 +212,6 @@ def test_the_page_warns_of_what_is_doubtful(site: Done) -> None:
     assert re.search(r"keeps them apart in [\d.]+.% of the motions \([^)]*\)\. Verdict: enough; ", words)
 
 
-def test_elastic_buildings_without_a_gap(tmp_path: Path) -> None:
-    text = example_case().replace("\nreduction_factor = 4", "\nelastic = true")
-    text = text.replace('ground = "firm"', 'ground = "white_noise"')
-    one = done(tmp_path, few(text))
-    assert one.result.exit_code == 0, one.result.output
-    assert "Mean peak ductility: none (elastic) and none (elastic)." in one.result.output
-    assert "existing gap</h2>" not in one.page
-
-
 OFFICE = BLOCK.format(n=1, period=0.5, storeys=3, height=3.2)
 ANNEX = BLOCK.format(n=2, period=0.3, storeys=2, height=3.5)
 
@@ -276,12 +259,6 @@ def test_storeys_are_told_and_drawn_from_the_saved_data(storeyed: dict[str, Done
     )
     words = Page(storeyed["mixed"].page).text
     assert "Block 1 is a row of bilinear storeys, Kiosk is one bilinear oscillator" in words
-
-
-def test_a_picture_over_height_needs_heights(example: Done) -> None:
-    with xr.open_dataset(example.folder / "gap.nc") as table, pytest.raises(ValueError, match="storeys"):
-        draw_heights(table)
-    assert (example.folder / "gap.png").stat().st_size > 10_000
 
 
 # What to change into what; where the message points to, and what it says.

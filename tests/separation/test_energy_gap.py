@@ -9,7 +9,7 @@ import xarray as xr
 from motions import motion
 
 import stochlin as sl
-from stochlin.charts import ChartSettings, added_damping_chart, chart_functions, draw
+from stochlin.charts import added_damping_chart, draw
 
 
 def noise(seed=0, size=1500):
@@ -229,15 +229,3 @@ def test_chart_shows_the_gap_over_damping_and_the_least(gap):
     assert len(figure.axes) == 3
     told = [text.get_text() for text in figure.legends[0].get_texts()]
     assert ("existing gap" in told) == (gap is not None)
-
-
-@pytest.mark.cli
-def test_chart_is_among_those_of_a_record():
-    settings = ChartSettings(structure_period=1.0, second_period=0.6, gap=0.05)
-    functions = chart_functions(settings, noise(), GROUND)
-    chart = functions["added_damping"]()
-    assert chart.attrs["gap_m"] == 0.05
-    expected = added_damping_chart(noise(), FIRST, SECOND, 0.05)
-    np.testing.assert_allclose(chart.critical_gap, expected.critical_gap, rtol=6e-6)  # six digits
-    with pytest.raises(ValueError, match="second_period = 0 is out of range"):
-        ChartSettings(second_period=0)

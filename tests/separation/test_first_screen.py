@@ -201,6 +201,7 @@ def test_the_screen_begins_with_the_required_gap_verdict_and_reason(name: str, a
     shown = [line for line in lines(answer_sections(one)) if line]
     assert " ".join(shown).startswith(" ".join(first))
     assert len(first) == (2 if one.existing is None else 4)
+    assert not alone or not re.search(r"apart|\b(both|they|gap)\b", " ".join(shown))
     names = " and ".join(building.name for building in one.case.buildings)
     stand = "away from its property line" if alone else "apart"
     gap = CM * one.separation.gap[0].item()

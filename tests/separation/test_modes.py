@@ -177,16 +177,6 @@ def test_elastic_buildings_are_safe_within_the_error_of_vanmarcke_s_peaks():
     assert ((0.99 * low < own) & (own < 1.05 * high)).all()
 
 
-def test_yielding_does_not_change_the_rule():
-    strengths = {"hardening": 0.05, "yield_drifts": 0.004}
-    weak = sl.ShearBuilding([1.5e5] * 2, [2.5e8, 2e8], [3.5] * 2, 0.05, **strengths)
-    gaps = [
-        sl.separation(TALL, low, GROUND, 8.0, paths=32).gap_at_height.sel(rule="cqc")
-        for low in (LOW, weak)
-    ]
-    np.testing.assert_array_equal(*gaps)
-
-
 @pytest.mark.parametrize(
     ("arguments", "kind", "message"),
     [

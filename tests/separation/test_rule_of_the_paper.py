@@ -109,15 +109,6 @@ def test_with_one_peak_factor_for_all_responses_it_would_be_linearization_alone(
 
 
 @pytest.mark.invariant
-def test_it_is_judged_like_the_other_rules_and_is_unsafe_where_structures_yield():
-    table = sl.separation(*pair(0.6, 1.0), FIRM, 30.0, envelope=sl.AminAng(4.0, 15.0, 0.35), **FEW)
-    one = table.sel(rule="eq_3_paper")
-    assert float(one.error) == pytest.approx(float(one.gap) / gap_of(table, "simulation") - 1)
-    assert float(one.no_pounding_probability) == float((table.separation_samples <= one.gap).mean())
-    assert table.verdict.attrs["flag_meanings"].split()[int(one.verdict)] == "less_than_the_answer"
-
-
-@pytest.mark.invariant
 def test_what_it_lacks_is_said():
     alone = sl.separation(pair()[0], None, FIRM, 20.0, **FEW).sel(rule="eq_3_paper")
     assert np.isnan(alone.gap)

@@ -118,16 +118,6 @@ def test_gap_scales_with_the_motion(table):
         assert ratio == pytest.approx(2, rel=1e-9)
 
 
-def test_strength_can_be_given_by_the_yield_displacement(table):
-    pair = [
-        sl.Bilinear(T, 0.05, 0.05, yield_displacement=float(table[f"yield_displacement_{n}"]))
-        for n, T in ((1, 0.6), (2, 1.0))
-    ]
-    other = sl.separation(*pair, FIRM, 30.0, confidence=0.8, **OF_SITE, **SHORT)
-    np.testing.assert_allclose(other.gap, table.gap, rtol=1e-9)
-    assert float(other.reduction_factor_1) == pytest.approx(4, rel=1e-9)
-
-
 def test_equal_buildings_ask_for_no_gap():
     equal = sl.separation(building(0.8), building(0.8), FIRM, 20.0, **SHORT)
     assert float(row(equal, "simulation").gap) == 0
@@ -135,13 +125,6 @@ def test_equal_buildings_ask_for_no_gap():
         assert float(row(equal, rule).gap) == 0
     assert int(row(equal, "srss").verdict) == VERDICTS["at least"]
     assert np.isnan(row(equal, "srss").error)
-
-
-def test_elastic_building_beside_a_yielding_one():
-    mixed = sl.separation(sl.Bilinear(0.5, 0.05), building(1.2), FIRM, 20.0, **SHORT)
-    assert np.isnan(mixed.ductility_1)
-    assert float(mixed.ductility_2) > 1
-    assert np.isfinite(row(mixed, "eq_3_secant").gap)
 
 
 def test_records_stand_beside_the_rules(table):
@@ -166,12 +149,6 @@ def test_unverified_rules_come_on_request_only(table):
     extra = set(map(str, more.rule.values)) - set(map(str, table.rule.values))
     assert len(extra) == 2
     assert all("unverified" in name or "M" in str(row(more, name).mark.item()) for name in extra)
-
-
-@pytest.mark.parametrize("confidence", [0, 1, -0.1, 1.5, "high"])
-def test_confidence_is_a_probability(confidence):
-    with pytest.raises(ValueError, match=r"confidence = .*between 0 and 1"):
-        sl.separation(building(0.6), building(1.0), FIRM, 20.0, confidence=confidence)
 
 
 @pytest.mark.slow

@@ -1,13 +1,8 @@
 """The set-back of one building: against its own peaks, a neighbour that hardly moves, and by hand."""
 
-import html
-import re
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
-from commands import answered
 
 import stochlin as sl
 
@@ -18,8 +13,6 @@ STIFF = sl.Bilinear(0.03, 0.05)  # moves by less than 0.2 mm
 TOWER = sl.ShearBuilding(
     [4e5] * 4, [3e8] * 4, [3.0] * 4, 0.05, hardening=0.05, yield_drifts=0.008, p_delta=True
 )
-TIME = 0.02 * np.arange(400)
-RECORD = xr.DataArray(3 * np.sin(6 * TIME) * np.exp(-TIME / 3), dims="time", coords={"time": TIME})
 OF_ONE = {"simulation", "linearization", "cqc", "share_of_sum", "asce_7", "ubc_97", "eurocode_8"}
 
 
@@ -191,97 +184,3 @@ def test_what_is_of_a_second_building_is_refused() -> None:
             sl.separation(OFFICE, None, GROUND, 20.0, **{name: value})
     with pytest.raises(ValueError, match="canada needs a second building"):
         sl.rules.code_rule("canada").gap(0.03, None)
-
-
-OSCILLATOR = """period = "1.0 s"
-damping = "5 %"
-hardening = "5 %"
-reduction_factor = 4
-height = "24 m"
-"""
-STOREYS = """period = "0.9 s"
-damping = "5 %"
-hardening = "5 %"
-storeys = 4
-storey_height = "3 m"
-floor_mass = "400 t"
-base_shear_coefficient = 0.15
-"""
-CASE = """[site]
-ground = "firm"
-intensity = "0.01 m^2/s^3"
-[[site.records]]
-path = "kick.txt"
-name = "Kick"
-units = "m/s^2"
-dt = "0.02 s"
-[motion]
-duration = "20 s"
-envelope = "none"
-[building_1]
-name = "Mill"
-{building}[separation]
-confidence = "90 %"
-zone = "II"
-floors_align = true
-same_property = true
-same_system = true
-{more}
-[simulation]
-paths = 128
-"""
-ABOUT_TWO = re.compile(r"apart|eq\. \(3\)|buildings (could|do|stay)|both|[Pp]eak 2|\bgap\b|they\b")
-
-
-def case_file(folder: Path, building: str = OSCILLATOR, more: str = "") -> Path:
-    np.savetxt(folder / "kick.txt", RECORD.values)
-    path = folder / "mill.toml"
-    path.write_text(CASE.format(building=building, more=more), encoding="utf-8")
-    return path
-
-
-@pytest.mark.slow
-@pytest.mark.cli
-@pytest.mark.parametrize(
-    ("building", "more"),
-    [
-        pytest.param(OSCILLATOR, "", id="oscillator"),
-        pytest.param(STOREYS, 'existing = "6 cm"', id="storeys", marks=pytest.mark.slow),
-    ],
-)
-def test_the_command_answers_for_one_building(building: str, more: str, tmp_path: Path) -> None:
-    page, out, picture = (tmp_path / name for name in ("page.html", "mill.nc", "mill.png"))
-    path = case_file(tmp_path, building, more)
-    options = ["--report", str(page), "--out", str(out), "--picture", str(picture)]
-    done = answered("gap", path, *options)
-    shown = " ".join(done.output.split())
-    case = sl.read_case(path)
-    answer = sl.separation(
-        case.buildings[0].structure,
-        None,
-        case.site.ground,
-        20.0,
-        paths=128,
-        records=dict(case.site.records),
-    )
-    gap = f"{100 * float(answer.gap[0]):.1f} cm"
-    assert f"Mill should stand {gap} away from its property line." in shown
-    assert "Why: 90 % of 128 motions need no more; mean peak" in shown
-    assert f"would have needed: Kick {100 * float(answer.record_separation[0]):.1f} cm" in shown
-    text = page.read_text(encoding="utf-8")
-    plain = html.unescape(re.sub(r"<style.*?</style>|<svg.*?</svg>|<[^>]+>", " ", text, flags=re.DOTALL))
-    assert "Mill: the set-back from the property line" in plain
-    assert "Set-backs by rule" in plain
-    for said in (done.output, plain):
-        assert not re.search(r"canada|Canada|IS 1893|\bnan\b|None", said)
-    first = plain[: plain.index("The rules and the answer")]
-    assert not ABOUT_TWO.search(first), ABOUT_TWO.search(first)
-    assert ("The existing set-back" in plain) == bool(more)
-    assert picture.stat().st_size > 10_000
-    with xr.open_dataset(out) as table:
-        assert float(table.gap[0]) == float(answer.gap[0])
-        assert ("existing_required_gap" in table) == bool(more)
-        assert "Set-back of one building" in table.attrs["title"]
-        if building == STOREYS:
-            labels = [axes.get_xlabel() for axes in sl.charts.draw_heights(table).axes]
-            assert labels[0].startswith("set-back [cm]")

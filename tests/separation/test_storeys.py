@@ -80,51 +80,6 @@ def test_linearized_rule_is_that_of_the_system(answer):
     assert float(answer.rho.sel(rule="eq_3_linearized")) == pytest.approx(expected, rel=1e-9)
 
 
-@pytest.mark.slow
-def test_existing_gap_asks_for_the_same(answer):
-    found = sl.existing_gap(building(3), building(2, 3.5), FIRM, gap=0.06, **FEW)
-    assert float(found.required_gap) == pytest.approx(float(answer.gap[0]), rel=1e-12)
-    apart = float((answer.separation_samples <= 0.06).mean())
-    assert float(found.no_pounding_probability) == pytest.approx(apart, rel=1e-12)
-
-
-@pytest.mark.slow
-def test_probability_over_time_ends_where_the_samples_say(answer):
-    gap = float(answer.separation_samples.median())
-    options = {"paths": 512, "seed": 1} | QUAKE
-    pair = building(3), building(2, 3.5)
-    table = sl.pounding_probability(*pair, FIRM, gap, points=11, **options).isel(time=-1)
-    low, high = (
-        float(table[f"confidence_of_no_pounding_simulated_{end}"]) for end in ("lower", "upper")
-    )
-    share = float((answer.separation_samples <= gap).mean())
-    spread = 3 * np.sqrt(share * (1 - share) / 128)
-    assert low - spread < share < high + spread
-    fragility = sl.pounding_fragility(*pair, FIRM, [gap], [0.012], **options)
-    assert float(fragility.pounding_probability_simulated[0, 0]) == pytest.approx(
-        1 - float(table.confidence_of_no_pounding_simulated), abs=1e-12
-    )
-
-
-@pytest.mark.slow
-def test_measures_help_and_least_ones_are_found():
-    pair = building(3), building(2)
-    measures = {
-        "dampers": sl.Measure(0.15, 0.15),
-        "link": sl.Measure(link=sl.Link(0.0, 4e6, floors=(2, 2))),
-    }
-    table = sl.mitigate(*pair, FIRM, gap=0.02, measures=measures, **FEW)
-    required = table.required_gap
-    assert float(required.sel(measure="dampers")) < 0.8 * float(required[0])
-    assert float(required.sel(measure="link")) < 0.8 * float(required[0])
-    linked = sl.linearize_system(pair, FIRM, [measures["link"].link])
-    apart = linked.relative_displacement_std.sel(floor="1.2", floor_2="2.2")
-    seen = table.relative_displacement_std.sel(measure="link")
-    assert float(seen) == pytest.approx(float(apart), rel=1e-9)
-    least = table.sel(measure="least dashpot between")
-    assert float(least.required_gap) == pytest.approx(0.02, rel=0.02) or np.isnan(least.required_gap)
-
-
 def test_finite_motions_are_answered_where_there_is_no_stationary_one():
     """The weight takes the hardening of a storey: linearized numbers are missing, the rest is there."""
     soft = sl.ShearBuilding([4e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.05, yield_drifts=0.02, p_delta=True)
@@ -161,17 +116,3 @@ def test_codes_take_roofs_and_not_levels_for_the_same_height():
 def test_what_contradicts_the_storeys_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         sl.separation(building(3), building(2, 3.5), FIRM, **(FEW | arguments))
-
-
-def test_correlation_of_floors_is_that_of_the_system_and_of_the_simulation():
-    pair = building(3), building(2)
-    linear, system = sl.correlate(*pair, FIRM), sl.linearize_system(pair, FIRM)
-    expected = system.rho.sel(floor=["1.1", "1.2", "1.3"], floor_2=["2.1", "2.2"])
-    np.testing.assert_array_equal(linear.rho, expected)
-    options = {"paths": 64, "seed": 2, "relaxation_times": 5.0}
-    simulated, alone = (
-        sl.correlate(*pair, FIRM, method="simulation", **options),
-        sl.simulate(pair, FIRM, **options),
-    )
-    np.testing.assert_array_equal(simulated.rho, alone.rho.values[:3, 3:])
-    np.testing.assert_array_equal(simulated.displacement_std_2, alone.displacement_std.values[3:])

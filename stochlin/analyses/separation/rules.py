@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,18 +16,23 @@ from stochlin.analyses.separation.critical_gap import equation_3
 from stochlin.analyses.separation.pairs import SHORT, PairInMotion, peak_quantile
 from stochlin.kernels.basics.arrays import Array
 from stochlin.models.rules.codes import CODE_RULES, Neighbours
-from stochlin.models.rules.effective_properties import effective_rule, effective_rule_names
+from stochlin.models.rules.effective_properties import (
+    EffectiveRule,
+    effective_rule,
+    effective_rule_names,
+)
 from stochlin.models.rules.peak_factors import PEAK_FACTORS
 from stochlin.models.structures import DRIFT, GAUSSIAN
 
 EQ_3 = "eq. (3) with the peaks of both structures"
 COMBINES = "needs a second building: eq. (3) combines the peaks of two"
-CQC, SPECTRUM = "cqc", "response_spectrum"  # a rule, and its kind
+EQUATION_3 = "equation_3"  # kind of the rules by eq. (3)
 ELASTIC_MODES = (
     "CQC over all elastic modes, with their peaks and correlations on the ground; what yields moves as "
     "far as if it were elastic"
 )
-SOLVED, PAPER = ("simulated", "linearized", "drift"), "paper"
+PAPER = "Valles-Mattox and Reinhorn (1996), eq. (3) and Fig. 5"
+OF_CQC = "Der Kiureghian (1981), Earthquake Eng. Struct. Dyn. 9, here for a difference"
 
 
 @dataclass(frozen=True)
@@ -64,138 +70,89 @@ def all_rules(
     numbers: Mapping[str, float] | None,
 ) -> list[Rule]:
     """All rules, including those that have no gap because something is missing."""
-    return [
-        *_with_correlations(pair, effective_rule_names(unverified)),
-        _of_modes(pair),
-        _linearized(pair),
-        *code_rules(pair.peaks, pair.code_heights, neighbours, site, numbers),
-    ]
+    rules = [_solved(pair, *way) for way in _ways(pair, effective_rule_names(unverified))]
+    return [*rules, *code_rules(pair.peaks, pair.code_heights, neighbours, site, numbers)]
 
 
-def _with_correlations(pair: PairInMotion, effective: Sequence[str]) -> list[Rule]:
-    """Eq. (3) with the correlation by each method; for one building alone there is no gap."""
-    if pair.alone:
-        names = (f"eq_3_{name}" for name in (*SOLVED, PAPER, *effective))
-        return [Rule(name, "equation_3", _nothing(pair), missing=COMBINES) for name in names]
-    ways: list[tuple[str, Callable[[], Array]]] = [
-        # The simulation raises an error for structures that yield so rarely that it would take hours.
-        ("stationary simulation", pair.simulated_rho),
-        ("linearization", lambda: pair.linearized_rho(GAUSSIAN)),
-        ("linearization with plastic drift", lambda: pair.linearized_rho(DRIFT)),
-    ]
-    return [
-        *(_with_solved_rho(pair, name, *way) for name, way in zip(SOLVED, ways, strict=True)),
-        _of_paper(pair),
-        *(_with_effective_rho(pair, name) for name in effective),
-    ]
+Gaps = tuple[Array, Array | None]
+"""Gaps and correlations over the heights; None for a rule without correlations."""
+Way = tuple[str, str, str, str, str, Callable[[], Gaps]]
+"""Name, kind, reference, mark and assumptions of a rule, and the function that solves it."""
 
 
-def equation_3_rule(peaks: Array, name: str, rhos: Array, **texts: Any) -> Rule:
-    """Eq. (3) with these peaks (2, heights) [m] and correlations (heights,)."""
-    gaps = np.where(np.isposinf(peaks).any(axis=0), np.inf, equation_3(peaks[0], peaks[1], rhos))
-    return Rule(name, "equation_3", gaps, np.broadcast_to(rhos, gaps.shape), **texts)
-
-
-def _with_solved_rho(pair: PairInMotion, name: str, source: str, rho: Callable[[], Array]) -> Rule:
-    texts: Any = {"mark": "C", "assumptions": f"{EQ_3}; rho of {source}"}
-    return _solved_rule(pair, name, lambda: (pair.peaks, rho()), **texts)
-
-
-def _of_paper(pair: PairInMotion) -> Rule:
-    """Eq. (3) as the paper uses it, with ``rho`` of Fig. 5a and elastic peaks times ``D`` of Fig. 5b."""
-    return _solved_rule(
-        pair,
-        PAPER,
-        lambda: (pair.amplified_peaks(), pair.linearized_rho(GAUSSIAN)),
-        reference="Valles-Mattox and Reinhorn (1996), eq. (3) and Fig. 5",
-        mark="P",
-        assumptions="eq. (3) with elastic peaks times D; rho and D of linearization; "
-        + _unsimulated(pair.strong_seconds, pair.scatter),
-    )
-
-
-def _solved_rule(
-    pair: PairInMotion, name: str, solve: Callable[[], tuple[Array, Array]], **texts: str
+def _solved(
+    pair: PairInMotion,
+    name: str,
+    kind: str,
+    source: str,
+    mark: str,
+    about: str,
+    solve: Callable[[], Gaps],
 ) -> Rule:
-    """Eq. (3) with the peaks and correlations that ``solve`` finds, or the reason why it does not."""
+    """A rule with its gaps, or with the reason why it has none."""
+    missing = COMBINES if pair.alone and kind == EQUATION_3 else ""
     try:
-        peaks, rhos = solve()
+        gaps, rhos = (None, None) if missing else solve()
     except (ArithmeticError, ValueError) as error:
-        return Rule(f"eq_3_{name}", "equation_3", _nothing(pair), missing=str(error))
-    return equation_3_rule(peaks, f"eq_3_{name}", rhos, **texts)
+        gaps, missing = None, str(error)
+    if gaps is None:
+        return Rule(name, kind, np.full(pair.heights.size, np.nan), missing=missing)
+    return Rule(name, kind, gaps, rhos, reference=source, mark=mark, assumptions=about)
 
 
-def _unsimulated(seconds: float, scatter: float) -> str:
-    """Assumptions of a rule that uses no simulated peaks."""
-    without = f", without the scatter of {scatter:g} between motions" if scatter else ""
-    return f"stationary for {seconds:.3g} s, Gaussian; nothing simulated{without}"
-
-
-def _with_effective_rho(pair: PairInMotion, name: str) -> Rule:
-    rule = effective_rule(name)
-    doubt = "" if rule.verified else f"; {rule.reason}"
-
-    def solved() -> tuple[Array, Array]:
-        """Simulated peaks, and the correlation of the rule; a ValueError if it has none."""
-        rho = rho_effective(**pair.effective_arguments(), rule=rule).rho.values
-        return pair.peaks, np.atleast_1d(rho)
-
-    return _solved_rule(
-        pair,
-        rule.name,
-        solved,
-        reference=rule.reference,
-        mark=rule.mark,
-        assumptions=f"{EQ_3}; rho by eq. (4) at the simulated mean peak ductility{doubt}",
-    )
-
-
-def _nothing(pair: PairInMotion) -> Array:
-    return np.full(pair.heights.size, np.nan)
-
-
-def _of_modes(pair: PairInMotion) -> Rule:
-    """Response spectrum analysis of both buildings together, or of one building alone."""
-    try:
-        peaks, rhos = pair.combined_modes()
-    except (ArithmeticError, ValueError) as error:
-        return Rule(CQC, SPECTRUM, _nothing(pair), missing=str(error))
-    texts: Any = {
-        "reference": "Der Kiureghian (1981), Earthquake Eng. Struct. Dyn. 9, here for a difference",
-        "mark": "C",
-        "assumptions": f"{ELASTIC_MODES}; {_unsimulated(pair.strong_seconds, pair.scatter)}",
+def _ways(pair: PairInMotion, effective: Sequence[str]) -> Iterator[Way]:
+    """The rules that are solved here: eq. (3) with each correlation, and rules without simulation."""
+    without = f", without the scatter of {pair.scatter:g} between motions" if pair.scatter else ""
+    unsimulated = f"stationary for {pair.strong_seconds:.3g} s, Gaussian; nothing simulated{without}"
+    rhos = {  # the simulation raises an error for structures that yield too rarely for it
+        "simulated": ("stationary simulation", pair.simulated_rho),
+        "linearized": ("linearization", lambda: pair.linearized_rho(GAUSSIAN)),
+        "drift": ("linearization with plastic drift", lambda: pair.linearized_rho(DRIFT)),
     }
-    if pair.alone:
-        return Rule(CQC, SPECTRUM, peaks[0], **texts)
-    return replace(equation_3_rule(peaks, CQC, rhos, **texts), kind=SPECTRUM)
+    for name, (source, rho) in rhos.items():
+        solve = partial(_equation_3, lambda: pair.peaks, rho)
+        yield f"eq_3_{name}", EQUATION_3, "", "C", f"{EQ_3}; rho of {source}", solve
+    solve = partial(_equation_3, pair.amplified_peaks, lambda: pair.linearized_rho(GAUSSIAN))
+    about = f"eq. (3) with elastic peaks times D; rho and D of linearization; {unsimulated}"
+    yield "eq_3_paper", EQUATION_3, PAPER, "P", about, solve
+    for name in effective:
+        rule = effective_rule(name)
+        about = f"{EQ_3}; rho by eq. (4) at the simulated mean peak ductility"
+        about += "" if rule.verified else f"; {rule.reason}"
+        solve = partial(_equation_3, lambda: pair.peaks, partial(_effective_rho, pair, rule))
+        yield f"eq_3_{rule.name}", EQUATION_3, rule.reference, rule.mark, about, solve
+    about = f"{ELASTIC_MODES}; {unsimulated}"
+    yield "cqc", "response_spectrum", OF_CQC, "C", about, partial(_of_modes, pair)
+    source = PEAK_FACTORS["Vanmarcke1975"].reference
+    yield "linearization", "linearization", source, "C", unsimulated, partial(_linearized, pair)
 
 
-def _linearized(pair: PairInMotion) -> Rule:
-    try:
-        moments = pair.relative_moments()
-    except (ArithmeticError, ValueError) as error:
-        return Rule("linearization", "linearization", _nothing(pair), missing=str(error))
-    return linearized_rule(moments, pair.strong_seconds, pair.confidence, pair.scatter)
+def _equation_3(peaks: Callable[[], Array], rhos: Callable[[], Array]) -> Gaps:
+    """Gaps by eq. (3) with these peaks (2, heights) [m], and the correlations."""
+    (first, second), known = peaks(), rhos()
+    falls = np.isposinf(first) | np.isposinf(second)
+    gaps = np.where(falls, np.inf, equation_3(first, second, known))
+    return gaps, np.broadcast_to(known, gaps.shape)
 
 
-def linearized_rule(
-    moments: tuple[Any, ...], seconds: float, confidence: float, scatter: float = 0.0
-) -> Rule:
-    """The gap by linearization: the one-sided peak of a Gaussian ``u_1 - u_2`` by Vanmarcke.
+def _effective_rho(pair: PairInMotion, rule: EffectiveRule) -> Array:
+    """The correlation by a rule for effective properties."""
+    return np.atleast_1d(rho_effective(**pair.effective_arguments(), rule=rule).rho.values)
 
-    It does not include the ``scatter`` between motions, which is stated in its assumptions.
-    """
-    l0, l1, l2 = (xr.DataArray(np.atleast_1d(moment), dims="height") for moment in moments)
-    gaps = peak_quantile((l0, l1, l2), seconds, confidence, sides=1).values
-    return Rule(
-        "linearization",
-        "linearization",
-        gaps,
-        reference=PEAK_FACTORS["Vanmarcke1975"].reference,
-        mark="C",
-        assumptions=_unsimulated(seconds, scatter),
-        missing="" if np.isfinite(gaps).all() else SHORT,
-    )
+
+def _of_modes(pair: PairInMotion) -> Gaps:
+    """Response spectrum analysis of both buildings together, or of one building alone."""
+    peaks, rhos = pair.combined_modes()
+    return (peaks[0], None) if pair.alone else _equation_3(lambda: peaks, lambda: rhos)
+
+
+def _linearized(pair: PairInMotion) -> Gaps:
+    """The gap by linearization: the one-sided peak of a Gaussian ``u_1 - u_2`` by Vanmarcke."""
+    moments = (xr.DataArray(np.atleast_1d(each), dims="height") for each in pair.relative_moments())
+    gaps = peak_quantile(tuple(moments), pair.strong_seconds, pair.confidence, sides=1).values
+    if not np.isfinite(gaps).all():
+        raise ArithmeticError(SHORT)
+    return gaps, None
 
 
 def code_rules(

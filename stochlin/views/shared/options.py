@@ -84,10 +84,6 @@ solver_option = click.option(
 )
 
 
-# A decimal comma in a number with a unit, such as 0,7s; three digits might be thousands.
-_COMMA = re.compile(r"(?<![\d.,])(\d+),(\d{1,2}|\d{4,})(?=\s*[A-Za-z])")
-
-
 class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic type before click 8.2
     """A number with its unit, as case files have it: ``5cm`` or ``"5 cm"``; ratios have none."""
 
@@ -98,7 +94,7 @@ class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic typ
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """In SI."""
-        return self.one(_COMMA.sub(r"\1.\2", value), param, ctx) if isinstance(value, str) else value
+        return self.one(value, param, ctx) if isinstance(value, str) else value
 
     def one(self, text: str, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """The number that a text stands for."""
@@ -129,7 +125,7 @@ class Numbers(QuantityType):
         if not isinstance(value, str):
             return value
         if ":" not in value:
-            return [self.one(item, param, ctx) for item in _COMMA.sub(r"\1.\2", value).split(",")]
+            return [self.one(item, param, ctx) for item in value.split(",")]
         start, stop, *rest = value.split(":")
         if not re.fullmatch(r"\d{1,18}(:log)?", ":".join(rest)) or int(rest[0]) < 2:
             unit = "" if self.units == "1" else "s"
@@ -250,8 +246,6 @@ record_options = together(
         help="Time step of the record, such as 0.01s, if the file does not give it.",
     ),
     click.option("--units", help="Units of the record: g, m/s^2, cm/s^2 or mm/s^2."),
-    click.option("--column", help="Column of the record, by number from 0 or by name."),
-    click.option("--time-column", help="Column of the time, likewise."),
     click.option(
         "--model",
         type=Names("stochlin.analyses.records.ground_fit", "fitted_grounds"),
@@ -259,7 +253,6 @@ record_options = together(
         show_default=True,
         help="Ground to fit.",
     ),
-    click.option("--estimator", default="psd", show_default=True, help="Fit: psd, log_psd or whittle."),
 )
 
 
@@ -330,12 +323,8 @@ def site(record: Path, options: dict[str, Any]) -> tuple[xr.DataArray, Ground]:
     from stochlin.analyses.records.records import read_record
     from stochlin.analyses.sites.ground_fit import fit_ground
 
-    columns: dict[str, Any] = {
-        name: int(value) if value is not None and value.isdigit() else value
-        for name, value in ((n, options[n]) for n in ("column", "time_column"))
-    }
-    motion = read_record(record, dt=options["dt"], units=options["units"], **columns)
-    return motion, fit_ground(motion, options["model"], options["estimator"])
+    motion = read_record(record, dt=options["dt"], units=options["units"])
+    return motion, fit_ground(motion, options["model"])
 
 
 def parameter_of(name: str, values: list[float]) -> Any:

@@ -245,7 +245,7 @@ def floors(case: Case) -> str:
     slabs, unlike = case.slabs, unlike_storeys(case)
     if slabs:
         more = {0: "", 1: ", and one more does"}.get(len(slabs) - 1, f", and {len(slabs) - 1} more do")
-        return f"Floors are not level: {slabs[0]}{more}. {SLABS}"
+        return f"Floors are not level: {slabs[0].words}{more}. {SLABS}"
     if unlike:
         names, heights = zip(
             *((building.name, f"{building.storey_height:.2f} m") for building in unlike), strict=True

@@ -388,23 +388,11 @@ def read_building(table: Table, number: int) -> Building:
 
 
 class SlabOnColumn(NamedTuple):
-    """A floor slab of one building at a level [m] where its neighbour has columns.
+    """A floor slab at a level [m] where its neighbour, ``column_of`` from the left, has columns."""
 
-    Buildings are counted from 1 on the left, floors and storeys from 1 at the ground.
-    """
-
-    floor: int
     column_of: int
-    storey: int
     level: float
-    name_of_slab: str
-    name_of_column: str
-
-    def __str__(self) -> str:
-        return (
-            f"floor {self.floor} of {self.name_of_slab}, at {self.level:g} m, meets the columns in "
-            f"storey {self.storey} of {self.name_of_column}"
-        )
+    words: str
 
 
 def slabs_of_row(buildings: Sequence[Building]) -> tuple[SlabOnColumn, ...]:
@@ -417,6 +405,9 @@ def slabs_of_row(buildings: Sequence[Building]) -> tuple[SlabOnColumn, ...]:
         for side, floor in slabs_on_columns(*levels):
             level, other = float(levels[side][floor - 1]), 1 - side
             storey = int(np.searchsorted(levels[other], level)) + 1
-            names = pair[side].name, pair[other].name
-            slabs.append(SlabOnColumn(floor, number + other, storey, level, *names))
+            words = (
+                f"floor {floor} of {pair[side].name}, at {level:g} m, meets the columns in storey "
+                f"{storey} of {pair[other].name}"
+            )
+            slabs.append(SlabOnColumn(number + other, level, words))
     return tuple(slabs)

@@ -195,7 +195,7 @@ def case_of(table: Table, before: Case | None = None) -> Case:
     wanted = whole.separation.read(Wanted)
     wanted.check(len(buildings), site.hazard)
     if wanted.floors_align and (slabs := slabs_of_row(buildings)):
-        what = f"is not so: {slabs[0]}; codes are asked as if it were false"
+        what = f"is not so: {slabs[0].words}; codes are asked as if it were false"
         wanted.table.warn("floors_align", what)
     return Case(
         whole=whole,
