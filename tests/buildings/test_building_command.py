@@ -58,14 +58,6 @@ def test_its_example_is_a_building(wall: Path) -> None:
     assert "MODES is missing; 'stochlin building --example" in refused("building")
 
 
-def test_what_the_file_gives_and_leaves_out_is_told(tmp_path: Path) -> None:
-    text = WALL.replace("level", "participation;;1,4;0,6;0,1\nmodal mass [t];;700;200;80\nlevel", 1)
-    (tmp_path / "edge.csv").write_text(text, encoding="utf-8")
-    said = " ".join(answered("building", tmp_path / "edge.csv").output.split())
-    assert "modal masses are those of the file" in said
-    assert "Storey shears above the first storey are not known" in said
-
-
 def test_errors_name_options_and_no_input_is_overwritten(wall: Path) -> None:
     assert "direction = 'UX' has no meaning for wall.csv" in refused(
         "building", wall, "--direction", "UX"

@@ -47,7 +47,7 @@ def read(tmp_path: Path, text: str, **arguments: object) -> xr.Dataset:
     return sl.read_modes(path, **arguments)
 
 
-@pytest.mark.parametrize(("separator", "comma"), [(",", False), (";", True), ("\t", True), (";", False)])
+@pytest.mark.parametrize(("separator", "comma"), [(",", False), (";", True), ("\t", True)])
 def test_a_chain_of_storeys_by_its_modes_is_the_chain(
     tmp_path: Path, separator: str, comma: bool
 ) -> None:
@@ -61,15 +61,6 @@ def test_a_chain_of_storeys_by_its_modes_is_the_chain(
         sl.linearize_system([building], ground).displacement_std for building in (CHAIN, tower)
     )
     np.testing.assert_allclose(found, expected, rtol=1e-6)
-
-
-def test_every_variable_has_its_unit_and_floors_come_from_the_ground_up(tmp_path: Path) -> None:
-    table = read(tmp_path, PLAIN)
-    units = {name: table[name].attrs["units"] for name in ("period", "mass", "height", "level")}
-    assert units == {"period": "s", "mass": "kg", "height": "m", "level": "m"}
-    assert table["mass"].values.tolist() == [2e5, 2e5]
-    assert table["shape"].sel(mode=2).values.tolist() == [-1.61, 1.0]
-    assert table.attrs["source"] == "tower.csv"
 
 
 def test_units_may_be_asked_for_and_must_not_contradict_the_file(tmp_path: Path) -> None:
@@ -101,13 +92,6 @@ def test_what_shapes_do_not_give_is_taken_from_the_file(tmp_path: Path) -> None:
     assert again.describe() == own.describe()
 
 
-def test_an_uncertain_damping_makes_an_uncertain_building(tmp_path: Path) -> None:
-    table = read(tmp_path, PLAIN)
-    tower = sl.ModalBuilding.from_table(table, damping=sl.Uncertain(0.05, 0.2))
-    assert tower.median().describe() == sl.ModalBuilding.from_table(table, damping=0.05).describe()
-    assert tower.at({"damping": 1.2}).damping == pytest.approx(0.06)
-
-
 def test_floors_upside_down_are_doubted(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="are the floors in order"):
         read(tmp_path, PLAIN.replace("\n7,", "\n3,"))
@@ -116,21 +100,9 @@ def test_floors_upside_down_are_doubted(tmp_path: Path) -> None:
 BROKEN = {
     "line 5, column 2: the mass is missing": PLAIN.replace("7,200", "7,"),
     "line 6, column 2: the mass is -200; allowed: 0 < value": PLAIN.replace("5,200", "5,-200"),
-    "line 6, column 1: the length is -3.5; allowed: 0 < value": PLAIN.replace("\n3.5,", "\n-3.5,"),
-    "line 6, column 4: the shape is missing": PLAIN.replace(",-1.61", ""),
     "line 6, column 5: '1' is beyond the 4 columns above": PLAIN.replace("-1.61", "-1.61,1"),
     "line 6, column 3: '0.6.2' is not a shape": PLAIN.replace("0.62", "0.6.2"),
-    "line 6, column 3: '0,62' is not a shape; allowed: a number, with '.' before": PLAIN.replace(
-        "0.62", '"0,62"'
-    ),
     "line 2: mode numbers are not 1, 2 and so on": PLAIN.replace("mode,,1,2", "mode,,1,1"),
-    "line 4: the floors are missing": PLAIN[: PLAIN.index("\n7")],
-    "line 2, column 4: the mode number is 9.22337e+18; allowed: 1 <= value <= 1e+09": PLAIN.replace(
-        "mode,,1,2", f"mode,,1,{2**63}"
-    ),
-    "line 3, column 4: the period is 1e-200; allowed: 1e-09 <= value <= 1e+09": PLAIN.replace(
-        "0.18", "1e-200"
-    ),
     "line 3: the floors are missing": PLAIN[: PLAIN.index("\nlevel")],
     "line 2, column 1: the periods are missing below": PLAIN.replace("period [s],,0.5,0.18\n", ""),
     "line 3, column 1: periods are in 'min'; allowed: s": PLAIN.replace("[s]", "[min]"),
@@ -139,10 +111,6 @@ BROKEN = {
     ),
     "line 4, column 2: the file does not say the unit of the mass; give mass_units=": PLAIN.replace(
         "[t]", ""
-    ),
-    "line 4, column 2: 'ton' is not a known unit of the mass": PLAIN.replace("[t]", "[ton]"),
-    "line 4: the table has no column 'mass'; allowed: 4 columns (index 0 to 3)": PLAIN.replace(
-        "mass [t]", "weight [kN]"
     ),
     "line 4, column 1: participation is given without modal mass": PLAIN.replace(
         "level", "participation,,1,1\nlevel", 1
@@ -155,7 +123,6 @@ BROKEN = {
     ),
     ": two floors are at 3.5 m": PLAIN.replace("\n7,", "\n3.5,"),
     " is no file of modes that is known; allowed: a file with a line 'mode,,1,2'": "height,mass\n3,4\n",
-    " is empty": "\n\n",
 }
 
 
@@ -187,8 +154,3 @@ def test_a_table_that_lacks_masses_or_has_too_many_modes_makes_no_building(tmp_p
         sl.ModalBuilding.from_table(table.drop_vars("mass"), damping=0.05)
     with pytest.raises(ValueError, match="table: shape has 601 modes"):
         sl.ModalBuilding.from_table(table.isel(mode=[0] * 601), damping=0.05)
-
-
-def test_a_building_by_its_first_mode_alone_is_not_doubted(tmp_path: Path) -> None:
-    first = re.sub(r",[^,\n]*$", "", PLAIN.replace("# a tower\n", ""), flags=re.MULTILINE)
-    sl.ModalBuilding.from_table(read(tmp_path, first), damping=0.05)  # 94.8 % of the mass is enough

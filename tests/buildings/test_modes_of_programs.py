@@ -195,19 +195,10 @@ def in_kips() -> str:
 
 VARIANTS: dict[str, Callable[[], str]] = {
     "as exported": lambda: as_text(etabs()),
-    "another unit of the shapes": lambda: as_text(etabs(1000.0)),
     "in another order": lambda: as_text(etabs()[::-1]),
     "with a decimal comma": lambda: as_text(etabs(), ";", comma=True),
-    "with tabs": lambda: as_text(etabs(), "\t"),
     "page by page": lambda: as_text([by_page(cells) for cells in etabs()]),
-    "with other tables": lambda: as_text(
-        [table("Program Control", "Program|Version", "", [["ETABS", "21.1"]]), *etabs()]
-    ),
-    "with a trailing separator": lambda: as_text(etabs()).replace("\n", ",,,\n"),
     "without the lines of names": lambda: re.sub("TABLE:.*\n", "", as_text(etabs())),
-    "titles alone on each page": lambda: re.sub(
-        "TABLE:.*\n", "", as_text([by_page(cells) for cells in etabs()])
-    ),
     "merged cells": lambda: re.sub(
         r"\n(Roof|Story\d)(?=,D1,Modal.*,Mode,[2-9],)", "\n", as_text(etabs())
     ),
@@ -256,7 +247,7 @@ def lowered(elevation: float) -> list[Cells]:
 
 
 @pytest.mark.parametrize("tables", [based, lowered])
-@pytest.mark.parametrize(("elevation", "below"), [(-4.0, 1), (-8.0, 2), (-1.5, 0), (0.0, 0), (25.0, 0)])
+@pytest.mark.parametrize(("elevation", "below"), [(-8.0, 2), (-1.5, 0), (25.0, 0)])
 def test_floors_at_or_below_the_ground_do_not_pound(
     tmp_path: Path, tables: Callable[[float], list[Cells]], elevation: float, below: int
 ) -> None:
@@ -322,15 +313,10 @@ def test_a_workbook_has_the_same_modes_as_the_text(tmp_path: Path) -> None:
     of_book = sl.read_modes(tmp_path / "tower.xlsx", direction="UX")
     of_text = read(tmp_path, as_text(etabs()), direction="UX")
     xr.testing.assert_allclose(of_book.drop_attrs(), of_text.drop_attrs(), rtol=1e-12)
-    book["Mass Summary by Story"]["B5"] = "heavy"
-    book.save(tmp_path / "tower.xlsx")
-    place = "tower.xlsx, sheet Mass Summary by Story, line 5, column 2: 'heavy' is not a mass"
-    with pytest.raises(ValueError, match=re.escape(place)):
-        sl.read_modes(tmp_path / "tower.xlsx", direction="UX")
 
 
 def test_a_folder_with_a_file_for_each_table_has_the_same_modes(tmp_path: Path) -> None:
-    """Other files in it are left alone; what is wrong is said with the file, and links lead nowhere."""
+    """Other files in it are left alone, and links lead nowhere."""
     folder = tmp_path / "tower"
     folder.mkdir()
     for n, cells in enumerate(etabs()[::-1]):
@@ -341,10 +327,6 @@ def test_a_folder_with_a_file_for_each_table_has_the_same_modes(tmp_path: Path) 
     of_text = read(tmp_path, as_text(etabs()), direction="UX")
     xr.testing.assert_identical(of_folder.drop_attrs(), of_text.drop_attrs())
     masses = folder / "table 2.csv"
-    text = masses.read_text(encoding="utf-8")
-    masses.write_text(text.replace("Story2,300.0", "Story2,heavy"), encoding="utf-8")
-    with pytest.raises(ValueError, match=r"table 2.csv, line 5, column 2: 'heavy' is not a mass"):
-        sl.read_modes(folder, direction="UX")
     outside = tmp_path / "outside.csv"
     masses.rename(outside)
     masses.symlink_to(outside)
@@ -452,20 +434,14 @@ def without(*names: str) -> str:
 BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
     "tower.csv: no floor is above the ground; allowed: levels above 0.01 m": as_text(based(-99.0)),
     "direction is missing: table Modal Participating Mass Ratios has modes along UX and UY": ETABS,
-    "direction = 'UZ' is not known; allowed: UX, UY": (ETABS, {"direction": "UZ"}),
     "line 5, column 4: 'n/a' is not a UX": sub(r"(?<=Modal,2,)([^,]*),[^,]*", r"\1,n/a", 1),
-    "line 4, column 3: the period is missing": sub(r"(?<=Modal,1,)[^,]*", "", 1),
     "line 2: table Modal Participating Mass Ratios has no column 'period'": swap("Period", "Time", 1),
-    "column 2: the file does not say the unit of the length; give": swap("\n,mm,\n", "\n"),
-    "line 23, column 2: 'kN' is not a known unit of the mass": swap("kN-s²/m", "kN"),
-    "or Centers Of Mass And Rigidity is missing: the file has": without("Mass Summary"),
     "or Story Data, table Mass Summary by Story or Centers Of Mass And Rigidity are missing": without(
         "Story Definitions", "Mass Summary"
     ),
     "line 22: table Mass Summary by Story has no mass of story Story2": swap(
         "Story2,300.0,300.0,0\n", ""
     ),
-    "line 25, column 2: the mass is -300; allowed: 0 <= value": swap("Story2,300.0,", "Story2,-300.0,"),
     "has no displacement of floor 'Story1' in mode 5": sub(
         r"Story1,D1,Modal,LinModEigen,Mode,5,.*\n", ""
     ),
@@ -474,12 +450,6 @@ BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
     ),
     "Joint Displacements has no joint 9, which points names; it has 1, 21": (ETABS, {"points": ["9"]}),
     "line 5, column 1: a second load case, 'Ritz' beside 'Modal'": swap("Modal,2,", "Ritz,2,"),
-    "line 26, column 5: '000' is beyond the 4 columns above; allowed: no signs between": swap(
-        "Story1,300.0,300.0,0", "Story1,300,000,300,000,0"
-    ),
-    "line 19: 'Story2' is there twice; export one of them": swap("Story1,4000", "Story2,4000"),
-    "line 6: '2' is there twice; export one of them": swap("Modal,3,", "Modal,2,"),
-    "line 3, column 3: periods are in 'min'; allowed: s": swap(",sec,", ",min,"),
     "hardly moves along the direction, where it has mass; allowed: shapes of the same analysis": sub(
         "(Story.|Roof),D1(.*),Mode,2,[^,]*", r"\1,D1\2,Mode,2,1e-12"
     ),
@@ -492,13 +462,8 @@ BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
     "has D1, D2, which may be several buildings; give that at the gap, tower='D1'": re.sub(
         "T[12],", "T1,", towers("same", OF_FLOORS)
     ),
-    "tower.csv is no file of modes that is known; allowed": "# MODAL ANALYSIS REPORT\n",
-    "has joints 11 and 12, both at 4 m; name one on each floor, points=['11', ...]": SAP,
     "has joints 11 and 12, both at 4 m; name one on each floor": with_neighbour(60.0),
     "has joints with 93% of the mass": of_sap(r"\n34,MODAL.*", ""),
-    "line 42: '11' is there twice; export one of them": of_sap(r"(11,MSSSRC1.*\n)", r"\1\1"),
-    "line 157: '34 1' is there twice; export": of_sap(r"(\n34,MODAL.*)", r"\1\1"),
-    "line 21, column 6: 'top' is not a length": of_sap("11,GLOBAL(.*),14.0", r"11,GLOBAL\1,top"),
     "no joint 99 above the base, which points names": (SAP, {"points": ["11", "21", "99"]}),
     "of the mass not at the floors, 4, 7.2 m": (SAP, {"points": ["11", "21"]}),
     "has 11, 31 and B21, which move in different modes, as two buildings; name those": (

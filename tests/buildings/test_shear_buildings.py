@@ -293,24 +293,6 @@ def test_links_tie_floors_counted_through_all_structures() -> None:
     assert system.below.tolist() == [-1, 0, 1, 2, -1, -1, 5]
 
 
-def test_a_device_ties_two_floors_of_one_structure_or_a_floor_and_the_ground() -> None:
-    high = uniform(4, 1e5, 1e8)
-    places = [((1, 1), (1, 0)), ((2, 2), (3, 1)), ((2, 2), (4, 0))]
-    devices = [Link(0, 1e6, structures=s, floors=f, damping_exponent=0.3) for s, f in places]
-    assert check_links("links", devices, 2) == tuple(devices)
-    system = arrangement_of([OSCILLATOR, high], devices)
-    assert [(tie.one, tie.two) for tie in system.ties] == [(0, -1), (3, 1), (4, -1)]
-    rows = np.zeros((3, 5))
-    rows[0, 0] = rows[1, 3] = rows[2, 4] = 1
-    rows[1, 1] = -1
-    np.testing.assert_array_equal(system.extensions[5:], rows)
-    assert check_links("links", devices[:1], 1) == tuple(devices[:1])  # one structure, a device in it
-    assert devices[0].within_one
-    assert devices[0].exponent == 0.3
-    assert Link(1.0).exponent == 1
-    assert not Link(1.0, structures=(1, 2)).within_one
-
-
 def test_a_link_without_floors_is_at_the_highest_common_level() -> None:
     one = sl.ShearBuilding([1e5] * 3, [1e8] * 3, [4.0, 3.0, 3.0], 0.05)
     two = sl.ShearBuilding([1e5] * 4, [1e8] * 4, [3.5, 3.54, 3.5, 3.5], 0.05)
@@ -345,25 +327,19 @@ ONE, UPSIDE = {"structures": (2, 2)}, {"structures": (2, 2), "floors": (3, 0)}
 REFUSED = {
     "masses = -100000 in storey 2": shear(masses=[1e5, -1e5]),
     "heights has 1 values, and masses has 2; allowed: one for": shear(heights=[3.0]),
-    "heights = 3.0; allowed: a list": shear(heights=3.0),
     "masses = ": shear(masses=[]),
-    "damping = 1.5": shear(damping=1.5),
     "damping is an array": shear(damping=[0.05, 0.05]),
     "ShearBuilding: hardening is not given": shear(yield_drifts=0.01),
     "masses has 201 values; allowed: one for each of at most 200": lambda: uniform(201, 1e5, 1e8),
     "dampers = -2 in storey 2 is out of range; allowed: 0 <=": shear(dampers=[0.0, -2.0]),
     "p_delta = 1; allowed: True or False": shear(p_delta=1),
-    "law = 'bilinea' is not a known law; allowed: bilinear, bouc_w": shear(law="bilinea"),
     r"law = v\*\*2 is not odd; allowed: ": shear(law=V**2),
     r"law_parameters = \[1\]; allowed: a mapping of numbers by": shear(law_parameters=[1]),
     r"'beta': \[0\.6, 0\.8\]}; allowed: a mapping of numbers": of_law("bouc_wen", beta=[0.6, 0.8]),
     "gamma = -3 is out of range; allowed: -beta": of_law("bouc_wen", gamma=-3.0),
     "law_parameters = .*has no bet; allowed: beta, gamma, expo": of_law("bouc_wen", bet=1),
-    "law_parameters = .* has no beta; allowed: none": of_law(OWN, beta=1),
     "storeys = 2.5 is no whole number; allowed: a whole number f": regular_building(storeys=2.5),
-    "period = 1e-300 is out of range; allowed: 1e-09 <= value": regular_building(period=1e-300),
     "stiffnesses = inf in storey 1 is out of range; allowed: 0": regular_building(mass=1e308),
-    "period is an array; allowed: one number": regular_building(period=[1.0, 2.0]),
     "storey_height has 2 values, storeys = 4; allowed: o": regular_building(storey_height=[3.0, 3.0]),
     "= 1000 is out of range; allowed: 0 < value <= 100": regular_building(base_shear_coefficient=1000),
     "hardening is not given; what yields": regular_building(hardening=None),

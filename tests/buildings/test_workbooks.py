@@ -61,11 +61,8 @@ MANY = 10**6
 HIDDEN = PARTS[BOOK].replace('name="Old"', 'name="Old" state="{}"')
 READ = {
     "as it is": {},
-    "dimension": {OTHER: TABLE.replace("<sheetData>", '<dimension ref="A1"/><sheetData>')},
     "hidden": {SHEET: TABLE.replace("500", "5"), BOOK: HIDDEN.format("hidden")},
-    "very hidden": {SHEET: TABLE.replace("500", "5"), BOOK: HIDDEN.format("veryHidden")},
     "results of formulas": {OTHER: TABLE.replace("<c><v>750", '<c r="B5"><f>250*3</f><v>750')},
-    "many texts": {TEXTS: PARTS[TEXTS].replace("<si>", MANY * "<si/>" + "<si>")},
     "an entity": {OTHER: f'<!DOCTYPE x [<!ENTITY a "{MANY * "a"}">]>{TABLE}'},
     "an empty text": with_rows('<row><c t="str"><f>""</f><v></v></c></row>'),
     "a prefix": {OTHER: re.sub(r"<(/?)(?=\w)", r"<\1x:", TABLE).replace("xmlns=", "xmlns:x=")},
@@ -79,13 +76,10 @@ REFUSED = {
     "string index not found in shared strings table; save it again": with_rows(
         "<row><c t='s'><v>7</v></c></row>"
     ),
-    "ill-formed document: close tag": with_rows("</row>"),
-    "tag not closed": {OTHER: TABLE[:-30] + "<row"},
     "Cannot detect file format": {BOOK: ""},
     "sheet2.xml has up to 164089404 cells; allowed: 8388608": with_rows(
         9999 * '<row><c r="XFD9"/></row>'
     ),
-    "sheet2.xml has up to 200000012 cells": with_rows('<row r="99999999"><c><v>1</v></c></row>'),
     "its tables have 17": {"xl/styles.xml": 17_000_000 * " "},
     "it has more than 2000 parts": {f"xl/{n}": "" for n in range(2001)},
 }
@@ -106,15 +100,6 @@ def test_what_a_workbook_shows_is_read(tmp_path: Path, case: str) -> None:
 def test_other_workbooks_are_refused_in_a_sentence(tmp_path: Path, message: str) -> None:
     with pytest.raises(ValueError, match=rf"^push\.xlsx.*{re.escape(message)}"):
         sl.read_pushover(written(tmp_path, **REFUSED[message]))
-
-
-def test_a_workbook_that_is_larger_than_it_says_is_read_no_further(tmp_path: Path) -> None:
-    path = written(tmp_path, **with_rows(MANY * "<row/>"))
-    with zipfile.ZipFile(path) as archive:
-        size = archive.getinfo(OTHER).file_size
-    path.write_bytes(path.read_bytes().replace(size.to_bytes(4, "little"), (99).to_bytes(4, "little")))
-    with pytest.raises(ValueError, match="Bad CRC-32"):
-        sl.read_pushover(path)
 
 
 def test_what_is_no_workbook_of_today_is_refused(tmp_path: Path) -> None:

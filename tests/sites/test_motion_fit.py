@@ -1,8 +1,5 @@
 """Motions fitted to a record carry its energy and have its response spectrum."""
 
-import csv
-from pathlib import Path
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -10,7 +7,6 @@ import xarray as xr
 import stochlin as sl
 from stochlin.messages import DoubtfulInput
 
-SUITES = Path(__file__).parents[3] / "shared" / "records"
 SHAPE = sl.AminAng(3.0, 12.0, 0.3)
 GROUND = sl.CloughPenzien(0.5, 0.4, 4.0, 0.6, intensity=0.01)
 
@@ -23,17 +19,6 @@ def record():
 @pytest.fixture(scope="module")
 def motion(record):
     return sl.fit_motion(record)
-
-
-def recorded():
-    """Every twelfth of the suites."""
-    with (SUITES / "suites.csv").open(encoding="utf-8", newline="") as file:
-        for row in list(csv.DictReader(file))[::12]:
-            path = SUITES / row["file"]
-            if row["file"].startswith("far_field"):
-                yield sl.read_record(path, units="g", time_column=0, column=1)
-            else:
-                yield sl.read_record(path, units="gal", dt=float(row["dt"]))
 
 
 def assert_energy_is_that(record, motion):
@@ -65,14 +50,6 @@ def test_energy_of_a_fitted_motion_is_that_by_hand(record, motion):
     energy = variance * np.trapezoid(motion.envelope.at(time) ** 2, time)
     # A PSD like 1/w^2 leaves a thousandth of the variance beyond 4000 rad/s.
     assert float(energy) == pytest.approx(float((record**2).integrate("time")), rel=5e-3)
-
-
-@pytest.mark.slow
-@pytest.mark.oracle
-@pytest.mark.skipif(not SUITES.exists(), reason="no records beside the project")
-def test_motions_carry_the_energy_of_records_that_were_measured():
-    for record in recorded():
-        assert_energy_is_that(record, sl.fit_motion(record))
 
 
 @pytest.mark.slow
@@ -114,14 +91,6 @@ def test_a_fit_that_misses_the_duration_says_so():
             "a and b have the sample counts 3001, 2996; allowed",
         ),
         (
-            lambda r: r.assign_coords(time=2 * r.time),
-            r"a and b have the steps \[s\] 0.01, 0.02; allowed",
-        ),
-        (
-            lambda r: r.assign_attrs(station="Delta"),
-            "a and b have the stations Bolu, Delta; allowed: equal",
-        ),
-        (
             lambda r: r.assign_attrs(event="Kobe"),
             "a and b have the events Duzce, Kobe; allowed: equal",
         ),
@@ -139,9 +108,6 @@ def test_components_of_different_records_are_refused(record, change, message):
     [
         (lambda r: sl.fit_motion(r.values), TypeError, "ndarray; allowed: an xarray.DataArray"),
         (lambda r: sl.fit_motion(r[:150]), ValueError, "record lasts 1.5 s; allowed: 2 s or more"),
-        (lambda r: sl.fit_motion(r, "square"), ValueError, "envelope = 'square' is not known; allowed"),
-        (lambda r: sl.fit_motion(r, filters=0), ValueError, "filters = 0"),
-        (lambda r: sl.fit_motion(r, use="next"), ValueError, "use = 'next' is not known; allowed"),
         (lambda r: sl.fit_motion(r, band=(2.0, 1.0)), ValueError, "allowed: 0 < lower < upper"),
         (lambda r: sl.fit_motion([r, r, r]), ValueError, "record has 3 components; allowed: one, or"),
     ],

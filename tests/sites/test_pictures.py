@@ -38,16 +38,6 @@ def test_the_spectra_and_their_ratio_are_those_of_the_dataset(of_code, tmp_path)
             assert high >= min(float(one.ratio.max()), 2.2)
 
 
-def test_the_picture_says_of_what_it_is(of_code):
-    told = " ".join(sl.charts.draw_spectrum(of_code).texts[-1].get_text().split())
-    assert "Eurocode 8, type 1, ground B, ag = 0.2039 g" in told
-    assert "motions of 10 s, Amin-Ang (rise end 1 s, strong end 6 s, decay 0.5 1/s)" in told
-    assert "Clough-Penzien (period 0.5 s, damping 0.5, high pass period 3" in told
-    worst = of_code.ratio[int(abs(of_code.ratio - 1).argmax("period"))]
-    shown = f"{100 * (float(worst) - 1):+.1f}".replace("-", "\N{MINUS SIGN}")
-    assert f"at most by {shown} %, at {float(worst.period):.2g} s" in told
-
-
 def test_what_is_no_such_spectrum_is_refused(of_code):
     for other in (of_code.isel(period=[3]), of_code.drop_vars("pseudo_acceleration_quantile")):
         with pytest.raises(ValueError, match="allowed: what simulated_spectrum"):

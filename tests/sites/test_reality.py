@@ -1,23 +1,16 @@
 """What is counted of gaps that were tried on recorded earthquakes."""
 
-import re
-from pathlib import Path
-
 import numpy as np
 import pytest
 import scipy.stats
 import xarray as xr
 from reality_tables import (
     FITTED,
-    figures_of,
     judged_rules,
     scatter_of,
     share_interval,
-    tables_of,
-    write_page,
 )
 
-PAGE = Path(__file__).parents[2] / "docs" / "reality.md"
 PLACES = 12
 
 
@@ -124,22 +117,3 @@ def test_rules_are_judged_by_what_records_need_over_them():
     assert float(twice.rule_factor) == pytest.approx(0.5)
     assert float(twice.rule_held) > float(one.rule_held)
     assert float(twice.rule_held_at_equal_gap) == float(one.rule_held)
-
-
-@pytest.mark.slow
-@pytest.mark.cli
-def test_every_table_has_its_place_on_the_page(tmp_path):
-    parts = ("spectrum", "own component", "other component")
-    new = ("both components", "elsewhere by PGA", "elsewhere by Sa", "elsewhere by Sa, both components")
-    cases = xr.concat([tried(0.2, suite, part) for part in (*parts, *new) for suite in SUITES], "case")
-    figures = figures_of(cases, gaps_of_rules())
-    tables = tables_of(figures)
-    assert figures.held.sizes["group"] == len(parts) * len(SUITES)
-    assert figures.rule_held.dims == ("suite", "rule")
-    page = tmp_path / "reality.md"
-    text = PAGE.read_text(encoding="utf-8")
-    page.write_text(re.sub(r"^\|.*\n", "", text, flags=re.MULTILINE), encoding="utf-8")
-    write_page(page, tables)
-    written = page.read_text(encoding="utf-8")
-    assert all(table in written for table in tables.values())
-    assert re.findall("<!-- .* -->", written) == re.findall("<!-- .* -->", text)
