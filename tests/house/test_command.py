@@ -7,17 +7,14 @@ import sys
 import time
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
 import xarray as xr
-from cases import example_case, recorded_example
+from cases import example_case, recorded_example, with_slow
 from commands import answered, invoke, refused
 
 import stochlin as sl
 from stochlin.analyses.cases.examples import example_record
-from stochlin.analyses.tables import storage
-from stochlin.models.laws import closure_names
 from stochlin.views.command import main
 
 pytestmark = pytest.mark.cli
@@ -42,11 +39,7 @@ def test_rho_of_a_pair_is_the_librarys() -> None:
     assert f"{rho:.6g}" in result.output
     assert result.output.count("Caution") == 1
     assert "reduction factor 4" in result.output
-
-
-def test_rho_of_elastic_structures_needs_no_caution() -> None:
-    result = answered("rho", *PAIR)
-    assert "Caution" not in result.output
+    assert "Caution" not in answered("rho", *PAIR).output  # they are elastic
 
 
 def test_sweeps_become_dimensions_of_the_saved_table(tmp_path: Path) -> None:
@@ -65,45 +58,23 @@ def test_sweeps_become_dimensions_of_the_saved_table(tmp_path: Path) -> None:
         np.testing.assert_allclose(chosen.rho, expected, rtol=1e-9)
         assert table.rho.attrs["units"] == "1"
     assert "more rows" in result.output
+    answered("rho", "--period-1", "0.5s,1s,2s", "--period-2", "1s", "--out", tmp_path / "table.csv")
+    heads, first, *others = (tmp_path / "table.csv").read_text().splitlines()
+    assert heads.startswith("period_1 [s],rho,")
+    assert first.split(",")[heads.split(",").index("status")] == "elastic_limit"
+    assert len(others) == 2
 
 
-def test_csv_has_a_row_a_cell(tmp_path: Path) -> None:
-    out = tmp_path / "table.csv"
-    answered("rho", "--period-1", "0.5s,1s,2s", "--period-2", "1s", "--out", out)
-    lines = out.read_text().splitlines()
-    assert lines[0].startswith("period_1 [s],rho,")
-    assert len(lines) == 4
-    heads, first = (line.split(",") for line in lines[:2])
-    assert first[heads.index("status")] == "elastic_limit"
-
-
-def test_names_are_taken_with_either_dash() -> None:
-    shared = ("--period", "0.7s", "--period-2", "1s", "--hardening", "0.1", "--reduction-factor", "4")
-    dashed, plain = (invoke("rho", *shared, "--law", name) for name in ("bouc-wen", "bouc_wen"))
-    assert dashed.exit_code == 0
-    assert dashed.stdout == plain.stdout
-
-
-@pytest.mark.parametrize("closure", closure_names())
-def test_every_closure_is_an_option_of_rho(closure: str, tmp_path: Path) -> None:
-    periods = ("--period-1", "0.5s,0.9s", "--period-2", "0.7s")
-    out = tmp_path / "table.nc"
-    answered("rho", *periods, *YIELDING, "--closure", closure, "--out", out)
-    first, second = (
-        sl.Bilinear(period, 0.05, 0.05, reduction_factor=4) for period in (np.array([0.5, 0.9]), 0.7)
-    )
-    with xr.open_dataset(out) as table:
-        expected = sl.correlate(first, second, sl.WhiteNoise(), closure=closure)
-        np.testing.assert_array_equal(table.rho, expected.rho)
-
-
-def test_effective_properties_by_a_rule_of_ones_own_choice() -> None:
-    given = ("rho", *PAIR, *YIELDING, "--method", "effective", "--rule", "secant")
-    result = answered(*given)
+def test_methods_closures_and_rules_are_options(tmp_path: Path) -> None:
+    """With either dash in names."""
     first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0))
-    table = sl.correlate(first, second, sl.WhiteNoise(), "effective", rule="secant")
-    assert f"{float(table.rho):.6g}" in result.output
-    assert "iwan_1980" in refused(*given[:-1], "mine")
+    for options, given in (
+        (("--closure", "drift"), {"closure": "drift"}),
+        (("--method", "effective", "--rule", "secant"), {"method": "effective", "rule": "secant"}),
+        (("--method", "white-noise"), {"method": "white_noise"}),
+    ):
+        table = sl.correlate(first, second, sl.WhiteNoise(), **given)
+        assert f"{float(table.rho):.6g}" in answered("rho", *PAIR, *YIELDING, *options).output
 
 
 @pytest.mark.slow
@@ -128,22 +99,30 @@ def test_the_package_runs_without_its_script() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "says"),
+    ("line", "says"),
     [
-        (("--period-2", "1s"), "--period-1"),
-        (("--period", "-1s"), "Bilinear: period = -1 is out"),
-        (("--period", "one"), "'one' is no number"),
-        (("--period", "1s:2s"), "start:stop:count"),
-        (("--period", "1s:2s:1"), "count >= 2"),
-        (("--period", "1s", "--reduction-factor", "4"), "Bilinear: hardening is not given"),
-        (("--period", "1s", "--ground", "moon"), "firm"),
-        (("--period", "1s", *KANAI_TAJIMI), "--ground-period, --ground-damping"),
-        (("--period", "1s", "--ground-period", "2s"), "does not apply"),
-        (("--period", "1s", "--record", "nowhere.txt"), "nowhere.txt: there is no such file"),
+        ("rho --period-2 1s", "--period-1"),
+        ("rho --period -1s", "Bilinear: period = -1 is out"),
+        ("rho --period one", "'one' is no number"),
+        ("rho --period 1s:2s", "start:stop:count"),
+        ("rho --period 1s:2s:1", "count >= 2"),
+        ("rho --period 0s:2s:5:log", "includes 0"),
+        ("rho --period 1s:2s:99999999999999", "take fewer points"),
+        ("rho --period 1s --reduction-factor 4", "Bilinear: hardening is not given"),
+        ("rho --period 1s --ground moon", "firm"),
+        ("rho --period 1s --ground kanai-tajimi", "--ground-period, --ground-damping"),
+        ("rho --period 1s --ground-period 2s", "does not apply"),
+        ("rho --period 1s --record nowhere.txt", "nowhere.txt: there is no such file"),
+        ("rho --period 1s --method effective --rule mine", "iwan_1980"),
+        ("rho --period 0.7", "'0.7' has no unit"),
+        ("rho --period 1s --hardening 0.05 --yield-displacement 2cm", "the strength of the shaking"),
+        ("probability case.toml --gap 5", "'5' has no unit"),
+        ("charts fig9", "fig4b"),
+        ("gaps", "No such command 'gaps'."),
     ],
 )
-def test_bad_input_exits_with_2_and_says_what(arguments: tuple[str, ...], says: str) -> None:
-    assert says in refused("rho", *arguments)
+def test_what_is_wrong_exits_with_2_and_is_named(line: str, says: str) -> None:
+    assert says in refused(*line.split())
 
 
 @pytest.mark.slow
@@ -160,29 +139,17 @@ def test_every_chart_is_drawn_beside_its_dataset(
 
 
 def test_one_chart_with_its_own_parameters(tmp_path: Path) -> None:
-    options = ("--damping", 0.02, "--reduction-factors", "1,3", "--points", 9, "--format", "svg")
+    """Whose files are the same when they are made again."""
+    options = ("--damping", 0.02, "--reduction-factors", "1,3", "--points", 5, "--format", "svg")
     options += ("--simulated-points", 0, "--comparison")
-    answered("charts", "fig4b", *options, "--out", tmp_path)
-    files = {"fig4b.nc", "fig4b.svg", "fig4b_comparison.svg"}
-    assert {path.name for path in tmp_path.iterdir()} == files
-    with xr.open_dataset(tmp_path / "fig4b.nc") as chart:
+    for folder in ("a", "b"):
+        answered("charts", "fig4b", *options, "--out", tmp_path / folder)
+    files = {path.name: path.read_bytes() for path in (tmp_path / "a").iterdir()}
+    assert {*files} == {"fig4b.nc", "fig4b.svg", "fig4b_comparison.svg"}
+    assert files == {path.name: path.read_bytes() for path in (tmp_path / "b").iterdir()}
+    with xr.open_dataset(tmp_path / "a" / "fig4b.nc") as chart:
         assert chart.reduction_factor.values.tolist() == [1, 3]
         assert "ξ = 0.02" in chart.attrs["caption"]
-
-
-@pytest.mark.parametrize(
-    ("chart", "kind"),
-    [
-        pytest.param("fig4b --simulated-points 0", "svg", marks=pytest.mark.slow),
-        ("fig3b", "pdf"),
-    ],
-)
-def test_the_same_command_makes_the_same_files(chart: str, kind: str, tmp_path: Path) -> None:
-    few = ("--points", 9, "--simulated-points", 2, "--paths", 4, "--format", kind)
-    for name in ("a", "b"):
-        answered("charts", *few, *chart.split(), "--out", tmp_path / name)
-    for path in (tmp_path / "a").iterdir():
-        assert path.read_bytes() == (tmp_path / "b" / path.name).read_bytes(), path.name
 
 
 @pytest.mark.slow
@@ -198,43 +165,11 @@ def test_charts_of_a_site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert "dt" in refused("charts", "--record", "column.txt", "--units", "m/s^2", "--out", "site")
 
 
-def test_unknown_chart_names_the_known_ones(tmp_path: Path) -> None:
-    result = refused("charts", "fig9", "--out", tmp_path)
-    assert all(name in result for name in FIGURES)
-
-
-def test_a_command_that_is_not_there_brings_the_nearest_to_mind() -> None:
-    result = refused("gaps")
-    assert "No such command 'gaps'." in result
-    if hasattr(click.exceptions, "NoSuchCommand"):  # older ones suggest nothing
-        assert "Did you mean 'gap'?" in result
-
-
-def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:
-    target = tmp_path / "table.nc"
-    target.write_text("before")
-
-    def interrupted() -> None:
-        with storage.whole_file(target) as temporary:
-            temporary.write_text("half")
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        interrupted()
-    assert list(tmp_path.iterdir()) == [target]
-    assert target.read_text() == "before"
-    (tmp_path / ".writing-table-0123abcd.nc").touch()  # by a process that was killed
-    with storage.whole_file(target) as first, storage.whole_file(target) as second:
-        assert {*tmp_path.iterdir()} == {target, first, second}
-
-
-@pytest.mark.parametrize("name", main.list_commands(None))
-def test_help_keeps_its_lines(name):
-    """The mark of paragraphs not to be filled is not shown, and examples stand on their own lines."""
-    text = invoke(name, "--help").output
-    assert "\\b" not in text
-    examples = [line for line in text.splitlines() if line.startswith("    stochlin ")]
-    assert examples
+def test_help_has_examples_on_lines_of_their_own() -> None:
+    for name in main.list_commands(None):
+        text = invoke(name, "--help").output
+        assert "\\b" not in text  # the mark of paragraphs not to be filled
+        assert [line for line in text.splitlines() if line.startswith("    stochlin ")], name
 
 
 @pytest.mark.slow
@@ -272,21 +207,14 @@ COMMAND_LINE = "from stochlin.views.command import main\nmain()"
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for another process")
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("seconds", [0.5, pytest.param(3.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("number", with_slow([signal.SIGINT, signal.SIGTERM], [signal.SIGTERM]))
+@pytest.mark.parametrize("seconds", with_slow([0.5, 3.0], [3.0]))
 def test_an_interrupted_command_ends_at_once(number: int, seconds: float, tmp_path: Path) -> None:
     """Also while threads compute, so long after the first began, and with no file left."""
-    pair = (
-        "--period-1",
-        "0.7s",
-        "--period-2",
-        "1s",
-        "--hardening",
-        "0.05",
-        "--reduction-factor",
-        "0.72",
+    line = (
+        "rho --period-1 0.7s --period-2 1s --hardening 0.05 --reduction-factor 0.72 --method simulation"
     )
-    command = ("rho", *pair, "--method", "simulation", "--out", str(tmp_path / "table.nc"))
+    command = [*line.split(), "--out", str(tmp_path / "table.nc")]
     # What runs in the background of a shell is told to ignore the signal, and hands that down.
     heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     with subprocess.Popen(
@@ -306,22 +234,6 @@ def test_an_interrupted_command_ends_at_once(number: int, seconds: float, tmp_pa
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("arguments", "says"),
-    [
-        (("rho", "--period", "0.7"), ["'0.7' has no unit", '"0.7 s"', '"0.7 ms"']),
-        (("rho", "--period", "1s", "--yield-displacement", "5"), ["'5' has no unit", '"5 cm"']),
-        (("rho", "--period", "0s:2s:5:log"), ["includes 0"]),
-        (("rho", "--period", "1s:2s:99999999999999"), ["GB; allowed", "take fewer points"]),
-        (("probability", "case.toml", "--gap", "5"), ["'5' has no unit", '"5 cm"']),
-    ],
-)
-def test_a_number_without_its_unit_is_refused(arguments: tuple[str, ...], says: list[str]) -> None:
-    """On the command line as in case files."""
-    result = refused(*arguments)
-    assert all(text in result for text in says), result
-
-
 def test_units_are_those_of_case_files() -> None:
     plain = invoke("rho", "--period-1", "0.7s", "--period-2", "1 s", *YIELDING, "--damping", 0.02).output
     other = invoke("rho", "--period-1", "700ms", "--period-2", "1000 ms", *YIELDING, "--damping", "2%")
@@ -330,12 +242,6 @@ def test_units_are_those_of_case_files() -> None:
     metres = answered(*strong, "--yield-displacement", "0.02m", "--intensity", "0.01 m²/s³")
     centimetres = invoke(*strong, "--yield-displacement", "2cm", "--intensity", "100cm^2/s^3")
     assert centimetres.output == metres.output
-
-
-def test_a_strength_in_metres_asks_for_the_strength_of_the_shaking() -> None:
-    given = ("rho", "--period", "1s", "--hardening", "0.05", "--yield-displacement", "2cm")
-    assert "--yield-displacement needs the strength of the shaking" in refused(*given)
-    answered(*given, "--intensity", "0.01 m^2/s^3")
 
 
 def test_a_warning_of_both_structures_is_shown_once() -> None:

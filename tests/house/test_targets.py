@@ -28,38 +28,25 @@ def case(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("command", ["gap", "mitigate", "probability"])
-def test_the_record_of_a_case_is_not_written_over(command: str, case: Path) -> None:
+def test_the_record_of_a_case_or_table_is_not_written_over(case: Path) -> None:
     record = case.with_name("taft.csv")
     before = record.read_bytes()
     (case.parent / "link.csv").symlink_to(record)
     os.link(record, case.parent / "same.csv")
     (case.parent / "folder").mkdir()
     for name in ("taft.csv", "link.csv", "same.csv", "folder/../taft.csv"):
-        result = refused(command, case, "--out", case.parent / name)
+        result = refused("gap", case, "--out", case.parent / name)
         assert SAYS in result
         assert "give another name" in result
+    for command in ("mitigate", "probability"):
+        assert SAYS in refused(command, case, "--out", record)
+    of_record = ("--record", record, "--dt", "0.01s", "--units", "g")
+    assert SAYS in refused("rho", "--period", "1s", *of_record, "--out", record)
     assert record.read_bytes() == before
-
-
-@pytest.mark.parametrize("option", ["--out", "--picture"])
-def test_the_record_of_a_case_is_not_written_over_by_histories(option: str, case: Path) -> None:
-    """Nor by the dataset that goes beside a picture."""
-    record = case.with_name("taft.csv").rename(case.with_name("taft.nc"))
+    histories = record.rename(record.with_suffix(".nc"))  # the dataset that goes beside a picture
     case.write_text(case.read_text().replace("taft.csv", "taft.nc"), encoding="utf-8")
-    assert SAYS in refused(
-        "pound", case, option, record if option == "--out" else record.with_suffix(".png")
-    )
-
-
-def test_the_record_of_a_table_or_chart_is_not_written_over(case: Path) -> None:
-    record = case.with_name("taft.csv")
-    given = ("--record", record, "--dt", "0.01s", "--units", "g")
-    assert SAYS in invoke("rho", "--period", "1s", *given, "--out", record).output
-    record = record.rename(case.with_name("fig2.nc"))
-    given = ("--record", record, *given[2:])
-    assert SAYS in refused("charts", *given, "--points", 5, "--out", record.parent)
-    assert not list(record.parent.glob("*.png"))
+    assert SAYS in refused("pound", case, "--out", histories)
+    assert SAYS in refused("pound", case, "--picture", histories.with_suffix(".png"))
 
 
 def test_a_link_stays_and_what_it_leads_to_is_written(tmp_path: Path) -> None:
@@ -84,6 +71,24 @@ def test_a_file_that_is_read_only_is_kept(tmp_path: Path) -> None:
     with pytest.raises(PermissionError, match="read-only"), whole_file(path):
         pass
     assert path.read_text() == "before"
+
+
+def test_what_is_not_written_to_its_end_leaves_nothing(tmp_path: Path) -> None:
+    target = tmp_path / "table.nc"
+    target.write_text("before")
+
+    def interrupted() -> None:
+        with whole_file(target) as temporary:
+            temporary.write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert list(tmp_path.iterdir()) == [target]
+    assert target.read_text() == "before"
+    (tmp_path / ".writing-table-0123abcd.nc").touch()  # by a process that was killed
+    with whole_file(target) as first, whole_file(target) as second:
+        assert {*tmp_path.iterdir()} == {target, first, second}
 
 
 @pytest.mark.parametrize(

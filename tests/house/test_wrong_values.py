@@ -203,7 +203,16 @@ OWN: dict[str, dict[str, Any]] = {
 NAMES = [name for name in sl.__all__ if callable(getattr(sl, name))]
 NAMES += ["ShearBuilding.regular"]
 LONG = {
-    *("code_gaps", "correlate", "existing_gap", "fit_ground", "fit_motion", "mitigate"),
+    *(
+        "code_gaps",
+        "correlate",
+        "damping_for_gap",
+        "simulate",
+        "existing_gap",
+        "fit_ground",
+        "fit_motion",
+        "mitigate",
+    ),
     *("pound", "pounding_estimate"),
     *("pounding_fragility", "pounding_probability", "pounding_risk", "required_gap", "sensitivity"),
     "separation",
