@@ -1,41 +1,11 @@
 """Every module of the house keeps within its aim or its last size, and no written size rises."""
 
 import pytest
-from house.lines import BUDGETS, budgets, code_lines, earlier, sizes
+from house.lines import BUDGETS, budgets, earlier, sizes
 
 pytestmark = pytest.mark.invariant
 
 WRITTEN = budgets(BUDGETS.read_text(encoding="utf-8"))
-
-
-def test_code_lines_are_those_of_statements_without_imports_docstrings_and_comments() -> None:
-    text = '''"""A module."""
-
-import ast
-from io import (
-    StringIO,
-)
-
-SIZE = 3  # counts
-
-
-# does not count
-def area(
-    a, b
-):
-    """A formula.
-
-    Of a rectangle.
-    """
-
-    import math
-
-    text = """two
-    lines"""
-    return a * b
-'''
-    assert code_lines(text) == 7
-    assert code_lines('"""A docstring."""\n') == code_lines("\n# nothing\n") == 0
 
 
 def test_everything_keeps_within_the_larger_of_its_aim_and_its_last_size() -> None:
