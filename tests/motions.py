@@ -43,6 +43,13 @@ def motion(values: Any, dt: float = 0.02, start: float = 0.0, **attrs: Any) -> x
     return xr.DataArray(values, dims="time", coords={"time": time}, attrs=attrs)
 
 
+def finer(record: xr.DataArray, parts: int) -> xr.DataArray:
+    """The same motion with so many steps in each of the record's, which has a history as fine."""
+    between = np.arange(parts * (record.size - 1) + 1) / parts
+    dt = float(record.time[1] - record.time[0]) / parts
+    return motion(np.interp(between, np.arange(record.size), record), dt)
+
+
 def write_at2(record: xr.DataArray, path: Path) -> None:
     """The record as a file of the format PEER AT2."""
     dt = float(record.time[1] - record.time[0])

@@ -250,9 +250,7 @@ FINITE = {
         ).confidence_of_no_pounding_simulated
     ),
     "pound": lambda s: (
-        sl.pound(
-            [s, SHOP], [0.02], sl.Kelvin(1e8, restitution=0.65), motion(), output_step=0.1
-        ).displacement
+        sl.pound([s, SHOP], [0.02], sl.Kelvin(1e8, restitution=0.65), motion()).displacement
     ),
 }
 

@@ -46,7 +46,6 @@ def tower(heights, **other):
             ValueError,
             r"near contact of 6.* s, would take about .* hours; .*softer contact",
         ),
-        ({"estimate_error": "yes"}, TypeError, "estimate_error = 'yes'; allowed: True or False"),
         ({"structures": [ONE, sl.Bilinear(1.0, 0.05)]}, ValueError, "number 2: mass is not given"),
         (
             {"structures": [ONE, sl.Bilinear([1.0, 2.0], 0.05, mass=1e5)]},
@@ -75,7 +74,6 @@ def tower(heights, **other):
         ({"motion": MOTION.where(TIME != 0.5)}, ValueError, "motion: record is nan at 0.5 s"),
         ({"motion": 0 * MOTION}, ValueError, "motion: record holds only zeros"),
         ({"motion": np.ones(100)}, TypeError, "motion: record is a ndarray"),
-        ({"output_step": 0.0}, ValueError, "output_step = 0.0"),
     ],
 )
 def test_what_cannot_pound_is_refused(arguments, error, message):

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from cases import assert_near, with_slow
 from hypothesis import given, settings
-from motions import from_sample_to_sample, smooth_noise
+from motions import finer, from_sample_to_sample, smooth_noise
 
 import stochlin as sl
 
@@ -214,7 +214,7 @@ def test_compression_is_force_over_stiffness_of_a_spring() -> None:
 )
 def test_compression_is_that_of_a_fine_history(contact: sl.Kelvin) -> None:
     row = towers()
-    table = sl.pound(row, 0.005, contact, record(100), output_step=2e-4)
+    table = sl.pound(row, 0.005, contact, finer(record(100), 100))
     u = table.displacement
     apart = (u.sel(structure=1) - u.sel(structure=2)).sel(floor=[1, 2]).max("time") - 0.005
     np.testing.assert_allclose(table.deepest_compression, apart.where(apart > 0), rtol=2e-3)

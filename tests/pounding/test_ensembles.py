@@ -294,8 +294,6 @@ def test_what_is_no_ensemble_is_refused(motion: Any, error: type[Exception], say
 
 def test_nonsense_beside_an_ensemble_is_refused_before_the_work() -> None:
     pair = [SOFT, STIFF], 0.05, BUMPER
-    with pytest.raises(ValueError, match=r"output_step = 0.1 is for one motion"):
-        sl.pound(*pair, motions(2), output_step=0.1)
     for quantiles in ([0.0], [1.0], [], [np.nan], 0.5):
         with pytest.raises(ValueError, match=r"quantiles = .*between 0 and 1"):
             sl.pound(*pair, motions(2), quantiles=quantiles)

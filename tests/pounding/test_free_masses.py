@@ -101,8 +101,8 @@ class Flight:
         long = steps_of(row.elements, substeps * dt)
         short = steps_of(row.elements, dt, row.contacts)
         table, *_ = kernel._run(
-            *(row.law, long, short, row.parts, at, to, x, motions, 1, substeps, kernel.NOTHING),
-            np.empty((1, to.rows + 1)),
+            *(row.law, long, short, row.parts, at, to, x, motions, 1, substeps),
+            np.empty((0, to.rows)),
         )
         self.impacts = table[np.argsort(table[:, LANE], kind="stable")]
         self.q, self.v = x[at.q : at.q + n], x[at.v : at.v + n]

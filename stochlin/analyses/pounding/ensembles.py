@@ -78,15 +78,11 @@ def over_motions(
     standing: Standing,
     ensemble: Ensemble,
     paces: Sequence[StepCounts],
-    halved: bool,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """Summary of each motion; the results of one that fails are NaN, with the reason in ``missing``.
-
-    With the errors of the time steps if ``halved``.
-    """
+    """Summary of each motion; the results of one that fails are NaN, with the reason in ``missing``."""
     grounds, over = ensemble.motions.grounds, str(ensemble.over)
-    of_motions = [jobs_of(standing, *each, halved) for each in zip(grounds, paces, strict=True)]
+    of_motions = [jobs_of(standing, *each, halved=False) for each in zip(grounds, paces, strict=True)]
     outcomes = iter(responses(standing, list(chain.from_iterable(of_motions)), progress=progress))
     summaries: list[Quantities] = []
     reasons: list[str] = []

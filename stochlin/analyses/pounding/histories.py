@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -63,10 +62,10 @@ def floor_coords(standing: Standing) -> dict[str, Any]:
 
 def _course(standing: Standing, response: RowResponse, ground: SampledMotion) -> Quantities:
     """Displacements, velocities, accelerations, forces and energies in the history of a response."""
-    at, to, kept = response.at, response.to, response.history
+    course = response.over_time
     row, arrangement, floors = standing.row, standing.arrangement, standing.first[:-1]
     system, first, n = row.elements.system, arrangement.first_coordinate[:-1], row.parts.mass.size
-    q, v, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
+    q, v, z = map(course, "qvz")
     extension, rate = _products(q, system.extensions), _products(v, system.extensions)
     force = system.post * extension + system.couple * z
     stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
@@ -74,14 +73,11 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
     pushed, squeezed = _contact_forces(standing, response, q, v)
     load = _products(v, system.damping) + _products(force + drag, system.extensions.T)
     shear = _products(force[:, :n], arrangement.shear_shares)
-    most, missing = kept[:, to.most], np.abs(kept[:, to.missing])
+    most, missing = course("most"), np.abs(course("missing"))
     imbalance = np.divide(missing, most, out=np.zeros_like(most), where=most > 0)
     kinetic = np.add.reduceat(0.5 * system.mass * v**2, first, axis=1)
-    accelerated = np.interp(
-        response.time, ground.dt * np.arange(ground.acceleration.size), ground.acceleration
-    )
     # A floor moves with the ground as far as the modes of a building leave out mass.
-    carried = np.multiply.outer(accelerated, 1 - system.shapes.sum(axis=1))
+    carried = np.multiply.outer(ground.acceleration, 1 - system.shapes.sum(axis=1))
     sped = -(load + _products(pushed, row.contacts.weights.T)) / system.mass
     values: Quantities = {
         "displacement": (FLOOR, _products(q, system.shapes)),
@@ -89,21 +85,21 @@ def _course(standing: Standing, response: RowResponse, ground: SampledMotion) ->
         "acceleration": (FLOOR, _products(sped, system.shapes) + carried),
         "storey_shear": (FLOOR, shear),
         "base_shear": (STRUCTURE, shear[:, floors]),
-        "input_energy": (STRUCTURE, kept[:, to.entering : to.viscous]),
+        "input_energy": (STRUCTURE, course("entering")),
         "kinetic_energy": (STRUCTURE, kinetic),
         "elastic_energy": (STRUCTURE, np.add.reduceat(stored[:, :n], first, axis=1)),
-        "viscous_energy": (STRUCTURE, kept[:, to.viscous : to.drained]),
-        "hysteretic_energy": (STRUCTURE, np.add.reduceat(kept[:, at.spent :][:, :n], first, axis=1)),
+        "viscous_energy": (STRUCTURE, course("viscous")),
+        "hysteretic_energy": (STRUCTURE, np.add.reduceat(course("spent")[:, :n], first, axis=1)),
     }
     linked: Quantities = {}
     if row.parts.spring.size:
         values["link_force"] = LINK, _link_forces(standing, force, rate, drag)
         linked["link_stored_energy"] = OF_ROW, stored[:, n:].sum(axis=1)
-        linked["link_lost_energy"] = OF_ROW, kept[:, to.drained : to.lost].sum(axis=1)
+        linked["link_lost_energy"] = OF_ROW, course("drained").sum(axis=1)
     return values | {
         "contact_stored_energy": (OF_ROW, squeezed),
-        "contact_lost_energy": (OF_ROW, kept[:, to.lost : to.missing].sum(axis=1)),
-        "energy_balance_error": (OF_ROW, imbalance),
+        "contact_lost_energy": (OF_ROW, course("lost").sum(axis=1)),
+        "energy_balance_error": (OF_ROW, imbalance[:, 0]),
         **linked,
         "contact_force": (CONTACT, pushed),
     }
@@ -131,17 +127,14 @@ def _contact_forces(
     standing: Standing, response: RowResponse, u: Array, v: Array
 ) -> tuple[Array, Array]:
     """Forces of the contacts [N] (times, c), and the energy stored in all of them [J] (times,)."""
-    at, contacts = response.at, standing.row.contacts
+    contacts = standing.row.contacts
     if contacts.jumps:
-        held = slice(at.held, at.held + contacts.gap.size)
-        mean = response.history[:, at.force : at.approach] * response.history[:, held]
-        return mean, np.zeros(len(u))
+        return response.over_time("force") * response.over_time("held"), np.zeros(len(u))
     depth, rate = _products(u, contacts.weights) - contacts.gap, _products(v, contacts.weights)
-    approach = response.history[:, at.approach : at.held]
+    approach = response.over_time("approach")
     fields: dict[str, Any] = {name: contacts.law[name] for name in ForceLaw._fields}
     law = ForceLaw(**fields)
-    slow = response.numbers[at.slow]
-    pushed = forces(law, depth, rate, np.where(approach > slow, approach, 0.0))
+    pushed = forces(law, depth, rate, np.where(approach > response.at_end("slow"), approach, 0.0))
     power = law.exponent + 1.0
     return pushed, (law.stiffness * np.maximum(depth, 0.0) ** power / power).sum(axis=1)
 
@@ -158,22 +151,14 @@ def histories(
     standing: Standing,
     response: RowResponse,
     ground: SampledMotion,
-    start: float,
     time: Array,
-    times: Array | None,
 ) -> xr.Dataset:
-    """Dataset of the histories of a response, over ``time`` [s], and of its impacts.
-
-    ``times`` are those since the beginning [s] at which it is asked for; None at the samples, which the
-    response has.
-    """
+    """Dataset of the histories of a response, over ``time`` [s], and of its impacts."""
     line, course = response.impacts.T, _course(standing, response, ground)
-    if times is not None:
-        course = {n: (dim, _interpolated(v, response.time, times)) for n, (dim, v) in course.items()}
     return xr.Dataset(
         {
             **labelled(course, standing, "time"),
-            "impact_time": ("impact", start + line[impacts.BEGIN]),
+            "impact_time": ("impact", time[0] + line[impacts.BEGIN]),
             "impact_contact": ("impact", line[impacts.CONTACT].astype(np.int64) + 1),
             "approach_velocity": ("impact", line[impacts.APPROACH]),
             "largest_force": ("impact", line[impacts.LARGEST]),
@@ -187,15 +172,6 @@ def histories(
             "side": ("side", list(SIDES), {"long_name": "side of the contact"}),
         },
     )
-
-
-def _interpolated(values: Array, known: Array, time: Array) -> Array:
-    """Values over ``known`` times, interpolated linearly to others along the first axis."""
-    place = np.clip(np.searchsorted(known, time, side="right") - 1, 0, known.size - 2)
-    share = np.clip((time - known[place]) / (known[place + 1] - known[place]), 0.0, 1.0)
-    share = share.reshape(-1, *[1] * (values.ndim - 1))
-    interpolated: Array = (1 - share) * values[place] + share * values[place + 1]
-    return interpolated
 
 
 def energy_transferred(response: RowResponse) -> Array:

@@ -22,7 +22,6 @@ from stochlin.analyses.pounding.rows import (
     checked_links,
 )
 from stochlin.analyses.pounding.runs import (
-    ON_GRID,
     STEPS_PER_CONTACT,
     RowRun,
     jobs_of,
@@ -36,11 +35,9 @@ from stochlin.analyses.records.cells import SHORTEST, Records
 from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.pounding.run import SAMPLES, STEPS
 from stochlin.kernels.records.oscillator import RADIUS
 from stochlin.kernels.records.runs import SampledMotion, peaks_on_records
-from stochlin.messages import brief
-from stochlin.models.arguments import Quantiles, Truth, Whole, checked, is_number
+from stochlin.models.arguments import Quantiles, Whole, checked
 from stochlin.models.contacts import Contact
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
@@ -65,10 +62,8 @@ def pound(
     motion: Records | None = None,
     *,
     link: Link | Sequence[Link | None] | None = None,
-    output_step: float | None = None,
     quantiles: Quantiles = (0.5, 0.84, 0.95),
     steps_per_contact: Annotated[int, Whole(FEWEST_STEPS, MOST_STEPS)] = STEPS_PER_CONTACT,
-    estimate_error: Truth | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Response of a row of buildings from rest, with all impacts, in one motion or in many.
@@ -100,17 +95,11 @@ def pound(
         at the same level. Without ``structures`` a list has one link for each two
         neighbours, or None. A link that names one structure twice is a device inside it and also acts
         in the response of this building alone.
-    output_step : float, optional
-        Time between outputs [s] for one motion; by default the time step of the record. The response
-        does not depend on it.
     quantiles : sequence of float
         Probabilities, between 0 and 1, of the quantiles over several motions.
     steps_per_contact : int
         Number of time steps in half a period of the contact, from 4 to 4096; see Notes. All time steps
         are shorter the larger it is, and the error falls with its square.
-    estimate_error : bool, optional
-        Whether the row is also computed with steps twice as long, which tells the error. By default it
-        is for one motion, and not for several.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -139,8 +128,8 @@ def pound(
         [N], ``peak_link_stroke`` [m], the largest absolute extension, and ``link_energy`` [J], which the
         link dissipates.
 
-        ``step_error`` [-]: the largest relative change of a peak displacement or of the largest force of
-        a contact, from steps twice as long. About a third of it remains.
+        For one motion ``step_error`` [-]: the largest relative change of a peak displacement or of the
+        largest force of a contact, from steps twice as long. About a third of it remains.
 
         Over ``contact``: ``gap`` [m], the number of ``impacts``, ``hardest_force`` [N],
         ``fastest_approach`` [m/s], ``longest_impact`` [s], ``deepest_compression`` [m] (these four are
@@ -254,28 +243,20 @@ def pound(
     standing = build_row(row_of, spaces, contact, links)
     grounds = motions.grounds
     paces = paces_of(standing, contact, grounds, steps_per_contact)
-    if over is not None and output_step is not None:
-        raise ValueError(
-            f"output_step = {brief(output_step)} is for one motion; allowed here: none, since "
-            "histories of several motions are not kept"
-        )
     if progress is not None:
         progress(0.0)
     lines, more = contacts(standing.places, links), {"gap": ("contact", standing.gap)}
-    halved = over is None if estimate_error is None else estimate_error
     if over is None:
         assert isinstance(motion, xr.DataArray)
-        times = _output_times(output_step, grounds[0])
-        jobs = jobs_of(standing, grounds[0], paces[0], halved)
-        table = _of_one(standing, jobs, motion["time"], times, progress)
-        table = table.merge(lines)
+        jobs = jobs_of(standing, grounds[0], paces[0], halved=True)
+        table = _of_one(standing, jobs, motion["time"], progress).merge(lines)
         oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
         if contact is not None and len(oscillators) == len(row_of) and not any(links):
             worst = _estimates(oscillators, spaces, contact, grounds[0])
             more["largest_radius_amplification"] = ("structure", worst)
-        call = f"pound(output_step={output_step}, steps_per_contact={steps_per_contact})"
+        call = f"pound(steps_per_contact={steps_per_contact})"
     else:
-        table = over_motions(standing, ensemble, paces, halved, progress).merge(lines)
+        table = over_motions(standing, ensemble, paces, progress).merge(lines)
         table = with_statistics(table, over, levels)
         call = f"pound(quantiles={levels.tolist()}, steps_per_contact={steps_per_contact})"
     table = labels.label(table.assign(more), VARIABLES).assign_attrs(motion=ensemble.describe())
@@ -295,34 +276,15 @@ def _of_one(
     standing: Standing,
     jobs: Sequence[RowRun],
     time: xr.DataArray,
-    times: Array | None,
     progress: Progress | None,
 ) -> xr.Dataset:
     """Histories and summary of one motion, from its jobs by `jobs_of`."""
-    kept = SAMPLES if times is None else STEPS
-    outcomes = responses(standing, jobs, kept, progress)
+    outcomes = responses(standing, jobs, keep=True, progress=progress)
     values = summary(standing, outcomes)
     del values["energy_balance_error"]  # it has a history
-    start = float(time[0])
-    at = time.to_numpy().astype(float) if times is None else start + times
-    table = histories(standing, successful(outcomes)[0], jobs[0].ground, start, at, times)
+    at = time.to_numpy().astype(float)
+    table = histories(standing, successful(outcomes)[0], jobs[0].ground, at)
     return table.assign(labelled(values, standing))
-
-
-def _output_times(output_step: float | None, ground: SampledMotion) -> Array | None:
-    """Output times since the beginning of the motion [s]; None for the samples of the motion."""
-    if output_step is None:
-        return None
-    if not is_number(output_step):
-        raise TypeError(
-            f"output_step = {brief(output_step)} is not a number; allowed: seconds, positive"
-        )
-    if not 0 < output_step < np.inf:
-        raise ValueError(
-            f"output_step = {brief(output_step)} is out of range; allowed: 0 < value, finite"
-        )
-    length = (len(ground.acceleration) - 1) * ground.dt
-    return output_step * np.arange(int(length / output_step * (1 + ON_GRID)) + 1)
 
 
 def _estimates(

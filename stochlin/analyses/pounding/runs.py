@@ -109,7 +109,7 @@ def jobs_of(
     standing: Standing,
     ground: SampledMotion,
     pace: kernel.StepCounts,
-    halved: bool = False,
+    halved: bool,
 ) -> list[RowRun]:
     """The row and each building alone in a motion, and if ``halved`` the row in steps twice as long."""
     coarser = pace._replace(cuts=pace.cuts // 2)
@@ -121,7 +121,7 @@ def jobs_of(
 def responses(
     standing: Standing,
     jobs: Sequence[RowRun],
-    keep: int = kernel.NOTHING,
+    keep: bool = False,
     progress: Progress | None = None,
 ) -> list[Outcome]:
     """Responses, or the error of one that could not be computed; the first one has its history."""
@@ -130,7 +130,7 @@ def responses(
 
     def run(batch: list[int]) -> list[RowResponse]:
         first, motions = jobs[batch[0]], _motions([jobs[n] for n in batch], standing.shortest)
-        return kernel.run(first.row, motions, first.pace, keep if 0 in batch else kernel.NOTHING)
+        return kernel.run(first.row, motions, first.pace, keep and 0 in batch)
 
     done = in_order(lambda number: run(batches[number]), len(batches), progress)
     for batch, of_batch in zip(batches, done, strict=True):
@@ -175,12 +175,12 @@ def successful(outcomes: Sequence[Outcome]) -> list[RowResponse]:
 
 def _failure(standing: Standing, response: RowResponse) -> ArithmeticError | None:
     """The error of a motion that was ended before its end, because a building falls or numbers do."""
-    failed = float(response.numbers[response.to.failed])
+    failed = float(response.at_end("failed")[0])
     if failed == np.inf:
         return None
-    firsts = response.at.q + standing.arrangement.first_coordinate
+    firsts = standing.arrangement.first_coordinate
     for number, stack in enumerate(standing.arrangement.stacks, start=1):
-        u, limits = response.numbers[firsts[number - 1] : firsts[number]], stack.limits
+        u, limits = response.at_end("q")[firsts[number - 1] : firsts[number]], stack.limits
         share = np.nan_to_num(np.abs(stack.system.extensions @ u) / limits, nan=np.inf)
         worst = int(np.argmax(np.where(np.isfinite(limits), share, 0.0)))
         if np.isfinite(limits[worst]) and share[worst] > 1:

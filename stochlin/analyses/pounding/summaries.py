@@ -53,12 +53,11 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     values: Quantities = {}
     first = standing.first
     for ending, own in (("", response), ("_alone", alone)):
-        to = own.to
         known = np.isfinite(standing.arrangement.shear_shares).all(axis=1)
-        shear = np.where(known, own.of(to.shear, to.pull), np.nan)
+        shear = np.where(known, own.at_end("shear"), np.nan)
         values |= {
             f"peak{ending}": (FLOOR, own.peaks),
-            f"peak_acceleration{ending}": (FLOOR, own.of(to.acceleration, to.shear)),
+            f"peak_acceleration{ending}": (FLOOR, own.at_end("acceleration")),
             f"peak_storey_shear{ending}": (FLOOR, shear),
             f"peak_base_shear{ending}": (STRUCTURE, shear[first[:-1]]),
         }
@@ -67,11 +66,10 @@ def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Qua
     values["amplification"] = FLOOR, growth
     springs = standing.row.parts.spring
     if springs.size:
-        to = response.to
-        values["peak_link_force"] = LINK, response.of(to.pull, to.stretch)
-        values["peak_link_stroke"] = LINK, response.numbers[to.stretch + springs]
-        values["link_energy"] = LINK, response.of(to.drained, to.lost)
-    return values | {"energy_balance_error": (OF_ROW, response.numbers[response.to.imbalance])}
+        values["peak_link_force"] = LINK, response.at_end("pull")
+        values["peak_link_stroke"] = LINK, response.at_end("stretch")[springs]
+        values["link_energy"] = LINK, response.at_end("drained")
+    return values | {"energy_balance_error": (OF_ROW, response.at_end("imbalance")[0])}
 
 
 def _tallies(standing: Standing, response: RowResponse) -> Quantities:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +18,7 @@ from stochlin.analyses.tables.floors import ELEMENT, FLOOR, element_coordinates,
 from stochlin.analyses.tables.work import check_work
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.pounding.run import SAMPLES, GroundMotions, StepCounts, run
+from stochlin.kernels.pounding.run import GroundMotions, StepCounts, run
 from stochlin.kernels.records.runs import SampledMotion
 from stochlin.kernels.simulation.contacts import Contacts
 from stochlin.models.structures import Structure
@@ -88,21 +87,21 @@ def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int)
     ends = [{floor: 1.0} for floor in floors]
     first = stepped_response(all_connected(system), system.limits, finer, ends)
     row = row_of(system, Contacts.of([], system.storeys.mass.size))
-    at, to = row.places
     intervals, none = np.array([between.size - 1]), np.zeros(1)
     motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
-    [response] = run(row, motion, StepCounts(first.cuts, 1), SAMPLES)
+    [response] = run(row, motion, StepCounts(first.cuts, 1), keep=True)
     kept = np.full((between.size, response.history.shape[1]), np.nan)  # NaN after a fall
     kept[: len(response.history)] = response.history
-    q, rate, z = (kept[:, a:b] for a, b in pairwise((at.q, at.v, at.z, at.memory)))
+    response = response._replace(history=kept)
+    q, rate, z = (response.over_time(name) for name in "qvz")
     u, v = (values @ system.storeys.shapes.T for values in (q, rate))
     drift = q @ (system.drifts @ system.displacements).T
     extension = q @ system.extensions.T
     mass, storeys = system.storeys.mass, system.storeys
     energies = {
-        "input": kept[:, to.entering],
-        "viscous": kept[:, to.viscous],
-        "hysteretic": kept[:, at.spent : at.f].sum(axis=1),
+        "input": response.over_time("entering")[:, 0],
+        "viscous": response.over_time("viscous")[:, 0],
+        "hysteretic": response.over_time("spent").sum(axis=1),
         "kinetic": 0.5 * rate**2 @ mass,
         "elastic": 0.5 * (extension**2 @ storeys.post + z**2 @ storeys.couple),
     }

@@ -153,7 +153,7 @@ def simulate_finite(
         coords |= link_coordinates([tie.number for tie in system.ties])
         of_links = extremes.force, extremes.stroke, extremes.energy
         for name, each in zip(OF_LINKS, of_links, strict=True):
-            samples[name] = ("path", LINK), np.where(fallen.any(axis=1)[:, None], np.inf, each)
+            samples[name] = ("path", LINK), np.where(fallen.any(axis=1, keepdims=True), np.inf, each)
     means = _means(samples)
     if storeys:
         means["ductility"] = [ELEMENT], means["peak_drift_mean"][1] / moving.strength

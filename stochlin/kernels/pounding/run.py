@@ -8,6 +8,7 @@ the same buildings move each alone.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +23,6 @@ from stochlin.kernels.pounding.impacts import (
     LANE,
     end_all,
     strike,
-    twice_as_long,
     watch_contact,
 )
 from stochlin.kernels.simulation.account import Account, Parts, balance, watch, watch_displacements
@@ -32,14 +32,12 @@ from stochlin.kernels.simulation.time_step import (
     Places,
     fill,
     lanes_at_rest,
+    named_rows,
     steps_of,
     take_step,
     times_row,
     tolerances,
 )
-
-NOTHING, SAMPLES, STEPS = range(3)  # which states are kept: none, at samples of the motion, after steps
-FIRST_KEPT = 512  # initial length of a history that is kept after each step
 
 
 class BuildingRow(NamedTuple):
@@ -82,24 +80,21 @@ class RowResponse(NamedTuple):
 
     numbers: Array  # (rows,) at its end
     impacts: Array  # (impacts, COLUMNS): the table of `impacts`, as they begin
-    history: Array  # (times, rows + 1): those of the first motion of a run, and last the time [s]
-    at: Places
-    to: Account
+    history: Array  # (samples, rows): those of the first motion of a run, if they were asked for
+    rows: Mapping[str, slice]  # by the names in `Places` and `Account`
 
-    def of(self, first: int, last: int) -> Array:
-        """The numbers at the end, from the row ``first`` to ``last``."""
-        return self.numbers[first:last]
+    def at_end(self, name: str) -> Array:
+        """The numbers of this name at the end."""
+        return self.numbers[self.rows[name]]
 
-    @property
-    def time(self) -> Array:
-        """Times of the history, from the beginning of the motion (times,) [s]."""
-        return self.history[:, -1]
+    def over_time(self, name: str) -> Array:
+        """The history of the numbers of this name (samples, n)."""
+        return self.history[:, self.rows[name]]
 
     @property
     def peaks(self) -> Array:
         """Largest absolute displacement of each floor [m]."""
-        to = self.to
-        return np.maximum(self.of(to.highest, to.lowest), -self.of(to.lowest, to.acceleration))
+        return np.maximum(self.at_end("highest"), -self.at_end("lowest"))
 
 
 @compiled
@@ -149,14 +144,10 @@ def _end_failed(steps, limit, time, at, to, x, lanes):
 
 
 @compiled
-def _keep(x, time, history, used):
-    """Add the numbers of the first lane and the time to a history; returns it and its lines in use."""
-    if used == len(history):
-        history = twice_as_long(history)
+def _keep(x, state):
+    """Write the numbers of the first lane to a line of a history."""
     for row in range(len(x)):
-        history[used, row] = x[row, 0]
-    history[used, len(x)] = time
-    return history, used + 1
+        state[row] = x[row, 0]
 
 
 @compiled
@@ -205,17 +196,21 @@ def _watch_impacts(short, parts, time, near, count, at, to, y, table, used):
 
 
 @entry
-def _run(law, steps, short, parts, at, to, x, motions, cuts, substeps, keep, history):
-    """All motions from their beginning, see `run`; ``steps`` are without contacts, ``short`` with."""
+def _run(law, steps, short, parts, at, to, x, motions, cuts, substeps, history):
+    """All motions from their beginning, see `run`; ``steps`` are without contacts, ``short`` with.
+
+    The first motion's states at the samples are written to ``history``, if it has lines. Returns the
+    table of impacts and the number of these lines.
+    """
     ground, dt, contacts = motions.acceleration, steps.dt, short.contacts
     lanes = ground.shape[1]
     old, y = np.empty((at.work, lanes)), np.zeros(x.shape)
     every, near = np.arange(lanes), np.empty(lanes, np.int64)
-    table, used, kept = np.empty((FIRST_LINES, COLUMNS)), 0, 0
+    table, used, kept = np.empty((FIRST_LINES, COLUMNS)), 0, 1
     tolerances(steps.spring, steps.info, at, x, lanes)
     tolerances(short.spring, short.info, at, y, lanes)
-    if keep != NOTHING:
-        history, kept = _keep(x, 0.0, history, kept)
+    if len(history) > 0:
+        _keep(x, history[0])
     for s in range(cuts * (len(ground) - 1)):
         sample, cut, time = s // cuts, s % cuts, s * dt
         going = _count_going(motions.intervals, sample, to, x, lanes)
@@ -241,27 +236,28 @@ def _run(law, steps, short, parts, at, to, x, motions, cuts, substeps, keep, his
                 watch(short, parts, at, to, y, count)
                 table, used = _watch_impacts(short, parts, now, near, count, at, to, y, table, used)
                 watch_displacements(short, at, to, y, count)
-                if keep == STEPS and part < substeps - 1:
-                    balance(short, contacts, parts, at, to, y, count)
-                    history, kept = _keep(y, now + short.dt, history, kept)
             _copy_lanes(y, every, x, near, count, 0, at.work)
             _copy_lanes(y, every, x, near, count, to.first, to.work)
             for k in range(count):
                 x[to.counts, near[k]] = 1.0
-        if cut == cuts - 1 or keep == STEPS:
+        if cut == cuts - 1:
             balance(steps, contacts, parts, at, to, x, lanes)
             _end_failed(steps, parts.limit, time + dt, at, to, x, lanes)
-            if keep != NOTHING:
-                history, kept = _keep(x, time + dt, history, kept)
+            if len(history) > 0:
+                _keep(x, history[sample + 1])
+                kept = sample + 2
     for lane in range(lanes):
         table, used = end_all(contacts, lane, at, to, x, lane, table, used)
-    return table[:used], history[:kept]
+    return table[:used], kept
 
 
 def run(
-    row: BuildingRow, motions: GroundMotions, pace: StepCounts, keep: int = NOTHING
+    row: BuildingRow, motions: GroundMotions, pace: StepCounts, keep: bool = False
 ) -> list[RowResponse]:
-    """Responses of a row of buildings to motions from rest; states are kept of the first motion only."""
+    """Responses of a row of buildings to motions from rest; states are kept of the first motion only.
+
+    They are those at the samples of the motion, up to the end of one that fails.
+    """
     at, to = row.places
     lanes = motions.acceleration.shape[1]
     x = np.concatenate([lanes_at_rest(at, [row.elements], lanes), np.zeros((to.rows - at.rows, lanes))])
@@ -270,11 +266,11 @@ def run(
     dt = motions.dt / pace.cuts
     steps = steps_of(row.elements, dt)
     short = steps_of(row.elements, dt / pace.substeps, row.contacts)
-    length = {NOTHING: 1, SAMPLES: len(motions.acceleration), STEPS: FIRST_KEPT}[keep]
-    table, history = _run(
-        *(row.law, steps, short, row.parts, at, to, x, motions, pace.cuts, pace.substeps, keep),
-        np.empty((length, to.rows + 1)),
+    history = np.empty((len(motions.acceleration) if keep else 0, to.rows))
+    table, kept = _run(
+        *(row.law, steps, short, row.parts, at, to, x, motions, pace.cuts, pace.substeps), history
     )
     table = table[np.lexsort((table[:, CONTACT], table[:, BEGIN]))]
     lines = (table[table[:, LANE] == lane] for lane in range(lanes))
-    return [RowResponse(x[:, n], own, history, at, to) for n, own in enumerate(lines)]
+    rows = named_rows(at, to)
+    return [RowResponse(x[:, n], own, history[:kept], rows) for n, own in enumerate(lines)]

@@ -7,9 +7,7 @@ balance to the tolerance of the passes. What a step does not account for is kept
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
+from typing import Annotated, NamedTuple
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import compiled
@@ -24,6 +22,7 @@ from stochlin.kernels.simulation.time_step import (
     Elements,
     Places,
     fill,
+    first_rows,
     multiply,
     times_row,
 )
@@ -46,66 +45,52 @@ class Parts(NamedTuple):
 class Account(NamedTuple):
     """The rows of ``x``, after those of `Places`, where what is watched stands.
 
-    Given are the first rows for f floors, s structures, e elements, l links and c contacts.
+    As there, for f floors, s structures, e elements, l links, c contacts and n coordinates.
     """
 
-    first: int
-    highest: int  # (f) largest displacement [m]
-    lowest: int  # (f) smallest displacement [m]
-    acceleration: int  # (f) largest absolute acceleration [m/s^2], as means of steps
-    shear: int  # (f) largest shear of the storey below each floor [N]
-    pull: int  # (l) largest force of each link [N], as means of steps
-    stretch: int  # (e) largest absolute extension of each element [m]
-    entering: int  # (s) energy put in by the ground so far [J]
-    viscous: int  # (s) energy dissipated by the dashpots of the structure so far [J]
-    drained: int  # (l) energy dissipated in each link so far [J]
-    lost: int  # (c) energy dissipated in each contact so far [J]
-    missing: int  # energy that the steps did not account for [J]
-    most: int  # largest energy put in so far [J]
-    imbalance: int  # largest ratio of both
-    failed: int  # time at which the motion was ended, before its end [s]; else infinite
-    begin: int  # (c) time at which the present impact began [s]; NaN if there is none
-    end: int  # (c) time at which its force ended [s]
-    speed: int  # (c) rate of penetration at its beginning [m/s]
-    largest: int  # (c) its largest force [N]
-    last: int  # (c) its force at the end of the last step [N]
-    rise: int  # (c) rate at which the force grew in that step [N/s]
-    span: int  # (c) duration of contact in that step [s]
-    before: int  # (c) energy dissipated in the contact before it [J]
-    handed: int  # (c) its work on the structure on its right [J]
-    deepest: int  # (c) its largest penetration [m]
-    work: int
-    way: int  # (n) displacements by a blow within a step [m]
-    gain: int  # (n) accelerations in the step without blows [m/s^2]
-    counts: int  # 1 if the step counts in this lane; 0 if it is taken again, or the motion has ended
-    scratch_1: int
-    scratch_2: int
-    scratch_3: int  # work of one floor, element or link
-    rows: int  # number of rows of ``x``
+    first: Annotated[int, 0]
+    highest: Annotated[int, "f"]  # largest displacement [m]
+    lowest: Annotated[int, "f"]  # smallest displacement [m]
+    acceleration: Annotated[int, "f"]  # largest absolute acceleration [m/s^2], as means of steps
+    shear: Annotated[int, "f"]  # largest shear of the storey below each floor [N]
+    pull: Annotated[int, "l"]  # largest force of each link [N], as means of steps
+    stretch: Annotated[int, "e"]  # largest absolute extension of each element [m]
+    entering: Annotated[int, "s"]  # energy put in by the ground so far [J]
+    viscous: Annotated[int, "s"]  # energy dissipated by the dashpots of the structure so far [J]
+    drained: Annotated[int, "l"]  # energy dissipated in each link so far [J]
+    lost: Annotated[int, "c"]  # energy dissipated in each contact so far [J]
+    missing: Annotated[int, 1]  # energy that the steps did not account for [J]
+    most: Annotated[int, 1]  # largest energy put in so far [J]
+    imbalance: Annotated[int, 1]  # largest ratio of both
+    failed: Annotated[int, 1]  # time at which the motion was ended, before its end [s]; else infinite
+    begin: Annotated[int, "c"]  # time at which the present impact began [s]; NaN if there is none
+    end: Annotated[int, "c"]  # time at which its force ended [s]
+    speed: Annotated[int, "c"]  # rate of penetration at its beginning [m/s]
+    largest: Annotated[int, "c"]  # its largest force [N]
+    last: Annotated[int, "c"]  # its force at the end of the last step [N]
+    rise: Annotated[int, "c"]  # rate at which the force grew in that step [N/s]
+    span: Annotated[int, "c"]  # duration of contact in that step [s]
+    before: Annotated[int, "c"]  # energy dissipated in the contact before it [J]
+    handed: Annotated[int, "c"]  # its work on the structure on its right [J]
+    deepest: Annotated[int, "c"]  # its largest penetration [m]
+    work: Annotated[int, 0]
+    way: Annotated[int, "n"]  # displacements by a blow within a step [m]
+    gain: Annotated[int, "n"]  # accelerations in the step without blows [m/s^2]
+    # 1 if the step counts in this lane; 0 if it is taken again, or the motion has ended
+    counts: Annotated[int, 1]
+    scratch_1: Annotated[int, 1]
+    scratch_2: Annotated[int, 1]
+    scratch_3: Annotated[int, 1]  # work of one floor, element or link
+    rows: Annotated[int, 0]  # number of rows of ``x``
 
     @classmethod
     def of(
         cls, places: Places, elements: Elements, structures: int, links: int, contacts: int
     ) -> Account:
         """The rows after ``places``."""
-        f, s, c = len(elements.system.shapes), structures, contacts
-        n = elements.system.mass.size
-        sizes = {
-            "highest": f,
-            "lowest": f,
-            "acceleration": f,
-            "shear": f,
-            "pull": links,
-            "stretch": elements.kind.size,
-        }
-        sizes |= {"entering": s, "viscous": s, "drained": links, "lost": c}
-        sizes |= {"missing": 1, "most": 1, "imbalance": 1, "failed": 1}
-        sizes |= {"begin": c, "end": c, "speed": c, "largest": c, "last": c, "rise": c, "span": c}
-        sizes |= {"before": c, "handed": c, "deepest": c}
-        sizes |= {"work": 0, "way": n, "gain": n, "counts": 1}
-        sizes |= {"scratch_1": 1, "scratch_2": 1, "scratch_3": 1, "rows": 0}
-        firsts = np.cumsum([places.rows, *sizes.values()]).tolist()
-        return cls(places.rows, **dict(zip(sizes, firsts[:-1], strict=True)))
+        n, e = elements.system.mass.size, elements.kind.size
+        counts = {"f": len(elements.system.shapes), "s": structures, "l": links, "c": contacts}
+        return cls(*first_rows(cls, places.rows, counts | {"n": n, "e": e}))
 
 
 @compiled

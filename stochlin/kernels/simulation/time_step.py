@@ -23,8 +23,10 @@ The passes minimize a convex energy, element by element, and converge.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from functools import cache
+from itertools import pairwise
+from typing import Annotated, Any, NamedTuple, get_type_hints
 
 import numpy as np
 
@@ -63,53 +65,67 @@ class Elements(NamedTuple):
 class Places(NamedTuple):
     """The rows of the array ``x`` (rows, lanes), where the numbers of every motion stand.
 
-    Given are the first rows of n coordinates, e elements with m further states, and c contacts. The
-    state comes first. What follows ``work`` is of one step only.
+    Each field is the first row of as many as its annotation says: n coordinates, e elements with m
+    further states, k states of a law at most, c contacts. The state comes first. What follows ``work``
+    is of one step only.
     """
 
-    q: int  # (n) coordinates [m]
-    v: int  # (n) their rates [m/s]
-    z: int  # (e) elastic parts of the extensions [m], first states of the laws
-    memory: int  # (m) further states of the laws
-    own: int  # (e k) parameters of the laws
-    slip: int  # (e) slips in the step [m]
-    force: int  # (c) mean forces in the step [N]
-    approach: int  # (c) rate of penetration at the beginning of the present contact [m/s]
-    held: int  # (c) 1 if both sides move together, after a stereomechanical impact; else 0
-    slow: int  # rate of approach below which a contact is elastic [m/s]
-    meets: int  # 1 if contacts act in this motion; 0 if each structure moves alone
-    spent: int  # (e) energies dissipated by slips so far [J]
-    f: int  # mean forcing of the step [m/s^2]
-    work: int
-    known: int  # (n + e) velocities and element forces at the beginning
-    dq: int  # (n) increments of the coordinates [m]
-    extension: int  # (e) at the beginning [m]
-    remembered: int  # (m) further states of the laws at the end
-    depth: int  # (c) penetrations at the beginning [m]
-    rate: int  # (c) rates of penetration at the beginning [m/s]
-    least: int  # (e) change of a slip at which the passes of a lane end [m]
-    change: int  # increment of an extension [m]
-    pace: int  # its rate, over the yield extension [1/s]
-    before: int  # (k) states of a law at the beginning
-    after: int  # (k) states of a law at the end
-    more: int  # change of a slip in a pass [m]
-    widest: int  # largest increment of an extension [m]
-    moving: int  # 1 if the passes of the lane go on, else 0; no lane depends on another
-    still: int  # the same for the next pass
-    rows: int  # number of rows
+    q: Annotated[int, "n"]  # coordinates [m]
+    v: Annotated[int, "n"]  # their rates [m/s]
+    z: Annotated[int, "e"]  # elastic parts of the extensions [m], first states of the laws
+    memory: Annotated[int, "m"]  # further states of the laws
+    own: Annotated[int, "parameters"]  # parameters of the laws
+    slip: Annotated[int, "e"]  # slips in the step [m]
+    force: Annotated[int, "c"]  # mean forces in the step [N]
+    approach: Annotated[int, "c"]  # rate of penetration at the beginning of the present contact [m/s]
+    held: Annotated[int, "c"]  # 1 if both sides move together, after a stereomechanical impact; else 0
+    slow: Annotated[int, 1]  # rate of approach below which a contact is elastic [m/s]
+    meets: Annotated[int, 1]  # 1 if contacts act in this motion; 0 if each structure moves alone
+    spent: Annotated[int, "e"]  # energies dissipated by slips so far [J]
+    f: Annotated[int, 1]  # mean forcing of the step [m/s^2]
+    work: Annotated[int, 0]
+    known: Annotated[int, "n + e"]  # velocities and element forces at the beginning
+    dq: Annotated[int, "n"]  # increments of the coordinates [m]
+    extension: Annotated[int, "e"]  # at the beginning [m]
+    remembered: Annotated[int, "m"]  # further states of the laws at the end
+    depth: Annotated[int, "c"]  # penetrations at the beginning [m]
+    rate: Annotated[int, "c"]  # rates of penetration at the beginning [m/s]
+    least: Annotated[int, "e"]  # change of a slip at which the passes of a lane end [m]
+    change: Annotated[int, 1]  # increment of an extension [m]
+    pace: Annotated[int, 1]  # its rate, over the yield extension [1/s]
+    before: Annotated[int, "k"]  # states of a law at the beginning
+    after: Annotated[int, "k"]  # states of a law at the end
+    more: Annotated[int, 1]  # change of a slip in a pass [m]
+    widest: Annotated[int, 1]  # largest increment of an extension [m]
+    moving: Annotated[int, 1]  # 1 if the passes of the lane go on, else 0; no lane depends on another
+    still: Annotated[int, 1]  # the same for the next pass
+    rows: Annotated[int, 0]  # number of rows
 
     @classmethod
     def of(cls, elements: Elements, contacts: int = 0) -> Places:
         """The rows for these elements and so many contacts."""
-        n, e, c = elements.system.mass.size, elements.kind.size, contacts
-        most, m = int(elements.states.max(initial=1)), int((elements.states - 1).sum())
-        sizes = {"q": n, "v": n, "z": e, "memory": m, "own": elements.own.size, "slip": e}
-        sizes |= {"force": c, "approach": c, "held": c, "slow": 1, "meets": 1, "spent": e}
-        sizes |= {"f": 1, "work": 0, "known": n + e, "dq": n, "extension": e, "remembered": m}
-        sizes |= {"depth": c, "rate": c, "least": e, "change": 1, "pace": 1, "before": most}
-        sizes |= {"after": most, "more": 1, "widest": 1, "moving": 1, "still": 1, "rows": 0}
-        firsts = np.cumsum([0, *sizes.values()]).tolist()
-        return cls(**dict(zip(sizes, firsts[:-1], strict=True)))
+        states, n, e = elements.states, elements.system.mass.size, elements.kind.size
+        counts = {"n": n, "e": e, "n + e": n + e, "c": contacts, "parameters": elements.own.size}
+        counts |= {"m": int((states - 1).sum()), "k": int(states.max(initial=1))}
+        return cls(*first_rows(cls, 0, counts))
+
+
+def first_rows(kind: Any, first: int, counts: Mapping[str, int]) -> list[int]:
+    """The first row of each field of ``kind``, from the row ``first`` on, by its annotated number."""
+    sizes = [counts.get(size, size) for size in _annotated(kind)]
+    rows: list[int] = np.cumsum([first, *sizes])[:-1].tolist()
+    return rows
+
+
+@cache
+def _annotated(kind: Any) -> list[Any]:
+    return [hint.__metadata__[0] for hint in get_type_hints(kind, include_extras=True).values()]
+
+
+def named_rows(*kinds: Any) -> dict[str, slice]:
+    """The rows of each field of some `Places` and of what follows them."""
+    firsts = [pair for kind in kinds for pair in zip(kind._fields, kind, strict=True)]
+    return {name: slice(first, end) for (name, first), (_, end) in pairwise(firsts)}
 
 
 class Steps(NamedTuple):

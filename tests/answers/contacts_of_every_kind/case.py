@@ -23,5 +23,5 @@ elements = {
     "stereomechanical": sl.Stereomechanical(0.65),
 }
 for name, element in elements.items():
-    table = sl.pound(pair, 0.03, element, motion, output_step=1.0)
+    table = sl.pound(pair, 0.03, element, motion).isel(time=slice(None, None, 50))
     table.to_netcdf(f"{name}.nc")
