@@ -6,7 +6,6 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 import xarray as xr
 from cases import example_case
@@ -78,17 +77,6 @@ def test_what_would_take_hours_uncompiled_is_refused_at_once(tmp_path: Path) -> 
     assert "NUMBA_DISABLE_JIT is set: nothing is compiled" in done.stderr
     assert "allowed: 15 minutes on this machine" in done.stderr
     assert "or unset NUMBA_DISABLE_JIT" in done.stderr
-
-
-@pytest.mark.slow
-def test_simulations_run_uncompiled(tmp_path: Path) -> None:
-    short = [*RHO, "--hardening", ".5", *SIMULATED]  # with more hardening a shorter run is enough
-    ran(tmp_path, UNCOMPILED, [short, ["probability", "case.toml"]])
-    with xr.open_dataset(tmp_path / "table.nc") as table:
-        plain = table.load()
-    answered(*short[:-1], tmp_path / "table.nc")
-    with xr.open_dataset(tmp_path / "table.nc") as table:
-        np.testing.assert_allclose(plain.rho, table.rho, rtol=1e-6)
 
 
 @pytest.mark.slow
