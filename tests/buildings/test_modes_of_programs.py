@@ -10,7 +10,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import openpyxl
 import pytest
 import scipy.linalg
 import xarray as xr
@@ -203,23 +202,14 @@ VARIANTS: dict[str, Callable[[], str]] = {
         r"\n(Roof|Story\d)(?=,D1,Modal.*,Mode,[2-9],)", "\n", as_text(etabs())
     ),
     "from the ground up": upwards,
-    "from the base up": lambda: changed(
-        "Story Definitions",
-        [["Base", 0], *([STORIES[f], HEIGHTS[f]] for f in range(3))],
-        "Story Definitions:Name|Height",
-        "|m",
-    ),
     "masses of diaphragms": by_diaphragm,
     "in kips and inches": in_kips,
-    "tons of force": lambda: as_text(etabs()).replace("kN-s²/m", "Ton-s2/m"),
 }
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_tables_of_etabs_are_the_building(tmp_path: Path, variant: str) -> None:
     table = read(tmp_path, VARIANTS[variant](), direction="ux")
-    if variant == "tons of force":
-        table["mass"], table["modal_mass"] = table["mass"] / 9.80665, table["modal_mass"] / 9.80665
     np.testing.assert_allclose(table["mass"], MASSES * 1000)
     np.testing.assert_allclose(table["height"], HEIGHTS)
     kept = RATIOS[:, 0] >= 1e-3
@@ -300,19 +290,6 @@ def test_the_other_direction_does_not_turn_and_needs_no_factors(tmp_path: Path, 
     tower = sl.ModalBuilding.from_table(table, damping=0.05)
     assert tower.modal_masses is None
     np.testing.assert_allclose(tower.effective_masses().sum(), MASSES.sum() * 1000)
-
-
-def test_a_workbook_has_the_same_modes_as_the_text(tmp_path: Path) -> None:
-    pytest.importorskip("python_calamine", reason="python-calamine is in the extra 'tables'")
-    book = openpyxl.Workbook()
-    for cells in etabs()[::-1]:
-        sheet = book.create_sheet(cells[0][0].removeprefix("TABLE:  ")[:31])
-        for row in cells:
-            sheet.append([value.item() if isinstance(value, np.generic) else value for value in row])
-    book.save(tmp_path / "tower.xlsx")
-    of_book = sl.read_modes(tmp_path / "tower.xlsx", direction="UX")
-    of_text = read(tmp_path, as_text(etabs()), direction="UX")
-    xr.testing.assert_allclose(of_book.drop_attrs(), of_text.drop_attrs(), rtol=1e-12)
 
 
 def test_a_folder_with_a_file_for_each_table_has_the_same_modes(tmp_path: Path) -> None:
@@ -435,10 +412,6 @@ BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
     "tower.csv: no floor is above the ground; allowed: levels above 0.01 m": as_text(based(-99.0)),
     "direction is missing: table Modal Participating Mass Ratios has modes along UX and UY": ETABS,
     "line 5, column 4: 'n/a' is not a UX": sub(r"(?<=Modal,2,)([^,]*),[^,]*", r"\1,n/a", 1),
-    "line 2: table Modal Participating Mass Ratios has no column 'period'": swap("Period", "Time", 1),
-    "or Story Data, table Mass Summary by Story or Centers Of Mass And Rigidity are missing": without(
-        "Story Definitions", "Mass Summary"
-    ),
     "line 22: table Mass Summary by Story has no mass of story Story2": swap(
         "Story2,300.0,300.0,0\n", ""
     ),
@@ -470,7 +443,6 @@ BROKEN: dict[str, str | tuple[str, dict[str, object]]] = {
         with_neighbour(18.5),
         {"points": ["11", "B21", "31"]},
     ),
-    "tower = 'T1' has no meaning for tables of SAP2000; name the joints": (SAP, {"tower": "T1"}),
     "has 11 and 22 more than 20 m apart in plan; name the points of the building at the gap": (
         SAP.replace("-9.0,6.0", "-90.0,6.0"),
         {"points": ["11", "22", "31"]},

@@ -85,20 +85,6 @@ def test_periods_of_a_uniform_shear_building(storeys: int, mass: float, stiffnes
     )
 
 
-@given(numbers, st.floats(1e3, 1e7), st.floats(1e6, 1e10), st.floats(1e-4, 0.1))
-def test_dampers_in_proportion_to_stiffness_add_to_each_mode(
-    storeys: int, mass: float, stiffness: float, delay: float
-) -> None:
-    """``c = delay k`` in every storey is ``delay w/2`` more in the mode of frequency ``w``."""
-    w = frequencies(storeys, mass, stiffness)
-    for dampers in (delay * stiffness, [delay * stiffness] * storeys):
-        building = uniform(storeys, mass, stiffness, dampers=dampers)
-        shapes = building._modes()[1]
-        ratios = (shapes.T @ building.damping_matrix() @ shapes) / (2 * w)
-        wanted = np.diag(0.05 + 0.5 * delay * w)
-        np.testing.assert_allclose(ratios, wanted, rtol=0, atol=1e-9 * wanted[-1, -1] * w[-1] / w[0])
-
-
 @given(buildings(), st.data())
 def test_a_damper_takes_its_power_from_its_own_storey(building: sl.ShearBuilding, data: Any) -> None:
     n = building.storeys

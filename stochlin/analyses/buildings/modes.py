@@ -9,9 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.buildings.mode_files import csi
+from stochlin.analyses.buildings.mode_files import AskedModes, ModesOfFile, csi
 from stochlin.analyses.buildings.mode_files import plain as plain_form
-from stochlin.analyses.buildings.mode_files.base import AskedModes, ModesOfFile
 from stochlin.analyses.buildings.mode_files.csi_tables import RATIOS, tables_in
 from stochlin.analyses.buildings.variables import VARIABLES
 from stochlin.analyses.sheets.sheets import check_alone, sheets_of

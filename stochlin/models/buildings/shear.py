@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
+import scipy.linalg
 import xarray as xr
 
 from stochlin.kernels.basics.arrays import Array
@@ -25,7 +26,6 @@ from stochlin.models.buildings.base import (
     check_ranges,
     numbered,
 )
-from stochlin.models.buildings.chains import chain_modes
 from stochlin.models.parameters import (
     NOT_NEGATIVE,
     PERIODS,
@@ -446,7 +446,12 @@ class ShearBuilding(MultistoreyBuilding):
     def _modes(self) -> tuple[Array, Array]:
         """Circular frequencies [rad/s] of the modes, and mode shapes of unit modal mass as columns."""
         values = self._over_all
-        try:
-            return chain_modes(values["masses"], values["stiffnesses"] - self.geometric_stiffness())
-        except ValueError as error:
-            raise ValueError(f"{type(self).__name__}: {error}") from error
+        root, k = np.sqrt(values["masses"]), values["stiffnesses"] - self.geometric_stiffness()
+        with np.errstate(all="ignore"):
+            diagonal = (k + np.append(k[1:], 0.0)) / root**2
+            beside = -k[1:] / (root[:-1] * root[1:])
+        if not (np.isfinite(diagonal).all() and np.isfinite(beside).all()):
+            what = f"{type(self).__name__}: stiffnesses over masses are beyond all numbers"
+            raise ValueError(f"{what}; allowed: stiffnesses in N/m, masses in kg")
+        squares, vectors = scipy.linalg.eigh_tridiagonal(diagonal, beside)
+        return np.sqrt(squares), vectors / root[:, None]

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.sparse import csgraph
 
-from stochlin.analyses.buildings.mode_files.base import (
+from stochlin.analyses.buildings.mode_files import (
     AskedModes,
     ModesOfFile,
     check_moving,

@@ -8,7 +8,7 @@ from functools import partial
 
 import pandas as pd
 
-from stochlin.analyses.buildings.mode_files.base import MODE_NUMBERS
+from stochlin.analyses.buildings.mode_files import MODE_NUMBERS
 from stochlin.analyses.sheets.sheets import Sheet, Table, number_in, spelled
 from stochlin.messages import brief, listed
 from stochlin.models.parameters import Range

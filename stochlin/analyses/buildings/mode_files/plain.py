@@ -8,7 +8,7 @@ from importlib.resources import files
 import numpy as np
 import pandas as pd
 
-from stochlin.analyses.buildings.mode_files.base import (
+from stochlin.analyses.buildings.mode_files import (
     MODE_NUMBERS,
     AskedModes,
     ModesOfFile,

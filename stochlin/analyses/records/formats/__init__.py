@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-import warnings
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -79,15 +79,10 @@ class RecordFile(NamedTuple):
         """The numbers from line ``first`` to ``last``, both included."""
         lines = self.lines[first - 1 : last]
         text = "\n".join(lines)
-        try:
-            with warnings.catch_warnings(
-                action="error", category=DeprecationWarning
-            ):  # before numpy 2.3
-                values = np.fromstring(text, sep=" ")
-        except (ValueError, DeprecationWarning):  # other text
-            values = np.array([np.nan])
-        if np.isfinite(values).all() and values.size == len(text.split()):
-            return values
+        with suppress(ValueError):  # of other text, which follows
+            values = np.array(text.split(), float)
+            if np.isfinite(values).all() and "_" not in text:
+                return values
         fields = [(n, field) for n, line in enumerate(lines, first) for field in _fields(line, width)]
         for n, field in fields:
             if number_in(field) is None:
