@@ -68,35 +68,8 @@ def linear_law(kind, k, c):
 @pytest.mark.parametrize(("kind", "xi"), LINEAR_CASES)
 def test_linear_elements_against_two_free_masses(kind, xi):
     law, leaves = linear_law(kind, 1.0, 2 * xi)
-    time, e, _ = collide(law, leaves, (2.0, 2.0), (0.3, -0.7), 1.0)  # reduced mass 1
+    _, e, _ = collide(law, leaves, (2.0, 2.0), (0.3, -0.7), 1.0)  # reduced mass 1
     assert kind.restitution(xi) == pytest.approx(e, abs=1e-8, rel=0)
-    assert kind.contact_time(xi) == pytest.approx(time, abs=1e-8, rel=0)
-
-
-@pytest.mark.parametrize("kind", KELVINS)
-@pytest.mark.parametrize(("m1", "m2"), [(1e3, 1e3), (5e2, 1e9), (3e6, 2e4)])
-def test_neither_mass_ratio_nor_stiffness_nor_velocity_matters(kind, m1, m2):
-    stiffness, velocities = 4.2e7, (0.05, -0.9)
-    contact = kind(stiffness=stiffness, restitution=0.4)
-    mass = kernel.reduced_mass(m1, m2)
-    k, _, c, *_ = contact.force_law(mass)
-    scale = contact.time_scale(mass, 0.95)
-    assert scale == pytest.approx(np.sqrt(mass / stiffness), rel=1e-14)
-    time, e, state = collide(*linear_law(kind, k, c), (m1, m2), velocities, scale)
-    assert e == pytest.approx(0.4, abs=1e-8)
-    assert time / scale == pytest.approx(kind.contact_time(contact.damping), abs=1e-8)
-    after = sl.Stereomechanical(0.4).velocities_after(*velocities, m1, m2)
-    np.testing.assert_allclose(state[2:], [float(v) for v in after], rtol=0, atol=1e-8)
-
-
-def test_kelvin_of_critical_damping_never_lets_go():
-    for xi in (1.0, 1.5):
-        run = solve_ivp(
-            lambda _, y, c=2 * xi: (y[1], -y[0] - c * y[1]), (0, 30), (0.0, 1.0), rtol=1e-10, atol=1e-16
-        )
-        assert (run.y[0, 1:] > 0).all()
-        assert sl.Kelvin.restitution(xi) == 0
-        assert sl.Kelvin.contact_time(xi) == np.inf
 
 
 # --- Hertz ----------------------------------------------------------------------------------------
@@ -115,7 +88,8 @@ def hertzian(contact, mass, v0):
 
 def delivered(contact, m1, m2, v0):
     mass = kernel.reduced_mass(m1, m2)
-    scale = contact.time_scale(mass, v0)
+    n = 1.5 if isinstance(contact, sl.Jankowski) else contact.exponent
+    scale = (mass * v0 ** (1 - n) / contact.stiffness) ** (1 / (n + 1))
     velocities = (0.25 * v0, -0.75 * v0)
     return collide(hertzian(contact, mass, v0), lambda d, v: d, (m1, m2), velocities, scale)[:2]
 
@@ -132,27 +106,6 @@ def test_hertz_damp_delivers_what_is_asked(exponent, e):
 def test_jankowski_delivers_what_is_asked(e):
     contact = sl.Jankowski(stiffness=2.0, restitution=e)
     assert delivered(contact, 2.0, 2.0, 1.0)[1] == pytest.approx(e, abs=1e-8)
-
-
-@pytest.mark.parametrize("kind", [sl.HertzDamp, sl.Jankowski])
-@pytest.mark.parametrize(("k", "m1", "m2", "v0"), [(2e9, 1e5, 3e6, 0.4), (7e4, 2.0, 2.0, 9.0)])
-def test_hertz_restitution_has_no_scale(kind, k, m1, m2, v0):
-    assert delivered(kind(stiffness=k, restitution=0.5), m1, m2, v0)[1] == pytest.approx(0.5, abs=1e-8)
-
-
-@pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
-def test_hertz_contact_time_is_that_of_another_integrator(exponent):
-    contact = sl.Hertz(stiffness=3e6, exponent=exponent)
-    time, e = delivered(contact, 4e3, 9e3, 0.6)
-    assert e == pytest.approx(1, abs=1e-9)
-    scale = contact.time_scale(kernel.reduced_mass(4e3, 9e3), 0.6)
-    assert contact.contact_time(exponent) == pytest.approx(time / scale, abs=1e-8)
-
-
-def test_hertz_of_exponent_one_is_the_spring():
-    assert sl.Hertz.contact_time(1.0) == pytest.approx(np.pi, rel=1e-15)
-    assert sl.LinearSpring.contact_time() == np.pi
-    assert sl.LinearSpring(1e8).e == sl.Hertz(1e8).e == sl.LinearSpring.restitution() == 1
 
 
 # --- The compiled force ---------------------------------------------------------------------------
@@ -191,15 +144,6 @@ def test_compiled_force_is_the_law(contact):
         assert kernel.force(law_of_force, -d, 0.3, v0) == 0
 
 
-def test_hertz_damp_without_an_approach_is_elastic():
-    assert kernel.force(kernel.ForceLaw(2.0, 1.0, 0.8, over_approach=True), 3.0, 0.5, 0.0) == 6.0
-
-
-def test_a_rigid_wall_is_an_infinite_mass():
-    assert kernel.reduced_mass(3.0, np.inf) == 3
-    assert kernel.velocities_after_impact(2.0, 0.0, 3.0, np.inf, 0.5) == (-1.0, 0.0)
-
-
 def test_force_broadcasts_by_name():
     contact = sl.Kelvin(xr.DataArray([1e6, 2e6], dims="k"), damping_ratio=[0.1, 0.2, -1.0])
     force = contact.force(xr.DataArray([0.0, 0.1], dims="time"), 0.3, 0.5, 1e4)
@@ -228,16 +172,14 @@ def angle_ratio(xi):
 
 
 @pytest.mark.parametrize("factor", [1, 2])
-def test_restitution_and_time_to_the_last_digits(factor):
+def test_restitution_to_the_last_digits(factor):
     kind = {1: sl.ImpactKelvin, 2: sl.NoTensionKelvin}[factor]
     with mpmath.workdps(60):
         for xi in WIDE:
             ratio = angle_ratio(xi)
             e = float(mpmath.exp(-factor * mpmath.mpf(xi) * ratio))
-            time = float(2 * ratio if factor == 2 else ratio + mpmath.pi / 2)
             # exp(-y) of a rounded y; y is below 80 here
             assert kind.restitution(xi) == pytest.approx(e, rel=5e-14)
-            assert kind.contact_time(xi) == pytest.approx(time, rel=1e-15)
 
 
 ACROSS = [1 - 10.0**-p for p in range(1, 16)] + [0.1, 0.3, 0.5, 0.53, 0.56, 0.6, 0.77]
@@ -254,13 +196,6 @@ def test_hertz_damp_to_the_last_digits():
             assert abs(balance) < mpmath.mpf(10) ** -60
             assert abs(exact - mpmath.mpf(e)) < 5e-16 * (1 - e)
             assert sl.HertzDamp.restitution(float(a)) == pytest.approx(float(exact), rel=4e-16)
-
-
-@pytest.mark.parametrize("e", [1e-2, 1e-4, 1e-8, 1e-100])
-def test_hertz_damp_parts_at_the_approach_velocity_over_its_factor(e):
-    # ln(1 - a e) = ln(1 + a) - a (1 + e), which is below rounding here
-    assert sl.HertzDamp.damping_factor(e) == pytest.approx(1 / e, rel=4e-16)
-    assert sl.HertzDamp.restitution(1 / e) == pytest.approx(e, rel=4e-16)
 
 
 # --- There and back -------------------------------------------------------------------------------
@@ -292,81 +227,7 @@ def test_damping_ratio_of_its_restitution(kind, xi):
         assert xi > 0.99999
 
 
-@given(E)
-def test_restitution_of_its_damping_factor(e):
-    factor = sl.HertzDamp.damping_factor(e)
-    assert factor >= 0
-    assert sl.HertzDamp.restitution(factor) == pytest.approx(e, abs=1e-14)
-
-
-@given(st.floats(0, 1e6))
-def test_damping_factor_of_its_restitution(a):
-    e = sl.HertzDamp.restitution(a)
-    assert a * e <= 1
-    assert sl.HertzDamp.damping_factor(e) == pytest.approx(a, rel=1e-13, abs=1e-15)
-
-
-@pytest.mark.parametrize("kind", [*DAMPED, sl.HertzDamp])
-def test_restitution_falls_with_damping(kind):
-    values = kind.restitution(np.concatenate([np.linspace(0, 3, 3001), np.geomspace(3.1, 1e6, 100)]))
-    assert values[0] == 1
-    steps = np.diff(values)
-    falling = steps < 0 if kind is not sl.Kelvin else (steps < 0) | (values[1:] == 0)
-    assert falling.all()
-
-
 # --- Limits ---------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("kind", "slope"),
-    [
-        (sl.Kelvin, np.pi),
-        (sl.NoTensionKelvin, np.pi),
-        (sl.ImpactKelvin, np.pi / 2),
-        (sl.Jankowski, np.pi / np.sqrt(5)),
-        (sl.HertzDamp, 2 / 3),
-    ],
-)
-def test_with_little_damping_restitution_falls_at_the_slope_of_its_series(kind, slope):
-    xi = 1e-5
-    assert 1 - kind.restitution(xi) == pytest.approx(slope * xi, rel=1e-4)  # next order: xi^2
-    inverse = kind.damping_factor if kind is sl.HertzDamp else kind.damping_ratio
-    assert inverse(1 - 1e-5) == pytest.approx(1e-5 / slope, rel=1e-4)
-    assert inverse(1.0) == 0
-    assert kind.restitution(0.0) == 1
-
-
-def test_with_much_damping_restitution_has_its_limit():
-    # L = xi A -> log(2 xi); the Hertz-damp contact parts at v0/a
-    assert sl.ImpactKelvin.restitution(1e7) == pytest.approx(0.5e-7, rel=1e-12)
-    assert sl.NoTensionKelvin.restitution(1e7) == pytest.approx(0.25e-14, rel=1e-12)
-    assert sl.ImpactKelvin.damping_ratio(1e-9) == pytest.approx(0.5e9, rel=1e-12)
-    assert sl.NoTensionKelvin.damping_ratio(1e-14) == pytest.approx(0.5e7, rel=1e-12)
-    assert sl.HertzDamp.restitution(1e6) == pytest.approx(1e-6, rel=1e-14)
-    assert sl.Kelvin.damping_ratio(1e-300) == pytest.approx(1, abs=2e-5)
-    for kind in DAMPED:
-        assert np.isfinite(kind.damping_ratio(5e-324))
-    assert np.isfinite(sl.HertzDamp.damping_factor(5e-324))
-
-
-@pytest.mark.parametrize("kind", KELVINS[1:])
-def test_critical_damping_is_nothing_special(kind):
-    # A = 1 - h/3 + 2 h^2/15 ... with h = xi - 1
-    power = {sl.ImpactKelvin: 1, sl.NoTensionKelvin: 2}[kind]
-    assert kind.restitution(1.0) == np.exp(-power)
-    for h in (-1e-5, -1e-9, 1e-9, 1e-5):
-        expected = np.exp(-power * (1 + h * 2 / 3 - h**2 / 5))
-        assert kind.restitution(1 + h) == pytest.approx(expected, rel=1e-14)
-        assert kind.damping_ratio(expected) == pytest.approx(1 + h, rel=1e-14)
-    closest = np.exp(-power) * (1 + np.finfo(float).eps * np.arange(-2000, 2001))
-    np.testing.assert_allclose(kind.damping_ratio(closest), 1, rtol=1e-12)
-
-
-def test_jankowski_is_the_impact_kelvin_element_in_another_measure():
-    xi = np.linspace(0, 4, 41)
-    expected = sl.ImpactKelvin.restitution(2 * xi / np.sqrt(5))
-    np.testing.assert_allclose(sl.Jankowski.restitution(xi), expected, rtol=1e-14)
 
 
 # --- How they are asked ---------------------------------------------------------------------------
@@ -439,20 +300,10 @@ def test_cells_out_of_range_do_not_spoil_their_neighbours():
     assert np.isfinite(contact.force_law(1e4).damping).values.tolist() == [True, False, True]
     for kind in (sl.Kelvin, sl.HertzDamp, sl.Jankowski):
         contact = kind([1e8, -1.0], restitution=0.5)
-        for result in (contact.force(0.01, 0.1, 1.0, 1e4), contact.time_scale(1e4, 1.0)):
-            np.testing.assert_array_equal(np.isfinite(result), [True, False])
+        np.testing.assert_array_equal(np.isfinite(contact.force(0.01, 0.1, 1.0, 1e4)), [True, False])
     masses = sl.LinearSpring(1e8).force(0.01, 0.1, 1.0, [1e4, -1e4])
     np.testing.assert_array_equal(masses, [1e6, np.nan])
     after, _ = sl.Stereomechanical([0.5, 1.5]).velocities_after(1.0, [0.0, 0.0], 1.0, 1.0)
     np.testing.assert_allclose(after, [0.25, np.nan])
     apart, _ = sl.Stereomechanical(0.5).velocities_after([1.0, -1.0], 0.0, 1.0, 1.0)
     np.testing.assert_allclose(apart, [0.25, np.nan])
-
-
-def test_elements_describe_themselves_with_their_numbers():
-    assert (
-        sl.Jankowski(2e9, damping_ratio=0.3).describe()
-        == "Jankowski (stiffness 2e+09 N/m^1.5, damping 0.3)"
-    )
-    assert sl.Stereomechanical(0.5).describe() == "Stereomechanical (restitution 0.5)"
-    assert sl.Stereomechanical(0.5).e == 0.5

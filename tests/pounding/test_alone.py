@@ -9,7 +9,7 @@ from cases import assert_near, recorded_example
 from commands import answered, refused
 
 import stochlin as sl
-from stochlin.views.pounding.pictures import draw_ensemble, draw_floors, draw_pound
+from stochlin.views.pounding.pictures import draw_floors, draw_pound
 
 YIELDING = {"hardening": 0.05, "yield_displacement": 0.02}
 OSCILLATOR = sl.Bilinear(1.2, 0.05, **YIELDING, mass=2e5)
@@ -42,17 +42,6 @@ def test_it_is_a_building_of_a_row_that_never_meets(structure):
         np.testing.assert_allclose(own, other, rtol=0, atol=1e-4 * float(alone.input_energy.max()))
 
 
-@pytest.mark.invariant
-@pytest.mark.parametrize("structure", [OSCILLATOR, TOWER])
-def test_beside_its_equal_it_is_nearly_the_same_number(structure):
-    """Steps are then chosen as alone."""
-    alone = sl.pound([structure], motion=RECORD)
-    row = sl.pound([structure, structure], FAR, CONTACT, RECORD).isel(structure=0)
-    for name in ("displacement", "acceleration", "storey_shear", "hysteretic_energy", "peak"):
-        own = alone[name].isel(structure=0)
-        assert_near(row[name], own, 1e-9)
-
-
 @pytest.mark.oracle
 def test_an_oscillator_follows_respond_and_its_energies_add_up():
     alone = sl.pound([OSCILLATOR], motion=RECORD, steps_per_contact=128)
@@ -63,17 +52,6 @@ def test_an_oscillator_follows_respond_and_its_energies_add_up():
     assert alone.peak.equals(alone.peak_alone.rename("peak"))
     assert float(alone.amplification[0]) == 1
     assert "contact" not in alone.attrs
-
-
-@pytest.mark.invariant
-def test_many_motions_are_each_what_they_are_alone():
-    many = sl.pound([TOWER], motion=MOTIONS)
-    one = sl.pound([TOWER], motion=RECORD)
-    np.testing.assert_array_equal(many.peak_storey_shear.isel(path=0), one.peak_storey_shear)
-    assert not {"contact", "neighbours"} & set(many.dims)
-    assert many.peak_acceleration_quantile.notnull().all()
-    hit = sl.pound([TOWER], (), None, [RECORD, 2 * RECORD])
-    assert hit.peak.dims == ("record", "structure", "floor")
 
 
 ONE_ALONE = 'storeys = 4\nstorey_height = "3 m"\nfloor_mass = "200 t"\nbase_shear_coefficient = 0.2\n'
@@ -114,19 +92,6 @@ def test_the_command_takes_one_building(storeys: bool, tmp_path: Path) -> None:
             assert len(draw_floors(table).axes[0].get_lines()) == 1
         else:
             assert f"{float(table.peak_base_shear[0]) / 1e6:.3g}" in shown
-
-
-@pytest.mark.cli
-@pytest.mark.parametrize("storeys", [False, True])
-def test_the_command_takes_one_building_through_many_motions(storeys: bool, tmp_path: Path) -> None:
-    path = alone_file(tmp_path, storeys)
-    out = tmp_path / "m.nc"
-    done = answered("pound", path, "--motions", "8", "--out", out)
-    said = " ".join(done.output.split())
-    assert "8 simulated motions of 20 s, firm, Clough-Penzien ground: one building alone" in said
-    assert "alone " not in done.output.split("quantiles")[1]
-    with xr.open_dataset(out) as table:
-        assert len(draw_ensemble(table).axes) == 2
 
 
 @pytest.mark.cli

@@ -17,10 +17,6 @@ TIME = 0.02 * np.arange(100)
 MOTION = xr.DataArray(np.sin(6 * TIME), dims="time", coords={"time": TIME})
 
 
-class Pinched(sl.Bilinear):
-    """Of another law: what is derived from a structure may bend as it likes."""
-
-
 def tower(heights, **other):
     return sl.ShearBuilding([2e5] * len(heights), [4e8] * len(heights), heights, 0.05, **other)
 
@@ -80,36 +76,6 @@ def test_what_cannot_pound_is_refused(arguments, error, message):
     usual = {"structures": [ONE, TWO], "gaps": 0.01, "contact": CONTACT, "motion": MOTION}
     with pytest.raises(error, match=message):
         sl.pound(**(usual | arguments))
-
-
-def test_a_kind_that_somebody_extends_is_still_allowed():
-    of_one, plain = (
-        sl.pounding_probability(
-            kind(0.6, 0.05), sl.Bilinear(1.0, 0.05), None, 0.1, method="hybrid", record=MOTION
-        )
-        for kind in (Pinched, sl.Bilinear)
-    )
-    xr.testing.assert_equal(of_one, plain)
-
-
-def test_a_mass_is_one_number():
-    with pytest.raises(ValueError, match="mass is an array"):
-        sl.Bilinear(1.0, 0.05, mass=[1e5, 2e5])
-
-
-def test_a_mass_changes_nothing_else():
-    given = {"hardening": 0.1, "reduction_factor": 2.0}
-    without, heavy = sl.Bilinear(1.0, 0.05, **given), sl.Bilinear(1.0, 0.05, **given, mass=7e5)
-    ground = sl.KanaiTajimi(2.0, 0.05)
-    for call in (
-        lambda s: sl.linearize(s, ground),
-        lambda s: sl.correlate(s, sl.Bilinear(0.7, 0.05), ground),
-        lambda s: sl.simulate([s, s], ground, paths=32, seed=1, duration=5.0),
-    ):
-        xr.testing.assert_equal(call(without), call(heavy))
-    record = {"hardening": 0.1, "yield_displacement": 0.02}
-    one, two = sl.Bilinear(1.0, 0.05, **record), sl.Bilinear(1.0, 0.05, **record, mass=7e5)
-    xr.testing.assert_equal(sl.respond(one, MOTION), sl.respond(two, MOTION))
 
 
 @pytest.mark.parametrize(

@@ -52,26 +52,6 @@ def test_where_slabs_meet_columns_is_told():
     )
 
 
-def test_floors_at_one_level_do_not_speak_of_columns():
-    table = sl.pound([building([3.0] * 3), building([3.0] * 2)], 0.01, CONTACTS["kelvin"], shaking(100))
-    assert set(table.kind.values) == {"slab to slab"}
-    assert "column_force" not in table
-    assert "column" not in table.coords
-
-
-@pytest.mark.parametrize("name", CONTACTS)
-def test_energy_balances_where_slabs_meet_columns(name):
-    table = sl.pound([TALL, LOW], 0.005, CONTACTS[name], shaking())
-    assert table.sizes["impact"] > 10
-    assert float(table.energy_balance_error.max()) < BALANCE
-    given_energy = float(table.energy_transferred.sel(side="right").sum())
-    assert given_energy != 0
-    lost = float(table.energy_lost.sum())
-    closed = float(table.contact_stored_energy[-1])
-    total = float(table.energy_transferred.sum())
-    assert total == pytest.approx(-lost - closed, rel=1e-9, abs=1e-9 * abs(given_energy))
-
-
 @pytest.mark.parametrize("name", ["kelvin", "no tension", "jankowski"])
 def test_a_column_met_at_its_floor_is_that_floor(name):
     """As the place on the column comes to the floor above, slab to slab is left."""
@@ -97,18 +77,6 @@ def test_a_column_met_at_its_floor_is_that_floor(name):
         met = Contacts.of(laws, 5, left, right, known.gap)
         columns, _ = run(standing.row._replace(contacts=met))
         assert_near(columns, slabs, 1e3 * share)
-
-
-def test_two_columns_met_beside_two_floors_are_slabs_that_meet():
-    """0.06 m of 1000 m are next to none; two springs of half the stiffness stand where one stood."""
-    tall, record = building([1000.0] * 3), shaking(200)
-    level = sl.pound([tall, building([1000.0] * 2)], 0.005, sl.LinearSpring(2e8), record)
-    near = building([1000.06, 1000.0])
-    beside = sl.pound([tall, near], 0.005, sl.LinearSpring(1e8), record)
-    assert (level.sizes["contact"], beside.sizes["contact"]) == (2, 4)
-    assert level.sizes["impact"] > 3
-    # shares of 6e-5, handed on from hit to hit
-    assert_near(beside.displacement, level.displacement, 2e-3)
 
 
 def test_a_mirrored_pair_with_columns_moves_as_the_mirror_image():
@@ -153,14 +121,3 @@ def test_an_oscillator_meets_the_roof_of_its_neighbour():
     assert set(table.impact_contact.values) == {1, 2}
     assert float(table.energy_balance_error.max()) < BALANCE
     assert table.displacement.sel(structure=2, floor=[2, 3, 4, 5]).isnull().all()
-
-
-def test_far_apart_an_oscillator_in_a_mixed_row_is_a_storey():
-    k = 3e5 * (2 * np.pi / 0.5) ** 2
-    oscillator = sl.Bilinear(0.5, 0.05, 0.1, yield_displacement=0.01, mass=3e5)
-    storey = sl.ShearBuilding([3e5], [k], [17.5], 0.05, 0.1, 0.01)
-    mixed, known = (
-        sl.pound([TALL, other], 5.0, CONTACTS["kelvin"], shaking()) for other in (oscillator, storey)
-    )
-    assert (mixed.sizes["contact"], known.sizes["contact"]) == (1, 5)
-    assert_near(mixed.displacement, known.displacement, 1e-9)

@@ -151,23 +151,6 @@ def test_energy_of_any_device_is_accounted_for(
     assert lost[-1] > 0
 
 
-def test_an_exponent_of_one_is_none_to_the_bit() -> None:
-    plain, one = (
-        sl.pound(pair(), 0.005, SPRING, record(), link=sl.Link(1e6, 2e5, **more))
-        for more in ({}, {"damping_exponent": 1.0})
-    )
-    np.testing.assert_array_equal(plain.displacement, one.displacement)
-    np.testing.assert_array_equal(plain.link_force, one.link_force)
-
-
-def test_exponents_near_one_come_near_the_linear_dashpot() -> None:
-    linear = sl.pound(pair(), 0.005, SPRING, record(), link=dashpot(1.0))
-    size = float(abs(linear.displacement).max())
-    for exponent in (1 - 1e-5, 1 + 1e-5):
-        table = sl.pound(pair(), 0.005, SPRING, record(), link=dashpot(exponent))
-        np.testing.assert_allclose(table.displacement, linear.displacement, rtol=0, atol=1e-4 * size)
-
-
 def test_devices_belong_to_their_building_and_links_do_not() -> None:
     """Standing alone a building keeps the devices in it, and loses what ties it to its neighbour."""
     devices = in_storeys(2, range(1, 5), damping_constant=3e5, damping_exponent=0.5)
@@ -180,24 +163,6 @@ def test_devices_belong_to_their_building_and_links_do_not() -> None:
     assert (apart.peak_alone[1] < 0.96 * bare.peak_alone[1]).all()
     np.testing.assert_allclose(apart.peak_alone[0, :2], bare.peak_alone[0, :2], rtol=1e-9)
     assert both.link.values.tolist() == [1, 2, 3, 4, 5]
-
-
-def test_many_motions_are_each_what_they_are_alone() -> None:
-    devices = [dashpot(0.3, structures=(1, 2)), dashpot(0.3, structures=(2, 2), floors=(4, 0))]
-    shaking = {"strong": record(100), "weak": 0.05 * record(100)}
-    many = sl.pound(towers(), 0.005, SPRING, shaking, link=devices)
-    for name, motion in shaking.items():
-        one = sl.pound(towers(), 0.005, SPRING, motion, link=devices)
-        np.testing.assert_array_equal(many.peak.sel(record=name), one.peak)
-        np.testing.assert_array_equal(many.peak_link_force.sel(record=name), one.peak_link_force)
-
-
-def test_a_strong_damper_holds_the_buildings_together() -> None:
-    """A hundred times too strong, it creeps most of the time: the law is stiffest there."""
-    table = sl.pound(pair(), FAR, SPRING, record(), link=dashpot(0.1, 100))
-    apart = table.displacement[:, 0] - table.displacement[:, 1]
-    assert float(abs(apart).max()) < 0.01 * float(abs(table.displacement).max())
-    assert float(table.energy_balance_error.max()) < 1e-6
 
 
 # --- How far a contact is compressed ----------------------------------------------------------------

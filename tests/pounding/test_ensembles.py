@@ -11,7 +11,6 @@ import xarray as xr
 
 import stochlin as sl
 from stochlin.analyses.pounding import runs
-from stochlin.analyses.simulation.finite_motions import quantile_intervals
 
 pytestmark = [pytest.mark.invariant, pytest.mark.extreme]
 
@@ -172,20 +171,6 @@ def test_a_mirrored_row_in_mirrored_motions_has_the_same_table() -> None:
     np.testing.assert_array_equal(table.pounding_probability, other.pounding_probability[::-1])
 
 
-def test_all_lengths_grow_with_the_motion() -> None:
-    """With a linear contact; strengths and gap grow with it."""
-    shaking, a = motions(8), 2.5
-    bigger = [
-        replace(one, yield_displacement=a * float(one.yield_displacement)) for one in (SOFT, STIFF)
-    ]
-    table = sl.pound([SOFT, STIFF], 0.05, BUMPER, shaking)
-    scaled = sl.pound(bigger, a * 0.05, BUMPER, (a * shaking).assign_attrs(shaking.attrs))
-    assert float(table.impacts.sum()) > 10
-    np.testing.assert_array_equal(table.impacts, scaled.impacts)
-    for name, power in (("hardest_force", 1), ("peak_acceleration_quantile", 1), ("contact_energy", 2)):
-        np.testing.assert_allclose(scaled[name], a**power * table[name], rtol=1e-6)
-
-
 # --- Statistics -------------------------------------------------------------------------------------
 
 
@@ -216,34 +201,6 @@ def test_means_quantiles_and_shares_are_those_of_the_motions() -> None:
     for name, variable in table.variables.items():
         assert "long_name" in variable.attrs, name
         assert name in ("status", "missing", "neighbours", *table.coords) or "units" in variable.attrs
-
-
-@pytest.mark.slow
-def test_every_coverage_is_at_least_what_is_promised() -> None:
-    """The interval of the median over 200 ensembles of 20 motions of one long ensemble."""
-    table = sl.pound([SOFT, STIFF], 0.05, BUMPER, motions(400))
-    peaks = table.peak_acceleration[:, 0].values
-    truth = np.median(peaks)
-    rng, held = np.random.default_rng(0), 0
-    for _ in range(200):
-        _, low, high = quantile_intervals(rng.choice(peaks, 20), np.array([0.5]))
-        held += low[0] <= truth <= high[0]
-    assert held >= 183  # 95 % of 200, less 2.3 standard errors
-
-
-def test_few_motions_bound_nothing() -> None:
-    table = sl.pound([SOFT, STIFF], 0.1, BUMPER, motions(2))
-    assert np.isinf(table.peak_quantile_upper).all()
-    one = sl.pound([SOFT, STIFF], 0.1, BUMPER, [motions(2)[0]])
-    assert np.isnan(one.peak_mean_standard_error).all()
-    assert np.isfinite(one.peak_mean).all()
-
-
-def test_velocities_that_jump_say_nothing_of_forces() -> None:
-    table = sl.pound([SOFT, STIFF], 0.05, sl.Stereomechanical(0.6), motions(8))
-    assert float(table.impacts.sum()) > 0
-    assert table.hardest_force_quantile.isnull().all()
-    assert table.impacts_quantile.notnull().all()
 
 
 # --- What fails -------------------------------------------------------------------------------------
@@ -302,12 +259,3 @@ def test_nonsense_beside_an_ensemble_is_refused_before_the_work() -> None:
     stubby = sl.Bilinear(1e-6, 0.05, mass=1e5)
     with pytest.raises(ValueError, match=r"30 motions, 240 s of motion, .* fewer motions"):
         sl.pound([SOFT, stubby], 0.05, BUMPER, motions(30))
-
-
-def test_progress_is_the_share_of_the_motions() -> None:
-    shares: list[float] = []
-    sl.pound([SOFT, STIFF], 0.05, BUMPER, motions(5), progress=shares.append)
-    assert shares[0] == 0.0
-    assert shares[-1] == 1.0
-    assert shares == sorted(shares)
-    assert len(shares) > 2

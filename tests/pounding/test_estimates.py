@@ -38,17 +38,6 @@ def test_the_estimate_of_a_history_is_the_larger_of_both_gaps_with_its_energy_ra
     assert wanted[1] > 1
 
 
-@pytest.mark.slow
-@pytest.mark.invariant
-@pytest.mark.extreme
-def test_a_period_that_is_too_short_for_the_motion_has_no_estimate_and_spoils_that_of_its_neighbours():
-    motion = MOTIONS.isel(path=0)
-    stiff = sl.Bilinear(0.09 * float(motion.time[1] - motion.time[0]), 0.05, mass=3e5)
-    table = sl.pound([*ROW, stiff], [0.02, 0.02, 0.02], CONTACT, motion)
-    assert np.isnan(table.largest_radius_amplification).values.tolist() == [False, False, True, True]
-    assert np.isfinite(table.peak).all()
-
-
 @pytest.mark.invariant
 def test_one_storey_is_an_oscillator():
     stiffness = 3e5 * (2 * np.pi / 0.8) ** 2

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 from motions import finer, shaking
 
 import stochlin as sl
@@ -53,16 +52,6 @@ def test_peaks_are_those_between_outputs(contact):
     if contact is SPRING:
         floors = float((coarse.peak_acceleration / abs(coarse.acceleration).max("time")).max())
         assert floors > 1.2  # an impact is over between two outputs
-
-
-def test_what_a_building_bears_alone_is_told_too():
-    pair = [building(3), building(2, 4e8)]
-    far, near = (sl.pound(pair, gap, SPRING, shaking()) for gap in (5.0, 0.005))
-    for name in ("acceleration", "storey_shear", "base_shear"):
-        xr.testing.assert_identical(near[f"peak_{name}_alone"], far[f"peak_{name}_alone"])
-        peak, alone = far[f"peak_{name}"], far[f"peak_{name}_alone"]
-        np.testing.assert_allclose(peak, alone, rtol=1e-9)
-    assert float((near.peak_acceleration / near.peak_acceleration_alone).max()) > 2
 
 
 def test_yielding_storeys_bear_their_strength():

@@ -58,58 +58,6 @@ def test_linear_pairs_move_as_by_another_integrator(link):
     assert_near(table.link_force[:, 0], force, 2e-5)
 
 
-def test_a_rigid_link_makes_one_structure_of_two():
-    one, two = pair()
-    k = [s.mass * (2 * np.pi / s.period) ** 2 for s in (one, two)]
-    c = [2 * s.damping * np.sqrt(s.mass * each) for s, each in zip((one, two), k, strict=True)]
-    mass = one.mass + two.mass
-    period = 2 * np.pi * np.sqrt(mass / sum(k))
-    single = sl.Bilinear(period, sum(c) / (2 * np.sqrt(mass * sum(k))), mass=mass)
-    stiffness = 1e4 * max(k)
-    link = sl.Link(stiffness, 1e7)
-    table = sl.pound([one, two], FAR, SPRING, record(), link=link, steps_per_contact=64)
-    alone = sl.respond(single, record()).displacement
-    size = float(abs(alone).max())
-    for side in range(2):  # the link gives by its force over its stiffness, 1e-4 of the displacement
-        np.testing.assert_allclose(table.displacement[:, side], alone, rtol=0, atol=5e-4 * size)
-
-
-@pytest.mark.parametrize("contact", [SPRING, sl.Kelvin(1e8, restitution=0.6), sl.Stereomechanical(0.5)])
-@pytest.mark.parametrize("law", [{}, {"hardening": 0.05, "yield_displacement": 0.02}])
-def test_energy_is_accounted_for(contact, law):
-    table = sl.pound(pair(**law), 0.005, contact, record(), link=sl.Link(2e6, 3e5))
-    assert table.sizes["impact"] > 3
-    assert float(table.link_lost_energy[-1]) > 0.01 * float(
-        abs(table.input_energy).sum("structure").max()
-    )
-    blows = isinstance(contact, sl.Stereomechanical)
-    assert float(table.energy_balance_error.max()) < (1e-3 if blows else 1e-6)
-
-
-def test_a_link_of_shear_buildings_is_at_the_lower_roof():
-    low = sl.ShearBuilding([2e5] * 2, [1e8, 4e8], [3.0] * 2, 0.05)
-    high = sl.ShearBuilding([2e5] * 4, [2e8] * 4, [3.0] * 4, 0.05)
-    link = sl.Link(1e11)
-    table = sl.pound([low, high], FAR, SPRING, record(), link=link)
-    apart = table.displacement.sel(structure=1) - table.displacement.sel(structure=2)
-    size = float(abs(table.displacement).max())
-    assert float(abs(apart.sel(floor=2)).max()) < 1e-3 * size
-    assert float(abs(apart.sel(floor=1)).max()) > 1e-2 * size
-    assert float(table.energy_balance_error.max()) < 1e-6
-
-
-def test_only_the_linked_neighbours_have_a_link():
-    row = [*pair(), sl.Bilinear(0.7, 0.05, mass=1e5)]
-    table = sl.pound(row, [FAR, FAR], SPRING, record(), link=[None, sl.Link(1e7)])
-    assert table.link.values.tolist() == [2]
-    free = sl.pound(row, [FAR, FAR], SPRING, record())
-    assert "link_force" not in free
-    first = [t.displacement.sel(structure=1) for t in (table, free)]
-    np.testing.assert_allclose(*first, rtol=0, atol=1e-8 * float(abs(first[0]).max()))
-    assert float(table.amplification.sel(structure=2)) != pytest.approx(1, abs=1e-3)
-    assert float(table.amplification.sel(structure=1)) == pytest.approx(1, abs=1e-8)
-
-
 @pytest.mark.parametrize(
     ("link", "told"),
     [
@@ -192,14 +140,6 @@ def test_yielding_links_move_as_by_another_integrator():
     assert_near(flat(table, row), wanted, 2e-5)
 
 
-def test_a_link_that_hardly_yields_is_elastic():
-    firm = sl.Link(3e7, 1e5, hardening=0.5, yield_displacement=1.0)
-    known, found = (
-        sl.pound(pair(), 0.005, SPRING, record(), link=link) for link in (sl.Link(3e7, 1e5), firm)
-    )
-    assert_near(found.displacement, known.displacement, 1e-8)
-
-
 @settings(max_examples=25)
 @given(
     stiffness=st.floats(1e5, 1e9),
@@ -248,10 +188,3 @@ def test_weight_that_eats_the_hardening_still_balances_or_falls_over():
         ArithmeticError, match=r"structure 1 falls over: by .* its storey \d has drifted"
     ):
         sl.pound([weak, towers()[1]], FAR, SPRING, 6 * record(1500))
-
-
-def test_dampers_in_storeys_take_energy():
-    row = towers(dampers=2e6)
-    plain, damped = (sl.pound(each, 0.01, SPRING, record()) for each in (towers(), row))
-    assert float(damped.peak.max()) < float(plain.peak.max())
-    assert float(damped.energy_balance_error.max()) < 1e-8

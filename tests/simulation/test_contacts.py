@@ -8,9 +8,7 @@ import pytest
 from hypothesis import example, given
 from scipy.integrate import quad
 
-from stochlin.kernels.basics.systems import System
 from stochlin.kernels.simulation.contacts import (
-    Contacts,
     ForceLaw,
     force,
     law_table,
@@ -18,8 +16,6 @@ from stochlin.kernels.simulation.contacts import (
     solve_force,
     stored_in,
 )
-from stochlin.kernels.simulation.laws import LINEAR
-from stochlin.kernels.simulation.time_step import Elements, Places, steps_of
 
 pytestmark = pytest.mark.invariant
 
@@ -149,33 +145,3 @@ def test_there_is_no_force_without_contact(law, v0, before, size, dt):
     for change in (-size, 0.0, before * (1 - 1e-12)):
         assert mean_force(law, v0, -before, change, dt) == (0.0, 0.0)
         assert solve_force(law, v0, -before, change, 1.0, dt) == 0.0
-
-
-def test_no_contacts_are_steps_without_contacts():
-    one = np.eye(3)
-    system = System(np.ones(3), 0.1 * one, one, one, np.ones(3), np.zeros(3), np.full(3, np.inf))
-    elements = Elements(system, np.full(3, LINEAR), np.ones(3, np.int64), np.zeros((3, 0)))
-    none = Contacts.of([], 3)
-    assert none.weights.shape == (len(none.rows.weight), 3) == (0, 3)
-    assert none.gap.size == none.law.size == 0
-    assert not none.jumps
-    steps = steps_of(elements, 0.1, none)
-    assert steps.apart.shape == (3, 0)
-    assert steps.parting.shape == (0,)
-    assert Places.of(elements, 0) == Places.of(elements)
-
-
-def test_contacts_have_both_sides_in_their_weights():
-    left, right = np.array([[1.0, 0, 0], [0, 1, 0]]), np.array([[0, -1.0, 0], [0, -0.3, -0.7]])
-    contacts = Contacts.of([ForceLaw(2.0), ForceLaw(3.0)], 3, left, right, np.array([0.1, 0.2]))
-    np.testing.assert_array_equal(contacts.weights, [[1, -1, 0], [0, 0.7, -0.7]])
-    np.testing.assert_array_equal(contacts.law["stiffness"], [2, 3])
-    for rows, dense in ((contacts.rows, contacts.weights), (contacts.right, right)):
-        found = np.zeros((2, 3))
-        np.add.at(found, (np.arange(2)[:, None], rows.column), rows.weight)
-        np.testing.assert_array_equal(found, dense)
-    assert not contacts.jumps
-    blows = Contacts.of([ForceLaw()], 3, left[:1], right[:1], restitution=0.5)
-    assert blows.jumps
-    assert blows.restitution == 0.5
-    np.testing.assert_array_equal(blows.gap, [0.0])

@@ -196,51 +196,6 @@ def test_a_hysteretic_device_in_an_elastic_oscillator_makes_it_bilinear():
     np.testing.assert_allclose(one.peak, other.peak, rtol=1e-7)
 
 
-def test_another_scale_of_mass_length_and_shaking_changes_nothing():
-    """Of a length: forces grow with it, so that a constant does with its power 1 - a."""
-    light = [damper(1e6, 0.3, floors=(n, n - 1)) for n in (1, 2)]
-    heavy = [replace(one, damping_constant=7e6 * 3**0.7) for one in light]
-    small, large = (sl.ShearBuilding([m] * 2, [1500 * m] * 2, [3.0] * 2, 0.05) for m in (2e5, 14e5))
-    grounds = [sl.KanaiTajimi(0.4, 0.6, s) for s in (0.02, 0.02 * 9)]
-    cases = ((small, grounds[0], light), (large, grounds[1], heavy))
-    tables = [sl.simulate([b], g, link=links, **FINITE) for b, g, links in cases]
-    np.testing.assert_allclose(3 * tables[0].peak, tables[1].peak, rtol=1e-6)
-
-
-@pytest.mark.slow
-def test_a_damper_holds_fast_what_moves_slowly():
-    """The smaller its exponent, the more it is one of friction: a strong one hardly lets go."""
-    free, held = (
-        sl.simulate([TOWER], FIRM, link=links, **FINITE) for links in ([], in_every_storey(5e7, 0.2))
-    )
-    assert float(held.peak.max()) < 1e-3 * float(free.peak.max())
-
-
-def test_equal_buildings_do_not_feel_a_damper_between_them():
-    free, tied = (
-        sl.simulate([TOWER, TOWER], FIRM, link=link, **FINITE)
-        for link in (None, sl.Link(0.0, 1e7, damping_exponent=0.4))
-    )
-    np.testing.assert_allclose(free.peak, tied.peak, rtol=1e-9)
-    assert float(tied.separation.max()) < 1e-12
-
-
-def test_a_damper_in_one_building_is_not_felt_by_its_neighbour():
-    pair, device = [TOWER, ONE], damper(3e6, 0.3, 2)
-    free, tied = (sl.simulate(pair, FIRM, link=link, **FINITE) for link in ([], [device]))
-    np.testing.assert_array_equal(free.peak[:, :4], tied.peak[:, :4])
-    assert float(tied.peak_mean[4]) < 0.8 * float(free.peak_mean[4])
-
-
-def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch):
-    tables = []
-    for cores in (1, 4):
-        monkeypatch.setattr("os.sched_getaffinity", lambda _, cores=cores: range(cores), raising=False)
-        links = in_every_storey(1e6, 0.3)
-        tables.append(sl.simulate([TOWER], FIRM, paths=96, duration=3.0, seed=9, link=links))
-    np.testing.assert_array_equal(tables[0].peak, tables[1].peak)
-
-
 @pytest.mark.parametrize("exponent", [0.3, 0.4, 1.5])
 def test_a_dashpot_has_a_root_however_small_its_motion_is(exponent):
     """Where the increment without slip is nearly 0, rounding would lead Newton's method below 0."""

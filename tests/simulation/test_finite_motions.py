@@ -77,30 +77,12 @@ def test_variance_under_an_envelope_follows_the_lyapunov_equation():
     assert abs(sampled.mean() - end.y[0, -1]) < 4 * error + 0.005 * end.y[0, -1]
 
 
-def test_separation_of_equal_structures_is_nothing_and_of_unequal_bounded():
-    structures = [elastic(1.0), elastic(1.0), elastic(0.6)]
-    table = sl.simulate(structures, FIRM, paths=64, duration=20.0, envelope=QUAKE)
-    apart = table.separation
-    assert float(apart.sel(structure="1", structure_2="2").max()) == 0.0
-    bound = table.peak_positive.sel(structure="1") + table.peak_negative.sel(structure="3")
-    assert (apart.sel(structure="1", structure_2="3") <= bound + 1e-12).all()
-    assert (table.peak == np.maximum(table.peak_positive, table.peak_negative)).all()
-
-
 def test_linear_response_scales_with_the_motion_and_yielding_with_strength():
     pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0)]
     options = {"paths": 64, "duration": 20.0, "envelope": QUAKE}
     one = sl.simulate(pair, FIRM, **options)
     four = sl.simulate(pair, sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=4.0), **options)
     np.testing.assert_allclose(four.separation, 2 * one.separation, rtol=1e-9)
-
-
-def test_mirrored_structures_exchange_their_sides():
-    """By symmetry of the motion, u1 - u2 and u2 - u1 have one distribution."""
-    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0)]
-    apart = sl.simulate(pair, FIRM, paths=2048, duration=30.0, envelope=QUAKE).separation
-    one, two = apart[:, 0, 1], apart[:, 1, 0]
-    assert scipy.stats.ks_2samp(one, two).pvalue > 1e-4
 
 
 def test_quantiles_and_their_interval_are_order_statistics():
@@ -134,20 +116,6 @@ def test_exceedance_is_monotone_and_covers():
     assert float(sl.exceedance(xr.DataArray([1.0, 2.0], dims="path"), 2.5).probability_lower) == 0.0
 
 
-@pytest.mark.parametrize(
-    ("envelope", "peak_at"),
-    [(QUAKE, 10.0), (sl.ShinozukaSato(0.1, 0.5), np.log(5) / 0.4), (sl.GammaEnvelope(1.5, 0.3), 5.0)],
-    ids=lambda value: type(value).__name__,
-)
-def test_envelopes_run_from_nothing_to_one_and_back(envelope, peak_at):
-    time = np.linspace(0, 100, 10001)
-    values = envelope.at(time)
-    assert values[0] == 0.0
-    assert envelope.at(np.array(peak_at)) == pytest.approx(1, abs=1e-12)
-    assert values.max() <= 1 + 1e-12
-    assert values[-1] < 1e-3
-
-
 def test_envelopes_match_their_formulas():
     time = np.array([1.0, 4.0, 9.0, 20.0])
     np.testing.assert_allclose(QUAKE.at(time), [1 / 16, 1, 1, np.exp(-0.35 * 5)])
@@ -171,22 +139,6 @@ def test_envelopes_match_their_formulas():
 def test_bad_motions_are_refused(change, message):
     with pytest.raises((TypeError, ValueError), match=message):
         sl.simulate([elastic(1.0)], FIRM, paths=32, **change)
-
-
-def test_bad_envelopes_are_refused():
-    for make, message in (
-        (lambda: sl.AminAng(5.0, 4.0, 0.3), "strong_end = 4; allowed: from rise_end, 5"),
-        (lambda: sl.AminAng(-1.0, 4.0, 0.3), "rise_end = -1"),
-        (lambda: sl.ShinozukaSato(1.0, 0.5), "fast = 0.5 with slow = 1"),
-        (lambda: sl.GammaEnvelope([1.0, 2.0], 0.5), "power is an array"),
-    ):
-        with pytest.raises(ValueError, match=message):
-            make()
-    with pytest.raises(ValueError, match="path"):
-        sl.exceedance(xr.DataArray([1.0], dims="x"), 0.5)
-    for samples in (np.array([1.0]), xr.DataArray(["1.0"], dims="path")):
-        with pytest.raises(TypeError, match=r"samples = .*allowed: an xarray\.DataArray of numbers"):
-            sl.exceedance(samples, 0.5)
 
 
 def test_too_many_paths_are_refused_by_their_number():
@@ -234,13 +186,3 @@ def test_a_motion_has_the_same_bits_among_few_and_many_and_beside_other_structur
     turned = sl.simulate(OF_ALL_LAWS[::-1], FIRM, paths=32, duration=6.0, seed=4, steps_per_period=40)
     np.testing.assert_array_equal(turned.peak[:, ::-1], few.peak)
     np.testing.assert_array_equal(turned.separation[:, 2, 0], few.separation[:, 0, 2])
-
-
-@pytest.mark.slow
-def test_gaps_have_the_same_bits_by_one_thread_and_by_two(of_cores):
-    pair = OF_ALL_LAWS[:2]
-    one, two = of_cores(
-        lambda: sl.separation(*pair, sl.named_ground("firm", 0.01), 6.0, paths=96, seed=4)
-    )
-    assert float(one.gap.sel(rule="simulation")) == float(two.gap.sel(rule="simulation"))
-    assert float(one.gap.sel(rule="simulation")) > 0.01

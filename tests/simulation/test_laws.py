@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from stochlin.kernels.basics.compiled import not_kept
-from stochlin.kernels.simulation.laws import BOUC_WEN, OTHER, by_number
+from stochlin.kernels.simulation.laws import BOUC_WEN
 from stochlin.kernels.simulation.stepping import LANES
 
 pytestmark = pytest.mark.oracle
@@ -69,20 +68,3 @@ def test_no_lane_depends_on_another():
         of_one = [np.repeat(x[..., lane : lane + 1], LANES, axis=-1) for x in (mixed, rates, BEFORE)]
         alone = after(BOUC_WEN.advance, 0.05, own=of_one[0], rates=of_one[1], before=of_one[2])
         assert alone[0, 0] == whole[0, lane]
-
-
-@pytest.mark.slow
-def test_law_of_an_unknown_kind_gives_no_number():
-    law = by_number((BOUC_WEN,))
-
-    def of_kind(kind):
-        @not_kept
-        def run(lanes, x, v, w, own, dt, new):
-            law(kind, lanes, x, v, w, own, dt, new)
-
-        return run
-
-    own = lanes(0.5, 0.5, 1.0)
-    assert np.isnan(after(of_kind(OTHER + 1), 0.1, own=own)).all()
-    known = after(BOUC_WEN.advance, 0.1, own=own)
-    np.testing.assert_array_equal(after(of_kind(OTHER), 0.1, own=own), known)

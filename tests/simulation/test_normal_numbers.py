@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import scipy.stats
 from numpy.polynomial import polynomial
-from numpy.polynomial.legendre import leggauss
 
 from stochlin.kernels.simulation.normal_numbers import POLYNOMIAL, fill_normal, generator_state
 
@@ -43,30 +42,6 @@ def test_numbers_are_the_polynomial_of_the_sum_of_four_fields():
             x = (total - 2 * 65535) / unit
             value = x * polynomial.polyval(x * x, POLYNOMIAL)
             assert numbers[step, lane] == pytest.approx(value, rel=1e-13, abs=1e-15)
-
-
-def sum_of_four_uniforms():
-    """Nodes, in standard deviations, and weights: the density is a cubic on each unit interval."""
-    x, w = leggauss(60)
-    nodes = np.concatenate([k + 0.5 * (x + 1) for k in range(4)])
-    density = sum(sign * np.maximum(nodes - k, 0) ** 3 for k, sign in enumerate((1, -4, 6, -4, 1))) / 6
-    return (nodes - 2) * np.sqrt(3), np.tile(w / 2, 4) * density
-
-
-@pytest.mark.parametrize(("order", "normal"), [(2, 1), (4, 3), (6, 15), (8, 105)])
-def test_even_moments_are_those_of_the_normal_distribution(order, normal):
-    x, weight = sum_of_four_uniforms()
-    value = x * polynomial.polyval(x * x, POLYNOMIAL)
-    assert weight @ value**order == pytest.approx(normal, rel=1e-13)
-
-
-def test_distribution_function_is_normal_to_a_thousandth():
-    x = np.linspace(-np.sqrt(12), np.sqrt(12), 200_001)
-    total = 2 + x / np.sqrt(3)
-    cdf = sum(sign * np.maximum(total - k, 0) ** 4 for k, sign in enumerate((1, -4, 6, -4, 1))) / 24
-    value = x * polynomial.polyval(x * x, POLYNOMIAL)
-    assert (np.diff(value) > 0).all()
-    assert np.abs(cdf - scipy.stats.norm.cdf(value)).max() < 9e-4
 
 
 def test_sample_moments_and_correlations_are_within_their_errors():

@@ -39,16 +39,6 @@ def sample(table, path):
     return dict(zip(names, map(float, table.input_factor[path]), strict=True))
 
 
-@pytest.mark.parametrize("kind", spread(0.0))
-def test_without_spread_all_is_as_if_it_were_known(kind):
-    uncertain = spread(0.0)[kind]
-    found, exact = (
-        sl.simulate([one, SECOND], GROUND, paths=32, **MOTION) for one in (uncertain, uncertain.median())
-    )
-    np.testing.assert_allclose(found.separation, exact.separation, rtol=1e-9, atol=1e-12)
-    assert (found.input_factor == 1).all()
-
-
 @pytest.mark.parametrize("kind", with_slow(spread(0.1), {"reduction factor"}))
 def test_every_motion_is_that_of_its_sample_alone(kind):
     uncertain = spread(0.1)[kind]

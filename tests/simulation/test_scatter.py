@@ -22,16 +22,6 @@ def factors(**more):
     return (one / none).values[:, 0, 1]
 
 
-@pytest.mark.invariant
-def test_no_scatter_is_every_bit_as_before():
-    table = sl.simulate(YIELDING, FIRM, paths=64, **QUAKE)
-    assert simulated(YIELDING, 0, paths=64).identical(table)
-    assert "scatter" not in table.attrs
-    assert simulated(paths=32).attrs["scatter"] == SCATTER
-    motions = sl.simulated_motions(FIRM, paths=4, **QUAKE)
-    assert motions.identical(sl.simulated_motions(FIRM, paths=4, **QUAKE, scatter=0.0))
-
-
 @pytest.mark.oracle
 def test_factors_are_lognormal_with_median_1_and_independent():
     logarithm = np.log(factors(paths=8192)) / SCATTER
@@ -78,14 +68,6 @@ def test_a_yielding_structure_is_that_under_a_motion_that_much_stronger():
 
 
 @pytest.mark.invariant
-def test_a_seed_gives_the_same_factors_on_any_number_of_threads(monkeypatch):
-    one = simulated(paths=256)
-    monkeypatch.setattr("os.sched_getaffinity", lambda _: {0}, raising=False)
-    assert simulated(paths=256).identical(one)
-    assert not simulated(paths=256, seed=1).equals(one)
-
-
-@pytest.mark.invariant
 @pytest.mark.parametrize("wrong", [-0.1, 2.1, 40, np.nan, np.inf, "0.4", [0.4], None, True])
 def test_scatter_out_of_range_is_refused_by_all(wrong):
     calls = {
@@ -103,12 +85,6 @@ def test_scatter_out_of_range_is_refused_by_all(wrong):
             ValueError, match=r"scatter = .* is (no number|out of range); allowed: a number from 0 to 2"
         ):
             call()
-
-
-@pytest.mark.invariant
-def test_scatter_in_per_cent_is_told_as_a_number():
-    with pytest.raises(ValueError, match=r"scatter = 40 is out of range; .*for 40 % write 0\.4"):
-        simulated(scatter=40)
 
 
 @pytest.mark.invariant

@@ -178,51 +178,6 @@ def test_motion_is_that_of_linear_stretches(links, p_delta):
     assert errors[1] < 0.4 * errors[0] or errors[1] < 1e-5
 
 
-def test_another_scale_of_mass_length_and_shaking_changes_nothing():
-    usual = {"paths": 64, "duration": 10.0, "seed": 3}
-    ground, stronger = (sl.KanaiTajimi(0.4, 0.6, s) for s in (0.02, 0.02 * 9))
-    one = four()
-    heavy = sl.ShearBuilding(
-        7 * one.masses, 7 * one.stiffnesses, one.heights, 0.05, 0.05, 3 * one.yield_drifts
-    )
-    tables = [sl.simulate([b], g, **usual) for b, g in ((one, ground), (heavy, stronger))]
-    np.testing.assert_allclose(3 * tables[0].peak, tables[1].peak, rtol=1e-8)
-
-
-def test_exchange_of_two_buildings_mirrors_their_separation():
-    usual = {"paths": 64, "duration": 10.0, "seed": 4}
-    there, back = (sl.simulate(p, FIRM, **usual) for p in ([four(), two()], [two(), four()]))
-    for i, j in ((0, 1), (1, 0)):
-        np.testing.assert_allclose(
-            there.separation_at_height[:, i, j], back.separation_at_height[:, j, i], rtol=1e-12
-        )
-
-
-def test_equal_buildings_never_part_and_do_not_feel_their_link():
-    pair = [four(), four()]
-    free, tied = (
-        sl.simulate(pair, FIRM, paths=32, duration=10.0, link=link) for link in (None, sl.Link(0.0, 1e7))
-    )
-    assert float(free.separation.max()) == 0.0
-    np.testing.assert_allclose(free.peak, tied.peak, rtol=1e-9)
-
-
-def test_a_stiff_link_holds_two_floors_together():
-    table = sl.simulate([four(), two()], FIRM, paths=32, duration=8.0, link=sl.Link(1e12, floors=(2, 2)))
-    held = table.separation_at_height[:, 0, 1].sel(height=6.0)
-    assert float(held.max()) < 1e-3 * float(table.separation[:, 0, 1].max())
-
-
-def test_weight_above_takes_stiffness():
-    """An elastic storey under its weight is one with the stiffness that is left."""
-    mass, k, height = 2e5, 4e6, 3.0
-    left = k - mass * 9.80665 / height
-    leaning = sl.ShearBuilding([mass], [k], [height], 0.05, p_delta=True)
-    plain = sl.ShearBuilding([mass], [left], [height], 0.05)
-    tables = [sl.simulate([b], FIRM, paths=32, duration=10.0) for b in (leaning, plain)]
-    np.testing.assert_allclose(tables[0].peak, tables[1].peak, rtol=1e-9)
-
-
 def test_a_storey_that_its_weight_leaves_no_hardening_has_no_stationary_answer():
     soft = {"masses": [4e5] * 2, "stiffnesses": [4e7] * 2, "heights": [3.0] * 2, "damping": 0.05}
     building = sl.ShearBuilding(**soft, hardening=0.05, yield_drifts=0.02, p_delta=True)
@@ -235,13 +190,6 @@ def test_a_storey_that_its_weight_leaves_no_hardening_has_no_stationary_answer()
     fallen = np.isposinf(with_weight.peak_drift).all("element")
     assert 0 < float(fallen.mean()) == float(with_weight.collapse_probability[0]) < 1
     assert "collapse_probability" not in plain
-
-
-def test_oscillator_beside_a_building_meets_its_roof():
-    table = sl.simulate([sl.Bilinear(0.8, 0.05), two()], FIRM, paths=32, duration=10.0)
-    assert table.height.values.tolist() == [6.0]
-    assert table.floor.values.tolist() == ["1", "2.1", "2.2"]
-    np.testing.assert_array_equal(table.peak_at_height[:, 1, 0], table.peak.sel(floor="2.2"))
 
 
 def test_between_floors_nothing_is_larger_than_at_the_levels_of_both():
@@ -262,14 +210,6 @@ def test_between_floors_nothing_is_larger_than_at_the_levels_of_both():
 
         dense = max(apart(height) for height in np.linspace(1e-6, 6.0, 400))
         assert dense <= max(0.0, *map(apart, heights)) + 1e-12
-
-
-def test_one_seed_gives_one_answer_whatever_the_number_of_threads(monkeypatch):
-    tables = []
-    for cores in (1, 4):
-        monkeypatch.setattr("os.sched_getaffinity", lambda _, cores=cores: range(cores), raising=False)
-        tables.append(sl.simulate([four(law="bouc_wen"), two()], FIRM, paths=96, duration=5.0, seed=9))
-    np.testing.assert_array_equal(tables[0].peak, tables[1].peak)
 
 
 def test_laws_in_one_frame_are_each_their_own():
@@ -297,17 +237,3 @@ def test_laws_in_one_frame_are_each_their_own():
 def test_what_does_not_fit_together_is_refused(arguments, message):
     with pytest.raises(ValueError, match=message):
         sl.simulate([four(), two()], FIRM, paths=32, **arguments)
-
-
-def test_oscillators_may_stand_beside_a_building():
-    """Two of them have no height at which they meet; both meet the roof."""
-    tower = sl.ShearBuilding.regular(period=0.8, storeys=3, storey_height=3.0, mass=2e5, damping=0.05)
-    pair = [sl.Bilinear(T, 0.05) for T in (0.6, 0.3, 0.1)]  # the last one sets the steps
-    motion = {"paths": 32, "duration": 10.0}
-    ground = sl.named_ground("firm", 0.01)
-    table = sl.simulate([tower, *pair], ground, **motion)
-    assert table.height.values.tolist() == [9.0]
-    assert np.isnan(table.separation_at_height[:, 1, 2]).all()
-    assert np.isfinite(table.separation_at_height[:, 0, 1:]).all()
-    alone = sl.simulate(pair, ground, **motion)
-    np.testing.assert_allclose(table.separation[:, 1, 2], alone.separation[:, 0, 1], rtol=1e-9)

@@ -65,7 +65,8 @@ def paces_of(
 def _half_period(contact: Element, reduced: float) -> float:
     """Half a period of a contact [s], or the time in which its dashpot stops both sides, if shorter."""
     law = contact.force_law(reduced)
-    scale = float(contact.time_scale(reduced, TYPICAL))
+    n = float(law.exponent)
+    scale = float((reduced * TYPICAL ** (1 - n) / law.stiffness) ** (1 / (n + 1)))
     if not law.over_approach and law.damping > 0:
         scale = min(scale, reduced / float(law.damping))
     return np.pi * scale
@@ -165,12 +166,10 @@ def _motions(jobs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
 
 def successful(outcomes: Sequence[Outcome]) -> list[RowResponse]:
     """The responses; raises the error of the first that could not be computed."""
-    done = []
     for outcome in outcomes:
         if isinstance(outcome, ArithmeticError):
             raise outcome
-        done.append(outcome)
-    return done
+    return [outcome for outcome in outcomes if isinstance(outcome, RowResponse)]
 
 
 def _failure(standing: Standing, response: RowResponse) -> ArithmeticError | None:

@@ -107,20 +107,6 @@ class Element(Contact):
         result = result.where(self.valid() & POSITIVE.contains(mass) & POSITIVE.contains(v0))
         return result.rename("contact_force").assign_attrs(units="N", long_name="contact force")
 
-    def time_scale(self, reduced_mass: Any, approach_velocity: Any) -> Any:
-        """Time scale [s], in units of which ``contact_time`` is given.
-
-        ``(m v0^(1-n)/k)^(1/(n+1))`` for the reduced mass ``m``, the approach velocity ``v0``, the
-        stiffness ``k`` and the exponent ``n``; ``sqrt(m/k)`` for linear elements at any velocity. The
-        length scale of the penetration is ``v0`` times this. Arguments are as in `force`.
-        """
-        name = type(self).__name__
-        mass = checked_value(name, "reduced_mass", reduced_mass, "kg", POSITIVE)
-        v0 = checked_value(name, "approach_velocity", approach_velocity, "m/s", POSITIVE)
-        n = self.power
-        with np.errstate(invalid="ignore"):  # NaN in cells out of range
-            return (mass * v0 ** (1 - n) / self.stiffness) ** (1 / (n + 1))
-
 
 @dataclass(frozen=True)
 class Undamped(Element):
@@ -128,11 +114,6 @@ class Undamped(Element):
 
     @property
     def e(self) -> float:
-        """Coefficient of restitution [-]: 1."""
-        return self.restitution()
-
-    @staticmethod
-    def restitution() -> float:
         """Coefficient of restitution [-]: 1."""
         return 1.0
 

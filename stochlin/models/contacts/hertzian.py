@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-from scipy.special import gamma
-
 from stochlin.kernels.simulation.contacts import ForceLaw
 from stochlin.models.contacts import restitution
-from stochlin.models.contacts.base import CONTACTS, DAMPING, Undamped, elementwise
+from stochlin.models.contacts.base import CONTACTS, DAMPING, Undamped
 from stochlin.models.contacts.damped import Damped, WithRatio
 from stochlin.models.contacts.restitution import Relation
 from stochlin.models.parameters import POSITIVE, Parameter, Range, parameter
@@ -44,27 +41,12 @@ class Hertz(Undamped):
     --------
     >>> import stochlin as sl
     >>> pair = sl.Hertz(stiffness=2e9)
-    >>> pair.e, round(pair.contact_time(), 4)
-    (1.0, 3.2181)
+    >>> pair.e
+    1.0
     """
 
     stiffness: Parameter = parameter("N/m^n", "stiffness of the contact", POSITIVE)
     exponent: Parameter = parameter("1", "exponent of the contact", EXPONENT, SPHERES)
-
-    @staticmethod
-    def contact_time(exponent: Any = SPHERES) -> Any:
-        """Contact time of two free masses over `time_scale` [-].
-
-        It is ``2 sqrt(pi) (N/2)^(1/N) Gamma(1 + 1/N)/Gamma(1/2 + 1/N)`` with ``N = n + 1``, which is
-        ``pi`` for ``n = 1``. Shape, NaN cells and errors are as in `Kelvin.restitution`.
-        """
-        return elementwise("Hertz", "exponent", exponent, EXPONENT, _hertz_time)
-
-
-def _hertz_time(n: Any) -> Any:
-    share = 1 / (n + 1)
-    deepest = (0.5 / share) ** share  # penetration over its scale: m v0^2/2 = k d^(n+1)/(n+1)
-    return 2 * np.sqrt(np.pi) * gamma(1 + share) / gamma(0.5 + share) * deepest
 
 
 @CONTACTS.register("hertz_damp", 6)

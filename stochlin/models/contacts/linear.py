@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
-
-import numpy as np
+from typing import ClassVar
 
 from stochlin.kernels.simulation.contacts import ForceLaw
 from stochlin.models.contacts import restitution
-from stochlin.models.contacts.base import CONTACTS, DAMPING, Undamped, elementwise
+from stochlin.models.contacts.base import CONTACTS, Undamped
 from stochlin.models.contacts.damped import WithRatio
 from stochlin.models.contacts.restitution import Relation
 
@@ -40,25 +38,10 @@ class LinearSpring(Undamped):
     1.0
     """
 
-    @staticmethod
-    def contact_time() -> float:
-        """Contact time of two free masses over `time_scale` [-]: ``pi``, half a period."""
-        return float(np.pi)
-
-
-@dataclass(frozen=True, init=False)
-class LinearDamped(WithRatio):
-    """A damped element with a linear force law, whose contact time has a closed form."""
-
-    @classmethod
-    def contact_time(cls, damping_ratio: Any) -> Any:
-        """Contact time of two free masses over `time_scale` [-]; otherwise as `restitution`."""
-        return elementwise(cls.__name__, cls.damping_name, damping_ratio, DAMPING, cls.relation.time)
-
 
 @CONTACTS.register("kelvin", 2)
 @dataclass(frozen=True, init=False)
-class Kelvin(LinearDamped):
+class Kelvin(WithRatio):
     """Kelvin element with tension, eq. (14): ``f = k d + c d'`` while ``d > 0``.
 
     The dashpot dissipates energy; with its sign in the available text of the paper it would supply
@@ -104,7 +87,7 @@ class Kelvin(LinearDamped):
 
 @CONTACTS.register("no_tension_kelvin", 3)
 @dataclass(frozen=True, init=False)
-class NoTensionKelvin(LinearDamped):
+class NoTensionKelvin(WithRatio):
     """Kelvin element without tension: ``f = max(k d + c d', 0)`` while ``d > 0``.
 
     The coefficient of restitution is ``e = exp(-2 xi A)`` and the contact time ``2 A sqrt(m/k)``, where
@@ -145,7 +128,7 @@ class NoTensionKelvin(LinearDamped):
 
 @CONTACTS.register("impact_kelvin", 4)
 @dataclass(frozen=True, init=False)
-class ImpactKelvin(LinearDamped):
+class ImpactKelvin(WithRatio):
     """Impact Kelvin element, eq. (16): its dashpot acts in approach only, ``f = k d + c max(d', 0)``.
 
     The coefficient of restitution is ``e = exp(-xi A)`` and the contact time

@@ -15,7 +15,7 @@ Newton's method approaches such a root from one side and needs no bracket.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,7 +29,6 @@ class Relation(NamedTuple):
 
     restitution: Form
     damping: Form
-    time: Any = None  # contact time over the time scale, from the damping
 
 
 NEWTON_STEPS = 6  # five steps reach machine precision for every restitution in (0, 1]
@@ -59,13 +58,8 @@ def invert_angle_ratio(target: Array) -> Array:
 
 def kelvin_restitution(xi: Array) -> Array:
     """``e = exp(-pi xi/sqrt(1 - xi^2))`` of the Kelvin element with tension; 0 for ``xi >= 1``."""
-    return np.exp(-xi * kelvin_time(xi))
-
-
-def kelvin_time(xi: Array) -> Array:
-    """Contact time over ``sqrt(m/k)``, ``pi/sqrt(1 - xi^2)``; infinite for ``xi >= 1``."""
     root = np.sqrt(np.maximum(1 - xi, 0) * (1 + xi))
-    return np.divide(np.pi, root, out=np.full_like(root, np.inf), where=root != 0)
+    return np.exp(-np.divide(np.pi * xi, root, out=np.full_like(root, np.inf), where=root != 0))
 
 
 def kelvin_damping(e: Array) -> Array:
@@ -119,16 +113,14 @@ def hertz_damp_factor(e: Array) -> Array:
     return 2 * x / (1 + e)
 
 
-KELVIN = Relation(kelvin_restitution, kelvin_damping, kelvin_time)
+KELVIN = Relation(kelvin_restitution, kelvin_damping)
 NO_TENSION_KELVIN = Relation(
     lambda xi: np.exp(-2 * xi * angle_ratio(xi)),
     lambda e: invert_angle_ratio(0.5 * np.abs(np.log(e))),
-    lambda xi: 2 * angle_ratio(xi),
 )
 IMPACT_KELVIN = Relation(
     lambda xi: np.exp(-xi * angle_ratio(xi)),
     lambda e: invert_angle_ratio(np.abs(np.log(e))),
-    lambda xi: angle_ratio(xi) + np.pi / 2,
 )
 LINEAR = np.sqrt(5) / 2  # xi of `Jankowski` over that of the `ImpactKelvin` with equal restitution
 JANKOWSKI = Relation(
