@@ -22,7 +22,7 @@ from stochlin.analyses.cases.rows import (
     simulated_as,
 )
 from stochlin.analyses.cases.shaking import MOST_RECORDS, doubts, over_records, shaking_of
-from stochlin.analyses.risk.risk import CERTAIN, RiskInputs, SimulatedRisk, Target
+from stochlin.analyses.risk.risk import RiskInputs, SimulatedRisk, Target
 from stochlin.analyses.risk.variables import VARIABLES
 from stochlin.analyses.sensitivity.sensitivity import sensitivity
 from stochlin.analyses.separation.existing_gap import existing_gap
@@ -104,11 +104,13 @@ def answer_case(
     progress: Progress | None = None,
     sensitivities: bool = False,
     every_rule: bool = False,
+    simulated_rho: bool = True,
 ) -> CaseAnswer:
     """Separation of the two buildings of a case or set-back of one, and limits of the existing gap.
 
     Sensitivities are computed if any parameter is uncertain, or if ``sensitivities`` is True.
-    ``every_rule`` has all rules shown, and not the usual ones only.
+    ``every_rule`` has all rules shown, and not the usual ones only, and ``simulated_rho`` is that of
+    `separation`.
     ``progress`` is called with the share of the work that is done. Errors are those of `separation`,
     `existing_gap` and `sensitivity`.
     """
@@ -133,6 +135,7 @@ def answer_case(
         numbers=case.wanted.of_rules(),
         unverified=case.wanted.unverified,
         records=dict(case.site.records) or None,
+        simulated_rho=simulated_rho,
         progress=part_of(progress, middle, end),
     )
     table = with_applied_codes(case, simulated)
@@ -223,17 +226,12 @@ def _risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset |
     table = xr.concat(each, along, data_vars="all", coords="minimal", compat="override", join="exact")
     attrs = {"long_name": "which gap this is"}
     table = table.assign_coords({OF: (GAP, list(gaps), attrs)}).assign(target.data_vars)
-    for end, times in (("lower", -CERTAIN), ("upper", CERTAIN)):
-        table[f"annual_rate_{end}"] = (
-            table.annual_rate + times * table.annual_rate_standard_error
-        ).clip(0)
     table = labels.label(table, VARIABLES).rename(
         {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
     )
     inputs = found.inputs
     table.attrs = {
         "risk_hazard": inputs.hazard.describe(),
-        "risk_measure": inputs.hazard.measure,
         "risk_years": years,
         "risk_paths": inputs.paths,
     }

@@ -26,12 +26,13 @@ PATHS = 256  # motions
 def gap_by_few_motions(case: Case, progress: Progress | None = None) -> CaseAnswer:
     """The answer of `answer_case` with few motions, without what would make an existing gap sufficient.
 
-    The search for that takes much longer than all else.
+    The search for that, and the stationary simulation of a correlation, take longer than all else.
     """
     few = replace(case, simulated=replace(case.simulated, paths=min(case.simulated.motions, PATHS)))
+    alone = replace(few, wanted=replace(case.wanted, existing=[]))
+    answer = answer_case(alone, progress, simulated_rho=False)
     if not (gap := gap_of(case)):
-        return answer_case(few, progress)
-    answer = answer_case(replace(few, wanted=replace(case.wanted, existing=[])), progress)
+        return answer
     existing = xr.Dataset(keeping_apart(answer.separation.separation_samples, gap))
     return replace(answer, case=few, existing=existing.assign_attrs(gap_m=gap))
 

@@ -67,10 +67,7 @@ def of_file(path: Path) -> Upload:
     for each in named:
         copy = Path(folder.name) / each.resolve().relative_to(home)
         copy.parent.mkdir(parents=True, exist_ok=True)
-        if each.is_dir():
-            shutil.copytree(each, copy)
-        else:
-            shutil.copy(each, copy)
+        (shutil.copytree if each.is_dir() else shutil.copy)(each, copy)
     return Upload(folder, path.name, path.read_text(encoding="utf-8-sig"))
 
 

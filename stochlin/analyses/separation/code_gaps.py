@@ -44,10 +44,11 @@ REDUCED = (
 )
 JOINED: Mapping[str, Any] = {"coords": "minimal", "compat": "override"}
 TEXTS: Mapping[str, str] = {
-    "family": "what governs the rule: SRSS or sum of the peaks, the height, or a fixed distance",
+    "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
     "reference": "source of the rule",
-    "mark": "how the rule was checked",
-    "assumptions": "what the peaks must be",
+    "mark": "how the rule was checked: S seen in a copy of its source, C derived and checked, "
+    "P in the text of the paper, M not compared with its source; high or low says how sure it is",
+    "assumptions": "assumptions of the rule",
     "missing": "what the rule needs and was not given",
 }
 

@@ -37,7 +37,6 @@ from stochlin.models.systems import Arrangement, arrangement_of, first_mode
 
 GUMBEL = np.sqrt(6) / np.pi
 SHORT = "not solved, or the motion is too short for a peak"
-NO_AMPLIFICATION = "the linearized amplification of Fig. 5b is only available for oscillators"
 
 
 @dataclass(frozen=True)
@@ -173,7 +172,7 @@ class PairInMotion:
         A ValueError or an ArithmeticError if there is none.
         """
         if self.has_storeys:
-            raise ValueError(NO_AMPLIFICATION)
+            raise ValueError("the linearized amplification of Fig. 5b is only available for oscillators")
         peaks = np.empty((len(self.structures), 1))
         for n, (elastic, yielding) in enumerate(zip(self.elastic, self.solved, strict=True)):
             moments = response_moments(elastic, self.ground)

@@ -68,9 +68,10 @@ def all_rules(
     site: Mapping[str, Any],
     unverified: bool,
     numbers: Mapping[str, float] | None,
+    simulated_rho: bool,
 ) -> list[Rule]:
     """All rules, including those that have no gap because something is missing."""
-    rules = [_solved(pair, *way) for way in _ways(pair, effective_rule_names(unverified))]
+    rules = [_solved(pair, *way) for way in _ways(pair, effective_rule_names(unverified), simulated_rho)]
     return [*rules, *code_rules(pair.peaks, pair.code_heights, neighbours, site, numbers)]
 
 
@@ -100,15 +101,16 @@ def _solved(
     return Rule(name, kind, gaps, rhos, reference=source, mark=mark, assumptions=about)
 
 
-def _ways(pair: PairInMotion, effective: Sequence[str]) -> Iterator[Way]:
+def _ways(pair: PairInMotion, effective: Sequence[str], simulated_rho: bool) -> Iterator[Way]:
     """The rules that are solved here: eq. (3) with each correlation, and rules without simulation."""
     without = f", without the scatter of {pair.scatter:g} between motions" if pair.scatter else ""
     unsimulated = f"stationary for {pair.strong_seconds:.3g} s, Gaussian; nothing simulated{without}"
-    rhos = {  # the simulation raises an error for structures that yield too rarely for it
-        "simulated": ("stationary simulation", pair.simulated_rho),
+    rhos: dict[str, tuple[str, Callable[[], Array]]] = {
         "linearized": ("linearization", lambda: pair.linearized_rho(GAUSSIAN)),
         "drift": ("linearization with plastic drift", lambda: pair.linearized_rho(DRIFT)),
     }
+    if simulated_rho:  # which raises an error for structures that yield too rarely for it
+        rhos = {"simulated": ("stationary simulation", pair.simulated_rho)} | rhos
     for name, (source, rho) in rhos.items():
         solve = partial(_equation_3, lambda: pair.peaks, rho)
         yield f"eq_3_{name}", EQUATION_3, "", "C", f"{EQ_3}; rho of {source}", solve

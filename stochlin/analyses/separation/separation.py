@@ -13,6 +13,7 @@ import xarray as xr
 from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.records.cells import checked_motions
 from stochlin.analyses.records.gaps import recorded_gap
+from stochlin.analyses.separation.code_gaps import TEXTS as CODE_TEXTS
 from stochlin.analyses.separation.code_gaps import check_neighbours, rules_with, told_numbers
 from stochlin.analyses.separation.pairs import PairInMotion
 from stochlin.analyses.separation.rules import Rule, all_rules
@@ -73,11 +74,7 @@ MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
 TEXTS: Mapping[str, str] = {
     "kind": "simulation, eq. (3) with a correlation, response spectrum analysis, linearization, or "
     "building code",
-    "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
-    "reference": "source of the rule",
-    "mark": "how the rule was checked: S seen in a copy of its source, C derived and checked, "
-    "P in the text of the paper, M not compared with its source; high or low says how sure it is",
-    "assumptions": "assumptions of the rule",
+    **CODE_TEXTS,
     "missing": "why a rule has no answer",
 }
 
@@ -106,6 +103,7 @@ def separation(
     numbers: Mapping[str, float] | None = None,
     unverified: Truth = False,
     records: Any = None,
+    simulated_rho: Truth = True,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Gap that two buildings require, by simulation and by every rule.
@@ -159,6 +157,9 @@ def separation(
         Whether to include rules whose formulas could not be verified.
     records : DataArray, or list or mapping of them, optional
         Recorded motions [m/s^2] over ``time`` [s], as from `read_record`.
+    simulated_rho : bool
+        Whether there is a row ``eq_3_simulated``, by a stationary simulation that takes longer than all
+        else for buildings with storeys.
     progress : callable, optional
         Called with the share of a simulation that is done.
 
@@ -270,7 +271,7 @@ def separation(
             pair = PairInMotion(
                 structures, ground, motions, confidence, strong_seconds(duration, envelope), tall
             )
-            rules = all_rules(pair, for_codes, site, unverified, numbers)
+            rules = all_rules(pair, for_codes, site, unverified, numbers, simulated_rho)
             table = _judged(rules, pair)
             if "input_factor" in motions:
                 table["input_factor"] = motions.input_factor

@@ -29,17 +29,7 @@ MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 BEYOND = "\N{RIGHTWARDS ARROW}"
 IN_SI = {"1": 1.0, "g": constants.g, "m/s": 1.0, "ms": 1e-3, "kJ": 1e3, "MN": 1e6, "MN/m": 1e6}
 FAR = 2.5  # times what most rules ask: gaps beyond are told at the border of a picture, not drawn
-CAPITALS = {
-    **{word: word.upper() for word in ("asce", "is", "ubc", "srss", "gb", "cqc", "tbdy", "ntc")},
-    "e030": "E.030",
-    "paper": "as in Valles-Mattox and Reinhorn (1996)",
-}
-COMMON = {
-    *("simulation", "simulated", "linearization", "linearized", "elastic", "secant"),
-    *("share", "of", "sum", "height", "fixed", "distance", "unverified", "drift", "white", "noise"),
-    *("simplified",),
-}
-
+PAPER = "as in Valles-Mattox and Reinhorn (1996)"
 SLABS = (
     "A slab can break the column that it hits, and the storey with it. Codes that allow a smaller gap "
     "where floors align, such as Eurocode 8 (4.4.2.7) with 0.7 of the gap within one property, mean "
@@ -107,8 +97,8 @@ def rule_label(rule: str) -> str:
     """Name of a rule for a reader, ``eq. (3), Iwan (1980)``; of one without a title by its own name."""
     stem = rule.removeprefix("eq_3_")
     known = EFFECTIVE_RULES.get(stem) or CODE_RULES.get(stem)
-    words = [w if w in COMMON else CAPITALS.get(w, w.title()) for w in stem.split("_")]
-    name = known.published_name() if known and known.title else " ".join(words)
+    plain = {"paper": PAPER, "cqc": "CQC"}.get(stem, stem.replace("_", " "))
+    name = known.published_name() if known and known.title else plain
     return name if stem == rule else f"eq. (3), {name}"
 
 
