@@ -100,10 +100,10 @@ class SymbolicLaw:
         )
 
     def gaussian(self, latent: Array, parameters: Array) -> ClosureValue:
-        """Gaussian closure by quadrature: equivalent coefficients, with their derivatives."""
-        slip, slip_jacobian = slip_expectations(self.slip_rate, latent, parameters, ORDER)
-        moments = gaussian_covariance(latent)
-        return ClosureValue(*regress_slip(slip, slip_jacobian, *moments), *moments)
+        """Gaussian closure by quadrature."""
+        by_v, by_z = slip_expectations(self.slip_rate, latent, parameters, ORDER)
+        covariance = gaussian_covariance(latent)
+        return ClosureValue(regress_slip(by_v, by_z, covariance), covariance)
 
     @cached_property
     def held(self) -> SymbolicLaw:
@@ -249,8 +249,7 @@ class SymbolicLaw:
         latent = np.array([[0.1, 1.0, 2.0, 50.0], [2.5, 0.4, 0.9, 1.2], [0.7, 0.0, 0.3, 0.5]])
         parameters = np.repeat(column[:, None], latent.shape[1], axis=1)
         coarse, fine = (
-            slip_expectations(self.slip_rate, latent, parameters, order)[0]
-            for order in (ORDER, 3 * ORDER)
+            slip_expectations(self.slip_rate, latent, parameters, order) for order in (ORDER, 3 * ORDER)
         )
         error = np.nan_to_num(np.max(np.abs(coarse - fine) / (np.abs(fine) + latent[0])), nan=np.inf)
         if not error < allowed:

@@ -10,7 +10,7 @@ import stochlin as sl
 from stochlin.kernels.correlation import pairs
 from stochlin.kernels.correlation.errors import bias_of_difference, std_of_difference
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance, pair_covariance
-from stochlin.kernels.linearization.filters import KanaiTajimiFilter
+from stochlin.kernels.linearization.filters import Filter
 
 pytestmark = pytest.mark.oracle
 
@@ -29,7 +29,7 @@ def draw(rng, period, slip=None):
 
 def rho_of(one, other, soil):
     """The correlation as tables have it, of arrays of one cell."""
-    ground = KanaiTajimiFilter.of(np.float64(1), *(np.asarray(x, float) for x in soil))
+    ground = Filter.kanai_tajimi(np.float64(1), *(np.asarray(x, float) for x in soil))
     both, total = [], 1.0
     for system in (one, other):
         cells = EquivalentSystem(*(np.array([value]) for value in system))

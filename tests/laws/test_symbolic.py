@@ -113,29 +113,6 @@ def test_law_is_regressed_under_the_gaussian_density(law, function, latent):
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-10)  # ACCURACY of the law's own check
 
 
-@pytest.mark.parametrize(
-    "law",
-    [
-        bilinear.symbolic(),
-        bouc_wen_expression(0.7, -0.4, 2),
-        V - sympy.Rational(1, 5) * Z**3,
-        sympy.tanh(V) * (1 - sympy.Abs(Z)) - Z / 10,
-    ],
-    ids=["bilinear", "Bouc-Wen", "creep", "saturating"],
-)
-def test_jacobian_is_the_derivative_of_the_coefficients(law):
-    """Central differences: their error is some step^2 + 1e-16/step of the value."""
-    gaussian, step = SymbolicLaw(law).gaussian, 1e-5
-    latent = np.array([[0.8, 1.5], [0.6, 1.1], [0.25, -0.5]])
-    none = np.empty((0, 2))
-    exact = gaussian(latent, none).coefficients_jacobian
-    for moment in range(3):
-        shift = np.zeros((3, 1))
-        shift[moment] = step
-        up, down = (gaussian(latent + s, none).coefficients for s in (shift, -shift))
-        np.testing.assert_allclose(exact[:, moment], (up - down) / (2 * step), rtol=1e-7, atol=1e-8)
-
-
 def test_symbols_are_known_by_name_whatever_their_assumptions():
     v, z = sympy.Symbol("v", positive=True), sympy.Symbol("z", real=True)
     plain, assumed = V - sympy.Abs(V) * Z, v - sympy.Abs(V) * z

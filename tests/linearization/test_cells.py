@@ -1,10 +1,17 @@
-"""Coefficients of the moments of a table."""
+"""Numbers in place of arrays: pairs of numbers, and coefficients of the moments of a table."""
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import stochlin as sl
+from stochlin.kernels.correlation.bilinear_pair import linearized_pair
+
+GROUNDS = (
+    (sl.WhiteNoise(0.01), (0.01,)),
+    (sl.KanaiTajimi(2.0, 0.3, 0.01), (0.01, 2.0, 0.3)),
+    (sl.CloughPenzien(2.0, 0.3, 20.0, 0.6, 0.01), (0.01, 2.0, 0.3, 20.0, 0.6)),
+)
 
 
 @pytest.mark.invariant
@@ -20,3 +27,26 @@ def test_coefficients_of_a_table_are_those_of_its_moments():
     found = sl.equivalent_coefficients(velocity, table.z_std, table.velocity_z_corr)
     for name in ("c_eq", "k_eq"):
         np.testing.assert_allclose(table[name], found[name], rtol=1e-12)
+
+
+@pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # hardly yields
+@pytest.mark.oracle
+@pytest.mark.parametrize(("ground", "numbers"), GROUNDS)
+def test_a_pair_of_numbers_is_that_of_correlate(ground, numbers):
+    """Owen's function of numbers is a quadrature, and that of tables is scipy's."""
+    pairs = [
+        ((1.0, 0.05, 0.05, 0.02), (0.7, 0.05, 0.1, 0.01)),
+        ((0.2, 0.02, 0.5, 1e3), (3.0, 0.1, 0.02, 1e-3)),
+    ]
+    for first, second in pairs:
+        table = sl.correlate(sl.Bilinear(*first), sl.Bilinear(*second), ground, bias=False)
+        pair = linearized_pair(first, second, numbers)
+        expected = [float(table[name]) for name in pair._fields]
+        assert pair == pytest.approx(expected, rel=1e-11)
+
+
+@pytest.mark.invariant
+def test_a_pair_of_numbers_that_does_not_converge_is_nan():
+    pair = linearized_pair((1.0, 0.05, 0.05, 1e-30), (0.7, 0.05, 0.05, 0.01), (0.01,))
+    assert np.isnan([pair.rho, pair.displacement_std_1]).all()
+    assert pair.displacement_std_2 > 0

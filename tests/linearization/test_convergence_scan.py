@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.kernels.linearization.filters import KanaiTajimiFilter
+from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.single_structures import (
     Law,
     SingleStructures,
@@ -163,7 +163,7 @@ def solve_from(start, structure, ground, uy):
     # The stop rule of `linearize`, with patience for a far start.
     law = Law(bilinear.gaussian, np.empty((0, w.size)), np.full(w.size, True))
     latent = start * np.stack([w, np.ones_like(w), np.ones_like(w)])
-    ground, level = KanaiTajimiFilter.of(*soil), np.zeros_like(w)
+    ground, level = Filter.kanai_tajimi(*soil), np.zeros_like(w)
     problem = SingleStructures(oscillator, [law], ground, level, 1e-10, 1e-12)
     found = solve_structures(problem, latent, 200)
     return found, problem.closure(moments_of(found.unknowns)).coefficients

@@ -16,7 +16,7 @@ from stochlin.analyses.linearization.equivalent_systems import solved_together
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.kernels.linearization import drift
 from stochlin.kernels.linearization.covariance import EquivalentSystem
-from stochlin.kernels.linearization.filters import Filter, KanaiTajimiFilter
+from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import slip_quadrant
 from stochlin.models.laws import bilinear
 
@@ -129,7 +129,7 @@ def test_relaxation_is_the_flow_when_the_mean_of_z_is_shifted(latent):
 def test_half_cycles_are_those_of_the_matrix_exponential(soil):
     rng = np.random.default_rng(5)
     system, ground = random_systems(rng, 40)
-    cycles = drift.half_cycles(system, KanaiTajimiFilter.of(*ground) if soil else Filter(ground[0]))
+    cycles = drift.half_cycles(system, Filter.kanai_tajimi(*ground) if soil else Filter(ground[0]))
     for n in range(40):
         w2, d, h, p, k = (row[n] for row in system)
         wg, xig = ground[1:, n]
@@ -157,7 +157,7 @@ def test_the_parts_of_a_cell_are_equal_in_any_table():
     sz, found = np.geomspace(0.2, 5, 70), []
     for cells in (slice(None), slice(3, 4)):
         own = EquivalentSystem(*(row[cells] for row in system))
-        cycles = drift.half_cycles(own, KanaiTajimiFilter.of(*ground[:, cells]))
+        cycles = drift.half_cycles(own, Filter.kanai_tajimi(*ground[:, cells]))
         found.append((drift._orders(sz[cells]), drift._sums_of_powers(cycles.memory), *cycles))
     for many, alone in zip(*found, strict=True):
         np.testing.assert_allclose(many[..., 3], alone[..., 0], rtol=1e-12, atol=1e-14)

@@ -14,7 +14,7 @@ from stochlin.kernels.linearization.covariance import (
     own_covariance,
     pair_covariance,
 )
-from stochlin.kernels.linearization.filters import CloughPenzienFilter, KanaiTajimiFilter
+from stochlin.kernels.linearization.filters import Filter
 
 pytestmark = pytest.mark.oracle
 
@@ -29,8 +29,8 @@ def draw(rng, slip, relaxation):
 
 def forcing(system, filters):
     wg, xig, *high_pass = (np.float64(x) for x in filters)
-    ground = KanaiTajimiFilter.of(np.float64(1.0), wg, xig)
-    ground = CloughPenzienFilter.of(ground, *high_pass) if high_pass else ground
+    ground = Filter.kanai_tajimi(np.float64(1.0), wg, xig)
+    ground = ground.clough_penzien(*high_pass) if high_pass else ground
     return ground.forcing(system)
 
 

@@ -11,7 +11,7 @@ from stochlin.analyses.linearization.equivalent_systems import solve_structure
 from stochlin.analyses.linearization.peaks import relative_moments, response_moments
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
-from stochlin.kernels.linearization.filters import CloughPenzienFilter, Filter, KanaiTajimiFilter
+from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
@@ -69,8 +69,8 @@ def filter_of(parameters):
     intensity, *soil = parameters
     if not soil:
         return Filter(intensity)
-    oscillator = KanaiTajimiFilter.of(intensity, *soil[:2])
-    return CloughPenzienFilter.of(oscillator, *soil[2:]) if soil[2:] else oscillator
+    oscillator = Filter.kanai_tajimi(intensity, *soil[:2])
+    return oscillator.clough_penzien(*soil[2:]) if soil[2:] else oscillator
 
 
 def forcing(system, parameters):

@@ -17,7 +17,7 @@ from stochlin.analyses.linearization.equivalent_systems import Solved, check_clo
 from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cellwise import Cells, cellwise, valid_cells
-from stochlin.analyses.tables.lazy import in_blocks, is_lazy
+from stochlin.analyses.tables.lazy import in_blocks
 from stochlin.analyses.tables.work import check_table
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
@@ -58,8 +58,7 @@ def correlate(
     solutions.
 
     If a parameter is a dask array, the table is lazy, with the same chunks, and has the same numbers. By
-    simulation, the time step and the duration of the motions are then determined beforehand for all
-    structures of the table.
+    simulation it is computed at once.
 
     Parameters
     ----------
@@ -93,7 +92,7 @@ def correlate(
     paths, seed, steps_per_period, relaxation_times
         As in `simulate`: options of the simulation.
     progress : callable, optional
-        Called with the share of the simulation that is done. With dask arrays it is not called.
+        Called with the share of the simulation that is done.
 
     Returns
     -------
@@ -148,8 +147,7 @@ def correlate(
     By simulation, a run lasts until the plastic drifts of all structures of the table are stationary,
     also those of structures that yield rarely. A table whose simulations, on all grounds together, would
     take more than a quarter of an hour is refused with a ValueError, which names the structure with the
-    slowest drift if there is one ground. With dask arrays, only the measurement of
-    the drifts is limited so, not the chunks.
+    slowest drift if there is one ground.
 
     The correlation can be negative if the period of the ground is between those of the structures.
 
@@ -173,19 +171,14 @@ def correlate(
             "method linearization with the closure gaussian"
         )
     models: dict[str, Model] = {"first": first, "second": second, "ground": ground}
-    progress = None if (lazy := is_lazy(models)) else progress
     settings = SimulationSettings(paths, seed, steps_per_period, relaxation_times, progress)
     tolerance = Tolerance(rtol, atol, max_iterations)
     query = Query(method, closure, solver, tolerance, rule, bias, settings)
     if isinstance(first, Structure) and isinstance(second, Structure):
         check_closure(first, closure)
         check_closure(second, closure)
-        runs = None
-        if method == SIMULATION:
-            from stochlin.analyses.correlation.simulated import planned_runs
-
-            runs = planned_runs(first, second, ground, settings, lazy)
-        table = in_blocks(partial(_of_pairs, query), models, runs)
+        pairs = partial(_of_pairs, query)
+        table = pairs(first, second, ground) if method == SIMULATION else in_blocks(pairs, models)
     else:
         from stochlin.analyses.correlation.storeys import floor_pairs
 
@@ -230,24 +223,21 @@ class Query(NamedTuple):
     settings: SimulationSettings
 
 
-def _of_pairs(
-    query: Query, first: Structure, second: Structure, ground: Ground, more: xr.Dataset | None = None
-) -> xr.Dataset:
+def _of_pairs(query: Query, first: Structure, second: Structure, ground: Ground) -> xr.Dataset:
     """Variables of `correlate`, with the arguments for its history as an attribute."""
     check_table(12, first, second, ground)
-    variables, details, attrs = METHODS[query.method](query, (first, second), ground, more)
+    variables, details, attrs = METHODS[query.method](query, (first, second), ground)
     if not (first.yields or second.yields):
         attrs.pop("comment", None)
     return xr.Dataset(variables | difference(variables), attrs=attrs | {"details": details})
 
 
 Pair = tuple[Structure, Structure]
-Runs = xr.Dataset | None  # plans of the simulations
 # Variables of the dataset, arguments for its history, and further attributes.
 Answer = tuple[dict[str, Cells], str, dict[str, Any]]
 
 
-def _by_linearization(query: Query, pair: Pair, ground: Ground, runs: Runs) -> Answer:
+def _by_linearization(query: Query, pair: Pair, ground: Ground) -> Answer:
     chained, table = query.solver == LYAPUNOV, dict[str, Cells]()
     comment = labels.CAUTION_DRIFT if query.closure == DRIFT else labels.CAUTION_PAIR
     how = f"closure={query.closure!r}"
@@ -261,12 +251,12 @@ def _by_linearization(query: Query, pair: Pair, ground: Ground, runs: Runs) -> A
     return table, how, {"comment": comment}
 
 
-def _by_white_noise(query: Query, pair: Pair, ground: Ground, runs: Runs) -> Answer:
+def _by_white_noise(query: Query, pair: Pair, ground: Ground) -> Answer:
     inputs = [s.cells()[name] for name in ("period", "damping") for s in pair]
     return _shown(inputs, solved_together(pair, ground)), "eq. (4)", {}
 
 
-def _by_effective_properties(query: Query, pair: Pair, ground: Ground, runs: Runs) -> Answer:
+def _by_effective_properties(query: Query, pair: Pair, ground: Ground) -> Answer:
     rule = effective_rule(query.rule)
     solved = solved_together(pair, ground, query.closure, query.tolerance)
     effective = effective_pair(solved, rule)
@@ -276,17 +266,17 @@ def _by_effective_properties(query: Query, pair: Pair, ground: Ground, runs: Run
     return variables, how, {"comment": comment, "rule": rule.describe()}
 
 
-def _by_simulation(query: Query, pair: Pair, ground: Ground, runs: Runs) -> Answer:
+def _by_simulation(query: Query, pair: Pair, ground: Ground) -> Answer:
     from stochlin.analyses.correlation.simulated import simulate_pairs
 
-    table = simulate_pairs(*pair, ground, query.settings, runs)
+    table = simulate_pairs(*pair, ground, query.settings)
     variables: dict[str, Cells] = {str(name): array for name, array in table.data_vars.items()}
     return variables, query.settings.history, table.attrs
 
 
 SOLVERS = ("closed_form", LYAPUNOV := "lyapunov")
 SIMULATION = "simulation"
-METHODS: Mapping[str, Callable[[Query, Pair, Ground, Runs], Answer]] = {
+METHODS: Mapping[str, Callable[[Query, Pair, Ground], Answer]] = {
     "linearization": _by_linearization,
     "white_noise": _by_white_noise,
     "effective": _by_effective_properties,

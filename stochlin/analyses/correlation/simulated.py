@@ -33,22 +33,15 @@ from stochlin.models.structures import Structure
 if TYPE_CHECKING:
     from stochlin.analyses.correlation.correlation import SimulationSettings
 
-# Entries of the plan of a run that depend on all structures of the table.
-PLANNED = "dt", "burn_in", "recorded"
 
-
-def planned_runs(
-    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings, lazy: bool
+def simulate_pairs(
+    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> xr.Dataset:
-    """Time step and numbers of steps of the run of all structures on each ground.
-
-    The blocks of a ``lazy`` table have the same motions by them; only the measurement of drifts is then
-    limited in time.
-    """
+    """Table of ``rho``, standard deviations and their standard errors; one ensemble for each ground."""
     first.check_stationary("first")
     second.check_stationary("second")
     sides, ground = (computed(first), computed(second)), computed(ground)
-    if not lazy and any(array.size > 1 for array in ground.arrays().values()):
+    if any(array.size > 1 for array in ground.arrays().values()):
         seconds = over_grounds(partial(_seconds, settings=settings), sides, ground).seconds
         check_work(
             f"the simulations on {seconds.size} grounds would take",
@@ -57,28 +50,13 @@ def planned_runs(
             seconds=float(seconds.sum()),
             cores=cores(),
         )
-    return over_grounds(partial(_planned, settings=settings, lazy=lazy), sides, ground)
-
-
-def simulate_pairs(
-    first: Structure,
-    second: Structure,
-    ground: Ground,
-    settings: SimulationSettings,
-    runs: xr.Dataset | None,
-) -> xr.Dataset:
-    """Table of ``rho``, standard deviations and their standard errors; one ensemble for each ground."""
-    assert runs is not None
-    return over_grounds(partial(_on_one_ground, settings=settings), (first, second, runs), ground)
+    return over_grounds(partial(_on_one_ground, settings=settings), sides, ground)
 
 
 def over_grounds(
-    function: Callable[..., xr.Dataset], structures: Sequence[Structure | xr.Dataset], ground: Ground
+    function: Callable[..., xr.Dataset], structures: Sequence[Structure], ground: Ground
 ) -> xr.Dataset:
-    """Results of ``function(*structures, ground)`` for each ground of an array, put together.
-
-    ``structures`` may include datasets; their part for the same ground is passed on.
-    """
+    """Results of ``function(*structures, ground)`` for each ground of an array, put together."""
     sizes = {dim: n for array in ground.arrays().values() for dim, n in array.sizes.items() if n > 1}
     if not sizes:
         return function(*structures, ground)
@@ -123,36 +101,15 @@ class _Pairs(NamedTuple):
         )
 
 
-def _planned(
-    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings, lazy: bool
-) -> xr.Dataset:
-    pairs = _Pairs.of(first, second, ground)
-    run = pairs.run(ground, settings, moments=not lazy)
-    run = with_length(run, settings.relaxation_times, measured_alone=lazy)
-    plan: dict[str, Any] = {name: getattr(run.plan, name) for name in PLANNED}
-    for n, index in enumerate(pairs.places, start=1):
-        plan[f"drift_memory_{n}"] = pairs.of_cells(run.drift_memory, index)
-    return xr.Dataset(plan, attrs=run_attributes(run))
-
-
 def _on_one_ground(
-    first: Structure,
-    second: Structure,
-    runs: xr.Dataset,
-    ground: Ground,
-    settings: SimulationSettings,
+    first: Structure, second: Structure, ground: Ground, settings: SimulationSettings
 ) -> xr.Dataset:
     pairs = _Pairs.of(first, second, ground)
-    valid = pairs.cells.valid
-    if valid.any():
-        plan = {name: runs[name].item() for name in PLANNED}
-        run = pairs.run(ground, settings, step=plan["dt"]).with_plan(**plan)
-        moments = simulate_moments(run, settings.progress)
-    else:
-        none, status = np.full(valid.size, np.nan), np.full(valid.size, labels.INVALID_INPUT, np.int8)
-        square = np.full((valid.size, valid.size), np.nan)
-        moments = MomentEstimates(none, none, square, square, none, status)
-    return _table(pairs, moments).assign(runs.drop_vars(PLANNED)).assign_attrs(runs.attrs)
+    run = with_length(pairs.run(ground, settings), settings.relaxation_times)
+    table = _table(pairs, simulate_moments(run, settings.progress))
+    for n, index in enumerate(pairs.places, start=1):
+        table[f"drift_memory_{n}"] = pairs.of_cells(run.drift_memory, index)
+    return table.assign_attrs(run_attributes(run))
 
 
 def _seconds(

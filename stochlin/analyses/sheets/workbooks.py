@@ -7,7 +7,7 @@ import zipfile
 from functools import reduce
 from io import BytesIO
 
-from stochlin.analyses.tables.optional import needed
+from stochlin.analyses.tables.checks import needed
 from stochlin.messages import plain, sentence
 
 # The parts that hold tables.

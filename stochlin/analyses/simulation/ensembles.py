@@ -170,7 +170,6 @@ def prepare(
     drift_times: Array | None = None,
     scatter: float = 0.0,
     grounds: Sequence[Ground] = (),
-    step: float | None = None,
     moments: bool = True,
 ) -> SimulationRun:
     """Structures and their ground, ready for a simulation whose duration is still open.
@@ -192,8 +191,6 @@ def prepare(
         ``cells``.
     grounds : sequence of Ground
         Samples of an uncertain ground, one for each motion.
-    step : float, optional
-        Time step [s]. The default follows from the shortest period.
     moments : bool
         Whether the run will store the moments of all pairs of floors. If so, it is checked whether they
         fit into memory.
@@ -225,7 +222,7 @@ def prepare(
     periods = [float(2 * np.pi / np.float64(each.fastest)) for each in soils if each.states]
     periods += [group.shortest for group in groups]
     memory = max(float((1 / rates).max()), *(group.slowest for group in groups))
-    dt = step or min(periods) / steps_per_period
+    dt = min(periods) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
     known = rows >= 0
     steps, roots = zip(*(ground_steps(each, dt) for each in soils), strict=True)

@@ -25,14 +25,11 @@ FALLEN = 0.6  # autocorrelation below which the time constant is evaluated
 ERRORS = 2.0  # standard errors that are added to the autocorrelation, on the safe side
 
 
-def with_length(
-    run: SimulationRun, relaxation_times: float, measured_alone: bool = False
-) -> SimulationRun:
+def with_length(run: SimulationRun, relaxation_times: float) -> SimulationRun:
     """The run with burn-in and duration, which are multiples of its memory.
 
     If the memory is that of a plastic drift, the memories of all drifts are measured. Before that, a
-    ValueError is raised if the run, with the memory by linearization, would take too long; with
-    ``measured_alone`` (the run itself is split into chunks) only if the measurement would.
+    ValueError is raised if the run, with the memory by linearization, would take too long.
     """
     expected = run.drift_time
     slowest, period = float(expected.max()), float(run.period[np.argmax(expected)])
@@ -44,7 +41,7 @@ def with_length(
         if slowest > run.memory
         else f"it lasts {lasts:.3g} s in steps of {run.plan.dt:.3g} s: lower paths or "
         "relaxation_times, or leave out the shortest or the longest period",
-        seconds=expected_seconds(run, relaxation_times, running=not measured_alone),
+        seconds=expected_seconds(run, relaxation_times),
         cores=cores(),
     )
     if slowest > run.memory:
@@ -56,14 +53,14 @@ def with_length(
     )
 
 
-def expected_seconds(run: SimulationRun, relaxation_times: float, running: bool = True) -> float:
-    """Seconds of one core to measure the slowest drift and, if ``running``, for the run itself.
+def expected_seconds(run: SimulationRun, relaxation_times: float) -> float:
+    """Seconds of one core to measure the slowest drift, and for the run itself.
 
     The memory that is expected is the one by linearization, which is too long.
     """
     slowest, dt = float(run.drift_time.max()), run.plan.dt
     measured = (SETTLING + LENGTH) * slowest / dt if slowest > run.memory else 0.0
-    steps = (BURN_IN + relaxation_times) * max(run.memory, slowest) / dt if running else 0.0
+    steps = (BURN_IN + relaxation_times) * max(run.memory, slowest) / dt
     pilot = seconds_of(run.with_plan(groups=GROUPS), measured)
     return pilot + seconds_of(run, steps, run.crowd.size**2 / (2 * run.plan.every))
 

@@ -1,7 +1,8 @@
-"""Checks of several arguments together: durations against periods, structures side by side, paths."""
+"""Checks of several arguments together, of paths, and of optional packages."""
 
 from __future__ import annotations
 
+import importlib
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -59,3 +60,15 @@ def check_existing(gap: float, duration: float, structures: Mapping[str, AnyStru
     except ValueError as error:
         hint = f"; gap = {gap:g} m: are duration and gap exchanged?" if duration < 1 <= gap else ""
         raise ValueError(f"{error}{hint}") from error
+
+
+def needed(module: str, what: str, extra: str, otherwise: str = "") -> Any:
+    """An optional package; an ImportError with the command that installs it if it is missing.
+
+    ``otherwise`` is what can be done without it.
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        cure = "; or ".join(filter(None, (f"pip install 'stochlin[{extra}]'", otherwise)))
+        raise ImportError(f"{what} needs {module}: {cure}") from error

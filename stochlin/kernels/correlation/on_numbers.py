@@ -10,7 +10,7 @@ from numba.extending import overload, register_jitable
 from stochlin.kernels.basics import elementary
 from stochlin.kernels.basics.compiled import OFTEN, UNCOMPILED, called_often, entry, variant
 from stochlin.kernels.correlation import errors, nearness, pairs, signatures
-from stochlin.kernels.linearization import covariance, drift
+from stochlin.kernels.linearization import covariance, drift, grounds
 
 
 def _write(first, second, places_1, places_2, errors, out):
@@ -58,7 +58,7 @@ def _choose(condition, yes, no):
 # The terms in any order, so that several products are added at once.
 register_jitable(fastmath={"reassoc"}, **OFTEN)(signatures.product)
 ELSEWHERE = pairs.cell, pairs.results, pairs.over_pairs, signatures.product
-for _module in (covariance, drift, errors, nearness, pairs, signatures):
+for _module in (covariance, drift, errors, grounds, nearness, pairs, signatures):
     for _function in vars(_module).values():
         own = isfunction(_function) and _function.__module__ == _module.__name__
         if own and _function not in ELSEWHERE:

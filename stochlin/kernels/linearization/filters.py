@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import reduce
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -18,7 +19,6 @@ from stochlin.kernels.linearization import grounds
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 
 Entry = Any  # a number, or an array of cells
-Slopes = grounds.Signal | Array
 Transform = Callable[[Array], Array]
 AT_ONCE = 4096  # cells for which systems of equations are solved together
 
@@ -45,6 +45,9 @@ class Filter:
         State matrix as nested lists; its eigenvalues have negative real parts.
     noise, output : (m,) numbers or arrays of cells
         Factors of the noise on the rates of the states, and of the states in the acceleration.
+    oscillators : sequence of numbers or arrays of cells
+        Stiffness and damping of the soil's oscillator, then those of a high-pass oscillator, of filters
+        that consist of these.
 
     Raises
     ------
@@ -57,6 +60,7 @@ class Filter:
     matrix: Sequence[Sequence[Entry]] = ()
     noise: Sequence[Entry] = ()
     output: Sequence[Entry] = ()
+    oscillators: Sequence[Entry] = ()
 
     def __post_init__(self) -> None:
         sizes = {len(self.states), len(self.matrix), len(self.noise), len(self.output)}
@@ -66,6 +70,24 @@ class Filter:
                 f"{[len(row) for row in self.matrix]}, {len(self.noise)} numbers of noise and "
                 f"{len(self.output)} of output; allowed: a row, a column, a number for each state"
             )
+
+    @classmethod
+    def kanai_tajimi(cls, intensity: Entry, frequency: Entry, damping: Entry) -> Filter:
+        """The Kanai-Tajimi ground, eqs. (11) and (12): white noise through one oscillator.
+
+        ``frequency`` is ``wg`` [rad/s] and ``damping`` ``xig``.
+        """
+        soil = frequency**2, 2 * damping * frequency
+        matrix = (0.0, 1.0), (-soil[0], -soil[1])
+        return cls(intensity, ("xg", "xg_rate"), matrix, (0.0, 1.0), soil, soil)
+
+    def clough_penzien(self, frequency: Entry, damping: Entry) -> Filter:
+        """The Kanai-Tajimi ground through a high-pass oscillator of ``wf`` [rad/s] and ``xif``."""
+        layer, still = (frequency**2, 2 * damping * frequency), (0.0, 0.0)
+        output = (*self.output, -layer[0], -layer[1])
+        matrix = (*((*row, *still) for row in self.matrix), (*still, 0.0, 1.0), output)
+        states, noise = (*self.states, "xf", "xf_rate"), (*self.noise, *still)
+        return Filter(self.intensity, states, matrix, noise, output, (*self.oscillators, *layer))
 
     def at(self, cells: Any) -> Self:
         """The filter of a selection of the cells."""
@@ -85,13 +107,27 @@ class Filter:
     @property
     def fastest(self) -> Entry:
         """Largest natural frequency of the filter [rad/s]; 0 without states."""
+        if self.oscillators:
+            return np.sqrt(reduce(np.maximum, self.oscillators[::2]))
         return np.abs(np.linalg.eigvals(self.arrays.matrix)).max(axis=-1, initial=0.0)
 
     def transmission(self, frequency: Array) -> Array:
-        """The PSD over ``S0`` at frequencies [rad/s], ``|output (i w - matrix)^-1 noise|^2``."""
-        matrix, noise, output = self.arrays
+        """The PSD over ``S0`` at frequencies [rad/s], ``|output (i w - matrix)^-1 noise|^2``.
+
+        For oscillators it is eq. (12), times that of the high-pass oscillator.
+        """
         if not self.states:
             return np.ones_like(frequency, float)
+        if self.oscillators:
+            each, square = self.oscillators, frequency**2
+            soil, *layer = zip(each[::2], each[1::2], strict=True)
+            ratio, spread = _ratio_and_spread(soil, square)
+            share = (1 + spread) / ((1 - ratio) ** 2 + spread)
+            for oscillator in layer:
+                ratio, spread = _ratio_and_spread(oscillator, square)
+                share = share * ratio**2 / ((1 - ratio) ** 2 + spread)
+            return share
+        matrix, noise, output = self.arrays
         resolved = _resolvent(1j * np.asarray(frequency, float), matrix, noise)
         return np.abs((output * resolved).sum(axis=-1)) ** 2
 
@@ -100,14 +136,9 @@ class Filter:
         if not self.states:
             zero = np.zeros_like(system.stiffness * self.intensity)
             return Forcing(zero, np.pi * self.intensity + zero, zero)
+        if self.oscillators:
+            return Forcing(*self._solved(system)[0])
         return self._forcing(self._correlations(system))
-
-    def forcing_and_slopes(self, system: EquivalentSystem) -> tuple[Forcing, Slopes]:
-        """The `forcing` of cells (n,), and its derivatives (3, 2, n) by slip and by relaxation."""
-        if not self.states:
-            return self.forcing(system), np.zeros((3, 1, 1))
-        own, *slopes = (self.arrays.output * self._correlations(system, slopes=True)).sum(axis=-1)
-        return Forcing(*own), np.stack(slopes, axis=1)
 
     def _forcing(self, rows: Array) -> Forcing:
         """The forcing from covariances (3, ..., m) of the structure's with the filter's states."""
@@ -134,34 +165,38 @@ class Filter:
         rows = self._correlations(system)
         return self._forcing(rows), rows[0] - rows[2]
 
-    def _correlations(self, system: EquivalentSystem, *, slopes: bool = False) -> Array:
+    def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, *tuple[grounds.Rows, ...]]:
+        """Signal of the ground of oscillators, and rows with each of these."""
+        solve = grounds.kanai_tajimi if len(self.oscillators) == 2 else grounds.clough_penzien
+        return solve(system, (self.intensity, *self.oscillators))
+
+    def _correlations(self, system: EquivalentSystem) -> Array:
         """Covariances ``C`` (3, ..., m) of ``mu``, ``mu'``, ``y`` with the states ``q`` of the filter.
 
-        They solve ``A C + C F' + b E[f q'] = 0``. With ``slopes`` the result is (3, 3, ..., m):
-        the covariances, then their derivatives by slip and by relaxation.
+        They solve ``A C + C F' + b E[f q'] = 0``.
         """
+        if self.oscillators:
+            rows = (sum(pairs, ()) for pairs in zip(*self._solved(system)[1:], strict=True))
+            return np.moveaxis(np.array([np.broadcast_arrays(*row) for row in rows]), 1, -1)
         matrix, noise, output = self.arrays
         m = len(self.states)
         cells = np.broadcast_shapes(matrix.shape[:-2], np.shape(self.intensity), *map(np.shape, system))
         wide = [np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity)]
         matrix = np.broadcast_to(matrix, (*cells, m, m)).reshape(-1, m, m)
         noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in (noise, output))
-        correlations = np.empty((3 if slopes else 1, 3, len(matrix), m))
+        correlations = np.empty((3, len(matrix), m))
         for begin in range(0, len(matrix), AT_ONCE):
             part = slice(begin, begin + AT_ONCE)
             own = EquivalentSystem(*(row[part] for row in wide[:-1]))
             soil = Matrices(matrix[part], noise[part], output[part])
-            correlations[:, :, part] = _correlations(own, wide[-1][part], soil, slopes)
-        correlations = correlations.reshape(*correlations.shape[:2], *cells, m)
-        return correlations if slopes else correlations[0]
+            correlations[:, part] = _correlations(own, wide[-1][part], soil)
+        return correlations.reshape(3, *cells, m)
 
 
 def _at(entry: Any, cells: Any) -> Any:
-    """The selected cells of a number, an array, a filter, or nested sequences of these."""
+    """The selected cells of a number, an array, or nested sequences of these."""
     if isinstance(entry, (list, tuple)):
         return tuple(_at(item, cells) for item in entry)
-    if isinstance(entry, Filter):
-        return entry.at(cells)
     return entry[cells] if np.ndim(entry) else entry
 
 
@@ -171,8 +206,15 @@ def _resolvent(s: Array, matrix: Array, right: Array) -> Array:
     return np.linalg.solve(left, np.broadcast_to(right, left.shape[:-1])[..., None])[..., 0]
 
 
-def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices, slopes: bool) -> Array:
-    """As `Filter._correlations`, (1 or 3, 3, n, m) for cells (n,).
+def _ratio_and_spread(oscillator: tuple[Entry, ...], square: Array) -> tuple[Array, Array]:
+    """``(w/w0)^2`` and ``4 xi^2 (w/w0)^2`` of an oscillator for squares of frequencies."""
+    stiffness, damping = oscillator
+    ratio = square / stiffness
+    return ratio, damping**2 / stiffness * ratio
+
+
+def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices) -> Array:
+    """As `Filter._correlations` for cells (n,).
 
     The equations are solved in units in which all quantities are of order one.
     """
@@ -189,15 +231,9 @@ def _correlations(system: EquivalentSystem, intensity: Array, soil: Matrices, sl
     soil_matrix = matrix * std[:, None, :] / std[..., None]
     right = np.zeros((w.size, 3, noise.shape[1], 1))
     right[:, 1, :, 0] = drive / w[:, None]
-    cross = _sylvester_of_matrices(own, soil_matrix, right)
-    if slopes:
-        gained = np.zeros((w.size, 3, noise.shape[1], 2))
-        gained[:, 2, :, 0] = w[:, None] * cross[:, 1, :, 0]
-        gained[:, 2, :, 1] = cross[:, 0, :, 0] - cross[:, 2, :, 0]
-        cross = np.concatenate([cross, _sylvester_of_matrices(own, soil_matrix, gained)], axis=-1)
-    cross *= std[:, None, :, None]
-    cross[:, 1] *= w[:, None, None]
-    return np.moveaxis(cross, (3, 1), (0, 1))
+    cross = _sylvester_of_matrices(own, soil_matrix, right)[..., 0] * std[:, None]
+    cross[:, 1] *= w[:, None]
+    return cross.swapaxes(0, 1)
 
 
 def stationary(matrix: Array, noise: Array) -> Array:
@@ -230,154 +266,3 @@ def _sylvester_of_matrices(a: Array, b: Array, right: Array) -> Array:
     left = left + np.eye(p)[:, None, :, None] * b[..., None, :, None, :]
     x = np.linalg.solve(left.reshape(-1, p * q, p * q), -right.reshape(-1, p * q, right.shape[-1]))
     return x.reshape(right.shape)
-
-
-class FilterOscillator(NamedTuple):
-    """An oscillator of a filter in free motion, ``x'' + damping x' + stiffness x = 0``."""
-
-    stiffness: Array
-    damping: Array
-
-    def free(self, value: Array, rate: Array, s: Array) -> Array:
-        """Laplace transform at ``s`` of the free motion from this initial value and rate."""
-        return ((s + self.damping) * value + rate) / (s * (s + self.damping) + self.stiffness)
-
-
-class _OfOscillators(Filter):
-    """Filters of one or two oscillators, whose covariances have closed forms."""
-
-    @property
-    def oscillators(self) -> Sequence[Entry]:
-        """Stiffness and damping of each oscillator."""
-        raise NotImplementedError
-
-    @property
-    def _ground(self) -> tuple[Entry, ...]:
-        """Intensity, then stiffness and damping of each oscillator, as `grounds` takes them."""
-        return self.intensity, *self.oscillators
-
-    def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, *tuple[grounds.Rows, ...]]:
-        """Signal of the ground, and rows with each oscillator."""
-        raise NotImplementedError
-
-    def forcing(self, system: EquivalentSystem) -> Forcing:
-        """Covariances of the forcing with the structure's states."""
-        return Forcing(*self._solved(system)[0])
-
-    def _correlations(self, system: EquivalentSystem, *, slopes: bool = False) -> Array:
-        """As in `Filter`, without derivatives."""
-        _, *oscillators = self._solved(system)
-        rows = [sum(pairs, ()) for pairs in zip(*oscillators, strict=True)]
-        return np.moveaxis(np.array([np.broadcast_arrays(*row) for row in rows]), 1, -1)
-
-
-@dataclass(frozen=True, kw_only=True)
-class KanaiTajimiFilter(_OfOscillators):
-    """The Kanai-Tajimi ground, eqs. (11) and (12): white noise through one oscillator."""
-
-    frequency: Entry  # wg [rad/s]
-    damping: Entry  # xig
-
-    @classmethod
-    def of(cls, intensity: Entry, frequency: Entry, damping: Entry) -> KanaiTajimiFilter:
-        """From ``S0``, ``wg`` and ``xig``."""
-        signal = frequency**2, 2 * damping * frequency
-        matrix = (0.0, 1.0), (-signal[0], -signal[1])
-        own = {"frequency": frequency, "damping": damping}
-        return cls(intensity, ("xg", "xg_rate"), matrix, (0.0, 1.0), signal, **own)
-
-    def transmission(self, frequency: Array) -> Array:
-        """As in `Filter`; eq. (12) of the paper."""
-        ratio = (frequency / self.frequency) ** 2
-        spread = 4 * self.damping**2 * ratio
-        return (1 + spread) / ((1 - ratio) ** 2 + spread)
-
-    @property
-    def fastest(self) -> Entry:
-        """``wg``."""
-        return self.frequency
-
-    @property
-    def oscillators(self) -> Sequence[Entry]:
-        """As in `_OfOscillators`."""
-        return self.output
-
-    def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, grounds.Rows]:
-        return grounds.kanai_tajimi(system, self._ground)
-
-    def forcing_and_slopes(self, system: EquivalentSystem) -> tuple[Forcing, Slopes]:
-        """As in `Filter`."""
-        forcing, rows = self._solved(system)
-        slopes = grounds.kanai_tajimi_slopes(system, self._ground, rows)
-        return Forcing(*forcing), slopes
-
-    def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
-        """As in `Filter`; the initial rate is ``d/dtau E[f mu] = -E[f mu']`` at ``tau = 0``."""
-        return lambda s: FilterOscillator(*self.output).free(forcing.mu, -forcing.velocity, s)
-
-
-@dataclass(frozen=True, kw_only=True)
-class CloughPenzienFilter(_OfOscillators):
-    """The Clough-Penzien ground: a Kanai-Tajimi ground through a high-pass oscillator."""
-
-    soil: KanaiTajimiFilter
-    frequency: Entry  # wf [rad/s]
-    damping: Entry  # xif
-
-    @classmethod
-    def of(cls, soil: KanaiTajimiFilter, frequency: Entry, damping: Entry) -> CloughPenzienFilter:
-        """From the Kanai-Tajimi filter of the soil, ``wf`` and ``xif``."""
-        output = (*soil.output, -(frequency**2), -2 * damping * frequency)
-        still = (0.0, 0.0)
-        matrix = (*((*row, *still) for row in soil.matrix), (*still, 0.0, 1.0), output)
-        states = (*soil.states, "xf", "xf_rate")
-        noise = (*soil.noise, *still)
-        own = {"soil": soil, "frequency": frequency, "damping": damping}
-        return cls(soil.intensity, states, matrix, noise, output, **own)
-
-    def transmission(self, frequency: Array) -> Array:
-        """As in `Filter`."""
-        ratio = (frequency / self.frequency) ** 2
-        high_pass = ratio**2 / ((1 - ratio) ** 2 + 4 * self.damping**2 * ratio)
-        return self.soil.transmission(frequency) * high_pass
-
-    @property
-    def fastest(self) -> Entry:
-        """The larger of ``wg`` and ``wf``."""
-        return np.maximum(self.soil.frequency, self.frequency)
-
-    @property
-    def _layer(self) -> FilterOscillator:
-        """The high-pass oscillator."""
-        return FilterOscillator(self.frequency**2, 2 * self.damping * self.frequency)
-
-    @property
-    def oscillators(self) -> Sequence[Entry]:
-        """As in `_OfOscillators`."""
-        return *self.soil.output, *self._layer
-
-    def _solved(self, system: EquivalentSystem) -> tuple[grounds.Signal, grounds.Rows, grounds.Rows]:
-        return grounds.clough_penzien(system, self._ground)
-
-    def forcing_and_slopes(self, system: EquivalentSystem) -> tuple[Forcing, Slopes]:
-        """As in `Filter`."""
-        forcing, *rows = self._solved(system)
-        slopes = grounds.clough_penzien_slopes(system, self._ground, *rows)
-        return Forcing(*forcing), slopes
-
-    def later(self, system: EquivalentSystem, forcing: Forcing) -> Transform:
-        """As in `Filter`: the soil oscillator moves freely and drives the high-pass oscillator."""
-        soil, layer = FilterOscillator(*self.soil.output), self._layer
-        (*with_soil, with_layer, with_layer_rate), (*rate_with_soil, _, _), _ = np.moveaxis(
-            self._correlations(system), -1, 1
-        )
-        with_mu, with_rate = (
-            soil.stiffness * value + soil.damping * rate for value, rate in (with_soil, rate_with_soil)
-        )
-
-        def cascade(s: Array) -> Array:
-            signal = soil.free(with_mu, -with_rate, s)
-            moved = layer.free(with_layer, with_layer_rate + signal, s)
-            return signal - layer.stiffness * moved - layer.damping * (s * moved - with_layer)
-
-        return cascade

@@ -16,22 +16,23 @@ from scipy.special import gamma, ndtr, owens_t
 
 from stochlin.kernels.basics.arrays import Array
 
-SQRT_2PI = math.sqrt(2 * math.pi)
+SQRT_2PI, ROOT_HALF = math.sqrt(2 * math.pi), math.sqrt(0.5)
+REACH = 7.75  # standard deviations beyond which Owen's function leaves out 1e-14
+_X, _W = np.polynomial.legendre.leggauss(36)
+NODES = tuple((float(x) ** 2, float(w)) for x, w in zip(_X[18:], _W[18:], strict=True))
 # Series of E[x^2; |x| < h]/(h^3 phi(h)) in h^2/2 for h < 1, the highest term first.
 NARROW = tuple(math.gamma(2.5) / (1.5 * math.gamma(2.5 + n)) for n in range(14, -1, -1))
 
 
 class ClosureValue(NamedTuple):
-    """The results of a closure for moments ``(sv, sz, r)``, and their derivatives by these.
+    """The results of a closure for moments ``(sv, sz, r)``.
 
     The moments (called latent) are those of the Gaussian density behind the assumed density of
     ``(v, z)``; for the Gaussian closure both are the same.
     """
 
     coefficients: Array  # (2, n): 1 + c_e and k_e
-    coefficients_jacobian: Array  # (2, 3, n)
     covariance: Array  # (3, n): Var v, Var z, Cov(v, z) of the assumed density
-    covariance_jacobian: Array  # (3, 3, n)
 
 
 Closure = Callable[[Array, Array], ClosureValue]  # of the latent moments and the law's parameters
@@ -49,20 +50,16 @@ class ClosureInTime(NamedTuple):
     mean_rates: Callable[[Array, Array], Array] = _no_rates  # their rates (states, n)
 
 
-def gaussian_covariance(latent: Array) -> tuple[Array, Array]:
-    """``(Var v, Var z, Cov(v, z))`` of a Gaussian density, and the Jacobian by ``(sv, sz, r)``."""
+def gaussian_covariance(latent: Array) -> Array:
+    """``(Var v, Var z, Cov(v, z))`` of a Gaussian density with these ``(sv, sz, r)``."""
     sv, sz, r = latent
-    jacobian = np.zeros((3, *latent.shape))
-    jacobian[0, 0], jacobian[1, 1] = 2 * sv, 2 * sz
-    jacobian[2, 0], jacobian[2, 1], jacobian[2, 2] = r * sz, r * sv, sv * sz
-    return np.array([sv * sv, sz * sz, r * sv * sz]), jacobian
+    return np.array([sv * sv, sz * sz, r * sv * sz])
 
 
 class SlipQuadrant(NamedTuple):
     """Moments of ``x = v/sv`` over the quadrant ``v > 0, z > 1``, where the bilinear law slips.
 
-    The last four fields are the terms of which the moments and their derivatives consist, with
-    ``a = r/q``.
+    The last four fields are the terms of which the moments consist, with ``a = r/q``.
     """
 
     probability: Array  # P(v > 0, z > 1)
@@ -85,25 +82,14 @@ def equivalent_dashpot(constant: Array, exponent: Array, std: Array) -> Array:
     return constant * absolute_moment(exponent + 1, std) / std**2
 
 
-def regress_slip(
-    slip: Array, slip_jacobian: Array, covariance: Array, covariance_jacobian: Array
-) -> tuple[Array, Array]:
+def regress_slip(by_v: Array, by_z: Array, covariance: Array) -> Array:
     """Regression coefficients ``(1 + c_e, k_e)`` of the slip rate ``v - G(v, z)`` on ``(v, z)``.
 
-    ``slip`` (2, n) are ``E[(v - G) v]`` and ``E[(v - G) z]``, ``covariance`` (3, n) are ``Var v``,
-    ``Var z`` and ``Cov(v, z)``. The Jacobians, also that of the result, are by the latent moments.
+    ``by_v`` and ``by_z`` are ``E[(v - G) v]`` and ``E[(v - G) z]``; ``covariance`` (3, n) are ``Var v``,
+    ``Var z`` and ``Cov(v, z)``.
     """
     vv, zz, vz = covariance
-    determinant = vv * zz - vz * vz
-
-    def solved(by_v: Array, by_z: Array) -> Array:
-        return np.array([by_v * zz - by_z * vz, by_z * vv - by_v * vz]) / determinant
-
-    p, k = coefficients = solved(*slip)
-    d_vv, d_zz, d_vz = covariance_jacobian
-    return coefficients, solved(
-        slip_jacobian[0] - p * d_vv - k * d_vz, slip_jacobian[1] - p * d_vz - k * d_zz
-    )
+    return np.array([by_v * zz - by_z * vz, by_z * vv - by_v * vz]) / (vv * zz - vz * vz)
 
 
 def slip_quadrant(sz: Array, r: Array) -> SlipQuadrant:
@@ -137,12 +123,8 @@ def gaussian(latent: Array, parameters: Array) -> ClosureValue:
     """
     sv, sz, r = latent
     probability, _, _, h, q, edge, corner = slip_quadrant(sz, r)
-    relaxation = 2 * sv * h * (r * h * edge + q * corner)
-    steeper = r * h * (2 - h * h) * edge + q * (1 - h * h) * corner
-    of_slip = 0.0 * sv, 2 * h * h * edge, 2 * corner / q
-    of_relaxation = relaxation / sv, -2 * sv * h * h * steeper, 2 * sv * h * (h * edge - r / q * corner)
-    coefficients = np.array([2 * probability, relaxation])
-    return ClosureValue(coefficients, np.array([of_slip, of_relaxation]), *gaussian_covariance(latent))
+    coefficients = np.array([2 * probability, 2 * sv * h * (r * h * edge + q * corner)])
+    return ClosureValue(coefficients, gaussian_covariance(latent))
 
 
 def clipped(latent: Array, parameters: Array) -> ClosureValue:
@@ -152,21 +134,34 @@ def clipped(latent: Array, parameters: Array) -> ClosureValue:
     coefficients are those of the linear regression of the slip rate ``v - G`` on ``(v, z)``.
     """
     sv, sz, r = latent
-    _, first, second, h, q, edge, corner = slip_quadrant(sz, r)
-    inside, inside_square, outside = within_yield(h)
-    turned, steep = r * h * edge + q * corner, 2 * sv * h * h
-    slip = 2 * sv * sv * second, 2 * sv * first  # E[(v - G) v] and E[(v - G) z]
-    by_v = (
-        4 * sv * second,
-        steep * sv * ((q * q + r * h * r * h) * edge + r * h * q * corner),
-        4 * sv * sv * turned,
-    )
-    by_z = 2 * first, steep * turned, 2 * sv * edge
+    quadrant = slip_quadrant(sz, r)
+    inside, inside_square, outside = within_yield(quadrant.h)
     covariance = np.array([sv * sv, sz * sz * inside_square + outside, r * sv * sz * inside])
-    by_latent = np.zeros((3, *latent.shape))
-    by_latent[0, 0], by_latent[1, 1] = 2 * sv, 2 * sz * inside_square
-    by_latent[2] = r * sz * inside, r * sv * inside_square, sv * sz * inside
-    slip_jacobian = np.array([by_v, by_z])
-    return ClosureValue(
-        *regress_slip(np.array(slip), slip_jacobian, covariance, by_latent), covariance, by_latent
-    )
+    by_v, by_z = 2 * sv * sv * quadrant.second, 2 * sv * quadrant.first
+    return ClosureValue(regress_slip(by_v, by_z, covariance), covariance)
+
+
+def owens_t_of_numbers(h: float, a: float) -> float:
+    """Owen's function by Gauss-Legendre quadrature; for ``|a| > 1`` from ``T(a h, 1/a)``."""
+    size = abs(a)
+    steep = size > 1
+    eta, length = (h * size, 1 / size) if steep else (h, size)
+    length = min(length, REACH / eta)
+    total = 0.0
+    for square, weight in NODES:
+        x = length * length * square
+        total += weight * math.exp(-0.5 * eta * eta * (1 + x)) / (1 + x)
+    part = total * length / (2 * math.pi)
+    if steep:
+        tail, beside = 0.5 * math.erfc(h * ROOT_HALF), 0.5 * math.erfc(eta * ROOT_HALF)
+        part = 0.5 * (tail + beside) - tail * beside - part
+    return part if a > 0 else -part
+
+
+def gaussian_of_numbers(sv: float, sz: float, r: float) -> tuple[float, float]:
+    """The coefficients of `gaussian` for a single structure, for compiled code."""
+    h, q = 1 / sz, math.sqrt((1 - r) * (1 + r))
+    probability = 0.25 * math.erfc(h * ROOT_HALF) + owens_t_of_numbers(h, r / q)
+    edge = math.exp(-0.5 * h * h) / SQRT_2PI * 0.5 * math.erfc(-r / q * h * ROOT_HALF)
+    corner = math.exp(-0.5 * (h / q) ** 2) / (2 * math.pi)
+    return 2 * probability, 2 * sv * h * (r * h * edge + q * corner)

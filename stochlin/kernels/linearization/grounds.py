@@ -2,8 +2,7 @@
 
 The Sylvester equation ``A C + C F' + R = 0`` of a structure with a filter oscillator ``F`` is solved in
 the algebra of polynomials in ``F``: by its characteristic polynomial ``F^2 = -stiffness - e F``, so
-that every element ``a + b F`` is a pair of numbers. The derivative by a coefficient of ``A`` (slip or
-relaxation) solves the same equation, with the derivative of ``A`` times ``C`` in place of ``R``.
+that every element ``a + b F`` is a pair of numbers.
 
 All functions take numbers or arrays of cells. A *pair* has the covariances of a state of the structure
 with both states of an oscillator, *rows* are those of ``mu``, ``mu'`` and ``y``, and a *signal* has the
@@ -73,12 +72,6 @@ def _less_signal(left: Any, right: Any) -> Signal:
     return left[0] - right[0], left[1] - right[1], left[2] - right[2]
 
 
-def _gained(rows: Any) -> Pair:
-    """Derivatives (2, n) of the rate of ``y`` by slip and by relaxation, for each state of a filter."""
-    (mu, mu_rate), (v, v_rate), (y, y_rate) = rows
-    return np.array([v, mu - y]), np.array([v_rate, mu_rate - y_rate])
-
-
 def kanai_tajimi(system: Any, ground: Any) -> tuple[Signal, Rows]:
     """Signal of a Kanai-Tajimi ground, eqs. (11) and (12), and rows with its oscillator.
 
@@ -89,22 +82,6 @@ def kanai_tajimi(system: Any, ground: Any) -> tuple[Signal, Rows]:
     noise = np.pi * intensity / damping, np.pi * intensity
     rows = _sylvester(system, soil, NOTHING, noise, NOTHING)
     return _signal(soil, rows), rows
-
-
-def kanai_tajimi_slopes(system: Any, ground: Any, rows: Any) -> Signal:
-    """Derivatives (2, n) of the signal by slip and by relaxation."""
-    soil = ground[1], ground[2]
-    return _signal(soil, _sylvester(system, soil, NOTHING, NOTHING, _gained(rows)))
-
-
-def _with_layer(system: Any, layer: Any, still: Any, signal: Any, gained: Any) -> Rows:
-    """Rows with the high-pass oscillator, which the acceleration of the soil drives.
-
-    ``signal`` is that of this acceleration, ``still`` the covariance of the ground acceleration with the
-    oscillator's displacement, and ``gained`` a further right-hand side.
-    """
-    mu, v, y = signal
-    return _sylvester(system, layer, (0.0, mu), (still, v), (gained[0], gained[1] + y))
 
 
 def clough_penzien(system: Any, ground: Any) -> tuple[Signal, Rows, Rows]:
@@ -119,6 +96,7 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, Rows, Rows]:
     noise = np.pi * intensity / damping, np.pi * intensity
     alone = layer_stiffness, layer_damping, 0.0, 0.0, np.sqrt(layer_stiffness)
     x, v, _ = _sylvester(alone, soil, NOTHING, noise, NOTHING)
+    # Covariance of the ground acceleration with the displacement of the high-pass oscillator.
     still = -(stiffness * v[0] + damping * v[1]) / layer_damping
     right = (  # covariances of the soil's states with f
         noise[0] - layer_stiffness * x[0] - layer_damping * v[0],
@@ -126,12 +104,6 @@ def clough_penzien(system: Any, ground: Any) -> tuple[Signal, Rows, Rows]:
     )
     of_soil = _sylvester(system, soil, NOTHING, right, NOTHING)
     signal = _signal(soil, of_soil)
-    of_layer = _with_layer(system, layer, still, signal, NOTHING)
+    mu, v, y = signal
+    of_layer = _sylvester(system, layer, (0.0, mu), (still, v), (0.0, y))
     return _less_signal(signal, _signal(layer, of_layer)), of_soil, of_layer
-
-
-def clough_penzien_slopes(system: Any, ground: Any, of_soil: Any, of_layer: Any) -> Signal:
-    """Derivatives (2, n) of the signal by slip and by relaxation."""
-    signal, layer = kanai_tajimi_slopes(system, ground, of_soil), (ground[3], ground[4])
-    rows = _with_layer(system, layer, 0.0, signal, _gained(of_layer))
-    return _less_signal(signal, _signal(layer, rows))

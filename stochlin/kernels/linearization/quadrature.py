@@ -3,9 +3,8 @@
 The slip rate is an odd function, so that half of the plane is enough: ``E[w v] = 2 E[w v; v > 0]``. The
 outer integral, over ``t = z/sz``, is by Gauss-Legendre quadrature on panels between the kinks of the
 law. The inner one, over ``x = v/sv > 0`` for given ``t``, has a closed form for a rate-independent law,
-``w(v, z) = v w(1, z)``, and is by Gauss-Legendre quadrature otherwise. The derivatives by the moments
-are expectations of ``w`` times the score of the density (the derivative of its logarithm). The law
-itself is not differentiated, and may have kinks.
+``w(v, z) = v w(1, z)``, and is by Gauss-Legendre quadrature otherwise. The law itself is not
+differentiated, and may have kinks.
 """
 
 from __future__ import annotations
@@ -44,15 +43,14 @@ class SlipRate(NamedTuple):
         return self.function(v, z, self.parameters.reshape(*self.parameters.shape, *(1,) * (z.ndim - 1)))
 
 
-def slip_expectations(
-    law: SlipRate, latent: Array, parameters: Array, order: int
-) -> tuple[Array, Array]:
-    """``(E[w v], E[w z])`` (2, n), and the Jacobian (2, 3, n) by the moments ``latent`` (3, n).
+def slip_expectations(law: SlipRate, latent: Array, parameters: Array, order: int) -> Array:
+    """``(E[w v], E[w z])`` (2, n) for the moments ``latent`` (3, n).
 
     The moments are ``sv``, ``sz``, ``r`` of the Gaussian ``(v, z)``; ``parameters`` (m, n) are those of
     the law, and ``order`` is the number of Gauss-Legendre nodes of each panel.
     """
-    return _assemble(_moments(law, latent, parameters, order, 4), latent)
+    moments = _moments(law, latent, parameters, order, 2)
+    return latent[:2] * [moments[1, 0], moments[0, 1]]
 
 
 def even_expectation(function: SlipRate, latent: Array, parameters: Array, order: int) -> Array:
@@ -140,23 +138,3 @@ def on_panels(edges: Array, order: int) -> tuple[Array, Array]:
     nodes, weights = gauss_legendre(order)
     half = 0.5 * np.diff(edges)[:, None]
     return (edges[:-1, None] + half * (1 + nodes)).ravel(), (half * weights).ravel()
-
-
-def _assemble(m: Array, latent: Array) -> tuple[Array, Array]:
-    """The expectations and their Jacobian, as `slip_expectations` returns them, from `_moments`."""
-    sv, sz, r = latent
-    q2 = (1 - r) * (1 + r)
-
-    def score(a: int, b: int) -> Array:
-        """``2 E[w x^a t^b s; x > 0]`` with the scores ``s`` by ``sv``, ``sz`` and ``r``."""
-        xx, xt, tt = m[a + 2, b], m[a + 1, b + 1], m[a, b + 2]
-        return np.array(
-            [
-                ((xx - r * xt) / q2 - m[a, b]) / sv,
-                ((tt - r * xt) / q2 - m[a, b]) / sz,
-                (r * m[a, b] + ((1 + r * r) * xt - r * (xx + tt)) / q2) / q2,
-            ]
-        )
-
-    values = np.stack([sv * m[1, 0], sz * m[0, 1]])
-    return values, np.stack([sv * score(1, 0), sz * score(0, 1)])

@@ -3,8 +3,8 @@
 The fixed point of linearization is the stationary solution of ``y' = F(y)``, with the unknowns and the
 mismatch ``F`` of `iteration`. It is approached by pseudo-transient continuation (Kelley and Keyes 1998,
 SIAM J. Numer. Anal. 35), with steps from ``(1/delta - dF/dy) step = F``, which become those of Newton's
-method as the pseudo-time step ``delta`` grows. A `StepControl` says how ``delta`` begins, grows while
-``F`` falls, and shrinks where it does not.
+method as the pseudo-time step ``delta`` grows. The slopes are differences. A `StepControl` says how
+``delta`` begins, grows while ``F`` falls, and shrinks where it does not.
 """
 
 from __future__ import annotations
@@ -18,13 +18,10 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.elementary import solve_3x3
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
-    Forcing,
-    OwnCovariance,
-    hurwitz,
     own_covariance,
     stable,
 )
-from stochlin.kernels.linearization.filters import Filter, Slopes
+from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import Closure, ClosureValue
 from stochlin.kernels.linearization.iteration import FixedPoint, add, elastic_limit, follow, nothing
 
@@ -45,6 +42,7 @@ CAREFUL = StepControl(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1
 # Share of max_iterations for nearly Newton's method: 30 of 200, while the bilinear law needs 13.
 BOLD_SHARE = 0.15
 AT_LEVEL = 12  # iterations at one level of shaking
+ALONG = 1e-6  # step of the differences for the slopes
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 LEAST_DELTA = 0.05  # smallest pseudo-time step
 LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
@@ -145,8 +143,9 @@ class SingleStructures(NamedTuple):
         """
         base, before, step, delta, _ = state
         unknowns = base + step
-        latent = moments_of(unknowns)
-        off, jacobian = self.mismatch(latent, self.closure(latent))
+        off = self.mismatch(unknowns)
+        moved = [self.mismatch(unknowns + step) for step in ALONG * np.eye(3)[:, :, None]]
+        jacobian = (np.array(moved).swapaxes(0, 1) - off[:, None]) / ALONG
         norm = np.sqrt((off * off).sum(axis=0))
         valid = np.isfinite(norm + jacobian.sum(axis=(0, 1)))
         delta = next_delta(delta, before, np.where(valid, norm, np.inf), pace)
@@ -154,7 +153,7 @@ class SingleStructures(NamedTuple):
         damped, full = newton_steps(jacobian, off, np.array([1 / delta, 0 * delta])).swapaxes(0, 1)
         more_elastic = step - np.array([0 * norm, 0 * norm + 1.0, 0.5 * unknowns[2]])
         shorter = np.where(np.isinf(before), more_elastic, 0.25 * step)
-        r = latent[2]
+        r = np.tanh(unknowns[2])
         of_r = (1 - r * r) * self.rtol / (self.atol + self.rtol * np.abs(r))
         still = (np.abs(full[:2]).max(axis=0) <= self.rtol) & (np.abs(full[2]) * of_r <= self.rtol)
         return State(
@@ -165,24 +164,20 @@ class SingleStructures(NamedTuple):
             valid & (norm <= LARGEST_MISMATCH) & still,
         )
 
-    def mismatch(self, latent: Array, value: ClosureValue) -> tuple[Array, Array]:
-        """Mismatch (3, n) of the unknowns, and its Jacobian (3, 3, n) by these.
+    def mismatch(self, unknowns: Array) -> Array:
+        """Mismatch (3, n) of the unknowns.
 
-        All is NaN for systems that are not stable. This is checked by the criterion of Routh and
-        Hurwitz, since on filtered ground the formulas can also give a valid covariance there.
+        It is NaN for systems that are not stable. This is checked by the criterion of Routh and Hurwitz,
+        since on filtered ground the formulas can also give a valid covariance there.
         """
+        value = self.closure(moments_of(unknowns))
         system = EquivalentSystem(*self.structure, *value.coefficients)
-        forcing, slopes = self.ground.forcing_and_slopes(system)
-        own = own_covariance(system, forcing)
+        own = own_covariance(system, self.ground.forcing(system))
         v_v = np.where(stable(*system) & (own.mu_mu > 0), own.v_v, np.nan)
         response, assumed = np.array([v_v, own.z_z, own.v_z]), value.covariance
         corr, r = correlation(response), correlation(assumed)
         scales = 0.5 * np.log(response[:2] / assumed[:2]) + self.level
-        off = np.array([*scales, np.arctanh((corr - r) / (1 - corr * r))])
-        by_coefficients = slope_of_unknowns(response, corr, own_slopes(system, own, forcing, slopes))
-        jacobian = (by_coefficients[:, :, None] * value.coefficients_jacobian).sum(axis=1)
-        jacobian -= slope_of_unknowns(assumed, r, value.covariance_jacobian)
-        return off, jacobian * np.array([*latent[:2], 1 - latent[2] * latent[2]])
+        return np.array([*scales, np.arctanh((corr - r) / (1 - corr * r))])
 
 
 @np.errstate(all="ignore")  # an iterate may belong to an unstable system, without moments
@@ -263,26 +258,3 @@ def newton_steps(jacobian: Array, mismatch: Array, damping: Array) -> Array:
 def correlation(covariance: Array) -> Array:
     """Correlation of ``v`` and ``z`` from ``Var v``, ``Var z`` and ``Cov(v, z)``."""
     return covariance[2] / np.sqrt(covariance[0] * covariance[1])
-
-
-def slope_of_unknowns(covariance: Array, corr: Array, slope: Array) -> Array:
-    """Derivatives of ``(log sv, log sz, atanh r)`` from those of ``covariance``, both (3, k, n)."""
-    vv, zz, _ = covariance
-    of_v, of_z = 0.5 * slope[0] / vv, 0.5 * slope[1] / zz
-    of_r = (slope[2] / np.sqrt(vv * zz) - corr * (of_v + of_z)) / (1 - corr * corr)
-    return np.array([of_v, of_z, of_r])
-
-
-def own_slopes(system: EquivalentSystem, own: OwnCovariance, forcing: Forcing, slopes: Slopes) -> Array:
-    """Derivatives (3, 2, n) of Var v, Var z and Cov(v, z) of `own_covariance`, by slip and relaxation.
-
-    ``slopes`` are those of the forcing.
-    """
-    _, d, h, p, k = system
-    (f_mu, f_v, f_y), c, mu_z = slopes, 1 - p, own.mu_z
-    steeper = np.array([forcing.velocity - mu_z * h * (d + k), mu_z * (d * (d + 2 * k) + c * h)])
-    by_both = (c * f_v + d * (f_mu - f_y) - steeper) / hurwitz(*system)
-    v_z, z_z = k * by_both, c * by_both
-    v_z[1] += mu_z
-    z_z[0] -= mu_z
-    return np.array([(f_v - h * v_z) / d, z_z, v_z])

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from stochlin.kernels.linearization.filters import CloughPenzienFilter
+from stochlin.kernels.linearization.filters import Filter
 from stochlin.models.grounds.base import GROUNDS, POSITIVE_DAMPING, Fit, Ground
 from stochlin.models.grounds.kanai_tajimi import KanaiTajimi
 from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, parameter
@@ -64,7 +64,7 @@ class CloughPenzien(Ground):
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
 
     @staticmethod
-    def filter(values: Mapping[str, Any]) -> CloughPenzienFilter:
+    def filter(values: Mapping[str, Any]) -> Filter:
         """The soil oscillator, followed by the high-pass oscillator."""
         frequency = 2 * np.pi / values["high_pass_period"]
-        return CloughPenzienFilter.of(KanaiTajimi.filter(values), frequency, values["high_pass_damping"])
+        return KanaiTajimi.filter(values).clough_penzien(frequency, values["high_pass_damping"])

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from stochlin.kernels.linearization.filters import KanaiTajimiFilter
+from stochlin.kernels.linearization.filters import Filter
 from stochlin.models.grounds.base import GROUNDS, POSITIVE_DAMPING, Fit, Ground
 from stochlin.models.parameters import PERIODS, POSITIVE, Parameter, parameter
 
@@ -62,7 +62,7 @@ class KanaiTajimi(Ground):
     intensity: Parameter = parameter("m^2/s^3", "two-sided PSD of the white noise", POSITIVE, 1.0)
 
     @staticmethod
-    def filter(values: Mapping[str, Any]) -> KanaiTajimiFilter:
+    def filter(values: Mapping[str, Any]) -> Filter:
         """The soil oscillator as a filter of the white noise."""
         frequency = 2 * np.pi / values["period"]
-        return KanaiTajimiFilter.of(values["intensity"], frequency, values["damping"])
+        return Filter.kanai_tajimi(values["intensity"], frequency, values["damping"])

@@ -38,7 +38,7 @@ def symbolic() -> sympy.Expr:
 
 
 def gaussian(latent: Array, parameters: Array) -> ClosureValue:
-    """Gaussian closure (Wen 1980, J. Appl. Mech. 47), with derivatives.
+    """Gaussian closure (Wen 1980, J. Appl. Mech. 47).
 
     ``1 + c_e = beta F1 + gamma F2`` and ``k_e = beta F3 + gamma F4``. Wen's integral
     ``Is = 2 Int_l^(pi/2) sin^n t dt`` with ``l = atan2(sqrt(1 - r^2), r)``, where ``r`` is the
@@ -51,20 +51,10 @@ def gaussian(latent: Array, parameters: Array) -> ClosureValue:
         even = 2 ** (n / 2) * gamma((n + 2) / 2) / np.pi * beta_
         odd = 2 ** (n / 2) * gamma((n + 1) / 2) / np.sqrt(np.pi) * gamma_
         integral = np.sign(r) * beta_function(0.5, (n + 1) / 2) * betainc(0.5, (n + 1) / 2, r * r)
-        d_integral = 2 * q ** (n - 1)
-        power, power_less_one = sz**n, sz ** (n - 1)
-
-        slip = power * (even * integral + odd)
+        slip = sz**n * (even * integral + odd)
         share = even * (2 / n * q ** (n + 1) + r * integral) + odd * r
-        relaxation = n * sv * power_less_one * share
-        d_share = even * (integral - r * d_integral / n) + odd
-        jacobian = np.array(
-            [
-                [np.zeros_like(sv), n * slip / sz, power * even * d_integral],
-                [relaxation / sv, (n - 1) * relaxation / sz, n * sv * power_less_one * d_share],
-            ]
-        )
-    return ClosureValue(np.array([slip, relaxation]), jacobian, *gaussian_covariance(latent))
+        relaxation = n * sv * sz ** (n - 1) * share
+    return ClosureValue(np.array([slip, relaxation]), gaussian_covariance(latent))
 
 
 @LAWS.register("bouc_wen", place=2)

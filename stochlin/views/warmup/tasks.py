@@ -12,6 +12,7 @@ from stochlin.analyses.pounding.pounding import pound
 from stochlin.analyses.records.gaps import recorded_gap
 from stochlin.analyses.records.response import respond, response_spectrum
 from stochlin.analyses.simulation.simulation import simulate
+from stochlin.kernels.correlation.bilinear_pair import linearized_pair
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Kelvin, LinearSpring
 from stochlin.models.grounds import Ground, KanaiTajimi, WhiteNoise
@@ -60,6 +61,11 @@ def pounding() -> None:
     pound(_pair(), 0.01, LinearSpring(1e8), _record())
 
 
+def tables() -> None:
+    """Two structures by numbers alone; tables of correlation coefficients need no compiled code."""
+    linearized_pair((0.8, 0.05, 0.1, 0.01), (0.5, 0.05, 0.1, 0.01), (0.01,))
+
+
 def records() -> None:
     """Oscillators in a record, one by one and side by side."""
     first, second = _pair()
@@ -95,7 +101,7 @@ def contacts() -> None:
 
 # The longest first: they are taken in turn by as many processes as there are cores.
 TASKS: Mapping[str, Callable[[], None]] = {
-    task.__name__: task for task in (pounding, storeys, oscillators, records, contacts)
+    task.__name__: task for task in (pounding, tables, storeys, oscillators, records, contacts)
 }
 
 
