@@ -1,6 +1,5 @@
 """``stochlin pound``: what it says, saves and draws, and the energy balance of any valid case."""
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -157,46 +156,6 @@ def test_slabs_that_hit_columns_are_said_loudly(tmp_path: Path) -> None:
     weak = invoke("pound", case_file(tmp_path, ("r", 0.001), text=text))
     assert "SLABS FACE COLUMNS" in weak.output
     assert "columns of" not in weak.output
-
-
-@pytest.mark.slow
-def test_what_floors_and_storeys_bear_is_said_and_drawn(tmp_path: Path) -> None:
-    """In a row of a tower between two oscillators, which have no floors, and of these alone."""
-    single = 'period = "0.3 s"\ndamping = "5 %"\nelastic = true\nmass = "600 t"\n'
-    tall = storeys(4, "350 MN/m")
-    for middle in (tall, single.replace("0.3 s", "0.7 s")):
-        name = "A tower of a long name" if middle is tall else "Middle"
-        text = with_row(single, f"name = '{name}'\n{middle}", single, gaps='["1 cm", "1 cm"]')
-        folder = tmp_path / ("storeys" if middle is tall else "single")
-        folder.mkdir()
-        done = answered("pound", case_file(folder, ("r", 0.4), text=text), "--picture", folder / "p.png")
-        shown = " ".join(done.output.split())
-        assert (folder / "p-storeys.png").exists() == (middle is tall)
-        assert max(map(len, done.output.replace(str(folder), "").splitlines())) <= 100
-        with xr.open_dataset(folder / "p.nc") as table:
-            given = sum(
-                float(table.energy_transferred.sel(side=side).sum()) for side in ("left", "right")
-            )
-            assert float(table.energy_received.sum()) == pytest.approx(given)
-            for n, name in enumerate(table.building.values):
-                one = table.isel(structure=n)
-                head = f"{n + 1}  {str(name)[:17]}"
-                lines = [line for line in done.output.splitlines() if line.startswith(head)]
-                cells = lines[1][len(head) + 3 :].split()
-                assert cells[0] == f"{float(one.peak_acceleration.max()) / 9.80665:.2f}"
-                assert f"{float(one.peak_base_shear) / 1e6:.3g}" in cells
-                assert cells[-1] == f"{float(one.energy_received) / 1e3:+.3g}"
-            if middle is not tall:
-                with pytest.raises(ValueError, match="of a row with storeys"):
-                    draw_floors(table)
-                continue
-            assert table.floor_level.sel(structure=2).values.tolist() == [3.0, 6.0, 9.0, 12.0]
-            assert bool(table.floor_level.sel(structure=[1, 3]).isnull().all())
-            panels = draw_floors(table).axes
-            assert len(panels) == 2
-            lines = [line for line in panels[0].get_lines() if "2 A tower" in str(line.get_label())]
-            np.testing.assert_allclose(lines[0].get_xdata(), table.peak_acceleration[1] / 9.80665)
-            assert re.search(r"Building 1 [\d.]+ [\d.]+ [\d.]+ [\d.]+ 2 ", shown)  # the worst: no floor
 
 
 @pytest.mark.parametrize(

@@ -103,21 +103,6 @@ def test_a_linear_device_is_a_damper_of_the_storey_or_damping() -> None:
     np.testing.assert_allclose(found.peak_alone, wanted.peak_alone, rtol=1e-7)
 
 
-def test_a_device_that_yields_is_a_stronger_storey() -> None:
-    """A bilinear brace of the storey's own yield drift and hardening: another such storey beside it."""
-    low, high = towers()
-    braces = in_storeys(1, (1, 2), stiffness=4e7, hardening=0.05, yield_displacement=0.008)
-    strong = sl.ShearBuilding([2e5] * 2, [1.4e8, 1.2e8], [3.0] * 2, 0.05, 0.05, 0.008)
-    motion = 2 * record()
-    found = sl.pound([low, high], FAR, SPRING, motion, link=braces)
-    wanted = sl.pound([strong, high], FAR, SPRING, motion)
-    assert float(wanted.hysteretic_energy[-1, 0]) > 0
-    # damping by modes follows the stiffness, and braces are no part of it: 5 % of critical either way
-    np.testing.assert_allclose(found.peak[0], wanted.peak[0], rtol=0.05)
-    shear = found.storey_shear[:, 0, :2].values + found.link_force.values
-    np.testing.assert_allclose(np.nanmax(abs(shear), axis=0), wanted.peak_storey_shear[0, :2], rtol=0.05)
-
-
 # --- Whatever the device ----------------------------------------------------------------------------
 
 
@@ -149,20 +134,6 @@ def test_energy_of_any_device_is_accounted_for(
     lost = table.link_lost_energy.values
     assert np.diff(lost).min() >= -1e-9 * max(lost.max(), 1.0)
     assert lost[-1] > 0
-
-
-def test_devices_belong_to_their_building_and_links_do_not() -> None:
-    """Standing alone a building keeps the devices in it, and loses what ties it to its neighbour."""
-    devices = in_storeys(2, range(1, 5), damping_constant=3e5, damping_exponent=0.5)
-    link = sl.Link(5e6, 2e5, structures=(1, 2))
-    bare = sl.pound(towers(), FAR, SPRING, record())
-    apart = sl.pound(towers(), FAR, SPRING, record(), link=devices)
-    both = sl.pound(towers(), 0.005, SPRING, record(), link=[link, *devices])
-    np.testing.assert_allclose(apart.peak, apart.peak_alone, rtol=1e-9)
-    np.testing.assert_allclose(both.peak_alone, apart.peak_alone, rtol=1e-9)
-    assert (apart.peak_alone[1] < 0.96 * bare.peak_alone[1]).all()
-    np.testing.assert_allclose(apart.peak_alone[0, :2], bare.peak_alone[0, :2], rtol=1e-9)
-    assert both.link.values.tolist() == [1, 2, 3, 4, 5]
 
 
 # --- How far a contact is compressed ----------------------------------------------------------------

@@ -6,9 +6,9 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 import xarray as xr
-from cases import assert_near, with_slow
+from cases import assert_near
 from hypothesis import example, given, settings
-from motions import finer, from_sample_to_sample, motion, shaking
+from motions import finer, motion, shaking
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
@@ -106,46 +106,6 @@ def test_energy_balances_for_any_pair(periods, masses, yields, gap, name, seed, 
 
 
 # --- Another integrator -----------------------------------------------------------------------------
-
-
-def by_scipy(pair, gap, contact, record):
-    """Displacements (2, samples) by DOP853, restarted at samples; laws as written, kinks and all."""
-    w = np.array([2 * np.pi / s.period for s in pair])
-    mass, alpha, uy = (
-        np.array([getattr(s, name) for s in pair])
-        for name in ("mass", "hardening", "yield_displacement")
-    )
-    xi = np.array([s.damping for s in pair])
-    law = contact.force_law(forces.reduced_mass(*mass))
-    bouc_wen = isinstance(pair[0], sl.BoucWen)
-
-    def rates(t, x, ground, slope):
-        u, v, z = x.reshape(3, 2)
-        if bouc_wen:
-            dz = v - 0.5 * abs(v) * z / uy - 0.5 * v * abs(z) / uy
-        else:
-            dz = np.where((abs(z) >= uy) & (z * v > 0), 0.0, v)
-        force = forces.force(law, u[0] - u[1] - gap, v[0] - v[1], 1.0)
-        push = np.array([-force, force]) / mass
-        a = -ground - slope * t - 2 * xi * w * v - w**2 * (alpha * u + (1 - alpha) * z) + push
-        return np.concatenate([v, a, dz])
-
-    def mend(state):
-        return state if bouc_wen else np.append(state[:4], np.clip(state[4:], -uy, uy))
-
-    options = {"method": "DOP853", "rtol": 1e-9, "atol": 1e-12, "max_step": 1e-3}
-    return from_sample_to_sample(rates, record, 6, mend, **options)[:, :2].T
-
-
-@pytest.mark.parametrize("name", with_slow(["kelvin", "impact kelvin", "no tension"], {"no tension"}))
-def test_bouc_wen_pair_moves_as_by_another_integrator(name):
-    pair = [
-        sl.BoucWen(1.1, 0.05, hardening=0.05, yield_displacement=0.03, mass=2e5),
-        sl.BoucWen(0.5, 0.05, hardening=0.1, yield_displacement=0.015, mass=3e5),
-    ]
-    record = synthetic(100, size=3.0)
-    wanted = by_scipy(pair, 0.002, CONTACTS[name], record)
-    check_convergence(pair, 0.002, CONTACTS[name], record, wanted)
 
 
 def check_convergence(pair, gap, contact, record, wanted):
@@ -411,6 +371,3 @@ def test_structures_that_cannot_reach_each_other_are_not_amplified():
     hit = sl.pounding_estimate(soft(), stiff(), [0.2, 0.05], sl.Stereomechanical(0.5), 0.05, 0.05)
     assert float(hit.largest_radius_amplification_1[0]) == 1
     assert float(hit.largest_radius_amplification_1[1]) > 1
-
-
-# --- Laws of users ----------------------------------------------------------------------------------

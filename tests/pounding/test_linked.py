@@ -28,36 +28,6 @@ def pair(**law):
     ]
 
 
-def reference(structures, link, motion):
-    """Displacements of linear structures by another integrator of another formulation."""
-    m = np.array([s.mass for s in structures])
-    w = np.array([2 * np.pi / s.period for s in structures])
-    xi = np.array([s.damping for s in structures])
-    tie = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    stiffness = (np.diag(m * w**2) + link.stiffness * tie) / m[:, None]
-    damping = (np.diag(2 * xi * w * m) + link.damping_constant * tie) / m[:, None]
-
-    def rates(t, x, ground, slope):
-        return np.append(x[2:], -stiffness @ x[:2] - damping @ x[2:] - ground - slope * t)
-
-    return from_sample_to_sample(rates, motion, 4, method="DOP853", rtol=1e-11, atol=1e-14)[:, :2]
-
-
-@pytest.mark.parametrize(
-    "link", [sl.Link(3e7, 0.0), sl.Link(0.0, 2e6), sl.Link(5e6, 4e5)], ids=("spring", "dashpot", "both")
-)
-def test_linear_pairs_move_as_by_another_integrator(link):
-    motion = record(120)
-    table = sl.pound(pair(), FAR, SPRING, motion, link=link, steps_per_contact=128)
-    exact = reference(pair(), link, motion)
-    # 2e-4 at 16 steps, and a 64th of it here
-    assert_near(table.displacement, exact, 1e-5)
-    force = link.stiffness * (exact[:, 0] - exact[:, 1])
-    velocity = table.velocity[:, 0] - table.velocity[:, 1]
-    force += link.damping_constant * velocity.values
-    assert_near(table.link_force[:, 0], force, 2e-5)
-
-
 @pytest.mark.parametrize(
     ("link", "told"),
     [

@@ -10,8 +10,6 @@ import sympy
 
 import stochlin as sl
 from stochlin.analyses.simulation.connected_structures import all_connected
-from stochlin.kernels.simulation.ensemble import SteppedStructures
-from stochlin.kernels.simulation.laws import VISCOUS, by_number
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.kernels.simulation.time_step import _dashpot
 from stochlin.models.systems import arrangement_of
@@ -155,23 +153,6 @@ def test_a_motion_has_the_same_bits_alone_and_in_a_batch(law, links):
         block(np.ascontiguousarray(f[:, lane : lane + 1]), part.at_rest(1), 1, alone)
         np.testing.assert_array_equal(alone[..., 0], together[..., lane])
     assert np.ptp(np.abs(together).max(axis=(0, 1))) > 0.05  # some hardly yield, others a lot
-
-
-def test_exponent_one_is_a_linear_dashpot():
-    """In the damping matrix, as a link has it; and as an element with an exponent of its own."""
-    linear, told = (
-        [replace(one, damping_exponent=a) for one in in_every_storey(3e6, 1)] for a in (None, 1)
-    )
-    tables = [sl.simulate([TOWER], FIRM, link=links, **FINITE) for links in (linear, told)]
-    np.testing.assert_array_equal(tables[0].peak, tables[1].peak)
-    found = []
-    for links in (linear, in_every_storey(3e6, 0.5)):
-        (frame,) = all_connected(arrangement_of([TOWER], links))
-        own = frame.part.elements.own.copy()
-        own[frame.part.elements.kind == VISCOUS, 1:] = 1.0
-        part = SteppedStructures(frame.part.elements._replace(own=own), by_number(()))
-        found.append(stepped(part, 3.0, 300)[:, :4])
-    np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-8 * np.abs(found[0]).max())
 
 
 def test_a_linear_dashpot_to_the_ground_is_damping():

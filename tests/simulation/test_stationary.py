@@ -169,13 +169,7 @@ def test_drift_tells_a_run_that_starts_recording_from_rest(ratio, hardening):
     assert early.displacement_std < good.displacement_std - ERRORS * good.displacement_error
 
 
-# ---- (4) Yielding structures at finer steps, under the same noise ----
-
-COARSE, FINE = 32, 64  # steps a period
-BURN_IN, BLOCKS, CYCLES, GROUPS = 20, 80, 20, 20  # cycles are periods of a block
-
-
-# ---- (5) Seeds and threads ----
+# ---- (4) Seeds and threads ----
 
 MIXED = [
     yielding(1.0, 1.0),
@@ -227,7 +221,7 @@ def test_run_stops_when_progress_raises():
     assert shares == [1 / 100]
 
 
-# ---- (6) Bad input ----
+# ---- (5) Bad input ----
 
 PLAIN = yielding(1.0, 1.0)
 

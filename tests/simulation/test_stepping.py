@@ -312,25 +312,6 @@ def test_stationary_covariance_of_elastic_structures_is_exact_for_any_step(filte
     np.testing.assert_allclose(after / units, exact / units, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("filters", list(GROUNDS.values())[1:], ids=list(GROUNDS)[1:])
-def test_noise_free_ground_decays_as_the_continuous_filter(filters):
-    matrix, noise, output = ground_system(filters)
-    rng = np.random.default_rng(4)
-    start = rng.standard_normal((len(noise), LANES))
-    exact = scipy.linalg.expm(matrix) @ start
-    errors, off = [], []
-    for count in (400, 800):
-        steps = filter_steps(matrix, noise, output, 1.0, 1 / count)
-        q, f = start.copy(), np.empty((count, LANES))
-        ground_block(steps)(np.zeros((count, LANES)), q, f)
-        errors.append(np.abs(q - exact).max())
-        # Over the second, the forcing's mean is the output of the integral of the states.
-        integral = np.linalg.solve(matrix, exact - start)
-        off.append(np.abs(f.mean(axis=0) - output @ integral).max())
-    for coarse, fine in (errors, off):
-        assert 3.8 < coarse / fine < 4.2
-
-
 @pytest.mark.parametrize("steps", [30.8, 32.9, 33.4])
 def test_a_peak_between_two_steps_is_known_to_1e_5(steps):
     """Of ``1 - cos``, whose steps miss it by 1e-3 or more, also in the difference of two of them."""
