@@ -9,6 +9,7 @@ method as the pseudo-time step ``delta`` grows. The slopes are differences. A `S
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -43,10 +44,11 @@ CAREFUL = StepControl(first=0.5, restart=0.5, shorter=0.5, longer=1.1, longest=1
 BOLD_SHARE = 0.15
 AT_LEVEL = 12  # iterations at one level of shaking
 ALONG = 1e-6  # step of the differences for the slopes
+MOVED = ALONG * np.eye(3, 4, 1)  # no step, and one of each unknown
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 LEAST_DELTA = 0.05  # smallest pseudo-time step
 LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
-CHUNK = 8192  # cells solved together, which limits the temporary arrays of a step
+CHUNK = 2048  # cells solved together, which limits the temporary arrays of a step
 
 
 class State(NamedTuple):
@@ -105,11 +107,8 @@ class SingleStructures(NamedTuple):
 
     def by_law(self, cells: Array) -> Iterator[tuple[Law, Array]]:
         """Each law with its part of an array (..., n)."""
-        begin = 0
-        for law in self.laws:
-            end = begin + law.one_solution.size
-            yield law, cells[..., begin:end]
-            begin = end
+        ends = np.cumsum([law.one_solution.size for law in self.laws])[:-1]
+        return zip(self.laws, np.split(cells, ends, axis=-1), strict=True)
 
     def at(self, cells: Array) -> SingleStructures:
         """The cells with these numbers, which increase."""
@@ -122,10 +121,12 @@ class SingleStructures(NamedTuple):
         return SingleStructures(structure, laws, self.ground.at(cells), level, self.rtol, self.atol)
 
     def closure(self, latent: Array) -> ClosureValue:
-        """What the closures have for these moments."""
-        values = [law.closure(own, law.parameters) for law, own in self.by_law(latent)]
-        if len(values) == 1:
-            return values[0]
+        """What the closures have for these moments (3, ..., n)."""
+        values = []
+        for law, own in self.by_law(latent):
+            parameters = np.tile(law.parameters, math.prod(own.shape[1:-1]))
+            rows = law.closure(own.reshape(3, math.prod(own.shape[1:])), parameters)
+            values.append([row.reshape(len(row), *own.shape[1:]) for row in rows])
         return ClosureValue(*(np.concatenate(rows, axis=-1) for rows in zip(*values, strict=True)))
 
     def settle(self, unknowns: Array, most: int, pace: StepControl) -> FixedPoint:
@@ -143,9 +144,8 @@ class SingleStructures(NamedTuple):
         """
         base, before, step, delta, _ = state
         unknowns = base + step
-        off = self.mismatch(unknowns)
-        moved = [self.mismatch(unknowns + step) for step in ALONG * np.eye(3)[:, :, None]]
-        jacobian = (np.array(moved).swapaxes(0, 1) - off[:, None]) / ALONG
+        off, *moved = self.mismatch(unknowns[:, None] + MOVED[..., None]).swapaxes(0, 1)
+        jacobian = (np.stack(moved, axis=1) - off[:, None]) / ALONG
         norm = np.sqrt((off * off).sum(axis=0))
         valid = np.isfinite(norm + jacobian.sum(axis=(0, 1)))
         delta = next_delta(delta, before, np.where(valid, norm, np.inf), pace)
@@ -165,7 +165,7 @@ class SingleStructures(NamedTuple):
         )
 
     def mismatch(self, unknowns: Array) -> Array:
-        """Mismatch (3, n) of the unknowns.
+        """Mismatch (3, ..., n) of the unknowns.
 
         It is NaN for systems that are not stable. This is checked by the criterion of Routh and Hurwitz,
         since on filtered ground the formulas can also give a valid covariance there.
