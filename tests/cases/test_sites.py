@@ -202,9 +202,9 @@ def test_files_are_read_as_in_python(tmp_path):
     linear = sl.read_spectrum(tmp_path / "site.csv", between="linear")
     np.testing.assert_array_equal(case.site.spectrum, linear)
     (tmp_path / "folder").mkdir()
-    (tmp_path / "a.txt").rename(tmp_path / "folder" / "a-up.txt")
-    vertical = read(tmp_path, f"{SUITE.format('folder')}{keys}vertical = true\n")
-    np.testing.assert_array_equal(vertical.site.records["a-up.txt"], expected)
+    (tmp_path / "a.txt").rename(tmp_path / "folder" / "a-90.txt")
+    suite = read(tmp_path, f"{SUITE.format('folder')}{keys}")
+    np.testing.assert_array_equal(suite.site.records["a-90.txt"], expected)
 
 
 @pytest.mark.slow

@@ -60,9 +60,9 @@ def bilinear_of(
     xarray.Dataset
         Without dimensions ``yield_force`` [N], ``yield_displacement`` [m], ``hardening`` [-],
         ``initial_stiffness`` [N/m] of the curve up to a tenth of its largest base shear,
-        ``effective_stiffness`` [N/m] up to yield, ``post_yield_ratio`` [-] as the method gives it and
-        ``target_displacement`` [m]; the curve, ``base_shear`` [N] over ``displacement``; and over
-        ``point`` (origin, yield, end) ``idealized_displacement`` [m] and ``idealized_base_shear`` [N].
+        ``effective_stiffness`` [N/m] up to yield and ``target_displacement`` [m]; the curve,
+        ``base_shear`` [N] over ``displacement``; and over ``point`` (origin, yield, end)
+        ``idealized_displacement`` [m] and ``idealized_base_shear`` [N].
 
     Raises
     ------
@@ -114,7 +114,6 @@ def bilinear_of(
             "yield_force": force,
             "yield_displacement": displacement,
             "hardening": _hardening(ratio, method) if hardening is None else float(hardening),
-            "post_yield_ratio": ratio,
             "initial_stiffness": beginning / _first_at(u, v, beginning),
             "effective_stiffness": stiffness,
             "target_displacement": float(end),

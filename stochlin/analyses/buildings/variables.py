@@ -10,7 +10,6 @@ VARIABLES: Variables = {
     "yield_force": ("N", "base shear at yield"),
     "yield_displacement": ("m", "displacement of the roof at yield"),
     "hardening": ("1", "hardening ratio that is taken"),
-    "post_yield_ratio": ("1", "post-yield over effective stiffness of the idealization"),
     "initial_stiffness": ("N/m", "base shear over displacement of the roof where the curve begins"),
     "effective_stiffness": ("N/m", "base shear over displacement of the roof, up to yield"),
     "target_displacement": ("m", "displacement of the roof up to which the curve is idealized"),

@@ -43,7 +43,7 @@ from stochlin.models.arguments import (
 FILE = "file"  # name of the table column with the paths of the records
 # The table in a download of PEER, below a title, with a column for each component.
 PEER_TABLE = "_SearchResults.csv"
-PEER_FILES, PEER_FACTOR = r"(Horizontal-[12]|Vertical) Acc\. Filename", "Scale Factor"
+PEER_FILES, PEER_FACTOR = r"Horizontal-[12] Acc\. Filename", "Scale Factor"
 PEER_ABOUT = {"event": ("Earthquake Name", "Year"), "station": ("Station Name",)}
 ABOUT = ("event", "station", "component")  # columns that become attributes
 LARGEST_FACTOR = 10.0
@@ -63,7 +63,6 @@ def read_records(
     component: Column | None = None,
     wrapped: Truth = False,
     skip: Annotated[int, Whole(0)] = 0,
-    vertical: Truth = False,
     skip_unreadable: Truth = False,
 ) -> Suite:
     r"""Read a suite of records: all files of a folder, or those listed in a table.
@@ -88,10 +87,7 @@ def read_records(
         also chooses one of several components of a file.
     dt, units, column, time_column, component, wrapped, skip
         As in `read_record`, for all files without such an entry in the table. Without a ``component``,
-        both horizontal ones of a file are read.
-    vertical : bool
-        Whether vertical components and those in a borehole are read as well, as they are where
-        ``component`` is given here.
+        both horizontal ones of a file are read; with it, also vertical ones.
     skip_unreadable : bool
         Whether a file that cannot be read is left out with a warning, instead of an error.
 
@@ -132,8 +128,7 @@ def read_records(
         path /= PEER_TABLE
     usual: dict[str, Any] = {"dt": dt, "units": units, "component": component}
     usual |= {"column": column, "time_column": time_column, "wrapped": wrapped, "skip": skip}
-    all_of = vertical or component is not None
-    listed_files = _of_folder(path) if path.is_dir() else _of_table(path, vertical)
+    listed_files = _of_folder(path) if path.is_dir() else _of_table(path)
     suite: Suite = {}
     upward: list[str] = []
     folder = path if path.is_dir() else path.parent
@@ -142,7 +137,7 @@ def read_records(
             for label, record in _components(folder / name, name, **usual | options):
                 if label in suite:
                     raise ValueError("it is listed twice; allowed: each file once")
-                if all_of or is_horizontal(record.assign_attrs(about), name):
+                if component is not None or is_horizontal(record.assign_attrs(about), name):
                     suite[label] = record.assign_attrs(about, file=name)
                 else:
                     upward.append(label)
@@ -154,7 +149,7 @@ def read_records(
             warnings.warn(f"{where} is left out: {why}", DoubtfulInput, stacklevel=3)
     if upward:
         which = f"{listed(upward)} {'is' if len(upward) == 1 else 'are'} left out"
-        why = "vertical or in a borehole; vertical=True reads such components as well"
+        why = "vertical or in a borehole; read_record reads such components"
         warnings.warn(f"{plain(path.name)}: {which}: {why}", DoubtfulInput, stacklevel=3)
     if not suite:
         raise ValueError(f"{plain(path.name)} holds no record that can be read; allowed: one at least")
@@ -186,9 +181,9 @@ def _of_folder(path: Path) -> Iterator[_Listed]:
             yield name, plain(name), {}, {}
 
 
-def _of_table(path: Path, vertical: bool) -> Iterator[_Listed]:
+def _of_table(path: Path) -> Iterator[_Listed]:
     """Each file in a table."""
-    for line, name, row in table_rows(read_text(path), path.name, vertical):
+    for line, name, row in table_rows(read_text(path), path.name):
         where = f"{plain(path.name)}, line {line}, {plain(name)}"
         about: dict[str, Any] = {key: row[key] for key in ABOUT if row.get(key)}
         if factor := number_in(row.get(PEER_FACTOR, "")):
@@ -196,10 +191,10 @@ def _of_table(path: Path, vertical: bool) -> Iterator[_Listed]:
         yield name, where, _options(row, where), about
 
 
-def table_rows(text: str, name: str, vertical: bool = False) -> Iterator[tuple[int, str, Row]]:
+def table_rows(text: str, name: str) -> Iterator[tuple[int, str, Row]]:
     """Line, file and columns of each row of a table of records; a ValueError if it is none.
 
-    A row of PEER's ``_SearchResults.csv`` has both horizontal components, and a vertical one.
+    A row of PEER's ``_SearchResults.csv`` has both horizontal components.
     """
     sheet = text_sheet(text.splitlines(), plain(name), ",")
     rows = {line: sheet.row(line) for line in sheet.cells.index}
@@ -216,7 +211,7 @@ def table_rows(text: str, name: str, vertical: bool = False) -> Iterator[tuple[i
         for key, parts in PEER_ABOUT.items() if FILE not in names else ():
             cells[key] = ", ".join(cells.get(part, "") for part in parts)
         for column in filter(is_file, names if line > start else ()):
-            if (vertical or not column.startswith("Vertical")) and cells[column].strip("-"):
+            if cells[column].strip("-"):
                 yield line, cells[column], cells
 
 

@@ -43,7 +43,6 @@ SHARE = Range(upper=1.0, include_lower=True, include_upper=True)
 LEAST_SHARE = 0.001  # of the mass; programs print ratios to four digits, and less is left out
 AXES = "UX", "UY"
 SAME_LEVEL = 0.01  # largest difference of the levels of joints on one floor [m]
-APART = 20.0  # distance in plan of the points of floors that are not of one building [m]
 TOGETHER = 0.1  # share of the largest displacement of a mode from which a floor moves in it
 TURNS = 1e-6  # rotation of a floor that turns [rad]
 ASIDE = 0.02  # largest share of the mass that may be between the floors, or at joints without shapes
@@ -213,8 +212,6 @@ def _of_stories(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wa
     if asked.points:
         joints = _named(others[3], asked.points)
         shapes = _shapes(joints, _moves(joints, axis, wanted, ["story"]), levels.index)
-    elif asked.tower is None and {"x", "y"} <= {*centres.names}:
-        _check_near(centres, "story", levels.index)
     return Floors(levels.index, levels.to_numpy(), own.to_numpy(), shapes, loads, parts, mass.sum())
 
 
@@ -227,15 +224,6 @@ def _named(table: Table, points: Sequence[str]) -> Table:
         what = f"has no joint {listed(strange)}, which points names"
         raise table.error(f"{what}; it has {listed(known)}")
     return table._replace(rows=table.rows[names.isin([*points]).any(axis=1)])
-
-
-def _check_near(table: Table, name: str, floors: Sequence[str]) -> None:
-    """Raise a ValueError if two floors are so far apart in plan that they are of two buildings."""
-    table = table._replace(rows=table.rows[~table.texts(name).duplicated()])
-    plan = pd.DataFrame({axis: keyed(table, [name], axis, "length", ANY) for axis in ("x", "y")})
-    for n in np.flatnonzero(np.hypot(*np.diff(plan.loc[[*floors]].to_numpy(), axis=0).T) > APART)[:1]:
-        what = f"has {floors[n]} and {floors[n + 1]} more than {APART:g} m apart in plan"
-        raise table.error(f"{what}; name the points of the building at the gap, points=")
 
 
 def _turning(table: Table, wanted: Wanted) -> list[int]:
@@ -297,7 +285,6 @@ def _of_joints(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wan
         if levels[upper] - levels[lower] <= SAME_LEVEL:
             both = f"has joints {lower} and {upper}, both at {levels[lower]:g} m"
             raise table.error(f"{both}; name one on each floor, points=[{lower!r}, ...]")
-    _check_near(places, "joint", levels.index)
     shapes, moved = _shapes(table, moves, levels.index), moves.reindex(mass.index).to_numpy().T
     away = np.abs(level[mass.index].to_numpy()[:, None] - levels.to_numpy())
     floor = away.argmin(axis=1)

@@ -37,7 +37,7 @@ ALIKE = {
     **dict.fromkeys(("outputcase", "loadcase", "loadcasecombo"), "case"),
     **dict.fromkeys(("stepnum", "stepnumber"), "mode"),
     **{"name": "story", "massx": "ux", "massy": "uy", "u1": "ux", "u2": "uy", "r3": "rz"},
-    **{"xorr": "x"} | {f"global{axis}": axis for axis in "xyz"},
+    "globalz": "z",
 }
 MODE = "mode"
 PLACES = "tower", "story", "diaphragm", "joint"  # cells of these may be merged over several lines

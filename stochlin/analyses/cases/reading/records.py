@@ -70,7 +70,6 @@ class Suite(Reading):
     at_most = (("pga", "sa", "scale_to"),)
     goes_with = (("sa", "sa_period"), ("sa_period", "sa"), ("band", "scale_to"))
 
-    vertical: bool = key(TRUTH, "Read vertical components as well", False)
     skip_unreadable: bool = key(TRUTH, "Leave out what cannot be read, with a warning", False)
     pga: float | None = key(PEAK, "Peak acceleration to which each record is scaled", None)
     sa: float | None = key(RESPONSE, "Spectral acceleration to which each is scaled", None)
@@ -84,7 +83,7 @@ class Suite(Reading):
         """The records as they are in their files."""
         if self.band and not self.band[0] < self.band[1]:
             raise self.table.error("band", 'is no band; allowed: two periods, as ["0.2 s", "2 s"]')
-        options = self.given(*READING, "vertical", "skip_unreadable")
+        options = self.given(*READING, "skip_unreadable")
         path = self.table.path("path")
         with self.table.naming("path"):
             suite = read_records(path, **options)
