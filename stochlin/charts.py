@@ -25,7 +25,6 @@ from stochlin.views.figures.fig4 import period_ratio_chart as period_ratio_chart
 from stochlin.views.figures.fig5 import amplification_chart as amplification_chart
 from stochlin.views.figures.fig5 import period_plane_chart as period_plane_chart
 from stochlin.views.figures.settings import ChartSettings as ChartSettings
-from stochlin.views.figures.site import added_damping_chart as added_damping_chart
 from stochlin.views.pounding.pictures import draw_ensemble as draw_ensemble
 from stochlin.views.pounding.pictures import draw_floors as draw_floors
 from stochlin.views.pounding.pictures import draw_pound as draw_pound

@@ -60,13 +60,7 @@ def test_pictures_show_maxima_at_every_strength_and_deviations_where_they_are_si
         "D of standard deviations, linearized",
         "D of mean maxima, simulated",
     ]
-    points = [
-        line for line in plain.axes[0].lines if line.get_linestyle() == "None" and len(line.get_xdata())
-    ]
-    assert [len(line.get_xdata()) for line in points] == [5, 5]
     assert [text.get_text() for text in told.get_texts()][:2] == ["linearized", "drift closure"]
-    assert len(told.get_texts()) == 4
-    assert {line.get_linestyle() for line in beside.axes[0].lines[:2]} == {"-", "--"}
 
 
 @pytest.mark.invariant

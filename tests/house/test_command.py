@@ -29,7 +29,7 @@ FIGURES = (*FORMULAS, "fig4a", "fig4b", "fig4c", "fig5a", "fig5b")
 QUICK_CHARTS = {
     "charts": {"points": 9, "simulated_points": 2, "paths": 4, "reduction_factors": "4,6"},
 }
-RECORDED = ("site_spectrum", "fig1", "fig1b", "fig2", "added_damping")
+RECORDED = ("site_spectrum", "fig1", "fig1b", "fig2")
 
 
 def test_rho_of_a_pair_is_the_librarys() -> None:

@@ -9,7 +9,6 @@ import xarray as xr
 from motions import motion
 
 import stochlin as sl
-from stochlin.charts import added_damping_chart, draw
 
 
 def noise(seed=0, size=1500):
@@ -215,17 +214,3 @@ def test_what_cannot_be_is_said(given, said):
         del usual["gap"]
         with pytest.raises((ValueError, TypeError), match=said):
             sl.energy_gap(**usual | given)
-
-
-@pytest.mark.slow
-@pytest.mark.cli
-@pytest.mark.parametrize("gap", [None, 0.05])
-def test_chart_shows_the_gap_over_damping_and_the_least(gap):
-    chart = added_damping_chart(noise(), FIRST, SECOND, gap)
-    scan = sl.damping_for_gap(noise(), FIRST, SECOND, 0.05)
-    xr.testing.assert_equal(chart.critical_gap, scan.critical_gap)
-    xr.testing.assert_equal(chart.separation, scan.separation)
-    figure = draw(chart)
-    assert len(figure.axes) == 3
-    told = [text.get_text() for text in figure.legends[0].get_texts()]
-    assert ("existing gap" in told) == (gap is not None)

@@ -31,9 +31,11 @@ Subject = Annotated[str, OneOf(SUBJECTS)]
 # Motions of Figs. 1, 2 and 5b, in periods of the ground, so that an amplification does not depend on it:
 # the duration, the ends of the rise and of the strong part, and the decay. For 2 s it lasts 30 s.
 DURATION, RISE_END, STRONG_END, DECAY = 15.0, 2.0, 7.5, 0.7
+LONGEST_MEMORY = 2 * DURATION
 SIMULATED_INTENSITY, SIMULATED_STEP = 0.004, 0.02  # m^2/s^3, s
 BANDS = {NARROW_BAND_DAMPING: "narrow band, ", BROAD_BAND_DAMPING: "broad band, "}
 HEIGHT = 4.6  # inches
+MEMORY = "drift_memory"  # variable with the memory of plastic drifts [s]
 
 
 @dataclass(frozen=True)
@@ -44,21 +46,22 @@ class ChartInputs:
     record: xr.DataArray | None = None
     fitted: Ground | None = None
 
-    @cached_property
-    def grounds(self) -> dict[str, Ground]:
-        """Grounds by the titles of their panels: the model grounds, or the fitted one."""
-        if self.fitted is not None:
-            return {"": self.fitted}
-        period = self.settings.ground_period
-        return {
-            f"{BANDS.get(damping, '')}ξg = {damping:g}": KanaiTajimi(period, damping)
-            for damping in self.settings.ground_dampings
-        }
+    @property
+    def ground(self) -> Ground:
+        """The fitted ground, or the model grounds over ``ground``, the titles of their panels."""
+        dampings = self.settings.ground_dampings
+        if self.fitted is not None or len(dampings) == 1:
+            return self.site
+        titles = [f"{BANDS.get(damping, '')}ξg = {damping:g}" for damping in dampings]
+        axis = xr.DataArray(titles, dims="ground", attrs={"long_name": "ground"})
+        damping = xr.DataArray(list(dampings), dims="ground", coords={"ground": axis})
+        return KanaiTajimi(self.settings.ground_period, damping)
 
     @property
     def site(self) -> Ground:
         """The ground fitted to the record, or the first model ground."""
-        return next(iter(self.grounds.values()))
+        settings = self.settings
+        return self.fitted or KanaiTajimi(settings.ground_period, settings.ground_dampings[0])
 
     @cached_property
     def motion(self) -> xr.DataArray:
@@ -70,7 +73,7 @@ class ChartInputs:
         ground = KanaiTajimi(period, float(self.site.arrays()["damping"]), intensity=SIMULATED_INTENSITY)
         motion = simulated_motions(ground, duration, envelope, paths=2, seed=seed, step=SIMULATED_STEP)
         about = (
-            f"Motion simulated with seed {seed}: {ground_caption([ground])}, S0 = "
+            f"Motion simulated with seed {seed}: {ground_caption(ground)}, S0 = "
             f"{SIMULATED_INTENSITY:g} m²/s³; {envelope_caption(duration, envelope)}"
         )
         return motion[0].assign_attrs(source="a simulated motion", about=about)
@@ -198,16 +201,26 @@ def envelope_caption(duration: float, envelope: AminAng) -> str:
     )
 
 
-def ground_caption(grounds: list[Ground]) -> str:
-    """Name and parameters of grounds of one kind, for the caption of a picture."""
+def ground_caption(ground: Ground) -> str:
+    """Name and parameters of a ground, for the caption of a picture."""
     symbols = {"period": "Tg = {} s", "damping": "ξg = {}"}
     symbols |= {f"high_pass_{name}": text.replace("g", "f") for name, text in symbols.items()}
     texts = [
-        text.format(" and ".join(dict.fromkeys(f"{float(g.arrays()[name]):.3g}" for g in grounds)))
+        text.format(" and ".join(f"{value:.3g}" for value in ground.arrays()[name].values.ravel()))
         for name, text in symbols.items()
-        if name in grounds[0].arrays()
+        if name in ground.arrays()
     ]
-    return f"{grounds[0].name} ground, {', '.join(texts)}"
+    return f"{ground.name} ground, {', '.join(texts)}"
+
+
+def longest_memory(ground: Ground) -> float:
+    """Memory of a plastic drift [s] above which a stationary response is hardly ever reached."""
+    return LONGEST_MEMORY * float(ground.arrays()["period"])
+
+
+def is_slow(chart: xr.Dataset) -> xr.DataArray:
+    """Where the plastic drift has a longer memory than any real motion: these points are open."""
+    return chart[MEMORY] > chart.attrs["longest_memory_s"]
 
 
 @styled(SCREEN_STYLE)

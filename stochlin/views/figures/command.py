@@ -35,9 +35,7 @@ OPTIONS: tuple[tuple[str, Any, Any, str], ...] = (
     ("points", WHOLE, 161, "Number of periods along an axis."),
     ("paths", WHOLE, 64, "Simulated motions."),
     ("simulated-points", COUNT, None, "Simulated periods: 21 in Fig. 4, 41 in Fig. 5a; 0 for none."),
-    ("structure-period", SECONDS, None, "Period in Fig. 1 and of the first one in added_damping."),
-    ("second-period", SECONDS, None, "Period of the second one in added_damping: 0.7 of the first."),
-    ("gap", METRES, None, "Existing gap, drawn in added_damping."),
+    ("structure-period", SECONDS, None, "Period of the structure in Fig. 1: that of the ground."),
 )
 
 
@@ -74,9 +72,8 @@ def charts(name: str | None, record: Path | None, comparison: bool, **options: A
     \b
     Without a record: fig3a, fig3b; with a panel for each ground fig4a, fig4b, fig4c, fig5a, fig5b; of
     contact elements fig6, fig7, fig8; of a simulated motion fig1, fig1b, fig2.
-    With --record: site_spectrum, fig1 (pseudo energy radius), fig1b (beside energies), fig2 (critical
-    gap) and added_damping (the gap over supplemental damping) of the record, and Figs. 4 and 5 with the
-    ending _site, on the fitted ground.
+    With --record: site_spectrum, fig1 (pseudo energy radius), fig1b (beside energies) and fig2 (critical
+    gap) of the record, and Figs. 4 and 5 with the ending _site, on the fitted ground.
 
     \b
     Examples:
@@ -88,7 +85,6 @@ def charts(name: str | None, record: Path | None, comparison: bool, **options: A
       stochlin gap --example-record > record.at2
       stochlin charts --record record.at2
       stochlin charts fig1b --record record.at2 --structure-period 1s
-      stochlin charts added_damping --record record.at2 --structure-period 1s --gap 4cm
       stochlin charts site_spectrum --record column.txt --dt 0.01s --units g
     """
     from stochlin.views.figures.charts import chart_functions

@@ -11,12 +11,12 @@ from stochlin.analyses.records.records import strong_part
 from stochlin.analyses.records.response import pseudo_energy_radius, respond, response_spectrum
 from stochlin.analyses.records.variables import VARIABLES as RECORDS
 from stochlin.analyses.tables import labels
-from stochlin.models.arguments import Points, checked
+from stochlin.models.arguments import checked
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.views.figures.charts import MOTION, PICTURES, ChartInputs, register_chart
-from stochlin.views.figures.kinds import SQUARE
-from stochlin.views.figures.panels import in_a_row, in_cm, is_narrow, panels
-from stochlin.views.shared.style import CURVES, quantity, ratio_ticks
+from stochlin.views.figures.kinds import PANEL, SQUARE
+from stochlin.views.figures.panels import in_a_row, in_cm
+from stochlin.views.shared.style import CURVES, quantity
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,11 +32,7 @@ VARIABLES = {
     "velocity_over_frequency": ("m", "velocity over circular frequency"),
     "circle_displacement": ("m", "displacement on the circle of r_PER"),
     "circle_velocity_over_frequency": ("m", "velocity over frequency on the circle of r_PER"),
-    **{
-        f"{kind}_energy_radius{end}": ("m", f"radius of the {kind} energy{when}")
-        for kind in ENERGIES
-        for end, when in (("", " so far"), ("_at_end", " at the end"))
-    },
+    **{f"{kind}_energy_radius": ("m", f"radius of the {kind} energy so far") for kind in ENERGIES},
     "significant_begin": ("s", "time of 5 % of the energy of the record"),
     "significant_end": ("s", "time of 95 % of the energy of the record"),
 }
@@ -51,8 +47,7 @@ def _fig1(inputs: ChartInputs) -> xr.Dataset:
 def _fig1b(inputs: ChartInputs) -> xr.Dataset:
     settings = inputs.settings
     strength = settings.hardening, settings.plane_reduction_factor
-    period = structure_period(inputs)
-    return energy_chart(inputs.motion, period, settings.damping, *strength, settings.points)
+    return energy_chart(inputs.motion, structure_period(inputs), settings.damping, *strength)
 
 
 @checked
@@ -128,14 +123,9 @@ def draw_portrait(figure: Figure, dataset: xr.Dataset) -> None:
 
 @checked
 def energy_chart(
-    record: xr.DataArray,
-    period: float,
-    damping: float,
-    hardening: float,
-    reduction_factor: float,
-    points: Points = 161,
+    record: xr.DataArray, period: float, damping: float, hardening: float, reduction_factor: float
 ) -> xr.Dataset:
-    """Fig. 1b: energy radius, input energy and dissipated energies, over time and over the period.
+    """Fig. 1b: energy radius, input energy and dissipated energies over time, elastic and yielding.
 
     An energy ``E`` per unit mass is shown as ``sqrt(2 E)/w``, the energy radius of an elastic structure
     with this energy. The pseudo energy radius is equal to the peak displacement or hardly larger, while
@@ -146,21 +136,18 @@ def energy_chart(
     record : xarray.DataArray
         Record [m/s^2], such as from `stochlin.read_record`.
     period, damping : float
-        Period [s] of the structures of the histories, and damping ratio [-] of all structures.
+        Period [s] and damping ratio [-] of the structures.
     hardening, reduction_factor : float
-        Hardening ratio [-] of the yielding structures, and ratio [-] of the peak of the elastic
-        displacement in the record to their yield displacement, at every period.
-    points : int
-        Number of periods of the spectra, from 0.1 to 5 s.
+        Hardening ratio [-] of the yielding structure, and ratio [-] of the peak of the elastic
+        displacement in the record to its yield displacement.
 
     Returns
     -------
     xarray.Dataset
-        Over ``reduction_factor`` (1 for elastic structures) and ``time`` [s]: ``radius``,
-        ``input_energy_radius``, ``viscous_energy_radius`` and ``hysteretic_energy_radius`` [m]. Over
-        ``reduction_factor`` and ``period`` [s]: the same energies at the end of the record, with the
-        ending ``_at_end``, and ``pseudo_energy_radius`` [m]. Also ``significant_begin`` and
-        ``significant_end`` [s], the times at which the record has 5 and 95 % of its energy.
+        Over ``reduction_factor`` (1 for the elastic structure) and ``time`` [s]: ``radius``,
+        ``input_energy_radius``, ``viscous_energy_radius`` and ``hysteretic_energy_radius`` [m]. Also
+        ``significant_begin`` and ``significant_end`` [s], the times at which the record has 5 and 95 %
+        of its energy.
 
     Raises
     ------
@@ -173,28 +160,20 @@ def energy_chart(
     >>> time = np.arange(0, 10, 0.01)
     >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
     >>> from stochlin.charts import energy_chart
-    >>> chart = energy_chart(record, 1.0, 0.05, hardening=0.05, reduction_factor=4.0, points=5)
+    >>> chart = energy_chart(record, 1.0, 0.05, hardening=0.05, reduction_factor=4.0)
     >>> bool((chart.hysteretic_energy_radius.sel(reduction_factor=1.0) == 0).all())
     True
     """
-    periods = period_axis("period", "period", points)
-    elastic = response_spectrum(record, periods, damping)
     peak = float(response_spectrum(record, period, damping).displacement_max)
+    yielding = Bilinear(period, damping, hardening, yield_displacement=peak / reduction_factor)
+    refine = _refine(record, period, POINTS_PER_PERIOD / 2)
     tables = []
-    for factor in (1.0, reduction_factor):
-        structure, spectrum = Bilinear(period, damping), elastic
-        if factor > 1:
-            structure = Bilinear(period, damping, hardening, yield_displacement=peak / factor)
-            weak = elastic.displacement_max / factor
-            spectrum = response_spectrum(
-                record, periods, damping, hardening=hardening, yield_displacement=weak
-            )
-        motion = respond(structure, record, refine=_refine(record, period, POINTS_PER_PERIOD / 2))
-        table = motion[["radius"]].assign(pseudo_energy_radius=spectrum.pseudo_energy_radius)
+    for structure in (Bilinear(period, damping), yielding):
+        motion = respond(structure, record, refine=refine)
+        table = motion[["radius"]]
         for kind in ENERGIES:
-            for end, energies, of in (("", motion, period), ("_at_end", spectrum, periods)):
-                squares = 2 * energies[f"{kind}_energy_per_mass"].clip(min=0.0)
-                table[f"{kind}_energy_radius{end}"] = np.sqrt(squares) * of / (2 * np.pi)
+            squares = 2 * motion[f"{kind}_energy_per_mass"].clip(min=0.0)
+            table[f"{kind}_energy_radius"] = np.sqrt(squares) * period / (2 * np.pi)
         tables.append(table)
     factors = labels.axis("reduction_factor", "reduction factor R", np.array([1.0, reduction_factor]))
     chart = xr.concat(tables, factors, combine_attrs="drop", join="exact")
@@ -203,38 +182,29 @@ def energy_chart(
     return labels.label(chart, VARIABLES).assign_attrs(
         chart="energies",
         title=f"Pseudo energy radius and energies of {source_of(record)}",
-        caption=f"ξ = {damping:.3g}; over time: T = {period:.3g} s; yielding: R = {reduction_factor:g} "
-        f"and hardening ratio {hardening:.3g}. An energy E of a mass m is drawn as √(2E/m)/ω."
+        caption=f"T = {period:.3g} s, ξ = {damping:.3g}; yielding: R = {reduction_factor:g} and "
+        f"hardening ratio {hardening:.3g}. An energy E of a mass m is drawn as √(2E/m)/ω."
         f"{about(record)}",
     )
 
 
 @PICTURES.register("energies")
 def draw_energies(figure: Figure, dataset: xr.Dataset) -> None:
-    """Radius and energies over time and period, elastic above, yielding below."""
+    """Largest radius and energies so far over time, of the elastic and of the yielding structure."""
     times = float(dataset.significant_begin), float(dataset.significant_end)
-    shown = [("pseudo energy radius", "radius", "pseudo_energy_radius")]
-    shown += [
-        (f"{kind} energy", f"{kind}_energy_radius", f"{kind}_energy_radius_at_end") for kind in ENERGIES
-    ]
-    across = 1 if is_narrow(figure) else 2
-    every = iter(panels(figure, 4 // across, across, 2.0))
-    for factor, history, spectrum in zip(dataset.reduction_factor.values, every, every, strict=True):
-        response = dataset.sel(reduction_factor=factor)
-        history.axvspan(*times, color="0.92", label="5 to 95 % of its energy")
-        for (label, over_time, at_end), (color, dash) in zip(shown, CURVES, strict=False):
-            if float(response[at_end].max()) > 0:
-                style: Any = {"color": color, "linestyle": dash, "lw": 1.0}
-                values = in_cm(response[over_time]).values
-                values = np.maximum.accumulate(values) if over_time == "radius" else values
-                history.plot(response.time, values, label=label, **style)
-                spectrum.plot(response.period, in_cm(response[at_end]), **style)
-        spectrum.set_xscale("log")
-        ratio_ticks(spectrum.xaxis, response.period.values)
-        for axes, along in ((history, response.time), (spectrum, response.period)):
-            axes.set(xlim=(float(along[0]), float(along[-1])), ylim=(0, None))
-            axes.set(xlabel=quantity(along), ylabel=quantity(in_cm(response.radius)))
-            axes.set_title("elastic" if factor == 1 else f"R = {factor:g}", loc="left")
+    shown = [("pseudo energy radius", "radius")]
+    shown += [(f"{kind} energy", f"{kind}_energy_radius") for kind in ENERGIES]
+    time, factors = dataset.time, dataset.reduction_factor.values
+    for axes, factor in zip(in_a_row(figure, 2, PANEL), factors, strict=True):
+        axes.axvspan(*times, color="0.92", label="5 to 95 % of its energy")
+        for (label, name), (color, dash) in zip(shown, CURVES, strict=False):
+            values = in_cm(dataset[name].sel(reduction_factor=factor)).values
+            if values.max() > 0:
+                values = np.maximum.accumulate(values) if name == "radius" else values
+                axes.plot(time, values, label=label, color=color, linestyle=dash, lw=1.0)
+        axes.set(xlim=(float(time[0]), float(time[-1])), ylim=(0, None), xlabel=quantity(time))
+        axes.set_ylabel(quantity(in_cm(dataset.radius)))
+        axes.set_title("elastic" if factor == 1 else f"R = {factor:g}", loc="left")
 
 
 def _refine(record: xr.DataArray, period: float, points: float) -> int:

@@ -8,56 +8,76 @@ of the ground is arbitrary.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from functools import partial
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
+from stochlin.analyses.linearization.linearization import linearize
+from stochlin.analyses.records.gaps import recorded_gap
+from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.analyses.tables import labels
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
-from stochlin.models.structures import DRIFT, Structure
-from stochlin.views.figures.charts import GROUND, ChartInputs, ground_caption, register_chart
+from stochlin.models.structures import DRIFT
+from stochlin.views.figures.charts import (
+    GROUND,
+    MEMORY,
+    SIMULATED_INTENSITY,
+    ChartInputs,
+    design_motion,
+    ground_caption,
+    is_slow,
+    longest_memory,
+    register_chart,
+)
 from stochlin.views.figures.fig3 import along_rules, ratio_axis
 from stochlin.views.figures.settings import ChartSettings, chosen_rules
 
 USUAL_RULES = ("penzien_1997", "iwan_1980")  # derived, and fitted to records
 SIMULATED_POINTS = 21  # along a curve
+STEPS = 100  # in a period of the ground, of the finite motions
+SIMULATED, IN_MOTIONS, ERROR = "rho_simulated", "rho_in_motions", "rho_standard_error"
+OPEN_POINTS = (
+    "Simulated values whose plastic drift relaxes in more than {:.3g} s, open or hatched, are not in "
+    "the errors."
+)
 VARIABLES = {
     "rho": ("1", "correlation coefficient ρ"),
     "rho_drift": ("1", "correlation coefficient of the displacements by the drift closure"),
     "rho_elastic": ("1", "correlation coefficient of elastic structures on this ground"),
     "rho_white_noise": ("1", "correlation coefficient of elastic structures by eq. (4)"),
     "rho_effective": ("1", "correlation coefficient by eq. (4) with effective properties"),
-    "rho_simulated": ("1", "ρ, simulated"),
-    "rho_difference": ("1", "ρ, linearized minus simulated"),
+    SIMULATED: ("1", "ρ, simulated"),
+    IN_MOTIONS: ("1", "ρ in motions"),
+    f"{IN_MOTIONS}_standard_error": ("1", "standard error of the mean ρ in motions"),
+    MEMORY: ("s", "relaxation time of the slower plastic drift of the pair"),
 }
-Grounds = Ground | Mapping[str, Ground]
-Pair = tuple[Structure, Structure]
+Pair = tuple[Bilinear, Bilinear]
 Place = dict[str, slice]  # cells of a chart
 
 
 for _letter, _ratio in (("a", 0.5), ("b", 1.0), ("c", 2.0)):
 
     def _fig4(inputs: ChartInputs, frequency_ratio: float = _ratio) -> xr.Dataset:
-        return period_ratio_chart(inputs.settings, inputs.grounds, frequency_ratio)
+        return period_ratio_chart(inputs.settings, inputs.ground, frequency_ratio)
 
     register_chart(f"fig4{_letter}", GROUND, place=40)(_fig4)
 
 
 @checked
-def period_ratio_chart(settings: ChartSettings, ground: Grounds, frequency_ratio: float) -> xr.Dataset:
+def period_ratio_chart(settings: ChartSettings, ground: Ground, frequency_ratio: float) -> xr.Dataset:
     """Fig. 4: rho over ``T1/T2`` for a fixed frequency ``w2 = frequency_ratio wg`` of structure 2.
 
     Parameters
     ----------
     settings : ChartSettings
         Parameters of the charts.
-    ground : KanaiTajimi or CloughPenzien, or mapping of them
-        The ground, with scalar parameters; or several of one period, by the titles of their panels.
+    ground : KanaiTajimi or CloughPenzien
+        The ground, of one period; parameters over ``ground`` are several, with a panel for each.
     frequency_ratio : float
         Frequency of structure 2 over that of the ground [-].
 
@@ -66,10 +86,12 @@ def period_ratio_chart(settings: ChartSettings, ground: Grounds, frequency_ratio
     xarray.Dataset
         ``rho`` and ``status`` over (``reduction_factor``, ``period_ratio``), and over ``ground`` for
         several; ``rho_elastic``, on the same ground, and ``rho_white_noise``, eq. (4), over
-        ``period_ratio``. It also has ``rho_drift`` by the drift closure; ``rho_effective`` over
-        ``rule``, eq. (4) with effective properties for the peak ductilities ``ductility_peak_1`` and
-        ``_2`` of the same reduction factor; and ``rho_simulated`` with ``rho_standard_error`` and
-        ``rho_difference`` (linearized minus simulated), NaN between the simulated points.
+        ``period_ratio``; ``rho_drift`` by the drift closure; and ``rho_effective`` over ``rule``, eq.
+        (4) with effective properties for the peak ductilities ``ductility_peak_1`` and ``_2`` of the
+        same reduction factor. NaN between the simulated points: the stationary ``rho_simulated`` with
+        ``rho_standard_error``; ``drift_memory`` [s], the relaxation time of the slower plastic drift;
+        and where it is above the attribute ``longest_memory_s``, ``rho_in_motions`` with its standard
+        error, the mean of the correlation coefficients in single motions from rest.
 
     Raises
     ------
@@ -85,12 +107,24 @@ def period_ratio_chart(settings: ChartSettings, ground: Grounds, frequency_ratio
     >>> chart.rho.dims
     ('reduction_factor', 'period_ratio')
     """
-    grounds = by_title(ground)
-    second_period = ground_period(grounds) / frequency_ratio
-    chart = on_grounds(partial(_on_ground, settings, second_period), grounds)
+    second_period = ground_period(ground) / frequency_ratio
+    ratio, factors = ratio_axis(settings.fine_points), reduction_factors(settings)
+    periods = (ratio * second_period, second_period)
+    elastic: Pair = Bilinear(periods[0], settings.damping), Bilinear(periods[1], settings.damping)
+    first, second = (bilinear(settings, period, factors) for period in periods)
+    chart = correlate(first, second, ground, closure=settings.closure, bias=False)[["rho", "status"]]
+    chart = chart.transpose(..., "reduction_factor", "period_ratio")
+    chart["rho_elastic"] = correlate(*elastic, ground, bias=False).rho
+    chart["rho_white_noise"] = correlate(*elastic, ground, "white_noise").rho
+    chart = _with_rules(chart, (first, second), ground, settings.curves or USUAL_RULES)
+    chart = with_truth(chart, (first, second), ground, settings, _groups(settings, ratio.size))
+    if SIMULATED in chart:
+        chart = _with_motions(chart, (first, second), ground, settings)
+    order = "ground", "rule", "reduction_factor", "period_ratio"
+    chart = chart.transpose(*order, missing_dims="ignore")
     times = "" if frequency_ratio == 1 else f"{frequency_ratio:g} "
     title = f"Stationary correlation of bilinear structures, ω2 = {times}ωg"
-    chart.attrs |= words(settings, grounds, title, f"; T2 = {second_period:.3g} s")
+    chart.attrs |= words(settings, ground, title, f"; T2 = {second_period:.3g} s")
     chart.attrs["comparison_caption"] = (
         "Effective properties: eq. (4) at the peak ductilities of the same R, 3 σu/uy by drift closure, "
         "as far as a rule was fitted"
@@ -98,27 +132,20 @@ def period_ratio_chart(settings: ChartSettings, ground: Grounds, frequency_ratio
     return with_errors(chart.assign_attrs(chart="curves", comparison="compared_curves"), settings)
 
 
-def _on_ground(settings: ChartSettings, second_period: float, ground: Ground) -> xr.Dataset:
-    """The chart of one ground, without its words."""
-    ratio, factors = ratio_axis(settings.fine_points), reduction_factors(settings)
-    periods = (ratio * second_period, second_period)
-    first, second = (bilinear(settings, period, factors) for period in periods)
-    elastic_1, elastic_2 = (Bilinear(period, settings.damping) for period in periods)
-    chart = correlate(first, second, ground, closure=settings.closure, bias=False)[["rho", "status"]]
-    chart = chart.transpose("reduction_factor", "period_ratio")
-    chart["rho_elastic"] = correlate(elastic_1, elastic_2, ground, bias=False).rho
-    chart["rho_white_noise"] = correlate(elastic_1, elastic_2, ground, "white_noise").rho
-    chart = _with_rules(chart, (first, second), ground, settings.curves or USUAL_RULES)
-    size, places = ratio.size, []
-    if count := number_of_points(settings, SIMULATED_POINTS):
-        # The longest memory of a group determines the duration of its simulation, and the shortest
-        # period its time step: each reduction factor and each half of a curve is a group.
-        step = max(1, round((size - 1) / (count - 1)))
-        middle = step * -(-size // (2 * step))
-        halves = slice(0, middle, step), slice(middle, None, step)
-        rows = [slice(n, n + 1) for n in range(factors.size)]
-        places = [{"reduction_factor": row, "period_ratio": half} for row in rows for half in halves]
-    return with_truth(chart, (first, second), ground, settings, places)
+def _groups(settings: ChartSettings, size: int) -> list[Place]:
+    """The simulated points of Fig. 4, those that are simulated together in a group.
+
+    The longest memory of a group determines the duration of its simulation, and the shortest period its
+    time step: each reduction factor and each half of a curve is a group.
+    """
+    count = number_of_points(settings, SIMULATED_POINTS)
+    if not count:
+        return []
+    step = max(1, round((size - 1) / (count - 1)))
+    middle = step * -(-size // (2 * step))
+    halves = slice(0, middle, step), slice(middle, None, step)
+    rows = [slice(n, n + 1) for n in range(len(settings.reduction_factors))]
+    return [{"reduction_factor": row, "period_ratio": half} for row in rows for half in halves]
 
 
 def _with_rules(chart: xr.Dataset, pair: Pair, ground: Ground, names: Iterable[str]) -> xr.Dataset:
@@ -147,7 +174,7 @@ def with_truth(
 ) -> xr.Dataset:
     """A chart of ``rho`` with the drift closure and, at some places, nonlinear simulation.
 
-    ``rho_simulated``, ``rho_standard_error`` and ``rho_difference`` are NaN elsewhere.
+    ``rho_simulated``, ``rho_standard_error`` and ``drift_memory`` are NaN elsewhere.
     """
     if settings.closure != DRIFT:
         drift = correlate(*pair, ground, closure=DRIFT, bias=False).rho
@@ -156,67 +183,102 @@ def with_truth(
     for place in places:
         first, second = (structure.isel(place) for structure in pair)
         table = correlate(first, second, ground, "simulation", **options)
-        for name, source in (("rho_simulated", "rho"), ("rho_standard_error", "rho_standard_error")):
+        table[MEMORY] = np.maximum(table[f"{MEMORY}_1"], table[f"{MEMORY}_2"])
+        for name, source in ((SIMULATED, "rho"), (ERROR, ERROR), (MEMORY, MEMORY)):
             if name not in chart:
                 chart[name] = xr.full_like(chart.rho, np.nan).assign_attrs(table[source].attrs)
             chart[name][place] = table[source].transpose(*chart.rho.dims).values
-    if "rho_simulated" in chart:
-        chart["rho_difference"] = chart.rho - chart.rho_simulated
-    chart = labels.label(chart, VARIABLES)
+    if SIMULATED in chart:
+        chart[SIMULATED].attrs["ancillary_variables"] = f"{ERROR} {MEMORY}"
+    chart = labels.label(chart, VARIABLES).assign_attrs(longest_memory_s=longest_memory(ground))
     chart.rho.attrs["curve_label"] = "ρ, linearized"
     return chart
+
+
+def _with_motions(chart: xr.Dataset, pair: Pair, ground: Ground, settings: ChartSettings) -> xr.Dataset:
+    """A chart with the mean correlation in finite motions where the drift has a long memory."""
+    period = ground_period(ground)
+    motion: Any = dict(zip(("duration", "envelope"), design_motion(period), strict=True))
+    motion |= {"paths": max(2, settings.paths), "seed": settings.seed, "step": period / STEPS}
+    usual: dict[str, Any] = {"intensity": SIMULATED_INTENSITY}
+    ground = replace(ground, **usual)
+    slow = is_slow(chart)
+    for end in ("", "_standard_error"):
+        chart[f"{IN_MOTIONS}{end}"] = xr.full_like(chart.rho, np.nan)
+    for number in range(chart.sizes.get("ground", 1)):
+        here = {"ground": number} if "ground" in chart.dims else {}
+        soil, where = ground.isel(here), slow.isel(here).values
+        if where.any():
+            first, second = (_strong(each, soil, slow.isel(here)) for each in pair)
+            rho = recorded_gap(first, second, list(simulated_motions(soil, **motion))).rho
+            chart[IN_MOTIONS][here].values[where] = rho.mean("record")
+            error = rho.std("record", ddof=1) / np.sqrt(rho.sizes["record"])
+            chart[f"{IN_MOTIONS}_standard_error"][here].values[where] = error
+    chart = labels.label(chart, VARIABLES)
+    chart[IN_MOTIONS].attrs |= {
+        "ancillary_variables": f"{IN_MOTIONS}_standard_error",
+        "long_name": f"ρ in motions of {motion['duration']:.3g} s",
+    }
+    return chart
+
+
+def _strong(structure: Bilinear, ground: Ground, where: xr.DataArray) -> Bilinear:
+    """The structures of these cells in a row, with their yield displacements in metres."""
+    each = structure.arrays()["period"], linearize(structure, ground).yield_displacement
+    whole = (array.broadcast_like(where).transpose(*where.dims).values for array in each)
+    period, strength = (xr.DataArray(values[where.values], dims="point") for values in whole)
+    return replace(structure, period=period, yield_displacement=strength, reduction_factor=None)
 
 
 def with_errors(chart: xr.Dataset, settings: ChartSettings) -> xr.Dataset:
     """A chart of ``rho`` that states its errors against simulation, or else the caution."""
     chart.attrs["shows"] = "rho"
-    if "rho_simulated" not in chart:
+    if SIMULATED not in chart:
         return chart.assign_attrs(comment=labels.CAUTION_RHO)
-    chart.rho_simulated.attrs["ancillary_variables"] = "rho_standard_error"
     named = {"rho": "linearized", "rho_drift": "drift closure"}
 
     def errors(part: xr.Dataset) -> str:
-        off = {text: np.abs(part[n] - part.rho_simulated) for n, text in named.items() if n in part}
-        texts = [
-            f"{text} {float(each.mean()):.2g} ({float(each.max()):.2g})" for text, each in off.items()
-        ]
+        off = {text: abs(part[n] - part[SIMULATED]) for n, text in named.items() if n in part}
         return (
             f"Simulated on {settings.paths} paths; standard error at most "
-            f"{float(part.rho_standard_error.max()):.2g}. Mean (largest) error: {'; '.join(texts)}."
+            f"{float(part[ERROR].max()):.2g}.{errors_in_words(part, off)}"
         )
 
-    return chart.assign_attrs(points="rho_simulated", comment=for_each_ground(chart, errors))
+    points = [SIMULATED, *[IN_MOTIONS] * (IN_MOTIONS in chart)]
+    return chart.assign_attrs(points=" ".join(points), comment=errors_on_grounds(chart, errors))
 
 
-def for_each_ground(chart: xr.Dataset, text: Callable[[xr.Dataset], str]) -> str:
-    """A text on each ground of a chart, after its name if there are several."""
-    if "ground" not in chart.dims:
-        return text(chart)
-    names = chart.ground.values.tolist()
-    begun = [name if name[0] == "ξ" else f"{name[0].upper()}{name[1:]}" for name in names]
-    return "\n".join(
-        f"{head}: {text(chart.sel(ground=name))}" for head, name in zip(begun, names, strict=True)
-    )
+def errors_in_words(
+    chart: xr.Dataset, off: Mapping[str, xr.DataArray], unit: str = "", of: str = ""
+) -> str:
+    """Mean and largest errors at the points that are not open; empty without such points."""
+    off = {text: each.where(~is_slow(chart)) for text, each in off.items()}
+    texts = [
+        f"{text} {float(each.mean()):.2g}{unit} ({float(each.max()):.2g}{unit})"
+        for text, each in off.items()
+        if bool(each.notnull().any())
+    ]
+    return f" Mean (largest) error{of}: {'; '.join(texts)}." if texts else ""
 
 
-def on_grounds(compute: Callable[[Ground], xr.Dataset], grounds: Mapping[str, Ground]) -> xr.Dataset:
-    """A chart of one ground, or those of several joined over ``ground``."""
-    first, *others = tables = [compute(ground) for ground in grounds.values()]
-    if not others:
-        return first
-    axis = xr.DataArray(list(grounds), dims="ground", name="ground", attrs={"long_name": "ground"})
-    how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
-    return xr.concat(tables, axis, combine_attrs="drop_conflicts", **how)
+def errors_on_grounds(chart: xr.Dataset, text: Callable[[xr.Dataset], str]) -> str:
+    """A text on each ground of a chart, after its name if there are several, and on open points."""
+    if "ground" in chart.dims:
+        parts = [(name, chart.sel(ground=name)) for name in chart.ground.values.tolist()]
+        begun = [
+            (name if name[0] == "ξ" else f"{name[0].upper()}{name[1:]}", part) for name, part in parts
+        ]
+        lines = [f"{name}: {text(part)}" for name, part in begun]
+    else:
+        lines = [text(chart)]
+    if MEMORY in chart and bool(is_slow(chart).any()):
+        lines.append(OPEN_POINTS.format(chart.attrs["longest_memory_s"]))
+    return "\n".join(lines)
 
 
-def by_title(ground: Grounds) -> Mapping[str, Ground]:
-    """Grounds by the titles of their panels; a single one needs no title."""
-    return ground if isinstance(ground, Mapping) else {"": ground}
-
-
-def ground_period(grounds: Mapping[str, Ground]) -> float:
-    """Period ``Tg`` [s] of grounds."""
-    return float(next(iter(grounds.values())).arrays()["period"])
+def ground_period(ground: Ground) -> float:
+    """Period ``Tg`` [s] of a ground."""
+    return float(ground.arrays()["period"])
 
 
 def reduction_factors(settings: ChartSettings) -> xr.DataArray:
@@ -234,13 +296,11 @@ def number_of_points(settings: ChartSettings, usual: int) -> int:
     return usual if settings.simulated_points is None else settings.simulated_points
 
 
-def words(
-    settings: ChartSettings, grounds: Mapping[str, Ground], title: str, where: str = ""
-) -> dict[str, str]:
+def words(settings: ChartSettings, ground: Ground, title: str, where: str = "") -> dict[str, str]:
     """Title and caption of a chart of linearized structures."""
     closure = settings.closure.replace("gaussian", "Gaussian").replace("_", " ")
     caption = (
-        f"{ground_caption(list(grounds.values()))}{where}\nBilinear structures: ξ = "
+        f"{ground_caption(ground)}{where}\nBilinear structures: ξ = "
         f"{settings.damping:g}, α = {settings.hardening:g}, R = 3 σel/uy; linearized, {closure} closure"
     )
     return {"title": title, "caption": caption}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,19 +15,19 @@ from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT
 from stochlin.views.figures.charts import (
     GROUND,
+    MEMORY,
     ChartInputs,
     design_motion,
     envelope_caption,
+    longest_memory,
     register_chart,
 )
 from stochlin.views.figures.fig4 import (
-    Grounds,
     bilinear,
-    by_title,
-    for_each_ground,
+    errors_in_words,
+    errors_on_grounds,
     ground_period,
     number_of_points,
-    on_grounds,
     reduction_factors,
     with_errors,
     with_truth,
@@ -49,31 +48,32 @@ VARIABLES = {
     f"{OF_STD}_standard_error": ("1", "standard error of the simulated amplification"),
     OF_PEAKS: ("1", "D of mean maxima, simulated"),
     f"{OF_PEAKS}_standard_error": ("1", "standard error of the amplification of the mean peak"),
+    MEMORY: ("s", "relaxation time of the plastic drift"),
 }
 
 
 @register_chart("fig5a", GROUND, place=50)
 def _fig5a(inputs: ChartInputs) -> xr.Dataset:
-    return period_plane_chart(inputs.settings, inputs.grounds)
+    return period_plane_chart(inputs.settings, inputs.ground)
 
 
 @checked
-def period_plane_chart(settings: ChartSettings, ground: Grounds) -> xr.Dataset:
+def period_plane_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     """Fig. 5a: rho over ``T1/Tg`` and ``T2/Tg``.
 
     Parameters
     ----------
     settings : ChartSettings
         Parameters of the charts.
-    ground : KanaiTajimi or CloughPenzien, or mapping of them
-        The ground, with scalar parameters; or several of one period, by the titles of their panels.
+    ground : KanaiTajimi or CloughPenzien
+        The ground, of one period; parameters over ``ground`` are several, with a panel for each.
 
     Returns
     -------
     xarray.Dataset
         ``rho`` and ``status`` over (``period_ratio_1``, ``period_ratio_2``), and over ``ground`` for
         several. It also has ``rho_drift``, ``rho_simulated``, ``rho_standard_error`` and
-        ``rho_difference``, as in Fig. 4.
+        ``drift_memory``, as in Fig. 4.
 
     Examples
     --------
@@ -84,44 +84,39 @@ def period_plane_chart(settings: ChartSettings, ground: Grounds) -> xr.Dataset:
     >>> chart.rho.dims
     ('period_ratio_1', 'period_ratio_2')
     """
-    grounds = by_title(ground)
-    chart = on_grounds(partial(_plane, settings), grounds)
-    title = f"Stationary correlation of bilinear structures, R = {settings.plane_reduction_factor:g}"
-    chart.attrs |= words(settings, grounds, title)
-    return with_errors(chart.assign_attrs(chart="plane", comparison="compared_planes"), settings)
-
-
-def _plane(settings: ChartSettings, ground: Ground) -> xr.Dataset:
-    """Fig. 5a of one ground, without its words."""
     axes = [
         labels.axis(f"period_ratio_{n}", f"T{n}/Tg", np.geomspace(*RATIOS, settings.points))
         for n in (1, 2)
     ]
-    period, factor = ground_period({"": ground}), settings.plane_reduction_factor
+    period, factor = ground_period(ground), settings.plane_reduction_factor
     first, second = (bilinear(settings, ratio * period, factor) for ratio in axes)
     chart = correlate(first, second, ground, closure=settings.closure, bias=False)[["rho", "status"]]
+    chart = chart.transpose(..., "period_ratio_1", "period_ratio_2")
     places = []
     if count := number_of_points(settings, SIMULATED_POINTS):
         step = max(1, round((settings.points - 1) / (count - 1)))
         places = [{f"period_ratio_{n}": slice(None, None, step) for n in (1, 2)}]
-    return with_truth(chart, (first, second), ground, settings, places)
+    chart = with_truth(chart, (first, second), ground, settings, places)
+    title = f"Stationary correlation of bilinear structures, R = {factor:g}"
+    chart.attrs |= words(settings, ground, title)
+    return with_errors(chart.assign_attrs(chart="plane", comparison="compared_planes"), settings)
 
 
 @register_chart("fig5b", GROUND, place=50)
 def _fig5b(inputs: ChartInputs) -> xr.Dataset:
-    return amplification_chart(inputs.settings, inputs.grounds)
+    return amplification_chart(inputs.settings, inputs.ground)
 
 
 @checked
-def amplification_chart(settings: ChartSettings, ground: Grounds) -> xr.Dataset:
+def amplification_chart(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     """Fig. 5b: amplification ``D`` over ``T/Tg``, for several reduction factors.
 
     Parameters
     ----------
     settings : ChartSettings
         Parameters of the charts.
-    ground : KanaiTajimi or CloughPenzien, or mapping of them
-        The ground, with scalar parameters; or several of one period, by the titles of their panels.
+    ground : KanaiTajimi or CloughPenzien
+        The ground, of one period; parameters over ``ground`` are several, with a panel for each.
 
     Returns
     -------
@@ -130,7 +125,8 @@ def amplification_chart(settings: ChartSettings, ground: Grounds) -> xr.Dataset:
         (``reduction_factor``, ``period_ratio``), and over ``ground`` for several. It also has
         ``amplification_drift`` by the drift closure, and by simulation, NaN between the simulated
         points, ``amplification_simulated`` of the standard deviations and ``amplification_of_peaks`` of
-        the peaks in a finite motion, which the text of the paper means, both with ``_standard_error``.
+        the peaks in a finite motion, which the text of the paper means, both with ``_standard_error``;
+        and ``drift_memory`` [s], as in Fig. 4.
 
     Examples
     --------
@@ -141,28 +137,11 @@ def amplification_chart(settings: ChartSettings, ground: Grounds) -> xr.Dataset:
     >>> chart.amplification_of_peaks.shape
     (1, 3)
     """
-    grounds = by_title(ground)
-    chart = on_grounds(partial(_amplified, settings), grounds)
-    title = "Amplification by yielding: of stationary standard deviations, and of maxima in a motion"
-    chart.attrs |= words(settings, grounds, title)
-    chart.attrs["caption"] += f"\nMaxima: {envelope_caption(*design_motion(ground_period(grounds)))}"
-    return chart.assign_attrs(
-        chart="curves",
-        comparison="compared_curves",
-        shows="amplification",
-        points=OF_PEAKS,
-        comparison_caption=f"Standard deviations simulated for R ≥ {SLOWEST_DRIFT:g}",
-        comment=for_each_ground(chart, _errors),
-    )
-
-
-def _amplified(settings: ChartSettings, ground: Ground) -> xr.Dataset:
-    """Fig. 5b of one ground, without its words."""
-    period = ground_period({"": ground})
+    period = ground_period(ground)
     ratio = labels.axis("period_ratio", "T/Tg", np.geomspace(*RATIOS, settings.points))
     structure = bilinear(settings, ratio * period, reduction_factors(settings))
     table = amplification(structure, ground, closure=settings.closure)
-    chart = table[["amplification", "status"]].transpose("reduction_factor", "period_ratio")
+    chart = table[["amplification", "status"]].transpose(..., "reduction_factor", "period_ratio")
     dims = chart.amplification.dims
     if settings.closure != DRIFT:
         drift = amplification(structure, ground, closure=DRIFT).amplification
@@ -181,14 +160,26 @@ def _amplified(settings: ChartSettings, ground: Ground) -> xr.Dataset:
     for name, rows, columns, options in runs:
         place = {"reduction_factor": rows, "period_ratio": columns}
         simulated = amplification(structure.isel(place), ground, seed=settings.seed, **options)
-        for end in ("", "_standard_error"):
-            if name + end not in chart:
-                chart[name + end] = xr.full_like(chart.amplification, np.nan)
-            chart[name + end][place] = simulated[f"amplification{end}"].transpose(*dims).values
-        chart[name].attrs["ancillary_variables"] = f"{name}_standard_error"
-    chart = labels.label(chart, VARIABLES)
+        made = {f"{name}{end}": f"amplification{end}" for end in ("", "_standard_error")}
+        made |= {MEMORY: MEMORY} if name == OF_STD else {}
+        for column, source in made.items():
+            if column not in chart:
+                chart[column] = xr.full_like(chart.amplification, np.nan)
+            chart[column][place] = simulated[source].transpose(*dims).values
+        chart[name].attrs["ancillary_variables"] = " ".join([*made][1:])
+    chart = labels.label(chart, VARIABLES).assign_attrs(longest_memory_s=longest_memory(ground))
     chart.amplification.attrs["curve_label"] = "D of standard deviations, linearized"
-    return chart
+    title = "Amplification by yielding: of stationary standard deviations, and of maxima in a motion"
+    chart.attrs |= words(settings, ground, title)
+    chart.attrs["caption"] += f"\nMaxima: {envelope_caption(duration, envelope)}"
+    return chart.assign_attrs(
+        chart="curves",
+        comparison="compared_curves",
+        shows="amplification",
+        points=OF_PEAKS,
+        comparison_caption=f"Standard deviations simulated for R ≥ {SLOWEST_DRIFT:g}",
+        comment=errors_on_grounds(chart, _errors),
+    )
 
 
 def _errors(chart: xr.Dataset) -> str:
@@ -203,6 +194,5 @@ def _errors(chart: xr.Dataset) -> str:
     if OF_STD not in chart:
         return text
     curves = {"amplification": "linearized", "amplification_drift": "drift closure"}
-    off = {c: 100 * np.abs(chart[n] / chart[OF_STD] - 1) for n, c in curves.items() if n in chart}
-    texts = [f"{c} {float(each.mean()):.2g} % ({float(each.max()):.2g} %)" for c, each in off.items()]
-    return f"{text} Mean (largest) error of the std. deviations: {'; '.join(texts)}."
+    off = {text: 100 * abs(chart[n] / chart[OF_STD] - 1) for n, text in curves.items() if n in chart}
+    return text + errors_in_words(chart, off, " %", " of the std. deviations")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.views.figures.charts import HEIGHT, PICTURES
+from stochlin.views.figures.charts import HEIGHT, MEMORY, PICTURES, is_slow
 from stochlin.views.figures.panels import bar_beside, in_a_row, is_narrow, panels, places
 from stochlin.views.shared.style import CURVES, label_axis, plain_ticks, quantity
 from stochlin.views.shared.symbols import typeset
@@ -23,9 +23,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PANEL, SQUARE, SMALL_PANEL, SMALL_SQUARE = 2.7, 2.9, 1.75, 2.4  # inches
-MARKERS = "os^Dvp"  # of the simulated points of each curve
+MARKERS = "os^Dvp", "x*1234"  # of the simulated points of each curve, and of those in finite motions
 TWICE = 1.96  # half a 95 % interval, in standard errors
-OPEN: Any = {"ms": 3.2, "mfc": "w", "mew": 0.8}
+POINT: Any = {"ls": "none", "ms": 3.2, "mew": 0.8}
+OPEN = "simulated, slow drift"  # label of open points
 DECADES = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100)  # ticks
 # Label and look of every variable in a comparison of methods; of simulated ones the marker.
 METHODS: dict[str, tuple[str, Any]] = {
@@ -34,7 +35,7 @@ METHODS: dict[str, tuple[str, Any]] = {
     "_elastic": ("elastic, this ground", {"color": "0.45", "linestyle": (0, (1, 1.5)), "lw": 0.9}),
     "_white_noise": ("elastic, eq. (4)", {"color": "0.6", "linestyle": "-", "lw": 0.9}),
 }
-SIMULATED = {"_of_peaks": {"marker": "^", "mfc": "0.1"}, "_simulated": {"marker": "o"}}
+SIMULATED = {"_of_peaks": "^", "_simulated": "o", "_in_motions": "x"}  # markers
 EDGE = 0.05  # of an axis: labels of contours nearer to its ends would be cut
 SHORT = 0.1  # of an axis: contours without a label
 DIFFERENCES = np.array([0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0])  # levels; within 0.1 is white
@@ -44,27 +45,29 @@ DIFFERENCES = np.array([0.1, 0.2, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0])  # levels; with
 def draw_curves(figure: Figure, dataset: xr.Dataset) -> None:
     """A panel for each ground, a curve for each strength, and the points that ``points`` names."""
     table = shown(dataset)
-    points = dataset[dataset.attrs["points"]] if "points" in dataset.attrs else None
+    points = [dataset[name] for name in dataset.attrs.get("points", "").split()]
     grounds = list(places(table, 2))
     height = PANEL if len(grounds) > 1 else HEIGHT - 1.2
     every = in_a_row(figure, len(grounds), height, shared=True)
     for axes, (title, place) in zip(every, grounds, strict=True):
         axes.set_title(title, loc="left")
-        looks = zip(places(table.sel(place), 1), cycle(CURVES), cycle(MARKERS), strict=False)
-        for (label, along), (color, dash), marker in looks:
+        looks = zip(places(table.sel(place), 1), cycle(CURVES), *map(cycle, MARKERS), strict=False)
+        for (label, along), (color, dash), *markers in looks:
             row = table.sel({**place, **along})
             if not bool(row.notnull().any()):
                 continue
             style: Any = {"color": color, "linestyle": dash, "label": label or quantity(table)}
-            if points is not None:  # on no point of the curve, but in the legend
-                style |= {"marker": marker, "markevery": [], **OPEN}
-                draw_points(axes, dataset.sel({**place, **along}), points, marker=marker, color=color)
+            if points:  # on no point of the curve, but in the legend
+                style |= {"marker": markers[0], "markevery": [], "ms": POINT["ms"]}
+            for values, marker in zip(points, markers, strict=False):
+                draw_points(axes, dataset.sel({**place, **along}), values, marker, color)
             axes.plot(row[row.dims[-1]], row, **style)
-    set_axes(every, table, [table] if points is None else [table, points])
-    if points is not None:
+    set_axes(every, table, [table, *points])
+    if points:
         text = typeset(table.attrs.get("curve_label", quantity(table)))
         every[0].plot([], [], color="0.1", label=text)
-        every[0].plot([], [], "o", color="0.1", label=quantity(points), **OPEN)
+    for values, markers_of in zip(points, MARKERS, strict=False):
+        draw_points(every[0], dataset, values, markers_of[0], "0.1", legend=True)
 
 
 def shown(dataset: xr.Dataset) -> xr.DataArray:
@@ -73,15 +76,26 @@ def shown(dataset: xr.Dataset) -> xr.DataArray:
     return dataset[dataset.attrs.get("shows", first)]
 
 
-def draw_points(axes: Axes, dataset: xr.Dataset, points: xr.DataArray, **look: Any) -> None:
-    """Simulated points with the 95 % intervals of the standard errors that they name."""
-    values, errors = dataset[points.name], dataset[points.attrs["ancillary_variables"]]
-    known = values.notnull().values
-    x = values[values.dims[-1]].values[known]
-    bars = TWICE * errors.values[known]
-    axes.errorbar(
-        x, values.values[known], bars, **{"ls": "none", "lw": 0.8, "zorder": 4, **OPEN, **look}
-    )
+def draw_points(
+    axes: Axes, dataset: xr.Dataset, points: xr.DataArray, marker: str, color: str, legend: bool = False
+) -> None:
+    """Simulated points with 95 % intervals, open where their plastic drift has a long memory.
+
+    For the ``legend``, their names in place of the points.
+    """
+    error, *memory = points.attrs["ancillary_variables"].split()
+    values = dataset[points.name]
+    slow = is_slow(dataset) if memory else xr.zeros_like(values, bool)
+    for label, where, face in ((quantity(points), ~slow, color), (OPEN, slow, "w")):
+        part = values.where(where)
+        if not bool(part.notnull().any()):
+            continue
+        look: Any = {"marker": marker, "color": color, "mfc": face, **POINT}
+        if legend:
+            axes.plot([], [], label=label, **look)
+        else:
+            bars = TWICE * dataset[error].values
+            axes.errorbar(part[part.dims[-1]], part, bars, lw=0.8, zorder=4, **look)
 
 
 def set_axes(every: Sequence[Axes], table: xr.DataArray, drawn: Sequence[xr.DataArray]) -> None:
@@ -132,10 +146,10 @@ def _compared(axes: Axes, dataset: xr.Dataset, stem: str) -> None:
     for curve, text, look in lines:
         if curve is not None:
             axes.plot(curve[curve.dims[-1]], curve, label=text, **look)
-    for name, look in {f"{stem}{end}": look for end, look in SIMULATED.items()}.items():
-        if name in dataset:
-            label = quantity(dataset[name])
-            draw_points(axes, dataset, dataset[name], color="0.1", label=label, **look)
+    for end, marker in SIMULATED.items():
+        if (points := dataset.get(f"{stem}{end}")) is not None:
+            draw_points(axes, dataset, points, marker, "0.1")
+            draw_points(axes, dataset, points, marker, "0.1", legend=True)
 
 
 @PICTURES.register("plane")
@@ -153,8 +167,11 @@ def draw_plane(figure: Figure, dataset: xr.Dataset) -> None:
 def compare_planes(figure: Figure, dataset: xr.Dataset) -> None:
     """Planes by linearization, drift closure and simulation, and the difference; a column a ground."""
     methods = {"rho": "linearized", "rho_drift": "drift closure", "rho_simulated": "simulated"}
-    methods |= {"rho_difference": "difference"}
     tables = {text: simulated_part(dataset[name]) for name, text in methods.items() if name in dataset}
+    if "simulated" in tables:
+        difference = tables["linearized"] - tables["simulated"]
+        name = "ρ, linearized minus simulated"
+        tables["difference"] = difference.assign_attrs(units="1", long_name=name)
     grounds = list(places(shown(dataset), 2))
     across = len(grounds)
     height = min(figure.get_figwidth() / across, SMALL_SQUARE) + 0.1
@@ -173,6 +190,13 @@ def compare_planes(figure: Figure, dataset: xr.Dataset) -> None:
         largest = float(np.abs(tables["difference"]).max())
         levels = DIFFERENCES[: 1 + np.searchsorted(DIFFERENCES, largest)]
         planes(figure, every[count:], named[count:], np.concatenate([-levels[::-1], levels]))
+    if "simulated" in tables:
+        memory, limit = simulated_part(dataset[MEMORY]), dataset.attrs["longest_memory_s"]
+        for axes, (_, place) in zip(every[-2 * across :], [*grounds, *grounds], strict=True):
+            x, y = (memory[name].values for name in memory.dims[-2:])
+            values = memory.sel(place).values.T
+            if values.max() > limit:
+                axes.contourf(x, y, values, [limit, values.max()], colors="none", hatches=["////"])
     number_contours(figure)
 
 

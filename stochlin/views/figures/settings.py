@@ -9,7 +9,6 @@ from typing import Annotated
 from stochlin.messages import Named, brief
 from stochlin.models.arguments import (
     DampingRatio,
-    Metres,
     Number,
     Paths,
     Points,
@@ -60,13 +59,7 @@ class ChartSettings(metaclass=Named):
     ground_dampings : tuple of float
         Damping ratios [-] of the model grounds; Figs. 4 and 5 have a panel for each.
     structure_period : float, optional
-        Period [s] of the structure of Fig. 1, and of the first structure in the chart of added damping.
-        The default is the period of the ground fitted to the record.
-    second_period : float, optional
-        Period [s] of the second structure in the chart of added damping. The default is 0.7 times the
-        first one.
-    gap : float, optional
-        Existing gap [m] in the chart of added damping.
+        Period [s] of the structure of Fig. 1. The default is that of the ground.
     closure : str
         Closure of the linearization, as in `stochlin.linearize`.
     points : int
@@ -104,8 +97,6 @@ class ChartSettings(metaclass=Named):
         BROAD_BAND_DAMPING,
     )
     structure_period: Seconds | None = None
-    second_period: Seconds | None = None
-    gap: Metres | None = None
     closure: str = "gaussian"
     points: Points = 161
     paths: Paths = 256
