@@ -173,16 +173,15 @@ class Model(metaclass=_Kind):
         return self.arrays()
 
     def isel(self, indexers: Mapping[Any, int | slice]) -> Self:
-        """The model at these indices; dimensions that the model does not have are ignored."""
-        return self.with_arrays(
-            {
-                name: array.isel(indexers, missing_dims="ignore")
-                for name, array in self.arrays().items()
-                if array.ndim
-            }
-        )
+        """The model at these indices, with a number where an array has no dimension left.
 
-    def with_arrays(self, arrays: Mapping[str, xr.DataArray]) -> Self:
+        Dimensions that the model does not have are ignored.
+        """
+        arrays = {name: array for name, array in self.arrays().items() if array.ndim}
+        chosen = ((n, array.isel(indexers, missing_dims="ignore")) for n, array in arrays.items())
+        return self.with_arrays({n: array if array.ndim else float(array) for n, array in chosen})
+
+    def with_arrays(self, arrays: Mapping[str, Parameter]) -> Self:
         """A copy of the model with these arrays as parameters, without checking them again."""
         changed = copy.copy(self)
         for made in ("_cells", "_arrays"):

@@ -7,8 +7,8 @@ import scipy.linalg
 from cases import augmented_system, with_slow
 
 import stochlin as sl
-from stochlin.analyses.probability.cells import PairTable
-from stochlin.models.structures import Gap
+from stochlin.analyses.linearization.transient_systems import course_of
+from stochlin.analyses.probability.formulas import MovingPair
 
 pytestmark = pytest.mark.oracle
 
@@ -67,9 +67,9 @@ def direct(pair, ground, times):
 def test_linear_pair_follows_the_lyapunov_differential_equation(name):
     ground = GROUNDS[name]
     pair = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.02)
-    solved = PairTable.of(*pair, ground, Gap(1.0), DURATION, QUAKE, 11)
-    x = direct(pair, ground, solved.course.times)
-    own, both, *_ = solved.solve(ground).moments
+    course = course_of(QUAKE, DURATION, 0.6, 11)
+    x = direct(pair, ground, course.times)
+    (own, both, *_), _ = MovingPair.of(*pair, ground, course, np.ones(1)).solve(ground, None)
     d = np.array([1.0, 0.0, -1.0, 0.0])
     v = np.array([0.0, 1.0, 0.0, -1.0])
     for found, expected in (

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from cases import example_case, storeyed_building, with_buildings
-from commands import answered, refused
+from cases import example_case
+from commands import answered
 
 import stochlin as sl
 from stochlin.analyses.cases.probability import judge_gap
@@ -49,25 +49,6 @@ def test_gap_and_probability_give_the_same_numbers_for_one_file(case):
 
 
 @pytest.mark.slow
-def test_buildings_with_storeys_have_all_parameters_in_the_picture(tmp_path):
-    path, out = tmp_path / "case.toml", tmp_path / "p.nc"
-    storeys = [storeyed_building(n, start) for n, start in ((1, "period"), (2, "masses"))]
-    text = with_buildings(*storeys).replace("2048", "100").replace("align = true", "align = false")
-    path.write_text(text, encoding="utf-8")
-    done = answered("probability", path, "--out", out)
-    assert "Floors are not level: floor 1 of Block 1" in done.output
-    with xr.open_dataset(out, engine="scipy") as table:
-        figure = draw_pounding(table)
-    labels = [text.get_text() for axes in figure.axes for text in axes.get_legend().get_texts()]
-    assert "crossings in clumps" in labels
-    assert {"$u_1 - u_2$ by formula", "simulated"} <= set(labels)
-    caption = figure.texts[-1]
-    assert "gap: 5 cm" in caption.get_text()
-    figure.draw_without_rendering()
-    assert caption.get_window_extent().y0 >= 0
-
-
-@pytest.mark.slow
 def test_records_are_in_the_table_and_the_picture(tmp_path):
     """A harmonic motion at the period of one building: its radius alone closes the gap."""
     time = 0.02 * np.arange(600)
@@ -107,13 +88,3 @@ def test_records_are_in_the_table_and_the_picture(tmp_path):
     )
     found = ends[["record_required_gap [m]", "record_separation [m]"]].loc["A weak one"]
     np.testing.assert_allclose(found, [alone.required_gap, alone.separation], rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("--gap", "-1m"), "gap = -1 is out"),
-    ],
-)
-def test_bad_input_ends_with_one_sentence(case, arguments, message):
-    assert message in refused("probability", case, *arguments)

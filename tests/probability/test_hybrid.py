@@ -46,13 +46,7 @@ def test_equal_radii_in_step_never_pound_and_in_opposition_by_the_arc_cosine():
     )
 
 
-@pytest.mark.parametrize("rho", [0.9999, -0.9999])
-def test_correlations_near_the_ends_are_near_the_closed_forms(rho):
-    # the phase wanders by sqrt(2 (1 - |rho|)) = 0.014 about its place
-    assert chance(1.0, 0.4, 0.3, rho) == pytest.approx(chance(1.0, 0.4, 0.3, np.sign(rho)), abs=2e-3)
-
-
-@pytest.mark.parametrize("rho", [-0.8, -0.3, 0.0, 0.4, 0.95])
+@pytest.mark.parametrize("rho", [-0.8, 0.4])
 def test_phases_have_the_correlation_and_the_chances_of_drawn_ones(rho):
     k, rng, n = concentration(rho), np.random.default_rng(11), 400_000
     d = rng.vonmises(0 if k >= 0 else np.pi, abs(k), n)
@@ -109,11 +103,6 @@ def test_hybrid_of_a_made_record(quake):
     table = check_record(quake)
     assert table.attrs["record"] == "made"
     check_labels(table)
-
-
-def test_hybrid_of_yielding_structures_takes_their_strength_from_the_ground(quake):
-    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=3) for T in (0.6, 1.0)]
-    check_record(quake, *pair)
 
 
 def test_hybrid_of_laws_beside_the_bilinear_one(quake):

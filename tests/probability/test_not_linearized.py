@@ -43,22 +43,6 @@ def test_a_building_of_one_storey_is_the_oscillator():
         np.testing.assert_allclose(storey[name], one[name], rtol=1e-6)
 
 
-def test_fragility_is_simulated():
-    gaps, levels = [0.06, 0.12], [0.005, 0.02, 0.08]
-    table = sl.pounding_fragility(CLOUGH, BESIDE, GROUND, gaps, levels, **MOTION)
-    simulated = table.pounding_probability_simulated
-    assert "pounding_probability" not in table
-    assert set(simulated.dims) == {"gap", "intensity"}
-    assert (simulated.diff("gap") <= 0).all()
-    assert (simulated.diff("intensity") >= 0).all()
-    for level in levels:
-        single = sl.pounding_probability(
-            CLOUGH, BESIDE, sl.KanaiTajimi(0.4, 0.6, intensity=level), gaps[0], **MOTION
-        )
-        expected = 1 - float(single[f"{STEM}_simulated"][-1])
-        assert float(simulated.sel(gap=gaps[0], intensity=level)) == expected
-
-
 def test_without_a_simulation_there_is_nothing():
     with pytest.raises(ArithmeticError, match="ModifiedClough cannot be linearized"):
         sl.pounding_probability(CLOUGH, BESIDE, GROUND, 0.1, **MOTION | {"paths": 0})

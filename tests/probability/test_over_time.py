@@ -83,26 +83,6 @@ def test_crossing_rate_that_changes_with_time_is_that_of_the_formula_written_out
 # --- Against simulation ---------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_confidence_of_a_linear_pair_against_1e5_motions():
-    sigma = float(probability(ONE, TWO, FIRM, 1.0).difference_std.max())
-    gaps = xr.DataArray(sigma * np.linspace(1, 4, 13), dims="gap")
-    table = probability(ONE, TWO, FIRM, gaps, paths=100_000, points=26)
-    last = table.isel(time=-1)
-    error = last.confidence_of_no_pounding - last.confidence_of_no_pounding_simulated
-    assert float(abs(error).max()) < 0.03
-    poisson = last.confidence_of_no_pounding_poisson - last.confidence_of_no_pounding_simulated
-    assert float(poisson.min()) < -0.06  # crossings that come in clumps are counted as many
-    assert float(poisson.max()) < 0.01
-    off = table.difference_std - table.difference_std_simulated
-    allowed = 4 * table.difference_std_simulated_standard_error + 0.005 * sigma  # its steps
-    assert bool((abs(off) <= allowed).all())
-    np.testing.assert_allclose(
-        table.instantaneous_probability, table.instantaneous_probability_simulated, atol=0.01
-    )
-    assert float(last.required_gap) == pytest.approx(float(last.required_gap_simulated), rel=0.03)
-
-
 def test_error_of_a_simulated_standard_deviation_is_that_of_a_gaussian():
     """``sigma/sqrt(2 n)``; by the fourth moments of ``n`` motions it is uncertain by 1.2/sqrt(n)."""
     n = 2000
@@ -153,17 +133,6 @@ def test_required_gap_keeps_the_confidence():
         assert float(back) == pytest.approx(confidence, abs=1e-4)
 
 
-@pytest.mark.slow
-def test_exchange_of_sides_and_scale_of_the_motion():
-    here, there = probability(ONE, TWO, FIRM, 0.12), probability(TWO, ONE, FIRM, 0.12)
-    np.testing.assert_allclose(
-        here.confidence_of_no_pounding, there.confidence_of_no_pounding, atol=1e-7
-    )
-    strong = sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.04)
-    twice = probability(ONE, TWO, strong, 0.24).confidence_of_no_pounding
-    np.testing.assert_allclose(twice, here.confidence_of_no_pounding, atol=1e-7)
-
-
 def test_equal_structures_never_pound():
     table = probability(ONE, ONE, FIRM, 1e-3, paths=64)
     assert (table.confidence_of_no_pounding == 1).all()
@@ -201,12 +170,6 @@ def test_correction_of_a_yielding_pair_is_nearer_to_simulation():
     assert float(last.required_gap) < 0.85 * simulated
 
 
-def test_a_simulation_is_usual():
-    table = sl.pounding_probability(ONE, TWO, FIRM, 0.12, points=3, duration=4.0)
-    assert table.confidence_of_no_pounding_simulated.notnull().all()
-    assert table.attrs["paths"] >= 256
-
-
 def test_tables_are_labelled_and_bad_gaps_blank():
     gaps = xr.DataArray([0.1, -0.1, 0.2], dims="gap")
     table, again = (probability(ONE, TWO, FIRM, gaps, paths=64, points=5) for _ in range(2))
@@ -216,32 +179,16 @@ def test_tables_are_labelled_and_bad_gaps_blank():
     xr.testing.assert_identical(table, again)
 
 
-@pytest.mark.slow
-def test_fragility_of_a_hundred_gaps_by_thirty_intensities():
-    pair = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0)]
-    gaps, intensities = np.linspace(0.02, 0.6, 100), np.geomspace(1e-3, 0.05, 30)
+def test_a_fragility_falls_with_the_gap_and_grows_with_the_intensity():
+    pair = [sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.02) for T in (0.6, 1.0)]
+    gaps, intensities = np.linspace(0.02, 0.6, 12), [1e-3, 0.01, 0.05]
     table = sl.pounding_fragility(*pair, FIRM, gaps, intensities, paths=0, **QUAKE)
     chance = table.pounding_probability
-    assert chance.sizes == {"intensity": 30, "gap": 100}
+    assert chance.sizes == {"intensity": 3, "gap": 12}
     assert (chance.diff("gap") <= 0).all()
-    assert (chance.diff("intensity") >= -1e-6).all()
-    assert float(chance[-1, 0]) > 0.99
-    assert float(chance[0, -1]) < 1e-6
-    one = probability(*pair, FIRM, float(gaps[20])).confidence_of_no_pounding[-1]
-    at = chance.interp(intensity=0.01).sel(gap=gaps[20])
-    assert float(at) == pytest.approx(1 - float(one), abs=0.01)
-
-
-@pytest.mark.slow
-def test_simulation_beside_several_intensities_is_that_of_each_alone():
-    pair = [sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.02) for T in (0.6, 1.0)]
-    both = sl.pounding_fragility(*pair, FIRM, 0.1, [0.01, 0.04], paths=512, **QUAKE)
-    alone = sl.pounding_probability(
-        *pair, sl.KanaiTajimi(2 * np.pi / 15, 0.6, intensity=0.04), 0.1, paths=512, points=11, **QUAKE
-    )
-    assert float(both.required_gap_simulated[1]) == pytest.approx(
-        float(alone.required_gap_simulated), rel=1e-9
-    )
+    assert (chance.diff("intensity") >= 0).all()
+    alone = probability(*pair, FIRM, float(gaps[3]), points=11).confidence_of_no_pounding[-1]
+    assert float(chance[1, 3]) == pytest.approx(1 - float(alone), abs=1e-6)
 
 
 def test_lognormal_fragility_of_elastic_structures_is_that_of_their_separations():
@@ -286,11 +233,7 @@ class Nothing(sl.GammaEnvelope):
         ({"gap": 0}, "gap = 0"),
         ({"envelope": Negative(1.0, 0.2)}, "allowed: finite values from 0 on"),
         ({"envelope": Nothing(1.0, 0.2)}, "is 0 during the whole"),
-        ({"envelope": 3}, "envelope = 3"),
-        ({"confidence": 1.0}, "confidence = 1"),
-        ({"points": 1}, "points = 1"),
         ({"paths": 1}, "paths = 1"),
-        ({"method": "magic"}, "method = 'magic'"),
         ({"method": "hybrid"}, "do not go with method='hybrid'"),
         ({"record": xr.DataArray(0.0)}, "record goes with method='hybrid'"),
     ],
@@ -302,8 +245,9 @@ def test_bad_input_is_refused(changes, message):
         sl.pounding_probability(ONE, TWO, FIRM, **arguments)
 
 
-def test_simulation_of_several_grounds_is_refused():
+def test_each_pair_of_a_table_is_that_pair_alone():
     soils = sl.KanaiTajimi(xr.DataArray([0.4, 2.0], dims="soil"), 0.6, intensity=0.01)
-    with pytest.raises(ValueError, match="one ground at a time"):
-        probability(ONE, TWO, soils, 0.1, paths=64)
-    assert probability(ONE, TWO, soils, 0.1).confidence_of_no_pounding.sizes["soil"] == 2
+    table = probability(ONE, TWO, soils, 0.1, paths=64)
+    alone = probability(ONE, TWO, sl.KanaiTajimi(2.0, 0.6, intensity=0.01), 0.1, paths=64)
+    for name in ("confidence_of_no_pounding", "confidence_of_no_pounding_simulated", "rho"):
+        np.testing.assert_array_equal(table[name].isel(soil=1), alone[name])

@@ -5,7 +5,9 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
+from stochlin.analyses.probability.axes import Draws
 from stochlin.analyses.probability.probability import with_samples
+from stochlin.models.structures import Gap
 
 pytestmark = pytest.mark.oracle
 
@@ -51,12 +53,17 @@ def test_without_spread_it_is_that_of_the_median(kind):
 def test_every_motion_is_counted_with_the_structure_that_it_meets(kind):
     """Brute force: each motion with its own structure, run alone on the same motions."""
     one, two = uncertain(0.2)[kind], sl.Bilinear(STIFF[kind], 0.05)
-    options = QUAKE | {"confidence": 0.9, "scatter": 0.0, "paths": 32, "seed": 0, "progress": None}
-    found = with_samples(one, two, GROUND, GAPS, **options)
+
+    def probability(first):
+        models = {"first": first, "second": two, "ground": GROUND}
+        motion = QUAKE["duration"], QUAKE["envelope"], QUAKE["points"]
+        return with_samples(models, Gap(GAPS), motion, 0.9, Draws(32, 0, 0.0), None)
+
+    found = probability(one)
     names = [str(name).partition(".")[2] for name in found.input.values]
     for path in (22,):
         sample = dict(zip(names, map(float, found.input_factor[path]), strict=True))
-        alone = with_samples(one.at(sample), two, GROUND, GAPS, **options)
+        alone = probability(one.at(sample))
         exact = float(alone.separation_samples[path])
         assert float(found.separation_samples[path]) == pytest.approx(exact, rel=1e-6)
     kept = (found.separation_samples <= found.gap).mean("path")
@@ -73,13 +80,6 @@ def test_an_uncertain_ground_widens_what_is_needed():
     )
     assert float(unknown.required_gap_simulated_lower) > float(known.required_gap_simulated_upper)
     assert float(unknown.required_gap) == float(known.required_gap)
-
-
-def test_the_hybrid_method_is_of_what_is_known():
-    record = sl.simulated_motions(GROUND, duration=10.0, paths=2)[0]
-    one = sl.Bilinear(sl.Uncertain(1.0, 0.2), 0.05)
-    with pytest.raises((TypeError, ValueError), match=r"first = .* ± 20 %.*give its median\(\)"):
-        sl.pounding_probability(one, SECOND, GROUND, 0.05, method="hybrid", record=record)
 
 
 def test_a_fragility_is_of_what_is_known():

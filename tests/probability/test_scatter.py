@@ -69,18 +69,6 @@ def test_the_formulas_are_as_near_to_simulation_as_without_scatter(pair):
 
 
 @pytest.mark.slow
-@pytest.mark.invariant
-def test_the_required_gap_keeps_the_confidence():
-    required = sl.pounding_probability(
-        *YIELDING, GROUND, 0.1, paths=0, points=11, scatter=SCATTER, **QUAKE
-    ).required_gap
-    kept = sl.pounding_probability(
-        *YIELDING, GROUND, float(required), paths=0, points=11, scatter=SCATTER, **QUAKE
-    )
-    assert float(kept.confidence_of_no_pounding[-1]) == pytest.approx(0.9, abs=1e-4)
-
-
-@pytest.mark.slow
 @pytest.mark.oracle
 def test_a_fragility_widens_as_the_convolution_with_the_scatter_says():
     """Over ``ln a``, half of ``ln S0``: the curve without scatter, averaged over a normal shift."""
@@ -99,10 +87,3 @@ def test_a_fragility_widens_as_the_convolution_with_the_scatter_says():
         assert np.abs(found - spread)[inner].max() < error
         # Steeper in the middle without scatter.
         assert np.ptp(none[inner]) > np.ptp(found[inner])
-
-
-@pytest.mark.invariant
-def test_a_record_has_no_scatter():
-    motion = sl.simulated_motions(GROUND, **QUAKE, paths=2)[0]
-    with pytest.raises(ValueError, match=r"scatter = 0\.4 does not go with method='hybrid'"):
-        sl.pounding_probability(*ELASTIC, GROUND, 0.1, method="hybrid", record=motion, scatter=SCATTER)

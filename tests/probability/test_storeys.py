@@ -223,19 +223,6 @@ def test_the_formula_knows_what_the_weight_takes():
     assert float(leaning.displacement_std_1[-1]) > float(upright.displacement_std_1[-1])
 
 
-@pytest.mark.slow
-def test_fragility_is_the_probability_at_each_intensity():
-    gaps, intensities = [0.05, 0.1], [0.005, 0.02]
-    table = sl.pounding_fragility(TALL, LOW, FIRM, gaps, intensities, paths=0, **QUAKE)
-    assert table.pounding_probability.dims == ("intensity", "gap")
-    assert bool((table.pounding_probability_at_most >= table.pounding_probability).all())
-    assert (table.pounding_probability_at_height.max("height") == table.pounding_probability).all()
-    alone = probability(TALL, LOW, replace(FIRM, intensity=0.02), 0.1, points=11).isel(time=-1)
-    assert float(table.pounding_probability[1, 1]) == pytest.approx(
-        1 - float(alone.confidence_of_no_pounding), abs=1e-5
-    )
-
-
 def test_gap_and_structure_may_share_a_dimension():
     periods, gaps = (xr.DataArray(values, dims="case") for values in ([0.4, 0.6], [0.05, 0.08]))
     options = {"points": 3, "duration": 5.0, "paths": 64}
@@ -249,10 +236,9 @@ def test_gap_and_structure_may_share_a_dimension():
 # --- Bad input ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["time", "height"])
-def test_names_of_the_result_are_refused_for_dimensions(name):
-    gaps = xr.DataArray([0.05, 0.1], dims=name)
-    with pytest.raises(ValueError, match=f"a dimension is named '{name}'"):
+def test_names_of_the_result_are_refused_for_dimensions():
+    gaps = xr.DataArray([0.05, 0.1], dims="height")
+    with pytest.raises(ValueError, match="a dimension is named 'height'"):
         probability(TALL, LOW, FIRM, gaps)
 
 

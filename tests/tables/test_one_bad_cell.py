@@ -147,19 +147,12 @@ SIMULATED = {
     "correlate, simulation": lambda one, two: sl.correlate(of(one), of(two), FIRM, **FEW),
     "amplification, simulation": lambda one, _: sl.amplification(of(one), FIRM, **FEW),
     "amplification, peaks": lambda one, _: sl.amplification(of(one), FIRM, of="peak", **FEW, **QUAKE),
-    "probability, simulation": partial(probability, paths=32),
 }
 # The steps in time follow from all cells; the tolerance is that of one step.
 IN_TIME = {
     "transient_response": lambda one, _: sl.transient_response(in_metres(one), FIRM, points=5, **QUAKE),
     "probability": partial(probability, paths=0),
-    "probability, scatter": partial(probability, paths=0, scatter=0.3),
-    "probability, storeys": lambda one, _: sl.pounding_probability(
-        TOWER, in_metres(one), FIRM, 0.1, points=5, paths=0, **QUAKE
-    ),
-    "fragility": lambda one, two: sl.pounding_fragility(
-        in_metres(one), in_metres(two), FIRM, 0.1, [1e-3, 1e-2], paths=0, **QUAKE
-    ),
+    "probability, simulation": partial(probability, paths=32),
 }
 # Cells that are simulated one by one.
 ONE_BY_ONE = {
@@ -225,7 +218,7 @@ def test_a_motion_in_time_has_the_moments_that_it_has_alone(verb):
     compare(verb, GOOD[:2], BESIDE[:2], HARD[:4:3], INVALID[:4], rtol=2e-4, atol=1e-7)
 
 
-@over(SIMULATED, {"probability, simulation"})
+@over(SIMULATED)
 def test_simulated_cells_are_those_of_the_table_without_the_bad_ones(verb):
     without = verb(GOOD, BESIDE)
     table = verb(GOOD + INVALID, BESIDE + [BESIDE[0]] * len(INVALID))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +13,6 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.transient import Difference
 from stochlin.kernels.probability.crossings import accumulated, exceeding, hazards
 
-AT_ONCE = 400_000  # cells times instants that are computed at once
 WIDEST, NARROWEST = 14.0, 1e-3  # bounds of a gap in a search, over the largest standard deviation
 CLOSE = 1e-5  # relative tolerance of the search
 LEAST_LEVEL = 1e-6  # least share of the gap that remains if the drift alone closes it
@@ -51,27 +49,22 @@ class RelativeMotion(NamedTuple):
         ``gap`` and ``pair`` are gaps (c,) [m] and the number of the pair (c,) of each.
         """
         both, bandwidth, drift, course, weights = self
-        shape = (course.shown.size, gap.size)
-        result = Chances(*np.zeros((3, *shape)))
-        step, pairs = max(1, AT_ONCE // course.times.size), drift.shape[1] // weights.size
-        parts = itertools.product(range(0, gap.size, step), enumerate(weights))
-        for begin, (strength, share) in parts:
-            cells = slice(begin, begin + step)
-            which = strength * pairs + pair[cells]
-            moments = (both.d_d[:, which], both.d_v[:, which], both.v_v[:, which])
+        result = Chances(*np.zeros((3, course.shown.size, gap.size)))
+        for strength, share in enumerate(weights):
+            which = strength * (drift.shape[1] // weights.size) + pair
+            moments = both.d_d[:, which], both.d_v[:, which], both.v_v[:, which]
             slow = drift[:, which]
-            result.now[:, cells] += share * exceeding(gap[cells], (moments[0] + slow)[course.shown])
+            result.now[:] += share * exceeding(gap, (moments[0] + slow)[course.shown])
             nodes = zip(_NODES, share * _WEIGHTS, strict=True) if slow.any() else ((0.0, share),)
             for number, weight in nodes:
-                level = np.maximum(gap[cells] - number * np.sqrt(slow), LEAST_LEVEL * gap[cells])
+                level = np.maximum(gap - number * np.sqrt(slow), LEAST_LEVEL * gap)
                 rates = hazards(level, *moments, bandwidth[:, which])
                 with np.errstate(under="ignore"):
                     for target, rate in zip((result.poisson, result.vanmarcke), rates, strict=True):
-                        so_far = np.exp(-accumulated(rate, course.times)[course.shown])
-                        target[:, cells] += weight * so_far
+                        target[:] += weight * np.exp(-accumulated(rate, course.times)[course.shown])
             unknown = ~np.isfinite(slow).all(axis=0)
             for target in result:
-                target[:, cells] = np.where(unknown, np.nan, target[:, cells])
+                target[:, unknown] = np.nan
         return result
 
     def gap_for(self, confidence: float) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.analyses.linearization.strength import strength_in_metres
+from stochlin.analyses.probability.axes import Draws
 from stochlin.analyses.probability.probability import REFERENCES, PathsIfAny, with_samples
 from stochlin.analyses.probability.simulated import SAMPLES
 from stochlin.analyses.probability.variables import VARIABLES
@@ -126,20 +127,14 @@ def pounding_fragility(
     named_gap = _named(Gap(gap).gap, "gap", "m", "gap")
     named_intensity = _named(WhiteNoise(intensity).intensity, "intensity", "m^2/s^3", "intensity S0")
     changed: dict[str, Any] = {"intensity": named_intensity}
-    results = with_samples(
-        strength_in_metres(first, ground),
-        strength_in_metres(second, ground),
-        replace(ground, **changed),
-        named_gap,
-        envelope=envelope,
-        duration=duration,
-        confidence=confidence,
-        scatter=scatter,
-        points=POINTS,
-        paths=paths,
-        seed=seed,
-        progress=progress,
-    ).isel(time=-1, drop=True)
+    models: dict[str, Any] = {
+        "first": strength_in_metres(first, ground),
+        "second": strength_in_metres(second, ground),
+        "ground": replace(ground, **changed),
+    }
+    draws, motion = Draws(paths, seed, float(scatter)), (duration, envelope, POINTS)
+    results = with_samples(models, Gap(named_gap), motion, confidence, draws, progress)
+    results = results.isel(time=-1, drop=True)
     table = xr.Dataset()
     for ending in ENDINGS:
         confident = f"confidence_of_no_pounding{OPPOSITE.get(ending, ending)}"

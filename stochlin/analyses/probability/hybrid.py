@@ -7,6 +7,7 @@ import xarray as xr
 
 from stochlin.analyses.correlation.correlation import correlate
 from stochlin.analyses.linearization.strength import strength_in_metres
+from stochlin.analyses.probability.axes import ResultAxes
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.records.cells import SCALARS, check_structure
 from stochlin.analyses.records.gaps import recorded_gap
@@ -16,7 +17,6 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_scalars
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
-from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.states import NotLinearizedError
@@ -44,11 +44,6 @@ def hybrid_pounding(
     record itself if a law cannot be linearized.
     """
     for role, structure in (("first", first), ("second", second)):
-        if isinstance(structure, MultistoreyBuilding):
-            raise TypeError(
-                f"{role} is a building with storeys; method='hybrid' is only available for oscillators: "
-                "give its oscillator(), or method='evolutionary'"
-            )
         expect(structure, Structure, role)
         check_scalars(structure, role, SCALARS)
     if record is None:
@@ -68,23 +63,22 @@ def hybrid_pounding(
     except NotLinearizedError:
         rho = float(recorded.rho)
     k = concentration(min(max(rho, -1.0), 1.0))
-    gap = distance.arrays()["gap"]
-    valid = distance.valid()
-    cells = gap.where(valid, 1.0).to_numpy().ravel()
-    columns = [_of_gap(radius_1, radius_2, g, k) for g in cells]
-    names = "instantaneous_probability", "confidence_of_no_pounding"
-    table = xr.Dataset(coords=motions[0].coords)
-    for name, rows in zip(names, zip(*columns, strict=True), strict=True):
-        values = np.stack(rows, axis=-1).reshape((-1, *gap.shape))
-        table[name] = xr.DataArray(values, dims=("time", *gap.dims), coords=gap.coords).where(valid)
-    table = table.assign(
+    axes = ResultAxes(np.full(1, np.nan), distance)
+    radii_and_gap = radius_1[:, None], radius_2[:, None], axes.gaps
+    least = np.minimum.accumulate(least_phase(*radii_and_gap))
+    columns = {
+        "instantaneous_probability": exceeding(*radii_and_gap, k),
+        "confidence_of_no_pounding": 1 - beyond_phase(least, k),
+    }
+    over_gaps = {name: axes.array(values, heights=False) for name, values in columns.items()}
+    table = xr.Dataset(over_gaps, motions[0].coords).assign(
         radius_1=motions[0].radius,
         radius_2=motions[1].radius,
         recorded_difference=motions[0].displacement - motions[1].displacement,
         separation=recorded.separation,
         required_gap=_required(radius_1, radius_2, k, confidence),
         rho=rho,
-        status=labels.status_where(valid),
+        status=labels.status_where(distance.valid()),
     )
     table = labels.label(table.drop_attrs(deep=False), VARIABLES).assign_attrs(
         confidence=confidence,
@@ -105,13 +99,6 @@ def _in_metres(structure: AnyStructure, ground: Ground, role: str) -> Structure:
     check_structure(role, structure)
     assert isinstance(structure, Structure)
     return structure
-
-
-def _of_gap(radius_1: Array, radius_2: Array, gap: float, k: float) -> tuple[Array, Array]:
-    """Probability of exceeding a gap at each instant, and of no pounding until then."""
-    level = np.full_like(radius_1, gap)
-    least = np.minimum.accumulate(least_phase(radius_1, radius_2, level))
-    return exceeding(radius_1, radius_2, level, k), 1 - beyond_phase(least, k)
 
 
 def _required(radius_1: Array, radius_2: Array, k: float, confidence: float) -> float:

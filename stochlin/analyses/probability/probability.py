@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import reduce
+from operator import and_
 from typing import Annotated, Any
 
 import xarray as xr
 
-from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.linearization.transient_systems import (
     POINTS,
+    TIME,
     check_course,
+    course_of,
     over_time,
 )
-from stochlin.analyses.probability.cells import PairTable, by_formula
+from stochlin.analyses.linearization.variables import VARIABLES as LINEARIZATION
+from stochlin.analyses.probability.axes import HEIGHT, Draws
+from stochlin.analyses.probability.formulas import by_formula
 from stochlin.analyses.probability.hybrid import hybrid_pounding
-from stochlin.analyses.probability.simulated import SAMPLES, Draws, by_simulation
-from stochlin.analyses.probability.strengths import ALONE, at_strengths, strengths
+from stochlin.analyses.probability.simulated import SAMPLES, by_simulation
 from stochlin.analyses.probability.variables import VARIABLES
 from stochlin.analyses.simulation.finite_motions import enough_motions
 from stochlin.analyses.simulation.simulation import MOTIONS, check_repeated
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.cells import together_or_alone
-from stochlin.analyses.tables.lazy import arrays_of
+from stochlin.analyses.tables.cells import over_cells
+from stochlin.analyses.tables.checks import check_duration
+from stochlin.analyses.tables.lazy import arrays_of, check_names
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.models.arguments import (
     Duration,
@@ -38,7 +44,7 @@ from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Parameter, expect
 from stochlin.models.structures import Gap
-from stochlin.models.systems import AnyStructure
+from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import median_of
 
 METHODS = ("evolutionary", "hybrid")
@@ -116,8 +122,7 @@ def pounding_probability(
         Number of instants of the result.
     paths, seed : int, optional
         Number of the motions of the simulation, by default as in `separation`, and their seed. With
-        ``paths=0`` there is no simulation. With a simulation only the intensity of the ground may be an
-        array.
+        ``paths=0`` there is no simulation.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -203,99 +208,86 @@ def pounding_probability(
                 f"scatter = {scatter:g} does not go with method='hybrid': a record has one intensity"
             )
         return hybrid_pounding(first, second, ground, Gap(gap), record, confidence)
-    table = with_samples(
-        first,
-        second,
-        ground,
-        gap,
-        envelope=envelope,
-        duration=duration,
-        confidence=confidence,
-        scatter=scatter,
-        points=points,
-        paths=paths,
-        seed=seed,
-        progress=progress,
-    )
+    models: dict[str, Any] = {"first": first, "second": second, "ground": ground}
+    draws, motion = Draws(paths, seed, float(scatter)), (duration, envelope, points)
+    table = with_samples(models, Gap(gap), motion, confidence, draws, progress)
     return table.drop_vars(SAMPLES, errors="ignore")
 
 
 def with_samples(
-    first: AnyStructure,
-    second: AnyStructure,
-    ground: Ground | None,
-    gap: Parameter,
-    *,
-    envelope: Envelope | None,
-    duration: float | None,
+    models: Mapping[str, Any],
+    distance: Gap,
+    motion: tuple[float | None, Envelope | None, int],
     confidence: float,
-    scatter: float,
-    points: int = POINTS,
-    paths: int | None,
-    seed: int,
+    draws: Draws,
     progress: Progress | None,
 ) -> xr.Dataset:
-    """Dataset of `pounding_probability`, with the peak of ``u_1 - u_2`` in each simulated motion."""
-    described: dict[str, Any] = {"first": first, "second": second, "ground": ground}
-    first, second, ground = (median_of(each) for each in described.values())
-    distance = Gap(gap)
-    expect(ground, Ground, "ground")
-    assert ground is not None
+    """Dataset of `pounding_probability`, with the peak of ``u_1 - u_2`` in each simulated motion.
+
+    ``models`` are the structures and the ground, ``motion`` the duration [s], the envelope and the
+    number of instants.
+    """
+    (duration, envelope, points), paths = motion, draws.paths
+    usual = {role: median_of(model) for role, model in models.items()}
+    expect(usual["ground"], Ground, "ground")
     if paths == 1:
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
     seconds = check_course(duration, envelope)
-    pairs = PairTable.of(first, second, ground, distance, seconds, envelope, points)
-    table, not_linearized = xr.Dataset({"status": pairs.status}), ""
+    cells = arrays_of({**models, "distance": distance}).values()
+    names = [name for array in cells for name in (*array.dims, *array.coords)]
+    check_names(names, {*VARIABLES, "status", TIME, HEIGHT} - {*LINEARIZATION, "gap"})
+    periods = [_periods(role, usual[role], seconds) for role in ("first", "second")]
+    course = course_of(envelope, seconds, min(float(period.min()) for period in periods), points)
+    begin = most = paths or MOTIONS[1]
+    if paths != 0 and not arrays_of(models):
+        pair = [usual["first"], usual["second"]]
+        begin, most = check_repeated(pair, usual["ground"], seconds, paths, 1)
 
-    def formulas(first: AnyStructure, second: AnyStructure, ground: Ground, distance: Gap) -> xr.Dataset:
-        weights = ALONE
-        if scatter:
-            factors, weights = strengths(scatter)
-            first, second = (strength_in_metres(structure, ground) for structure in (first, second))
-            ground = at_strengths(ground, factors)
-        cells = PairTable.of(first, second, ground, distance, seconds, envelope, points, weights)
-        solved = cells.solve(ground, part_of(progress, 0.0, 1.0 if paths == 0 else OF_FORMULA))
-        return by_formula(cells, solved, ground, confidence).assign(status=cells.status)
+    def of_cell(first: Any, second: Any, ground: Any, distance: Gap) -> xr.Dataset:
+        """All results of one pair, whose gap may be an array."""
+        pair, table, comment = (first, second), xr.Dataset(), labels.CAUTION_SIGMA
+        try:
+            part = part_of(progress, 0.0, 1.0 if paths == 0 else OF_FORMULA)
+            table = by_formula(pair, ground, distance, course, confidence, draws, part)
+        except ArithmeticError as error:
+            if paths == 0:
+                raise
+            comment = f"There are no formulas: {error}."
+        table["status"] = labels.status_where(distance.valid())
+        if paths != 0:
+            rest = part_of(progress, OF_FORMULA, 1.0)
 
-    medians: dict[str, Any] = {"first": first, "second": second, "ground": ground, "distance": distance}
-    try:
-        table = together_or_alone(formulas, medians, pairs.status < labels.NOT_CONVERGED)
-    except ArithmeticError as error:
-        if paths == 0:
-            raise
-        not_linearized = str(error)
-    if paths != 0:
-        rest = part_of(progress, OF_FORMULA, 1.0)
-        pair = {role: model for role, model in medians.items() if role != "distance"}
-        begin = most = paths or MOTIONS[1]
-        if not arrays_of(pair):
-            begin, most = check_repeated([first, second], ground, seconds, paths, 1)
+            def of_motions(count: int) -> xr.Dataset:
+                drawn = draws._replace(paths=count)
+                return by_simulation(pair, ground, distance, course, confidence, drawn, rest)
 
-        def of_motions(count: int) -> xr.Dataset:
-            draws = Draws(count, seed, float(scatter))
-            return by_simulation(pairs, described, distance, confidence, draws, rest)
+            simulated = enough_motions(of_motions, begin, most, _simulated_gaps)
+            table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
+        yields = any(median_of(structure).yields for structure in pair)
+        return table.assign_attrs({"comment": comment} if yields else {})
 
-        simulated = enough_motions(of_motions, begin, most, _simulated_gaps)
-        paths = simulated.attrs["paths"]
-        table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
-    table = over_time(table, pairs.course).assign_attrs(
-        confidence=confidence, **labels.of_scatter(scatter)
-    )
+    usable = reduce(and_, (period.notnull() for period in periods))
+    table = over_cells(of_cell, models, usable, {"distance": distance})
+    order = dict.fromkeys([TIME, *(dim for array in cells for dim in array.dims)])
+    table = over_time(table.transpose(*order, ..., missing_dims="ignore"), course)
     table = labels.label(table, VARIABLES)
-    labels.raise_if_lone_failure(table, "pounding_probability")
-    if first.yields or second.yields:
-        missing = f"There are no formulas: {not_linearized}." if not_linearized else ""
-        table = table.assign_attrs(comment=missing or labels.CAUTION_SIGMA)
     return labels.with_run_information(
-        table,
-        f"Probability of pounding in a finite motion, {ground.name} ground",
-        f"pounding_probability(duration={duration:g}, confidence={confidence:g}, paths={paths}, "
-        f"seed={seed})",
-        {**described, "gap": distance},
+        table.assign_attrs(confidence=confidence, **labels.of_scatter(draws.scatter)),
+        f"Probability of pounding in a finite motion, {usual['ground'].name} ground",
+        f"pounding_probability(duration={duration:g}, confidence={confidence:g}, "
+        f"paths={table.attrs.get('paths', 0)}, seed={draws.seed})",
+        {**models, "gap": distance},
         REFERENCES,
     )
 
 
+def _periods(role: str, structure: AnyStructure, duration: float) -> xr.DataArray:
+    """First periods [s], NaN where they are invalid or longer than the duration."""
+    check_duration(duration, {role: structure})
+    period = first_period(structure)
+    return period.where(structure.valid() & (period <= duration))
+
+
 def _simulated_gaps(table: xr.Dataset) -> list[float]:
-    """The largest required gap of a table [m], and the ends of its interval."""
-    return [float(table[f"required_gap_simulated{end}"].max()) for end in labels.VALUE_AND_ENDS]
+    """The required gap of a table [m], and the ends of its interval."""
+    return [float(table[f"required_gap_simulated{end}"]) for end in labels.VALUE_AND_ENDS]
