@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from stochlin.analyses.linearization.strength import strength_in_metres
 from stochlin.analyses.sensitivity.estimates import changed_quantiles
-from stochlin.analyses.sensitivity.inputs import Inputs
+from stochlin.analyses.sensitivity.inputs import Input, changed, described, inputs_of
 from stochlin.analyses.sensitivity.variables import VARIABLES
-from stochlin.analyses.simulation.draws import INPUT
+from stochlin.analyses.simulation.draws import GROUND, INPUT, draw
 from stochlin.analyses.simulation.finite_motions import (
     pair_separation,
     quantile_intervals,
@@ -23,12 +25,11 @@ from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.checks import check_duration, standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.models.arguments import Duration, Paths, Probability, Scatter, Seed, checked
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
 from stochlin.models.systems import AnyStructure
-from stochlin.models.uncertain import median_of
+from stochlin.models.uncertain import UncertainModel, median_of
 
 END, ENDS = "end", ("low", "high")
 REFERENCES = "Cleveland, W. S. (1979), J. Am. Stat. Assoc. 74."
@@ -109,10 +110,14 @@ def sensitivity(
     both = {role: median_of(structure) for role, structure in structures.items()}
     check_duration(duration, both)
     checked_structures([*both.values()], usual)
-    inputs = Inputs.of([*structures.values()], ground)
-    check_repeated([*both.values()], usual, duration, paths, 2 * (1 + len(inputs.inputs)))
-    draws = {"paths": paths, "seed": seed, "scatter": float(scatter)}
-    responses = _responses(inputs, duration, envelope, draws, progress)
+    roles = {f"structure_{n}": each for n, each in enumerate(structures.values(), start=1)}
+    models = {role: described(model) for role, model in {**roles, GROUND: ground}.items()}
+    inputs = [entry for role, model in models.items() for entry in inputs_of(role, model)]
+    for role in roles:  # reduction factors refer to the ground at its medians
+        models[role] = models[role].changed(lambda s: strength_in_metres(s, usual))
+    check_repeated([*both.values()], usual, duration, paths, 2 * (1 + len(inputs)))
+    motion = Motion(duration, envelope, paths, seed, float(scatter), progress)
+    responses = _responses(models, inputs, motion)
     table = labels.label(_table(responses, inputs, confidence), VARIABLES)
     subject = "the set-back of a building" if second is None else "the gap of two buildings"
     return labels.with_run_information(
@@ -140,51 +145,61 @@ class _Responses(NamedTuple):
     factors: Array  # (inputs, 2), these values of the input over its median
 
 
+class Motion(NamedTuple):
+    """The motions of all simulations."""
+
+    duration: float
+    envelope: Envelope | None
+    paths: int
+    seed: int
+    scatter: float
+    progress: Progress | None
+
+
 def _responses(
-    inputs: Inputs,
-    duration: float,
-    envelope: Envelope | None,
-    draws: Mapping[str, Any],
-    progress: Progress | None,
+    models: Mapping[str, UncertainModel], inputs: Sequence[Input], motion: Motion
 ) -> _Responses:
-    """Responses of all simulations, with the time step of the first.
-
-    ``draws`` are the number, the seed and the scatter of the motions.
-    """
-    motions, count = whole_groups(draws["paths"]), len(inputs.inputs)
-    base = inputs.sampled(draws["paths"], draws["seed"])
-    of_base = inputs.at(base, {}, motions)
-    made = {role: of_base.samples_of(role) for role in of_base.factors}
+    """Responses of all simulations, with the time step and the samples of the first."""
     steps: list[float] = []  # of the simulations so far
+    made: dict[str, list[Any]] = {}  # samples of the models in the first simulation
 
-    def run(samples: Mapping[str, Array], changes: Mapping[str, float]) -> Array:
-        drawn = inputs.at(samples, changes, motions)
-        if samples is base or changes:
-            changed = {name.partition(".")[0] for name in changes}
-            drawn = drawn._replace(made={role: made[role] for role in made if role not in changed})
+    def run(changes: Mapping[str, UncertainModel]) -> Array:
+        own = [value for m in {**models, **changes}.values() for value in m.uncertain.values()]
+        sampled = any(value.spread for value in own)
+        *structures, ground = (
+            model if sampled and model.uncertain else model.median()
+            for model in {**models, **changes}.values()
+        )
+        drawn = draw(structures, ground, motion.paths, motion.seed)
+        if not steps:
+            made.update({role: drawn.samples_of(role) for role in drawn.factors})
+        kept = {role: made[role] for role in drawn.factors if role not in changes}
+        drawn = drawn._replace(made=kept)
         structures, ground = drawn.medians
         moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
-        options = {**draws, "grounds": drawn.grounds(), "step": steps[0] if steps else None}
-        simulation = moving.run(ground, steps_per_period=STEPS_PER_PERIOD, **options)
-        table = simulate_finite(moving, simulation, duration, envelope, (), None)
+        simulation = moving.run(
+            ground, steps_per_period=STEPS_PER_PERIOD, paths=motion.paths, seed=motion.seed,
+            scatter=motion.scatter, grounds=drawn.grounds(), step=steps[0] if steps else None,
+        )  # fmt: skip
+        table = simulate_finite(moving, simulation, motion.duration, motion.envelope, (), None)
         steps.append(simulation.plan.dt)
-        if progress is not None:
-            progress(len(steps) / (2 * count + 2))
+        if motion.progress is not None:
+            motion.progress(len(steps) / (2 * len(inputs) + 2))
         return pair_separation(table).to_numpy()
 
-    of_samples = run(base, {})
-    factors, ends = np.ones((count, 2)), np.empty((count, 2, motions))
-    for n, entry in enumerate(inputs.inputs):
-        others = {name: column for name, column in base.items() if name != entry.name}
+    of_samples, factors, ends = run({}), np.ones((len(inputs), 2)), []
+    for n, entry in enumerate(inputs):
         for side, factor in enumerate(entry.ends()):
-            if inputs.possible(entry, factor):
+            with suppress(ValueError):  # not allowed
+                changed(models[entry.role], entry.key, factor)
                 factors[n, side] = factor
-            ends[n, side] = run(others, {entry.name: factors[n, side]})
-    return _Responses(of_samples, run({}, {}), ends, factors)
+            ends.append(run({entry.role: changed(models[entry.role], entry.key, factors[n, side])}))
+    medians = run({role: described(model.median()) for role, model in models.items()})
+    return _Responses(of_samples, medians, np.reshape(ends, (len(inputs), 2, -1)), factors)
 
 
-def _table(responses: _Responses, inputs: Inputs, confidence: float) -> xr.Dataset:
-    base, listed, level = responses.base, inputs.inputs, np.array([confidence])
+def _table(responses: _Responses, listed: Sequence[Input], confidence: float) -> xr.Dataset:
+    base, level = responses.base, np.array([confidence])
     falls = float(np.isposinf([base, responses.usual]).mean())
     if falls or np.isposinf(responses.ends).any():
         raise ArithmeticError(

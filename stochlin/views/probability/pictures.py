@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from stochlin.views.shared.style import CURVES, filled, legend_beside, styled
+from stochlin.views.shared.style import CURVES, describe, filled, legend_beside, styled
 from stochlin.views.shared.words import roles_in_words
 
 if TYPE_CHECKING:
@@ -17,9 +17,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SIZE = (7.2, 5.4)  # inches, with a caption that is not longer than
-LINES, LINE = 6, 0.14  # these; more of them, each so many inches, make it taller
-RECORDS = 2.0  # inches, of the panel of the records
+WIDE, HEAD, FOOT, LINE = 7.2, 0.38, 0.5, 0.14  # inches
+PANELS, BETWEEN = (2.05, 1.4, 1.25), (0.22, 0.72, 0.0)  # inches: panels, and the space below each
 WIDTH = 112  # characters of the caption
 NAME = 22  # characters of a line in a legend
 ESTIMATES = (
@@ -50,8 +49,7 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
             "time alone, so select one pair and one gap"
         )
     recorded = f"record_{stem}" in dataset
-    figure = _captioned(dataset, RECORDS * recorded)
-    upper, lower = _panel(figure, 0.1, 0.55, 0.6, 0.38), _panel(figure, 0.1, 0.25, 0.6, 0.26)
+    figure, (upper, lower, *below) = _captioned(dataset, 2 + recorded)
     time = dataset.time.values
     _estimates(upper, dataset, stem, time)
     upper.set(ylim=(-0.02, 1.02), ylabel="confidence of no pounding")
@@ -70,8 +68,7 @@ def draw_pounding(dataset: xr.Dataset) -> Figure:
         axes.set_xlim(time[0], time[-1])
         legend_beside(axes)
     if recorded:
-        below = _panel(figure, 0.1, 0.25 - RECORDS / SIZE[1], 0.6, 0.23)
-        _records(below, dataset, f"record_{stem}")
+        _records(below[0], dataset, f"record_{stem}")
     return figure
 
 
@@ -86,25 +83,19 @@ def known(dataset: xr.Dataset, name: str) -> bool:
     return name in dataset and int(dataset[name].notnull().sum()) > 1
 
 
-def _captioned(dataset: xr.Dataset, more: float = 0.0) -> Figure:
-    """A figure with a description of the case, so many inches taller above it."""
+def _captioned(dataset: xr.Dataset, count: int) -> tuple[Figure, list[Axes]]:
+    """A figure with so many panels below each other, and a description of the case."""
     from matplotlib.figure import Figure
 
     caption = filled(roles_in_words(dataset.attrs), WIDTH, "    ")
-    width, height = SIZE
-    lift = LINE * max(caption.count("\n") + 1 - LINES, 0)
-    tall = height + lift + more
-    figure = Figure(figsize=(width, tall))
-    figure.text(0.1, (tall - 0.05 * height) / tall, dataset.attrs["title"], size=10)
-    figure.text(0.1, (lift + 0.165 * height) / tall, caption, va="top", size=7.5)
-    return figure
-
-
-def _panel(figure: Figure, left: float, bottom: float, wide: float, high: float) -> Axes:
-    """Axes at a place in the usual size; the caption takes the additional height of the figure."""
-    tall = float(figure.get_figheight())
-    lift = tall - SIZE[1]
-    return figure.add_axes((left, (lift + bottom * SIZE[1]) / tall, wide, high * SIZE[1] / tall))
+    foot = FOOT + LINE * (caption.count("\n") + 1)
+    height = HEAD + sum(PANELS[:count]) + sum(BETWEEN[: count - 1]) + foot
+    figure, top, panels = Figure(figsize=(WIDE, height)), height - HEAD, []
+    for high, space in zip(PANELS[:count], BETWEEN, strict=False):
+        panels.append(figure.add_axes((0.1, (top - high) / height, 0.6, high / height)))
+        top -= high + space
+    describe(figure, 0.1, foot - FOOT, dataset.attrs["title"], caption)
+    return figure, panels
 
 
 def _estimates(axes: Axes, dataset: xr.Dataset, stem: str, x: np.ndarray) -> None:

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stochlin.analyses.cases.rows import pair_of
-from stochlin.models.grounds import CloughPenzien, KanaiTajimi, WhiteNoise
-from stochlin.models.laws.bilinear import Bilinear
 from stochlin.views.shared.blocks import Block, Items, Table, Text, ViewSection, texts
 from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import (
@@ -30,11 +28,10 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from stochlin.analyses.cases.probability import ProbabilityAnswer
-    from stochlin.analyses.cases.reading.case import Case
 
 OFF = 0.1  # of a confidence by formula above the interval of the simulated one, of which a line warns
 ROWS = 11  # instants that are printed
-COLUMNS = (
+NAMES = (
     ("formula", ""),
     ("Poisson", "_poisson"),
     ("corrected", "_corrected"),
@@ -42,10 +39,9 @@ COLUMNS = (
 )
 STEM = "confidence_of_no_pounding"
 NOT_CORRECTED = (
-    "No corrected confidence is given: the error of linearization is only known for bilinear "
-    "oscillators on grounds of the named kinds, in the range that was simulated; here {}."
+    "No corrected confidence is given: the error of linearization is not known for these buildings on "
+    "this ground."
 )
-MAPPED = KanaiTajimi, CloughPenzien, WhiteNoise  # grounds that were simulated
 UNRELIABLE = (
     "Do not rely on the column {}: for buildings like these it may be far off. The column simulated has "
     "no such error."
@@ -60,7 +56,7 @@ def answer_sections(answer: ProbabilityAnswer) -> list[ViewSection]:
     duration = f"{case.site.course.duration:.4g}{SPACE}s"
     between = f"{first} (left) and {second}, gap {length(answer.gap)}, {duration}"
     about = (between, floors(case), *left_out(case), shaking(answer.shaking, case), scatter(case))
-    shown = [column for column in COLUMNS if _known(table, column[1])]
+    shown = [column for column in NAMES if _known(table, column[1])]
     step = max(1, (table.sizes["time"] - 1) // (ROWS - 1))
     rows = [_instant(table.isel(time=n), shown) for n in range(0, table.sizes["time"], step)]
     heads = ("time [s]", *(name for name, _ in shown), "95 % interval")
@@ -93,7 +89,7 @@ def _cautions(answer: ProbabilityAnswer, shown: Sequence[tuple[str, str]]) -> li
     case, table = answer.case, answer.table
     cautions = []
     if f"{STEM}_corrected" in table and not _known(table, "_corrected"):
-        cautions.append(NOT_CORRECTED.format(_beyond_the_map(case)))
+        cautions.append(NOT_CORRECTED)
     if "governing_height" in table:
         cautions.append(
             f"The formulas are for the worst height, {float(table.governing_height):.4g} m; the "
@@ -127,16 +123,6 @@ def _of_records(answer: ProbabilityAnswer) -> list[Block]:
 def _known(table: xr.Dataset, ending: str) -> bool:
     """Whether there is such a confidence, at any instant."""
     return STEM + ending in table and bool(table[STEM + ending].notnull().any())
-
-
-def _beyond_the_map(case: Case) -> str:
-    """Why the error of linearization is not known for a case."""
-    other = [b.name for b in pair_of(case) if not isinstance(b.structure, Bilinear)]
-    if other:
-        return f"{other[0]} is no bilinear oscillator"
-    if not isinstance(case.site.ground, MAPPED):
-        return f"the ground is {case.site.ground.name}"
-    return "the buildings are outside this range"
 
 
 def _instant(row: xr.Dataset, shown: Sequence[tuple[str, str]]) -> list[str]:
