@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
-from motions import motion, needs_records, recorded, suite
+from motions import motion, needs_records, suite
 
 import stochlin as sl
 
@@ -113,21 +113,3 @@ def test_four_times_the_duration_adds_a_fifth_to_the_radius_and_four_times_the_e
     growth = (long.mean() / short.mean())[["pseudo_energy_radius", "input_energy_per_mass"]]
     assert float(growth.pseudo_energy_radius) == pytest.approx(radius, abs=0.0051)
     assert float(growth.input_energy_per_mass) == pytest.approx(energy, abs=0.051)
-
-
-@needs_records
-def test_charts_of_figures_1_and_2():
-    record = recorded("Taft")
-    portrait = sl.charts.portrait_chart(record, 1.0, 0.05)
-    trace = np.hypot(portrait.displacement, portrait.velocity_over_frequency)
-    circle = np.hypot(portrait.circle_displacement, portrait.circle_velocity_over_frequency)
-    np.testing.assert_allclose(circle, portrait.pseudo_energy_radius, rtol=1e-12)
-    # The trace touches the circle: 32 points a period miss little of a radius that turns slowly.
-    assert float(trace.max()) == pytest.approx(float(circle[0]), rel=2e-3)
-    assert float(trace.max()) <= float(circle[0]) * (1 + 1e-4)
-
-    gaps = sl.charts.recorded_gap_chart(record, 0.05, points=9)
-    diagonal = range(9)
-    np.testing.assert_array_equal(gaps.separation.values[diagonal, diagonal], 0)
-    np.testing.assert_allclose(gaps.critical_gap.values[diagonal, diagonal], 0, atol=1e-12)
-    np.testing.assert_allclose(gaps.critical_gap, gaps.critical_gap.values.T, rtol=1e-12)

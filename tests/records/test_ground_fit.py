@@ -9,7 +9,6 @@ from motions import motion, needs_records, recorded
 
 import stochlin as sl
 from stochlin.analyses.records.records import strong_part
-from stochlin.models.grounds.named import ground_names
 
 pytestmark = pytest.mark.oracle
 
@@ -221,18 +220,6 @@ def test_smoothing_keeps_what_is_smooth_and_the_energy():
 
 
 # --- Named grounds ----------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", ground_names())
-def test_every_named_ground_has_a_source_and_takes_an_intensity(name):
-    ground = sl.named_ground(name, intensity=0.3)
-    assert ground.intensity == 0.3
-    assert len(ground.source) > 20
-    assert sl.named_ground(f" {name.upper()} ", intensity=0.3) == ground
-    assert sl.named_ground(name).intensity == 1.0
-    fitted = name in {"sct_1985_ns", "sct_1985_ew", "taft_1952"}
-    assert isinstance(ground, sl.KanaiTajimi if fitted else sl.CloughPenzien)
-    assert float(ground.psd(0.0)) == (0.3 if fitted else 0.0)
 
 
 @pytest.mark.parametrize(

@@ -121,11 +121,3 @@ def test_several_records_and_a_table_of_structures():
         sl.BoucWen(0.5, 0.05, 0.1, yield_displacement=0.05), sl.Bilinear(0.8, 0.05), records["two"]
     )
     assert float(table.separation.sel(record="two")[2]) == float(alone.separation)
-
-
-def test_strength_by_the_ground_has_no_meaning_on_a_record():
-    weak = sl.BoucWen(0.5, 0.05, 0.1, reduction_factor=3)
-    with pytest.raises(
-        ValueError, match=r"first: reduction_factor is for a ground; .*yield_displacement"
-    ):
-        sl.recorded_gap(weak, tower(2), motion(100))
