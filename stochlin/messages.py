@@ -84,15 +84,14 @@ def sentence(error: BaseException, longest: int = 160) -> str:
 
 
 def nearest(given: str, known: Iterable[str]) -> str:
-    """The known name that was probably meant, or an empty text: spelled alike, begun, or abbreviated."""
+    """The known name that was probably meant, or an empty text: begun, or spelled alike."""
     mine, names = _letters(given[:LONGEST]), [*known]
     letters = {_letters(name): name for name in reversed(names)}
     begun = [one for one in map(_letters, names) if mine and one.startswith(mine)]
     if len(mine) < 3 and len(begun) > 1:  # of several names none was meant
         begun = []
     alike = difflib.get_close_matches(mine, letters, 1, ALIKE)
-    abbreviated = [one for one in letters if len(mine) > 2 and _is_abbreviated(one, mine)]
-    return next((letters[one] for one in (mine, *begun, *alike, *abbreviated) if one in letters), "")
+    return next((letters[one] for one in (mine, *begun, *alike) if one in letters), "")
 
 
 def hint(given: str, known: Iterable[str]) -> str:
@@ -134,12 +133,6 @@ class Named(type):
         if not kwargs.keys() <= cls.__dataclass_fields__.keys():
             check_names(cls.__name__, kwargs, inspect.signature(cls).parameters)
         return super().__call__(*args, **kwargs)
-
-
-def _is_abbreviated(name: str, by: str) -> bool:
-    rest = iter(name)
-    ends_alike = len(by) > 3 or name[-1:] == by[-1]  # few letters are in many names
-    return name[:1] == by[0] and ends_alike and all(letter in rest for letter in by)
 
 
 def _letters(name: str) -> str:

@@ -62,6 +62,7 @@ REMOVED: dict[str, str] = {
     "added_damping_chart": "damping_for_gap gives the gap over added damping, which .plot draws",
     "link_slack": "a contact acts where a gap has closed, and a link without slack always",
     "system": "no number depends on it; the page on buildings says what a chain leaves out of a wall",
+    "strength_factor": "multiply the yield drifts, or take strengthening_1 of a measure",
     "parallel": "ParallelGround in Python, or a site by its spectrum, has several grounds",
 }
 

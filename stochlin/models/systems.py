@@ -22,7 +22,7 @@ import xarray as xr
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.systems import System
 from stochlin.messages import brief
-from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding, ShearBuilding
+from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding
 from stochlin.models.links import GROUND, Link
 from stochlin.models.parameters import expect
 from stochlin.models.structures import CURE, Structure
@@ -365,26 +365,6 @@ def retrofitted(structure: AnyStructure, stiffening: float, strengthening: float
         name = _yield_of(structure)
         changed[name] = getattr(structure, name) * (strengthening / stiffening)
     return replace(structure, **changed)
-
-
-def elastic_period(structure: AnyStructure) -> float:
-    """Period of an oscillator, or of the first mode of a building without the P-delta effect [s]."""
-    if isinstance(structure, ShearBuilding) and structure.p_delta:
-        structure = replace(structure, p_delta=False)
-    if isinstance(structure, MultistoreyBuilding):
-        return float(structure.mode_periods()[0])
-    return float(structure.arrays()["period"])
-
-
-def tuned(
-    building: MultistoreyBuilding, period: float | None, strengthening: float = 1.0
-) -> AnyStructure:
-    """The building with all stiffnesses in one proportion for an elastic period [s], its own if None.
-
-    Its yield shears are multiplied by ``strengthening``; the period leaves them alone.
-    """
-    stiffening = 1.0 if period is None else (elastic_period(building) / period) ** 2
-    return retrofitted(building, stiffening, strengthening)
 
 
 def _yield_of(structure: AnyStructure) -> str:

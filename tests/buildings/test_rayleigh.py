@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.models.systems import tuned
 
 pytestmark = pytest.mark.invariant
 
@@ -38,8 +37,8 @@ def test_two_modes_have_the_ratio_by_masses_and_stiffness(modes: tuple[int, int]
     roots = np.linalg.eigvals(space.state_matrix.values)
     roots = sorted(roots[roots.imag > 0], key=abs)
     np.testing.assert_allclose(-np.real(roots) / np.abs(roots), ratios, rtol=1e-9)
-    for changed in (without.stiffened(2.0), tuned(without, 0.9)):  # both follow the new frequencies
-        np.testing.assert_allclose(changed.damping_ratios().sel(mode=list(modes)), 0.05, rtol=1e-12)
+    stiffer = without.stiffened(2.0)  # the ratios follow the new frequencies
+    np.testing.assert_allclose(stiffer.damping_ratios().sel(mode=list(modes)), 0.05, rtol=1e-12)
 
 
 @pytest.mark.parametrize(

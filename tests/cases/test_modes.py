@@ -98,16 +98,6 @@ def test_the_file_is_beside_the_case_and_an_input_of_it(tmp_path: Path) -> None:
         case_of(tmp_path, YIELDING.replace("tower", "roof"))
 
 
-def test_a_measured_period_and_a_strength_factor_change_the_modes(tmp_path: Path) -> None:
-    """Stiffer by (T1/T2)^2 at the same yield force, which the factor then multiplies."""
-    plain = case_of(tmp_path, YIELDING).buildings[0].structure
-    own = float(plain.mode_periods()[0])
-    lines = f"{YIELDING}period = '{own / 2} s'\nstrength_factor = 1.2\n"
-    changed = case_of(tmp_path, lines).buildings[0].structure
-    np.testing.assert_allclose(changed.mode_periods(), plain.mode_periods() / 2, rtol=1e-12)
-    assert float(changed.yield_displacements) == pytest.approx(0.02 / 4 * 1.2)
-
-
 def test_damping_and_strength_may_be_uncertain_and_damping_of_each_mode(tmp_path: Path) -> None:
     uncertain = YIELDING.replace("0.05", '"5 % +- 20 %"', 1).replace('"2 cm"', '"1.5 to 2.5 cm"')
     first = case_of(tmp_path, uncertain).buildings[0]

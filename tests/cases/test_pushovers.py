@@ -101,16 +101,6 @@ def test_hardening_is_that_of_the_curve_unless_it_is_given(push: Path, tmp_path:
         read(tmp_path, f'{OSCILLATOR}pushover_method = "eurocode_8"\n', STOREYS)
 
 
-def test_a_measured_period_and_a_factor_on_the_strength_come_after_the_curve(tmp_path: Path) -> None:
-    """Storeys keep their yield shears under another period."""
-    known = read(tmp_path, OSCILLATOR, SINGLY).buildings[1].structure
-    lines = 'period = "0.6 s"\nstrength_factor = 1.5\n'
-    tuned = read(tmp_path, OSCILLATOR, SINGLY + lines).buildings[1].structure
-    assert float(tuned.periods()[0]) == pytest.approx(0.6, rel=1e-9)
-    shears = [s.arrays()["stiffnesses"] * s.arrays()["yield_drifts"] for s in (known, tuned)]
-    np.testing.assert_allclose(shears[1], 1.5 * shears[0], rtol=1e-9)
-
-
 def test_uncertain_parameters_keep_the_curve(tmp_path: Path) -> None:
     """A sample with another period of an oscillator has its strength; storeys that of the curve."""
     case = read(

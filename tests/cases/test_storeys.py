@@ -168,14 +168,3 @@ def test_links_have_floors_and_laws(tmp_path: Path) -> None:
 
 
 # --- In words -------------------------------------------------------------------------------------
-
-
-def test_storeys_take_a_measured_period_and_another_strength(tmp_path: Path) -> None:
-    """Stiffnesses in one proportion, and yield shears that a period leaves alone."""
-    measured = SINGLE.replace("masses", 'period = "0.3 s"\nstrength_factor = 1.2\nmasses', 1)
-    drawn, tuned = (read(tmp_path, REGULAR, s).buildings[1].structure for s in (SINGLE, measured))
-    assert float(tuned.periods()[0]) == pytest.approx(0.3, rel=1e-12)
-    stiffer = tuned.stiffnesses / drawn.stiffnesses
-    np.testing.assert_allclose(stiffer, float(drawn.periods()[0] / 0.3) ** 2, rtol=1e-12)
-    shears = [building.yield_drifts * building.stiffnesses for building in (drawn, tuned)]
-    np.testing.assert_allclose(shears[1], 1.2 * shears[0], rtol=1e-12)

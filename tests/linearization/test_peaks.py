@@ -169,7 +169,7 @@ def test_outside_its_domain_a_model_says_nothing(sides):
 
 def test_unknown_models_and_sides_are_refused():
     assert sl.rules.peak_factor_model("der_kiureghian") is DER_KIUREGHIAN
-    with pytest.raises(ValueError, match=r"model = 'gumbel' .*Davenport1964 \(D64\), .*Vanmarcke1975"):
+    with pytest.raises(ValueError, match=r"model = 'gumbel' .*Davenport1964, .*Vanmarcke1975"):
         sl.rules.peak_factor_model("gumbel")
     with pytest.raises(ValueError, match="sides = 3; allowed: 2"):
         VANMARCKE.mean(10, 0.1, 3)

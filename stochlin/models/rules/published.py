@@ -23,7 +23,6 @@ class Published:
     reference: str
     mark: str = ""
     title: str = ""  # published name, authors and year
-    abbreviation: str = ""
     reason: str = ""  # why the rule is too uncertain to be listed with the others, if it is
 
     @property
@@ -49,18 +48,15 @@ def publish(registry: Registry[Rule], rule: Rule, place: int = LAST) -> None:
 
 
 def look_up(registry: Registry[Rule], name: object, parameter: str) -> Rule:
-    """The rule with this name, in any case, with or without the year, or with this abbreviation.
+    """The rule with this name, in any case, with or without the year.
 
     For an unknown name a ValueError lists all rules; ``parameter`` is the name of the argument.
     """
     known = {_plain(key).rstrip("0123456789"): rule for key, rule in registry.items()}
-    for key, rule in registry.items():
-        known |= {_plain(spelling): rule for spelling in (rule.abbreviation or key, key)}
+    known |= {_plain(key): rule for key, rule in registry.items()}
     if _plain(name) in known:
         return known[_plain(name)]
-    allowed = ", ".join(
-        f"{key} ({rule.abbreviation})" if rule.abbreviation else key for key, rule in registry.items()
-    )
+    allowed = ", ".join(registry)
     raise ValueError(f"{parameter} = {brief(name)} is not a known {registry.kind}; allowed: {allowed}")
 
 

@@ -45,10 +45,9 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
 from stochlin.models.plausible import PLAUSIBLE
 from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE
-from stochlin.models.systems import slabs_on_columns, tuned
+from stochlin.models.systems import slabs_on_columns
 from stochlin.models.uncertain import applied, median_of
 
-FACTOR = Quantity("1", Range(upper=100.0, include_upper=True))
 CODE_FACTOR = Quantity("1", AT_LEAST_1, PLAUSIBLE["behaviour"])
 PARTICIPATION = Quantity("1", Range(1.0, 3.0, True, True, "1 for one storey, about 1.3 to 1.6 for more"))
 HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
@@ -67,8 +66,7 @@ class OfBuilding(Form):
         ("pushover_method", "pushover"),
         ("pushover_units", "pushover"),
     )
-    at_most = (("storey_height", "heights"), ("elastic", "strength_factor"))
-    measures_period: ClassVar[bool] = False  # whether a period changes all stiffnesses
+    at_most = (("storey_height", "heights"),)
     of_law: ClassVar[Mapping[str, Any]] = {"single": "alone"}  # one number for all elements, or a list
 
     name: str = key(TEXT, "Name in results", "")
@@ -102,17 +100,10 @@ class OfBuilding(Form):
 
     def model(self) -> Any:
         """The structure, maybe uncertain."""
-        described = self.described()
-        if self.pushover:
-            described = self._pushed(described)
-        changes = self.given("strength_factor", *(["period"] if self.measures_period else []))
-        if not changes:
-            return described
-        period, factor = changes.get("period"), changes.get("strength_factor", 1.0)
-        return applied(partial(tuned, period=period, strengthening=factor), described)
+        return self._pushed(self.described()) if self.pushover else self.described()
 
     def described(self) -> Any:
-        """The structure without what a curve or a measured period change."""
+        """The structure without what a curve changes."""
         raise NotImplementedError
 
     def of_hardening(self) -> dict[str, Any]:
@@ -199,7 +190,6 @@ class Storeyed(OfBuilding):
     storeys: int | None = key(integer(1, MOST_STOREYS), "Storeys", None)
     storey_height: float | None = of(ShearBuilding, "heights", "Storey height", None, uncertain=False)
     heights: Any = of(ShearBuilding, "heights", "Heights of storeys", None, uncertain=False, single="")
-    strength_factor: float = key(FACTOR, "Factor on the strength of all storeys", 1.0)
     dampers: Any = of(ShearBuilding, "dampers", default=None, single="alone")
     p_delta: bool = key(TRUTH, "Weight softens storeys (P-delta)", False)
     damping_modes: Any = key(TWO_MODES, "Two modes with the damping ratio", None)
@@ -246,10 +236,8 @@ class Regular(Storeyed):
 class Singly(Storeyed):
     """A building storey by storey, from the ground up."""
 
-    measures_period = True
     one_of = ("yield_drifts", "pushover", "elastic")
 
-    period: Any = of(RegularBuilding, "period", "Period as measured", None, uncertain=False)
     masses: Any = of(ShearBuilding, "masses", single="")
     stiffnesses: Any = of(ShearBuilding, "stiffnesses", single="")
     yield_drifts: Any = of(ShearBuilding, "yield_drifts", default=None, single="alone")
@@ -272,15 +260,12 @@ class ByModes(OfBuilding):
     """A building by the modes of a file, as programs of structural analysis write it."""
 
     described_as = "a building by its modes"
-    measures_period = True
     one_of = ("yield_displacements", "pushover", "elastic")
 
     damping: Any = of(ModalBuilding, "damping", single="alone")
     hardening: Any = of(ModalBuilding, "hardening", default=None, single="alone")
     yield_displacements: Any = of(ModalBuilding, "yield_displacements", default=None, single="alone")
-    period: Any = of(RegularBuilding, "period", "Period as measured", None, uncertain=False)
     storeys: int | None = key(integer(1, MOST_STOREYS), "Storeys", None)
-    strength_factor: float = key(FACTOR, "Factor on the strength", 1.0)
     modes: str = key(TEXT, "File of its modes")
     direction: str | None = key(Word(DIRECTIONS), "Direction of the gap in the file", None)
     points: list[str] = key(ListOf(TEXT, "listed"), "Points with the shapes, one on each floor", ())

@@ -91,13 +91,13 @@ def peak_factor_names() -> tuple[str, ...]:
 
 @checked
 def peak_factor_model(name: str) -> PeakFactor:
-    """Peak factor model by its name, with or without the year, or its abbreviation.
+    """Peak factor model by its name, with or without the year.
 
     Parameters
     ----------
     name : str
-        One of `peak_factor_names`, or for instance ``"davenport"``, ``"vanmarcke"`` or ``"DK80"``, in
-        upper or lower case.
+        One of `peak_factor_names`, or for instance ``"davenport"`` or ``"vanmarcke"``, in upper or lower
+        case.
 
     Returns
     -------

@@ -92,14 +92,12 @@ MODELS = (
     PeakFactor(
         name="Davenport1964",
         reference="Davenport, A. G. (1964), Proc. Inst. Civil Eng. 28, 187-196",
-        abbreviation="D64",
         formula=davenport,
         fewest=RISING,
     ),
     PeakFactor(
         name="DerKiureghian1980",
         reference="Der Kiureghian, A. (1980), J. Eng. Mech. Div. ASCE 106, 1195-1213",
-        abbreviation="DK80",
         formula=der_kiureghian,
         spread=2.0,
         needs=f"{OF_BAND}, and Ne >= {RISING:.3g} independent ones",
@@ -107,7 +105,6 @@ MODELS = (
     PeakFactor(
         name="Vanmarcke1975",
         reference="Vanmarcke, E. H. (1975), J. Appl. Mech. 42, 215-220",
-        abbreviation="V75",
         formula=vanmarcke,
         spread=2 ** (1 / 1.2),
         needs=OF_BAND,
