@@ -74,37 +74,37 @@ def plain(text: object, longest: int = LONGEST) -> str:
 
 def sentence(error: BaseException, longest: int = 160) -> str:
     """What another error says, on one line."""
-    told = str(error) or type(error).__name__
+    text = str(error) or type(error).__name__
     if isinstance(error, OSError) and error.strerror:  # told by the system, with a number
         name = "" if error.filename is None else f"{error.filename}: "
-        told = f"{name}{REASONS.get(error.errno or 0, error.strerror)}"
+        text = f"{name}{REASONS.get(error.errno or 0, error.strerror)}"
     if isinstance(error, MemoryError):
-        told = f"this machine has too little memory ({str(error) or 'none is left'}); {SMALLER}"
-    return plain(" ".join(told.split()), longest)
+        text = f"this machine has too little memory ({str(error) or 'none is left'}); {SMALLER}"
+    return plain(" ".join(text.split()), longest)
 
 
-def nearest(given: str, known: Iterable[str]) -> str:
+def nearest(written: str, known: Iterable[str]) -> str:
     """The known name that was probably meant, or an empty text: begun, or spelled alike."""
-    mine, names = _letters(given[:LONGEST]), [*known]
+    mine, names = _letters(written[:LONGEST]), [*known]
     letters = {_letters(name): name for name in reversed(names)}
-    begun = [one for one in map(_letters, names) if mine and one.startswith(mine)]
+    begun = [each for each in map(_letters, names) if mine and each.startswith(mine)]
     if len(mine) < 3 and len(begun) > 1:  # of several names none was meant
         begun = []
     alike = difflib.get_close_matches(mine, letters, 1, ALIKE)
-    return next((letters[one] for one in (mine, *begun, *alike) if one in letters), "")
+    return next((letters[each] for each in (mine, *begun, *alike) if each in letters), "")
 
 
-def hint(given: str, known: Iterable[str]) -> str:
+def hint(written: str, known: Iterable[str]) -> str:
     """Words before a list of known names: what replaces a removed one, or the likely one."""
-    near = nearest(given, known) if len(given) > 2 else ""  # shorter texts are like all others
-    return instead_of(given) or (f"did you mean {near!r}? " if near else "")
+    near = nearest(written, known) if len(written) > 2 else ""  # shorter texts are like all others
+    return instead_of(written) or (f"did you mean {near!r}? " if near else "")
 
 
-def check_names(owner: str, given: Iterable[str], known: Mapping[str, inspect.Parameter]) -> None:
+def check_names(owner: str, written: Iterable[str], known: Mapping[str, inspect.Parameter]) -> None:
     """Raise a TypeError, which suggests the nearest one, for a keyword that is no argument."""
     if any(each.kind is each.VAR_KEYWORD for each in known.values()):
         return
-    for name in given:
+    for name in written:
         if name not in known:
             allowed = ", ".join(known)
             raise TypeError(f"{owner}: {name} is no argument; {hint(name, known)}allowed: {allowed}")

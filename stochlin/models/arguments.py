@@ -229,8 +229,8 @@ def _doubts(name: str, values: dict[str, Any]) -> Iterator[str]:
             strength = getattr(structure, "strength_name", "yield_displacement or reduction_factor")
             yield f"hardening = {brief(structure.hardening)} has no effect without {strength}"
     envelope, end = values.get("envelope"), values.get("duration")
-    if envelope is not None and end is not None and (doubt := envelope.doubt(end)):
-        yield f"duration = {end:g}: {doubt}"
+    if envelope is not None and end is not None and (warning := envelope.doubt(end)):
+        yield f"duration = {end:g}: {warning}"
 
 
 def fitting(check: Callable[..., None]) -> Callable[[Callable[P, R]], Callable[P, R]]:
@@ -247,8 +247,8 @@ def fitting(check: Callable[..., None]) -> Callable[[Callable[P, R]], Callable[P
         @functools.wraps(function)
         def call(*args: P.args, **kwargs: P.kwargs) -> R:
             check_names(function.__name__, kwargs, parameters)
-            given = usual | dict(zip(parameters, args, strict=False)) | kwargs
-            check(**{name: given[name] for name in wanted})
+            values = usual | dict(zip(parameters, args, strict=False)) | kwargs
+            check(**{name: values[name] for name in wanted})
             return function(*args, **kwargs)
 
         return call

@@ -134,15 +134,15 @@ class Link(Model):
 
     def further(self) -> list[str]:
         """The floors that the link ties, and where it is."""
-        one, two = self.structures or (0, 0)
-        where = f"inside building {one}" if one == two else f"between buildings {one} and {two}"
+        low, high = self.structures or (0, 0)
+        where = f"inside building {low}" if low == high else f"between buildings {low} and {high}"
         return [*([self.ends] if self.floors else []), *([where] if self.structures else [])]
 
     @property
     def ends(self) -> str:
         """The floors that the link ties, in words; empty if they are not named."""
-        one, two = (floor or "ground" for floor in self.floors or (0, 0))
-        return f"floors {one} and {two}" if self.floors else ""
+        low, high = (floor or "ground" for floor in self.floors or (0, 0))
+        return f"floors {low} and {high}" if self.floors else ""
 
     @property
     def springs(self) -> tuple[Any, Any, Any]:

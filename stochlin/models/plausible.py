@@ -70,9 +70,9 @@ STRONG = {"pga": g, "sa": 2.5 * g, "intensity": 1.0}
 
 def implausible(values: Mapping[str, Any]) -> Iterator[str]:
     """Texts on implausible numbers among the arguments of a call; arrays are scans, or computed."""
-    for name, given in values.items():
+    for name, number in values.items():
         known = PLAUSIBLE.get(name.removesuffix("_1").removesuffix("_2"), ANY)
-        value = getattr(given, "median", given)  # of an uncertain parameter
+        value = getattr(number, "median", number)  # of an uncertain parameter
         each = value if name in OF_STOREYS and isinstance(value, (list, tuple)) else [value]
         if odd := [n for n in each if type(n) in (int, float) and not known.holds(n) and n < FAR]:
             question = known.below if odd[0] < known.low else known.above
@@ -84,5 +84,5 @@ def warn_caller(of: str, doubts: Iterable[str]) -> None:
     depth = 2
     while (module := sys._getframe(depth).f_globals.get("__name__", "")) == LIBRARY[0]:
         depth += 1
-    for doubt in () if module.startswith(LIBRARY) else doubts:
-        warnings.warn(f"{of}: {doubt}", ImplausibleInput, stacklevel=depth + 1)
+    for warning in () if module.startswith(LIBRARY) else doubts:
+        warnings.warn(f"{of}: {warning}", ImplausibleInput, stacklevel=depth + 1)

@@ -156,8 +156,8 @@ class Structure(Model):
 
     def check_settles(self, role: str) -> None:
         """Raise a ValueError if the hardening is one number, and leaves no stiffness after yielding."""
-        one = self.yields and not isinstance(self.hardening, xr.DataArray)
-        if one and not STATIONARY_HARDENING.contains(self.hardening):
+        scalar = self.yields and not isinstance(self.hardening, xr.DataArray)
+        if scalar and not STATIONARY_HARDENING.contains(self.hardening):
             raise ValueError(
                 f"{role}: hardening = {self.hardening:g} leaves no stiffness after yielding, and the "
                 f"displacement no stationary value; allowed: {STATIONARY_HARDENING}; or {CURE}"

@@ -84,8 +84,8 @@ class Stack(NamedTuple):
 class Tie(NamedTuple):
     """A link and the numbers of the floors that it ties, counted from 0 through all structures."""
 
-    one: int
-    two: int  # -1 is the ground, for a device inside one structure
+    floor: int
+    other: int  # -1 is the ground, for a device inside one structure
     link: Link
     number: int  # of the link in the list that the user gave, from 1
 
@@ -236,7 +236,7 @@ class Arrangement(NamedTuple):
         """
         _, _, storeys, shapes, *_ = self.storeys
         ground = np.zeros_like(shapes[0])
-        links = [shapes[tie.one] - (shapes[tie.two] if tie.two >= 0 else ground) for tie in self.ties]
+        links = [shapes[t.floor] - (shapes[t.other] if t.other >= 0 else ground) for t in self.ties]
         return np.concatenate([storeys, np.reshape(links, (-1, ground.size))])
 
     @property
@@ -417,15 +417,15 @@ def arrangement_of(structures: Sequence[AnyStructure], links: Sequence[Link | No
     return Arrangement(stacks, tuple(ties))
 
 
-def common_floors(one: Stack, two: Stack, number: int) -> tuple[int, int]:
+def common_floors(first: Stack, second: Stack, number: int) -> tuple[int, int]:
     """Numbers, from 1, of the highest floors of two structures at the same level.
 
     An oscillator is taken to be at the level of the other structure's roof. ``number`` is that of the
     link, for messages.
     """
-    if one.is_oscillator or two.is_oscillator:
-        return one.levels.size, two.levels.size
-    level = np.abs(one.levels[:, None] - two.levels) < LEVEL
+    if first.is_oscillator or second.is_oscillator:
+        return first.levels.size, second.levels.size
+    level = np.abs(first.levels[:, None] - second.levels) < LEVEL
     if not level.any():
         raise ValueError(
             f"link {number}: the structures have no two floors at one level; give floors=(.., ..)"
@@ -434,16 +434,16 @@ def common_floors(one: Stack, two: Stack, number: int) -> tuple[int, int]:
     return int(i), int(j)
 
 
-def slabs_on_columns(one: Array, two: Array) -> list[tuple[int, int]]:
+def slabs_on_columns(first: Array, second: Array) -> list[tuple[int, int]]:
     """Slabs of two neighbours that face columns of the other, from the ground up.
 
-    ``one`` and ``two`` are the levels of the floors [m]. Each slab is a pair of the side, 0 or 1, and
-    the floor number, from 1. A slab faces columns if it is below the roof of the other building and the
-    other building has no floor at the same level.
+    ``first`` and ``second`` are the levels of the floors [m]. Each slab is a pair of the side, 0 or 1,
+    and the floor number, from 1. A slab faces columns if it is below the roof of the other building
+    and the other building has no floor at the same level.
     """
     slabs = [
         (float(level), side, floor)
-        for side, (own, other) in enumerate(((one, two), (two, one)))
+        for side, (own, other) in enumerate(((first, second), (second, first)))
         for floor, level in enumerate(own, start=1)
         if level < other[-1] and np.abs(other - level).min() >= LEVEL
     ]

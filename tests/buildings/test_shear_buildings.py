@@ -270,10 +270,13 @@ def test_a_system_of_mixed_structures_has_their_modes(structures: list[Any]) -> 
 def test_links_tie_floors_counted_through_all_structures() -> None:
     low, high = uniform(2, 1e5, 1e8), uniform(4, 1e5, 1e8)
     system = arrangement_of([high, OSCILLATOR, low], [None, Link(1e6), Link(2e6, structures=(1, 3))])
-    assert [(tie.one, tie.two, tie.link.stiffness) for tie in system.ties] == [(4, 6, 1e6), (1, 6, 2e6)]
+    assert [(tie.floor, tie.other, tie.link.stiffness) for tie in system.ties] == [
+        (4, 6, 1e6),
+        (1, 6, 2e6),
+    ]
     given = Link(1e6, floors=(4, 1), structures=(1, 3))
     (tie,) = arrangement_of([high, OSCILLATOR, low], [given]).ties
-    assert (tie.one, tie.two) == (3, 5)
+    assert (tie.floor, tie.other) == (3, 5)
     assert arrangement_of([high, low], [None]).ties == ()
     assert system.first.tolist() == [0, 4, 5, 7]
     assert system.below.tolist() == [-1, 0, 1, 2, -1, -1, 5]

@@ -1,4 +1,4 @@
-"""The house itself: imports run downwards, public names are there and documented."""
+"""The house itself: imports run downwards, names are plain, public ones are documented."""
 
 import ast
 import inspect
@@ -38,6 +38,7 @@ VARIABLES = [
 UNITS = dict(VARIABLES)
 DOCUMENTED = {name: getattr(sl, name) for name in sorted({*sl.__all__} - {"charts", "rules"})}
 PURE_NUMBERS = {"rtol", "atol", "relaxation_times"}
+FIT_ANYTHING = {"one", "found", "told", "given", "asked", "meant", "doubt"}
 
 
 def imports(path: Path) -> Iterator[str]:
@@ -90,6 +91,17 @@ def test_kernels_know_no_labels_and_nothing_knows_the_inside_of_numba() -> None:
         assert not re.search(r"\b(nb|numba)\.(core|_)", path.read_text(encoding="utf-8")), path
         if path.is_relative_to(ROOT / "kernels"):
             assert not NOT_IN_KERNELS & {name.split(".")[0] for name in names}, path
+
+
+def test_variables_and_arguments_have_names_that_say_what_they_are() -> None:
+    named = Counter(
+        f"{path.relative_to(ROOT)}: {name}"
+        for path, tree in TREES.items()
+        for node in ast.walk(tree)
+        if (name := getattr(node, "id", getattr(node, "arg", ""))) in FIT_ANYTHING
+        and (isinstance(node, ast.arg) or isinstance(getattr(node, "ctx", None), ast.Store))
+    )
+    assert named == {}
 
 
 def test_every_public_name_is_there_and_listed_once() -> None:

@@ -88,7 +88,7 @@ def springs_of(system):
     along = np.eye(below.size + len(ties), below.size)
     along[np.flatnonzero(below >= 0), below[below >= 0]] = -1
     for row, tie in zip(along[below.size :], ties, strict=True):
-        row[[tie.one, tie.two]] = 1, -1
+        row[[tie.floor, tie.other]] = 1, -1
     share = np.array([link.hardening if link.yields else 1.0 for link in links])
     stiffness = [link.stiffness for link in links]
     post = np.append(system.storeys.post, stiffness * share)

@@ -110,7 +110,7 @@ def read_modes(
         direction = known.get(str(direction).lower(), direction)
         OneOf(DIRECTIONS)("direction", direction)
     name = plain(path.name)
-    asked = AskedModes(direction, tuple(points), tower, mass_units, length_units)
+    choice = AskedModes(direction, tuple(points), tower, mass_units, length_units)
     files = [path]
     if path.is_dir():
         files = sorted(f for f in path.iterdir() if f.suffix.lower() == ".csv" and f.is_file())
@@ -118,16 +118,16 @@ def read_modes(
             raise ValueError(f"the folder {name} holds no file .csv")
     sheets = [sheet for file in files for sheet in sheets_of(file)]
     tables, of_plain = tables_in(sheets), plain_form.sheets_in(sheets)
-    found = [*of_plain, *(table.sheet for table in [*tables.values()][:1])]
-    if not found:
+    readable = [*of_plain, *(table.sheet for table in [*tables.values()][:1])]
+    if not readable:
         begins = f"{plain_form.HEADER} or a line 'TABLE:  {RATIOS}' of ETABS or SAP2000"
         raise ValueError(
             f"{name} is no file of modes that is known; allowed: a file with {begins}; for OpenSees "
             "docs/buildings.md has a script that writes the plain form"
         )
-    check_alone(found, "modes")
-    modes = csi.read(tables, asked) if tables else plain_form.read(found[0], asked)
-    return _labelled(modes, name, asked.direction)
+    check_alone(readable, "modes")
+    modes = csi.read(tables, choice) if tables else plain_form.read(readable[0], choice)
+    return _labelled(modes, name, choice.direction)
 
 
 def with_masses(table: xr.Dataset, building: ModalBuilding) -> xr.Dataset:

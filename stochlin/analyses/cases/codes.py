@@ -142,13 +142,13 @@ def _factors(rule: CodeRule, factors_of_each: Sequence[Mapping[str, float]]) -> 
 
 def _stated(case: Case, rule: CodeRule) -> str:
     """The displacements of the buildings and the factors of the code, in words."""
-    told = [f"displacements: {sources(case)}"]
+    sentences = [f"displacements: {sources(case)}"]
     if any(_reduces(case, building, rule) for building in one_or_two(case)):
-        told.append(LIMITED)
+        sentences.append(LIMITED)
     for name in (rule.multiplies, *([IMPORTANCE] if rule.over_importance else [])):
         factors = (f"{factors_of(building).get(name, 1.0):g}" for building in one_or_two(case))
-        told.append(f"{rule.called[name]}: {' and '.join(factors)}")
-    return "; ".join(told)
+        sentences.append(f"{rule.called[name]}: {' and '.join(factors)}")
+    return "; ".join(sentences)
 
 
 def _beyond(case: Case, building: Building) -> str:

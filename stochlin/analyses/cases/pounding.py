@@ -174,8 +174,8 @@ def _title(case: Case) -> str:
 def _in_metres(case: Case) -> Structures:
     """The structures of the buildings, with strengths in metres."""
     return [
-        one.structure if one.has_storeys else strength_in_metres(one.structure, case.site.ground)
-        for one in case.buildings
+        item.structure if item.has_storeys else strength_in_metres(item.structure, case.site.ground)
+        for item in case.buildings
     ]
 
 
@@ -216,11 +216,11 @@ def _named(table: xr.Dataset, case: Case, structures: Structures) -> xr.Dataset:
     names, each = [building.name for building in case.buildings], case.buildings
     table = table.assign_coords(building=("structure", names, {"long_name": "name of the building"}))
     if "floor" not in table.dims:
-        strengths = [one.yield_displacement if one.yields else np.nan for one in structures]
+        strengths = [item.yield_displacement if item.yields else np.nan for item in structures]
         table["yield_displacement"] = ("structure", np.array(strengths, float))
         table["peak_ductility"] = table.peak / table.yield_displacement
         return table
-    storeys = [one.storeys if one.has_storeys else 1 for one in each]
+    storeys = [item.storeys if item.has_storeys else 1 for item in each]
     levels = np.full((table.sizes["structure"], table.sizes["floor"]), np.nan)
     for row, building in zip(levels, each, strict=True):
         if building.has_storeys:
@@ -263,9 +263,9 @@ def energy_of(table: xr.Dataset, where: str) -> xr.DataArray:
     return sum(totals[1:], totals[0])
 
 
-def is_oscillator(one: xr.Dataset) -> bool:
+def is_oscillator(item: xr.Dataset) -> bool:
     """Whether a structure in a row of buildings with storeys is an oscillator, without a height."""
-    return bool(one.floor_level.isnull().all())
+    return bool(item.floor_level.isnull().all())
 
 
 def hardest_contacts(table: xr.Dataset) -> list[int]:

@@ -202,7 +202,7 @@ def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | No
         return inputs.simulated(progress)
 
 
-def _risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
+def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
     """Risk with the existing gap, the required gap ``answer`` [m], and the gap for the allowed risk.
 
     Gaps of 0 are left out, since any shaking closes them; None if all are 0. Names of variables begin
@@ -213,7 +213,7 @@ def _risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset |
     if case.wanted.risk is not None:
         years = Target.of(case.wanted.risk).years or YEARS
         with named_errors(case, HAZARD):
-            target = found.gap_of(case.wanted.risk)
+            target = simulated.gap_of(case.wanted.risk)
         gaps["target"] = float(target.required_gap)
         target = target[list(KEPT)]
     gaps = {what: gap for what, gap in gaps.items() if gap > 0}
@@ -221,7 +221,7 @@ def _risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset |
         return None
     with warnings.catch_warnings(), named_errors(case, HAZARD):
         warnings.simplefilter("ignore", DoubtfulInput)  # on weak shaking; the report states it instead
-        each = [found.of_gap(gap, years) for gap in gaps.values()]
+        each = [simulated.of_gap(gap, years) for gap in gaps.values()]
     along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")
     table = xr.concat(each, along, data_vars="all", coords="minimal", compat="override", join="exact")
     attrs = {"long_name": "which gap this is"}
@@ -229,7 +229,7 @@ def _risk_table(found: SimulatedRisk, case: Case, answer: float) -> xr.Dataset |
     table = labels.label(table, VARIABLES).rename(
         {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
     )
-    inputs = found.inputs
+    inputs = simulated.inputs
     table.attrs = {
         "risk_hazard": inputs.hazard.describe(),
         "risk_years": years,

@@ -79,8 +79,8 @@ def doubts(
 ) -> list[str]:
     """Texts on implausible results: the shaking, or a gap [m] or peaks [m] above building heights."""
     texts = []
-    if doubt := doubtful_peak(float(shaken["peak_ground_acceleration"])):
-        texts.append(f"peak ground acceleration: {doubt}")
+    if warning := doubtful_peak(float(shaken["peak_ground_acceleration"])):
+        texts.append(f"peak ground acceleration: {warning}")
     heights = {building.name: building.height for building in buildings if building.height}
     if heights and gap > min(heights.values()):
         name = min(heights, key=lambda name: heights[name])

@@ -81,8 +81,8 @@ def solved_references(
     rows = [np.tile(table[f"reference_{name}"].values, soil.shape[1]) for name in names]
     each = np.repeat(soil, table.sizes[REFERENCE], axis=1)
     period = rows[0] * dict(zip(ground.cells(), each, strict=True))["period"]
-    one = np.ones_like(period)
-    cells = Oscillators(period, rows[1], rows[2], rows[3], one, one, each)
+    ones = np.ones_like(period)
+    cells = Oscillators(period, rows[1], rows[2], rows[3], ones, ones, each)
     law = Yielding.bilinear(np.arange(period.size), DRIFT)
     sides = drifting_side(solve_oscillators(cells, [law], ground, tolerance))
     count = table.sizes[REFERENCE]
@@ -162,16 +162,16 @@ def _corrections(solved: Solved, side: DriftingSide, tolerance: Tolerance) -> tu
     On white noise the signatures are not corrected.
     """
     ground, point = solved.ground, solved.point
-    one = np.ones(point.shape[1])
-    nothing = np.zeros((ENTRIES, one.size))
-    signature = Signature(nothing, nothing, one, one)
+    ones = np.ones(point.shape[1])
+    nothing = np.zeros((ENTRIES, ones.size))
+    signature = Signature(nothing, nothing, ones, ones)
     yields = any(each.yields and isinstance(each, Bilinear) for each in solved.structures)
     if type(ground) not in CORRECTED_GROUNDS or not yields:
-        return signature, Nearness(nothing[:AXES], nothing, 0 * one)
+        return signature, Nearness(nothing[:AXES], nothing, 0 * ones)
     if isinstance(ground, WhiteNoise):
-        point = np.stack([*point, one, AS_ON_WHITE_NOISE * one])
+        point = np.stack([*point, ones, AS_ON_WHITE_NOISE * ones])
     else:
-        number, soil = np.zeros(one.size, int), solved.oscillators.soil
+        number, soil = np.zeros(ones.size, int), solved.oscillators.soil
         if any(array.ndim for array in ground.arrays().values()):
             grounds, number = np.unique(soil, axis=1, return_inverse=True)
             known = solved_references(ground, grounds, tolerance, drift_map())

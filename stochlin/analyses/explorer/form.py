@@ -76,7 +76,7 @@ class Entry(NamedTuple):
         reached = {}
         for at in (number * STEP for number in range(-round(1 / STEP), round(1 / STEP) + 1)):
             with suppress(ValueError):
-                self.key.kind.read(self.slid(at), lambda doubt: None)
+                self.key.kind.read(self.slid(at), lambda warning: None)
                 reached[at] = str(self.slid(at))
         return (min(reached), max(reached)) if len({*reached.values()}) > 2 else None
 

@@ -86,11 +86,11 @@ def read_upload(folder: str, name: str, text: str) -> tuple[Case, list[str]]:
             _ = case.site.ground
         except (OSError, ValueError) as error:
             raise ValueError(_without(folder, error)) from error
-    doubts = [str(doubt.message) for doubt in caught]
+    doubts = [str(message.message) for message in caught]
     if before is not None and case.site is before.site:
         doubts = of_site + doubts
     _LAST.clear()
-    _LAST[path] = case, [doubt for doubt in doubts if OF_SITE.search(doubt)]
+    _LAST[path] = case, [message for message in doubts if OF_SITE.search(message)]
     return case, doubts
 
 

@@ -165,12 +165,12 @@ def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
     """
     parts = [[array[dim].values.round(12) for dim in array.dims] for array in (coarse, refinement)]
     points = [np.union1d(*axes) for axes in zip(*parts, strict=True)]
-    one, other = (
+    first, other = (
         Grid.of([np.log(axis) for axis in axes], array.values).on_points([np.log(x) for x in points])
         for array, axes in zip((coarse, refinement), parts, strict=True)
     )
     named = dict(zip(coarse.dims, points, strict=True))
-    return xr.DataArray((one + other)[..., 0], dims=coarse.dims, coords=named)
+    return xr.DataArray((first + other)[..., 0], dims=coarse.dims, coords=named)
 
 
 def _held_with_spread(name: str, point: Array) -> tuple[Array, Array]:

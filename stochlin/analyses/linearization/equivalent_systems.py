@@ -247,10 +247,10 @@ def solved_together(
 
     def of_set(number: int, name: str | None) -> Solved:
         part = slice(number * first, (number + 1) * first)
-        one = solved._replace(values={key: values[..., part] for key, values in every.items()})
+        cell = solved._replace(values={key: values[..., part] for key, values in every.items()})
         if name == DRIFT and corrected:
-            return one._replace(values=with_correction(ground, one.point, cells.soil, one.values))
-        return one
+            return cell._replace(values=with_correction(ground, cell.point, cells.soil, cell.values))
+        return cell
 
     beside = {name: of_set(n, name) for n, name in enumerate(like, start=1)}
     return of_set(0, closure)._replace(like=beside)

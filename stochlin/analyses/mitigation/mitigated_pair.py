@@ -180,9 +180,9 @@ def _of_dashpots(links: Sequence[Link]) -> float:
 def _devices(motions: xr.Dataset, system: Arrangement) -> xr.Dataset:
     """Force, stroke and energy of links and dampers over ``device``: means and 95 % quantiles."""
     floors = system.floors
-    ends = [(floors[t.one], floors[t.two] if t.two >= 0 else "ground") for t in system.ties]
+    ends = [(floors[t.floor], floors[t.other] if t.other >= 0 else "ground") for t in system.ties]
     kinds = ["damper" if tie.link.within_one else "link" for tie in system.ties]
-    texts = {"device_kind": kinds, "device_place": [f"{one} to {two}" for one, two in ends]}
+    texts = {"device_kind": kinds, "device_place": [f"{low} to {high}" for low, high in ends]}
     columns: Columns = {name: ([DEVICE], np.array(values)) for name, values in texts.items()}
     for name, of in zip(OF_DEVICES, OF_LINKS, strict=True):
         columns |= mean_columns(name, [DEVICE], motions[of].values)

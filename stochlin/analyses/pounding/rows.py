@@ -215,7 +215,7 @@ def build_row(
         e = 1.0 if contact is None else float(contact.e)
         contacts = Contacts.of([ForceLaw()] * len(places), mass.size, left, right, space, e)
     structure = structure_of_floors(system)
-    own = tuple(t for t in system.ties if t.two < 0 or structure[t.one] == structure[t.two])
+    own = tuple(t for t in system.ties if t.other < 0 or structure[t.floor] == structure[t.other])
     row = alone = row_of(system, contacts)
     if own != system.ties:
         alone = row_of(system._replace(ties=own), Contacts.of([], mass.size))

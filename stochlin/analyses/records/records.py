@@ -126,8 +126,8 @@ def read_record(
 def recorded(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:
     """The record of a component of this source, with a warning where it is implausible."""
     record = _labelled(series, name, dt, units)
-    for doubt in _doubts(record, series):
-        warnings.warn(f"{name}: {doubt}", DoubtfulInput, stacklevel=4)
+    for warning in _doubts(record, series):
+        warnings.warn(f"{name}: {warning}", DoubtfulInput, stacklevel=4)
     return record
 
 

@@ -58,14 +58,14 @@ def _check_source(
 ) -> None:
     """Raise a ValueError unless displacements are given once, as peaks or as modes with a spectrum."""
     of_modes = {"modes_1": modes_1, "modes_2": modes_2, "spectrum": spectrum, "ground": ground}
-    given = [name for name, value in of_modes.items() if value is not None]
+    named = [name for name, value in of_modes.items() if value is not None]
     peaks = [name for name, value in zip(PEAKS, (peak_1, peak_2), strict=True) if value is not None]
-    if peaks and given:
-        raise ValueError(f"{peaks[0]} and {given[0]} are both given; allowed: peaks, or modes")
+    if peaks and named:
+        raise ValueError(f"{peaks[0]} and {named[0]} are both given; allowed: peaks, or modes")
     lacking = [name for name in ("modes_1", "spectrum") if of_modes[name] is None]
-    if given and lacking:
-        raise ValueError(f"{lacking[0]} is missing; {given[0]} needs modes_1 and a spectrum")
-    if not given and peak_1 is None:
+    if named and lacking:
+        raise ValueError(f"{lacking[0]} is missing; {named[0]} needs modes_1 and a spectrum")
+    if not named and peak_1 is None:
         raise ValueError("peak_1 is missing; give it, or modes_1 and a spectrum")
 
 
@@ -229,7 +229,7 @@ def code_gaps(
     ([3.0, 6.0], array([0.0218, 0.0384]), array([0.0215, 0.038 ]))
     """
     neighbours = Neighbours(floors_align, same_property, same_system)
-    alone, told = peak_2 is None and modes_2 is None, neighbours.told()
+    alone, inputs = peak_2 is None and modes_2 is None, neighbours.told()
     factors = {
         **{"behaviour_1": behaviour_1, "behaviour_2": behaviour_2},
         **{"deflection_1": deflection_1, "deflection_2": deflection_2},
@@ -299,7 +299,7 @@ def code_gaps(
     return labels.with_run_information(
         table,
         f"{'Set-back' if alone else 'Separation'} by the rules of building codes",
-        f"code_gaps(zone={zone!r}{told}{told_numbers(numbers)})",
+        f"code_gaps(zone={zone!r}{inputs}{told_numbers(numbers)})",
         models,
         "; ".join(dict.fromkeys(rule.reference for rule in rules)),
     )
@@ -307,13 +307,13 @@ def code_gaps(
 
 def _are_of_design(factors: Mapping[str, object]) -> bool:
     """Whether a factor on displacements under design forces is given."""
-    given = [name for name, value in factors.items() if value is not None]
-    if given and not any(name.startswith((BEHAVIOUR, DEFLECTION)) for name in given):
+    named = [name for name, value in factors.items() if value is not None]
+    if named and not any(name.startswith((BEHAVIOUR, DEFLECTION)) for name in named):
         raise ValueError(
-            f"{given[0]} = {brief(factors[given[0]])} is given without a factor on displacements; give "
+            f"{named[0]} = {brief(factors[named[0]])} is given without a factor on displacements; give "
             f"{BEHAVIOUR}_1 or {DEFLECTION}_1, or leave it out"
         )
-    return bool(given)
+    return bool(named)
 
 
 def _without(rule: CodeRule, known: Collection[str], alone: bool, reduced: bool) -> list[str]:
@@ -346,15 +346,15 @@ def _designed(
     if rule.larger_factor and not floors_align and "peak_2" in values:
         factors = dict.fromkeys(factors, np.maximum(*map(values.__getitem__, factors)))
     importances = _importances(values).values()
-    found = {}
+    gaps = {}
     for n, (factor, importance) in enumerate(zip(factors.values(), importances, strict=True), start=1):
         if (peak := f"peak_{n}") in values:
             displacement = values[peak]
             if reduced:
                 behaviour = values[f"{BEHAVIOUR}_{n}"]
                 displacement = rule.under_design_forces(displacement, behaviour, importance)
-            found[peak] = rule.designed(displacement, factor, importance)
-    return found
+            gaps[peak] = rule.designed(displacement, factor, importance)
+    return gaps
 
 
 def _importances(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -379,8 +379,8 @@ def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
 
 def check_neighbours(neighbours: Neighbours, alone: bool, **others: object) -> None:
     """Raise a ValueError if a fact is of a second building that is not there."""
-    given = {name: value is not None for name, value in others.items() if name.endswith("_2")}
-    facts = {**given, **vars(neighbours)}
+    named = {name: value is not None for name, value in others.items() if name.endswith("_2")}
+    facts = {**named, **vars(neighbours)}
     for name in (name for name, stated in facts.items() if alone and stated):
         raise ValueError(f"{name} is given, of a second building, and there is none; leave it out")
 

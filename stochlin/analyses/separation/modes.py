@@ -123,13 +123,13 @@ def spectral_peaks(
     modes = modes_of(system)
     displacements = spectral_displacements(modes, spectrum)
     sizes, rho = combine_modes(modes, displacements, ground, weights_at(system, heights))
-    found = [xr.DataArray(values, dims="height") for values in (*sizes, rho)]
+    arrays = [xr.DataArray(values, dims="height") for values in (*sizes, rho)]
     if has_storeys:
         axis = labels.axis("height", HEIGHT, heights, "m")
-        found, tall = [array.assign_coords(height=axis) for array in found], [axis] * len(structures)
+        arrays, tall = [array.assign_coords(height=axis) for array in arrays], [axis] * len(structures)
     else:
-        found = [array.squeeze("height") for array in found]
-    *peaks, correlation = found
+        arrays = [array.squeeze("height") for array in arrays]
+    *peaks, correlation = arrays
     of_peaks, of_heights = ([*pair, None][:2] for pair in (peaks, tall))
     return SpectralPeaks(of_peaks, of_heights, neighbours, correlation)
 

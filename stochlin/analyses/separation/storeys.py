@@ -135,13 +135,13 @@ def of_storeys(
 
 
 def numbers_of_storeys(
-    structures: Sequence[AnyStructure], given: Sequence[int | None]
+    structures: Sequence[AnyStructure], storeys: Sequence[int | None]
 ) -> dict[str, int | None]:
     """Numbers of storeys by name, of the structures or as given for oscillators.
 
     Raises a ValueError if a number contradicts the structure.
     """
-    numbers = {f"storeys_{n}": number for n, number in enumerate(given, start=1)}
+    numbers = {f"storeys_{n}": number for n, number in enumerate(storeys, start=1)}
     for (name, number), structure in zip(numbers.items(), structures, strict=False):
         if not isinstance(structure, MultistoreyBuilding):
             continue

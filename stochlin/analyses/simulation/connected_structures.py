@@ -45,7 +45,7 @@ class SteppedGroup(NamedTuple):
 def connected_of(system: Arrangement) -> tuple[list[SteppedGroup], list[int]]:
     """Connected structures of a system, and the numbers of the oscillators without links."""
     connected, alone = [], []
-    with_device = {tie.one for tie in system.ties if tie.link.within_one}
+    with_device = {tie.floor for tie in system.ties if tie.link.within_one}
     for members in _tied(system):
         number = members[0]
         lone = members.size == 1 and system.stacks[number].is_oscillator
@@ -109,7 +109,7 @@ def _tied(system: Arrangement) -> list[Array]:
     tied = np.zeros((count, count))
     owner = np.repeat(np.arange(count), np.diff(system.first))
     for tie in system.ties:
-        tied[owner[tie.one], owner[tie.one if tie.two < 0 else tie.two]] = 1
+        tied[owner[tie.floor], owner[tie.floor if tie.other < 0 else tie.other]] = 1
     _, group = scipy.sparse.csgraph.connected_components(tied, directed=False)
     return [np.flatnonzero(group == number) for number in dict.fromkeys(group)]
 

@@ -171,6 +171,7 @@ def prepare(
     scatter: float = 0.0,
     grounds: Sequence[Ground] = (),
     moments: bool = True,
+    step: float | None = None,
 ) -> SimulationRun:
     """Structures and their ground, ready for a simulation whose duration is still open.
 
@@ -222,7 +223,7 @@ def prepare(
     periods = [float(2 * np.pi / np.float64(each.fastest)) for each in soils if each.states]
     periods += [group.shortest for group in groups]
     memory = max(float((1 / rates).max()), *(group.slowest for group in groups))
-    dt = min(periods) / steps_per_period
+    dt = step or min(periods) / steps_per_period
     every = max(1, steps_per_period // SAMPLES_PER_PERIOD)
     known = rows >= 0
     steps, roots = zip(*(ground_steps(each, dt) for each in soils), strict=True)

@@ -220,7 +220,7 @@ def _extremes(
     crowd, shape = finite_steps(run, duration, envelope)
     links = None
     if ties:
-        terms = [{tie.one: 1.0} | ({tie.two: -1.0} if tie.two >= 0 else {}) for tie in ties]
+        terms = [{tie.floor: 1.0} | ({tie.other: -1.0} if tie.other >= 0 else {}) for tie in ties]
         extensions = view_of(terms, run.order, run.scale)
         springs = [
             [*tie.link.spring, tie.link.number("damping_constant"), tie.link.exponent] for tie in ties

@@ -99,16 +99,16 @@ def read_hazard(
         raise ValueError(f"path = {brief(path)}; allowed: one file, or several")
     if of.measure == "intensity" and units is not None:
         raise ValueError(f"units = {units!r}; allowed with intensity: none, it is in m^2/s^3")
-    asked = AskedHazard(site, investigation_time)
-    ordinates = [ordinate for file in paths for ordinate in _ordinates(file, of, asked)]
+    choice = AskedHazard(site, investigation_time)
+    ordinates = [ordinate for file in paths for ordinate in _ordinates(file, of, choice)]
     return _of_ordinates(ordinates, listed(file.name for file in paths), of, units)
 
 
-def _ordinates(path: Path, of: Hazard, asked: AskedHazard) -> list[Ordinate]:
+def _ordinates(path: Path, of: Hazard, choice: AskedHazard) -> list[Ordinate]:
     """The hazard curves in a file: of the USGS, or in a table."""
     if read_input(path).lstrip().startswith(b"{"):
-        return usgs.read(path, read_text(path), asked)
-    return [tables.read(path, of, asked)]
+        return usgs.read(path, read_text(path), choice)
+    return [tables.read(path, of, choice)]
 
 
 def _of_ordinates(

@@ -273,8 +273,8 @@ def fit_motion(
     lasting = _significant(shape.at(time), components.dt)
     of_record = _significant(common.to_numpy(), components.dt)
     doubts = tuple(_misfits(lasting, of_record, periods, factor * np.exp(fit.off), band))
-    for doubt in doubts:
-        warnings.warn(f"{components.source}: {doubt}", DoubtfulInput, stacklevel=3)
+    for warning in doubts:
+        warnings.warn(f"{components.source}: {warning}", DoubtfulInput, stacklevel=3)
     both = len(components.records) == 2 and use == OTHER_COMPONENT
     usual = between_components(components, band) if both else USES[use]
     return FittedMotion(replace(ground, **changed), shape, duration, *usual, doubts)

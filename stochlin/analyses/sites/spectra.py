@@ -203,8 +203,8 @@ def read_spectrum(
         f"its largest ordinate is {largest:.3g} g; are its units right?": not LEAST < largest < MOST,
         "its points are far apart; is it linear in logarithms between them, or between='linear'?": wide,
     }
-    for doubt in (text for text, holds in doubts.items() if holds):
-        warnings.warn(f"{name}: {doubt}", DoubtfulInput, stacklevel=3)
+    for warning in (text for text, holds in doubts.items() if holds):
+        warnings.warn(f"{name}: {warning}", DoubtfulInput, stacklevel=3)
     if between == BETWEEN[1]:
         finer = np.unique(np.linspace(period[:-1], period[1:], FINER))
         period, values = finer, np.interp(finer, period, values)

@@ -302,9 +302,9 @@ def scale_records(
         acceleration, _ = checked_record(record)
         own = np.abs(acceleration).max() if pga is not None else _spectrum(record, periods, damping)
         factor = float(np.exp(np.mean(np.log(target / own))))
-        if doubt := doubtful_factor(factor):
+        if warning := doubtful_factor(factor):
             warnings.warn(
-                f"{plain(name)} is scaled by {factor:.3g}; {doubt}", DoubtfulInput, stacklevel=3
+                f"{plain(name)} is scaled by {factor:.3g}; {warning}", DoubtfulInput, stacklevel=3
             )
         suite[name] = scaled_record(record, factor)
     return suite

@@ -39,14 +39,14 @@ def in_blocks(
     arrays = arrays_of(models)
     rest = {} if more is None else {"more": more}
     if not is_lazy(models):
-        given = {name for array in arrays.values() for name in (*array.dims, *array.coords)}
+        names = {name for array in arrays.values() for name in (*array.dims, *array.coords)}
         try:
             table = function(**models, **rest)
         except (ValueError, KeyError) as error:  # xarray quotes a name that is there twice
-            check_names(given, [name for name in given if repr(name) in str(error)])
+            check_names(names, [name for name in names if repr(name) in str(error)])
             raise
         labelled = (array.coords for array in arrays.values())  # another dimension may become a variable
-        check_names(given.difference(*labelled), table.variables)
+        check_names(names.difference(*labelled), table.variables)
         return table
     whole = xr.Dataset(arrays | dict(more or {})).chunk()
     with warnings.catch_warnings():

@@ -358,8 +358,8 @@ class ModalBuilding(MultistoreyBuilding):
 
     def _over_modes(self, value: Any) -> xr.DataArray:
         """A parameter of the modes that yield over all modes; the last one stands for the others."""
-        given = self._of_yielding(value)
-        wide = np.pad(given, (0, self.modes - given.size), mode="edge")
+        values = self._of_yielding(value)
+        wide = np.pad(values, (0, self.modes - values.size), mode="edge")
         return xr.DataArray(wide, dims=MODE)
 
     def _of_yielding(self, value: Any) -> Array:

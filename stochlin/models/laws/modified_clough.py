@@ -116,9 +116,9 @@ class ModifiedClough(Structure):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        given = self.cells()
+        cells = self.cells()
         for pair in TOGETHER:
-            alone = [name for name in pair if name in given]
+            alone = [name for name in pair if name in cells]
             if len(alone) == 1:
                 missing = pair[1 - pair.index(alone[0])]
                 raise ValueError(
@@ -158,11 +158,11 @@ class ModifiedClough(Structure):
 
     def law_parameters(self) -> list[xr.DataArray]:
         """The branches as time steps take them; those that are not given have no effect."""
-        values, one = self.arrays(), xr.DataArray(1.0)
-        crack = values.get("cracking", one)
-        limit, rise = one, 0 * one
+        values, unit = self.arrays(), xr.DataArray(1.0)
+        crack = values.get("cracking", unit)
+        limit, rise = unit, 0 * unit
         if self.cracking is not None:
             limit = crack / values["uncracked_stiffness"]
             rise = (1 - crack) / (1 - limit)
-        cap, softening = values.get("cap_ductility", np.inf * one), values.get("softening", one)
+        cap, softening = values.get("cap_ductility", np.inf * unit), values.get("softening", unit)
         return [values["unloading_exponent"], crack, limit, rise, cap, softening, values["residual"]]

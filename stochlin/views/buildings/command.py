@@ -106,9 +106,9 @@ def building(
             ideal = bilinear_of(read_pushover(pushover, **names), pushover_method)
             of_modes = of_modes.with_pushover(ideal)
         table = with_masses(table, of_modes)
-        asked = {"modes": modes.name, "direction": table.attrs.get("direction"), "points": named}
-        asked |= units | {"pushover": pushover.name if pushover else None}
-        show(lines(building_sections(table, of_modes, damping is not None, asked, ideal)))
+        options = {"modes": modes.name, "direction": table.attrs.get("direction"), "points": named}
+        options |= units | {"pushover": pushover.name if pushover else None}
+        show(lines(building_sections(table, of_modes, damping is not None, options, ideal)))
         write(table, out)
 
 

@@ -63,7 +63,7 @@ def correlation_of(folder: str, name: str, text: str, progress: Progress) -> str
 def _html(case: Case, doubts: list[str], sections: list[ViewSection], prefix: str) -> str:
     """Warnings on the file, and the sections; names of the case are the user's."""
     as_given = [case.title, *(building.name for building in case.buildings), *case.site.records]
-    warned = ViewSection("", [Text(f"Warning: {doubt}", "doubt") for doubt in doubts])
+    warned = ViewSection("", [Text(f"Warning: {text}", "doubt") for text in doubts])
     return page("", [warned, *sections], [], as_given, "sections.html", prefix)
 
 

@@ -98,7 +98,7 @@ def pound(
             return
         data = out if out or not picture else picture.with_suffix(TABLES[0])
         drawn = _by_record("--picture", picture, PICTURES, described)
-        of_storeys = picture if any(one.has_storeys for one in described.buildings) else None
+        of_storeys = picture if any(building.has_storeys for building in described.buildings) else None
         storeys = _by_record("--picture", of_storeys, PICTURES, described, "-storeys")
         saved = _by_record("--out" if out else "--picture", data, TABLES, described)
         with progress_bar("pounding") as progress:

@@ -85,7 +85,7 @@ STRENGTH = (
 def answer_sections(case: Case, tables: Mapping[str, xr.Dataset]) -> list[ViewSection]:
     """All that is shown, record by record, and the meaning of the columns."""
     doubts_of = {record: _doubts(table, case) for record, table in tables.items()}
-    doubtful = [f"in {record} {doubt}" for record, several in doubts_of.items() for doubt in several]
+    doubtful = [f"in {record} {text}" for record, several in doubts_of.items() for text in several]
     return [
         opening(case, doubtful),
         ViewSection("", texts([floors(case), *left_out(case), at_medians(case)])),

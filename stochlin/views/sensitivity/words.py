@@ -61,13 +61,13 @@ def note(table: xr.Dataset) -> str:
     )
 
 
-def _row(one: xr.Dataset, place: int, names: Mapping[str, str], some_uncertain: bool) -> InputLine:
-    role, _, key = str(one.input.item()).partition(".")
-    uncertain = bool(one.uncertain)
+def _row(table: xr.Dataset, place: int, names: Mapping[str, str], some_uncertain: bool) -> InputLine:
+    role, _, key = str(table.input.item()).partition(".")
+    uncertain = bool(table.uncertain)
     label = f"{key.replace('_', ' ')} of {names[role]}"
-    low, high = (_value(one, key, float(factor)) for factor in one.input_factor_at)
-    digits = 1 if float(one.gap) >= LARGE_GAP else 2
-    changes = [_signed(CENTIMETRES * float(change), digits) for change in one.gap_change]
+    low, high = (_value(table, key, float(factor)) for factor in table.input_factor_at)
+    digits = 1 if float(table.gap) >= LARGE_GAP else 2
+    changes = [_signed(CENTIMETRES * float(change), digits) for change in table.gap_change]
     number, _, unit = low.partition(SPACE)
     return InputLine(
         place=place,
@@ -80,9 +80,9 @@ def _row(one: xr.Dataset, place: int, names: Mapping[str, str], some_uncertain: 
     )
 
 
-def _value(one: xr.Dataset, key: str, factor: float) -> str:
+def _value(table: xr.Dataset, key: str, factor: float) -> str:
     """An input at an end of its range; for an array, the factor on the given values."""
-    unit, median = str(one.input_unit.item()), float(one.input_median)
+    unit, median = str(table.input_unit.item()), float(table.input_median)
     if unit == "1" and key in OF_STOREYS:
         return f"{factor:.2f}{SPACE}times"
     unit, scale = shown_unit(unit, median)

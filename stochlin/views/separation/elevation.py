@@ -154,8 +154,8 @@ def _draw_building(
     axes.plot([far, face, face], [height, height, 0], color=EDGE, lw=1.2, zorder=2)
     dash: Any = "-" if building.has_storeys else (0, (1, 2))
     axes.hlines(_floors(building), face, far, color="0.45", lw=0.7, ls=dash, zorder=2)
-    told = f"{height:.4g} m" if building.height else "height not given"
-    name = f"{cut(building.name, NAME)}\n{told}"
+    height_text = f"{height:.4g} m" if building.height else "height not given"
+    name = f"{cut(building.name, NAME)}\n{height_text}"
     axes.text((face + far) / 2, 1.02 * height, name, ha="center", va="bottom", size=SIZE)
 
 

@@ -42,12 +42,12 @@ def typeset_html(text: str, as_given: Iterable[str] = ()) -> str:
 def _replaced(text: str, symbol: Callable[[str, str], str], power: str) -> str:
     """Text with its symbols as ``symbol`` writes them, and powers in this pattern."""
 
-    def of_symbol(found: re.Match[str]) -> str:
-        name, _, index = found[0].partition("_")
+    def of_symbol(match: re.Match[str]) -> str:
+        name, _, index = match[0].partition("_")
         return symbol(GREEK.get(name, name[0]), index if name in GREEK else index or name[1:])
 
-    def of_power(found: re.Match[str]) -> str:
-        raised = found[1]
+    def of_power(match: re.Match[str]) -> str:
+        raised = match[1]
         return power.format(raised[1:-1] if raised.startswith("(") else raised)
 
     return POWER.sub(of_power, SYMBOL.sub(of_symbol, text))

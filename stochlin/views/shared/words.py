@@ -179,20 +179,20 @@ def _peak_and_rms(table: xr.Dataset, spectral: str) -> str:
     return f"PGA {peak}, {spectral}; rms {rms} in the strong part"
 
 
-def over_records(found: xr.Dataset, count: int, gap: float, what: str = "gap") -> str:
+def over_records(table: xr.Dataset, count: int, gap: float, what: str = "gap") -> str:
     """The gap [m] in many records, in place of one number for each."""
     parts = []
-    for quantile in along(found, "quantile"):
+    for quantile in along(table, "quantile"):
         needed, low, high = with_interval(quantile, "record_gap_quantile")
         ends = f"{centimetres(low)} to {centimetres(high)}"
         ends = ends if np.isfinite(high) else "too few records for an interval"
         share = 100 * float(quantile["quantile"])
         parts.append(f"{length(needed)} in {share:.4g}{SPACE}% of them ({ends})")
-    share, low, high = with_interval(found, "record_no_pounding_probability")
+    share, low, high = with_interval(table, "record_no_pounding_probability")
     return (
         f"The {count} recorded motions would have needed {', '.join(parts)}. A {what} of {length(gap)} "
         f"is enough in {round(share * count)} of {count}, {per_cent(share)} ({per_cent(low)} to "
-        f"{per_cent(high)}, with {found.attrs['independent']} of them independent)."
+        f"{per_cent(high)}, with {table.attrs['independent']} of them independent)."
     )
 
 

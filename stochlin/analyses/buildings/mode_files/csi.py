@@ -64,13 +64,13 @@ class Floors(NamedTuple):
 class Wanted(NamedTuple):
     """The modal case with those of its modes that move along the axis, and what is asked for."""
 
-    asked: AskedModes
+    choice: AskedModes
     axis: str
     case: str
     moving: pd.Index
 
 
-def read(content: Mapping[str, Table], asked: AskedModes) -> ModesOfFile:
+def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
     """The modes of tables of ETABS or SAP2000: a line ``TABLE:  name``, titles, units, and rows.
 
     Needed are Modal Participating Mass Ratios, and besides, of ETABS, Story Definitions,
@@ -89,16 +89,16 @@ def read(content: Mapping[str, Table], asked: AskedModes) -> ModesOfFile:
     """
     etabs = any(spelled(name) in content for name in (HEIGHTS, STORY_DATA, OF_CENTRES, OF_STORIES))
     if etabs:
-        of_mass = [OF_DIAPHRAGMS, OF_STORIES] if asked.tower else [OF_STORIES, OF_DIAPHRAGMS]
+        of_mass = [OF_DIAPHRAGMS, OF_STORIES] if choice.tower else [OF_STORIES, OF_DIAPHRAGMS]
         groups = [[RATIOS], [HEIGHTS, STORY_DATA], of_mass, [OF_CENTRES]]
-        groups += [[OF_JOINTS]] if asked.points else []
-    elif asked.tower:
-        what = f"tower = {brief(asked.tower)} has no meaning for tables of SAP2000"
+        groups += [[OF_JOINTS]] if choice.points else []
+    elif choice.tower:
+        what = f"tower = {brief(choice.tower)} has no meaning for tables of SAP2000"
         raise ValueError(f"{what}; name the joints of the building, points=")
     else:
         groups = [[RATIOS], [COORDINATES], [OF_MASSES], [OF_JOINTS]]
     ratios, *others = needed_tables(content, *groups)
-    axis = _axis(ratios, asked.direction)
+    axis = _axis(ratios, choice.direction)
     check_one_case(ratios, "case")
     column = ratios.column("period")
     check_seconds(ratios.unit_of(column), ratios.sheet.where(ratios.units or ratios.titles, column))
@@ -107,11 +107,11 @@ def read(content: Mapping[str, Table], asked: AskedModes) -> ModesOfFile:
     moving = shares[shares >= LEAST_SHARE]
     if moving.empty:
         raise ratios.error(f"has no mode with {LEAST_SHARE:.1%} of the mass along {axis}")
-    wanted = Wanted(asked, axis, str(ratios.texts("case").iloc[0]), moving.index)
+    wanted = Wanted(choice, axis, str(ratios.texts("case").iloc[0]), moving.index)
     floors = (_of_stories if etabs else _of_joints)(content, others, wanted)
     _check_one_building(floors, others[2])
     effective = moving.to_numpy() * floors.total
-    if asked.tower is None:
+    if choice.tower is None:
         check_moving([*moving.index], floors.loads / np.sqrt(effective), others[2].sheet.name)
     factors = np.divide(effective, floors.loads, np.zeros(effective.size), where=floors.loads != 0)
     masses = factors * floors.parts
@@ -126,7 +126,7 @@ def read(content: Mapping[str, Table], asked: AskedModes) -> ModesOfFile:
         factors[here],
         masses[here],
         shares.index[~shares.index.isin(chosen)].tolist(),
-        [] if asked.points else _turning(others[2], wanted._replace(moving=chosen)),
+        [] if choice.points else _turning(others[2], wanted._replace(moving=chosen)),
     )
 
 
@@ -192,25 +192,25 @@ def _chosen(places: pd.Index, heights: Table, weights: Table, tower: str | None)
 
 def _of_stories(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wanted) -> Floors:
     """The floors of ETABS, with the shapes of centres of mass or of named joints."""
-    (heights, weights, centres), asked, axis = others[:3], wanted.asked, wanted.axis.lower()
+    (heights, weights, centres), choice, axis = others[:3], wanted.choice, wanted.axis.lower()
     names = [name for name in PLACES if name in weights.names and name in centres.names]
-    mass = keyed(weights, names, axis, "mass", NOT_NEGATIVE, asked.mass_units)
+    mass = keyed(weights, names, axis, "mass", NOT_NEGATIVE, choice.mass_units)
     stories = mass.index.get_level_values("story")
     mass = mass[stories.isin(heights.texts("story")) & (stories.str.lower() != BASE)]
-    own = mass[_chosen(mass.index, heights, weights, asked.tower)]
+    own = mass[_chosen(mass.index, heights, weights, choice.tower)]
     moves = _moves(centres, axis, wanted, names)
     loads = (moves.reindex(mass.index).fillna(0.0).T @ mass).to_numpy()
     of_own = moves.reindex(own.index)
     for each in (own, of_own):
         each.index = each.index.get_level_values("story")
-    levels = _levels(_of_tower(heights, asked.tower), centres, tables.get(spelled(BASES)), asked)
-    levels = levels[levels.index.isin(own.index) | (asked.tower is None)]
+    levels = _levels(_of_tower(heights, choice.tower), centres, tables.get(spelled(BASES)), choice)
+    levels = levels[levels.index.isin(own.index) | (choice.tower is None)]
     if bare := [story for story in levels.index if not own.get(story)]:
         raise weights.error(f"has no mass of story {listed(bare)}")
     own, shapes = own[levels.index], _shapes(centres, of_own, levels.index)
     parts = shapes @ own.to_numpy()
-    if asked.points:
-        joints = _named(others[3], asked.points)
+    if choice.points:
+        joints = _named(others[3], choice.points)
         shapes = _shapes(joints, _moves(joints, axis, wanted, ["story"]), levels.index)
     return Floors(levels.index, levels.to_numpy(), own.to_numpy(), shapes, loads, parts, mass.sum())
 
@@ -234,9 +234,9 @@ def _turning(table: Table, wanted: Wanted) -> list[int]:
     return sorted(int(mode) for mode in angles.columns[(angles.abs() > TURNS).any()])
 
 
-def _levels(heights: Table, centres: Table, bases: Table | None, asked: AskedModes) -> pd.Series:
+def _levels(heights: Table, centres: Table, bases: Table | None, choice: AskedModes) -> pd.Series:
     """Levels of the stories above the ground [m], from the ground up, by name."""
-    names, unit = heights.texts("story"), asked.length_units
+    names, unit = heights.texts("story"), choice.length_units
     twice = pd.DataFrame({"story": names, "height": heights.texts("height")}).duplicated()
     heights = heights._replace(rows=heights.rows[(names.str.lower() != BASE) & ~twice])
     height = keyed(heights, ["story"], "height", "length", POSITIVE, unit)
@@ -253,22 +253,22 @@ def _levels(heights: Table, centres: Table, bases: Table | None, asked: AskedMod
         height = height[::-1]  # from the roof down, as programs have them
     if elevations is not None and bases is None:
         return elevations - max(0.0, elevations.iloc[0] - height.iloc[0])
-    return height.cumsum() - (0.0 if bases is None else _depth(bases, asked))
+    return height.cumsum() - (0.0 if bases is None else _depth(bases, choice))
 
 
-def _depth(bases: Table, asked: AskedModes) -> float:
+def _depth(bases: Table, choice: AskedModes) -> float:
     """Depth of the base below 0, where the ground is [m]; a base above 0 stands on the ground."""
-    table = _of_tower(bases, asked.tower)
-    towers = keyed(table, ["tower"], "bselev", "length", ANY, asked.length_units)
+    table = _of_tower(bases, choice.tower)
+    towers = keyed(table, ["tower"], "bselev", "length", ANY, choice.length_units)
     return max(0.0, -towers.max()) if len(towers) else 0.0
 
 
 def _of_joints(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wanted) -> Floors:
     """The floors of SAP2000: the levels of the joints that have displacements, or of the named ones."""
-    (places, weights, table), asked, axis = others, wanted.asked, wanted.axis.lower()
-    height = keyed(places, ["joint"], "z", "length", ANY, asked.length_units)
+    (places, weights, table), choice, axis = others, wanted.choice, wanted.axis.lower()
+    height = keyed(places, ["joint"], "z", "length", ANY, choice.length_units)
     level = height - height.min()
-    mass = keyed(weights, ["joint"], axis, "mass", NOT_NEGATIVE, asked.mass_units)
+    mass = keyed(weights, ["joint"], axis, "mass", NOT_NEGATIVE, choice.mass_units)
     mass = mass[(mass > 0) & (level.reindex(mass.index) > SAME_LEVEL)]
     moves = _moves(table, axis, wanted, ["joint"])
     if unknown := [*moves.index.difference(level.index)]:
@@ -278,9 +278,9 @@ def _of_joints(tables: Mapping[str, Table], others: Sequence[Table], wanted: Wan
         what = f"has joints with {with_shapes / (mass.sum() or 1):.0%} of the mass"
         raise table.error(f"{what}; export the modal displacements of all joints with mass")
     above = moves.index[level[moves.index] > SAME_LEVEL]
-    if strange := [point for point in asked.points if point not in above]:
+    if strange := [point for point in choice.points if point not in above]:
         raise table.error(f"has no joint {listed(strange)} above the base, which points names")
-    levels = level[[*asked.points] or above].sort_index().sort_values(kind="stable")
+    levels = level[[*choice.points] or above].sort_index().sort_values(kind="stable")
     for lower, upper in pairwise(levels.index):
         if levels[upper] - levels[lower] <= SAME_LEVEL:
             both = f"has joints {lower} and {upper}, both at {levels[lower]:g} m"

@@ -35,7 +35,7 @@ def sheets_in(sheets: Sequence[Sheet]) -> list[Sheet]:
     return [sheet for sheet in contents if sheet.cells[0].iloc[:1].str.lower().tolist() == [MODE]]
 
 
-def read(content: Sheet, asked: AskedModes) -> ModesOfFile:
+def read(content: Sheet, choice: AskedModes) -> ModesOfFile:
     """The modes of a sheet, which begins with a line of mode numbers and one of periods.
 
     The first two columns of a floor are its level and its mass; each further column is a mode::
@@ -50,7 +50,7 @@ def read(content: Sheet, asked: AskedModes) -> ModesOfFile:
     ``modal mass [t]`` may follow the periods. Text after # in the first column is a comment.
     """
     for argument in ("direction", "points", "tower"):
-        if value := getattr(asked, argument):
+        if value := getattr(choice, argument):
             what = f"{argument} = {brief(value)} has no meaning for {content.name}, which has {HEADER}"
             raise ValueError(f"{what}; leave it out")
     names = content.cells[0].map(lambda title: with_unit(title)[0])
@@ -80,8 +80,8 @@ def read(content: Sheet, asked: AskedModes) -> ModesOfFile:
         numbers.astype(int).tolist(),
         over_modes([lines[PERIOD]], PERIOD, PERIODS)[0],
         shapes,
-        floors.in_si(MASS, "mass", asked.mass_units, POSITIVE),
-        floors.in_si(LEVEL, "length", asked.length_units, POSITIVE),
+        floors.in_si(MASS, "mass", choice.mass_units, POSITIVE),
+        floors.in_si(LEVEL, "length", choice.length_units, POSITIVE),
     )
     check_moving(modes.modes, np.abs(shapes).max(axis=1), content.name)
     if FACTOR not in lines:
@@ -89,7 +89,7 @@ def read(content: Sheet, asked: AskedModes) -> ModesOfFile:
     factors = over_modes([lines[FACTOR]], "participation factor")[0]
     line = lines[MODAL_MASS]
     unit = with_unit(content.cells.at[line, 0])[1]
-    size = stated_size("mass", unit, asked.mass_units, content.where(line, 0))
+    size = stated_size("mass", unit, choice.mass_units, content.where(line, 0))
     modal = size * over_modes([line], MODAL_MASS, POSITIVE)[0]
     n = int(np.argmax(modal))
     loads = (factors * (shapes @ modes.masses))[n : n + 1]

@@ -352,8 +352,8 @@ class Building:
         ground = site.ground
         closure = calibrated_closure(self.structure, ground)
         with self.form.table.naming("ductility", "has no strength"):
-            found = strength_for_ductility(self.structure, ground, self.form.ductility, closure=closure)
-        factor = float(found.reduction_factor)
+            solved = strength_for_ductility(self.structure, ground, self.form.ductility, closure=closure)
+        factor = float(solved.reduction_factor)
         return replace(self, sampled=applied(partial(replace, reduction_factor=factor), self.sampled))
 
 
@@ -367,8 +367,8 @@ def read_building(table: Table, number: int) -> Building:
         if counts[name] not in (None, 0, floors):
             raise table.error(name, f"does not fit {floors} floors; allowed: {floors}")
     if building.has_storeys and not form.elastic:
-        for doubt in building.structure.doubts():
-            table.warn(building.strength, f"is doubtful: {doubt}")
+        for warning in building.structure.doubts():
+            table.warn(building.strength, f"is doubtful: {warning}")
     return building
 
 

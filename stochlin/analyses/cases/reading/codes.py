@@ -169,14 +169,14 @@ def missing_of(building: Building, rule: CodeRule, has_spectrum: bool) -> tuple[
     Displacements under design forces are given, or those of the spectrum divided by the behaviour
     factor, which has no effect for a code that multiplies by it again.
     """
-    given, known = building.form.displacements, factors_of(building)
+    displacements, known = building.form.displacements, factors_of(building)
     if not rule.multiplies:
         return None
-    if not (given or has_spectrum):
+    if not (displacements or has_spectrum):
         why = f"{rule.name} needs them, since the site has no design spectrum to compute them from"
         return "displacements", f'{why}; write, for instance, displacements = ["1.2 cm", ...]'
-    needed = [rule.multiplies] if given else [BEHAVIOUR, rule.multiplies]
-    if not given and rule.multiplies == BEHAVIOUR:
+    needed = [rule.multiplies] if displacements else [BEHAVIOUR, rule.multiplies]
+    if not displacements and rule.multiplies == BEHAVIOUR:
         needed = []
     for name in (name for name in needed if name not in known):
         why = f"{rule.name} needs its {rule.called[name]}"

@@ -131,8 +131,8 @@ def read_hazard_of(table: Table) -> Hazard | None:
     if not {"file", "intensities", "k0", "k"} & table.values.keys():
         raise table.error("", f"has no numbers; {EXAMPLE}")
     hazard = table.read(OfFile, OfPoints, OfPowerLaw).hazard()
-    if doubt := doubtful(hazard):
-        table.warn("measure", f"is doubtful: {doubt}")
+    if warning := doubtful(hazard):
+        table.warn("measure", f"is doubtful: {warning}")
     return hazard
 
 

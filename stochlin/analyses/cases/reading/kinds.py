@@ -60,28 +60,28 @@ class Quantity:
         """A unit in SI, also in other spellings; None if it is no unit of this quantity."""
         return 1.0 if unit == self.units != "1" else size_of(unit, self.units)
 
-    def read(self, given: Any, warn: Warn) -> float | Uncertain:
+    def read(self, written: Any, warn: Warn) -> float | Uncertain:
         """The number in SI; a ValueError if it is not valid."""
-        if isinstance(given, str) and UNCERTAIN.search(given):
-            return self._uncertain(given, warn)
-        return self.certain(given, warn)
+        if isinstance(written, str) and UNCERTAIN.search(written):
+            return self._uncertain(written, warn)
+        return self.certain(written, warn)
 
-    def certain(self, given: Any, warn: Warn) -> float:
+    def certain(self, written: Any, warn: Warn) -> float:
         """A number without a spread."""
-        value = self.in_si(given)
+        value = self.in_si(written)
         if not self.allowed.contains(value):
-            shown = self._meant(given, value) if self.units == "1" else f", in {self.units}"
+            shown = self._in_usual_units(written, value) if self.units == "1" else f", in {self.units}"
             raise ValueError(f"is out of range; allowed: {self.allowed}{shown}")
         if not self.plausible.holds(value):
-            warn(f"is doubtful: {self.plausible.usually}{self._meant(given, value)}")
+            warn(f"is doubtful: {self.plausible.usually}{self._in_usual_units(written, value)}")
         return value
 
-    def in_si(self, given: Any) -> float:
+    def in_si(self, written: Any) -> float:
         """A number in SI, within its range or not."""
-        number, unit = self._split(given)
+        number, unit = self._split(written)
         if re.match(r",\s*\d", unit):
             signs = (".", "") if number and re.match(r",\d{3}(?!\d)", unit) else (".",)
-            pointed = " or ".join(f'"{plain(given.strip().replace(",", sign), 40)}"' for sign in signs)
+            pointed = " or ".join(f'"{plain(written.strip().replace(",", sign), 40)}"' for sign in signs)
             raise ValueError(f"has a comma; allowed: a decimal point, as {pointed}")
         size = self.size(unit) if unit else 1.0
         if size is None:
@@ -91,24 +91,24 @@ class Quantity:
             raise ValueError(f"has no unit; allowed: a text with one of its units, {suggested}")
         return number * size
 
-    def _split(self, given: Any) -> tuple[float, str]:
+    def _split(self, written: Any) -> tuple[float, str]:
         """The number and its unit as they are written."""
-        if isinstance(given, str) and (match := NUMBER.fullmatch(given)):
+        if isinstance(written, str) and (match := NUMBER.fullmatch(written)):
             return float(match[1]), match[2].strip()
-        if is_number(given) or is_whole(given):
-            return (float(given) if is_number(given) else math.inf), ""
+        if is_number(written) or is_whole(written):
+            return (float(written) if is_number(written) else math.inf), ""
         text = "a number" if self.units == "1" else "a text with a number and its unit"
         raise ValueError(f"is no number; allowed: {text}, as {self.example}")
 
-    def _uncertain(self, given: str, warn: Warn) -> Uncertain:
+    def _uncertain(self, written: str, warn: Warn) -> Uncertain:
         if not self.uncertain:
             allowed = f"one number, as {self.example}; what describes a building or the ground can"
             raise ValueError(f"cannot be uncertain; allowed: {allowed}: {DESCRIBED}")
-        if spread := SPREAD.fullmatch(given):
+        if spread := SPREAD.fullmatch(written):
             if float(spread[2]) > 100:
                 raise ValueError(f"has a spread of {spread[2]} %; allowed: 0 to 100 %")
             return Uncertain(self.certain(spread[1], warn), float(spread[2]) / 100)
-        if ends := FROM_TO.fullmatch(given):
+        if ends := FROM_TO.fullmatch(written):
             low, high = ends.groups()
             alone, unit = NUMBER.fullmatch(low), NUMBER.fullmatch(high)
             if alone and unit and not alone[2].strip():  # both have the unit of the second
@@ -131,9 +131,9 @@ class Quantity:
         allowed = {text: value for text, value in ways.items() if self.allowed.contains(value)} or ways
         return dict(sorted(allowed.items(), key=lambda way: not self.plausible.holds(way[1])))
 
-    def _meant(self, given: Any, value: float) -> str:
+    def _in_usual_units(self, written: Any, value: float) -> str:
         """Another way to write the number that is allowed and plausible, as a question; or nothing."""
-        for text, other in self._ways(self._split(given)[0]).items():
+        for text, other in self._ways(self._split(written)[0]).items():
             fits = self.allowed.contains(other) and self.plausible.holds(other)
             a_slip = self.units == "1" and other < value < 2  # of a ratio: such percentages are rare
             if fits and not a_slip and not math.isclose(other, value):
@@ -149,33 +149,33 @@ class Kind(NamedTuple):
     example: str
 
 
-def _text(given: Any, warn: Warn) -> str:
-    if not is_label(given):
-        of_path = f"; {BACKSLASH}" if isinstance(given, str) and not given.isprintable() else ""
+def _text(written: Any, warn: Warn) -> str:
+    if not is_label(written):
+        of_path = f"; {BACKSLASH}" if isinstance(written, str) and not written.isprintable() else ""
         raise ValueError(f"is no line of text; allowed: {A_LABEL}, in quotation marks{of_path}")
-    return given
+    return written
 
 
-def _truth(given: Any, warn: Warn) -> bool:
-    if not isinstance(given, bool):
+def _truth(written: Any, warn: Warn) -> bool:
+    if not isinstance(written, bool):
         raise ValueError("is neither true nor false; allowed: true, false")
-    return given
+    return written
 
 
 def integer(lowest: int, highest: int | None = None) -> Kind:
     """A whole number between two limits."""
     limits = Whole(lowest, highest)
 
-    def read(given: Any, warn: Warn) -> int:
-        if not limits.contains(given):
-            raise ValueError(limits.refusal(given))
-        return int(given)
+    def read(written: Any, warn: Warn) -> int:
+        if not limits.contains(written):
+            raise ValueError(limits.refusal(written))
+        return int(written)
 
     return Kind(read, str(limits), str(lowest))
 
 
-def _column(given: Any, warn: Warn) -> str | int:
-    return (TEXT if isinstance(given, str) else integer(0)).read(given, warn)
+def _column(written: Any, warn: Warn) -> str | int:
+    return (TEXT if isinstance(written, str) else integer(0)).read(written, warn)
 
 
 TEXT = Kind(_text, "a text", '"..."')
@@ -199,12 +199,12 @@ class Word:
         """A value as it is written in a file."""
         return f'"{self.words.partition(", ")[0]}"'
 
-    def read(self, given: Any, warn: Warn) -> str:
+    def read(self, written: Any, warn: Warn) -> str:
         """The word."""
         known = self.words.split(", ")
-        if _text(given, warn) not in known:
-            raise ValueError(f"is not known; {hint(given, known)}allowed: {self.words}")
-        return str(given)
+        if _text(written, warn) not in known:
+            raise ValueError(f"is not known; {hint(written, known)}allowed: {self.words}")
+        return str(written)
 
 
 @dataclass(frozen=True)
@@ -225,15 +225,15 @@ class ListOf:
         """A value as it is written in a file."""
         return self.kind.example if self.single else self._list
 
-    def read(self, given: Any, warn: Warn) -> Any:
+    def read(self, written: Any, warn: Warn) -> Any:
         """The values in a list; one uncertain value if they are uncertain."""
-        if not isinstance(given, list) and self.single:
-            value = self.kind.read(given, warn)
+        if not isinstance(written, list) and self.single:
+            value = self.kind.read(written, warn)
             return value if self.single == "alone" else [value]
-        if not isinstance(given, list) or not given or len(given) != (self.length or len(given)):
+        if not isinstance(written, list) or not written or len(written) != (self.length or len(written)):
             count = "" if self.length is None else f" of {self.length}"
             raise ValueError(f"is no list{count}; allowed: a list, as {self._list}")
-        values = [self._value(place, each, warn) for place, each in enumerate(given, 1)]
+        values = [self._value(place, each, warn) for place, each in enumerate(written, 1)]
         uncertain = [value for value in values if isinstance(value, Uncertain)]
         if not uncertain:
             return values
@@ -248,10 +248,10 @@ class ListOf:
     def _list(self) -> str:
         return f"[{', '.join([self.kind.example] * (self.length or 2))}]"
 
-    def _value(self, place: int, given: Any, warn: Warn) -> Any:
+    def _value(self, place: int, written: Any, warn: Warn) -> Any:
         which = f"has a number {place} that"
         try:
-            return self.kind.read(given, lambda what: warn(f"{which} {what}"))
+            return self.kind.read(written, lambda what: warn(f"{which} {what}"))
         except ValueError as error:
             raise ValueError(f"{which} {error}") from error
 

@@ -49,8 +49,8 @@ class OfContact(Form):
                 quantity = quantity_of(kind, name)
             keys[name] = Key(quantity, "", MISSING if argument.default is argument.empty else None)
         if "stiffness" in keys and "exponent" in keys:
-            given = table.values.get("exponent", arguments["exponent"].default)
-            keys["stiffness"] = _in_units(keys["stiffness"], f"N/m^{given}")
+            exponent = table.values.get("exponent", arguments["exponent"].default)
+            keys["stiffness"] = _in_units(keys["stiffness"], f"N/m^{exponent}")
         return keys
 
     def contact(self) -> Contact:

@@ -58,8 +58,8 @@ class Record(Reading):
             record = read_record(self.table.path("path"), **self.given(*READING))
         if self.scale == 1:
             return record
-        if doubt := doubtful_factor(self.scale):
-            self.table.warn("scale", f"is doubtful: {doubt}")
+        if warning := doubtful_factor(self.scale):
+            self.table.warn("scale", f"is doubtful: {warning}")
         return scaled_record(record, self.scale)
 
 

@@ -101,8 +101,8 @@ class Motion(OfMotion):
         if self.envelope == NONE:
             return None
         envelope: Envelope = self.table.made(ENVELOPES[self.envelope], **self.more)
-        if doubt := envelope.doubt(self.duration):
-            self.table.warn("duration", f"is doubtful: {doubt}")
+        if warning := envelope.doubt(self.duration):
+            self.table.warn("duration", f"is doubtful: {warning}")
         return envelope
 
 
@@ -351,13 +351,13 @@ class Site:
         described = self._described()
         if self.goal is None:
             return described, 1.0
-        (key, asked), ground = self.goal, median_of(described)
+        (key, strength), ground = self.goal, median_of(described)
         duration, envelope, _ = self.course
-        if "intensity" in asked:  # from a hazard of S0
-            scaled = replace(ground, **asked)
+        if "intensity" in strength:  # from a hazard of S0
+            scaled = replace(ground, **strength)
         else:
             with self.form.table.naming(key, "cannot be met"):
-                scaled = scale_ground(ground, duration, envelope, **asked, paths=paths_for(duration))
+                scaled = scale_ground(ground, duration, envelope, **strength, paths=paths_for(duration))
         times = float(scaled.arrays()["intensity"] / ground.arrays()["intensity"])
         uncertain = isinstance(described, UncertainModel)
         return described.changed(partial(_times, factor=times)) if uncertain else scaled, times
@@ -439,5 +439,5 @@ def _goal(form: Scaled, hazard: Hazard | None) -> tuple[str, dict[str, float]] |
     if hazard is None:
         raise form.table.error("return_period", f"needs a hazard; {EXAMPLE}")
     with form.table.naming("return_period", "is not in the hazard"):
-        asked = {hazard.measure: float(hazard.intensity(form.return_period))}
-    return "return_period", asked if hazard.period is None else asked | {"period": hazard.period}
+        strength = {hazard.measure: float(hazard.intensity(form.return_period))}
+    return "return_period", strength if hazard.period is None else strength | {"period": hazard.period}

@@ -195,9 +195,9 @@ class Table:
 
     def _check_together(self, form: type[Form]) -> None:
         """Raise a ValueError for keys that exclude or need one another."""
-        given = [name for name, value in self.values.items() if value is not False]
+        chosen = [name for name, value in self.values.items() if value is not False]
         for names, needed in [(form.one_of, True), *((names, False) for names in form.at_most)]:
-            present = [name for name in names if name in given]
+            present = [name for name in names if name in chosen]
             if len(present) > 1:
                 what = f"is given as well as {present[0]}; allowed: one of {', '.join(names)}"
                 raise self.error(present[1], f"{what}, so leave the others out")
@@ -205,7 +205,7 @@ class Table:
                 examples = _examples({name: keys_of(form)[name] for name in names})
                 raise self.error("", f"has no {form.one_called}; allowed: one of {examples}")
         for name, other in form.goes_with:
-            if name in given and not {other} & {*given}:
+            if name in chosen and not {other} & {*chosen}:
                 what = f"goes with {other}, which is missing; give both, or leave it out"
                 raise self.error(name, what)
 

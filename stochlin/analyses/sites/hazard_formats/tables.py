@@ -43,27 +43,27 @@ _LEVEL = "poe-"
 _NEAR = 0.01  # degrees, about 1 km: largest distance of a site that is named by its coordinates
 
 
-def read(path: Path, of: Hazard, asked: AskedHazard) -> Ordinate:
+def read(path: Path, of: Hazard, choice: AskedHazard) -> Ordinate:
     """The curve at the site that is asked for, or the one in columns."""
     sheets = sheets_of(path)
     content = sheets[0].without_comments().cells
     if len(sheets) == 1 and len(content) and content.iloc[0].map(_SITES.match).any():
         line = content.index[0]
-        return _of_sites(Table("the table", sheets[0], line, 0, content.iloc[1:]), path, asked)
-    return _of_columns(sheets, of, asked)
+        return _of_sites(Table("the table", sheets[0], line, 0, content.iloc[1:]), path, choice)
+    return _of_columns(sheets, of, choice)
 
 
-def _of_columns(sheets: Sequence[Sheet], of: Hazard, asked: AskedHazard) -> Ordinate:
+def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ordinate:
     """The curve in columns, which are known by their names or else the first two."""
     table = table_in(sheets, f"{_INTENSITY}|{_FREQUENCY}", "intensities and annual frequencies")
-    refuse(table.sheet.name, "a file of one site", {"site": asked.site})
+    refuse(table.sheet.name, "a file of one site", {"site": choice.site})
     if wrong := next(filter(_NO_CURVE.search, table.title_cells), None):
         raise table.error(f"has {brief(wrong)}; allowed: intensities and annual frequencies")
     second = _named(table, _FREQUENCY, 1)
     first = _named(table, _INTENSITY, 0 if second else 1)
     title = table.title_cells[second] if table.titles else ""
-    if asked.years is not None:
-        others = annual_frequencies(table.numbers(second, "probability", SHARE), asked.years)
+    if choice.years is not None:
+        others = annual_frequencies(table.numbers(second, "probability", SHARE), choice.years)
     elif re.search("prob|poe", title, re.IGNORECASE):
         raise table.error(f"has {brief(title)}, a probability; give investigation_time=")
     else:
@@ -81,7 +81,7 @@ def _named(table: Table, words: str, usual: int) -> int:
     return named[0] if len(named) == 1 else usual
 
 
-def _of_sites(table: Table, path: Path, asked: AskedHazard) -> Ordinate:
+def _of_sites(table: Table, path: Path, choice: AskedHazard) -> Ordinate:
     """The curve at a site, whose levels are in the titles."""
     titles, sheet = [head.lower() for head in table.title_cells], table.sheet
     if table.rows.empty or len({*titles}) < len(titles):
@@ -90,7 +90,7 @@ def _of_sites(table: Table, path: Path, asked: AskedHazard) -> Ordinate:
     comments = " ".join(sheet.cells.loc[: table.titles - 1].to_numpy().ravel())
     measure = stated[1] if (stated := _MEASURE.search(comments)) else ""
     columns = [n for n, title in enumerate(titles) if title.startswith(_LEVEL)]
-    years = _years(table, comments, asked.years) if columns else None
+    years = _years(table, comments, choice.years) if columns else None
     if not columns:  # of nshmp-haz, with frequencies
         columns = [n for n, title in enumerate(titles) if number_in(title) is not None]
         measure = path.parent.name
@@ -102,7 +102,7 @@ def _of_sites(table: Table, path: Path, asked: AskedHazard) -> Ordinate:
         raise table.error(f"has {shown}; allowed: imt='PGA' or imt='SA(0.5)', or a folder SA0P5")
     along = [n for n, title in enumerate(titles) if title in _ALONG]
     places = sheet.numbers(table.rows[along], "coordinate").tolist()
-    line = table.rows.index[_chosen(sheet.name, places, asked.site)]
+    line = table.rows.index[_chosen(sheet.name, places, choice.site)]
     what, allowed = ("probability", SHARE) if years else ("annual frequency", None)
     values = sheet.numbers(table.rows.loc[[line], columns], what, allowed)[0]
     frequencies = annual_frequencies(values, years) if years else values
@@ -110,15 +110,15 @@ def _of_sites(table: Table, path: Path, asked: AskedHazard) -> Ordinate:
     return Ordinate(period, np.array(levels, float), frequencies, where, "g")
 
 
-def _years(table: Table, comments: str, given: float | None) -> float:
+def _years(table: Table, comments: str, known: float | None) -> float:
     stated = _YEARS.search(comments)
-    years = (number_in(stated[1]) or 0.0) if stated else given
+    years = (number_in(stated[1]) or 0.0) if stated else known
     if years is None:
         raise table.error("does not state the time of its probabilities; give investigation_time=")
     if not years > 0:
         raise table.error(f"has investigation_time = {years:g}; allowed: a positive number")
-    if given is not None and not np.isclose(years, given, rtol=1e-9):
-        raise table.error(f"states {years:g} years, which investigation_time = {given:g} contradicts")
+    if known is not None and not np.isclose(years, known, rtol=1e-9):
+        raise table.error(f"states {years:g} years, which investigation_time = {known:g} contradicts")
     return years
 
 

@@ -27,10 +27,10 @@ from stochlin.models.arguments import is_number
 TITLE = "a response of the USGS, of annual frequencies at one site"
 
 
-def read(path: Path, text: str, asked: AskedHazard) -> list[Ordinate]:
+def read(path: Path, text: str, choice: AskedHazard) -> list[Ordinate]:
     """The total curves of all measures that are accelerations."""
     name = plain(path.name)
-    refuse(name, TITLE, {"site": asked.site, "investigation_time": asked.years})
+    refuse(name, TITLE, {"site": choice.site, "investigation_time": choice.years})
     try:
         response = _at(json.loads(text), "response")
     except (ValueError, RecursionError) as error:

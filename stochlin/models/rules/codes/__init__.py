@@ -163,8 +163,8 @@ class CodeRule(Published):
         neighbours = Neighbours(floors_align, same_property, same_system)
         pair = peak_1, peak_2, height_1, height_2, zone, storeys_1, storeys_2
         site = Site(*pair, importance_1, importance_2, design_pga, neighbours, self.value)
-        given = [name for name, value in vars(site).items() if value is not None]
-        if missing := self.missing(given, peak_2 is None):
+        named = [name for name, value in vars(site).items() if value is not None]
+        if missing := self.missing(named, peak_2 is None):
             raise ValueError(
                 f"{self.name} needs {', '.join(missing)}, which is not given; allowed: heights [m], "
                 f"numbers of storeys, design_pga [m/s^2], zone one of {', '.join(ZONES)}"
@@ -174,11 +174,11 @@ class CodeRule(Published):
         alone = replace(site, peak_2=0 * peak_1, height_2=height_1, neighbours=Neighbours())
         return (self.line_of or self.gap_of)(alone)
 
-    def missing(self, given: Collection[str], alone: bool) -> list[str]:
+    def missing(self, named: Collection[str], alone: bool) -> list[str]:
         """Arguments that the rule requires and that are not ``given``, for two buildings or for one."""
         if alone and not self.line:
             return [TWO]
-        return [n for n in self.needs if n not in given and not (alone and n.endswith("_2"))]
+        return [n for n in self.needs if n not in named and not (alone and n.endswith("_2"))]
 
     def governed_by(self, same_property: bool) -> str:
         """The family of the rule for two buildings of one property or of two."""

@@ -71,13 +71,13 @@ def mexico_simplified(site: Site) -> Any:
     return np.maximum(BY_HEIGHT[str(site.zone)] * site.height_1, 0.05) + 0 * site.peak_1
 
 
-def peru(site: Site, one: bool) -> Any:
+def peru(site: Site, alone: bool) -> Any:
     """Of one building or two the larger of 2/3 of the peaks and the joint by height [m]."""
     share = 0.006 if site.number is None else 0.02 * site.number  # of the height, in the least joint
-    if one:
+    if alone:
         return np.maximum(np.maximum(share * site.height_1, 0.03) / 2, site.peak_1 * (2 / 3))
     if not site.neighbours.same_property:
-        return both_lines(site, partial(peru, one=True))
+        return both_lines(site, partial(peru, alone=True))
     return np.maximum(np.maximum(share * site.lower_height, 0.03), total(site) * (2 / 3))
 
 
@@ -133,8 +133,8 @@ GAPS: Mapping[str, Formula] = {
     "mexico_city": partial(by_lots, of_one=mexico),
     "is_1893": total,
     "taiwan": partial(total, factor=0.6),
-    "peru_e030": partial(peru, one=False),
-    "peru_e030_2026": partial(peru, one=False),
+    "peru_e030": partial(peru, alone=False),
+    "peru_e030_2026": partial(peru, alone=False),
     "share_of_height": share_of_height,
     "fixed_distance": fixed_distance,
     "asce_41": share_of_height,
@@ -151,8 +151,8 @@ GAPS: Mapping[str, Formula] = {
 FROM_LINE: Mapping[str, Formula] = {
     "mexico_city": mexico,
     "mexico_city_simplified": mexico_simplified,
-    "peru_e030": partial(peru, one=True),
-    "peru_e030_2026": partial(peru, one=True),
+    "peru_e030": partial(peru, alone=True),
+    "peru_e030_2026": partial(peru, alone=True),
     "iran_2800": iran,
     "nsr_10": beside_a_plot,
 }
