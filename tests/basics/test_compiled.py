@@ -6,7 +6,6 @@ import re
 import shutil
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -38,11 +37,6 @@ from stochlin.kernels.basics.compiled import compiled
 @compiled
 def double(x):
     return x + x
-"""
-CALLED = """
-import toy
-assert toy.twice(1.5) == 3
-print(sum(toy.twice.dispatcher.stats.cache_hits.values()))
 """
 
 
@@ -199,16 +193,6 @@ def test_a_full_disk_harms_nothing(doubled):
         assert doubled(1.5) == (3.0, stored)
 
 
-def test_threads_that_begin_at_once_agree(toy):
-    for hit in (0, 1, 1, 1):
-        with ThreadPoolExecutor(8) as threads:
-            twice = toy[0]()
-            assert [*threads.map(twice, [1.5] * 8)] == [3.0] * 8
-            assert hits(twice) == hit
-            laws = [threads.submit(law_times, 2.0) for _ in range(8)]
-            assert sum(law.result().cache_hits for law in laws) == 7 + hit
-
-
 def test_folders_of_earlier_versions_are_removed_and_what_others_have_put_there_stays(toy):
     begun, place = toy
     names = "kernels-thesis", "kernels-notes.txt", "kernels-0123456789abcdef"
@@ -221,17 +205,6 @@ def test_folders_of_earlier_versions_are_removed_and_what_others_have_put_there_
     assert {path.name for path in place.parent.iterdir()} == {*names, "stochlin"}
     assert {*names[:2]} < {path.name for path in place.iterdir()}
     assert not (place / names[2]).exists()
-
-
-@pytest.mark.slow
-def test_eight_processes_that_begin_at_once_agree(toy, tmp_path):
-    def run(_=None):
-        done = process(tmp_path / "kernels", {"NUMBA_CACHE_DIR": str(toy[1].parent)}, "-c", CALLED)
-        return done.stdout.strip(), done.returncode
-
-    with ThreadPoolExecutor(8) as threads:
-        assert {status for _, status in threads.map(run, range(8))} == {0}
-    assert run() == ("1", 0)
 
 
 ENDS = """

@@ -69,32 +69,6 @@ def test_exact_response_to_the_motions_as_records_gives_the_same_ratio():
         assert float(table.amplification) == pytest.approx(exact, rel=0.01)
 
 
-@pytest.mark.oracle
-def test_standard_error_is_the_spread_from_seed_to_seed_and_profits_from_the_pairing():
-    runs = [sl.amplification(weak(PERIODS), LAKEBED, **MOTION, seed=seed) for seed in range(24)]
-    found = xr.concat([run[["amplification", "amplification_standard_error"]] for run in runs], "seed")
-    spread = found.amplification.std("seed", ddof=1)
-    told = found.amplification_standard_error.mean("seed")
-    # a standard deviation of 24 is known to 15 %
-    assert (abs(spread / told - 1) < 0.45).all()
-    one = runs[0]
-    unpaired = one.amplification * np.hypot(
-        one.peak_mean_standard_error / one.peak_mean,
-        one.elastic_peak_mean_standard_error / one.elastic_peak_mean,
-    )
-    assert (one.amplification_standard_error < 0.9 * unpaired).all()
-
-
-@pytest.mark.paper
-def test_rare_yielding_drifts_far_in_a_stationary_response_and_hardly_in_a_motion():
-    """Fig. 5b is of maxima: the ratio of the standard deviations says something else of stiff ones."""
-    ground = sl.KanaiTajimi(2.0, 0.6, intensity=0.01)
-    std = sl.amplification(weak(0.4, 2.0), ground, method="simulation", paths=32)
-    peak = sl.amplification(weak(0.4, 2.0), ground, **MOTION)
-    error = np.hypot(std.amplification_standard_error, peak.amplification_standard_error)
-    assert float(std.amplification - peak.amplification) > 5 * float(error)
-
-
 @pytest.mark.invariant
 def test_cells_fail_alone_and_grounds_are_taken_one_by_one():
     grounds = xr.DataArray([0.05, 0.6], dims="band")

@@ -5,12 +5,10 @@ from dataclasses import replace
 import cases
 import numpy as np
 import pytest
-import scipy.linalg
 import xarray as xr
 from cases import axis, with_slow
 
 import stochlin as sl
-from stochlin.kernels.correlation import pairs
 
 GROUNDS = ("white_noise", "kanai_tajimi", "clough_penzien")
 
@@ -40,49 +38,6 @@ def test_random_pairs_are_those_of_the_closed_forms(kind):
         assert (chain[name].dims, chain[name].dtype) == (array.dims, array.dtype)
         assert str(chain[name].attrs) == str(array.attrs)
         np.testing.assert_allclose(chain[name], array, rtol=1e-9, atol=1e-9, err_msg=name)
-
-
-@pytest.mark.slow
-@pytest.mark.oracle
-@pytest.mark.parametrize("kind", GROUNDS)
-def test_random_pairs_are_fixed_points_by_scipy(kind):
-    """The covariance by scipy for the coefficients, and the coefficients for this covariance."""
-    pair, ground = random_pairs(200, kind, 1)
-    chain = sl.correlate(*pair, ground, solver="lyapunov")
-    table, moments = sl.linearize_system(pair, ground), np.empty((2, 200, 3))
-    for cell in range(200):
-        alone = [s.isel({"case": cell}) for s in pair]
-        equivalent = table.c_eq[cell].values, table.k_eq[cell].values
-        space = sl.statespace(alone, ground.isel({"case": cell}), *equivalent)
-        a, b, names = space.state_matrix.values, space.noise_vector.values, space.state.values.tolist()
-        x = scipy.linalg.solve_continuous_lyapunov(a, -float(space.noise_intensity) * np.outer(b, b))
-        std = np.sqrt(np.diag(x))
-        corr = x / np.outer(std, std)
-        assert float(chain.rho[cell]) == pytest.approx(
-            corr[names.index("u_1"), names.index("u_2")], abs=1e-9
-        )
-        for n in (1, 2):
-            v, z = names.index(f"v_{n}"), names.index(f"z_{n}")
-            moments[n - 1, cell] = std[v], std[z], corr[v, z]
-    for n, (sv, sz, r) in enumerate(moments.transpose(0, 2, 1)):
-        uy = chain[f"yield_displacement_{n + 1}"].values
-        again = sl.equivalent_coefficients(sv / uy, sz / uy, r)
-        np.testing.assert_allclose(again.c_eq, table.c_eq[:, n], atol=1e-7)
-        np.testing.assert_allclose(again.k_eq, table.k_eq[:, n], rtol=1e-6)
-
-
-@pytest.mark.invariant
-def test_no_closed_form_of_a_pair_is_called(monkeypatch):
-    """They are replaced by functions that fail; the default solver then fails, the chain does not."""
-
-    def forbidden(*_args, **_options):
-        raise AssertionError("a closed form of a pair was called")
-
-    monkeypatch.setattr(pairs, "pair_covariance", forbidden)
-    pair, ground = random_pairs(3, "kanai_tajimi", 2)
-    with pytest.raises(AssertionError, match="closed form"):
-        sl.correlate(*pair, ground)
-    assert sl.correlate(*pair, ground, solver="lyapunov", bias=False).rho.notnull().all()
 
 
 TABLE = [

@@ -42,30 +42,6 @@ def test_formula_is_the_exact_solution_of_the_lyapunov_equation():
     np.testing.assert_allclose(rho, exact, rtol=0, atol=1e-12)
 
 
-def test_velocities_follow_the_same_formula_with_the_frequencies_exchanged():
-    """Their numerator has ``xi1 w2 + xi2 w1``, that of the displacements ``xi1 w1 + xi2 w2``."""
-    periods, dampings = random_pairs()
-    w = 2 * np.pi / periods
-    rho = sl.rho_white_noise(*periods, *dampings).rho.values
-    expected = rho * (dampings[0] * w[1] + dampings[1] * w[0]) / (dampings * w).sum(axis=0)
-    exact = [x[1, 3] / np.sqrt(x[1, 1] * x[3, 3]) for x in covariances(periods, dampings)]
-    np.testing.assert_allclose(expected, exact, rtol=0, atol=1e-12)
-
-
-def test_exchange_of_the_structures_changes_nothing():
-    (first, second), (xi_1, xi_2) = random_pairs()
-    forward = sl.rho_white_noise(first, second, xi_1, xi_2).rho
-    backward = sl.rho_white_noise(second, first, xi_2, xi_1).rho
-    # The formula amplifies the rounding of the period ratio by some 1/xi near resonance.
-    np.testing.assert_allclose(forward, backward, rtol=2e-14)
-
-
-def test_equal_oscillators_move_as_one():
-    (period, _), (damping, _) = random_pairs()
-    rho = sl.rho_white_noise(period, period, damping, damping).rho
-    np.testing.assert_allclose(rho, 1, rtol=4e-16)
-
-
 def test_correlation_under_white_noise_is_positive_and_at_most_one():
     periods, dampings = random_pairs()
     rho = sl.rho_white_noise(*periods, *dampings).rho

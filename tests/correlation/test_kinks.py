@@ -28,13 +28,6 @@ def periods(least):
     return xr.DataArray(np.exp(logarithm), dims="T"), logarithm
 
 
-def test_the_measure_finds_a_kink_of_known_size():
-    _, x = periods(0.25)
-    for place in (0.0, 0.3 * (x[1] - x[0])):  # at a point and between two
-        bent = xr.DataArray(np.exp(x) + 0.5 * np.abs(x - x[700] - place), dims="T")
-        assert largest_kink(bent, x) == pytest.approx(1.0, abs=1e-3)
-
-
 @pytest.mark.parametrize("ground", GROUNDS)
 @pytest.mark.parametrize("second", [1.0, 2.0, 4.0])
 def test_correlation_over_the_period_ratio(ground, second):

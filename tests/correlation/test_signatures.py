@@ -14,7 +14,7 @@ from stochlin.analyses.correlation.signatures import OWN, PAIRS, basis_of, corre
 from stochlin.analyses.linearization.drift_map import drift_map
 from stochlin.analyses.simulation import simulation
 from stochlin.kernels.correlation.nearness import AXES
-from stochlin.kernels.correlation.signatures import LEFT, Signature, by_signatures
+from stochlin.kernels.correlation.signatures import LEFT, by_signatures
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 
@@ -85,14 +85,6 @@ def test_correlation_is_a_projection_and_what_is_left_of_it(seed, references, ra
     assert -1 - 2 * LEFT - 1e-9 <= expected <= 1 + 1e-9
 
 
-def test_no_correction_leaves_the_derived_correlation():
-    rng = np.random.default_rng(1)
-    derived = correlations(rng, 9, 5)
-    own = [signature(derived[n, 2:], derived[2:, 2:])[:, None] for n in (0, 1)]
-    rho = by_signatures(derived[:1, 1], *(corrected(d, 0 * d) for d in own))
-    assert rho[0] == pytest.approx(derived[0, 1], abs=1e-12)
-
-
 def test_equal_structures_move_as_one_however_they_are_corrected():
     rng = np.random.default_rng(2)
     own, correction = rng.standard_normal((2, 6, 50)) * 0.5
@@ -115,12 +107,6 @@ def test_signatures_are_shortened_smoothly_to_length_one():
     assert np.abs(np.diff(slope)).max() < 0.02  # a limit without rounding has a step of 1
 
 
-def test_unknown_signatures_leave_the_derived_correlation():
-    nothing = np.full((3, 1), np.nan)
-    unknown = Signature(nothing, nothing, nothing[0], nothing[0])
-    assert by_signatures(np.array([0.3]), unknown, unknown)[0] == 0.3
-
-
 @settings(deadline=None, max_examples=5)
 @given(st.integers(0, 2**32 - 1))
 def test_a_form_is_found_from_the_correlations_of_its_neighbours(seed):
@@ -139,16 +125,6 @@ def test_a_form_is_found_from_the_correlations_of_its_neighbours(seed):
 
 
 # --- the map that ships -----------------------------------------------------------------------------
-
-
-def test_map_says_what_it_is():
-    table = drift_map()
-    assert table.nbytes < 4e6
-    for name in (*table.data_vars, *table.dims):
-        if name != "drift_reference":
-            assert table[name].attrs["units"] == "1"
-            assert table[name].attrs["long_name"]
-            assert np.isfinite(table[name]).all()
 
 
 @pytest.mark.slow
@@ -171,12 +147,6 @@ def test_shipped_signatures_are_those_simulated_anew(monkeypatch):
     assert np.abs(found - kept).max() < 0.08
     assert np.abs(found - kept).mean() < 0.012
     assert np.abs(kept).mean() > 0.03
-
-
-def test_import_of_a_benchmark_changes_nothing():
-    before = simulation.MOST_STEPS
-    load("drift_map")
-    assert before == simulation.MOST_STEPS
 
 
 @pytest.mark.slow
@@ -244,18 +214,3 @@ def test_cautions_are_those_of_each_cell():
         assert int(table.caution) == int(table.relative_displacement_caution) == caution
     elastic = sl.correlate(sl.Bilinear(1.0, 0.05), sl.Bilinear(9.0, 0.05), LAKEBED, closure="drift")
     assert float(elastic.rho_error) == 0
-
-
-def test_grounds_may_be_arrays_and_cells_do_not_depend_on_each_other():
-    xig = xr.DataArray([0.05, 0.3], dims="xig")
-    tg = xr.DataArray([1.0, 1.7, 3.0], dims="Tg")
-    first = building(xr.DataArray([0.4, 0.9], dims="T"))
-    table = sl.correlate(first, building(0.6, 3.0, 0.1), sl.KanaiTajimi(tg, xig), closure="drift")
-    for n in range(2):
-        one = sl.correlate(
-            building([0.4, 0.9][n]),
-            building(0.6, 3.0, 0.1),
-            sl.KanaiTajimi(1.7, 0.3),
-            closure="drift",
-        )
-        assert float(table.rho.isel(T=n, Tg=1, xig=1)) == pytest.approx(float(one.rho), abs=1e-9)

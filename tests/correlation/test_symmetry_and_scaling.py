@@ -154,13 +154,3 @@ def test_vanishing_reduction_factor_reaches_the_elastic_value_smoothly(first, se
     assert float(table.rho[first_yielding]) == pytest.approx(expected, abs=1e-11)
     # R grows by 1.7 % a step: rho follows it, at a rate that yielding lends it.
     assert float(np.abs(np.diff(table.rho)).max()) < 0.05
-
-
-def test_amplification_goes_to_one_as_the_structure_stays_elastic():
-    factor = xr.DataArray(np.geomspace(0.05, 6, 60), dims="R")
-    structure = sl.Bilinear(0.5, 0.05, 0.05, reduction_factor=factor)
-    table = sl.amplification(structure, sl.KanaiTajimi(2.0, 0.05))
-    assert float(table.amplification[0]) == pytest.approx(1, rel=1e-12)
-    assert float(table.amplification[-1]) > 1.5  # softer, hence nearer to the ground period
-    stiff = sl.amplification(sl.Bilinear(2.0, 0.05, 0.05, reduction_factor=4), sl.KanaiTajimi(2.0, 0.05))
-    assert float(stiff.amplification) < 1  # at resonance yielding detunes and damps

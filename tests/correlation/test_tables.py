@@ -109,20 +109,6 @@ def test_tuned_to_the_ground_and_to_each_other(slip):
     check(one, draw(rng, 1.3 * (1 + 1e-7), slip), soil)
 
 
-def test_shared_dimension_and_broadcast_ones_together():
-    """Every cell of a table with a shared, an own and a broadcast dimension, alone."""
-    factor = xr.DataArray([2.0, 4.0], dims="R")
-    first = sl.Bilinear(xr.DataArray([0.5, 1.0, 1.9], dims="a"), 0.05, 0.05, reduction_factor=factor)
-    second = sl.Bilinear(xr.DataArray([0.8, 1.4], dims="b"), 0.05, 0.05, reduction_factor=factor)
-    whole = sl.correlate(first, second, sl.KanaiTajimi(1.0, 0.1))
-    for cell in np.ndindex(3, 2, 2):
-        at = dict(zip(("a", "R", "b"), map(int, cell), strict=True))
-        pair = (first.isel(at), second.isel(at))
-        lone = sl.correlate(*pair, sl.KanaiTajimi(1.0, 0.1))
-        for name in ("rho", "bias", "status", "caution"):
-            np.testing.assert_allclose(lone[name], whole[name].isel(at), rtol=1e-12, err_msg=name)
-
-
 @pytest.mark.parametrize("options", [{}, {"bias": False}, {"closure": "drift"}])
 def test_large_tables_have_the_numbers_of_small_ones(options, monkeypatch):
     """They are compiled from the same functions."""

@@ -97,13 +97,6 @@ def test_an_oscillator_on_a_record_follows_an_ode_solver():
     np.testing.assert_allclose(ends.hysteretic_energy_per_mass + stored, spent, rtol=2e-3)
 
 
-def test_without_decay_it_is_the_bouc_wen_law():
-    plain = worn(strength_decay=0.0, stiffness_decay=0.0, pinching=0.0)
-    other = sl.BoucWen(**GIVEN, beta=0.6, gamma=0.4, exponent=1.5)
-    one, other = sl.simulate([plain, other], GROUND, paths=32, duration=8.0).peak.values.T
-    np.testing.assert_allclose(one, other, rtol=1e-4)
-
-
 def test_storeys_of_a_building_have_the_law_with_parameters_of_their_own():
     record = sl.simulated_motions(GROUND, 6.0, paths=2, seed=3)[0]
     parts = [1e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.1, 0.01
@@ -150,11 +143,3 @@ def test_stationary_analyses_name_the_finite_motion_instead(changed):
     ):
         with pytest.raises(ValueError, match=message.format("has no stationary response.*")):
             simulating()
-
-
-def test_rules_that_linearize_are_missing_with_the_reason():
-    table = sl.separation(worn(), sl.Bilinear(0.8, 0.05), GROUND, 5.0, paths=32)
-    assert np.isfinite(table.gap.sel(rule="simulation"))
-    for rule in ("linearization", "eq_3_linearized", "eq_3_paper"):
-        assert np.isnan(table.gap.sel(rule=rule))
-        assert "BoucWenBaberNoori cannot be linearized" in str(table.missing.sel(rule=rule).values)

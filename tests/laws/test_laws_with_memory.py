@@ -154,15 +154,6 @@ def test_storeys_of_a_building_have_the_law():
     assert "e: v*z" in worn.describe()
 
 
-def test_recorded_motions_and_gaps():
-    record = sl.simulated_motions(GROUND, 8.0, paths=2, seed=3)[0]
-    history = sl.respond(hysteretic(), record)
-    assert np.isfinite(history.displacement).all()
-    assert float(np.abs(history.z).max()) <= 1.01
-    gap = sl.recorded_gap(hysteretic(), hysteretic(period=0.8), record)
-    assert np.isfinite(gap.separation).all()
-
-
 @pytest.mark.parametrize(
     ("stationary", "role"),
     [
@@ -179,13 +170,6 @@ def test_what_wears_has_no_stationary_response(stationary, role):
     message = rf"{role}: law = .* no stationary response: .* for ever .e.; .*simulate with a duration"
     with pytest.raises(ValueError, match=message):
         stationary(hysteretic())
-
-
-@pytest.mark.slow
-def test_a_law_whose_further_state_is_reversed_has_a_stationary_response():
-    law = {"z": V - abs(V) * (0.9 * Z + D / 30), "d": V - abs(V) * D / 3}
-    table = sl.simulate([hysteretic(law, growing_states=())], GROUND, paths=32, relaxation_times=1.0)
-    assert float(table.displacement_std[0]) > 0
 
 
 SAME = {"e": Z * V}
@@ -247,8 +231,3 @@ def test_growing_states_are_states_besides_z():
     for growing in (("z",), "e", ("e", "d")):
         with pytest.raises(ValueError, match=r"growing_states = .*allowed: .* some of \['e'\]"):
             hysteretic({"z": V, "e": Z * V}, growing_states=growing)
-
-
-def test_a_mapping_of_one_state_is_its_expression():
-    law = V - abs(V) * Z
-    assert hysteretic({"z": law}) == hysteretic(law)

@@ -87,12 +87,6 @@ def test_a_law_that_cannot_be_is_refused_when_it_is_used(law, message):
         sl.linearize(structure, GROUND)
 
 
-def test_a_law_without_a_drift_closure_says_what_it_has():
-    structure = Softening(1.0, 0.05, 0.1, reduction_factor=4)
-    with pytest.raises(ValueError, match="'drift' is not available for Softening; allowed: gaussian"):
-        sl.linearize(structure, GROUND, "drift")
-
-
 @pytest.mark.parametrize("gamma", [-0.5, -0.6, -50.0])
 def test_bouc_wen_without_a_bound_is_refused(gamma):
     """In loading ``z' = v (1 - (beta + gamma) |z|^n)``, which only a positive sum ends."""

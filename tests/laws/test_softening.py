@@ -208,15 +208,6 @@ def test_motions_in_which_a_structure_falls_pound(storeys):
     assert np.isfinite(last.displacement_std_simulated_2)
 
 
-def test_formulas_by_which_a_structure_falls_are_left_out_with_the_reason():
-    weak = sl.Bilinear(0.5, 0.05, -0.3, 0.004)
-    table = sl.pounding_probability(weak, SHOP, GROUND, 0.1, paths=32, points=3, **QUAKE)
-    assert "confidence_of_no_pounding" not in table
-    assert "There are no formulas: the " in table.comment
-    with pytest.raises(ArithmeticError, match="or simulate"):
-        sl.pounding_probability(weak, SHOP, GROUND, 0.1, paths=0, points=3, **QUAKE)
-
-
 TAKEN = 0.04  # of the elastic stiffness of every storey, by the weight above it
 
 

@@ -153,13 +153,6 @@ def test_the_first_loading_follows_its_corners():
         np.testing.assert_allclose(loop.z, sign * np.array(expected), atol=1e-12)
 
 
-def test_without_strength_left_the_hysteretic_force_is_gone():
-    """Beyond the branch that falls, on one side only."""
-    structure = sl.ModifiedClough(**GIVEN, **CAPPED | {"residual": 0.0})
-    z = sl.hysteresis_loop(structure, [0.2, 0.1, 0.2, -0.02, 0.2], refine=4).z[4::4]
-    np.testing.assert_allclose(z, [0.0, -5 / 11, 0.0, -1.0, 0.0], atol=1e-12)
-
-
 def test_a_crack_along_the_elastic_line_or_a_cap_out_of_reach_change_nothing():
     plain = sl.ModifiedClough(**GIVEN)
     for changed in ({"cracking": 0.3, "uncracked_stiffness": 1.0}, CAPPED | {"cap_ductility": 50.0}):
@@ -167,13 +160,6 @@ def test_a_crack_along_the_elastic_line_or_a_cap_out_of_reach_change_nothing():
         table = sl.simulate(both, GROUND, paths=32, duration=6.0)
         assert float(table.peak.min()) > GIVEN["yield_displacement"]
         np.testing.assert_allclose(*table.peak.values.T, rtol=1e-9)
-
-
-def test_the_flag_comes_back():
-    """Without load nothing is left, where a bilinear building is displaced."""
-    turns = np.array([[0.0], [4.0], [0.0], [-2.5], [0.3]])
-    reached, _ = by_steps(sl.Flag(**GIVEN).step(), turns, 10, [0.7])
-    np.testing.assert_allclose(reached[:, 0, 0], [0.0, 1.0, 0.0, -1.0, 0.3], atol=1e-12)
 
 
 def test_without_hysteresis_or_yield_it_is_elastic():

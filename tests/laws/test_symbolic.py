@@ -53,14 +53,6 @@ def test_bouc_wen_law_as_an_expression(beta, gamma, exponent):
     assert_same_response(symbolic, closed)
 
 
-def test_maxwell_element_is_linear_already():
-    """``z' = v - 0.3 z`` is its own linearization, at any level of motion."""
-    law = V - sympy.Rational(3, 10) * Z
-    table = sl.linearize(structure(sl.Hysteretic, np.random.default_rng(42), law=law), GROUND)
-    np.testing.assert_allclose(table.c_eq, -1, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(table.k_eq, 0.3, rtol=1e-11)
-
-
 def gaussian_average(function, sv, sz, r):
     """``E[function(v, z)]`` by nested QUADPACK, over the half plane ``v > 0`` twice."""
 
@@ -179,9 +171,3 @@ def test_parameters_of_a_law_are_named_with_their_values_where_it_is_refused():
     law = SymbolicLaw(V - beta * V * sympy.Max(abs(Z) - limit, 0) ** 0.1, ("beta", "limit"))
     with pytest.raises(ArithmeticError, match=r"with beta = 0.5, limit = 0.7 .* z = -0.7, 0, 0.7, has"):
         law.check_expectations(np.array([[0.5], [0.7]]))
-
-
-def test_elastic_structure_needs_no_linearization_of_its_law():
-    weak, elastic = sl.Hysteretic(1.0, 0.05, law=V + HIDDEN), sl.Bilinear(1.0, 0.05)
-    one, other = (sl.linearize(each, GROUND).displacement_std for each in (weak, elastic))
-    assert float(one) == float(other)

@@ -87,28 +87,6 @@ def test_law_that_cannot_be_linearized_is_simulated():
 
 
 @pytest.mark.slow
-def test_gaps_of_a_law_that_cannot_be_linearized():
-    """Only rules that linearize are missing, each with the reason; the others are as they were."""
-    known, table = (sl.separation(law, OTHER, GROUND, **MOTIONS) for law in (FOUND, HIDDEN))
-    lacking = table.rule.values[np.isnan(table.gap) & ~np.isnan(known.gap)]
-    assert set(lacking) == {"linearization", "eq_3_linearized", "eq_3_paper"}
-    for rule in lacking:
-        assert "cannot be linearized" in str(table.missing.sel(rule=rule).values)
-    rest = [rule for rule in table.rule.values if rule not in {*lacking, "eq_3_simulated"}]
-    np.testing.assert_allclose(table.gap.sel(rule=rest), known.gap.sel(rule=rest), rtol=1e-8)
-    limits = [sl.existing_gap(law, OTHER, GROUND, gap=0.3, **MOTIONS) for law in (FOUND, HIDDEN)]
-    for name in limits[0].data_vars:
-        np.testing.assert_allclose(limits[1][name], limits[0][name], rtol=1e-6, err_msg=name)
-
-
-def test_rules_of_storeys_name_the_law_that_cannot_be_linearized():
-    tall = sl.ShearBuilding([1e5] * 2, [1e8] * 2, [3.0] * 2, 0.05, law=HIDDEN.law, **STRENGTH)
-    table = sl.separation(tall, None, GROUND, **MOTIONS)
-    assert np.isnan(table.gap.sel(rule="linearization"))
-    assert "cannot be linearized" in str(table.missing.sel(rule="linearization").values)
-
-
-@pytest.mark.slow
 def test_maxwell_element_has_the_variance_of_its_linear_system():
     damper = sl.Hysteretic(1.0, 0.05, 0.3, yield_displacement=0.1, law=V - 3 * Z)
     spring = sl.Bilinear(0.7, 0.05)

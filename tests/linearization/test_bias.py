@@ -48,22 +48,6 @@ def test_bias_is_that_of_a_fresh_simulation(case):
     assert float(formula.bias) == pytest.approx(off, abs=0.07 + 4 * error)
 
 
-def test_bias_does_not_change_with_the_scales_of_time_and_strength():
-    one = sl.linearize(building(1.2), LAKEBED)
-    longer = sl.linearize(building(3.6), sl.KanaiTajimi(6.0, 0.05, intensity=7.0))
-    other = sl.linearize(building(1.2, reduction_factor=2.0, peak_factor=1.5), LAKEBED)
-    given = sl.Bilinear(1.2, 0.05, 0.05, yield_displacement=float(one.yield_displacement))
-    for same in (longer, other, sl.linearize(given, LAKEBED)):
-        assert float(same.bias) == pytest.approx(float(one.bias), rel=1e-9)
-
-
-def test_order_of_the_pair_does_not_matter():
-    one = sl.correlate(building(1.2), building(2.0), LAKEBED)
-    other = sl.correlate(building(2.0), building(1.2), LAKEBED)
-    assert float(one.bias) == pytest.approx(float(other.bias), abs=1e-12)
-    assert float(one.bias_1) == pytest.approx(float(other.bias_2), abs=1e-12)
-
-
 def test_another_closure_is_judged_by_the_same_truth():
     first, second = building(1.2), building(2.0)
     one, truth = (sl.correlate(first, second, LAKEBED, closure=c) for c in ("gaussian", "drift"))
@@ -158,12 +142,6 @@ def test_where_nothing_was_simulated_the_bias_is_unknown(case):
     assert int(table.caution) == UNKNOWN
     assert "outside_of_the_map" in table.caution.attrs["flag_meanings"].split()[UNKNOWN]
     assert float(table.displacement_std) > 0
-
-
-def test_unequal_structures_are_known_and_bouc_wen_pairs_are_not():
-    table = sl.correlate(building(1.2), building(2.0, reduction_factor=3.0), LAKEBED)
-    assert np.isfinite([table[f"bias{end}"] for end in ("", "_error", "_1", "_2")]).all()
-    assert np.isfinite(sl.correlate(building(0.5), building(4.0), LAKEBED).bias)
 
 
 def test_caution_marks_the_cells_of_a_table():

@@ -60,13 +60,3 @@ def test_modes_as_coordinates_change_nothing(links, yields):
     modes.__dict__["system"] = in_modes(floors.system)
     for one, two in zip(motion(floors), motion(modes), strict=True):
         np.testing.assert_allclose(two, one, rtol=1e-8)
-
-
-def test_modes_of_unlinked_elastic_chain_have_their_own_frequencies():
-    """The stiffness matrix and the damping matrix of one chain are diagonal in its modes."""
-    equations = equations_of([replace(TALL, hardening=None, yield_drifts=None)], GROUND, ())
-    system = in_modes(equations.system)
-    squares = np.diag(system.stiffness[0]) / system.mass[0]
-    np.testing.assert_allclose(2 * np.pi / np.sqrt(squares), TALL.periods(), rtol=1e-12)
-    off = system.stiffness[0] - np.diag(np.diag(system.stiffness[0]))
-    assert np.abs(off).max() < 1e-9 * np.abs(system.stiffness).max()

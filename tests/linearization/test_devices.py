@@ -126,17 +126,6 @@ def test_simulation_of_dampers_in_every_storey(exponent):
     assert (linear.drift_std < 0.9 * bare.drift_std).all()
 
 
-def test_exponent_one_is_linear_and_nearly_one_nearly():
-    usual = sl.linearize_system([TALL], GROUND, [replace(one, damping_exponent=None) for one in STOREYS])
-    same, near = (
-        sl.linearize_system([TALL], GROUND, [replace(one, damping_exponent=a) for one in STOREYS])
-        for a in (1, 1 + 1e-9)
-    )
-    np.testing.assert_array_equal(same.covariance, usual.covariance)
-    np.testing.assert_array_equal(same.equivalent_damping_constant, 2e6)
-    np.testing.assert_allclose(near.drift_std, usual.drift_std, rtol=1e-8)
-
-
 def test_a_damper_between_equal_buildings_is_idle():
     table = sl.linearize_system([TALL, TALL], GROUND, [sl.Link(0.0, 2e6, damping_exponent=0.3)])
     free = sl.linearize_system([TALL, TALL], GROUND)
@@ -186,10 +175,3 @@ def test_the_loop_ends_for_random_dampers():
         rounds.append(table.sizes["iteration"])
     assert np.mean(rounds) < 20
     assert max(rounds) < 40
-
-
-def test_state_space_is_linear():
-    with pytest.raises(
-        ValueError, match=r"damping_exponent = 0.3; allowed: 1, .*equivalent_damping_con"
-    ):
-        sl.statespace([ONE], GROUND, [-1], [0], links=[damper(1e6, 0.3)])

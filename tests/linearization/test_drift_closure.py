@@ -152,17 +152,6 @@ def test_half_cycles_are_those_of_the_matrix_exponential(soil):
         assert cycles.time[n] == pytest.approx(expected, rel=1e-9)
 
 
-def test_the_parts_of_a_cell_are_equal_in_any_table():
-    system, ground = random_systems(np.random.default_rng(6), 70)
-    sz, found = np.geomspace(0.2, 5, 70), []
-    for cells in (slice(None), slice(3, 4)):
-        own = EquivalentSystem(*(row[cells] for row in system))
-        cycles = drift.half_cycles(own, Filter.kanai_tajimi(*ground[:, cells]))
-        found.append((drift._orders(sz[cells]), drift._sums_of_powers(cycles.memory), *cycles))
-    for many, alone in zip(*found, strict=True):
-        np.testing.assert_allclose(many[..., 3], alone[..., 0], rtol=1e-12, atol=1e-14)
-
-
 def test_what_merely_alternates_leaves_nothing():
     alternating = (-1.0) ** np.arange(1, drift.HALF_CYCLES + 1)[:, None]
     np.testing.assert_allclose(drift._sums_of_powers(alternating), 0, atol=1e-12)
@@ -243,46 +232,6 @@ def test_drift_fades_with_hardening_and_strength():
     excess = table.ductility_std / (factor / 3) - 1
     assert (np.abs(excess[factor < 0.45]) < 1e-4).all()
     assert float(np.abs(excess.diff("R")).max()) < 0.03  # no step where yielding ends
-
-
-def test_no_steps_where_the_response_has_two_peaks():
-    period = np.geomspace(0.2, 5, 1501)
-    for ground_damping, factor in ((0.03, 1.5), (0.1, 4.0), (0.1, 9.0)):
-        structure = building(period, factor, damping=0.03)
-        table = sl.linearize(structure, sl.KanaiTajimi(1.0, ground_damping), "drift")
-        assert np.abs(np.diff(np.log(table.ductility_std))).max() < 0.02
-
-
-def test_equal_structures_move_as_one():
-    for ground in (sl.WhiteNoise(), LAKEBED, sl.KanaiTajimi(0.2, 0.9)):
-        table = sl.correlate(building(), building(), ground, closure="drift")
-        assert float(table.rho) == pytest.approx(1, abs=1e-12)
-
-
-def test_order_of_the_structures_does_not_matter():
-    first, second = building(0.4, 6.0, 0.02), building(1.3, 2.0, 0.3)
-    there, back = (
-        float(sl.correlate(*pair, LAKEBED, closure="drift").rho)
-        for pair in ((first, second), (second, first))
-    )
-    assert there == pytest.approx(back, abs=1e-12)
-
-
-@pytest.mark.parametrize("factor", [1e-3, 7.0])
-def test_time_intensity_and_strength_are_only_scales(factor):
-    table = sl.correlate(building(0.7), building(1.2), LAKEBED, closure="drift")
-    slow = sl.correlate(
-        building(0.7 * factor), building(1.2 * factor), sl.KanaiTajimi(factor, 0.05), closure="drift"
-    )
-    assert float(slow.rho) == pytest.approx(float(table.rho), abs=1e-9)
-    assert float(slow.ductility_std_1) == pytest.approx(float(table.ductility_std_1), rel=1e-8)
-    strong = sl.correlate(
-        building(0.7), building(1.2), sl.KanaiTajimi(1.0, 0.05, intensity=factor), closure="drift"
-    )
-    assert float(strong.rho) == pytest.approx(float(table.rho), abs=1e-9)
-    assert float(strong.displacement_std_1) == pytest.approx(
-        float(table.displacement_std_1) * np.sqrt(factor), rel=1e-8
-    )
 
 
 def test_fast_response_is_that_of_the_clipped_closure():

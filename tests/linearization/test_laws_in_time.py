@@ -107,37 +107,6 @@ def test_a_users_law_is_linearized_in_the_same_way():
     assert list(found.state.values) == ["e"]
 
 
-@pytest.mark.slow
-def test_arrays_and_scales():
-    """Structures in one table are those alone, and lengths scale with the root of the intensity."""
-    many = response(worn(strength_decay=np.array([0.0, 0.05]), pinching=np.array([0.0, 0.8])))
-    alone = response(worn(strength_decay=0.05, pinching=0.8))
-    for name in ("displacement_std", "state_mean", "hysteretic_energy_per_mass"):
-        np.testing.assert_allclose(many[name].isel(case=1), alone[name], rtol=1e-5, atol=1e-12)
-    louder = sl.KanaiTajimi(FIRM.period, FIRM.damping, 4 * FIRM.intensity)
-    twice = response(worn(strength_decay=0.05, pinching=0.8, yield_displacement=0.04), louder)
-    np.testing.assert_allclose(twice.displacement_std, 2 * alone.displacement_std, rtol=1e-5)
-    np.testing.assert_allclose(twice.state_mean, alone.state_mean, rtol=1e-5, atol=1e-12)
-
-
-@pytest.mark.slow
-def test_storeys_that_degrade_pound_more_than_those_that_do_not():
-    def building(decay):
-        return sl.ShearBuilding.regular(
-            period=0.6, storeys=2, storey_height=3.0, mass=1e5, damping=0.05, hardening=0.05,
-            base_shear_coefficient=0.15, law="bouc_wen_baber_noori",
-            law_parameters={"strength_decay": decay, "stiffness_decay": decay},
-        )  # fmt: skip
-
-    def required(decay):
-        pair = building(decay), sl.Bilinear(0.3, 0.05)
-        table = sl.pounding_probability(*pair, FIRM, 0.1, duration=DURATION, paths=0, points=3)
-        assert np.isnan(table.required_gap_corrected)
-        return float(table.required_gap)
-
-    assert required(0.2) > 1.05 * required(0.0)
-
-
 @pytest.mark.parametrize(
     ("structure", "message"),
     [

@@ -1,7 +1,5 @@
 """Linked structures: exact limits, the unlinked pair, an ODE solver, and simulation with its error."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import scipy.integrate
@@ -156,39 +154,6 @@ def test_motion_of_the_pair_is_that_of_an_ode_solver(hardening):
     assert errors[1] < 0.4 * errors[0] or errors[0] < 1e-5
     if hardening < 1:
         assert np.abs(solved.y[:2] - solved.y[4:]).max() > 0.5  # it did yield
-
-
-def test_equal_structures_do_not_feel_their_link():
-    one = yielding(0.8, 1e6)
-    tables = [
-        sl.simulate([one, one], GROUND, paths=32, relaxation_times=5, link=k)
-        for k in (NOTHING, sl.Link(0.0, 2e6))  # a spring would shorten the step
-    ]
-    np.testing.assert_allclose(tables[0].displacement_std, tables[1].displacement_std, rtol=1e-9)
-
-
-def test_link_brings_yielding_buildings_together():
-    pair = yielding(0.6, 1e6), yielding(1.0, 3e6)
-    before, after = (
-        sl.simulate(pair, GROUND, paths=256, duration=20.0, link=link).separation_mean[0, 1]
-        for link in (NOTHING, sl.Link(5e7, 2e6))
-    )
-    assert float(after) < 0.7 * float(before)
-    linked, apart = (
-        sl.linearize_system(pair, GROUND, [link]).relative_displacement_std[0, 1]
-        for link in (sl.Link(5e7, 2e6), NOTHING)
-    )
-    assert float(linked) < 0.7 * float(apart)
-
-
-def test_mass_changes_nothing_elsewhere():
-    heavy, plain = yielding(0.6, 1e6), replace(yielding(0.6, 1e6), mass=None)
-    np.testing.assert_array_equal(
-        sl.linearize(heavy, GROUND).displacement_std, sl.linearize(plain, GROUND).displacement_std
-    )
-    options = {"paths": 32, "relaxation_times": 2}
-    one, other = (sl.simulate([s], GROUND, **options).displacement_std for s in (heavy, plain))
-    np.testing.assert_array_equal(one, other)
 
 
 def test_what_cannot_be_linked_is_refused():

@@ -69,16 +69,6 @@ def test_moments_are_those_of_simulated_motions():
 
 
 @pytest.mark.invariant
-def test_intensity_scales_them_together():
-    assert BOTH.intensity == pytest.approx(0.03)
-    twice = replace(BOTH, intensity=0.06)
-    np.testing.assert_allclose(twice.psd(3.0), 2 * BOTH.psd(3.0))
-    row = sl.linearize(TWO, replace(BOTH, intensity=np.array([0.03, 0.06]))).displacement_std
-    np.testing.assert_allclose(row[1] / row[0], np.sqrt(2))
-    assert BOTH.describe().endswith("+ " + FAST.describe() + ")")
-
-
-@pytest.mark.invariant
 @pytest.mark.parametrize(
     ("grounds", "error", "message"),
     [

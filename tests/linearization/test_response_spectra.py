@@ -136,14 +136,3 @@ def test_spectrum_has_the_variance_of_the_ground_filter():
     stiff = sl.linearize(sl.Bilinear(period=1e-4, damping=0.9), ground)
     w0 = 2 * np.pi / 1e-4
     assert float(stiff.displacement_std) * w0**2 == pytest.approx(np.sqrt(expected), rel=1e-3)
-
-
-def test_psd_has_the_printed_limits():
-    s0 = 0.7
-    kanai = sl.KanaiTajimi(period=1.0, damping=0.2, intensity=s0)
-    high_pass = sl.CloughPenzien(1.0, 0.2, high_pass_period=10.0, high_pass_damping=0.6, intensity=s0)
-    w = 2 * np.pi * np.array([0.0, 1.0, 1e4])
-    np.testing.assert_allclose(kanai.psd(w)[:2], [s0, s0 * (1 + 0.16) / 0.16], rtol=1e-14)
-    np.testing.assert_allclose(high_pass.psd(w)[0], 0, atol=0)
-    np.testing.assert_allclose(high_pass.psd(w)[2], kanai.psd(w)[2], rtol=1e-6)
-    np.testing.assert_array_equal(sl.WhiteNoise(s0).psd(w), s0)

@@ -113,12 +113,6 @@ def test_elastic_coefficients_are_the_start_of_the_loop(link):
     np.testing.assert_allclose(x.sel(state="z_1"), x.sel(state="u_1"), **rounding)
 
 
-def test_elastic_structure_has_two_states_and_a_yielding_one_three():
-    structures = [sl.Bilinear(1.0, 0.05), sl.Bilinear(2.0, 0.05, 0.1, reduction_factor=2)]
-    space = sl.statespace(structures, sl.KanaiTajimi(2.0, 0.3), [-1, -0.9], [0, 0.2])
-    assert space.state.values.tolist() == ["xg", "xg_rate", "u_1", "v_1", "u_2", "v_2", "z_2"]
-
-
 def test_matrix_is_that_of_the_equations_of_motion():
     """Entry by entry against the system written down independently, states in another order."""
     structure = sl.Bilinear(1.3, 0.04, 0.2, reduction_factor=2)
@@ -134,32 +128,11 @@ def test_matrix_is_that_of_the_equations_of_motion():
     assert float(space.noise_intensity) == pytest.approx(TAU * 0.3, rel=1e-15)
 
 
-def test_covariance_satisfies_the_lyapunov_equation_and_is_one():
-    rng = np.random.default_rng(31)
-    structures = [sl.Bilinear(**cases.draw_structure(rng, cases.PRACTICE)) for _ in range(4)]
-    ground = draw_ground(rng, sl.CloughPenzien)
-    tables = [sl.linearize(s, ground) for s in structures]
-    space = sl.statespace(structures, ground, [t.c_eq for t in tables], [t.k_eq for t in tables])
-    a, x = space.state_matrix.values, sl.stationary_covariance(space).values
-    drive = float(space.noise_intensity) * np.outer(space.noise_vector, space.noise_vector)
-    residual = a @ x + x @ a.T + drive
-    assert np.abs(residual).max() < 1e-11 * np.abs(a @ x).max()
-    scale = np.sqrt(np.diag(x))
-    assert np.linalg.eigvalsh(x / np.outer(scale, scale)).min() > 0
-
-
 def test_unstable_system_has_no_stationary_covariance():
     structure = sl.Bilinear(1.0, 0.05, 0.1, reduction_factor=3)
     space = sl.statespace([structure], sl.WhiteNoise(), [0.9], [-0.1])
     with pytest.raises(ArithmeticError, match="not stable"):
         sl.stationary_covariance(space)
-
-
-def test_state_space_describes_one_system_only():
-    with pytest.raises(ValueError, match="period is an array"):
-        sl.statespace([sl.Bilinear([1.0, 2.0], 0.05)], sl.WhiteNoise(), [-1], [0])
-    with pytest.raises(ValueError, match="at least one structure"):
-        sl.statespace([], sl.WhiteNoise(), [], [])
 
 
 TOWER = sl.ShearBuilding([2e5, 1e5], [8e7, 5e7], [3.0, 3.0], 0.05, 0.1, yield_drifts=0.01)

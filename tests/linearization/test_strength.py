@@ -61,32 +61,11 @@ def test_same_root_as_a_scalar_search(closure):
         assert float(table.reduction_factor[cell]) == pytest.approx(np.exp(root), rel=1e-8)
 
 
-@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
-def test_ductility_grows_with_the_reduction_factor(closure):
-    """What makes the root unique; over the wide domain."""
-    structure, ground = draw(3, cases.BEYOND)
-    r = xr.DataArray(np.geomspace(0.01, 50, 81), dims="r")
-    building = sl.Bilinear(**structure, reduction_factor=r)
-    ductility = sl.linearize(building, sl.KanaiTajimi(**ground), closure).ductility_std
-    assert not (ductility.diff("r") <= 0).any()
-    assert float(ductility.isnull().mean()) < 0.01
-
-
 def test_elastic_structure_has_the_ductility_of_its_reduction_factor():
     """Far from yielding: ``mu = R``, exactly."""
     structure, ground = draw(4)
     table = sl.strength_for_ductility(sl.Bilinear(**structure), sl.KanaiTajimi(**ground), 0.05)
     np.testing.assert_allclose(table.reduction_factor, 0.05, rtol=1e-10)
-
-
-def test_stronger_motion_asks_for_more_strength_in_proportion():
-    building = sl.Bilinear(0.5, 0.05, 0.05)
-    one, four = (
-        sl.strength_for_ductility(building, sl.KanaiTajimi(1.0, 0.3, intensity=s), 4.0)
-        for s in (1.0, 4.0)
-    )
-    assert float(four.yield_displacement) == pytest.approx(2 * float(one.yield_displacement), rel=1e-9)
-    assert float(four.reduction_factor) == pytest.approx(float(one.reduction_factor), rel=1e-9)
 
 
 def test_peak_factor_is_the_structures_unless_given():

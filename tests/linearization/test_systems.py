@@ -286,25 +286,6 @@ def test_of_several_solutions_it_is_the_one_that_linearize_follows(shape, factor
 # --- Limits, symmetries -------------------------------------------------------------------------------
 
 
-def test_order_of_the_structures_does_not_matter():
-    one, other = sl.linearize_system([TALL, LOW], GROUND), sl.linearize_system([LOW, TALL], GROUND)
-    turned = [4, 5, 0, 1, 2, 3]
-    for name in ("drift_std", "c_eq", "k_eq", "velocity_std"):
-        np.testing.assert_allclose(one[name].values[turned], other[name].values, rtol=1e-11)
-    np.testing.assert_allclose(one.rho.values[np.ix_(turned, turned)], other.rho.values, atol=1e-12)
-
-
-def test_lengths_and_masses_have_no_scale():
-    """Half the yield drifts under a quarter of the intensity; ten times the mass and stiffness."""
-    half = replace(TALL, yield_drifts=TALL.yield_drifts / 2)
-    big = replace(TALL, masses=TALL.masses * 10, stiffnesses=TALL.stiffnesses * 10)
-    usual = sl.linearize_system([TALL], GROUND)
-    small = sl.linearize_system([half], replace(GROUND, intensity=GROUND.intensity / 4))
-    np.testing.assert_allclose(small.ductility_std, usual.ductility_std, rtol=1e-12)
-    np.testing.assert_allclose(small.k_eq, usual.k_eq, rtol=1e-11)
-    np.testing.assert_allclose(sl.linearize_system([big], GROUND).drift_std, usual.drift_std, rtol=1e-12)
-
-
 def test_one_building_twice_moves_as_one():
     table = sl.linearize_system([TALL, TALL], GROUND, [sl.Link(1e8, 1e6, floors=(2, 2))])
     alone = sl.linearize_system([TALL], GROUND)
@@ -332,20 +313,6 @@ def test_rigid_link_makes_one_floor_of_two():
     assert float(forces[2].link_force_std[0]) == pytest.approx(
         float(forces[1].link_force_std[0]), rel=1e-6
     )
-
-
-def test_link_to_what_does_not_move_is_a_spring_to_the_ground():
-    """A rock: so stiff and heavy that it stands still."""
-    rock = sl.Bilinear(period=1e-3, damping=0.5, mass=1e14)
-    stiffness, tied = 5e7, replace(TALL, stiffnesses=TALL.stiffnesses)
-    table = sl.linearize_system([tied, rock], GROUND, [sl.Link(stiffness, floors=(1, 1))])
-    stronger = sl.ShearBuilding([2e5], [8e7], [3.0], 0.05)
-    lone = sl.linearize_system([stronger, rock], GROUND, [sl.Link(stiffness)])
-    w2 = (8e7 + stiffness) / 2e5
-    damping = 0.05 * np.sqrt(8e7 / 2e5) / np.sqrt(w2)
-    spring = sl.linearize(sl.Bilinear(2 * np.pi / np.sqrt(w2), damping), GROUND)
-    assert float(lone.drift_std[0]) == pytest.approx(float(spring.displacement_std), rel=1e-5)
-    assert float(table.drift_std[0]) < float(sl.linearize_system([TALL], GROUND).drift_std[0])
 
 
 def test_link_that_yields_is_an_element():

@@ -114,16 +114,6 @@ def test_starts_from_rest_and_scales_with_the_motion():
     np.testing.assert_allclose(large.c_eq, small.c_eq, atol=1e-5)
 
 
-@pytest.mark.filterwarnings("ignore::stochlin.messages.DoubtfulInput")  # hardly yields
-def test_almost_elastic_is_elastic():
-    weak = sl.Bilinear(0.7, 0.05, 0.05, yield_displacement=10.0)
-    found, elastic = (
-        sl.transient_response(s, FIRM, 10.0, envelope=QUAKE).displacement_std
-        for s in (weak, sl.Bilinear(0.7, 0.05))
-    )
-    np.testing.assert_allclose(found, elastic, atol=1e-5 * float(elastic.max()))
-
-
 def test_an_envelope_whose_slope_is_infinite_at_the_start_is_followed():
     """``t^0.4``: the first steps are as short as that takes."""
     quake, one = sl.GammaEnvelope(power=0.4, decay=0.2), sl.Bilinear(1.0, 0.05)
@@ -140,16 +130,6 @@ def test_a_structure_that_would_need_too_short_steps_is_refused():
     weak = sl.BoucWen(0.5, 0.05, 0.05, yield_displacement=1e-6, exponent=2.5)
     with pytest.raises(ArithmeticError, match=r"so weak that .* give it more strength, or simulate"):
         sl.transient_response(weak, FIRM, 80.0, envelope=QUAKE)
-
-
-def test_flag_rises_once_shaking_is_no_longer_strong():
-    table = sl.transient_response(sl.Bilinear(0.5, 0.05), FIRM, 20.0, envelope=QUAKE, points=201)
-    half = 12.0 + np.log(2) / 0.35
-    expected = table.time.values > half
-    assert (table.permanent_set.values.astype(bool) == expected).mean() > 0.99
-    assert table.attrs["strong_shaking_end_s"] == pytest.approx(half, abs=0.01)
-    steady = sl.transient_response(sl.Bilinear(0.5, 0.05), FIRM, 20.0)
-    assert not steady.permanent_set.any()
 
 
 @pytest.mark.parametrize("factor", with_slow([4, 6], [6]))

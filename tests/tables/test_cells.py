@@ -69,13 +69,6 @@ def test_order_of_dimensions_does_not_matter():
         xr.testing.assert_allclose(table.transpose(*straight.rho.dims), straight, rtol=1e-13)
 
 
-def test_lists_and_integers_are_numbers_too():
-    table = sl.rho_white_noise([1, 2], 2, 0.05, 0.05)
-    np.testing.assert_array_equal(
-        table.rho, sl.rho_white_noise(np.array([1.0, 2.0]), 2.0, 0.05, 0.05).rho
-    )
-
-
 def test_inputs_are_left_as_they_were():
     period = xr.DataArray([0.5, 1.0], dims="T", coords={"T": [0.5, 1.0]}, attrs={"note": "mine"})
     before = period.copy(deep=True)

@@ -1,6 +1,4 @@
-"""Tables that are computed cell by cell: lazy, in chunks, on clusters, and the same to the last bit."""
-
-import os
+"""Tables that are computed cell by cell: lazy, in chunks, and the same to the last bit."""
 
 import numpy as np
 import pytest
@@ -69,41 +67,3 @@ def test_risk_over_periods_is_that_of_each():
     for period in (0.5, 0.7):
         alone = VERBS["pounding_risk"](sl.Bilinear(period, 0.05))
         xr.testing.assert_equal(table.annual_rate.sel(period=period, drop=True), alone.annual_rate)
-
-
-def killing(folder):
-    """A function of a cell that kills the first worker that comes to it, and is slow enough to wait."""
-
-    def of_cell(first):
-        try:
-            (folder / "killed").touch(exist_ok=False)
-            os.kill(os.getpid(), 9)
-        except FileExistsError:
-            pass
-        return xr.Dataset({"twice": 2 * first.arrays()["period"]})
-
-    return of_cell
-
-
-@pytest.mark.slow
-def test_workers_of_a_cluster_make_the_same_bits_and_a_dead_one_is_no_loss(tmp_path):
-    distributed = pytest.importorskip("distributed", reason="distributed is in the extra 'scale'")
-    first = sl.Bilinear(axis("period", np.linspace(0.5, 2.0, 40), 5), 0.05)
-    killer = killing(tmp_path)
-    (tmp_path / "killed").touch()
-    lazy = over_cells(killer, {"first": first})
-    expected = lazy.compute(scheduler="synchronous")
-    (tmp_path / "killed").unlink()
-    with (
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=":0", processes=True
-        ) as cluster,
-        distributed.Client(cluster, set_as_default=False) as client,
-    ):
-        before = set(client.nthreads())
-        found = client.compute(lazy).result(timeout=60)
-        assert (tmp_path / "killed").exists()
-        assert set(client.nthreads()) != before
-        xr.testing.assert_identical(found, expected)
-        table = client.compute(VERBS["separation"](building(2))).result(timeout=60)
-    assert_same(table, VERBS["separation"](building()))

@@ -42,12 +42,6 @@ def test_what_is_no_time_is_refused(verb: str, duration: Any) -> None:
         VERBS[verb](duration)
 
 
-@pytest.mark.parametrize("verb", sorted(set(VERBS) - {"simulate"}))
-def test_a_duration_that_is_missing_is_asked_for(verb: str) -> None:
-    with pytest.raises(ValueError, match=r"duration = None is no number; .* the length of the motion"):
-        VERBS[verb](None)
-
-
 @pytest.mark.parametrize("exchanged", [(0.05, 15.0), (0.2, 20.0)])
 def test_gap_and_duration_that_are_exchanged_are_questioned(exchanged: tuple[float, float]) -> None:
     for verb in (sl.existing_gap, lambda *given: sl.mitigate(*given, {})):

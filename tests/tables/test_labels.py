@@ -6,8 +6,6 @@ import xarray as xr
 from cases import with_slow
 
 import stochlin as sl
-from stochlin.analyses.correlation.variables import VARIABLES as OF_PAIRS
-from stochlin.analyses.linearization.variables import VARIABLES as OF_ONE
 from stochlin.analyses.tables import labels
 
 pytestmark = pytest.mark.invariant
@@ -26,12 +24,6 @@ def test_a_name_goes_before_its_number_and_its_ends():
     assert found["width_lower"] == "width, lower end of the 95 % interval"
     assert found["width_best"] is None
     assert found["height"] is None
-
-
-def test_bias_of_a_pair_is_of_rho_and_of_each_structure_of_its_standard_deviation():
-    pair, one = told(["bias", "bias_1"], OF_PAIRS), told(["bias"], OF_ONE)
-    assert pair["bias"] == "bias of rho: linearized minus simulated"
-    assert pair["bias_1"] == f"{one['bias']}, structure 1"
 
 
 def test_the_flag_of_the_permanent_set_is_not_a_length():
