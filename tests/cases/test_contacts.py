@@ -22,7 +22,6 @@ EXAMPLE = example_case()
 CONTACT = EXAMPLE[EXAMPLE.index("[contact]") : EXAMPLE.index("# Measures")]
 MEASURES = EXAMPLE[EXAMPLE.index("# Measures") :]
 GAP = 'existing = "5 cm" '
-BRACES = '{ storeys = "all", stiffness = "120 MN/m", yield_displacement = "5 mm", hardening = "2 %" }'
 THIRD = """[building_3]
 name = "Garage"
 period = "0.35 s"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -131,31 +130,6 @@ def test_records_are_read_beside_the_file_and_the_first_is_fitted(tmp_path: Path
     case = read(tmp_path, with_site(f'{FITTED}name = "Here"\n{other}'))
     assert list(case.site.records) == ["Here", "other.txt"]
     assert case.site.ground == sl.fit_ground(sl.read_record(path, dt=0.02, units="g"))
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ('"90 %"', '"90"'),
-        ('"90 %"', "90"),
-        ('damping = "5 %"', "damping = 5"),
-        ('damping = "5 %"', 'damping = "2,5 %"'),
-        ('"5 cm"', "0.05"),
-        ('"5 cm"', "5"),
-        ('"5 cm"', '"5"'),
-        ('\nintensity = "0.01 m^2/s^3"', "\nintensity = 100"),
-    ],
-)
-def test_the_first_cure_of_a_number_works(old: str, new: str, tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"case\.toml, line") as caught:
-        read(tmp_path, changed(old, new))
-    cure = re.search(
-        r'(?:mean|units,|allowed:|quotation marks,|point, as) ("[^"]+"|[\d.]+)(?: or|,|\?|$)',
-        str(caught.value),
-    )
-    wrong = new.replace("\nheight", "").rpartition("= ")[2]
-    assert cure is not None, str(caught.value)
-    read(tmp_path, changed(old, new.replace(wrong, cure[1])))  # without a warning
 
 
 def test_a_name_that_clears_the_screen_is_refused(tmp_path: Path) -> None:

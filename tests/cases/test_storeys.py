@@ -10,7 +10,6 @@ from typing import Any
 import cases
 import numpy as np
 import pytest
-from cases import example_case
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,7 +21,6 @@ from stochlin.models.systems import slabs_on_columns
 
 pytestmark = pytest.mark.invariant
 
-EXAMPLE = example_case()
 REGULAR = """[building_1]
 period = "0.8 s"
 storeys = 4

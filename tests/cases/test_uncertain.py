@@ -9,11 +9,9 @@ import pytest
 from cases import FIRM_SITE
 
 import stochlin as sl
-from stochlin.analyses.cases.pounding import pound_case
 from stochlin.analyses.cases.probability import judge_gap
 from stochlin.analyses.cases.reading.case import Case
 from stochlin.analyses.cases.separation import answer_case
-from stochlin.views.pounding.words import answer_sections as pound_sections
 from stochlin.views.probability.words import answer_sections as probability_sections
 from stochlin.views.separation.report import answer_sections, report_page
 from stochlin.views.shared.screen import lines
@@ -156,17 +154,3 @@ def test_answers_say_what_is_not_known_and_that_they_contain_it(tmp_path):
     assert "input_factor" in judged.whole()
     sure = "\n".join(lines(answer_sections(answer_case(read(tmp_path, case_text(OSCILLATOR))))))
     assert "known exactly" not in sure
-
-
-def test_pounding_in_a_record_says_that_it_is_that_of_the_medians(tmp_path):
-    np.savetxt(tmp_path / "wave.txt", 0.3 * np.sin(0.1 * np.arange(400)))
-    record = f'{GROUND}[[site.records]]\npath = "wave.txt"\nunits = "g"\ndt = "20 ms"\n'
-    building = changed(OSCILLATOR, "period", '"1.0 s +- 20 %"') + 'mass = "100 t"\n'
-    text = case_text(building, FIRM_SITE.replace(GROUND, record)).replace(
-        "elastic = true\n", 'elastic = true\nmass = "100 t"\n'
-    )
-    contact = '[contact]\nmodel = "linear_spring"\nstiffness = "100 MN/m"\n'
-    text = text.replace("floors", 'existing = "5 cm"\nfloors') + contact
-    case = read(tmp_path, text)
-    said = " ".join("\n".join(lines(pound_sections(case, pound_case(case)))).split())
-    assert "here they are taken at their medians" in said

@@ -6,13 +6,11 @@ import dataclasses
 import re
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from cases import BLOCK, KIOSK, example_case, with_buildings
-from commands import answered
 from matplotlib.axes import Axes
 from matplotlib.text import Text
 
@@ -279,13 +277,3 @@ def test_cautions_refusals_and_intervals_need_no_details(
         assert detail not in short
         assert detail in whole
     assert set(short.split()) <= set(whole.split())
-
-
-def test_the_command_prints_details_when_asked(tmp_path: Path) -> None:
-    path = tmp_path / "case.toml"
-    path.write_text(NONE_YET, encoding="utf-8")
-    short, whole = (answered("gap", path, *more).output for more in ((), ("--details",)))
-    assert "Marks:" not in short
-    assert whole.splitlines()[:3] == short.splitlines()[:3]
-    assert "Marks:" in whole
-    assert short.splitlines()[-1].startswith("'--details' adds")
