@@ -135,15 +135,6 @@ def test_devices_of_measures_are_those_of_simulate_and_pound(table):
     np.testing.assert_allclose(row.largest_link_force, sine.peak_link_force.max("link"), rtol=1e-9)
 
 
-def test_measures_without_devices_have_none(table):
-    for name in ("as built", "damping"):
-        row = table.sel(measure=name)
-        assert set(row.device_kind.values) == {""}
-        assert bool(row.device_force_mean.isnull().all())
-    plain = sl.mitigate(*pair(), FIRM, 8.0, 0.5, {"damping": sl.Measure(0.1)}, paths=32)
-    assert "device" not in plain.dims
-
-
 def test_floors_of_devices_in_buildings_with_storeys():
     tower = sl.ShearBuilding([2e5] * 3, [2e8] * 3, [3.0] * 3, 0.05)
     low = sl.ShearBuilding([2e5] * 2, [2e8] * 2, [3.0] * 2, 0.05)

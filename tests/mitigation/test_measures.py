@@ -228,9 +228,7 @@ def test_strength_of_what_never_yields_is_refused():
     ("given", "error", "told"),
     [
         ({"added_damping_1": [0.1, 0.2]}, ValueError, "added_damping_1 is an array; allowed: a number"),
-        ({"stiffening_2": 1e308}, ValueError, r"stiffening_2 = 1e\+308 .* allowed: .* <= 1000"),
         ({"stiffening_1": 0}, ValueError, "stiffening_1 = 0 is out of range; allowed: 0.001 <= value"),
-        ({"bumper_thickness": "2 cm"}, TypeError, "bumper_thickness = '2 cm' is not a real number"),
         ({"link": "glue"}, TypeError, "link = 'glue'; allowed: a Link, or a list of them"),
         ({"link": [sl.Link(1e6), 3]}, TypeError, "link, number 2 = 3 is of the wrong kind"),
         ({"contact": LINK}, TypeError, "contact = Link.* is of the wrong kind"),

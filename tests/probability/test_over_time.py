@@ -125,14 +125,6 @@ def test_time_runs_from_certain_safety_and_gaps_are_ordered():
     assert float(table.instantaneous_probability.max()) <= 0.5
 
 
-@pytest.mark.slow
-def test_required_gap_keeps_the_confidence():
-    for confidence in (0.5, 0.9, 0.99):
-        wanted = probability(ONE, TWO, FIRM, 0.1, confidence=confidence).required_gap
-        back = probability(ONE, TWO, FIRM, float(wanted)).confidence_of_no_pounding[-1]
-        assert float(back) == pytest.approx(confidence, abs=1e-4)
-
-
 def test_equal_structures_never_pound():
     table = probability(ONE, ONE, FIRM, 1e-3, paths=64)
     assert (table.confidence_of_no_pounding == 1).all()

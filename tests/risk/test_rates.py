@@ -35,14 +35,6 @@ def test_sums_over_motions_are_the_integral():
     assert found == pytest.approx(exact, rel=2e-3)  # the quantiles leave out both ends
 
 
-def test_parts_of_the_rate_add_up_and_lie_where_they_pound():
-    motions = lognormal_motions()
-    parts = rates(motions, 0.3, power_law).mean(axis=0)
-    inside = (motions.intensity > 0.5) & (motions.intensity < 20)
-    assert parts.sum() == pytest.approx(rates(motions, 0.3, power_law).sum(axis=1).mean(), rel=1e-12)
-    assert parts[1:][inside | np.roll(inside, -1)].sum() > 0.99 * parts.sum()
-
-
 def test_rate_is_the_power_of_the_gap_where_all_is_linear():
     """``rate ~ gap^-k``, whatever the grid."""
     one, two = (rates(lognormal_motions(), gap, power_law).sum() for gap in (0.2, 0.4))
@@ -58,17 +50,6 @@ def test_what_pounds_and_then_does_not_is_counted_where_it_does():
     found = rates(SeparationsByIntensity(intensity, separation), 1.0, power_law).sum()
     wanted = power_law(2.0) - power_law(np.sqrt(32.0)) + power_law(8.0)
     assert found == pytest.approx(wanted, rel=1e-6)
-
-
-@pytest.mark.parametrize("highest", [1e4, 4.0])
-def test_fragility_is_found_again_also_where_half_of_the_motions_never_pound(highest):
-    rng = np.random.default_rng(3)
-    of_one = 0.1 * np.exp(0.5 * rng.standard_normal(2000))
-    intensity = np.geomspace(1e-2, highest, 7)
-    found = lognormal_fragility(SeparationsByIntensity(intensity, of_one[:, None] * intensity), 0.3)
-    assert abs(np.log(found.median / 3)) < 4 * found.median_error / found.median
-    assert abs(found.dispersion - 0.5) < 4 * found.dispersion_error
-    assert 0.5 / np.sqrt(2000) * 0.8 < found.median_error / found.median < 0.03
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtri
 
-from stochlin.analyses.sensitivity.estimates import changed_quantiles, jackknifed
+from stochlin.analyses.sensitivity.estimates import changed_quantiles
 
 pytestmark = pytest.mark.oracle
 TWO = 2.04  # standard errors of a 95 % interval from 32 groups
@@ -39,11 +39,3 @@ def test_changes_of_a_quantile_have_the_moments_of_tricube_weights():
     found = changed_quantiles(response, more, np.tile(response, (3, 1)), 0.5)
     exact = np.array([35 / 243 * reach**2, 1 / 22 * reach**4, 0.0])
     np.testing.assert_allclose(found.value, exact, rtol=4 / n / reach, atol=1e-9)
-
-
-def test_a_jackknife_of_a_mean_is_its_standard_error():
-    samples = np.random.default_rng(4).standard_normal(320)
-    groups = np.arange(320) % 32
-    found = jackknifed(lambda left: samples[groups != left].mean(), 32)
-    assert found.value == samples.mean()
-    assert found.error == pytest.approx(samples.std() / np.sqrt(320), rel=0.3)

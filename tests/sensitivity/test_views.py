@@ -52,12 +52,6 @@ def test_sentences_name_what_matters(table):
     )
 
 
-def test_without_anything_uncertain_all_inputs_are_compared():
-    table = sl.sensitivity(sl.Bilinear(0.6, 0.05), KNOWN, GROUND, 12.0, paths=32)
-    (told,) = sentences(table)
-    assert told.startswith("Among all inputs, each changed by 10 % to either side, ")
-
-
 def test_a_tornado_chart_has_a_bar_a_number(table):
     figure = sl.charts.draw_sensitivity(table)
     (axes,) = figure.axes

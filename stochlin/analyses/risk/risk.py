@@ -116,9 +116,9 @@ def pounding_risk(
         Over the dimensions of the parameters: ``annual_rate`` [1/yr] with its standard error;
         ``annual_rate_unseen`` [1/yr], the largest possible contribution of intensities beyond the table
         of the hazard, or beyond a return period of 200 000 years; ``probability_in_years`` [-] with its
-        95 % interval. Also over ``intensity``: ``pounding_probability`` [-] with its 95 % interval, and
-        ``exceedance_frequency`` [1/yr]. Also over ``from_intensity``: ``annual_rate_by_intensity``
-        [1/yr], the part of the rate from the interval of intensities that begins there.
+        95 % interval. Also over ``intensity``: ``pounding_probability`` [-] with its 95 % interval. Also
+        over ``from_intensity``: ``annual_rate_by_intensity`` [1/yr], the part of the rate from the
+        interval of intensities that begins there.
 
     Raises
     ------
@@ -402,7 +402,7 @@ class SimulatedRisk(NamedTuple):
                 **_in_years(rate, error, years),
             }
         )
-        table = table.assign(_by_intensity(motions, by_path, gap, inputs))
+        table = table.assign(_by_intensity(motions, by_path, gap, inputs.hazard.measure))
         return inputs.labelled(table.assign_attrs(years=float(years), gap_m=float(gap)), "pounding_risk")
 
     def gap_of(self, risk: str | float) -> xr.Dataset:
@@ -461,18 +461,16 @@ def _times(ground: Any, factor: float) -> Any:
 
 
 def _by_intensity(
-    motions: SeparationsByIntensity, by_path: Array, gap: float, inputs: RiskInputs
+    motions: SeparationsByIntensity, by_path: Array, gap: float, measure: str
 ) -> dict[str, xr.DataArray]:
-    """Pounding probability and hazard at each intensity, and the part of the rate of each interval."""
-    attrs = {"units": UNITS[inputs.hazard.measure], "long_name": f"intensity, {inputs.hazard.measure}"}
+    """Pounding probability at each intensity, and the part of the rate of each interval."""
+    attrs = {"units": UNITS[measure], "long_name": f"intensity, {measure}"}
     axis = {"intensity": ("intensity", motions.intensity, attrs)}
     samples = xr.DataArray(motions.separation, dims=("path", "intensity"), coords=axis)
     apart = keeping_apart(samples, gap)
     columns = {"pounding_probability": 1 - apart["no_pounding_probability"]}
     for end, other in (("lower", "upper"), ("upper", "lower")):
         columns[f"pounding_probability_{end}"] = 1 - apart[f"no_pounding_probability_{other}"]
-    of_curve = inputs.frequency(motions.intensity)
-    columns["exceedance_frequency"] = xr.DataArray(of_curve, dims="intensity", coords=axis)
     begin = {"from_intensity": ("from_intensity", np.append(0.0, motions.intensity), attrs)}
     by_interval = xr.DataArray(by_path.mean(axis=0), dims="from_intensity", coords=begin)
     return columns | {"annual_rate_by_intensity": by_interval}

@@ -14,7 +14,6 @@ VARIABLES: Variables = {
         "contribution of the intensity to the annual frequency of pounding",
     ),
     "pounding_probability": ("1", "share of simulated motions with pounding at the intensity"),
-    "exceedance_frequency": ("1/yr", "annual frequency of exceedance of the intensity"),
     "required_gap": ("m", "required gap for the allowed mean annual frequency of pounding"),
     "target_rate": ("1/yr", "allowed mean annual frequency of pounding"),
 }
