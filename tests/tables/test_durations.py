@@ -42,13 +42,6 @@ def test_what_is_no_time_is_refused(verb: str, duration: Any) -> None:
         VERBS[verb](duration)
 
 
-@pytest.mark.parametrize("exchanged", [(0.05, 15.0), (0.2, 20.0)])
-def test_gap_and_duration_that_are_exchanged_are_questioned(exchanged: tuple[float, float]) -> None:
-    for verb in (sl.existing_gap, lambda *given: sl.mitigate(*given, {})):
-        with pytest.raises(ValueError, match="are duration and gap exchanged"):
-            verb(ONE, TWO, GROUND, *exchanged)
-
-
 def test_in_a_table_only_the_cells_with_long_periods_fail() -> None:
     period = xr.DataArray([0.6, 30.0], dims="period")
     table = sl.separation(sl.Bilinear(period, 0.05), TWO, GROUND, 12.0, paths=128)

@@ -17,7 +17,7 @@ from stochlin.analyses.records.cells import checked_motions
 from stochlin.analyses.separation.separation import NOT_AVAILABLE, VERDICT_ATTRS, verdict_of
 from stochlin.analyses.simulation.simulation import check_repeated
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_existing
+from stochlin.analyses.tables.checks import check_duration
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import brief
 from stochlin.models.arguments import (
@@ -154,7 +154,7 @@ def mitigate(
     """
     left, right = _checked(first, second, ground, measures, contact, records)
     both = [median_of(structure) for structure in (left, right)]
-    check_existing(gap, duration, dict(zip(("first", "second"), both, strict=True)))
+    check_duration(duration, dict(zip(("first", "second"), both, strict=True)))
     pair = MitigatedPair(
         structures=(left, right),
         ground=ground,

@@ -30,7 +30,7 @@ from stochlin.analyses.sites.intensity import scale_ground
 from stochlin.analyses.sites.simulated_spectra import PGA_STEP
 from stochlin.analyses.tables import labels
 from stochlin.analyses.tables.cells import over_cells
-from stochlin.analyses.tables.checks import check_duration, check_existing, standing
+from stochlin.analyses.tables.checks import check_duration, standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.messages import DoubtfulInput, brief
@@ -147,7 +147,7 @@ def pounding_risk(
     True
     """
     structures = standing(first, second)
-    check_existing(gap, duration, {role: median_of(structure) for role, structure in structures.items()})
+    check_duration(duration, {role: median_of(structure) for role, structure in structures.items()})
 
     def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
         inputs = RiskInputs(structures, ground, hazard, duration, envelope, scatter, paths, seed)

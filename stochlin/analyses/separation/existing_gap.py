@@ -22,7 +22,7 @@ from stochlin.analyses.simulation.finite_motions import (
 )
 from stochlin.analyses.simulation.simulation import check_repeated, simulate
 from stochlin.analyses.tables import labels
-from stochlin.analyses.tables.checks import check_existing, standing
+from stochlin.analyses.tables.checks import check_duration, standing
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.models.arguments import (
     Duration,
@@ -123,7 +123,7 @@ def existing_gap(
     """
     structures = standing(first, second)
     both = {role: median_of(structure) for role, structure in structures.items()}
-    check_existing(gap, duration, both)
+    check_duration(duration, both)
     begin, most = check_repeated(list(both.values()), median_of(ground), duration, paths, SIMULATIONS)
     if progress is not None:
         progress(0.0)

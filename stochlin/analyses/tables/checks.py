@@ -53,15 +53,6 @@ def standing(first: object, second: object) -> dict[str, Any]:
     return {"first": first} | ({} if second is None else {"second": second})
 
 
-def check_existing(gap: float, duration: float, structures: Mapping[str, AnyStructure]) -> None:
-    """Raise a ValueError unless the duration passes `check_duration`."""
-    try:
-        check_duration(duration, structures)
-    except ValueError as error:
-        hint = f"; gap = {gap:g} m: are duration and gap exchanged?" if duration < 1 <= gap else ""
-        raise ValueError(f"{error}{hint}") from error
-
-
 def needed(module: str, what: str, extra: str, otherwise: str = "") -> Any:
     """An optional package; an ImportError with the command that installs it if it is missing.
 

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.slabs import in_ranges
 from stochlin.kernels.linearization import grounds
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
 
@@ -184,12 +185,12 @@ class Filter:
         wide = [np.broadcast_to(row, cells).ravel() for row in (*system, self.intensity)]
         matrix = np.broadcast_to(matrix, (*cells, m, m)).reshape(-1, m, m)
         noise, output = (np.broadcast_to(row, (*cells, m)).reshape(-1, m) for row in (noise, output))
-        correlations = np.empty((3, len(matrix), m))
-        for begin in range(0, len(matrix), AT_ONCE):
-            part = slice(begin, begin + AT_ONCE)
-            own = EquivalentSystem(*(row[part] for row in wide[:-1]))
-            soil = Matrices(matrix[part], noise[part], output[part])
-            correlations[:, part] = _correlations(own, wide[-1][part], soil)
+
+        def part(at: slice) -> Array:
+            own, soil = (row[at] for row in wide[:-1]), Matrices(matrix[at], noise[at], output[at])
+            return _correlations(EquivalentSystem(*own), wide[-1][at], soil)
+
+        correlations = np.concatenate(in_ranges(part, len(matrix), AT_ONCE), axis=1)
         return correlations.reshape(3, *cells, m)
 
 
