@@ -6,7 +6,6 @@ import json
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -113,13 +112,11 @@ def _value(value: Any) -> str:
 def _twice(lines: Sequence[str], number: int, error: str) -> str:
     """Message on a table or a key that is there twice; ``error`` is that of the parser."""
     names = [match[1].strip(" \t=") if (match := _NAME.match(line)) else "" for line in lines]
-    name, first, taken = names[number - 1], 1 + names.index(names[number - 1]), set(names)
+    name, first = names[number - 1], 1 + names.index(names[number - 1])
     if within := re.search(r"namespace \('(\w+)',\)|table key '(\w+)'", error):  # in braces
         name, first = within[1] or within[2], number
     where = f" in line {first}" if first < number or within else ""
-    stem = name.rstrip("]0123456789")  # of a table such as [building_1]
-    free = next(other for n in count(1) if (other := f"{stem}{n}]") not in taken)
     return (
         f"'{plain(name)}' is already given{where}; allowed: each table and each key once, so leave one "
-        f"out, or give it another name{f', such as {free}' if stem.endswith('_') else ''}"
+        "out, or give it another name"
     )
