@@ -75,15 +75,11 @@ class Structure(Model):
         if isinstance(self.mass, xr.DataArray):
             raise ValueError(f"{name}: mass is an array; allowed: a number")
         if self.yield_displacement is not None and self.reduction_factor is not None:
-            raise ValueError(
-                f"{name}: yield_displacement and reduction_factor are both given; allowed: one of them, "
-                "since each defines the strength"
-            )
+            what = f"{name}: yield_displacement and reduction_factor are both given"
+            raise ValueError(f"{what}; allowed: one of them, since each defines the strength")
         if self.yields and self.hardening is None:
-            raise ValueError(
-                f"{name}: hardening is not given; a structure with a strength needs its hardening "
-                f"ratio, allowed: {HARDENING}"
-            )
+            what = f"{name}: hardening is not given; a structure with a strength needs its hardening"
+            raise ValueError(f"{what} ratio, allowed: {HARDENING}")
 
     @property
     def yields(self) -> bool:
@@ -158,19 +154,16 @@ class Structure(Model):
         """Raise a ValueError if the hardening is one number, and leaves no stiffness after yielding."""
         scalar = self.yields and not isinstance(self.hardening, xr.DataArray)
         if scalar and not STATIONARY_HARDENING.contains(self.hardening):
-            raise ValueError(
-                f"{role}: hardening = {self.hardening:g} leaves no stiffness after yielding, and the "
-                f"displacement no stationary value; allowed: {STATIONARY_HARDENING}; or {CURE}"
-            )
+            what = f"{role}: hardening = {self.hardening:g} leaves no stiffness after yielding, and the"
+            allowed = f"{STATIONARY_HARDENING}; or {CURE}"
+            raise ValueError(f"{what} displacement no stationary value; allowed: {allowed}")
 
     def check_stationary(self, role: str) -> None:
         """Raise a ValueError if the displacement, or a state of the law, grows for ever."""
         self.check_settles(role)
         if self.yields and (growing := self.growing()):
-            raise ValueError(
-                f"{role}: {self._name} has no stationary response: it depends on what grows for ever "
-                f"({listed(growing)}); {CURE}"
-            )
+            what = f"{role}: {self._name} has no stationary response: it depends on what grows for ever"
+            raise ValueError(f"{what} ({listed(growing)}); {CURE}")
 
     def growing(self) -> tuple[str, ...]:
         """What the law depends on that grows for ever: states that keep their sign, as an energy does.

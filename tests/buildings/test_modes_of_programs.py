@@ -209,7 +209,7 @@ VARIANTS: dict[str, Callable[[], str]] = {
 
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_tables_of_etabs_are_the_building(tmp_path: Path, variant: str) -> None:
-    table = read(tmp_path, VARIANTS[variant](), direction="ux")
+    table = read(tmp_path, VARIANTS[variant](), direction="UX")
     np.testing.assert_allclose(table["mass"], MASSES * 1000)
     np.testing.assert_allclose(table["height"], HEIGHTS)
     kept = RATIOS[:, 0] >= 1e-3

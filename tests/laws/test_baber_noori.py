@@ -97,19 +97,14 @@ def test_an_oscillator_on_a_record_follows_an_ode_solver():
     np.testing.assert_allclose(ends.hysteretic_energy_per_mass + stored, spent, rtol=2e-3)
 
 
-def test_storeys_of_a_building_have_the_law_with_parameters_of_their_own():
+def test_the_storey_of_a_building_has_the_law():
     record = sl.simulated_motions(GROUND, 6.0, paths=2, seed=3)[0]
-    parts = [1e5] * 2, [4e7] * 2, [3.0] * 2, 0.05, 0.1, 0.01
-    drifts = []
-    for decay in ([0.0, 0.0], [0.0, 0.2], 0.2):
-        own = WORN | {"strength_decay": decay}
-        named = sl.ShearBuilding(*parts, law="bouc_wen_baber_noori", law_parameters=own)
-        drifts.append(np.abs(sl.respond(named, record).storey_drift).max("time").to_numpy())
-    lower, upper = np.transpose(drifts)
-    assert len({*lower.round(6)}) == len({*upper.round(6)}) == 3
-    assert upper[0] < upper[1]  # the second storey alone is weakened
-    assert lower[1] < lower[2]  # then the first one, too
-    assert isinstance(named.oscillator(), sl.BoucWenBaberNoori)
+    storey = [1e5], [4e7], [3.0], 0.05, 0.1, 0.01
+    building = sl.ShearBuilding(*storey, law="bouc_wen_baber_noori", law_parameters=WORN)
+    first = building.oscillator()
+    assert isinstance(first, sl.BoucWenBaberNoori)
+    peaks = [float(abs(sl.respond(each, record).displacement).max()) for each in (building, first)]
+    np.testing.assert_allclose(*peaks, rtol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
@@ -30,7 +31,7 @@ LOWEST = 0.01  # m: floors that are lower are at the ground or below it
 def read_modes(
     path: str | os.PathLike[str],
     *,
-    direction: str | None = None,
+    direction: Annotated[str, OneOf(DIRECTIONS)] | None = None,
     points: Sequence[str] = (),
     tower: str | None = None,
     mass_units: str | None = None,
@@ -105,10 +106,6 @@ def read_modes(
         raise TypeError(f"points = {brief(points)}; allowed: a list of names")
     if not isinstance(tower, str | None):
         raise TypeError(f"tower = {brief(tower)}; allowed: a text")
-    if direction is not None:
-        known = {name.lower(): name for name in DIRECTIONS}
-        direction = known.get(str(direction).lower(), direction)
-        OneOf(DIRECTIONS)("direction", direction)
     name = plain(path.name)
     choice = AskedModes(direction, tuple(points), tower, mass_units, length_units)
     files = [path]
@@ -121,10 +118,7 @@ def read_modes(
     readable = [*of_plain, *(table.sheet for table in [*tables.values()][:1])]
     if not readable:
         begins = f"{plain_form.HEADER} or a line 'TABLE:  {RATIOS}' of ETABS or SAP2000"
-        raise ValueError(
-            f"{name} is no file of modes that is known; allowed: a file with {begins}; for OpenSees "
-            "docs/buildings.md has a script that writes the plain form"
-        )
+        raise ValueError(f"{name} is no file of modes that is known; allowed: a file with {begins}")
     check_alone(readable, "modes")
     modes = csi.read(tables, choice) if tables else plain_form.read(readable[0], choice)
     return _labelled(modes, name, choice.direction)
@@ -189,9 +183,7 @@ def _doubt_order(table: xr.Dataset, name: str) -> None:
     own = effective_masses_of(shapes, table["mass"].values) if known is None else known.values
     leading = np.abs(shapes[np.argmax(own)])
     if leading[0] > leading[-1]:
-        warnings.warn(
-            f"{name}: the leading mode moves {leading[0]:g} at the lowest floor and {leading[-1]:g} at "
-            "the roof; are the floors in order?",
-            DoubtfulInput,
-            stacklevel=4,
+        what = (
+            f"{name}: the leading mode moves {leading[0]:g} at the lowest floor and {leading[-1]:g} at"
         )
+        warnings.warn(f"{what} the roof; are the floors in order?", DoubtfulInput, stacklevel=4)

@@ -231,10 +231,8 @@ def _asce_41(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
     if excess(most) > EQUAL:  # else it hardly hardens, or has no such idealization
         force = float(scipy.optimize.brentq(excess, 1e-6 * most, most, xtol=1e-9 * most))
     if abs(excess(force)) > 1e3 * EQUAL:
-        raise ValueError(
-            "pushover: no two lines have its area and cross it at 0.6 of the yield force, since it "
-            "stiffens or has steps; allowed: a curve that flattens, or method='eurocode_8'"
-        )
+        what = "pushover: no two lines have its area and cross it at 0.6 of the yield force"
+        raise ValueError(f"{what}; allowed: a curve that flattens, or method='eurocode_8'")
     return force, at_yield(force), last
 
 

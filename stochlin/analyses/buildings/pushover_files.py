@@ -86,10 +86,8 @@ def read_pushover(
     wanted = {"displacement": (displacement_column, length_units), "force": (force_column, force_units)}
     columns = {what: _column(what, column, table) for what, (column, _) in wanted.items()}
     if len({*columns.values()}) == 1:
-        raise ValueError(
-            f"{name}: displacement and base shear are both in column {columns['force'] + 1}; give "
-            "displacement_column= and force_column="
-        )
+        what = f"{name}: displacement and base shear are both in column {columns['force'] + 1}"
+        raise ValueError(f"{what}; give displacement_column= and force_column=")
     series = []
     for what, column in columns.items():
         values = table.in_si(column, TITLES[what][1], wanted[what][1], None)

@@ -49,10 +49,8 @@ def check_moving(modes: Sequence[int], moved: Array, where: str, most: float = 0
     """Raise a ValueError for modes whose displacements are nothing beside the largest ones."""
     sizes = np.abs(moved)
     if still := [*np.asarray(modes)[~(sizes > STILL * max(most, *sizes))]]:
-        raise ValueError(
-            f"{where}: mode {listed(still)} hardly moves along the direction, where it has mass; "
-            "allowed: shapes of the same analysis and of the same direction as the masses"
-        )
+        what = f"{where}: mode {listed(still)} hardly moves along the direction, where it has mass"
+        raise ValueError(f"{what}; allowed: shapes of the same analysis and direction as the masses")
 
 
 def check_seconds(unit: str, where: str) -> None:
