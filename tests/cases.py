@@ -182,10 +182,10 @@ def axis(name: str, values: Any, chunk: int | None = None) -> xr.DataArray:
     return array if chunk is None else array.chunk(chunk)
 
 
-def assert_near(found: Any, wanted: Any, share: float) -> None:
+def assert_near(values: Any, wanted: Any, share: float) -> None:
     """No difference is more than this share of the largest number."""
     largest = np.nanmax(np.abs(np.asarray(wanted)))
-    np.testing.assert_allclose(found, wanted, rtol=0, atol=share * largest)
+    np.testing.assert_allclose(values, wanted, rtol=0, atol=share * largest)
 
 
 def check_labels(table: xr.Dataset) -> None:

@@ -80,20 +80,21 @@ class Case:
         """The case in the folder of this name."""
         about = tomllib.loads((HERE / name / "about.toml").read_text(encoding="utf-8"))
         others = tuple(
-            Tolerance(**one | {"variables": tuple(one["variables"])}) for one in about.pop("others", ())
+            Tolerance(**each | {"variables": tuple(each["variables"])})
+            for each in about.pop("others", ())
         )
         about["tolerance"] = Tolerance(**about["tolerance"])
         return cls(HERE / name, **about | {"others": others})
 
     def tolerance_of(self, variable: str) -> Tolerance:
         """The one that is stated for it, or the case's."""
-        return next((one for one in self.others if variable in one.variables), self.tolerance)
+        return next((each for each in self.others if variable in each.variables), self.tolerance)
 
     def tolerance_of_text(self, number: str, line: str) -> Tolerance:
         """The one that is stated for words of the line; counts exactly; else the case's."""
-        for one in self.others:
-            if any(re.search(rf"(?<!\w){re.escape(words)}(?!\w)", line) for words in one.variables):
-                return one
+        for each in self.others:
+            if any(re.search(rf"(?<!\w){re.escape(words)}(?!\w)", line) for words in each.variables):
+                return each
         return Tolerance("a count") if re.fullmatch(r"[-+]?\d+", number) else self.tolerance
 
 
@@ -121,12 +122,12 @@ def run(case: Case, scratch: Path) -> Path:
     """Do what the user does, in a copy of the folder; where the results are."""
     work, results = scratch / case.folder.name, scratch / f"{case.folder.name} results"
     shutil.copytree(case.folder, work, ignore=shutil.ignore_patterns(*OWN))
-    given = {path.name for path in work.iterdir()}
+    inputs = {path.name for path in work.iterdir()}
     with contextlib.chdir(work):
         screen = "".join(map(_told, case.commands)) if case.commands else _printed(Path(SCRIPT))
     results.mkdir()
     for path in work.iterdir():
-        if path.suffix in COMPARED and path.name not in given:
+        if path.suffix in COMPARED and path.name not in inputs:
             shutil.copy(path, results)
     if screen:
         (results / SCREEN).write_text(screen, encoding="utf-8")
@@ -223,9 +224,9 @@ def _of_texts(case: Case, place: str, old: str, new: str) -> Iterator[Difference
             if len(before) != len(now):
                 return  # what follows has another place
             continue
-        for one, other in zip(numbers_a, numbers_b, strict=True):
-            tolerance = case.tolerance_of_text(one, f"{place} {a}")
-            yield from _of_numbers(at, np.array([float(one)]), np.array([float(other)]), tolerance)
+        for each, other in zip(numbers_a, numbers_b, strict=True):
+            tolerance = case.tolerance_of_text(each, f"{place} {a}")
+            yield from _of_numbers(at, np.array([float(each)]), np.array([float(other)]), tolerance)
 
 
 def _taken_apart(line: str) -> tuple[list[str], list[str]]:
@@ -236,13 +237,13 @@ def _taken_apart(line: str) -> tuple[list[str], list[str]]:
 def independent(case: Case) -> dict[str, Any]:
     """What ``independent.py`` of a case finds now; ImportError where its program is not installed."""
     try:
-        found = runpy.run_path(str(case.folder / INDEPENDENT))
+        answer = runpy.run_path(str(case.folder / INDEPENDENT))
     except RuntimeError as error:  # OpenSeesPy without its libraries
         raise ImportError(str(error)) from error
     return {
-        "program": found["PROGRAM"],
-        "answers": _as_lists(found["ANSWERS"]),
-        "numbers": _as_lists(found["NUMBERS"]),
+        "program": answer["PROGRAM"],
+        "answers": _as_lists(answer["ANSWERS"]),
+        "numbers": _as_lists(answer["NUMBERS"]),
     }
 
 

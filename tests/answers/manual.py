@@ -71,7 +71,7 @@ def section(name: str) -> str:
     case, kept = Case.named(name), kept_independent(Case.named(name))
     words = (case.folder / "manual.md").read_text(encoding="utf-8")
     _, _, code = (case.folder / SCRIPT).read_text(encoding="utf-8").split('"""', 2)
-    told = case.verified
+    verified = case.verified
     lines = [
         _rendered(words, **kept["numbers"], **kept["answers"]).rstrip(),
         f"\n```py\n{code.strip()}\n```\n",
@@ -81,8 +81,8 @@ def section(name: str) -> str:
     for row in rows(kept["answers"], verified_answers(case)):
         theirs, ours = digits(row.theirs, 9), digits(row.ours, 9)
         lines.append(f"| {row.what} | {theirs} | {ours} | {of_difference(row.difference)} |")
-    held = f"`tests/answers/{name}` requires agreement within {of_difference(told['within'])}"
-    return "\n".join([*lines, f"\n{held}:\n{told['reason']}.\n"])
+    held = f"`tests/answers/{name}` requires agreement within {of_difference(verified['within'])}"
+    return "\n".join([*lines, f"\n{held}:\n{verified['reason']}.\n"])
 
 
 def summary(name: str) -> str:
@@ -90,7 +90,7 @@ def summary(name: str) -> str:
     kept = kept_independent(Case.named(name))
     words = (HERE / name / "manual.md").read_text(encoding="utf-8")
     title = words.splitlines()[0].removeprefix("## ")
-    worst = max(one.difference for one in rows(kept["answers"], verified_answers(Case.named(name))))
+    worst = max(row.difference for row in rows(kept["answers"], verified_answers(Case.named(name))))
     return f"| {title} | {kept['program']} | {of_difference(worst)} |"
 
 

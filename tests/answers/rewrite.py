@@ -36,14 +36,14 @@ def rewritten(case: Case) -> Iterator[str]:
     """What moved in a case, after it is written; what did not is counted on standard error."""
     with tempfile.TemporaryDirectory() as scratch:
         results = run(case, Path(scratch))
-        found = list(differences(case, results))
-        moved = [one for one in found if one.moved]
-        most = max((one.relative for one in found), default=0.0)
+        changes = list(differences(case, results))
+        moved = [each for each in changes if each.moved]
+        most = max((each.relative for each in changes), default=0.0)
         print(f"{case.folder.name}: {len(moved)} moved, largest change {most:.1e}", file=sys.stderr)
         if moved:
             shutil.rmtree(case.folder / EXPECTED, ignore_errors=True)
             shutil.copytree(results, case.folder / EXPECTED)
-            yield from (f"{case.folder.name}: {one}" for one in moved)
+            yield from (f"{case.folder.name}: {each}" for each in moved)
     if (case.folder / INDEPENDENT).exists():
         yield from _independently(case)
 

@@ -51,7 +51,7 @@ VERIFIED = [name for name in CASES if (HERE / name / INDEPENDENT).exists()]
 def test_the_answer_is_what_it_was(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MPLBACKEND", "agg")
     case = Case.named(name)
-    moved = [str(one) for one in differences(case, run(case, tmp_path)) if one.moved]
+    moved = [str(each) for each in differences(case, run(case, tmp_path)) if each.moved]
     assert not moved, "\n".join([f"{case.why} 'make answers' rewrites it, if this is meant:", *moved])
 
 
@@ -61,8 +61,8 @@ def test_it_is_the_answer_by_hand_or_of_another_program(name: str) -> None:
     case, ours = Case.named(name), verified_answers(Case.named(name))
     for variable, theirs in kept_independent(case)["answers"].items():
         known = ~np.isnan(np.asarray(theirs))
-        found = largest(ours[variable].values[known], np.asarray(theirs)[known])
-        assert found <= case.verified["within"], variable
+        apart = largest(ours[variable].values[known], np.asarray(theirs)[known])
+        assert apart <= case.verified["within"], variable
 
 
 @pytest.mark.oracle
@@ -102,9 +102,9 @@ def test_a_problem_of_the_manual_has_the_numbers_that_were_solved(name: str) -> 
 def test_whatever_a_user_can_do_is_asked_for_in_some_case() -> None:
     scripts = "\n".join(path.read_text(encoding="utf-8") for path in HERE.glob(f"*/{SCRIPT}"))
     commands = [line for name in CASES for line in Case.named(name).commands]
-    told = {line.split()[1] for line in commands}
+    shown = {line.split()[1] for line in commands}
     # A page that is served until it is stopped, and what answers nothing.
-    assert set(main.list_commands(None)) - told == {"explore", "warmup"}
+    assert set(main.list_commands(None)) - shown == {"explore", "warmup"}
     assert not [name for name in sl.__all__ if not re.search(rf"\bsl\.{name}\b", scripts)]
 
 
@@ -145,12 +145,12 @@ def after(case: Case, old: str, new: str, scratch: Path) -> list[str]:
     text = script.read_text()
     assert old in text
     script.write_text(text.replace(old, new, 1))
-    return [str(one) for one in differences(case, run(case, scratch)) if one.moved]
+    return [str(each) for each in differences(case, run(case, scratch)) if each.moved]
 
 
 @pytest.mark.invariant
 @pytest.mark.parametrize(
-    ("old", "new", "told"),
+    ("old", "new", "shown"),
     [
         ("3.0]", "3.00001]", "answer.nc a: 3.3e-06, 3 -> 3.00001"),
         ("float('nan')", "2.0", "answer.nc a: other, nan -> 2"),
@@ -165,8 +165,8 @@ def after(case: Case, old: str, new: str, scratch: Path) -> list[str]:
         ("answer.nc", "other.nc", "answer.nc: other, there -> missing"),
     ],
 )
-def test_what_moves_is_told(case: Case, old: str, new: str, told: str, tmp_path: Path) -> None:
-    assert told in after(case, old, new, tmp_path / "again")
+def test_what_moves_is_told(case: Case, old: str, new: str, shown: str, tmp_path: Path) -> None:
+    assert shown in after(case, old, new, tmp_path / "again")
 
 
 @pytest.mark.invariant

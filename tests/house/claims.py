@@ -102,20 +102,20 @@ def bias() -> dict[str, Any]:
 
 def stationary() -> dict[str, Any]:
     """Linearized over simulated values, (period, R, ratio), of 144 pairs on each of two grounds."""
-    found: dict[str, Any] = {}
+    results: dict[str, Any] = {}
     for band, damping in (("broad", pairs.BROAD), ("narrow", pairs.NARROW)):
         cases = itertools.product(pairs.PERIODS, pairs.FACTORS)
         columns = zip(*(_over_simulated(damping, *case) for case in cases), strict=True)
         sizes = len(pairs.PERIODS), len(pairs.FACTORS), -1
         for name, column in zip(("std", "gap"), columns, strict=True):
-            found[f"{band}_{name}"] = np.reshape(column, sizes)
+            results[f"{band}_{name}"] = np.reshape(column, sizes)
     strength = xr.DataArray([2.0, 4.0, 6.0], dims="R")
     stiff = [sl.Bilinear(T, 0.05, 0.05, reduction_factor=strength) for T in (0.25, 0.5)]
     linear, exact = (
         sl.correlate(*stiff, LAKE_BED, method, closure="gaussian", paths=64).relative_displacement_std
         for method in ("linearization", "simulation")
     )
-    return {**found, "stiff_gap": linear / exact}
+    return {**results, "stiff_gap": linear / exact}
 
 
 def _over_simulated(damping: float, period: float, factor: float) -> tuple[Any, Any]:
@@ -167,21 +167,21 @@ def closures() -> dict[str, Any]:
         lines.append([name, here.sum(), *cells])
     stiff = np.minimum(table.period_1, table.period_2) < 0.5
     narrow = table.isel(case=soil & stiff & (table.ground_damping < 0.1))
-    found = {"narrow": _errors(narrow, "drift"), "derived": 100 * _errors(table, DERIVED)[0]}
+    results = {"narrow": _errors(narrow, "drift"), "derived": 100 * _errors(table, DERIVED)[0]}
     std, rho, apart = _errors(table, "drift")
     usual = {"std": 100 * std, "rho": rho, "apart": 100 * abs(apart), "percentile": np.percentile}
-    return {**found, **usual, "table": rows(lines), "white": white.sum()}
+    return {**results, **usual, "table": rows(lines), "white": white.sum()}
 
 
 def _errors(table: xr.Dataset, closure: str) -> tuple[Any, ...]:
     """Of sigma (relative, both structures), of rho, and of the deviation of u_1 - u_2 with its sign."""
-    exact, found = table.sel(closure=SIMULATION), table.sel(closure=closure)
-    std = [abs(found[name] / exact[name] - 1) for name in ("displacement_std_1", "displacement_std_2")]
+    exact, results = table.sel(closure=SIMULATION), table.sel(closure=closure)
+    std = [abs(results[name] / exact[name] - 1) for name in ("displacement_std_1", "displacement_std_2")]
     apart = [
         test_caution.difference(each.displacement_std_1, each.displacement_std_2, each.rho)
-        for each in (found, exact)
+        for each in (results, exact)
     ]
-    return np.concatenate(std), abs(found.rho - exact.rho).values, (apart[0] / apart[1] - 1).values
+    return np.concatenate(std), abs(results.rho - exact.rho).values, (apart[0] / apart[1] - 1).values
 
 
 def expected() -> dict[str, Any]:
@@ -230,22 +230,22 @@ def _compared(kind: str) -> tuple[Any, Any]:
         sl.Bilinear(period, damping, hardening, reduction_factor=3 * strength)
         for period, damping, hardening, strength in sides
     )
-    found = sl.correlate(first, second, ground, closure="drift")
+    results = sl.correlate(first, second, ground, closure="drift")
     exact = sample.displacement_std, sample.displacement_std.rename(structure="structure_2")
-    off = found.relative_displacement_std / test_caution.difference(*exact, sample.rho) - 1
+    off = results.relative_displacement_std / test_caution.difference(*exact, sample.rho) - 1
     near = np.abs(np.log(sides[0][0] / sides[1][0])) <= np.log(3)
     chosen = (near & (sample.structure < sample.structure_2)).transpose(*off.dims).values
-    return found.relative_displacement_caution.values[chosen], off.values[chosen]
+    return results.relative_displacement_caution.values[chosen], off.values[chosen]
 
 
 def hard_cautions() -> dict[str, Any]:
     """The same of seven families of pairs that are hard for the closure, the eighth being easy."""
     stored, cautions, ratios = test_caution.hard_pairs(), [], []
     for family, number in itertools.product(range(7), range(stored.sizes["number"])):
-        one = stored.isel(family=family, number=number)
-        pair = test_caution.models(one.ground.values, one.structures.values)
+        stored_pair = stored.isel(family=family, number=number)
+        pair = test_caution.models(stored_pair.ground.values, stored_pair.structures.values)
         table = sl.correlate(*pair, closure="drift")
-        exact = one.simulated.sel(quantity="relative_displacement_std")
+        exact = stored_pair.simulated.sel(quantity="relative_displacement_std")
         cautions.append(table.relative_displacement_caution.item())
         ratios.append(float(table.relative_displacement_std / exact))
     trusted = np.array(cautions) == 0

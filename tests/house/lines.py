@@ -44,16 +44,16 @@ def imports_and_docstrings(tree: ast.Module) -> Iterator[ast.stmt]:
 
 def sizes() -> Counter[str]:
     """Lines by floor and module of the house; those of all, modules and public names."""
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for path in ROOT.rglob("*.py"):
         floor, *rest = path.relative_to(ROOT).with_suffix("").parts
         lines = code_lines(path.read_text(encoding="utf-8"))
-        found["whole lines"] += lines
-        found["whole modules"] += path.name != "__init__.py"
+        counts["whole lines"] += lines
+        counts["whole modules"] += path.name != "__init__.py"
         if rest and rest[0] != "__init__":
-            found[f"{floor} {rest[0]}"] += lines
-    found["whole names"] = len(sl.__all__)
-    return found
+            counts[f"{floor} {rest[0]}"] += lines
+    counts["whole names"] = len(sl.__all__)
+    return counts
 
 
 def budgets(text: str) -> dict[str, tuple[int, int]]:

@@ -40,7 +40,7 @@ NOT_COPIED = (".git", ".venv", "build", "dist", ".*_cache", ".hypothesis")
 
 
 def both_ways(*pairs: tuple[Any, Any]) -> dict[Any, Any]:
-    return dict(pairs) | {other: one for one, other in pairs}
+    return dict(pairs) | {other: first for first, other in pairs}
 
 
 OPERATORS = {
@@ -82,28 +82,28 @@ class Mutant(NamedTuple):
 
 def changes(node: ast.AST) -> list[ast.AST]:
     """All small changes of one node, without those of its parts."""
-    found: list[ast.AST] = []
+    changed: list[ast.AST] = []
     match node:
         case ast.BinOp(left, op, right) if type(op) in OPERATORS and not is_text(left, right):
-            found = [ast.BinOp(left, OPERATORS[type(op)](), right)]
+            changed = [ast.BinOp(left, OPERATORS[type(op)](), right)]
         case ast.AugAssign(target, op, value) if type(op) in OPERATORS and not is_text(value):
-            found = [ast.AugAssign(target, OPERATORS[type(op)](), value)]
+            changed = [ast.AugAssign(target, OPERATORS[type(op)](), value)]
         case ast.BoolOp(op, values):
-            found = [ast.BoolOp(OPERATORS[type(op)](), values)]
+            changed = [ast.BoolOp(OPERATORS[type(op)](), values)]
         case ast.Compare(left, [op, *more], right):
             others = [others[type(op)] for others in (BOUNDS, SENSES) if type(op) in others]
-            found = [ast.Compare(left, [other(), *more], right) for other in others]
+            changed = [ast.Compare(left, [other(), *more], right) for other in others]
         case ast.UnaryOp(ast.USub() | ast.Not() | ast.Invert(), operand):
-            found = [operand]
+            changed = [operand]
         case ast.Constant(int(value)) if not isinstance(value, bool):
-            found = [ast.Constant(value + 1), ast.Constant(abs(value - 1))]
+            changed = [ast.Constant(value + 1), ast.Constant(abs(value - 1))]
         case ast.Constant(float(value)):
-            found = [ast.Constant(2 * value or 1.0), ast.Constant(value / 2 or -1.0)]
+            changed = [ast.Constant(2 * value or 1.0), ast.Constant(value / 2 or -1.0)]
         case ast.Name(name) if name in EXTREMES:
-            found = [ast.Name(EXTREMES[name])]
+            changed = [ast.Name(EXTREMES[name])]
         case ast.Attribute(value, name) if name in EXTREMES:
-            found = [ast.Attribute(value, EXTREMES[name])]
-    return found
+            changed = [ast.Attribute(value, EXTREMES[name])]
+    return changed
 
 
 def is_text(*nodes: ast.AST) -> bool:
@@ -118,8 +118,8 @@ def places(path: Path) -> Iterator[tuple[ast.AST, list[ast.AST]]]:
         warns = isinstance(node, ast.Call) and "warn" in ast.unparse(node.func)
         if warns or isinstance(node, ast.Raise | ast.JoinedStr):
             continue
-        if found := changes(node):
-            yield node, found
+        if changed := changes(node):
+            yield node, changed
         if isinstance(node, ast.If | ast.IfExp | ast.While):
             yield node.test, [ast.UnaryOp(ast.Not(), node.test)]
         annotations = [getattr(node, name, None) for name in ("annotation", "returns")]
@@ -130,7 +130,7 @@ def draw(seed: int, count: int) -> list[Mutant]:
     """Mutants at different places, each place as likely as any other."""
     chance = random.Random(seed)
     drawn = chance.sample([(path, *place) for path in MODULES for place in places(path)], count)
-    return [Mutant(path, node, chance.choice(found)) for path, node, found in drawn]
+    return [Mutant(path, node, chance.choice(changed)) for path, node, changed in drawn]
 
 
 def nearest(path: Path) -> list[str]:

@@ -68,12 +68,12 @@ def test_sweeps_become_dimensions_of_the_saved_table(tmp_path: Path) -> None:
 def test_methods_closures_and_rules_are_options(tmp_path: Path) -> None:
     """With either dash in names."""
     first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0))
-    for options, given in (
+    for options, of_rho in (
         (("--closure", "drift"), {"closure": "drift"}),
         (("--method", "effective", "--rule", "secant"), {"method": "effective", "rule": "secant"}),
         (("--method", "white-noise"), {"method": "white_noise"}),
     ):
-        table = sl.correlate(first, second, sl.WhiteNoise(), **given)
+        table = sl.correlate(first, second, sl.WhiteNoise(), **of_rho)
         assert f"{float(table.rho):.6g}" in answered("rho", *PAIR, *YIELDING, *options).output
 
 
@@ -227,10 +227,10 @@ def test_an_interrupted_command_ends_at_once(number: int, seconds: float, tmp_pa
         time.sleep(seconds)
         begin = time.perf_counter()
         running.send_signal(number)
-        _, told = running.communicate(timeout=60)
-    assert running.returncode == 128 + number, told
+        _, errors = running.communicate(timeout=60)
+    assert running.returncode == 128 + number, errors
     assert time.perf_counter() - begin < 1
-    assert b"Traceback" not in told
+    assert b"Traceback" not in errors
     assert not list(tmp_path.iterdir())
 
 
@@ -245,9 +245,9 @@ def test_units_are_those_of_case_files() -> None:
 
 
 def test_a_warning_of_both_structures_is_shown_once() -> None:
-    given = ("rho", "--period-1", "0.7s", "--period-2", "1s", "--hardening", "0.05")
-    given += ("--yield-displacement", "5m", "--intensity", "0.01 m^2/s^3")
-    output = answered(*given).output
+    of_rho = ("rho", "--period-1", "0.7s", "--period-2", "1s", "--hardening", "0.05")
+    of_rho += ("--yield-displacement", "5m", "--intensity", "0.01 m^2/s^3")
+    output = answered(*of_rho).output
     assert output.count("Warning: ") == output.count("usual are 0.005 to 1 m") == 1
 
 

@@ -21,10 +21,10 @@ SYNTHETIC = "stochlin/analyses/cases/example_record.at2"
 
 def built(pattern: str) -> Path:
     """The file in ``dist`` for this version."""
-    found = sorted((ROOT / "dist").glob(f"stochlin-{sl.__version__}{pattern}"))
-    if not found:
+    archives = sorted((ROOT / "dist").glob(f"stochlin-{sl.__version__}{pattern}"))
+    if not archives:
         pytest.skip("nothing is built for this version: 'make dist' builds it")
-    return found[-1]
+    return archives[-1]
 
 
 def tracked() -> set[str]:

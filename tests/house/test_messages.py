@@ -75,10 +75,10 @@ def test_the_name_that_was_probably_meant() -> None:
         "link_damping_exponent",
         "eurocode_8",
     ]
-    for written, meant in (
+    for written, expected in (
         ("Link Damping", "link_damping_constant"),
         ("linkstiffnes", "link_stiffness"),
         ("e", "eurocode_8"),
         *((text, "") for text in ("l", "foo", "x" * 200_000, "", "\u00e9")),
     ):
-        assert nearest(written, known) == meant, written[:20]
+        assert nearest(written, known) == expected, written[:20]

@@ -58,9 +58,9 @@ def ran(folder: Path, setting: dict[str, str], commands: list[Any]) -> subproces
 
 @pytest.mark.slow
 def test_what_is_not_compiled_gives_the_same_numbers_and_says_that_it_is_slow(tmp_path: Path) -> None:
-    told = ran(tmp_path, UNCOMPILED, [["pound", "case.toml", "--out", "pound.nc"], ["warmup"]])
-    assert told.stdout.count("NUMBA_DISABLE_JIT is set: nothing is compiled") == 2
-    assert "overflow" not in told.stdout + told.stderr
+    done = ran(tmp_path, UNCOMPILED, [["pound", "case.toml", "--out", "pound.nc"], ["warmup"]])
+    assert done.stdout.count("NUMBA_DISABLE_JIT is set: nothing is compiled") == 2
+    assert "overflow" not in done.stdout + done.stderr
     with xr.open_dataset(tmp_path / "pound.nc") as table:
         plain = table.load()
     again = [str(tmp_path / "case.toml"), "--out", str(tmp_path / "pound.nc")]

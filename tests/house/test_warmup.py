@@ -19,12 +19,12 @@ from stochlin.views.warmup.tasks import TASKS, perform
 
 def compiled() -> dict[str, int]:
     """How many kinds of arguments each function that is kept on the disk was called with."""
-    found = {}
+    kinds = {}
     for module in pkgutil.walk_packages(kernels.__path__, f"{kernels.__name__}."):
         for name, value in vars(importlib.import_module(module.name)).items():
             if isinstance(value, Entry):
-                found[f"{value.py_func.__module__}.{name}"] = len(value.dispatcher.overloads)
-    return found
+                kinds[f"{value.py_func.__module__}.{name}"] = len(value.dispatcher.overloads)
+    return kinds
 
 
 def new_kinds(folder: Path) -> list[str]:

@@ -42,13 +42,15 @@ def plain(text: str) -> str:
 @pytest.fixture(scope="module", autouse=True)
 def one_fit() -> Iterator[None]:
     """Every command fits the same ground to the same spectrum, which takes longer than the rest."""
-    found: dict[str, object] = {}
+    fits: dict[str, object] = {}
 
     def fit(spectrum: xr.DataArray, **motion: object) -> object:
-        given = repr((spectrum.to_dict(), sorted((key, motion[key]) for key in motion if motion[key])))
-        if given not in found:
-            found[given] = sl.fit_ground(spectrum, **motion)
-        return found[given]
+        key_of_fit = repr(
+            (spectrum.to_dict(), sorted((key, motion[key]) for key in motion if motion[key]))
+        )
+        if key_of_fit not in fits:
+            fits[key_of_fit] = sl.fit_ground(spectrum, **motion)
+        return fits[key_of_fit]
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("stochlin.analyses.cases.reading.site.fit_ground", fit)
@@ -98,7 +100,11 @@ def test_the_page_shows_what_is_printed(shown: Shown) -> None:
 
 def test_every_number_of_the_text_is_printed(shown: Shown) -> None:
     """Those in bold are results; the others are input, which the case file and the code hold."""
-    bold = [one for text in re.findall(r"\*\*(.+?)\*\*", shown.page) for one in re.findall(NUMBER, text)]
+    bold = [
+        number
+        for text in re.findall(r"\*\*(.+?)\*\*", shown.page)
+        for number in re.findall(NUMBER, text)
+    ]
     assert len(bold) >= CASES[shown.name][3]
     assert set(bold) <= set(re.findall(NUMBER, shown.printed))
 
@@ -109,8 +115,8 @@ def test_the_file_takes_the_spreads_of_the_page(tmp_path: Path) -> None:
     ((_, spread),) = blocks(page, "toml")
     for line in spread.splitlines():
         if "=" in line:
-            text, found = re.subn(rf"^{line.split()[0]} = .*$", line, text, flags=re.MULTILINE)
-            assert found == 1, line
+            text, count = re.subn(rf"^{line.split()[0]} = .*$", line, text, flags=re.MULTILINE)
+            assert count == 1, line
     (tmp_path / "spread.toml").write_text(text, encoding="utf-8")
     case = sl.read_case(tmp_path / "spread.toml")
     assert list(case.uncertain) == ["Clinic", "Extension"]

@@ -68,9 +68,15 @@ INNER = re.compile(
 def usual() -> Mapping[str, Any]:
     """A value of every parameter that has no default, by its name."""
     ground = sl.KanaiTajimi(1.0, 0.3, 0.01)
-    one, two = (sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.02, mass=1e6) for T in (0.6, 1.0))
+    first, second = (sl.Bilinear(T, 0.05, 0.05, yield_displacement=0.02, mass=1e6) for T in (0.6, 1.0))
     pairs = {f"{name}_{n}": value for n in (1, 2) for name, value in SINGLE.items()}
-    models = {"structure": one, "first": one, "second": two, "structures": [one, two], "ground": ground}
+    models = {
+        "structure": first,
+        "first": first,
+        "second": second,
+        "structures": [first, second],
+        "ground": ground,
+    }
     contact = sl.Kelvin(1e8, restitution=0.6)
     return {
         **SINGLE,
@@ -221,24 +227,24 @@ ALSO = {"name": "name_rule_model", "yield_displacement": "yield_strength_hardeni
 ALSO |= {"reduction_factor": "reduction_strength_hardening", "structure": "structure_strength"}
 
 
-def complaint(call: Callable[..., Any], given: Mapping[str, Any]) -> BaseException | None:
+def complaint(call: Callable[..., Any], passed: Mapping[str, Any]) -> BaseException | None:
     """What the call raises; None if it takes all that."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            call(**given)
+            call(**passed)
     except (Exception, SystemExit) as error:
         return error
     return None
 
 
 def arguments(name: str, tmp: Path) -> dict[str, Any]:
-    given = dict(usual()) | OWN.get(name, {})
+    passed = dict(usual()) | OWN.get(name, {})
     parameters = inspect.signature(attrgetter(name)(sl)).parameters
     chosen = {
-        key: given.get(key)
-        for key, one in parameters.items()
-        if one.default is one.empty and one.kind not in (one.VAR_KEYWORD, one.VAR_POSITIONAL)
+        key: passed.get(key)
+        for key, about in parameters.items()
+        if about.default is about.empty and about.kind not in (about.VAR_KEYWORD, about.VAR_POSITIONAL)
     }
     if "path" in parameters:
         texts = {"read_case": example_case(), "read_spectrum": SPECTRUM}
@@ -251,10 +257,10 @@ def arguments(name: str, tmp: Path) -> dict[str, Any]:
     return chosen | {key: value for key, value in OWN.get(name, {}).items() if key in parameters}
 
 
-def is_usual(value: Any, one: inspect.Parameter) -> bool:
+def is_usual(value: Any, about: inspect.Parameter) -> bool:
     """Whether the call is as without the value: nothing then is wrong."""
     number = isinstance(value, int) and not isinstance(value, bool)
-    return value is one.default or (number and value == one.default)
+    return value is about.default or (number and value == about.default)
 
 
 def unfit(error: BaseException | None, parameter: str) -> str:
@@ -280,18 +286,18 @@ def unfit(error: BaseException | None, parameter: str) -> str:
 def test_what_is_wrong_is_said_in_a_line_that_names_the_parameter(name: str, tmp_path: Path) -> None:
     call = attrgetter(name)(sl)
     parameters = inspect.signature(call).parameters
-    given = arguments(name, tmp_path)
+    passed = arguments(name, tmp_path)
     if "paths" in parameters:
-        given["paths"] = 16
-    assert complaint(call, given) is None
+        passed["paths"] = 16
+    assert complaint(call, passed) is None
     said = []
-    for parameter, one in parameters.items():
-        if parameter in LASTING or one.kind in (one.VAR_KEYWORD, one.VAR_POSITIONAL):
+    for parameter, about in parameters.items():
+        if parameter in LASTING or about.kind in (about.VAR_KEYWORD, about.VAR_POSITIONAL):
             continue
         for kind, value in WRONG.items():
-            if is_usual(value, one):
+            if is_usual(value, about):
                 continue
-            error = complaint(call, given | {parameter: value})
+            error = complaint(call, passed | {parameter: value})
             if fault := unfit(error, parameter):
                 said.append(f"{parameter}, {kind}: {fault}: {type(error).__name__} {str(error)[:200]!r}")
     assert not said, "\n".join(said)
@@ -301,17 +307,17 @@ def test_what_is_wrong_is_said_in_a_line_that_names_the_parameter(name: str, tmp
 
 
 def oscillators(kind: Any, **law: Any) -> tuple[Any, Any]:
-    one, two = (kind(T, 0.05, 0.05, yield_displacement=5e-4, mass=1e5, **law) for T in (0.1, 0.14))
-    return one, two
+    first, second = (kind(T, 0.05, 0.05, yield_displacement=5e-4, mass=1e5, **law) for T in (0.1, 0.14))
+    return first, second
 
 
 def shear(law: Any) -> tuple[Any, Any]:
     strength = {"hardening": 0.5, "yield_drifts": 0.001, "law": law}
-    one, two = (
+    first, second = (
         sl.ShearBuilding([1e5] * n, [1e9] * n, [3.0] * n, 0.05, **strength)  # type: ignore[arg-type]
         for n in (2, 3)
     )
-    return one, two
+    return first, second
 
 
 def by_modes(storeys: int) -> sl.ModalBuilding:
@@ -365,19 +371,19 @@ OF_STRUCTURES = [
 @pytest.mark.slow
 @pytest.mark.parametrize("name", OF_STRUCTURES)
 def test_structures_of_any_kind_are_answered_or_refused_in_words(name: str, tmp_path: Path) -> None:
-    call, given = attrgetter(name)(sl), arguments(name, tmp_path)
+    call, passed = attrgetter(name)(sl), arguments(name, tmp_path)
     parameters = inspect.signature(call).parameters
     short = {key: value for key, value in SIZES.items() if key in parameters}
-    short |= {"record": RECORD[:20]} if "record" in given else {}
+    short |= {"record": RECORD[:20]} if "record" in passed else {}
     pairs = [(pair, GROUNDS[0]) for pair in kinds()] + [(kinds()[0], ground) for ground in GROUNDS[1:]]
     said = []
     for way in [{}, *WAYS.get(name, [])]:
         for pair, ground in pairs:
             here = {
-                key: of(*pair) for key, of in OF_PAIR.items() if key in given or key[:-1] == "modes_"
+                key: of(*pair) for key, of in OF_PAIR.items() if key in passed or key[:-1] == "modes_"
             }
-            here |= {"ground": ground} if "ground" in given else {}
-            tried = given | short | here | way
+            here |= {"ground": ground} if "ground" in passed else {}
+            tried = passed | short | here | way
             error = complaint(call, {key: value for key, value in tried.items() if key in parameters})
             words = "" if error is None else str(error)
             fine = any(word in words for word in ("allowed", "give", "write", "follow"))
