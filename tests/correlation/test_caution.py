@@ -92,14 +92,6 @@ def test_every_method_reports_the_difference():
             assert float(std) / (1 + bias) == pytest.approx(truth, rel=0.06)
 
 
-def test_elastic_pairs_need_no_caution():
-    pair = [sl.Bilinear(period, 0.05) for period in (1.0, 1.4)]
-    for closure in ("gaussian", "drift"):
-        table = sl.correlate(*pair, sl.KanaiTajimi(1.0, 0.3), closure=closure)
-        assert float(table.relative_displacement_bias) == 0
-        assert int(table.relative_displacement_caution) == 0
-
-
 def test_no_map_knows_two_soils_in_parallel():
     ground = sl.ParallelGround((sl.KanaiTajimi(1.0, 0.3), sl.KanaiTajimi(2.0, 0.3)))
     pair = [sl.Bilinear(period, 0.05, 0.1, reduction_factor=4) for period in (1.0, 1.4)]

@@ -153,15 +153,6 @@ def test_the_first_loading_follows_its_corners():
         np.testing.assert_allclose(loop.z, sign * np.array(expected), atol=1e-12)
 
 
-def test_a_crack_along_the_elastic_line_or_a_cap_out_of_reach_change_nothing():
-    plain = sl.ModifiedClough(**GIVEN)
-    for changed in ({"cracking": 0.3, "uncracked_stiffness": 1.0}, CAPPED | {"cap_ductility": 50.0}):
-        both = [plain, sl.ModifiedClough(**GIVEN, **changed)]
-        table = sl.simulate(both, GROUND, paths=32, duration=6.0)
-        assert float(table.peak.min()) > GIVEN["yield_displacement"]
-        np.testing.assert_allclose(*table.peak.values.T, rtol=1e-9)
-
-
 def test_without_hysteresis_or_yield_it_is_elastic():
     weak = {"structures": [sl.Bilinear(0.5, 0.05)], "ground": GROUND, "paths": 32, "duration": 6.0}
     elastic = sl.simulate(**weak).peak

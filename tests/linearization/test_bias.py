@@ -48,19 +48,6 @@ def test_bias_is_that_of_a_fresh_simulation(case):
     assert float(formula.bias) == pytest.approx(off, abs=0.07 + 4 * error)
 
 
-def test_another_closure_is_judged_by_the_same_truth():
-    first, second = building(1.2), building(2.0)
-    one, truth = (sl.correlate(first, second, LAKEBED, closure=c) for c in ("gaussian", "drift"))
-    other = sl.correlate(first, second, LAKEBED, closure="clipped")
-    for table in (one, other):
-        assert float(table.rho - table.bias) == pytest.approx(float(truth.rho), rel=1e-9)
-        assert float(table.bias_error) == float(truth.rho_error)
-    truth = [float(t.displacement_std_1 / (1 + t.bias_1)) for t in (one, other)]
-    assert truth[0] == pytest.approx(truth[1], rel=1e-9)
-    alone = sl.linearize(first, LAKEBED, "clipped")
-    assert float(alone.bias) == pytest.approx(float(other.bias_1), rel=1e-9)
-
-
 def test_linear_structures_have_no_bias():
     elastic = sl.correlate(sl.Bilinear(1.0, 0.05), sl.Bilinear(1.5, 0.05), LAKEBED)
     stiff = sl.correlate(building(1.0, hardening=1.0), building(1.5, hardening=1.0), LAKEBED)

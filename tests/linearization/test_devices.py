@@ -126,14 +126,6 @@ def test_simulation_of_dampers_in_every_storey(exponent):
     assert (linear.drift_std < 0.9 * bare.drift_std).all()
 
 
-def test_a_damper_between_equal_buildings_is_idle():
-    table = sl.linearize_system([TALL, TALL], GROUND, [sl.Link(0.0, 2e6, damping_exponent=0.3)])
-    free = sl.linearize_system([TALL, TALL], GROUND)
-    np.testing.assert_allclose(table.drift_std, free.drift_std, rtol=1e-12)
-    assert np.isnan(table.equivalent_damping_constant[0])
-    assert float(table.link_force_std[0]) == 0
-
-
 def test_hysteretic_device_in_an_elastic_oscillator_makes_it_bilinear():
     k, share, hardening = ONE.mass * (2 * np.pi / ONE.period) ** 2, 0.4, 0.1
     device = sl.Link(

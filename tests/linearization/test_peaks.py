@@ -167,14 +167,6 @@ def test_outside_its_domain_a_model_says_nothing(sides):
     assert float(VANMARCKE.mean(enough, 0.3, sides)) > 1.25
 
 
-def test_unknown_models_and_sides_are_refused():
-    assert sl.rules.peak_factor_model("der_kiureghian") is DER_KIUREGHIAN
-    with pytest.raises(ValueError, match=r"model = 'gumbel' .*Davenport1964, .*Vanmarcke1975"):
-        sl.rules.peak_factor_model("gumbel")
-    with pytest.raises(ValueError, match="sides = 3; allowed: 2"):
-        VANMARCKE.mean(10, 0.1, 3)
-
-
 LONG = sl.KanaiTajimi(period=0.8, damping=0.4)
 
 
@@ -193,29 +185,6 @@ def test_peaks_of_simulated_motions():
     table = sl.peak_response(sl.Bilinear(list(periods), damping), LONG, duration)
     spread = run.peak.std("path").values
     np.testing.assert_allclose(table.peak_std, spread, rtol=0.06 + 4 / np.sqrt(2 * 2048))
-
-
-def test_response_scales_with_the_motion():
-    building = sl.Bilinear(1.0, 0.05)
-    one, four = (sl.peak_response(building, sl.WhiteNoise(s), 20.0) for s in (0.01, 0.04))
-    assert float(four.peak_mean) == pytest.approx(2 * float(one.peak_mean), rel=1e-12)
-    assert float(four.peak_factor) == pytest.approx(float(one.peak_factor), rel=1e-12)
-    assert float(one.bandwidth) == pytest.approx(oscillator_bandwidth(0.05), rel=1e-10)
-    assert float(one.peak_mean) == pytest.approx(
-        float(one.peak_factor) * float(one.displacement_std), rel=1e-14
-    )
-
-
-@pytest.mark.parametrize("closure", ["gaussian", "clipped"])
-@pytest.mark.parametrize("model", sl.rules.peak_factor_names())
-def test_yielding_structures_have_peaks_by_every_model_and_closure(model, closure):
-    building = sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4)
-    table = sl.peak_response(building, LONG, 30.0, model=model, closure=closure)
-    sigma = float(sl.linearize(building, LONG, closure).displacement_std)
-    assert 2 * sigma < float(table.peak_mean) < 5 * sigma
-    assert float(table.displacement_std) == sigma
-    assert "too small" in table.attrs["comment"]
-    assert table.attrs["peak_factor_model"] == model
 
 
 def test_peaks_of_yielding_structures_by_the_drift_closure_are_those_of_motions():

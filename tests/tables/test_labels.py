@@ -26,17 +26,6 @@ def test_a_name_goes_before_its_number_and_its_ends():
     assert found["height"] is None
 
 
-def test_the_flag_of_the_permanent_set_is_not_a_length():
-    one, two = (sl.Bilinear(period, 0.05) for period in (0.6, 1.0))
-    ground, envelope = sl.WhiteNoise(0.01), sl.AminAng(4.0, 15.0, 0.35)
-    flag = sl.pounding_probability(
-        one, two, ground, 0.1, paths=0, duration=25.0, envelope=envelope
-    ).permanent_set
-    assert "units" not in flag.attrs
-    assert "envelope finally below" in flag.attrs["long_name"]
-    assert len(flag.attrs["flag_meanings"].split()) == len(flag.attrs["flag_values"])
-
-
 def test_every_variable_and_coordinate_of_gaps_in_records_has_a_unit_and_a_long_name():
     pair = [sl.Bilinear(period, 0.05) for period in (0.6, 1.0)]
     motions = sl.simulated_motions(sl.WhiteNoise(0.01), 5.0, paths=2)
