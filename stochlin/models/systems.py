@@ -171,10 +171,9 @@ class Arrangement(NamedTuple):
     @property
     def drifts(self) -> Array:
         """Matrix (w, w) from the `displacements` to drifts of storeys; modes stay as they are."""
-        drifts, below = np.eye(len(self.watched)), self.below
-        on = np.flatnonzero(below >= 0)
-        drifts[on, below[on]] = -1.0
-        return drifts
+        counts = [stack.levels.size for stack in self.stacks]
+        storeys = (np.eye(count) - np.eye(count, k=-1) for count in counts)
+        return scipy.linalg.block_diag(*storeys, np.eye(self.yielding_modes.size))
 
     @property
     def owners(self) -> Array:
@@ -217,13 +216,6 @@ class Arrangement(NamedTuple):
         return np.where(number >= 0, values[..., number], blank)
 
     @property
-    def below(self) -> Array:
-        """Number of the floor below each floor (f,); -1 is the ground."""
-        under = np.arange(self.first[-1]) - 1
-        under[self.first[:-1]] = -1
-        return under
-
-    @property
     def storeys(self) -> System:
         """All structures side by side, without the links."""
         return System.beside([stack.system for stack in self.stacks])
@@ -238,17 +230,6 @@ class Arrangement(NamedTuple):
         ground = np.zeros_like(shapes[0])
         links = [shapes[t.floor] - (shapes[t.other] if t.other >= 0 else ground) for t in self.ties]
         return np.concatenate([storeys, np.reshape(links, (-1, ground.size))])
-
-    @property
-    def without_stationary_answer(self) -> list[tuple[int, int]]:
-        """Structure and storey numbers, from 1, of storeys without positive stiffness after yielding."""
-        return [
-            (s, int(i) + 1)
-            for s, stack in enumerate(self.stacks, start=1)
-            for i in np.flatnonzero(
-                np.any(np.atleast_2d((stack.system.post <= 0) & (stack.system.couple > 0)), axis=0)
-            )
-        ]
 
 
 def falls_at(post: Array, couple: Array, strength: Array) -> Array:
@@ -291,10 +272,14 @@ def stacks_of(oscillators: Structure, dimension: str, count: int) -> list[Stack]
 
 def check_stationary(system: Arrangement) -> None:
     """Raise a ValueError if a storey or all together have no positive stiffness after yielding."""
-    for structure, storey in system.without_stationary_answer:
-        left = system.stacks[structure - 1].system.post[storey - 1]
+    for number, stack in enumerate(system.stacks, start=1):
+        weak = np.atleast_2d((stack.system.post <= 0) & (stack.system.couple > 0)).any(axis=0)
+        if not weak.any():
+            continue
+        storey = int(np.argmax(weak))
+        left = stack.system.post[..., storey].min()
         raise ValueError(
-            f"structures, number {structure}: storey {storey} has no stiffness after yielding "
+            f"structures, number {number}: storey {storey + 1} has no stiffness after yielding "
             f"({left:.3g} N/m, with the weight above if p_delta): its drift grows without end, with no "
             f"stationary value; {CURE}; or give more hardening, or p_delta=False"
         )

@@ -4,18 +4,19 @@ from stochlin.analyses.records.variables import VARIABLES as RECORDS
 from stochlin.analyses.simulation.variables import OF_LINKS
 from stochlin.analyses.tables.labels import Variables
 
+_PEAKS: Variables = {
+    "peak": ("m", "peak absolute displacement"),
+    "peak_acceleration": ("m/s^2", "peak absolute acceleration"),
+    "peak_storey_shear": ("N", "peak storey shear"),
+    "peak_base_shear": ("N", "peak base shear"),
+}
 _SINGLE: Variables = {
     **RECORDS,
-    "peak_alone": ("m", "peak absolute displacement without pounding"),
+    **_PEAKS,
+    **{f"{name}_alone": (units, f"{words} without pounding") for name, (units, words) in _PEAKS.items()},
     "acceleration": ("m/s^2", "absolute acceleration"),
-    "peak_acceleration": ("m/s^2", "peak absolute acceleration"),
-    "peak_acceleration_alone": ("m/s^2", "peak absolute acceleration without pounding"),
     "storey_shear": ("N", "shear of the storey below the floor, including the P-delta shear"),
-    "peak_storey_shear": ("N", "peak storey shear"),
-    "peak_storey_shear_alone": ("N", "peak storey shear without pounding"),
     "base_shear": ("N", "shear of the first storey"),
-    "peak_base_shear": ("N", "peak base shear"),
-    "peak_base_shear_alone": ("N", "peak base shear without pounding"),
     **OF_LINKS,
     "column_force": ("N", "largest force of a slab on the column that it meets"),
     "column_force_share": ("1", "force on the column over yield shear of the storey"),
@@ -66,9 +67,8 @@ _SINGLE: Variables = {
 STATISTICS = (
     *("impacts_between", "hardest_force_between", "contact_energy_between"),
     *("impacts", "hardest_force", "fastest_approach", "contact_energy", "column_force"),
-    *("column_force_share", "peak", "peak_alone", "amplification", "peak_acceleration"),
-    *("peak_acceleration_alone", "peak_storey_shear", "peak_storey_shear_alone", "peak_base_shear"),
-    *("peak_base_shear_alone", *OF_LINKS),
+    *("column_force_share", "amplification", *_PEAKS, *(f"{name}_alone" for name in _PEAKS)),
+    *OF_LINKS,
 )
 _OVER_MOTIONS = {
     f"{name}_{what}": (_SINGLE[name][0], template.format(_SINGLE[name][1]))

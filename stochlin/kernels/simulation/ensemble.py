@@ -369,12 +369,7 @@ def finite_extremes(
         return Extremes(highest, lowest, peaks.force, peaks.stroke, peaks.energy)
 
     groups = list(crowd.over_groups(of_group, progress))
-    return Extremes(*map(_of_motions, zip(*groups, strict=True)))
-
-
-def _of_motions(groups: Sequence[Array]) -> Array:
-    """Values (motions, m) from those of each group of motions (m, LANES)."""
-    return np.concatenate(groups, axis=1).T
+    return Extremes(*(np.concatenate(each, axis=1).T for each in zip(*groups, strict=True)))
 
 
 def ground_motions(crowd: Crowd, steps: int, progress: Progress | None) -> Array:

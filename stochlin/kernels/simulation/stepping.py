@@ -224,26 +224,16 @@ def add_products(out, total):
 
 
 @called_often
-def _weighted(displacement, weight, value):
-    """Write a weighted displacement (LANES,) to ``value``."""
-    for lane in range(LANES):
-        value[lane] = weight * displacement[lane]
-
-
-@called_often
-def _add_weighted(displacement, weight, value):
-    """Add a weighted displacement (LANES,) to ``value``."""
-    for lane in range(LANES):
-        value[lane] += weight * displacement[lane]
-
-
-@called_often
 def _value(displacements, row, weight, value):
     """Write a weighted sum of the displacements (n, LANES) at one sample to ``value`` (LANES,)."""
-    _weighted(displacements[row[0]], weight[0], value)
+    first, share = displacements[row[0]], weight[0]
+    for lane in range(LANES):
+        value[lane] = share * first[lane]
     for k in range(1, len(row)):
-        if weight[k] != 0.0:
-            _add_weighted(displacements[row[k]], weight[k], value)
+        more, share = displacements[row[k]], weight[k]
+        if share != 0.0:
+            for lane in range(LANES):
+                value[lane] += share * more[lane]
 
 
 @entry
