@@ -26,7 +26,6 @@ from stochlin.views.figures.fig5 import amplification_chart as amplification_cha
 from stochlin.views.figures.fig5 import period_plane_chart as period_plane_chart
 from stochlin.views.figures.settings import ChartSettings as ChartSettings
 from stochlin.views.pounding.pictures import draw_ensemble as draw_ensemble
-from stochlin.views.pounding.pictures import draw_floors as draw_floors
 from stochlin.views.pounding.pictures import draw_pound as draw_pound
 from stochlin.views.sensitivity.pictures import draw_sensitivity as draw_sensitivity
 from stochlin.views.separation.storeys import draw_heights as draw_heights

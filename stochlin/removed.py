@@ -59,6 +59,7 @@ REMOVED: dict[str, str] = {
     "park_ang_beta": "hardening and a law with a cap say when a storey falls",
     "slack": "a contact of pound acts where a gap has closed, and a link without slack always",
     "per_spectrum_chart": "pseudo_energy_radius over periods has the spectrum",
+    "draw_floors": 'peak_acceleration.plot(y="floor_level") and its likes draw a result of pound',
     "added_damping_chart": "damping_for_gap gives the gap over added damping, which .plot draws",
     "link_slack": "a contact acts where a gap has closed, and a link without slack always",
     "system": "no number depends on it; the page on buildings says what a chain leaves out of a wall",

@@ -1,7 +1,6 @@
 """Which picture a chart dataset becomes: the one its attribute names."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -16,7 +15,6 @@ from stochlin.views.figures.kinds import contour_levels, number_contours, planes
 
 pytestmark = pytest.mark.invariant
 
-FIGURES = sorted((Path(__file__).parents[2] / "figures").glob("*.nc"))
 TIME = 0.02 * np.arange(500)
 RECORD = xr.DataArray(np.sin(9 * TIME) * np.exp(-0.3 * TIME), dims="time", coords={"time": TIME})
 SETTINGS = sl.charts.ChartSettings(points=5, paths=4, simulated_points=3, reduction_factors=(6.0,))
@@ -41,12 +39,6 @@ def test_every_chart_says_its_kind(charts_by_name):
     kinds = {name: chart.attrs["chart"] for name, chart in charts_by_name.items()}
     second = {chart.attrs.get("comparison", "curves") for chart in charts_by_name.values()}
     assert set(kinds.values()) | second == set(sl.charts.PICTURES)
-
-
-@pytest.mark.parametrize("path", FIGURES, ids=lambda path: path.stem)
-def test_saved_figures_say_their_kind(path):
-    with xr.open_dataset(path) as chart:
-        assert chart.attrs["chart"] in sl.charts.PICTURES
 
 
 def test_what_is_no_chart_is_refused_with_the_kinds_there_are():

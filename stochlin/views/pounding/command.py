@@ -56,9 +56,8 @@ def options_of_steps() -> Iterable[Any]:
 @click.option(
     "--picture",
     type=FILE,
-    help="Draw the histories as .png, .svg or .pdf, and save the data beside the picture. For buildings "
-    "with storeys, also draw NAME-storeys with floor accelerations, storey shears and forces on "
-    "columns. For many motions, draw one picture.",
+    help="Draw the histories, or how often peaks are exceeded in many motions, as .png, .svg or .pdf, "
+    "and save the data beside the picture.",
 )
 @click.option(
     "--motions",
@@ -89,7 +88,7 @@ def pound(
         from stochlin.analyses.cases.pounding import pound_case
         from stochlin.analyses.cases.reading.case import read_case
         from stochlin.analyses.cases.shaking import MOST_RECORDS
-        from stochlin.views.pounding.pictures import draw_floors, draw_pound
+        from stochlin.views.pounding.pictures import draw_pound
         from stochlin.views.pounding.words import answer_sections
 
         described = read_case(case)
@@ -98,15 +97,12 @@ def pound(
             return
         data = out if out or not picture else picture.with_suffix(TABLES[0])
         drawn = _by_record("--picture", picture, PICTURES, described)
-        of_storeys = picture if any(building.has_storeys for building in described.buildings) else None
-        storeys = _by_record("--picture", of_storeys, PICTURES, described, "-storeys")
         saved = _by_record("--out" if out else "--picture", data, TABLES, described)
         with progress_bar("pounding") as progress:
             tables = pound_case(described, progress, steps_per_contact=steps_per_contact)
         show(lines(answer_sections(described, tables)))
         for record, table in tables.items():
             write(table, saved.get(record), drawn.get(record), draw_pound)
-            write(table, None, storeys.get(record), draw_floors)
 
 
 def _together(
@@ -127,13 +123,10 @@ def _together(
     write(table, None, picture, draw_ensemble)
 
 
-def _by_record(
-    option: str, path: Path | None, allowed: Sequence[str], case: Case, ending: str = ""
-) -> dict[str, Path]:
+def _by_record(option: str, path: Path | None, allowed: Sequence[str], case: Case) -> dict[str, Path]:
     """The file of each record: the one that is asked for, or, of several, one with its name in it."""
     if path is None:
         return {}
-    path = path.with_name(f"{path.stem}{ending}{path.suffix}")
     named = dict.fromkeys(case.site.records, path)
     if len(named) > 1:
         words = {record: re.sub(r"[^\w.]+", "_", record) for record in named}

@@ -1,4 +1,4 @@
-"""Pictures of pounding: histories of a motion, peaks over height, and frequencies in many motions."""
+"""Pictures of pounding: histories of a motion, and frequencies of peaks in many motions."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from stochlin.analyses.cases.pounding import (
     energy_of,
     hardest_contacts,
     hardness,
-    is_oscillator,
 )
 from stochlin.analyses.pounding.rows import COLUMN
 from stochlin.views.shared.screen import cut
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH, WORDS, LINE = 7.2, 0.5, 0.135  # inches: of a picture, around its panels, of a line of text
-HISTORY, PROFILE, FREQUENCY = 1.6, 3.3, 2.6  # inches: heights of the panels
+HISTORY, FREQUENCY = 1.6, 2.6  # inches: heights of the panels
 CAPTION, NAME, LEGEND_NAME = 108, 22, 24  # characters of a line
 AROUND = 1.5  # s: of the close-up, to both sides of the hardest impact
 CENTIMETRES, MEGA, KILO = 100.0, 1e-6, 1e-3
@@ -37,7 +36,6 @@ MANY = 1e7  # J: from there on in MJ
 CONTACTS = "contacts"
 LABELS = ("from the ground", "damping", "yielding", CONTACTS, "motion, springs")  # of ENERGIES
 QUANTILE = 0.84  # of the motions, in profiles
-ALONE: Any = {"color": "0.35", "marker": "o", "mfc": "white", "ms": 4, "lw": 0.7}  # in a legend
 
 
 @styled(AS_GIVEN)
@@ -193,57 +191,6 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set(ylim=(0, None), ylabel=f"energy [{unit}]")
 
 
-@styled(AS_GIVEN)
-def draw_floors(dataset: xr.Dataset) -> Figure:
-    """Draw the floor accelerations, storey shears and forces on columns of one ``stochlin pound``.
-
-    Parameters
-    ----------
-    dataset : xarray.Dataset
-        As `stochlin.charts.pound_case` makes them of rows with storeys, from memory or from file.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        Side by side, over height: the largest accelerations and storey shears, each also for the
-        building alone; where slabs hit columns, the largest force on each column.
-
-    Raises
-    ------
-    ValueError
-        If the dataset is another one.
-    """
-    _check("floor_level" in dataset.coords, dataset, " of a row with storeys")
-    struck = "column_force" in dataset and bool((dataset.column_force > 0).any())
-    labels = ["acceleration [g]", "storey shear [MN]", *["force on columns [MN]"] * struck]
-    figure, panels = _panels(dataset, 1, len(labels), PROFILE)
-    for number, (name, style) in enumerate(_looks(dataset)):
-        table, levels = dataset.isel(structure=number), _levels(dataset, number)
-        middle = levels if is_oscillator(table) else 0.5 * (levels + np.append(0.0, levels[:-1]))
-        _profile(panels[0], table, "peak_acceleration", 1 / constants.g, levels, name, style)
-        _profile(panels[1], table, "peak_storey_shear", MEGA, middle, name, style)
-        if struck:
-            _columns(panels[2], dataset, number, style)
-    contacts = dataset.level.values if "level" in dataset.coords else []
-    top = float(np.nanmax([*dataset.floor_level.values.ravel(), *contacts]))
-    for axes, name in zip(panels, labels, strict=True):
-        axes.set(xlim=(0, None), ylim=(0, 1.04 * top), xlabel=name)
-        axes.tick_params(labelleft=axes is panels[0])
-    panels[0].set_ylabel("height [m]")
-    _head(figure, panels[0], dataset, "open, thin: standing alone", ALONE)
-    return figure
-
-
-def _head(figure: Figure, axes: Axes, dataset: xr.Dataset, alone: str, look: dict[str, Any]) -> None:
-    """The title above a picture and the buildings in its legend, also alone if they have neighbours."""
-    if {"contact", "neighbours"} & set(dataset.dims):
-        axes.plot([], [], label=alone, **look)
-    figure.legend(
-        *axes.get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8,
-        title=dataset.attrs["title"], title_fontsize=10, alignment="left",
-    )  # fmt: skip
-
-
 def _looks(dataset: xr.Dataset) -> Iterator[tuple[str, dict[str, Any]]]:
     """The name of each building in a legend, and how its profile is drawn."""
     looks = cycle(zip(CURVES, "osD^vP", strict=True))
@@ -256,24 +203,13 @@ def _looks(dataset: xr.Dataset) -> Iterator[tuple[str, dict[str, Any]]]:
 def _profile(
     axes: Axes, table: xr.Dataset, peak: str, scale: float, levels: Any, name: str, style: Any
 ) -> None:
-    """Peaks over height; those of the building alone, if it has neighbours, thin and open."""
-    end = "_quantile" if "quantile" in table.coords else ""
+    """Quantiles of peaks over height; those of a building without its neighbours thin and open."""
     with_hits, alone = (
-        scale * table[f"{peak}{which}{end}"].values[: levels.size] for which in ("", "_alone")
+        scale * table[f"{peak}{which}_quantile"].values[: levels.size] for which in ("", "_alone")
     )
-    if {"contact", "neighbours"} & set(table.dims):
+    if "neighbours" in table.dims:
         axes.plot(alone, levels, **style | {"mfc": "white", "lw": 0.7})
     axes.plot(with_hits, levels, label=name, **style)
-
-
-def _columns(axes: Axes, dataset: xr.Dataset, number: int, style: dict[str, Any]) -> None:
-    """The largest force on each column of this building that a slab hits."""
-    sides = {side: dataset[side].values == number + 1 for side in ("left", "right")}
-    own = np.select([dataset.column.values == side for side in sides], list(sides.values()), False)
-    hit = dataset.isel(contact=own & (dataset.column_force > 0).values)
-    force = MEGA * hit.column_force.values
-    axes.hlines(hit.level.values, 0, force, color=style["color"], lw=style["lw"])
-    axes.plot(force, hit.level.values, **style | {"linestyle": "none"})
 
 
 def _levels(dataset: xr.Dataset, number: int) -> np.ndarray:
@@ -331,8 +267,14 @@ def draw_ensemble(dataset: xr.Dataset) -> Figure:
         share = f", not exceeded in {100 * float(at['quantile']):.3g} %" if storeys else ""
         axes.set(xlim=(0, None), xlabel=f"{label}{share}", ylim=(0, None if storeys else 1.02))
     panels[-2].set_ylabel("height [m]" if storeys else "share of motions with more")
-    alone = ("open, thin: alone", ALONE) if storeys else ("thin: alone", {"color": "0.35", "lw": 0.6})
-    _head(figure, panels[-2], dataset, *alone)
+    if meets:
+        look = {"marker": "o", "mfc": "white", "ms": 4} if storeys else {}
+        label = "open, thin: alone" if storeys else "thin: alone"
+        panels[-2].plot([], [], color="0.35", lw=0.7, label=label, **look)
+    figure.legend(
+        *panels[-2].get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8,
+        title=dataset.attrs["title"], title_fontsize=10, alignment="left",
+    )  # fmt: skip
     return figure
 
 

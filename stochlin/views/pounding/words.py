@@ -95,13 +95,10 @@ def answer_sections(case: Case, tables: Mapping[str, xr.Dataset]) -> list[ViewSe
 
 
 def _in_record(case: Case, record: str, table: xr.Dataset) -> list[Block]:
-    columns: list[Block] = []
-    if "column" in table.coords:
-        columns = [Text(columns_met(table)), _struck(table)]
+    met = [columns_met(table)] if "column" in table.coords else []
     responses = (_buildings, _borne, _contacts) if "contact" in table.dims else (_alone,)
     return [
-        *texts([f"{record}: {headline(table)}", recorded_shaking(table, case)]),
-        *columns,
+        *texts([f"{record}: {headline(table)}", recorded_shaking(table, case), *met]),
         *(response(table) for response in responses),
         *texts([energies(table), step_error(table)]),
     ]
@@ -281,24 +278,6 @@ def _work(building: xr.Dataset) -> str:
     """The energy that impacts give a building, with its sign."""
     work = float(building.energy_received) / 1e3
     return f"{work:+.3g}" if work else "0"
-
-
-def _struck(table: xr.Dataset) -> Table:
-    """The columns that slabs have hit, storey by storey; no rows if none was."""
-    worst: dict[tuple[int, int], xr.Dataset] = {}
-    for contact in along(table.isel(contact=np.flatnonzero(table.column_force > 0)), "contact"):
-        place = int(contact[str(contact.column.item())]), int(contact.storey)
-        if place not in worst or contact.column_force > worst[place].column_force:
-            worst[place] = contact
-    names = [name for name, _ in _numbered(table, LONGEST_NAME)]
-    rows = [(names[building - 1], worst[building, storey]) for building, storey in sorted(worst)]
-    columns: list[Column] = [
-        ("storey", lambda contact: str(int(contact.storey))),
-        ("hit at [m]", lambda contact: f"{float(contact.level):.4g}"),
-        ("force [MN]", _in("MN", "column_force")),
-        ("of the shear at yield", lambda contact: per_cent(float(contact.column_force_share))),
-    ]
-    return _table("columns of", rows, columns)
 
 
 def _contacts(table: xr.Dataset) -> Table:
