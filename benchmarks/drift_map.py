@@ -14,20 +14,20 @@ import xarray as xr
 from arguments import file_and_work
 
 import stochlin as sl
-from stochlin.analyses.correlation.signatures import (
+from stochlin.kernels.correlation.nearness import ENTRIES
+from stochlin.kernels.simulation.stepping import LANES
+from stochlin.solver.correlation.signatures import (
     PAIRS,
     basis_of,
     derived_signatures,
     drifting_side,
     solved_references,
 )
-from stochlin.analyses.linearization.equivalent_systems import solved_together
-from stochlin.analyses.linearization.tolerance import USUAL
-from stochlin.analyses.simulation import simulation
-from stochlin.analyses.tables.interpolation import Grid
-from stochlin.analyses.tables.storage import whole_file
-from stochlin.kernels.correlation.nearness import ENTRIES
-from stochlin.kernels.simulation.stepping import LANES
+from stochlin.solver.linearization.equivalent_systems import solved_together
+from stochlin.solver.linearization.tolerance import USUAL
+from stochlin.solver.simulation import simulation
+from stochlin.solver.tables.interpolation import Grid
+from stochlin.solver.tables.storage import whole_file
 
 HARDENING = (0.02, 0.05, 0.1, 0.2, 0.5)
 DAMPING = (0.01, 0.02, 0.05, 0.1)

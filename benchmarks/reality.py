@@ -45,11 +45,11 @@ from reality_tables import (
 )
 
 import stochlin as sl
-from stochlin.analyses.sites.motion_fit import OTHER_COMPONENT, USES, Components
-from stochlin.analyses.sites.spectra import labelled
-from stochlin.analyses.tables.storage import save_table, whole_file
+from stochlin.applications.sites.motion_fit import OTHER_COMPONENT, USES, Components
+from stochlin.applications.sites.spectra import labelled
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput
+from stochlin.solver.tables.storage import save_table, whole_file
 
 DAMPING, HARDENING, STOREY_HEIGHT, MASS = 0.05, 0.05, 3.2, 4e5
 # Period [s] and storeys of the left and of the right building; one storey: an oscillator.

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.stats
 import xarray as xr
 
-from stochlin.analyses.sites.motion_fit import OTHER_COMPONENT, USES
+from stochlin.applications.sites.motion_fit import OTHER_COMPONENT, USES
 from stochlin.kernels.basics.arrays import Array
 
 NOMINAL = (0.5, 0.84, 0.9, 0.95)

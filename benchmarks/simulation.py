@@ -16,8 +16,6 @@ import scipy.linalg
 from opensees_models import add_oscillators, new_model, opensees_or_none, shake
 
 import stochlin as sl
-from stochlin.analyses.simulation.ensembles import SimulationRun, cells_of_all, prepare
-from stochlin.analyses.simulation.run_lengths import with_length
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.simulation.ensemble import SAMPLES, Oscillators, stationary_sums
@@ -25,6 +23,8 @@ from stochlin.kernels.simulation.stepping import (
     LANES,
     FilterSteps,
 )
+from stochlin.solver.simulation.ensembles import SimulationRun, cells_of_all, prepare
+from stochlin.solver.simulation.run_lengths import with_length
 
 REPEATS = 5
 SOIL = sl.KanaiTajimi(2.0, 0.05)

@@ -10,7 +10,7 @@ from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.ext import autosummary
 
 import stochlin
-from stochlin.analyses.cases.reading.explained import keys_of_table
+from stochlin.applications.cases.reading.explained import keys_of_table
 
 project = "stochlin"
 author = "The stochlin developers"

@@ -25,93 +25,93 @@ from .models.buildings import (
     ModalBuilding as ModalBuilding,
 )
 from .models.links import Link as Link
-from .analyses.linearization.systems.state_space import (
+from .solver.linearization.systems.state_space import (
     statespace as statespace,
     stationary_covariance as stationary_covariance,
 )
-from .analyses.linearization.systems.coefficients import (
+from .solver.linearization.systems.coefficients import (
     equivalent_coefficients as equivalent_coefficients,
 )
-from .analyses.linearization.systems.systems import linearize_system as linearize_system
-from .analyses.linearization.linearization import linearize as linearize
-from .analyses.correlation.correlation import correlate as correlate
-from .analyses.simulation.simulation import simulate as simulate
-from .analyses.correlation.amplification import amplification as amplification
+from .solver.linearization.systems.systems import linearize_system as linearize_system
+from .solver.linearization.linearization import linearize as linearize
+from .solver.correlation.correlation import correlate as correlate
+from .solver.simulation.simulation import simulate as simulate
+from .solver.correlation.amplification import amplification as amplification
 
 # More of the response
-from .analyses.correlation.correlation import rho_white_noise as rho_white_noise
-from .analyses.linearization.transient_response import transient_response as transient_response
-from .analyses.linearization.peaks import peak_response as peak_response
-from .analyses.linearization.strength import (
+from .solver.correlation.correlation import rho_white_noise as rho_white_noise
+from .solver.linearization.transient_response import transient_response as transient_response
+from .solver.linearization.peaks import peak_response as peak_response
+from .solver.linearization.strength import (
     reduction_factor as reduction_factor,
     strength_for_ductility as strength_for_ductility,
 )
-from .analyses.loops import hysteresis_loop as hysteresis_loop
-from .analyses.simulation.ground_motions import simulated_motions as simulated_motions
-from .analyses.simulation.finite_motions import exceedance as exceedance
+from .solver.loops import hysteresis_loop as hysteresis_loop
+from .solver.simulation.ground_motions import simulated_motions as simulated_motions
+from .solver.simulation.finite_motions import exceedance as exceedance
 
 # The gap
-from .analyses.separation.separation import separation as separation
-from .analyses.separation.critical_gap import critical_gap as critical_gap
-from .analyses.separation.existing_gap import existing_gap as existing_gap
-from .analyses.separation.energy_gap import energy_gap as energy_gap
-from .analyses.separation.added_damping import damping_for_gap as damping_for_gap
-from .analyses.separation.code_gaps import code_gaps as code_gaps
-from .analyses.sensitivity.sensitivity import sensitivity as sensitivity
+from .applications.separation.separation import separation as separation
+from .applications.separation.critical_gap import critical_gap as critical_gap
+from .applications.separation.existing_gap import existing_gap as existing_gap
+from .applications.separation.energy_gap import energy_gap as energy_gap
+from .applications.separation.added_damping import damping_for_gap as damping_for_gap
+from .applications.separation.code_gaps import code_gaps as code_gaps
+from .applications.sensitivity.sensitivity import sensitivity as sensitivity
 from .models.uncertain import Uncertain as Uncertain
-from .analyses.cases.reading.case import read_case as read_case
+from .applications.cases.reading.case import read_case as read_case
 from . import rules as rules
 
 # Records and envelopes
-from .analyses.records.records import read_record as read_record
-from .analyses.sites.suites import (
+from .applications.records.records import read_record as read_record
+from .applications.sites.suites import (
     read_records as read_records,
     scale_records as scale_records,
 )
-from .analyses.sites.ground_fit import fit_ground as fit_ground
-from .analyses.sites.motion_fit import fit_motion as fit_motion
-from .analyses.records.envelope_fit import fit_envelope as fit_envelope
+from .applications.sites.ground_fit import fit_ground as fit_ground
+from .applications.sites.motion_fit import fit_motion as fit_motion
+from .applications.records.envelope_fit import fit_envelope as fit_envelope
 from .models.envelopes import (
     AminAng as AminAng,
     ShinozukaSato as ShinozukaSato,
     GammaEnvelope as GammaEnvelope,
 )
-from .analyses.records.response import (
+from .applications.records.response import (
     respond as respond,
     response_spectrum as response_spectrum,
     pseudo_energy_radius as pseudo_energy_radius,
 )
-from .analyses.records.gaps import recorded_gap as recorded_gap
+from .applications.records.gaps import recorded_gap as recorded_gap
 
 # Spectra and hazards of a site
-from .analyses.sites.design_spectra import (
+from .applications.sites.design_spectra import (
     eurocode_8 as eurocode_8,
     asce_7 as asce_7,
 )
-from .analyses.sites.spectra import read_spectrum as read_spectrum
-from .analyses.sites.intensity import scale_ground as scale_ground
-from .analyses.sites.hazard_files import read_hazard as read_hazard
+from .applications.sites.spectra import read_spectrum as read_spectrum
+from .applications.sites.intensity import scale_ground as scale_ground
+from .applications.sites.hazard_files import read_hazard as read_hazard
 from .models.hazards import (
     HazardCurve as HazardCurve,
     PowerLawHazard as PowerLawHazard,
 )
 
 # Buildings from files
-from .analyses.buildings.modes import read_modes as read_modes
-from .analyses.buildings.pushover_files import read_pushover as read_pushover
-from .analyses.buildings.pushover import bilinear_of as bilinear_of
+from .applications.buildings.modes import read_modes as read_modes
+from .applications.buildings.pushover_files import read_pushover as read_pushover
+from .applications.buildings.pushover import bilinear_of as bilinear_of
 
 # Probability and risk
-from .analyses.probability.probability import pounding_probability as pounding_probability
-from .analyses.probability.fragility import pounding_fragility as pounding_fragility
-from .analyses.risk.risk import (
+from .applications.probability.probability import pounding_probability as pounding_probability
+from .applications.probability.fragility import pounding_fragility as pounding_fragility
+from .applications.risk.risk import (
     pounding_risk as pounding_risk,
     required_gap as required_gap,
 )
 
 # Impacts
-from .analyses.pounding.pounding import pound as pound
-from .analyses.pounding.estimates import pounding_estimate as pounding_estimate
+from .applications.pounding.pounding import pound as pound
+from .applications.pounding.estimates import pounding_estimate as pounding_estimate
 from .models.contacts import (
     LinearSpring as LinearSpring,
     Kelvin as Kelvin,
@@ -125,7 +125,7 @@ from .models.contacts import (
 
 # Measures against pounding
 from .models.measures import Measure as Measure
-from .analyses.mitigation.mitigation import mitigate as mitigate
+from .applications.mitigation.mitigation import mitigate as mitigate
 
 # Charts
 from . import charts as charts

@@ -3,10 +3,10 @@
 ``sl.charts.draw(sl.charts.restitution_chart())`` is Fig. 8.
 """
 
-from stochlin.analyses.cases.pounding import pound_case as pound_case
-from stochlin.analyses.cases.pounding import pound_motions as pound_motions
-from stochlin.analyses.records.spectra import fit_spectra as fit_spectra
-from stochlin.analyses.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
+from stochlin.applications.cases.pounding import pound_case as pound_case
+from stochlin.applications.cases.pounding import pound_motions as pound_motions
+from stochlin.applications.records.spectra import fit_spectra as fit_spectra
+from stochlin.applications.sites.simulated_spectra import simulated_spectrum as simulated_spectrum
 from stochlin.removed import missing
 from stochlin.views.figures.charts import CHARTS as CHARTS
 from stochlin.views.figures.charts import PICTURES as PICTURES

@@ -1,9 +1,9 @@
 """Rules of codes and of the literature by name, as in ``sl.rules.code_rule("asce_7")``."""
 
-from stochlin.analyses.correlation.effective import rho_effective as rho_effective
 from stochlin.models.rules.codes import code_rule as code_rule
 from stochlin.models.rules.codes import code_rule_names as code_rule_names
 from stochlin.models.rules.effective_properties import effective_rule as effective_rule
 from stochlin.models.rules.effective_properties import effective_rule_names as effective_rule_names
 from stochlin.models.rules.peak_factors import peak_factor_model as peak_factor_model
 from stochlin.models.rules.peak_factors import peak_factor_names as peak_factor_names
+from stochlin.solver.correlation.effective import rho_effective as rho_effective

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from stochlin.analyses.cases.reading.case import Case
-from stochlin.analyses.explorer.uploads import read_upload, uploaded
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.explorer.uploads import read_upload, uploaded
 
 
 def open_case(files: Mapping[str, bytes]) -> tuple[Case, list[str]]:

@@ -31,10 +31,10 @@ class Plausible(NamedTuple):
         return f"usual are {self.usual}"
 
 
-# Modules in which no user writes numbers, the first one that of the checks between user and function.
 OF_STOREYS = "masses", "heights", "storey_height"  # of which a list is of one building
 FAR = sys.float_info.max  # beyond it numbers are refused
-LIBRARY = "stochlin.models.arguments", "stochlin.models", "stochlin.analyses", "dataclasses"
+# Modules in which no user writes numbers.
+LIBRARY = "stochlin.models", "stochlin.solver", "stochlin.applications", "dataclasses"
 ANY = Plausible(float("-inf"), float("inf"))
 # Limits of values in files and of numbers in Python, by the names of keys and parameters, well beyond
 # what there is: the shortest and longest periods of buildings and of soils are 0.05 and 20 s, floors of
@@ -82,7 +82,7 @@ def implausible(values: Mapping[str, Any]) -> Iterator[str]:
 def warn_caller(of: str, doubts: Iterable[str]) -> None:
     """Warn where a model was made or a function was called, unless the library itself does so."""
     depth = 2
-    while (module := sys._getframe(depth).f_globals.get("__name__", "")) == LIBRARY[0]:
+    while (module := sys._getframe(depth).f_globals.get("__name__", "")) == "stochlin.models.arguments":
         depth += 1
     for warning in () if module.startswith(LIBRARY) else doubts:
         warnings.warn(f"{of}: {warning}", ImplausibleInput, stacklevel=depth + 1)

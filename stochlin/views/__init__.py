@@ -1,1 +1,1 @@
-"""Top floor: what a person sees. Draws and prints what the analyses found, computes nothing."""
+"""Top floor: what a person sees. Draws and prints what the floors below found, computes nothing."""

@@ -15,7 +15,7 @@ import scipy.linalg
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.tables.inputs import only_within
+from stochlin.solver.tables.inputs import only_within
 
 MASSES, HEIGHTS = np.array([300.0, 300.0, 220.0]), np.array([4.0, 3.2, 3.2])  # t, m
 LEVELS, STORIES = np.cumsum(HEIGHTS), ("Story1", "Story2", "Roof")

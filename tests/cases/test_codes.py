@@ -10,10 +10,10 @@ import scipy.linalg
 from cases import example_case
 
 import stochlin as sl
-from stochlin.analyses.cases.codes import design_displacements, with_applied_codes
-from stochlin.analyses.cases.reading.buildings import Building, Oscillator
-from stochlin.analyses.cases.rows import of_codes
-from stochlin.analyses.cases.separation import CaseAnswer, answer_case
+from stochlin.applications.cases.codes import design_displacements, with_applied_codes
+from stochlin.applications.cases.reading.buildings import Building, Oscillator
+from stochlin.applications.cases.rows import of_codes
+from stochlin.applications.cases.separation import CaseAnswer, answer_case
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.separation.report import report_page
 from stochlin.views.separation.rules import rows

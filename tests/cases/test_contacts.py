@@ -10,9 +10,9 @@ import pytest
 from cases import example_case, recorded_example, with_buildings
 
 import stochlin as sl
-from stochlin.analyses.cases.pounding import pound_case
-from stochlin.analyses.cases.reading.case import Case
-from stochlin.analyses.cases.rows import gap_of, pair_of
+from stochlin.applications.cases.pounding import pound_case
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.rows import gap_of, pair_of
 from stochlin.models.contacts.base import CONTACTS
 from stochlin.views.shared.words import centimetres
 

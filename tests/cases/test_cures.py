@@ -10,7 +10,7 @@ import pytest
 from cases import example_case, storeyed_building, with_buildings
 
 import stochlin as sl
-from stochlin.analyses.cases.reading.case import Case
+from stochlin.applications.cases.reading.case import Case
 from stochlin.messages import LONGEST, DoubtfulInput
 
 pytestmark = pytest.mark.invariant

@@ -9,9 +9,9 @@ import pytest
 from cases import example_case
 
 import stochlin as sl
-from stochlin.analyses.cases.reading.case import Case
-from stochlin.analyses.cases.rows import motion_of
-from stochlin.analyses.sites.motion_fit import USES
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.rows import motion_of
+from stochlin.applications.sites.motion_fit import USES
 from stochlin.views.shared.words import scatter
 
 pytestmark = pytest.mark.invariant

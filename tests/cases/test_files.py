@@ -13,14 +13,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_record
-from stochlin.analyses.cases.pounding import pound_case
-from stochlin.analyses.cases.probability import judge_gap
-from stochlin.analyses.cases.reading.case import Case
-from stochlin.analyses.cases.reading.kinds import Quantity
-from stochlin.analyses.cases.reading.tables import key_lines
-from stochlin.analyses.cases.rows import gap_of
-from stochlin.analyses.cases.separation import answer_case
+from stochlin.applications.cases.examples import example_record
+from stochlin.applications.cases.pounding import pound_case
+from stochlin.applications.cases.probability import judge_gap
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.reading.kinds import Quantity
+from stochlin.applications.cases.reading.tables import key_lines
+from stochlin.applications.cases.rows import gap_of
+from stochlin.applications.cases.separation import answer_case
 from stochlin.models.grounds import rms_acceleration
 from stochlin.models.parameters import Range
 from stochlin.models.units import UNITS, size_of

@@ -12,8 +12,8 @@ from cases import example_case
 from motions import write_at2
 
 import stochlin as sl
-from stochlin.analyses.cases.reading.case import Case
-from stochlin.analyses.cases.separation import answer_case
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.separation import answer_case
 from stochlin.views.separation.words import details
 from stochlin.views.shared.words import scatter
 

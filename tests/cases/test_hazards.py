@@ -9,8 +9,8 @@ import pytest
 from cases import FIRM_SITE
 
 import stochlin as sl
-from stochlin.analyses.cases.reading.case import Case
-from stochlin.analyses.cases.separation import answer_case
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.separation import answer_case
 from stochlin.messages import DoubtfulInput
 from stochlin.views.separation.risk import risk_blocks, risk_sentences
 from stochlin.views.shared.blocks import Table

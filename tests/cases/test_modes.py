@@ -11,9 +11,9 @@ from cases import FIRM_SITE, SMALL_GAP
 from uploads import open_case
 
 import stochlin as sl
-from stochlin.analyses.cases.pounding import pound_motions
-from stochlin.analyses.cases.reading.case import Case
-from stochlin.analyses.cases.separation import answer_case
+from stochlin.applications.cases.pounding import pound_motions
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.separation import answer_case
 from stochlin.views.shared.words import left_out
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.analyses.cases.reading.case import Case
+from stochlin.applications.cases.reading.case import Case
 from stochlin.messages import DoubtfulInput
 
 pytestmark = pytest.mark.invariant

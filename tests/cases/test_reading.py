@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from stochlin.analyses.cases.examples import full_example, short_example
-from stochlin.analyses.cases.reading.case import Case, read_case
-from stochlin.analyses.cases.reading.explained import TABLES, keys_of_table
-from stochlin.analyses.cases.reading.kinds import Inner
+from stochlin.applications.cases.examples import full_example, short_example
+from stochlin.applications.cases.reading.case import Case, read_case
+from stochlin.applications.cases.reading.explained import TABLES, keys_of_table
+from stochlin.applications.cases.reading.kinds import Inner
 
 pytestmark = pytest.mark.invariant
 

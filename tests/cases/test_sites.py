@@ -14,9 +14,9 @@ from cases import example_case
 from motions import write_at2
 
 import stochlin as sl
-from stochlin.analyses.cases.reading.case import Case
-from stochlin.analyses.cases.separation import answer_case
-from stochlin.analyses.cases.shaking import recorded_shaking
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.separation import answer_case
+from stochlin.applications.cases.shaking import recorded_shaking
 from stochlin.views.separation.words import many_records
 
 pytestmark = pytest.mark.invariant

@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.cases.reading.case import Case
-from stochlin.analyses.cases.rows import neighbours_of
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.rows import neighbours_of
 from stochlin.messages import DoubtfulInput
 from stochlin.models.systems import slabs_on_columns
 

@@ -9,9 +9,9 @@ import pytest
 from cases import FIRM_SITE
 
 import stochlin as sl
-from stochlin.analyses.cases.probability import judge_gap
-from stochlin.analyses.cases.reading.case import Case
-from stochlin.analyses.cases.separation import answer_case
+from stochlin.applications.cases.probability import judge_gap
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.separation import answer_case
 from stochlin.views.probability.words import answer_sections as probability_sections
 from stochlin.views.separation.report import answer_sections, report_page
 from stochlin.views.shared.screen import lines

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.tables import labels
+from stochlin.solver.tables import labels
 
 pytestmark = pytest.mark.invariant
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from stochlin.analyses.correlation.signatures import eased, matrix_of
 from stochlin.kernels.correlation.nearness import (
     AXES,
     ENTRIES,
@@ -11,6 +10,7 @@ from stochlin.kernels.correlation.nearness import (
     Nearness,
     by_nearness,
 )
+from stochlin.solver.correlation.signatures import eased, matrix_of
 
 pytestmark = pytest.mark.oracle
 

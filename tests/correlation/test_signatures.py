@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.correlation.signatures import OWN, PAIRS, basis_of, corrected
-from stochlin.analyses.linearization.drift_map import drift_map
-from stochlin.analyses.simulation import simulation
 from stochlin.kernels.correlation.nearness import AXES
 from stochlin.kernels.correlation.signatures import LEFT, by_signatures
+from stochlin.solver.correlation.signatures import OWN, PAIRS, basis_of, corrected
+from stochlin.solver.linearization.drift_map import drift_map
+from stochlin.solver.simulation import simulation
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 

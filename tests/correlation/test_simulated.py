@@ -85,12 +85,12 @@ def test_rare_yielding_is_refused_before_it_takes_hours():
 def test_many_grounds_are_refused_by_the_time_of_all_of_them(monkeypatch):
     """One of them takes 2.5 ms by the estimate, forty 0.1 s."""
     for module in ("simulation.run_lengths", "correlation.simulated"):
-        monkeypatch.setattr(f"stochlin.analyses.{module}.cores", lambda: 1)
-    monkeypatch.setattr("stochlin.analyses.tables.work.MOST_SECONDS", 0.05)
+        monkeypatch.setattr(f"stochlin.solver.{module}.cores", lambda: 1)
+    monkeypatch.setattr("stochlin.solver.tables.work.MOST_SECONDS", 0.05)
     pair = [building(period) for period in (0.8, 1.0)]
     one, several = (sl.KanaiTajimi(2.0, axis("bandwidth", np.full(n, 0.3))) for n in (1, 40))
     sl.correlate(*pair, one, "simulation", **FEW)
-    monkeypatch.setattr("stochlin.analyses.correlation.simulated.simulate_moments", None)
+    monkeypatch.setattr("stochlin.solver.correlation.simulated.simulate_moments", None)
     with pytest.raises(ValueError, match=r"the simulations on 40 grounds would take .*fewer grounds"):
         sl.correlate(*pair, several, "simulation", **FEW)
 

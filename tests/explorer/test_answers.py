@@ -12,9 +12,9 @@ import xarray as xr
 from cases import BLOCK, example_of_short_motion, with_buildings
 
 import stochlin as sl
-from stochlin.analyses.cases.separation import answer_case
-from stochlin.analyses.explorer.answers import PATHS, correlations, gap_by_few_motions
-from stochlin.analyses.explorer.uploads import uploaded
+from stochlin.applications.cases.separation import answer_case
+from stochlin.applications.explorer.answers import PATHS, correlations, gap_by_few_motions
+from stochlin.applications.explorer.uploads import uploaded
 from stochlin.views.explorer.answers import correlation_of, gap_of
 from stochlin.views.separation.words import first_lines
 

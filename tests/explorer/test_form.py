@@ -9,9 +9,9 @@ import pytest
 from cases import BLOCK, with_buildings
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import short_example
-from stochlin.analyses.explorer.form import changed_text, chosen, form_of
-from stochlin.analyses.tables.toml import toml_text
+from stochlin.applications.cases.examples import short_example
+from stochlin.applications.explorer.form import changed_text, chosen, form_of
+from stochlin.solver.tables.toml import toml_text
 
 pytestmark = pytest.mark.invariant
 

@@ -18,7 +18,7 @@ from browser import PATIENCE, served, wait
 from cases import BLOCK, example_of_short_motion, with_buildings
 from click.testing import CliRunner
 
-from stochlin.analyses.cases.examples import example_record, short_example
+from stochlin.applications.cases.examples import example_record, short_example
 from stochlin.views.command import main
 
 pytestmark = [pytest.mark.cli, pytest.mark.slow]  # in a browser

@@ -11,8 +11,8 @@ from cases import example_of_short_motion
 from uploads import open_case
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_record, short_example
-from stochlin.analyses.explorer.uploads import of_file, read_upload, uploaded
+from stochlin.applications.cases.examples import example_record, short_example
+from stochlin.applications.explorer.uploads import of_file, read_upload, uploaded
 
 pytestmark = pytest.mark.invariant
 

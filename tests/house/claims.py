@@ -27,8 +27,8 @@ from reality_tables import tables_of
 from scipy.stats import gumbel_r
 
 import stochlin as sl
-from stochlin.analyses.correlation.errors import ERRORS
 from stochlin.kernels.correlation.errors import OF_NEARLY_EQUAL, OF_OTHERS
+from stochlin.solver.correlation.errors import ERRORS
 
 ROOT = Path(__file__).parents[2]
 GALLERY = FILE.parent

@@ -1,11 +1,12 @@
 """`make mutants SEED=1`: the share of random changes of the code that its nearest tests catch.
 
 A mutant is the package with one small change: of an operator, a comparison, a number, a sign, `and` to
-`or`, `min` to `max`, or a condition negated. The places are drawn from all kernels and analyses. Each
-mutant is written into a copy of the repository in a temporary folder, where the nearest tests run until
-one fails: the examples of the mutated module, the tests that import it, those with its name, and the
-others of its room, of a room with its name, and, where no test imports it, of the rooms that do. A
-survivor is a hole in the tests, or a change without effect, as of a tolerance or the size of a chunk.
+`or`, `min` to `max`, or a condition negated. The places are drawn from all kernels, the solver and its
+applications. Each mutant is written into a copy of the repository in a temporary folder, where the
+nearest tests run until one fails: the examples of the mutated module, the tests that import it, those
+with its name, and the others of its room, of a room with its name, and, where no test imports it, of
+the rooms that do. A survivor is a hole in the tests, or a change without effect, as of a tolerance or
+the size of a chunk.
 
 At the end, the tests that caught a mutant run on the unchanged copy, where they have to pass. Each copy
 compiles the kernels that its tests call. 60 mutants take an hour on a free core.
@@ -29,7 +30,9 @@ from house.test_rooms_and_names import imports
 
 ROOT = Path(__file__).parents[2]
 MODULES = sorted(
-    path for floor in ("kernels", "analyses") for path in ROOT.glob(f"stochlin/{floor}/**/*.py")
+    path
+    for floor in ("kernels", "solver", "applications")
+    for path in (ROOT / "stochlin" / floor).rglob("*.py")
 )
 TESTS = sorted(ROOT.glob("tests/**/test_*.py"))
 COUNT = 60

@@ -14,7 +14,7 @@ from cases import example_case, recorded_example, with_slow
 from commands import answered, invoke, refused
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_record
+from stochlin.applications.cases.examples import example_record
 from stochlin.views.command import main
 
 pytestmark = pytest.mark.cli

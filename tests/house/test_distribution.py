@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 LEFT_OUT = (".ci/", ".gitignore", "figures/")  # of the source archive
 SHOWN = "figures/fig4b.png"  # by the README
 RECORDS = (".at2", ".v1", ".v2", ".smc")
-SYNTHETIC = "stochlin/analyses/cases/example_record.at2"
+SYNTHETIC = "stochlin/applications/cases/example_record.at2"
 
 
 def built(pattern: str) -> Path:

@@ -32,7 +32,7 @@ WITHOUT_FORMULA = {
 }
 VARIABLES = [
     (name, units)
-    for path in sorted(ROOT.glob("analyses/*/variables.py"))
+    for path in sorted(ROOT.glob("*/*/variables.py"))
     for name, (units, _) in runpy.run_path(str(path))["VARIABLES"].items()
 ]
 UNITS = dict(VARIABLES)

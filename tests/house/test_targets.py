@@ -11,7 +11,7 @@ import xarray as xr
 from cases import recorded_example
 from commands import answered, invoke, refused
 
-from stochlin.analyses.tables.storage import save_table, whole_file
+from stochlin.solver.tables.storage import save_table, whole_file
 
 pytestmark = pytest.mark.cli
 

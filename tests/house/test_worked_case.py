@@ -53,7 +53,7 @@ def one_fit() -> Iterator[None]:
         return fits[key_of_fit]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stochlin.analyses.cases.reading.site.fit_ground", fit)
+        patch.setattr("stochlin.applications.cases.reading.site.fit_ground", fit)
         yield
 
 

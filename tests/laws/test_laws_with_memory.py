@@ -6,11 +6,11 @@ import sympy
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.analyses.simulation.connected_structures import all_connected
 from stochlin.kernels.basics.compiled import not_kept
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.symbolic import SymbolicLaw
 from stochlin.models.systems import arrangement_of
+from stochlin.solver.simulation.connected_structures import all_connected
 
 pytestmark = pytest.mark.oracle
 

@@ -7,9 +7,9 @@ import pytest
 import scipy.linalg
 
 import stochlin as sl
-from stochlin.analyses.linearization.systems.systems import equations_of, response_of, solve_equations
-from stochlin.analyses.linearization.tolerance import USUAL
 from stochlin.kernels.basics.systems import System
+from stochlin.solver.linearization.systems.systems import equations_of, response_of, solve_equations
+from stochlin.solver.linearization.tolerance import USUAL
 
 pytestmark = pytest.mark.oracle
 

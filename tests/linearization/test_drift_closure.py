@@ -12,13 +12,13 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 from scipy.special import erf
 
 import stochlin as sl
-from stochlin.analyses.linearization.equivalent_systems import solved_together
-from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.kernels.linearization import drift
 from stochlin.kernels.linearization.covariance import EquivalentSystem
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.gaussian import slip_quadrant
 from stochlin.models.laws import bilinear
+from stochlin.solver.linearization.equivalent_systems import solved_together
+from stochlin.solver.linearization.tolerance import Tolerance
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 

@@ -5,10 +5,10 @@ import pytest
 import scipy.linalg
 
 import stochlin as sl
-from stochlin.analyses.linearization.systems.systems import equations_of, springs_of
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.systems.springs import Linear
 from stochlin.kernels.linearization.systems.state_space import state_space
+from stochlin.solver.linearization.systems.systems import equations_of, springs_of
 
 pytestmark = pytest.mark.oracle
 

@@ -7,12 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.linearization.equivalent_systems import solve_structure
-from stochlin.analyses.linearization.peaks import relative_moments, response_moments
-from stochlin.analyses.linearization.tolerance import Tolerance
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing, linear_system
 from stochlin.kernels.linearization.filters import Filter
 from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
+from stochlin.solver.linearization.equivalent_systems import solve_structure
+from stochlin.solver.linearization.peaks import relative_moments, response_moments
+from stochlin.solver.linearization.tolerance import Tolerance
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 

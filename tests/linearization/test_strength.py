@@ -7,7 +7,7 @@ import scipy.optimize
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.linearization.strength import strength_in_metres
+from stochlin.solver.linearization.strength import strength_in_metres
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 

@@ -12,14 +12,14 @@ import sympy
 from sixty_digits import DIGITS, exact_lyapunov
 
 import stochlin as sl
-from stochlin.analyses.linearization.equivalent_systems import (
+from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
+from stochlin.solver.linearization.equivalent_systems import (
     INTERNAL,
     solve_structure,
     system_and_forcing,
 )
-from stochlin.analyses.linearization.systems.systems import linearized_motion
-from stochlin.analyses.linearization.tolerance import USUAL
-from stochlin.kernels.linearization.spectral_moments import difference_moments, displacement_moments
+from stochlin.solver.linearization.systems.systems import linearized_motion
+from stochlin.solver.linearization.tolerance import USUAL
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 

@@ -7,8 +7,8 @@ import scipy.linalg
 from cases import augmented_system, with_slow
 
 import stochlin as sl
-from stochlin.analyses.linearization.transient_systems import course_of
-from stochlin.analyses.probability.formulas import MovingPair
+from stochlin.applications.probability.formulas import MovingPair
+from stochlin.solver.linearization.transient_systems import course_of
 
 pytestmark = pytest.mark.oracle
 

@@ -7,7 +7,7 @@ from cases import example_case, recorded_example
 from commands import answered, invoke, refused
 
 import stochlin as sl
-from stochlin.analyses.cases.rows import gap_of, pair_of
+from stochlin.applications.cases.rows import gap_of, pair_of
 from stochlin.views.mitigation.pictures import draw_measures
 
 pytestmark = pytest.mark.cli

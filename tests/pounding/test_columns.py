@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from motions import shaking
 
 import stochlin as sl
-from stochlin.analyses.pounding.rows import build_row
+from stochlin.applications.pounding.rows import build_row
 from stochlin.kernels.pounding import run as kernel
 from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
 

@@ -10,7 +10,7 @@ from click.testing import Result
 from commands import answered, invoke, refused
 
 import stochlin as sl
-from stochlin.analyses.cases.rows import pair_of
+from stochlin.applications.cases.rows import pair_of
 from stochlin.views.pounding.pictures import draw_pound
 
 pytestmark = pytest.mark.cli

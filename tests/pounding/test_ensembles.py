@@ -10,7 +10,7 @@ import sympy
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.pounding import runs
+from stochlin.applications.pounding import runs
 
 pytestmark = [pytest.mark.invariant, pytest.mark.extreme]
 

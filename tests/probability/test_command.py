@@ -8,9 +8,9 @@ from cases import example_case
 from commands import answered
 
 import stochlin as sl
-from stochlin.analyses.cases.probability import judge_gap
-from stochlin.analyses.cases.rows import gap_of
-from stochlin.analyses.cases.separation import answer_case
+from stochlin.applications.cases.probability import judge_gap
+from stochlin.applications.cases.rows import gap_of
+from stochlin.applications.cases.separation import answer_case
 from stochlin.views.probability.pictures import draw_pounding
 
 pytestmark = pytest.mark.cli

@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.probability.axes import Draws
-from stochlin.analyses.probability.probability import with_samples
+from stochlin.applications.probability.axes import Draws
+from stochlin.applications.probability.probability import with_samples
 from stochlin.models.structures import Gap
 
 pytestmark = pytest.mark.oracle

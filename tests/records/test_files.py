@@ -10,9 +10,9 @@ import xarray as xr
 from motions import FOLDER, motion, needs_records
 
 import stochlin as sl
-from stochlin.analyses.records.formats import FORMATS
-from stochlin.analyses.records.formats import __path__ as folder
-from stochlin.analyses.records.records import strong_part
+from stochlin.applications.records.formats import FORMATS
+from stochlin.applications.records.formats import __path__ as folder
+from stochlin.applications.records.records import strong_part
 
 pytestmark = pytest.mark.oracle
 

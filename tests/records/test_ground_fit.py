@@ -8,7 +8,7 @@ import pytest
 from motions import motion, needs_records, recorded
 
 import stochlin as sl
-from stochlin.analyses.records.records import strong_part
+from stochlin.applications.records.records import strong_part
 
 pytestmark = pytest.mark.oracle
 

@@ -12,7 +12,7 @@ from motions import motion, shaking
 from scipy.integrate import solve_ivp
 
 import stochlin as sl
-from stochlin.analyses.tables import labels
+from stochlin.solver.tables import labels
 
 pytestmark = [pytest.mark.oracle, pytest.mark.extreme]
 

@@ -7,8 +7,8 @@ import sympy
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.records.cells import checked_motions
-from stochlin.analyses.records.stepped import stepped_gap
+from stochlin.applications.records.cells import checked_motions
+from stochlin.applications.records.stepped import stepped_gap
 
 pytestmark = pytest.mark.oracle
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from stochlin.analyses.risk.rates import (
+from stochlin.applications.risk.rates import (
     ALL_POUND,
     TOO_FEW_INTENSITIES,
     TOO_FEW_POUND,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.analyses.risk.risk import Target
+from stochlin.applications.risk.risk import Target
 
 GROUND = sl.named_ground("firm", intensity=0.01)
 SHAPE = sl.AminAng(2.0, 10.0, 0.5)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtri
 
-from stochlin.analyses.sensitivity.estimates import changed_quantiles
+from stochlin.applications.sensitivity.estimates import changed_quantiles
 
 pytestmark = pytest.mark.oracle
 TWO = 2.04  # standard errors of a 95 % interval from 32 groups

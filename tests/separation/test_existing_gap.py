@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.analyses.separation.searches import Required, up_to
+from stochlin.applications.separation.searches import Required, up_to
 
 pytestmark = pytest.mark.oracle
 

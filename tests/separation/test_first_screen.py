@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.text import Text
 
 import stochlin as sl
-from stochlin.analyses.cases.separation import CaseAnswer, answer_case
+from stochlin.applications.cases.separation import CaseAnswer, answer_case
 from stochlin.views.separation.elevation import elevation_figure
 from stochlin.views.separation.report import answer_sections
 from stochlin.views.separation.words import allowances, first_lines

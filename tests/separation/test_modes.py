@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.separation.modes import combine_modes, modes_of, oscillators_of
-from stochlin.analyses.separation.storeys import facing_heights, weights_at
+from stochlin.applications.separation.modes import combine_modes, modes_of, oscillators_of
+from stochlin.applications.separation.storeys import facing_heights, weights_at
 from stochlin.messages import DoubtfulInput
 from stochlin.models.systems import arrangement_of
 

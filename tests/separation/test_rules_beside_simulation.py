@@ -180,7 +180,7 @@ def test_bad_input_is_refused_before_any_work(monkeypatch, options, message):
     def never(*_):
         raise AssertionError("work has begun")
 
-    monkeypatch.setattr("stochlin.analyses.simulation.finite_motions.finite_extremes", never)
+    monkeypatch.setattr("stochlin.solver.simulation.finite_motions.finite_extremes", never)
     given = {"duration": 10.0} | options
     with pytest.raises(ValueError, match=message):
         sl.separation(building(0.6), building(1.0), FIRM, **given)

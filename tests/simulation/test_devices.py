@@ -9,10 +9,10 @@ import scipy.integrate
 import sympy
 
 import stochlin as sl
-from stochlin.analyses.simulation.connected_structures import all_connected
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.kernels.simulation.time_step import _dashpot
 from stochlin.models.systems import arrangement_of
+from stochlin.solver.simulation.connected_structures import all_connected
 
 pytestmark = pytest.mark.oracle
 

@@ -4,8 +4,8 @@ import numpy as np
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.simulation.finite_motions import enough_motions, required_gaps
-from stochlin.analyses.simulation.simulation import check_repeated
+from stochlin.solver.simulation.finite_motions import enough_motions, required_gaps
+from stochlin.solver.simulation.simulation import check_repeated
 
 FIRM = sl.named_ground("firm", intensity=0.01)
 

@@ -8,8 +8,8 @@ import sympy
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.simulation.ensembles import cells_of, join_cells, prepare
 from stochlin.kernels.simulation.ensemble import MotionGroup
+from stochlin.solver.simulation.ensembles import cells_of, join_cells, prepare
 
 pytestmark = pytest.mark.oracle
 

@@ -5,7 +5,7 @@ import pytest
 from cases import with_slow
 
 import stochlin as sl
-from stochlin.analyses.simulation.finite_motions import required_gaps
+from stochlin.solver.simulation.finite_motions import required_gaps
 
 GROUND = sl.named_ground("firm", intensity=0.01)
 SHAPE = sl.AminAng(2.0, 10.0, 0.5)

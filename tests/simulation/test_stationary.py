@@ -7,11 +7,11 @@ import scipy.linalg
 import scipy.stats
 
 import stochlin as sl
-from stochlin.analyses.simulation import simulation
-from stochlin.analyses.simulation.ensembles import cells_of, join_cells, prepare
-from stochlin.analyses.simulation.run_lengths import with_length
-from stochlin.analyses.simulation.simulation import NOT_STATIONARY, simulate_moments
-from stochlin.analyses.tables import labels
+from stochlin.solver.simulation import simulation
+from stochlin.solver.simulation.ensembles import cells_of, join_cells, prepare
+from stochlin.solver.simulation.run_lengths import with_length
+from stochlin.solver.simulation.simulation import NOT_STATIONARY, simulate_moments
+from stochlin.solver.tables import labels
 
 pytestmark = pytest.mark.oracle
 
@@ -242,9 +242,9 @@ def test_run_that_does_not_fit_into_memory_is_refused_before_it_starts(monkeypat
     def never(*_):
         raise AssertionError("work has begun")
 
-    monkeypatch.setattr("stochlin.analyses.simulation.simulation.stationary_sums", never)
-    monkeypatch.setattr("stochlin.analyses.simulation.structures_in_motion.cells_of_all", never)
-    monkeypatch.setattr("stochlin.analyses.tables.work._installed", lambda: 16e9)
+    monkeypatch.setattr("stochlin.solver.simulation.simulation.stationary_sums", never)
+    monkeypatch.setattr("stochlin.solver.simulation.structures_in_motion.cells_of_all", never)
+    monkeypatch.setattr("stochlin.solver.tables.work._installed", lambda: 16e9)
     with pytest.raises(
         ValueError, match=r"3000 structures on one ground need [\d.]+ GB; allowed: \d+ GB"
     ):

@@ -8,10 +8,10 @@ import scipy.linalg
 import sympy
 
 import stochlin as sl
-from stochlin.analyses.simulation.connected_structures import connected_of
-from stochlin.analyses.simulation.views import displacement_at, meeting_heights
 from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.systems import arrangement_of, stack_of
+from stochlin.solver.simulation.connected_structures import connected_of
+from stochlin.solver.simulation.views import displacement_at, meeting_heights
 
 pytestmark = pytest.mark.oracle
 

@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.sites.design_spectra import reduced_eurocode_8
-from stochlin.analyses.sites.spectra import interpolated
+from stochlin.applications.sites.design_spectra import reduced_eurocode_8
+from stochlin.applications.sites.spectra import interpolated
 
 G = 9.80665
 

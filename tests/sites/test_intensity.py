@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
-from stochlin.analyses.sites.intensity import shaking
+from stochlin.applications.sites.intensity import shaking
 
 G = 9.80665
 FIRM = sl.named_ground("firm", intensity=1.0)

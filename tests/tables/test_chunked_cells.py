@@ -6,7 +6,7 @@ import xarray as xr
 from cases import axis
 
 import stochlin as sl
-from stochlin.analyses.tables.cells import over_cells
+from stochlin.solver.tables.cells import over_cells
 
 pytestmark = pytest.mark.invariant
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.interpolate
 
-from stochlin.analyses.tables.interpolation import Grid, linear
+from stochlin.solver.tables.interpolation import Grid, linear
 
 pytestmark = pytest.mark.oracle
 

@@ -6,7 +6,7 @@ import xarray as xr
 from cases import with_slow
 
 import stochlin as sl
-from stochlin.analyses.tables import labels
+from stochlin.solver.tables import labels
 
 pytestmark = pytest.mark.invariant
 

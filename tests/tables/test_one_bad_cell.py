@@ -12,7 +12,7 @@ import sympy
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.tables import labels
+from stochlin.solver.tables import labels
 
 pytestmark = pytest.mark.invariant
 

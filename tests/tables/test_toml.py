@@ -11,7 +11,7 @@ from cases import example_case
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stochlin.analyses.tables.toml import read_toml, toml_text
+from stochlin.solver.tables.toml import read_toml, toml_text
 
 pytestmark = pytest.mark.invariant
 

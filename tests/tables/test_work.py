@@ -9,8 +9,8 @@ from cases import example_case
 from commands import refused
 
 import stochlin as sl
-from stochlin.analyses.tables import work
-from stochlin.analyses.tables.work import check_work
+from stochlin.solver.tables import work
+from stochlin.solver.tables.work import check_work
 from stochlin.views.shared.screen import on_screen
 
 pytestmark = pytest.mark.invariant
@@ -121,7 +121,7 @@ def test_memory_that_is_not_there_is_said_in_one_line(monkeypatch: pytest.Monkey
     def full(*_: object, **__: object) -> None:
         raise MemoryError("Unable to allocate 74 GiB")
 
-    monkeypatch.setattr("stochlin.analyses.correlation.correlation.correlate", full)
+    monkeypatch.setattr("stochlin.solver.correlation.correlation.correlate", full)
     assert "this machine has too little memory (Unable to allocate 74 GiB); take" in refused(
         "rho", "--period", "1s"
     )

@@ -42,7 +42,7 @@ USUAL_DAMPING = 0.05
 )
 @click.option(
     "--pushover-method",
-    type=Names("stochlin.analyses.buildings.pushover", "REFERENCES"),
+    type=Names("stochlin.applications.buildings.pushover", "REFERENCES"),
     default="asce_41",
     show_default=True,
     help="Idealization of the curve by two lines.",
@@ -80,12 +80,12 @@ def building(
       stochlin building etabs.xlsx --direction UX --points 12
     """
     with bad_input():
-        from stochlin.analyses.buildings.mode_files.plain import EXAMPLE
-        from stochlin.analyses.buildings.modes import read_modes, with_masses
-        from stochlin.analyses.buildings.pushover import bilinear_of
-        from stochlin.analyses.buildings.pushover_files import read_pushover
-        from stochlin.analyses.tables.storage import FORMATS
+        from stochlin.applications.buildings.mode_files.plain import EXAMPLE
+        from stochlin.applications.buildings.modes import read_modes, with_masses
+        from stochlin.applications.buildings.pushover import bilinear_of
+        from stochlin.applications.buildings.pushover_files import read_pushover
         from stochlin.models.buildings import ModalBuilding
+        from stochlin.solver.tables.storage import FORMATS
         from stochlin.views.buildings.words import building_sections
 
         if example:

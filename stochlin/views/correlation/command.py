@@ -42,7 +42,7 @@ from stochlin.views.shared.screen import (
 @law_options
 @click.option(
     "--method",
-    type=Names("stochlin.analyses.correlation.correlation", "METHODS"),
+    type=Names("stochlin.solver.correlation.correlation", "METHODS"),
     default="linearization",
     show_default=True,
 )
@@ -75,8 +75,8 @@ def rho(record: Path | None, out: Path | None, **options: Any) -> None:
       stochlin rho --period 0.7s --period-2 1s --hardening 0.05 --reduction-factor 4 \\
           --law bouc_wen --exponent 2
     """
-    from stochlin.analyses.correlation.correlation import correlate
-    from stochlin.analyses.tables.storage import FORMATS, save_table
+    from stochlin.solver.correlation.correlation import correlate
+    from stochlin.solver.tables.storage import FORMATS, save_table
     from stochlin.views.shared.words import roles_in_words
 
     with bad_input():

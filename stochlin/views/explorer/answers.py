@@ -5,10 +5,10 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING
 
-from stochlin.analyses.cases.examples import short_example
-from stochlin.analyses.cases.rows import pair_of
-from stochlin.analyses.explorer.answers import PATHS, OnGround, correlations, gap_by_few_motions
-from stochlin.analyses.explorer.uploads import read_upload, uploaded
+from stochlin.applications.cases.examples import short_example
+from stochlin.applications.cases.rows import pair_of
+from stochlin.applications.explorer.answers import PATHS, OnGround, correlations, gap_by_few_motions
+from stochlin.applications.explorer.uploads import read_upload, uploaded
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.views.separation.report import first_sections
 from stochlin.views.separation.rules import rules_notes, rules_table
@@ -19,7 +19,7 @@ from stochlin.views.shared.style import CURVES, label_axis, legend_above, open_f
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from stochlin.analyses.cases.reading.case import Case
+    from stochlin.applications.cases.reading.case import Case
 
 MARKERS = "o", "s"
 CAPTION = (

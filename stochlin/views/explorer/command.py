@@ -37,8 +37,8 @@ def explore(case: Path | None, port: int, show: bool) -> None:
             raise ImportError(
                 f"the explorer needs NiceGUI: pip install 'stochlin[app]' ({error})"
             ) from error
-        from stochlin.analyses.cases.examples import short_example
-        from stochlin.analyses.explorer.uploads import of_file, uploaded
+        from stochlin.applications.cases.examples import short_example
+        from stochlin.applications.explorer.uploads import of_file, uploaded
         from stochlin.kernels.basics.folders import process_folder
 
         check_port(port)

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 
 from nicegui import background_tasks, ui
 
-from stochlin.analyses.explorer.form import changed_text, chosen, form_of
-from stochlin.analyses.explorer.uploads import Upload, uploaded
-from stochlin.analyses.tables.inputs import MOST_BYTES
-from stochlin.analyses.tables.toml import toml_tables, toml_text
+from stochlin.applications.explorer.form import changed_text, chosen, form_of
+from stochlin.applications.explorer.uploads import Upload, uploaded
 from stochlin.messages import LONGEST_MESSAGE, sentence
+from stochlin.solver.tables.inputs import MOST_BYTES
+from stochlin.solver.tables.toml import toml_tables, toml_text
 from stochlin.views.explorer.answers import correlation_of, gap_of
 from stochlin.views.explorer.rows import EntryRow, choice_row
 from stochlin.views.explorer.workers import Job, Stopped
@@ -22,7 +22,7 @@ from stochlin.views.explorer.workers import Job, Stopped
 if TYPE_CHECKING:
     from nicegui import events
 
-    from stochlin.analyses.explorer.form import Choice, Entry
+    from stochlin.applications.explorer.form import Choice, Entry
     from stochlin.views.explorer.workers import Worker
 
 QUESTIONS = {"Gap": gap_of, "Correlation": correlation_of}  # of each tab

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 from nicegui import ui
 
-from stochlin.analyses.cases.reading.kinds import TRUTH
-from stochlin.analyses.explorer.form import STEP
+from stochlin.applications.cases.reading.kinds import TRUTH
+from stochlin.applications.explorer.form import STEP
 from stochlin.views.shared.symbols import typeset_html
 
 if TYPE_CHECKING:
     from nicegui import events
 
-    from stochlin.analyses.explorer.form import Choice, Entry
+    from stochlin.applications.explorer.form import Choice, Entry
 
 TYPING = 300  # ms after the last key, before a text is read
 

@@ -16,7 +16,7 @@ from starlette.datastructures import MutableHeaders
 from starlette.responses import PlainTextResponse
 from starlette.websockets import WebSocketClose
 
-from stochlin.analyses.explorer.uploads import Upload
+from stochlin.applications.explorer.uploads import Upload
 from stochlin.views.explorer.answers import get_ready
 from stochlin.views.explorer.page import Page
 from stochlin.views.explorer.workers import ONE_THREAD, Job, Worker

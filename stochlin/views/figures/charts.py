@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple, TypeVar
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.simulation.ground_motions import simulated_motions
 from stochlin.models.arguments import OneOf, checked
 from stochlin.models.envelopes import AminAng
 from stochlin.models.grounds import Ground, KanaiTajimi
 from stochlin.registry import LAST, Registry
+from stochlin.solver.simulation.ground_motions import simulated_motions
 from stochlin.views.figures.panels import PRINT_STYLE, SCREEN_STYLE, arrange, width_in_print
 from stochlin.views.figures.settings import (
     BROAD_BAND_DAMPING,

@@ -119,7 +119,7 @@ def charts(name: str | None, record: Path | None, comparison: bool, **options: A
 
 def _write(dataset: Any, path: Path, comparison: bool, options: dict[str, Any]) -> None:
     """Write the dataset and its pictures."""
-    from stochlin.analyses.tables.storage import save_table
+    from stochlin.solver.tables.storage import save_table
     from stochlin.views.figures.charts import draw
     from stochlin.views.shared.style import PRINT, SCREEN, save
 

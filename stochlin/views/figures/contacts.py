@@ -16,7 +16,6 @@ import numpy as np
 import xarray as xr
 from scipy.integrate import solve_ivp
 
-from stochlin.analyses.tables import labels
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.simulation import contacts as kernel
 from stochlin.models.arguments import Number, Points, checked
@@ -24,6 +23,7 @@ from stochlin.models.contacts import Element
 from stochlin.models.contacts.base import CONTACTS, RESTITUTION
 from stochlin.models.contacts.damped import Damped, WithRatio
 from stochlin.models.parameters import POSITIVE, Range
+from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import PICTURES, ChartInputs, register_chart
 from stochlin.views.figures.panels import in_a_row, is_narrow, panels
 from stochlin.views.shared.style import CURVES, quantity

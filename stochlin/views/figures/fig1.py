@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.records.records import strong_part
-from stochlin.analyses.records.response import pseudo_energy_radius, respond, response_spectrum
-from stochlin.analyses.records.variables import VARIABLES as RECORDS
-from stochlin.analyses.tables import labels
+from stochlin.applications.records.records import strong_part
+from stochlin.applications.records.response import pseudo_energy_radius, respond, response_spectrum
+from stochlin.applications.records.variables import VARIABLES as RECORDS
 from stochlin.models.arguments import checked
 from stochlin.models.laws.bilinear import Bilinear
+from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import MOTION, PICTURES, ChartInputs, register_chart
 from stochlin.views.figures.kinds import PANEL, SQUARE
 from stochlin.views.figures.panels import in_a_row, in_cm

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.separation.energy_gap import energy_gap
+from stochlin.applications.separation.energy_gap import energy_gap
 from stochlin.models.arguments import Points, checked
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.views.figures.charts import MOTION, PICTURES, ChartInputs, register_chart

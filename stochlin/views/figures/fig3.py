@@ -9,11 +9,11 @@ import numpy as np
 import xarray as xr
 
 from stochlin._version import __version__
-from stochlin.analyses.correlation.correlation import rho_white_noise
-from stochlin.analyses.correlation.effective import rho_effective
-from stochlin.analyses.tables import labels
 from stochlin.models.arguments import Points, checked
 from stochlin.models.rules.effective_properties import EffectiveRule, effective_rule_names
+from stochlin.solver.correlation.correlation import rho_white_noise
+from stochlin.solver.correlation.effective import rho_effective
+from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import ChartInputs, register_chart
 from stochlin.views.figures.settings import ChartSettings, chosen_rules
 

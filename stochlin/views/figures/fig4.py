@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.correlation import correlate
-from stochlin.analyses.linearization.linearization import linearize
-from stochlin.analyses.records.gaps import recorded_gap
-from stochlin.analyses.simulation.ground_motions import simulated_motions
-from stochlin.analyses.tables import labels
+from stochlin.applications.records.gaps import recorded_gap
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import Ground
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
+from stochlin.solver.correlation.correlation import correlate
+from stochlin.solver.linearization.linearization import linearize
+from stochlin.solver.simulation.ground_motions import simulated_motions
+from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import (
     GROUND,
     MEMORY,

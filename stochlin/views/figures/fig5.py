@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.correlation.amplification import amplification
-from stochlin.analyses.correlation.correlation import correlate
-from stochlin.analyses.tables import labels
 from stochlin.models.arguments import checked
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import DRIFT
+from stochlin.solver.correlation.amplification import amplification
+from stochlin.solver.correlation.correlation import correlate
+from stochlin.solver.tables import labels
 from stochlin.views.figures.charts import (
     GROUND,
     MEMORY,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
-from stochlin.analyses.records.spectra import fit_spectra
+from stochlin.applications.records.spectra import fit_spectra
 from stochlin.views.figures.charts import (
     HEIGHT,
     PICTURES,

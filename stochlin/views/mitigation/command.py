@@ -40,9 +40,9 @@ def mitigate(case: Path, out: Path | None, picture: Path | None) -> None:
       stochlin mitigate case.toml --picture measures.png
     """
     with bad_input():
-        from stochlin.analyses.cases.mitigation import mitigate_case
-        from stochlin.analyses.cases.reading.case import read_case
-        from stochlin.analyses.tables.storage import CSV, FORMATS
+        from stochlin.applications.cases.mitigation import mitigate_case
+        from stochlin.applications.cases.reading.case import read_case
+        from stochlin.solver.tables.storage import CSV, FORMATS
         from stochlin.views.mitigation.pictures import draw_measures
         from stochlin.views.mitigation.words import answer_sections
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.analyses.cases.rows import pair_of, simulated_as
-from stochlin.analyses.cases.shaking import doubts
-from stochlin.analyses.separation.separation import AT_LEAST, LESS
+from stochlin.applications.cases.rows import pair_of, simulated_as
+from stochlin.applications.cases.shaking import doubts
+from stochlin.applications.separation.separation import AT_LEAST, LESS
 from stochlin.views.shared.blocks import Items, Table, ViewSection, texts
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.uncertain import unknowns
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     import xarray as xr
 
-    from stochlin.analyses.cases.reading.case import Case
+    from stochlin.applications.cases.reading.case import Case
 
 WIDE = 34  # characters of a name
 WORDS, UNDECIDED = (

@@ -24,15 +24,15 @@ from stochlin.views.shared.screen import (
 )
 
 if TYPE_CHECKING:
-    from stochlin.analyses.cases.reading.case import Case
+    from stochlin.applications.cases.reading.case import Case
 
 TABLES = (".nc",)
 
 
 def options_of_steps() -> Iterable[Any]:
     """``--steps-per-contact``, with the default and the range of `stochlin.pound`."""
-    from stochlin.analyses.pounding.pounding import FEWEST_STEPS, MOST_STEPS
-    from stochlin.analyses.pounding.runs import STEPS_PER_CONTACT
+    from stochlin.applications.pounding.pounding import FEWEST_STEPS, MOST_STEPS
+    from stochlin.applications.pounding.runs import STEPS_PER_CONTACT
 
     yield click.option(
         "--steps-per-contact",
@@ -85,9 +85,9 @@ def pound(
       stochlin pound case.toml --motions 100 --picture pound.png --out pound.csv
     """
     with bad_input():
-        from stochlin.analyses.cases.pounding import pound_case
-        from stochlin.analyses.cases.reading.case import read_case
-        from stochlin.analyses.cases.shaking import MOST_RECORDS
+        from stochlin.applications.cases.pounding import pound_case
+        from stochlin.applications.cases.reading.case import read_case
+        from stochlin.applications.cases.shaking import MOST_RECORDS
         from stochlin.views.pounding.pictures import draw_pound
         from stochlin.views.pounding.words import answer_sections
 
@@ -109,8 +109,8 @@ def _together(
     case: Case, motions: int | None, out: Path | None, picture: Path | None, steps_per_contact: int
 ) -> None:
     """Show and save the results of many motions."""
-    from stochlin.analyses.cases.pounding import by_motion, pound_motions
-    from stochlin.analyses.tables.storage import CSV, FORMATS
+    from stochlin.applications.cases.pounding import by_motion, pound_motions
+    from stochlin.solver.tables.storage import CSV, FORMATS
     from stochlin.views.pounding.pictures import draw_ensemble
     from stochlin.views.pounding.words import ensemble_sections
 

@@ -11,14 +11,14 @@ import numpy as np
 import xarray as xr
 from scipy import constants
 
-from stochlin.analyses.cases.pounding import (
+from stochlin.applications.cases.pounding import (
     ENERGIES,
     displacement_beside,
     energy_of,
     hardest_contacts,
     hardness,
 )
-from stochlin.analyses.pounding.rows import COLUMN
+from stochlin.applications.pounding.rows import COLUMN
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 from stochlin.views.shared.words import along, roles_in_words

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import constants
 
-from stochlin.analyses.cases.pounding import energy_of, is_oscillator
-from stochlin.analyses.cases.shaking import doubts
-from stochlin.analyses.pounding.rows import COLUMN as SLAB_TO_COLUMN
-from stochlin.analyses.tables.labels import VALUE_AND_ENDS
+from stochlin.applications.cases.pounding import energy_of, is_oscillator
+from stochlin.applications.cases.shaking import doubts
+from stochlin.applications.pounding.rows import COLUMN as SLAB_TO_COLUMN
+from stochlin.solver.tables.labels import VALUE_AND_ENDS
 from stochlin.views.shared.blocks import Block, Table, Text, ViewSection, texts
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.uncertain import at_medians
@@ -38,7 +38,7 @@ from stochlin.views.shared.words import (
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.cases.reading.case import Case
+    from stochlin.applications.cases.reading.case import Case
 
     Column = tuple[str, Callable[[xr.Dataset], str]]  # head, and the cell of a row
 

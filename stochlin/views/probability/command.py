@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from stochlin.analyses.cases.rows import error_of, gap_of, pair_of
+from stochlin.applications.cases.rows import error_of, gap_of, pair_of
 from stochlin.views.shared.options import QuantityType
 from stochlin.views.shared.screen import (
     COMMANDS,
@@ -41,10 +41,10 @@ def probability(case: Path, gap: float | None, out: Path | None, picture: Path |
       stochlin probability case.toml
       stochlin probability case.toml --gap 8cm --picture probability.png --out probability.nc
     """
-    from stochlin.analyses.cases.probability import judge_gap
-    from stochlin.analyses.cases.reading.case import read_case
-    from stochlin.analyses.cases.rows import TOUCHING
-    from stochlin.analyses.tables.storage import CSV, FORMATS
+    from stochlin.applications.cases.probability import judge_gap
+    from stochlin.applications.cases.reading.case import read_case
+    from stochlin.applications.cases.rows import TOUCHING
+    from stochlin.solver.tables.storage import CSV, FORMATS
     from stochlin.views.probability.pictures import draw_pounding
     from stochlin.views.probability.words import answer_sections
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.analyses.cases.rows import pair_of
+from stochlin.applications.cases.rows import pair_of
 from stochlin.views.shared.blocks import Block, Items, Table, Text, ViewSection, texts
 from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import (
@@ -27,7 +27,7 @@ from stochlin.views.shared.words import (
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.cases.probability import ProbabilityAnswer
+    from stochlin.applications.cases.probability import ProbabilityAnswer
 
 OFF = 0.1  # of a confidence by formula above the interval of the simulated one, of which a line warns
 ROWS = 11  # instants that are printed

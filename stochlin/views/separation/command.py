@@ -93,7 +93,7 @@ def gap(
     """
     with bad_input():
         if example or example_record:
-            from stochlin.analyses.cases import examples
+            from stochlin.applications.cases import examples
 
             click.echo(examples.printed(example or "record"), nl=False)
             return
@@ -101,9 +101,9 @@ def gap(
             raise ValueError(
                 "CASE is missing; 'stochlin gap --example > case.toml' writes a file to start from"
             )
-        from stochlin.analyses.cases.reading.case import read_case
-        from stochlin.analyses.cases.separation import answer_case
-        from stochlin.analyses.tables.storage import CSV, FORMATS, whole_file
+        from stochlin.applications.cases.reading.case import read_case
+        from stochlin.applications.cases.separation import answer_case
+        from stochlin.solver.tables.storage import CSV, FORMATS, whole_file
         from stochlin.views.sensitivity.pictures import draw_sensitivity
         from stochlin.views.separation.elevation import elevation_figure
         from stochlin.views.separation.report import answer_sections, report_page

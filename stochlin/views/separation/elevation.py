@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from stochlin.analyses.cases.reading.buildings import Building
-    from stochlin.analyses.cases.separation import CaseAnswer
+    from stochlin.applications.cases.reading.buildings import Building
+    from stochlin.applications.cases.separation import CaseAnswer
 
 WIDTH, FACADE, BETWEEN = 4.6, 1.55, 1.5  # inches: of all, of a building, of what is between both
 HEAD, TALL, ROW, BAR = 0.4, 1.75, 0.34, 0.78  # inches: names, buildings, a gap, the shares

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from stochlin.analyses.cases.separation import CaseAnswer
+    from stochlin.applications.cases.separation import CaseAnswer
 
 WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
 NAME_WIDTH = 36  # characters of the name of a rule on one line

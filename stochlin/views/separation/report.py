@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from stochlin.analyses.cases.rows import name_of_file
+from stochlin.applications.cases.rows import name_of_file
 from stochlin.views.sensitivity import words as what_matters
 from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import pictures, rules, words
@@ -20,7 +20,7 @@ from stochlin.views.shared.uncertain import unknowns
 from stochlin.views.shared.words import centimetres, doubt
 
 if TYPE_CHECKING:
-    from stochlin.analyses.cases.separation import CaseAnswer
+    from stochlin.applications.cases.separation import CaseAnswer
 
 SIGNED = "Date, prepared by, checked by:"  # by hand: the same case makes the same page
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy import constants
 
-from stochlin.analyses.risk.rates import range_of_rate, shares_of_rate
+from stochlin.applications.risk.rates import range_of_rate, shares_of_rate
 from stochlin.models.hazards import HazardCurve
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.blocks import Block, Table, Text, texts
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from stochlin.analyses.cases.separation import CaseAnswer
+    from stochlin.applications.cases.separation import CaseAnswer
 
 GAPS = {"existing": "existing", "answer": "the answer above", "target": "for the risk allowed"}
 SIZE = (4.6, 4.4)  # inches

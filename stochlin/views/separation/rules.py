@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from stochlin.analyses.cases.codes import APPLIED, APPLY, KIND
-from stochlin.analyses.separation.separation import COMBINED
+from stochlin.applications.cases.codes import APPLIED, APPLY, KIND
+from stochlin.applications.separation.separation import COMBINED
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.blocks import Items, Row, Table, Text
@@ -16,8 +16,8 @@ from stochlin.views.shared.words import along, centimetres, per_cent, rule_label
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.cases.reading.case import Case
-    from stochlin.analyses.cases.separation import CaseAnswer
+    from stochlin.applications.cases.reading.case import Case
+    from stochlin.applications.cases.separation import CaseAnswer
 
 AS_APPLIED, COMBINATION = "the code as you apply it", "the code's combination of simulated peaks"
 KINDS = {

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.cases.reading.case import Case
+    from stochlin.applications.cases.reading.case import Case
 
 
 class Subject(NamedTuple):

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.analyses.tables.toml import toml_text
 from stochlin.messages import hyphenated
 from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding
+from stochlin.solver.tables.toml import toml_text
 from stochlin.views.separation.subjects import subject_of
 from stochlin.views.shared.blocks import Block, Items, Text, texts
 from stochlin.views.shared.words import (
@@ -30,9 +30,9 @@ from stochlin.views.sites.words import fit_in_words
 if TYPE_CHECKING:
     import xarray as xr
 
-    from stochlin.analyses.cases.reading.buildings import Building
-    from stochlin.analyses.cases.reading.case import Case
-    from stochlin.analyses.cases.separation import CaseAnswer
+    from stochlin.applications.cases.reading.buildings import Building
+    from stochlin.applications.cases.reading.case import Case
+    from stochlin.applications.cases.separation import CaseAnswer
 
 ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
 SHARE = "no_pounding_probability"

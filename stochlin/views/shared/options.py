@@ -77,7 +77,7 @@ closure_option = click.option(
 
 solver_option = click.option(
     "--solver",
-    type=Names("stochlin.analyses.correlation.correlation", "SOLVERS"),
+    type=Names("stochlin.solver.correlation.correlation", "SOLVERS"),
     default="closed_form",
     show_default=True,
     help="Of the linearized pairs: formulas, or the Lyapunov equation of each pair, iterated.",
@@ -98,7 +98,7 @@ class QuantityType(click.ParamType):  # type: ignore[type-arg]  # no generic typ
 
     def one(self, text: str, param: click.Parameter | None, ctx: click.Context | None) -> float:
         """The number that a text stands for."""
-        from stochlin.analyses.cases.reading.kinds import Quantity
+        from stochlin.applications.cases.reading.kinds import Quantity
         from stochlin.models.parameters import POSITIVE
 
         try:
@@ -120,7 +120,7 @@ class Numbers(QuantityType):
         """A list of numbers in SI."""
         import numpy as np
 
-        from stochlin.analyses.tables.work import check_work
+        from stochlin.solver.tables.work import check_work
 
         if not isinstance(value, str):
             return value
@@ -248,7 +248,7 @@ record_options = together(
     click.option("--units", help="Units of the record: g, m/s^2, cm/s^2 or mm/s^2."),
     click.option(
         "--model",
-        type=Names("stochlin.analyses.records.ground_fit", "fitted_grounds"),
+        type=Names("stochlin.applications.records.ground_fit", "fitted_grounds"),
         default="kanai_tajimi",
         show_default=True,
         help="Ground to fit.",
@@ -320,8 +320,8 @@ def _flags(names: Iterable[str]) -> str:
 
 def site(record: Path, options: dict[str, Any]) -> tuple[xr.DataArray, Ground]:
     """The record and the ground fitted to it."""
-    from stochlin.analyses.records.records import read_record
-    from stochlin.analyses.sites.ground_fit import fit_ground
+    from stochlin.applications.records.records import read_record
+    from stochlin.applications.sites.ground_fit import fit_ground
 
     motion = read_record(record, dt=options["dt"], units=options["units"])
     return motion, fit_ground(motion, options["model"])

@@ -126,7 +126,7 @@ def check_target(
     option: str, path: Path | None, allowed: Sequence[str], inputs: Iterable[Path] = ()
 ) -> None:
     """Raise before the work for a file that could not be written after it, or that is an input."""
-    from stochlin.analyses.tables.storage import CSV, written_file
+    from stochlin.solver.tables.storage import CSV, written_file
 
     if path is None:
         return
@@ -159,7 +159,7 @@ def write(
     table: xr.Dataset, out: Path | None, picture: Path | None = None, draw: Draw | None = None
 ) -> None:
     """Save the table, and the picture drawn of it, each where it is asked for."""
-    from stochlin.analyses.tables.storage import save_table
+    from stochlin.solver.tables.storage import save_table
     from stochlin.views.shared.style import save
 
     if out is not None:
@@ -224,7 +224,7 @@ def _columns(table: Table) -> list[str]:
 
 def on_screen(table: xr.Dataset) -> str:
     """The table as text: a row a cell, cut where a screen ends; a single cell as a row a number."""
-    from stochlin.analyses.tables.storage import in_rows
+    from stochlin.solver.tables.storage import in_rows
 
     shown = table[[name for name in table.data_vars if not str(name).startswith("yield")]]
     if not shown.sizes:

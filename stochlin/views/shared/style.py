@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, Literal, ParamSpec
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.tables.storage import whole_file
 from stochlin.messages import brief, check_names
 from stochlin.models.arguments import checked
+from stochlin.solver.tables.storage import whole_file
 from stochlin.views.shared.screen import PICTURES
 from stochlin.views.shared.symbols import typeset
 

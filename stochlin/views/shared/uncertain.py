@@ -9,7 +9,7 @@ from stochlin.views.shared.blocks import Block, Table, Text
 from stochlin.views.shared.words import valued
 
 if TYPE_CHECKING:
-    from stochlin.analyses.cases.reading.case import Case
+    from stochlin.applications.cases.reading.case import Case
     from stochlin.models.uncertain import Uncertain, UncertainModel
 
 WITHIN = 0.05, 0.95

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import constants
 
-from stochlin.analyses.cases.rows import unlike_storeys
-from stochlin.analyses.tables.labels import VALUE_AND_ENDS
+from stochlin.applications.cases.rows import unlike_storeys
 from stochlin.models.arguments import checked
 from stochlin.models.descriptions import shown_unit
 from stochlin.models.grounds.named import ground_names
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.rules.effective_properties import EFFECTIVE_RULES
+from stochlin.solver.tables.labels import VALUE_AND_ENDS
 from stochlin.views.shared.blocks import Text, ViewSection
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import xarray as xr
 
-    from stochlin.analyses.cases.reading.case import Case
+    from stochlin.applications.cases.reading.case import Case
 
 MISSING, MINUS, SPACE = "\N{EN DASH}", "\N{MINUS SIGN}", "\N{NO-BREAK SPACE}"
 BEYOND = "\N{RIGHTWARDS ARROW}"

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import xarray as xr
 
-from stochlin.analyses.cases.separation import BAND
+from stochlin.applications.cases.separation import BAND
 from stochlin.views.shared.words import per_cent
 
 BAND_IN_WORDS = f"{BAND[0]:g} to {BAND[1]:g} times the periods of the buildings"

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.analyses.pounding.pounding import pound
-from stochlin.analyses.records.gaps import recorded_gap
-from stochlin.analyses.records.response import respond, response_spectrum
-from stochlin.analyses.simulation.simulation import simulate
+from stochlin.applications.pounding.pounding import pound
+from stochlin.applications.records.gaps import recorded_gap
+from stochlin.applications.records.response import respond, response_spectrum
 from stochlin.kernels.correlation.bilinear_pair import linearized_pair
 from stochlin.models.buildings import ShearBuilding
 from stochlin.models.contacts import Kelvin, LinearSpring
@@ -21,6 +20,7 @@ from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.laws.bouc_wen import BoucWen
 from stochlin.models.links import Link
 from stochlin.models.uncertain import Uncertain
+from stochlin.solver.simulation.simulation import simulate
 
 SECONDS, PATHS = 8.0, 32
 YIELDING: Any = {"hardening": 0.05, "yield_displacement": 0.01}

@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import stochlin as sl
-from stochlin.analyses.cases.examples import example_record, short_example
-from stochlin.analyses.cases.rows import gap_of
+from stochlin.applications.cases.examples import example_record, short_example
+from stochlin.applications.cases.rows import gap_of
 from stochlin.models.grounds.named import ground_names
 
 print(*ground_names())

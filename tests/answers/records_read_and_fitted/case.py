@@ -5,7 +5,7 @@ from pathlib import Path
 import xarray as xr
 
 import stochlin as sl
-from stochlin.analyses.records.records import strong_part
+from stochlin.applications.records.records import strong_part
 
 record = sl.read_record("wave.txt", dt=0.02, units="g")
 values = record.values / 9.80665

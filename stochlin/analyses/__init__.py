@@ -1,1 +1,0 @@
-"""Second floor: the verbs. Models in, labelled datasets out."""

@@ -1,0 +1,128 @@
+"""Tables as ETABS and SAP2000 export them, with their names above, or as they are copied without."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+import pandas as pd
+
+from stochlin.applications.buildings.mode_files import MODE_NUMBERS
+from stochlin.applications.sheets.sheets import Sheet, Table, number_in, spelled
+from stochlin.messages import brief, listed
+from stochlin.models.parameters import Range
+
+TITLE = re.compile(r"table:\s*(.*)", re.IGNORECASE)
+RATIOS, OF_JOINTS = "Modal Participating Mass Ratios", "Joint Displacements"
+OF_CENTRES, OF_STORIES = "Diaphragm Center Of Mass Displacements", "Mass Summary by Story"
+OF_DIAPHRAGMS, BASES = "Centers Of Mass And Rigidity", "Tower and Base Story Definitions"
+HEIGHTS, STORY_DATA = "Story Definitions", "Story Data"
+COORDINATES, OF_MASSES = "Joint Coordinates", "Assembled Joint Masses"
+# Columns by which a table is known that has no line with its name.
+COLUMNS: Mapping[str, str] = {
+    RATIOS: "period sumux sumuy",
+    OF_DIAPHRAGMS: "story diaphragm massx massy",
+    OF_CENTRES: "story diaphragm ux uy",
+    OF_JOINTS: "story uniquename ux",
+    BASES: "tower bsname bselev",
+    HEIGHTS: "height masterstory",
+    STORY_DATA: "name height elevation",
+    COORDINATES: "joint coordsys z",
+    OF_MASSES: "joint masssource u1",
+    OF_STORIES: "story ux uy uz",
+}
+# Names of columns that differ between the programs and their versions.
+ALIKE = {
+    **dict.fromkeys(("outputcase", "loadcase", "loadcasecombo"), "case"),
+    **dict.fromkeys(("stepnum", "stepnumber"), "mode"),
+    **{"name": "story", "massx": "ux", "massy": "uy", "u1": "ux", "u2": "uy", "r3": "rz"},
+    "globalz": "z",
+}
+MODE = "mode"
+PLACES = "tower", "story", "diaphragm", "joint"  # cells of these may be merged over several lines
+
+
+def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
+    """All tables by name; titles and units that are repeated on each page are left out."""
+    tables: dict[str, Table] = {}
+    lines: dict[str, list[int]] = {}
+    for sheet in sheets:
+        key, at_titles = "", False
+        for line, *cells in sheet.cells.itertuples():
+            has_number = any(number_in(cell, sheet.decimal) is not None for cell in cells[::-1])
+            if match := TITLE.match(cells[0]):
+                name = match[1].strip(" \"'")
+                key, at_titles = spelled(name), True
+            elif at_titles or (not has_number and (name := _name_of(cells))):
+                key, at_titles = spelled(name), False
+                new = Table(f"table {name}", sheet, line, 0, sheet.cells, ALIKE)
+                table = tables.setdefault(key, new)
+                if table.sheet is not sheet or sheet.row(table.titles) != sheet.row(line):
+                    raise table.error(f"is also at {sheet.where(line)}; allowed: each table once")
+            elif key and has_number:
+                lines.setdefault(key, []).append(line)
+            elif key and sheet.row(line) != sheet.row(table.titles):
+                if sheet.row(line) != sheet.row(table.units or line):
+                    raise sheet.error(line, None, f"this row of {table.name} has no number")
+                table = tables[key] = table._replace(units=line)
+    for key, table in tables.items():
+        rows = table.sheet.cells.loc[lines.get(key, [])].copy()
+        table.sheet.check_width(rows.index, len(table.names))
+        for column in (table.column(name) for name in PLACES if name in table.names):
+            rows[column] = rows[column].where(rows[column] != "").ffill().fillna("")
+        tables[key] = table._replace(rows=rows)
+    return tables
+
+
+def _name_of(cells: Sequence[str]) -> str:
+    """The name of the table whose titles these are, where no line says it; or nothing."""
+    titles = {spelled(cell) for cell in cells if cell}
+    fitting = [name for name, needed in COLUMNS.items() if {*needed.split()} <= titles]
+    of_stories = fitting == [OF_STORIES] and len(titles) > 4  # other tables by story
+    return "" if of_stories else next(iter(fitting), "")
+
+
+def needed_tables(tables: Mapping[str, Table], *groups: Sequence[str]) -> list[Table]:
+    """A table of each group of names; a ValueError names all groups of which the file has none."""
+    there = {key: table for key, table in tables.items() if len(table.rows)}
+    chosen = [[there[spelled(name)] for name in names if spelled(name) in there] for names in groups]
+    missing = [" or ".join(names) for names, known in zip(groups, chosen, strict=True) if not known]
+    if missing:
+        known = listed(table.name.removeprefix("table ") for table in there.values()) or "none"
+        what = f"table {', table '.join(missing)} {'are' if missing[1:] else 'is'} missing"
+        raise ValueError(f"{what}: the file has {known}; export what is missing, into the same file")
+    return [known[0] for known in chosen]
+
+
+def check_one_case(table: Table, name: str | int) -> None:
+    """Raise a ValueError for the first line of a second load case in the column."""
+    column = table.column(name)
+    cases = table.rows[column].drop_duplicates()
+    if len(cases) > 1 and not any(table.sheet.columns_of_numbers(n) & {column} for n in cases.index):
+        what = f"a second load case, {brief(cases.iloc[1])} beside {brief(cases.iloc[0])}"
+        raise table.sheet.error(cases.index[1], column, f"{what}; export one of them")
+
+
+def keyed(
+    table: Table,
+    keys: Sequence[str],
+    title: str,
+    what: str,
+    allowed: Range | None,
+    unit: str | None = None,
+) -> pd.Series:
+    """A column over the columns of these names, ``"mass"`` and ``"length"`` in SI.
+
+    Raises a ValueError for a line whose keys an earlier line has.
+    """
+    frame = table.rows[[table.column(key) for key in keys]].set_axis([*keys], axis=1)
+    if MODE in frame:
+        frame[MODE] = table.numbers(MODE, "mode number", MODE_NUMBERS).astype(int)
+    for line in frame.index[frame.duplicated()][:1]:
+        names = " ".join(map(str, frame.loc[line]))
+        cure = "export one of them, or choose by tower= or points="
+        raise table.sheet.error(line, None, f"{brief(names)} is there twice; {cure}")
+    read = partial(table.in_si, unit=unit) if what in {"mass", "length"} else table.numbers
+    frame["value"] = read(title, what, allowed=allowed)
+    return frame.set_index([*keys])["value"]

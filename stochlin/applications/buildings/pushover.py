@@ -1,0 +1,246 @@
+"""Bilinear idealizations of pushover curves, by the methods of building codes."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import Annotated
+
+import numpy as np
+import scipy.optimize
+import xarray as xr
+
+from stochlin.applications.buildings.variables import VARIABLES
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import DoubtfulInput, brief
+from stochlin.models.arguments import Metres, Number, OneOf, checked
+from stochlin.models.structures import STATIONARY_HARDENING
+from stochlin.solver.tables import labels
+
+CURVE, DISPLACEMENT = "base_shear", "displacement"
+FEWEST = 4  # points of a curve
+LEAST_HARDENING = 0.01
+FLAT = 1e-3  # relative difference of base shears that are alike
+SMALL = 1e-3  # share of the largest values up to which the first point is the origin
+EQUAL = 1e-9  # difference of areas, relative to the area
+BEND = 1e-3  # least energy beyond that of a straight line, relative to it
+BEGINNING = 0.1  # share of the largest base shear up to which the curve is taken to be elastic
+REFERENCES = {
+    "eurocode_8": "EN 1998-1:2004, annex B.3.",
+    "asce_41": "ASCE/SEI 41-17 (2017), 7.4.3.2.4.",
+}
+
+
+@checked
+def bilinear_of(
+    pushover: xr.DataArray,
+    method: Annotated[str, OneOf(REFERENCES)] = "asce_41",
+    *,
+    target_displacement: Metres | None = None,
+    hardening: Annotated[float, Number(STATIONARY_HARDENING)] | None = None,
+) -> xr.Dataset:
+    """Bilinear idealization of a pushover curve.
+
+    Parameters
+    ----------
+    pushover : xarray.DataArray
+        Base shear [N] over the dimension ``displacement`` of the roof [m], as `read_pushover` reads it.
+    method : {"asce_41", "eurocode_8"}
+        ``"asce_41"``: the area below is that below the curve, the first line crosses the curve at 0.6 of
+        the yield force, and the second one ends on it. ``"eurocode_8"``: elastic-perfectly plastic, with
+        the largest base shear as yield force, and equal area.
+    target_displacement : float, optional
+        Displacement of the roof [m] up to which the curve is idealized, if it is less than that of the
+        largest base shear, which is the default.
+    hardening : float, optional
+        Hardening ratio to be taken in place of that of the idealization [-], in (0, 1].
+
+    Returns
+    -------
+    xarray.Dataset
+        Without dimensions ``yield_force`` [N], ``yield_displacement`` [m], ``hardening`` [-],
+        ``initial_stiffness`` [N/m] of the curve up to a tenth of its largest base shear,
+        ``effective_stiffness`` [N/m] up to yield and ``target_displacement`` [m]; the curve,
+        ``base_shear`` [N] over ``displacement``; and over ``point`` (origin, yield, end)
+        ``idealized_displacement`` [m] and ``idealized_base_shear`` [N].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the curve has fewer than 4 points, its displacements do not increase, its base shear is not
+        positive or falls from the start; if it does not bend up to its peak or target, so that it has no
+        yield point, or its area cannot be met; if the target is beyond the curve; or if an argument is
+        not valid.
+
+    Warns
+    -----
+    DoubtfulInput
+        If the idealization has a hardening ratio below 0.01, as that of Eurocode 8 always has, and none
+        is given. 0.01 is then taken, which a stationary response needs.
+
+    References
+    ----------
+    EN 1998-1:2004, Eurocode 8, annex B.3; ASCE/SEI 41-17 (2017), 7.4.3.2.4.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> import stochlin as sl
+    >>> roof = xr.DataArray([0.0, 0.02, 0.05, 0.12], dims="displacement", attrs={"units": "m"})
+    >>> shear = [0.0, 9e5, 1.3e6, 1.5e6]
+    >>> curve = xr.DataArray(
+    ...     shear, coords={"displacement": roof}, dims="displacement", attrs={"units": "N"}
+    ... )
+    >>> ideal = sl.bilinear_of(curve)
+    >>> round(float(ideal.yield_force)), round(float(ideal.yield_displacement), 4)
+    (1153846, 0.0256)
+    """
+    whole, forces = _curve_of(pushover)
+    peak = _peak_of(forces)
+    end = whole[peak] if target_displacement is None else min(target_displacement, whole[peak])
+    if target_displacement is not None and target_displacement > whole[-1]:
+        what = f"target_displacement = {target_displacement:g} m is beyond the curve"
+        raise ValueError(f"{what}, which ends at {whole[-1]:g} m; allowed: up to there")
+    before = whole < end
+    u = np.append(whole[before], end)
+    v = np.append(forces[before], np.interp(end, whole, forces))
+    force, displacement, last = _METHODS[method](u, v, float(np.trapezoid(v, u)))
+    stiffness = force / displacement
+    ratio = (last - force) / (end - displacement) / stiffness
+    beginning = BEGINNING * v.max()
+    table = xr.Dataset(
+        {
+            CURVE: pushover,
+            "yield_force": force,
+            "yield_displacement": displacement,
+            "hardening": _hardening(ratio, method) if hardening is None else float(hardening),
+            "initial_stiffness": beginning / _first_at(u, v, beginning),
+            "effective_stiffness": stiffness,
+            "target_displacement": float(end),
+            "idealized_displacement": ("point", [0.0, displacement, end]),
+            "idealized_base_shear": ("point", [0.0, force, last]),
+        },
+        {"point": ("point", ["origin", "yield", "end"], {"long_name": "point of the idealization"})},
+    )
+    title, call = "Bilinear idealization of a pushover curve", f"bilinear_of(method={method!r})"
+    table = labels.label(table, VARIABLES).assign_attrs(method=method)
+    return labels.with_run_information(table, title, call, {}, REFERENCES[method])
+
+
+def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> tuple[Array, Array]:
+    """A pushover curve without repeated points, from the origin; ``places`` name its points.
+
+    Up to the largest base shear displacements must increase. What follows is not looked at, and left
+    out from where the displacement goes back. Raises a ValueError for what is no pushover curve.
+    """
+    small = SMALL * np.abs([displacement, force]).max(axis=1, initial=0.0)
+    at_zero = force.size and abs(displacement[0]) <= small[0] and abs(force[0]) <= small[1]
+    if at_zero:
+        displacement, force = (np.append(0.0, values[1:]) for values in (displacement, force))
+    elif force.size and displacement[0] > 0 and force[0] > 0:
+        displacement, force = (np.append(0.0, values) for values in (displacement, force))
+        places = ["the origin", *places]
+    new = np.append(True, (np.diff(displacement) != 0) | (np.diff(force) != 0))[: force.size]
+    places = [place for place, is_new in zip(places, new, strict=True) if is_new]
+    u, v = displacement[new], force[new]
+    peak = _peak_of(v) if v.size else 0
+    back = np.diff(u, prepend=-np.inf) <= 0
+    if back[: peak + 1].any():
+        n = int(np.argmax(back))
+        what = f"the displacement goes from {u[n - 1]:g} to {u[n]:g} m"
+        allowed = "displacements that increase, of one push without unloading"
+        raise ValueError(f"{places[n]}: {what}; allowed: {allowed}")
+    for n in np.flatnonzero((np.abs(u) <= small[0]) & (np.arange(u.size) > peak))[:1]:
+        raise ValueError(f"{places[n]}: a second push begins; allowed: one, so take the other out")
+    end = int(np.argmax(back)) if back.any() else u.size
+    u, v = u[:end], v[:end]
+    if u.size < FEWEST:
+        raise ValueError(f"pushover has {u.size} points; allowed: {FEWEST} or more")
+    if u[0] != 0 or v[0] != 0:
+        what = f"the curve begins at {u[0]:g} m and {v[0]:g} N; allowed: 0 and 0"
+        raise ValueError(f"{places[0]}: {what}, so take off what the permanent loads cause")
+    if n := int(np.argmax(np.append(1.0, v[1 : peak + 1]) <= 0)):
+        raise ValueError(f"{places[n]}: the base shear is {v[n]:g} N; allowed: positive ones")
+    if peak == 1:
+        what = f"the base shear falls from the start, from {v[1]:g} to {v[2]:g} N"
+        raise ValueError(f"{places[2]}: {what}; allowed: a later peak, so give points in between")
+    return u, v
+
+
+def _peak_of(force: Array) -> int:
+    """Index of the last point with the largest base shear, as far as the curve is known."""
+    return int(np.flatnonzero(force >= (1 - FLAT) * force.max())[-1])
+
+
+def _curve_of(pushover: object) -> tuple[Array, Array]:
+    """Displacements [m] and base shears [N] of a curve, checked."""
+    if not isinstance(pushover, xr.DataArray) or pushover.dims != (DISPLACEMENT,):
+        allowed = "an xarray.DataArray over displacement alone, as read_pushover gives it"
+        raise TypeError(f"pushover = {brief(pushover)}; allowed: {allowed}")
+    arrays = pushover[DISPLACEMENT], pushover
+    for array, units in zip(arrays, ("m", "N"), strict=True):
+        stated = array.attrs.get("units")
+        if stated != units or array.dtype.kind not in "iuf" or not np.isfinite(array).all():
+            what = f"pushover has {array.dtype} values in {brief(stated)}"
+            raise ValueError(
+                f"{what}; allowed: finite numbers in {units}, which its attribute units says"
+            )
+    displacement, force = (array.to_numpy().astype(float) for array in arrays)
+    return checked_curve(displacement, force, [f"pushover, point {n}" for n in range(1, force.size + 1)])
+
+
+def _hardening(ratio: float, method: str) -> float:
+    """The hardening ratio of an idealization, or the least one with a warning."""
+    if ratio >= LEAST_HARDENING:
+        return ratio
+    warnings.warn(
+        f"pushover: the hardening ratio by {method} is {ratio:.3g}; {LEAST_HARDENING:g} is taken, since "
+        "with less a building drifts away; give hardening, or another method",
+        DoubtfulInput,
+        stacklevel=4,
+    )
+    return LEAST_HARDENING
+
+
+def _first_at(u: Array, v: Array, force: float) -> float:
+    """Displacement at which a curve first has this base shear."""
+    n = int(np.argmax(v >= force))
+    return float(u[n - 1] + (u[n] - u[n - 1]) * (force - v[n - 1]) / (v[n] - v[n - 1]))
+
+
+def _eurocode_8(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
+    """Elastic-perfectly plastic, with the energy of the curve: forces at yield and end, and between."""
+    force = float(v.max())
+    _check_bend(u, force, energy)
+    return force, 2 * (float(u[-1]) - energy / force), force
+
+
+def _asce_41(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
+    """The same with equal area, an end on the curve, and a first line through it at 0.6 of yield."""
+    most, last = float(v.max()), float(v[-1])
+    _check_bend(u, last, energy)
+
+    def at_yield(force: float) -> float:
+        return _first_at(u, v, 0.6 * force) / 0.6
+
+    def excess(force: float) -> float:
+        """Twice the area of the idealization beyond that of the curve, over the latter."""
+        return (force * u[-1] + last * (u[-1] - at_yield(force))) / energy - 2
+
+    force = most
+    if excess(most) > EQUAL:  # else it hardly hardens, or has no such idealization
+        force = float(scipy.optimize.brentq(excess, 1e-6 * most, most, xtol=1e-9 * most))
+    if abs(excess(force)) > 1e3 * EQUAL:
+        what = "pushover: no two lines have its area and cross it at 0.6 of the yield force"
+        raise ValueError(f"{what}; allowed: a curve that flattens, or method='eurocode_8'")
+    return force, at_yield(force), last
+
+
+def _check_bend(u: Array, last: float, energy: float) -> None:
+    """Raise a ValueError for a curve that is not above the straight line to its end."""
+    if energy < 0.5 * u[-1] * last * (1 + BEND):
+        what = f"pushover does not bend up to {u[-1]:g} m, so that it has no yield point"
+        raise ValueError(f"{what}; allowed: a curve that is pushed into yielding and flattens")
+
+
+_METHODS = {"eurocode_8": _eurocode_8, "asce_41": _asce_41}

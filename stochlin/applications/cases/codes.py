@@ -1,0 +1,165 @@
+"""Building codes as an engineer applies them: displacements of a design times its factors."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.cases.reading.codes import factors_of
+from stochlin.applications.cases.rows import neighbours_of, of_codes, one_or_two
+from stochlin.applications.separation.rules import Rule, code_rules
+from stochlin.applications.separation.separation import COMBINED, gaps_by_height, judged_rules
+from stochlin.applications.separation.storeys import of_storeys, weights
+from stochlin.applications.separation.variables import VARIABLES
+from stochlin.applications.sites.design_spectra import reduced_eurocode_8
+from stochlin.applications.sites.spectra import interpolated
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.rules.codes import BEHAVIOUR, CODE_RULES, IMPORTANCE, CodeRule, Neighbours
+from stochlin.models.systems import arrangement_of, first_mode
+from stochlin.solver.tables import labels
+
+if TYPE_CHECKING:
+    from stochlin.applications.cases.reading.buildings import Building
+    from stochlin.applications.cases.reading.case import Case
+
+APPLIED, KIND = "_applied", "applied"  # end of the names of such rules, and their kind
+APPLY = (
+    "A code as you apply it: displacements under design forces times the factors of the code, combined "
+    "as the code asks."
+)
+GIVEN, BY_SPECTRUM = "given", "of the first mode under the design spectrum"
+EC8 = "eurocode_8"  # name of its rule and of its spectrum
+LIMITED = (
+    "design spectrum of 3.2.2.5 with its branch below TB and its lower bound 0.2 ag; q times its "
+    "displacement is not taken above that of the elastic spectrum (4.3.4)"
+)
+
+
+def with_applied_codes(case: Case, table: xr.Dataset) -> xr.Dataset:
+    """The separation of a case with a row more for each code as its engineer applies it.
+
+    A code that takes no displacements has its row already.
+    """
+    codes = (CODE_RULES[name] for name in case.codes)
+    rules = [_applied(case, code, table) for code in codes if code.multiplies]
+    if not rules:
+        return table
+    required = float(table.gap[0])
+    applied = judged_rules(rules, table.separation_samples, case.wanted.confidence, required)
+    applied = applied.assign_coords(kind=("rule", [KIND] * len(rules)))
+    if "height" in table.dims:
+        applied = applied.merge(gaps_by_height([rule.gaps for rule in rules], table.height.values))
+        for end in labels.ENDS:
+            applied[f"gap_at_height_{end}"] = xr.full_like(applied.gap_at_height, np.nan)
+    whole = xr.concat([table, applied], "rule", data_vars="minimal", coords="minimal", compat="override")
+    whole = labels.label(whole, VARIABLES)
+    return whole.assign_attrs(comment=f"{APPLY} {COMBINED}")
+
+
+def sources(case: Case) -> str:
+    """Where the displacements of the buildings come from."""
+    parts: dict[str, list[str]] = {}
+    for building in one_or_two(case):
+        where = GIVEN if building.form.displacements else BY_SPECTRUM
+        parts.setdefault(where, []).append(building.name)
+    return ", ".join(f"those of {' and '.join(names)} are {where}" for where, names in parts.items())
+
+
+def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
+    """A code as the engineer applies it, at each height at which the buildings could meet."""
+    buildings, heights = one_or_two(case), np.atleast_1d(table.get("height", np.nan))
+    name, nothing = f"{rule.name}{APPLIED}", np.full(heights.size, np.nan)
+    for building in buildings:
+        if lacking := _beyond(case, building):
+            return Rule(name, "code", nothing, missing=f"{building.name} lacks {lacking}")
+    structures = [building.structure for building in buildings]
+    system = arrangement_of(structures)
+    floors = np.concatenate([design_displacements(case, building, rule) for building in buildings])
+    numbers = range(len(buildings))
+    peaks = np.array([[weights(system, n, z) @ floors for z in heights] for n in numbers])
+    tall: tuple[Any, ...] = tuple(building.height for building in buildings)
+    neighbours = Neighbours(**neighbours_of(case))
+    if any(isinstance(structure, MultistoreyBuilding) for structure in structures):
+        neighbours = of_storeys(neighbours, structures, tall)
+        tall = (heights,) * len(buildings)
+    factors = _factors(rule, [factors_of(building) for building in buildings])
+    (row,) = (
+        row
+        for row in code_rules(peaks, tall, neighbours, of_codes(case), case.wanted.of_rules(), factors)
+        if row.name == rule.name
+    )
+    return replace(row, name=name, assumptions=f"{row.assumptions}; {_stated(case, rule)}")
+
+
+def design_displacements(case: Case, building: Building, rule: CodeRule) -> Array:
+    """Displacements of the floors of a building under the design forces of a code [m].
+
+    They are those of the file, or those of the first mode under the spectrum of the site, reduced by the
+    behaviour factor. By Eurocode 8 they are those of its design spectrum, but ``q`` times them is not
+    taken above the displacement of the elastic spectrum, as 4.3.4 allows.
+    """
+    if building.form.displacements:
+        return np.array(building.form.displacements)
+    mode, spectrum = first_mode(building.structure), case.site.spectrum
+    assert spectrum is not None
+    period = float(mode.arrays()["period"])
+    at = interpolated(spectrum.period.values, spectrum.values, np.array([period]))
+    structure = building.structure
+    shape = (
+        structure.first_mode_moves().values if isinstance(structure, MultistoreyBuilding) else np.ones(1)
+    )
+    behaviour, importance = (factors_of(building).get(name, 1.0) for name in (BEHAVIOUR, IMPORTANCE))
+    elastic = shape * at * (period / (2 * np.pi)) ** 2
+    displacements: Array = rule.under_design_forces(elastic, behaviour, importance)
+    if _reduces(case, building, rule):
+        reduced = reduced_eurocode_8(spectrum, period, behaviour)
+        displacements *= min(1.0, behaviour * reduced / at[0])
+    return displacements
+
+
+def _reduces(case: Case, building: Building, rule: CodeRule) -> bool:
+    """Whether the design spectrum of Eurocode 8 is used, with a known behaviour factor."""
+    code = "" if case.site.spectrum is None else case.site.spectrum.attrs.get("code")
+    by_spectrum = not building.form.displacements and BEHAVIOUR in factors_of(building)
+    return by_spectrum and rule.name == EC8 == code
+
+
+def _factors(rule: CodeRule, factors_of_each: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """The factors of both buildings as `code_gaps` takes them; one that has no effect is 1."""
+    factors = {
+        f"{rule.multiplies}_{n}": each.get(rule.multiplies, 1.0)
+        for n, each in enumerate(factors_of_each, start=1)
+    }
+    names = "importance", "importance_2"
+    importances = (each.get(IMPORTANCE, 1.0) for each in factors_of_each)
+    return factors | dict(zip(names, importances, strict=False))
+
+
+def _stated(case: Case, rule: CodeRule) -> str:
+    """The displacements of the buildings and the factors of the code, in words."""
+    sentences = [f"displacements: {sources(case)}"]
+    if any(_reduces(case, building, rule) for building in one_or_two(case)):
+        sentences.append(LIMITED)
+    for name in (rule.multiplies, *([IMPORTANCE] if rule.over_importance else [])):
+        factors = (f"{factors_of(building).get(name, 1.0):g}" for building in one_or_two(case))
+        sentences.append(f"{rule.called[name]}: {' and '.join(factors)}")
+    return "; ".join(sentences)
+
+
+def _beyond(case: Case, building: Building) -> str:
+    """Why the spectrum of the site has no value for a building; empty if it has, or is not needed."""
+    if building.form.displacements or case.site.spectrum is None:
+        return ""
+    period = case.site.spectrum.period.values
+    shortest, longest = period[period > 0][[0, -1]]
+    if shortest <= building.period <= longest:
+        return ""
+    return (
+        f"displacements: its period of {building.period:.3g} s is not in the design spectrum, which is "
+        f"known from {shortest:.3g} to {longest:.3g} s"
+    )

@@ -1,0 +1,66 @@
+"""Comparison of mitigation measures for the two buildings of a case."""
+
+from __future__ import annotations
+
+import re
+
+import xarray as xr
+
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.rows import error_of, gap_of, motion_of, named_errors, pair_of
+from stochlin.applications.cases.shaking import LEVELS, MOST_RECORDS, shaking_of, share_apart
+from stochlin.applications.cases.variables import RECORDED
+from stochlin.applications.mitigation.mitigation import mitigate
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.solver.tables import labels
+
+
+def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
+    """The measures of a case compared, and the least sufficient ones, by `stochlin.mitigate`.
+
+    The case needs two buildings and an existing gap; errors name the file and the cure. Pounding is
+    computed in the records if the case has records, a contact and all masses. ``progress`` is called
+    with the share of the rows that is done.
+    """
+    (first, second), gap = pair_of(case), gap_of(case)
+    if gap is None:
+        cure = 'write existing = "5 cm" in [separation], "0 cm" for buildings that touch'
+        raise error_of(case, f"measures are compared for the existing gap; {cure}")
+    pounding = case.site.records and case.contact and first.weighed and second.weighed
+    in_records = {"contact": case.contact, "records": dict(case.site.records) if pounding else None}
+    ground, options = case.site.sampled_ground, {**motion_of(case), **in_records, "progress": progress}
+    with named_errors(case):
+        table = mitigate(
+            first.sampled, second.sampled, ground, gap=gap, measures=case.measures, **options
+        )
+    table = table.assign(shaking_of(case).data_vars)
+    table = table.assign_coords(measure=table.measure.copy(data=_of_buildings(case, table)))
+    if pounding and len(case.site.records) > MOST_RECORDS:
+        table = table.assign(_over_records(case, table))
+    return table.assign_attrs(title=f"{case.title}: {table.attrs['title']}", case=case.title)
+
+
+def _of_buildings(case: Case, table: xr.Dataset) -> list[str]:
+    """The names of the measures; those that are sought name the buildings as the file does."""
+    first, second = (building.name for building in pair_of(case))
+    names = zip(table.measure.values.tolist(), table.kind.values, strict=True)
+    own = {"structure 1": first, "structure 2": second}
+    return [
+        re.sub("structure [12]", lambda part: own[part[0]], name) if kind == "least" else name
+        for name, kind in names
+    ]
+
+
+def _over_records(case: Case, table: xr.Dataset) -> xr.Dataset:
+    """Quantiles over many records, and the share of records without an impact, for each measure."""
+    known = table.amplification_1.notnull()
+    quiet = table.largest_force.where(table.impacts > 0, 0.0)  # without an impact the force is 0
+    columns = {name: table[name] for name in ("amplification_1", "amplification_2", "impacts")}
+    of_records = xr.Dataset({**columns, "largest_force": quiet}).where(known)
+    quantiles = of_records.quantile(LEVELS, "record", skipna=False)
+    quantiles = quantiles.rename({name: f"record_{name}" for name in quantiles.data_vars})
+    apart = share_apart(case, table.impacts, 0.5)
+    of_all = known.all("record")
+    quantiles = quantiles.assign({name: share.where(of_all) for name, share in apart.items()})
+    level = labels.axis("quantile", "quantile", quantiles["quantile"].to_numpy())
+    return labels.label(quantiles.assign_coords(quantile=level), RECORDED)

@@ -1,0 +1,398 @@
+"""The buildings of a case file: as an oscillator, by storeys, or by modes."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from itertools import pairwise
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.buildings.modes import DIRECTIONS, read_modes
+from stochlin.applications.buildings.pushover import bilinear_of
+from stochlin.applications.buildings.pushover_files import read_pushover
+from stochlin.applications.cases.reading.kinds import (
+    TEXT,
+    TRUTH,
+    Key,
+    ListOf,
+    Quantity,
+    Word,
+    integer,
+    key,
+    keys_of,
+    keys_of_model,
+    of,
+)
+from stochlin.applications.cases.reading.site import Site
+from stochlin.applications.cases.reading.tables import Form, Table
+from stochlin.messages import DoubtfulInput
+from stochlin.models.buildings import (
+    ModalBuilding,
+    MultistoreyBuilding,
+    RegularBuilding,
+    ShearBuilding,
+)
+from stochlin.models.buildings.base import MOST_STOREYS
+from stochlin.models.laws import laws_in_numbers
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Range
+from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.rules.codes import AT_LEAST_1, OF_IMPORTANCE
+from stochlin.models.systems import slabs_on_columns
+from stochlin.models.uncertain import applied, median_of
+from stochlin.solver.linearization.drift_map import calibrated_closure
+from stochlin.solver.linearization.strength import DuctilityTarget, strength_for_ductility
+
+CODE_FACTOR = Quantity("1", AT_LEAST_1, PLAUSIBLE["behaviour"])
+PARTICIPATION = Quantity("1", Range(1.0, 3.0, True, True, "1 for one storey, about 1.3 to 1.6 for more"))
+HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
+MOVE = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
+DIVISOR = Quantity("1", OF_IMPORTANCE)
+TWO_MODES = ListOf(integer(1, MOST_STOREYS), length=2)
+SHARES = 0.4, 1.05  # plausible effective masses of a first mode, over the whole mass
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfBuilding(Form):
+    """Keys of every building; ``more`` are the parameters of its hysteresis law."""
+
+    one_called = "strength"
+    goes_with: ClassVar[Sequence[tuple[str, str]]] = (
+        ("pushover_method", "pushover"),
+        ("pushover_units", "pushover"),
+    )
+    at_most = (("storey_height", "heights"),)
+    of_law: ClassVar[Mapping[str, Any]] = {"single": "alone"}  # one number for all elements, or a list
+
+    name: str = key(TEXT, "Name in results", "")
+    law: str = key(Word(laws_in_numbers), "Hysteresis law", "bilinear")
+    damping: Any = of(Bilinear, "damping")
+    hardening: Any = of(Bilinear, "hardening", default=None)
+    elastic: bool = key(TRUTH, "It does not yield", False)
+    pushover: str = key(TEXT, "File of its pushover curve", "")
+    pushover_method: str = key(Word(("asce_41", "eurocode_8")), "Idealization of the curve", "asce_41")
+    pushover_units: Any = key(ListOf(TEXT, length=2), "Units of displacement and force in it", None)
+    displacements: Any = key(ListOf(MOVE, "listed"), "Displacements under design forces", ())
+    behaviour_factor: float | None = key(CODE_FACTOR, "Behaviour factor of the code", None)
+    displacement_factor: float | None = key(CODE_FACTOR, "Displacement factor of the code", None)
+    importance_factor: float | None = key(DIVISOR, "Importance factor of the code", None)
+
+    @classmethod
+    def keys(cls, table: Table) -> dict[str, Key]:
+        """With the parameters of the law."""
+        law = laws_in_numbers().get(str(table.values.get("law", "bilinear")))
+        names = law.own_parameters() if law else ()
+        return keys_of(cls) | keys_of_model(law, names, **cls.of_law)
+
+    @classmethod
+    def elsewhere(cls, table: Table, name: str) -> str:
+        """Whether a key is a parameter of another law."""
+        law = table.values.get("law", "bilinear")
+        owners = (other for other, kind in laws_in_numbers().items() if name in kind.own_parameters())
+        owner = next(owners, "")
+        what = f'belongs to law = "{owner}", not to "{law}"; write that law, or leave it out'
+        return what if owner else ""
+
+    def model(self) -> Any:
+        """The structure, maybe uncertain."""
+        return self._pushed(self.described()) if self.pushover else self.described()
+
+    def described(self) -> Any:
+        """The structure without what a curve changes."""
+        raise NotImplementedError
+
+    def of_hardening(self) -> dict[str, Any]:
+        """The hardening of a building whose keys give its strength."""
+        if self.elastic or self.pushover:
+            return {}
+        if self.hardening is None:
+            raise self.missing("hardening")
+        return {"hardening": self.hardening}
+
+    def with_curve(self, structure: Any, ideal: xr.Dataset) -> Any:
+        """The structure with the strength of an idealized pushover curve."""
+        return structure.with_pushover(ideal)
+
+    def _pushed(self, elastic: Any) -> Any:
+        """An elastic structure, maybe uncertain, with what its pushover curve says."""
+        units = self.pushover_units or (None, None)
+        with self.table.naming("pushover"):
+            path = self.table.path("pushover")
+            curve = read_pushover(path, length_units=units[0], force_units=units[1])
+            ideal = bilinear_of(curve, self.pushover_method, hardening=self.hardening)
+            self.with_curve(median_of(elastic), ideal)  # with its warnings
+
+        def quietly(structure: Any) -> Any:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", DoubtfulInput)
+                return self.with_curve(structure, ideal)
+
+        return applied(quietly, elastic)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Oscillator(OfBuilding):
+    """A building as one oscillator."""
+
+    described_as = "a building without storeys"
+    one_of = ("reduction_factor", "yield_displacement", "ductility", "pushover", "elastic")
+    goes_with: ClassVar[Sequence[tuple[str, str]]] = (
+        *OfBuilding.goes_with,
+        ("participation", "pushover"),
+    )
+    of_law: ClassVar[Mapping[str, Any]] = {"uncertain": True}
+
+    period: Any = of(Bilinear, "period")
+    reduction_factor: Any = of(Bilinear, "reduction_factor", default=None)
+    yield_displacement: Any = of(Bilinear, "yield_displacement", default=None)
+    ductility: Any = of(DuctilityTarget, "ductility", default=None, uncertain=False)
+    mass: Any = of(Bilinear, "mass", default=None)
+    height: float | None = key(HEIGHT, "Height", None)
+    storeys: int | None = key(integer(1), "Storeys", None)
+    participation: float | None = key(PARTICIPATION, "Displacement of the roof over its own", None)
+
+    def described(self) -> Any:
+        """The oscillator, elastic until `Building.on` finds a strength for its ductility."""
+        names = "period", "damping", "reduction_factor", "yield_displacement", "mass"
+        values = {**self.given(*names), **self.of_hardening(), **self.more}
+        return self.table.made(laws_in_numbers()[self.law], **values)
+
+    def with_curve(self, structure: Any, ideal: xr.Dataset) -> Any:
+        """The oscillator of the curve, which moves less than the roof."""
+        if self.participation is None:
+            raise self.missing("participation")
+        softer = float(np.sqrt(ideal.initial_stiffness / ideal.effective_stiffness))
+        if structure.mass is not None:
+            stiffness = float(ideal.initial_stiffness) * self.participation
+            share = stiffness * (structure.period / (2 * np.pi)) ** 2 / structure.mass
+            if not SHARES[0] < share < SHARES[1]:
+                what = f"its stiffness and the period give {share:.3g} of the mass as effective mass"
+                self.table.warn("pushover", f"is doubtful: {what}; check units, period and mass")
+        return replace(
+            structure,
+            period=structure.period * softer,
+            hardening=float(ideal.hardening),
+            yield_displacement=float(ideal.yield_displacement) / self.participation,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Storeyed(OfBuilding):
+    """Keys of every chain of storeys."""
+
+    described_as = "a building by its storeys"
+
+    storeys: int | None = key(integer(1, MOST_STOREYS), "Storeys", None)
+    storey_height: float | None = of(ShearBuilding, "heights", "Storey height", None, uncertain=False)
+    heights: Any = of(ShearBuilding, "heights", "Heights of storeys", None, uncertain=False, single="")
+    dampers: Any = of(ShearBuilding, "dampers", default=None, single="alone")
+    p_delta: bool = key(TRUTH, "Weight softens storeys (P-delta)", False)
+    damping_modes: Any = key(TWO_MODES, "Two modes with the damping ratio", None)
+
+    def shared(self) -> dict[str, Any]:
+        """Arguments of both ways to make a chain."""
+        names = "damping", "dampers", "law", "p_delta", "damping_modes"
+        return {**self.given(*names), "law_parameters": self.more, **self.of_hardening()}
+
+    def each_height(self) -> Any:
+        """Height of every storey, or a list."""
+        if self.heights is None and self.storey_height is None:
+            raise self.missing("storey_height")
+        return self.storey_height if self.heights is None else self.heights
+
+
+@dataclass(frozen=True, kw_only=True)
+class Regular(Storeyed):
+    """A building with equal floors, by a few numbers."""
+
+    one_of = ("base_shear_coefficient", "pushover", "elastic")
+
+    period: Any = of(RegularBuilding, "period")
+    floor_mass: Any = of(RegularBuilding, "mass")
+    base_shear_coefficient: Any = of(RegularBuilding, "base_shear_coefficient", default=None)
+
+    def described(self) -> Any:
+        """The building."""
+        heights = self.each_height()
+        if not isinstance(heights, list) and self.storeys is None:
+            raise self.missing("storeys")
+        return self.table.made(
+            ShearBuilding.regular,
+            period=self.period,
+            storeys=self.storeys or len(heights),
+            storey_height=heights,
+            mass=self.floor_mass,
+            **self.given("base_shear_coefficient"),
+            **self.shared(),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Singly(Storeyed):
+    """A building storey by storey, from the ground up."""
+
+    one_of = ("yield_drifts", "pushover", "elastic")
+
+    masses: Any = of(ShearBuilding, "masses", single="")
+    stiffnesses: Any = of(ShearBuilding, "stiffnesses", single="")
+    yield_drifts: Any = of(ShearBuilding, "yield_drifts", default=None, single="alone")
+
+    def described(self) -> Any:
+        """The building."""
+        heights, count = self.each_height(), np.size(median_of(self.masses))
+        return self.table.made(
+            ShearBuilding,
+            masses=self.masses,
+            stiffnesses=self.stiffnesses,
+            heights=heights if isinstance(heights, list) else [heights] * count,
+            **self.given("yield_drifts"),
+            **self.shared(),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ByModes(OfBuilding):
+    """A building by the modes of a file, as programs of structural analysis write it."""
+
+    described_as = "a building by its modes"
+    one_of = ("yield_displacements", "pushover", "elastic")
+
+    damping: Any = of(ModalBuilding, "damping", single="alone")
+    hardening: Any = of(ModalBuilding, "hardening", default=None, single="alone")
+    yield_displacements: Any = of(ModalBuilding, "yield_displacements", default=None, single="alone")
+    storeys: int | None = key(integer(1, MOST_STOREYS), "Storeys", None)
+    modes: str = key(TEXT, "File of its modes")
+    direction: str | None = key(Word(DIRECTIONS), "Direction of the gap in the file", None)
+    points: list[str] = key(ListOf(TEXT, "listed"), "Points with the shapes, one on each floor", ())
+    tower: str | None = key(TEXT, "Tower or diaphragm in the file", None)
+    mass_units: str | None = key(TEXT, "Unit of the masses in the file", None)
+    length_units: str | None = key(TEXT, "Unit of the levels in the file", None)
+
+    @cached_property
+    def of_modes(self) -> xr.Dataset:
+        """The modes of the file, read once."""
+        options = self.given("direction", "points", "tower", "mass_units", "length_units")
+        with self.table.naming("modes", "cannot be read"):
+            return read_modes(self.table.path("modes"), **options)
+
+    def described(self) -> Any:
+        """The building."""
+        values = {**self.given("damping", "law", "yield_displacements"), **self.of_hardening()}
+        make = ModalBuilding.from_table
+        return self.table.made(make, table=self.of_modes, law_parameters=self.more, **values)
+
+
+FORMS = (Oscillator, Regular, Singly, ByModes)
+
+
+@dataclass(frozen=True)
+class Building:
+    """A building of a case; ``sampled`` has its uncertain parameters, ``structure`` their medians."""
+
+    name: str
+    sampled: Any
+    form: Any
+
+    @cached_property
+    def structure(self) -> Any:
+        """The structure at the medians of its parameters."""
+        return median_of(self.sampled)
+
+    @property
+    def strength(self) -> str:
+        """The key that gives the strength."""
+        return str(self.form.chosen())
+
+    @property
+    def has_storeys(self) -> bool:
+        """Whether its floors are known."""
+        return isinstance(self.structure, MultistoreyBuilding)
+
+    @property
+    def height(self) -> float | None:
+        """Level of the roof [m], if it is known."""
+        return float(self.structure.levels()[-1]) if self.has_storeys else self.form.height
+
+    @property
+    def storeys(self) -> int | None:
+        """Number of storeys, if it is known."""
+        return int(self.structure.storeys) if self.has_storeys else self.form.storeys
+
+    @property
+    def period(self) -> float:
+        """Period of the first mode, of small oscillations [s]."""
+        structure = self.structure
+        return float(structure.mode_periods()[0] if self.has_storeys else structure.arrays()["period"])
+
+    @property
+    def storey_height(self) -> float | None:
+        """Mean storey height [m], if it is known."""
+        return self.height / self.storeys if self.height and self.storeys else None
+
+    @property
+    def weighed(self) -> bool:
+        """Whether its mass is known."""
+        return self.has_storeys or self.structure.mass is not None
+
+    @property
+    def turning(self) -> str:
+        """Modes of its file that turn in plan."""
+        modes = self.form.of_modes if isinstance(self.form, ByModes) else xr.Dataset()
+        return str(modes.attrs.get("turning", ""))
+
+    def on(self, site: Site) -> Building:
+        """The building with the strength that gives it its ductility on the ground of a site."""
+        if self.strength != "ductility":
+            return self
+        ground = site.ground
+        closure = calibrated_closure(self.structure, ground)
+        with self.form.table.naming("ductility", "has no strength"):
+            solved = strength_for_ductility(self.structure, ground, self.form.ductility, closure=closure)
+        factor = float(solved.reduction_factor)
+        return replace(self, sampled=applied(partial(replace, reduction_factor=factor), self.sampled))
+
+
+def read_building(table: Table, number: int) -> Building:
+    """A building by the form that has most of its keys."""
+    form: Any = table.read(*((ByModes,) if "modes" in table else FORMS))
+    building = Building(form.name or f"Building {number}", form.model(), form)
+    floors = building.storeys if building.has_storeys else 1
+    counts = {"storeys": form.storeys, "displacements": len(form.displacements)}
+    for name in counts if building.has_storeys else ["displacements"]:
+        if counts[name] not in (None, 0, floors):
+            raise table.error(name, f"does not fit {floors} floors; allowed: {floors}")
+    if building.has_storeys and not form.elastic:
+        for warning in building.structure.doubts():
+            table.warn(building.strength, f"is doubtful: {warning}")
+    return building
+
+
+class SlabOnColumn(NamedTuple):
+    """A floor slab at a level [m] where its neighbour, ``column_of`` from the left, has columns."""
+
+    column_of: int
+    level: float
+    words: str
+
+
+def slabs_of_row(buildings: Sequence[Building]) -> tuple[SlabOnColumn, ...]:
+    """Slabs that meet columns, of all neighbours whose floors are known, pair by pair from the left."""
+    slabs = []
+    for number, pair in enumerate(pairwise(buildings), start=1):
+        if not all(building.has_storeys for building in pair):
+            continue
+        levels = [building.structure.levels() for building in pair]
+        for side, floor in slabs_on_columns(*levels):
+            level, other = float(levels[side][floor - 1]), 1 - side
+            storey = int(np.searchsorted(levels[other], level)) + 1
+            words = (
+                f"floor {floor} of {pair[side].name}, at {level:g} m, meets the columns in storey "
+                f"{storey} of {pair[other].name}"
+            )
+            slabs.append(SlabOnColumn(number + other, level, words))
+    return tuple(slabs)

@@ -1,0 +1,443 @@
+"""The tables [site] and [motion] of a case file: ground, spectrum, strength, records, envelope."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from itertools import islice
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.cases.reading.hazards import EXAMPLE, YEARS, read_hazard_of
+from stochlin.applications.cases.reading.kinds import (
+    COLUMN,
+    TEXT,
+    Inner,
+    Key,
+    Quantity,
+    Word,
+    integer,
+    key,
+    keys_of,
+    keys_of_model,
+    of,
+)
+from stochlin.applications.cases.reading.records import (
+    FACTOR,
+    PEAK,
+    RESPONSE,
+    TIME,
+    Suite,
+    check_names,
+    read_single_records,
+)
+from stochlin.applications.cases.reading.tables import Form, Table
+from stochlin.applications.records.ground_fit import fitted_grounds
+from stochlin.applications.records.spectra import ESTIMATORS
+from stochlin.applications.sites.design_spectra import asce_7, eurocode_8
+from stochlin.applications.sites.ground_fit import fit_ground
+from stochlin.applications.sites.intensity import paths_for, scale_ground
+from stochlin.applications.sites.motion_fit import (
+    FILTERS,
+    OTHER_COMPONENT,
+    USES,
+    UsualScatter,
+    between_components,
+    checked_components,
+    energy_ratio,
+    fit_motion,
+)
+from stochlin.applications.sites.spectra import BETWEEN, read_spectrum
+from stochlin.messages import hint, listed
+from stochlin.models.arguments import SCATTER
+from stochlin.models.envelopes import ENVELOPES, Envelope
+from stochlin.models.grounds import GROUNDS, MOST_FILTERS, Ground, WhiteNoise
+from stochlin.models.grounds.named import ground_names, named_ground
+from stochlin.models.hazards import Hazard
+from stochlin.models.parameters import POSITIVE, Range
+from stochlin.models.plausible import PLAUSIBLE
+from stochlin.models.uncertain import UncertainModel, median_of
+
+FITTED, NONE = "fitted", "none"
+STRENGTHS = ("intensity", "pga", "sa", "return_period")
+AG, SDS = (Quantity("m/s^2", POSITIVE, PLAUSIBLE[name]) for name in ("ag", "sds"))
+SPREAD = Quantity("1", SCATTER.allowed)  # of a logarithm
+DAMPING = Quantity("1", Range(0.0, 1.0))
+LIKE = 0.8, 1.25  # energy of motions over that of a record without a warning
+
+
+def grounds() -> list[str]:
+    """Grounds by name and by their parameters."""
+    return [*ground_names(), *GROUNDS]
+
+
+# --- the table [motion] ---
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfMotion(Form):
+    """Keys of every motion."""
+
+    scatter: float | None = key(SPREAD, "Scatter of the strength between earthquakes", None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion(OfMotion):
+    """Duration and envelope of the motions."""
+
+    envelope: str = key(Word(lambda: [*ENVELOPES, NONE, FITTED]), "Envelope", NONE)
+    duration: float = key(TIME, "Duration")
+
+    @classmethod
+    def keys(cls, table: Table) -> dict[str, Key]:
+        """With the parameters of the envelope."""
+        return keys_of(cls) | keys_of_model(ENVELOPES.get(str(table.values.get("envelope"))))
+
+    def shape(self) -> Envelope | None:
+        """The envelope, or None."""
+        if self.envelope == NONE:
+            return None
+        envelope: Envelope = self.table.made(ENVELOPES[self.envelope], **self.more)
+        if warning := envelope.doubt(self.duration):
+            self.table.warn("duration", f"is doubtful: {warning}")
+        return envelope
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionOfRecord(OfMotion):
+    """A motion that is fitted to the first records, together with the ground."""
+
+    envelope: str = key(Word((FITTED,)), "Envelope")
+    components: int = key(integer(1, 2), "Number of components that are fitted to", 1)
+
+
+# --- the table [site] ---
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfSite(Form):
+    """Keys of every site."""
+
+    records: list[Table] = key(Inner(several=True), "Recorded motions", ())
+    suite: Table | None = key(Inner(), "A suite of records", None)
+    hazard: Table | None = key(Inner(), "Hazard", None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scaled(OfSite):
+    """A site whose strength may be that of its motions."""
+
+    at_most = (STRENGTHS,)
+    goes_with = (("sa", "sa_period"), ("sa_period", "sa"))
+
+    pga: float | None = key(PEAK, "Peak acceleration, mean of the motions", None)
+    sa: float | None = key(RESPONSE, "Spectral acceleration, mean of the motions", None)
+    sa_period: float | None = key(TIME, "Its period", None)
+    return_period: float | None = key(YEARS, "Return period of the shaking, from the hazard", None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ByParameters(Scaled):
+    """A ground by its name, or by its kind and its parameters."""
+
+    ground: str = key(Word(grounds), "Name or kind of the ground")
+    intensity: Any = of(WhiteNoise, "intensity", "Intensity S0", None)
+
+    @classmethod
+    def keys(cls, table: Table) -> dict[str, Key]:
+        """With the parameters of the kind of ground."""
+        kind = GROUNDS.get(str(table.values.get("ground")))
+        return keys_of_model(kind, uncertain=True) | keys_of(cls)
+
+    def model(self) -> Any:
+        """The ground, which may be uncertain; of intensity 1 if it is scaled."""
+        if not any(name in self.table for name in STRENGTHS):
+            raise self.missing("intensity")
+        values = {"intensity": 1.0 if self.intensity is None else self.intensity, **self.more}
+        kind = GROUNDS.get(self.ground)
+        return self.table.made(kind or partial(named_ground, self.ground), **values)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OfRecord(Scaled):
+    """A ground that is fitted to the first record."""
+
+    ground: str = key(Word((FITTED,)), "Kind of the ground")
+    model: str = key(Word(fitted_grounds), "Kind of the ground that is fitted", "kanai_tajimi")
+    estimator: str = key(Word(lambda: [*ESTIMATORS]), "What the fit minimizes", "psd")
+
+
+@dataclass(frozen=True, kw_only=True)
+class WithMotionOfRecord(OfSite):
+    """A ground that is fitted to the first records together with the envelope."""
+
+    ground: str = key(Word((FITTED,)), "Kind of the ground")
+    filters: int = key(integer(1, MOST_FILTERS), "Number of filters", FILTERS)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spectrum(OfSite):
+    """Keys of every site by its design spectrum."""
+
+    spectrum: str = key(TEXT, "Code or file of a design spectrum, in place of a ground")
+    filters: int | None = key(integer(1, MOST_FILTERS), "Number of filters of the ground", None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Eurocode8(Spectrum):
+    """The elastic spectrum of EN 1998-1."""
+
+    described_as = 'spectrum = "eurocode_8"'
+
+    ag: float = key(AG, "Acceleration ag")
+    soil: str = key(Word(tuple("ABCDE")), "Ground type")
+    type: int = key(integer(1, 2), "Type of spectrum", 1)
+    damping: float = key(DAMPING, "Damping ratio", 0.05)
+
+    def table_of(self) -> xr.DataArray:
+        """The spectrum."""
+        return eurocode_8(self.ag, self.soil, type=self.type, damping=self.damping)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asce7(Spectrum):
+    """The design spectrum of ASCE 7."""
+
+    described_as = 'spectrum = "asce_7"'
+
+    sds: float = key(SDS, "SDS")
+    sd1: float = key(RESPONSE, "SD1")
+    tl: float = key(TIME, "TL")
+
+    def table_of(self) -> xr.DataArray:
+        """The spectrum."""
+        return asce_7(self.sds, self.sd1, self.tl)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpectrumFile(Spectrum, Scaled):
+    """A spectrum from a file, with a factor."""
+
+    described_as = "spectrum of a file"
+
+    units: str | None = key(TEXT, "Unit of the accelerations in the file", None)
+    column: str | int | None = key(COLUMN, "Column of the accelerations", None)
+    period_column: str | int | None = key(COLUMN, "Column of the periods", None)
+    between: str | None = key(Word(BETWEEN), "What the spectrum is between its points", None)
+    scale: float = key(FACTOR, "Scale of the spectrum", 1.0)
+    damping: float | None = key(DAMPING, "Damping ratio", None)
+
+    def table_of(self) -> xr.DataArray:
+        """The spectrum."""
+        path = self.table.path("spectrum")
+        if not path.exists():
+            known = f"{hint(path.name, CODES)}allowed: {', '.join(CODES)}, or such a file"
+            raise self.table.error("spectrum", f"is neither a code nor a file beside this one; {known}")
+        options = self.given("units", "column", "period_column", "between", "damping")
+        spectrum = read_spectrum(path, **options)
+        return (self.scale * spectrum).assign_attrs(spectrum.attrs)
+
+
+CODES = {"eurocode_8": Eurocode8, "asce_7": Asce7}
+
+
+def _read_form(table: Table, with_motion: bool) -> Any:
+    """The form of the table [site]."""
+    if "spectrum" in table and "ground" in table:
+        raise table.error("ground", "is given beside a spectrum; allowed: one of them")
+    if "spectrum" in table:
+        return table.read(CODES.get(table.text("spectrum"), SpectrumFile))
+    name = table.values.get("ground", "")
+    if with_motion:
+        return table.read(WithMotionOfRecord)
+    if "ground" in table:
+        table.value("ground", Word(lambda: [*grounds(), FITTED]))
+    return table.read(OfRecord if name == FITTED else ByParameters)
+
+
+class Course(NamedTuple):
+    """Duration [s] and envelope of motions, and their ground if it is fitted together with them."""
+
+    duration: float
+    envelope: Envelope | None
+    ground: Ground | None = None
+
+
+@dataclass(frozen=True)
+class Site:
+    """Ground and motions of a case; what has to be fitted or scaled is so when it is first needed.
+
+    ``written`` is the spectrum without the wanted strength, ``described`` the ground of the file, None
+    if it is fitted, and ``goal`` the key of the wanted strength with arguments of `scale_ground`.
+    """
+
+    form: Any
+    motion: Motion | MotionOfRecord
+    single_records: Mapping[str, xr.DataArray]
+    suite: tuple[Suite, dict[str, xr.DataArray]] | None
+    hazard: Hazard | None
+    goal: tuple[str, Mapping[str, Any]] | None
+    written: xr.DataArray | None = field(repr=False)
+    described: Any
+
+    @property
+    def name(self) -> str:
+        """Ground or spectrum as written in the file."""
+        return str(self.form.ground if self.written is None else self.form.spectrum)
+
+    @property
+    def components(self) -> dict[str, xr.DataArray]:
+        """The first record, or the first two, to which ground and motion are fitted."""
+        return dict(islice(self.single_records.items(), getattr(self.motion, "components", 1)))
+
+    @cached_property
+    def course(self) -> Course:
+        """Duration and envelope, which may be fitted to records together with the ground."""
+        if isinstance(self.motion, Motion):
+            return Course(self.motion.duration, self.motion.shape())
+        with self.motion.table.naming("envelope", f"cannot be fitted to {listed(self.components)}"):
+            fitted = fit_motion(self.components, filters=self.form.filters)
+        return Course(fitted.duration, fitted.envelope, fitted.ground)
+
+    @cached_property
+    def usual_scatter(self) -> UsualScatter:
+        """Scatter by default: 0 for a ground by name or by parameters, else that of its use."""
+        if isinstance(self.form, ByParameters):
+            return UsualScatter(0.0, "")
+        if len(self.components) == 2:
+            return between_components(checked_components(self.components))
+        return USES[OTHER_COMPONENT if self.name == FITTED else "spectrum"]
+
+    @property
+    def scatter(self) -> float:
+        """Scatter of the strength between motions [-], of the file or by default."""
+        return float(self.usual_scatter.scatter if self.motion.scatter is None else self.motion.scatter)
+
+    @cached_property
+    def records(self) -> Mapping[str, xr.DataArray]:
+        """The single records, followed by those of the suite, which are scaled to its goal."""
+        if self.suite is None:
+            return self.single_records
+        form, suite = self.suite
+        return {
+            **self.single_records,
+            **form.scaled(suite, self.spectrum if self.goal else self.written),
+        }
+
+    @property
+    def ground(self) -> Ground:
+        """The ground, with its uncertain parameters at their medians."""
+        ground: Ground = median_of(self.sampled_ground)
+        return ground
+
+    @property
+    def sampled_ground(self) -> Any:
+        """The ground as strong as it is wanted, with its uncertain parameters."""
+        return self._scaled[0]
+
+    @cached_property
+    def spectrum(self) -> xr.DataArray | None:
+        """The design spectrum of the site as strong as its ground."""
+        if self.written is None or self.goal is None:
+            return self.written
+        return (np.sqrt(self._scaled[1]) * self.written).assign_attrs(self.written.attrs)
+
+    @cached_property
+    def _scaled(self) -> tuple[Any, float]:
+        """The ground as strong as it is wanted, and the factor on its intensity."""
+        described = self._described()
+        if self.goal is None:
+            return described, 1.0
+        (key, strength), ground = self.goal, median_of(described)
+        duration, envelope, _ = self.course
+        if "intensity" in strength:  # from a hazard of S0
+            scaled = replace(ground, **strength)
+        else:
+            with self.form.table.naming(key, "cannot be met"):
+                scaled = scale_ground(ground, duration, envelope, **strength, paths=paths_for(duration))
+        times = float(scaled.arrays()["intensity"] / ground.arrays()["intensity"])
+        uncertain = isinstance(described, UncertainModel)
+        return described.changed(partial(_times, factor=times)) if uncertain else scaled, times
+
+    def _described(self) -> Any:
+        """The ground before it is scaled."""
+        duration, envelope, fitted = self.course
+        described, table = self.described if fitted is None else fitted, self.form.table
+        if described is not None:
+            return described
+        if self.written is not None:
+            options = {"duration": duration, "envelope": envelope, "filters": self.form.filters}
+            with table.naming("spectrum"):
+                return fit_ground(self.written, **options)
+        name, record = next(iter(self.single_records.items()))
+        with table.naming("ground", f"cannot be fitted to {name}"):
+            ground = fit_ground(record, self.form.model, self.form.estimator)
+        ratio = energy_ratio(record, ground, envelope, duration)
+        if not LIKE[0] <= ratio <= LIKE[1]:
+            self.motion.table.warn(
+                "envelope",
+                f"and the duration give motions with {ratio:.2g} times the energy of the record that "
+                f'the ground is fitted to; for equal energy write envelope = "{FITTED}", without a '
+                "duration",
+            )
+        return ground
+
+
+def _times(ground: Any, factor: float) -> Any:
+    """The ground with its intensity multiplied by a factor."""
+    return replace(ground, intensity=ground.intensity * factor)
+
+
+def read_site(table: Table, of_motion: Table) -> Site:
+    """The tables [site] and [motion] with their files; nothing is fitted or simulated yet."""
+    motion: Any = of_motion.read(
+        Motion if of_motion.values.get("envelope") != FITTED else MotionOfRecord
+    )
+    with_motion = isinstance(motion, MotionOfRecord)
+    form = _read_form(table, with_motion)
+    records = read_single_records(table.tables("records"))
+    if getattr(form, "ground", "") == FITTED and not records:
+        raise table.error("ground", "needs a record to be fitted to; allowed: a [[site.records]]")
+    if with_motion:
+        where = "components" if "components" in of_motion else "envelope"
+        if motion.components > len(records):
+            raise of_motion.error(where, "needs two [[site.records]], both components of one station")
+        with of_motion.naming(where):
+            checked_components(dict(islice(records.items(), motion.components)))
+    spectrum = None
+    if isinstance(form, Spectrum):
+        with table.naming("spectrum"):
+            spectrum = form.table_of()  # type: ignore[attr-defined]
+    suite = None
+    if "suite" in table:
+        of_suite = table.table("suite").read(Suite)
+        if of_suite.scale_to and spectrum is None:
+            what = "is not there: the site has a ground; allowed: pga, sa, or a site by its spectrum"
+            raise of_suite.table.error("scale_to", what)
+        suite = of_suite, of_suite.read()
+        check_names(suite[1], records, of_suite.table)
+    hazard = read_hazard_of(table.table("hazard"))
+    described = form.model() if isinstance(form, ByParameters) else None
+    goal = _goal(form, hazard) if isinstance(form, Scaled) else None
+    site = Site(form, motion, records, suite, hazard, goal, spectrum, described)
+    if not with_motion:
+        _ = site.course
+    return site
+
+
+def _goal(form: Scaled, hazard: Hazard | None) -> tuple[str, dict[str, float]] | None:
+    """The key of the wanted strength, and arguments of `scale_ground`."""
+    if form.pga is not None:
+        return "pga", {"pga": form.pga}
+    if form.sa is not None and form.sa_period is not None:
+        return "sa", {"sa": form.sa, "period": form.sa_period}
+    if form.return_period is None:
+        return None
+    if hazard is None:
+        raise form.table.error("return_period", f"needs a hazard; {EXAMPLE}")
+    with form.table.naming("return_period", "is not in the hazard"):
+        strength = {hazard.measure: float(hazard.intensity(form.return_period))}
+    return "return_period", strength if hazard.period is None else strength | {"period": hazard.period}

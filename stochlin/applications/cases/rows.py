@@ -1,0 +1,112 @@
+"""The buildings of a case in their row: one or two of them, gaps, floors that meet columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from stochlin.applications.cases.reading.buildings import Building
+    from stochlin.applications.cases.reading.case import Case
+
+TOUCHING = 1e-6  # m, in place of a gap of 0: any motion towards each other closes it, and formulas hold
+
+
+def name_of_file(case: Case) -> str:
+    """Name of the case file, for messages."""
+    return case.whole.table.source.name
+
+
+def error_of(case: Case, what: str) -> ValueError:
+    """The error for a case that lacks what an answer needs."""
+    return ValueError(f"{name_of_file(case)}: {what}")
+
+
+@contextmanager
+def named_errors(case: Case, where: str = "") -> Iterator[None]:
+    """Add the file, and the place in it, to errors of the work inside the context."""
+    try:
+        yield
+    except (ValueError, TypeError, ArithmeticError) as error:
+        raise type(error)(f"{name_of_file(case)}{where}: {error}") from error
+
+
+def one_or_two(case: Case) -> tuple[Building, ...]:
+    """The two buildings, or one beside its property line; a ValueError if there are more."""
+    if len(case.buildings) > 2:
+        raise error_of(
+            case,
+            f"describes {len(case.buildings)} buildings; this command needs two, "
+            "building_1 and building_2, so leave the others out; 'stochlin pound' accepts more",
+        )
+    return case.buildings
+
+
+def pair_of(case: Case) -> tuple[Building, Building]:
+    """The two buildings from left to right; a ValueError if there are more or fewer."""
+    buildings = one_or_two(case)
+    if len(buildings) == 1:
+        raise error_of(
+            case,
+            "building_2 is missing; this command needs two buildings: write a "
+            "line [building_2] and its keys below it; only 'stochlin gap' and 'stochlin pound' accept "
+            "one building alone",
+        )
+    return buildings[0], buildings[1]
+
+
+def gap_of(case: Case) -> float | None:
+    """Existing gap of two buildings, or of one and its property line [m], if the file has it."""
+    gaps = case.wanted.existing
+    return (gaps[0] or TOUCHING) if one_or_two(case) and gaps else None
+
+
+def motion_of(case: Case) -> dict[str, Any]:
+    """Arguments of the functions that describe the simulated motions, by name."""
+    return {
+        "duration": case.site.course.duration,
+        "envelope": case.site.course.envelope,
+        "scatter": case.site.scatter,
+        "confidence": case.wanted.confidence,
+        "paths": case.simulated.paths and case.simulated.motions,
+        "seed": case.simulated.seed,
+    }
+
+
+def simulated_as(case: Case, table: xr.Dataset) -> Case:
+    """The case with the number of motions of a result."""
+    return replace(case, simulated=replace(case.simulated, paths=table.attrs["paths"]))
+
+
+def neighbours_of(case: Case) -> dict[str, bool]:
+    """What building codes ask of neighbours, by name; floors do not align where slabs meet columns."""
+    wanted = case.wanted
+    return {
+        "floors_align": wanted.floors_align and not case.slabs,
+        "same_property": wanted.same_property,
+        "same_system": wanted.same_system,
+    }
+
+
+def of_codes(case: Case) -> dict[str, Any]:
+    """Zone, peak ground acceleration of the design [m/s^2] and storeys, for rules of building codes."""
+    pga, spectrum = case.wanted.design_pga, case.site.spectrum
+    if pga is None and spectrum is not None and spectrum.period[0] == 0:
+        pga = float(spectrum[0])
+    storeys = {f"storeys_{n}": building.storeys for n, building in enumerate(one_or_two(case), start=1)}
+    return {"zone": case.wanted.zone, "design_pga": pga, **storeys}
+
+
+def unlike_storeys(case: Case) -> tuple[Building, Building] | None:
+    """Neighbours with different mean storey heights, whose floor levels are not all known."""
+    for building, other in pairwise(case.buildings):
+        left, right = building.storey_height, other.storey_height
+        known = building.has_storeys and other.has_storeys
+        if not known and left is not None and right is not None and abs(left - right) > 0.01 * left:
+            return building, other
+    return None

@@ -1,0 +1,238 @@
+"""Results for a case: separation or set-back, limits of an existing gap, risk, and site spectrum."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.cases.codes import APPLIED, with_applied_codes
+from stochlin.applications.cases.reading.case import Case
+from stochlin.applications.cases.reading.codes import FEWEST_PATHS
+from stochlin.applications.cases.rows import (
+    gap_of,
+    motion_of,
+    named_errors,
+    neighbours_of,
+    of_codes,
+    one_or_two,
+    simulated_as,
+)
+from stochlin.applications.cases.shaking import MOST_RECORDS, doubts, over_records, shaking_of
+from stochlin.applications.risk.risk import RiskInputs, SimulatedRisk, Target
+from stochlin.applications.risk.variables import VARIABLES
+from stochlin.applications.sensitivity.sensitivity import sensitivity
+from stochlin.applications.separation.existing_gap import existing_gap
+from stochlin.applications.separation.separation import separation
+from stochlin.applications.sites.motion_fit import checked_components, periods_of_fit
+from stochlin.applications.sites.simulated_spectra import Motions, compared_spectrum, simulated_spectrum
+from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.kernels.simulation.stepping import whole_groups
+from stochlin.messages import DoubtfulInput
+from stochlin.models.parameters import Model
+from stochlin.models.rules.codes import CODE_RULES
+from stochlin.models.uncertain import UncertainModel
+from stochlin.solver.tables import labels
+
+HAZARD = ": site.hazard cannot be used"
+POINTS, SPECTRUM_PATHS = 401, 512
+OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
+SEARCHES = 0.95  # share of the remaining work for the existing gap, if there is one
+WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
+USUAL_PATHS, FEW_PATHS = 512, 128  # motions for the sensitivities
+BAND = 0.2, 1.5  # of the shortest and of the longest period of buildings, in which spectra are compared
+AROUND = 5.0  # factor of the range of the spectrum beyond the periods of buildings and ground
+YEARS = 50.0  # default time of the probability of pounding [yr]
+SHARE = 4  # motions of the case over those at each of the 13 intensities
+PREFIX, GAP, OF = "risk_", "risk_gap", "risk_of"
+USUAL = ("simulation", "srss", "eq_3_linearized", "eq_3_drift", "eq_3_paper")  # rules that are shown
+KEPT = ("required_gap", "required_gap_lower", "required_gap_upper", "target_rate")
+
+
+@dataclass(frozen=True)
+class CaseAnswer:
+    """A case and its results; ``existing`` is None if there is no existing gap."""
+
+    case: Case
+    separation: xr.Dataset
+    existing: xr.Dataset | None
+    spectrum: xr.Dataset
+    shaking: xr.Dataset  # mean intensity of the motions
+    over_records: xr.Dataset | None  # statistics over many records
+    risk: xr.Dataset | None = None  # if there is a hazard
+    matters: xr.Dataset | None = None  # sensitivities of the gap
+    every_rule: bool = False  # whether all rules are shown
+
+    @property
+    def shown(self) -> xr.Dataset:
+        """The rows of the rules that are shown: the usual ones, and those that the case asks for."""
+        table = self.separation
+        if self.every_rule:
+            return table
+        as_they_are = [name for name in self.case.codes if not CODE_RULES[name].multiplies]
+        wanted = {*USUAL, *as_they_are, *self.case.wanted.of_rules()}
+        names = [str(name) for name in table.rule.values]
+        return table.isel(rule=[name in wanted or name.endswith(APPLIED) for name in names])
+
+    def table(self, samples: bool = True) -> xr.Dataset:
+        """All results in one dataset; without samples, only variables with one value for each rule."""
+        table = self.separation
+        if samples:
+            table = table.assign(self.shaking.data_vars)
+        if samples and self.over_records is not None:
+            table = table.merge(self.over_records)
+        if self.existing is not None:
+            existing = {f"existing_{name}": array for name, array in self.existing.items()}
+            table = table.assign(existing).assign_attrs(existing_gap_m=self.existing.attrs["gap_m"])
+        if samples and self.risk is not None:
+            table = table.merge(self.risk).assign_attrs(self.risk.attrs)
+        table = table.assign_attrs(title=f"{self.case.title}: {table.attrs['title']}")
+        return table if samples else table.drop_dims(set(table.dims) - {"rule"})
+
+    def doubts(self) -> list[str]:
+        """Texts on implausible results."""
+        buildings = one_or_two(self.case)
+        peaks = tuple(float(self.separation[f"peak_mean_{n + 1}"]) for n in range(len(buildings)))
+        return doubts(self.shaking, buildings, float(self.separation.gap[0]), peaks)
+
+
+def answer_case(
+    case: Case,
+    progress: Progress | None = None,
+    sensitivities: bool = False,
+    every_rule: bool = False,
+    simulated_rho: bool = True,
+) -> CaseAnswer:
+    """Separation of the two buildings of a case or set-back of one, and limits of the existing gap.
+
+    Sensitivities are computed if any parameter is uncertain, or if ``sensitivities`` is True.
+    ``every_rule`` has all rules shown, and not the usual ones only, and ``simulated_rho`` is that of
+    `separation`.
+    ``progress`` is called with the share of the work that is done. Errors are those of `separation`,
+    `existing_gap` and `sensitivity`.
+    """
+    sensitivities = sensitivities or bool(case.uncertain)
+    first, *others = one_or_two(case)
+    second = others[0] if others else None
+    models = first.sampled, second.sampled if second else None, case.site.sampled_ground
+    gap, motion = gap_of(case), motion_of(case)
+    end = WITH_SENSITIVITIES if sensitivities else 1.0
+    begin = end * OF_RISK if case.site.hazard else 0.0
+    middle = begin if gap is None else begin + (end - begin) * SEARCHES
+    risky = _simulated_risk(case, part_of(progress, 0.0, begin))
+    existing = None
+    if gap is not None:
+        searching = part_of(progress, begin, middle)
+        existing = existing_gap(*models, gap=gap, **motion, progress=searching)
+    simulated = separation(
+        *models,
+        **motion | of_codes(case) | (neighbours_of(case) if second else {}),
+        height_1=first.height,
+        height_2=second.height if second else None,
+        numbers=case.wanted.of_rules(),
+        unverified=case.wanted.unverified,
+        records=dict(case.site.records) or None,
+        simulated_rho=simulated_rho,
+        progress=part_of(progress, middle, end),
+    )
+    table = with_applied_codes(case, simulated)
+    answer, matters, records = float(table.gap[0]), None, None
+    if sensitivities:
+        few = min(case.simulated.motions, _paths(case))
+        fewer = {"paths": few, "progress": part_of(progress, end, 1.0)}
+        matters = sensitivity(*models, **motion | fewer)
+    if len(case.site.records) > MOST_RECORDS:
+        records = over_records(case, table.record_separation, answer)
+    risk = None if risky is None else _risk_table(risky, case, answer)
+    results = existing, _spectrum(case), shaking_of(case), records, risk, matters
+    return CaseAnswer(simulated_as(case, table), table, *results, every_rule)
+
+
+def _paths(case: Case) -> int:
+    """Number of motions for the sensitivities, smaller for uncertain buildings with storeys.
+
+    Such a building is made anew for each motion, which takes long.
+    """
+    storeys = any(
+        building.has_storeys and isinstance(building.sampled, UncertainModel)
+        for building in case.buildings
+    )
+    return FEW_PATHS if storeys else USUAL_PATHS
+
+
+def periods_of(*models: Model) -> list[float]:
+    """Periods of the structures and of the ground [s]; white noise has no period."""
+    return [float(model.arrays()["period"]) for model in models if "period" in model.arrays()]
+
+
+def _spectrum(case: Case) -> xr.Dataset:
+    """Response spectrum of the motions, compared with the target or the record; else the ground PSD."""
+    options: Any = {"paths": SPECTRUM_PATHS, "seed": case.simulated.seed}
+    motion = case.site.course.duration, case.site.course.envelope
+    if case.site.spectrum is not None:
+        return simulated_spectrum(case.site.ground, case.site.spectrum, *motion, **options)
+    if case.site.name == "fitted":
+        compared = periods_of_fit(case.site.course.duration)
+        of_record = checked_components(case.site.components).spectrum(compared)
+        return compared_spectrum(Motions(case.site.ground, *motion, **options), compared, of_record)
+    periods = [*case.periods, *periods_of(case.site.ground)]
+    low, high = min(periods) / AROUND, max(periods) * AROUND
+    frequency = np.geomspace(2 * np.pi / high, 2 * np.pi / low, POINTS)
+    spectrum = case.site.ground.psd(frequency).rename("psd_ground").to_dataset()
+    attrs = {"units": "s", "long_name": "period"}
+    return spectrum.assign_coords(period=("frequency", 2 * np.pi / frequency, attrs))
+
+
+def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | None:
+    """Simulated motions at all intensities of the hazard; None if the case has no hazard."""
+    if case.site.hazard is None:
+        return None
+    sampled = (building.sampled for building in one_or_two(case))
+    structures = dict(zip(("first", "second"), sampled, strict=False))
+    motion = case.site.course.duration, case.site.course.envelope, case.site.scatter
+    paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // SHARE))
+    inputs = RiskInputs(
+        structures, case.site.sampled_ground, case.site.hazard, *motion, paths, case.simulated.seed
+    )
+    with named_errors(case, HAZARD):
+        inputs.check()
+        return inputs.simulated(progress)
+
+
+def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
+    """Risk with the existing gap, the required gap ``answer`` [m], and the gap for the allowed risk.
+
+    Gaps of 0 are left out, since any shaking closes them; None if all are 0. Names of variables begin
+    with ``risk_``, so that they can be merged with those of the separation.
+    """
+    gaps = {"existing": (*case.wanted.existing, 0.0)[0], "answer": answer}
+    years, target = YEARS, xr.Dataset()
+    if case.wanted.risk is not None:
+        years = Target.of(case.wanted.risk).years or YEARS
+        with named_errors(case, HAZARD):
+            target = simulated.gap_of(case.wanted.risk)
+        gaps["target"] = float(target.required_gap)
+        target = target[list(KEPT)]
+    gaps = {what: gap for what, gap in gaps.items() if gap > 0}
+    if not gaps:
+        return None
+    with warnings.catch_warnings(), named_errors(case, HAZARD):
+        warnings.simplefilter("ignore", DoubtfulInput)  # on weak shaking; the report states it instead
+        each = [simulated.of_gap(gap, years) for gap in gaps.values()]
+    along = labels.axis(GAP, "gap of which the risk is", np.array(list(gaps.values())), "m")
+    table = xr.concat(each, along, data_vars="all", coords="minimal", compat="override", join="exact")
+    attrs = {"long_name": "which gap this is"}
+    table = table.assign_coords({OF: (GAP, list(gaps), attrs)}).assign(target.data_vars)
+    table = labels.label(table, VARIABLES).rename(
+        {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
+    )
+    inputs = simulated.inputs
+    table.attrs = {
+        "risk_hazard": inputs.hazard.describe(),
+        "risk_years": years,
+        "risk_paths": inputs.paths,
+    }
+    return table

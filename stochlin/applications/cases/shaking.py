@@ -1,0 +1,103 @@
+"""Intensity of the motions and records of a case, and warnings on implausible results."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+from scipy import constants
+
+from stochlin.applications.cases.variables import RECORDED
+from stochlin.applications.records.cells import ends_of_events, events_of
+from stochlin.applications.records.records import strong_part
+from stochlin.applications.records.response import response_spectrum
+from stochlin.applications.sites.intensity import shaking
+from stochlin.applications.sites.spectra import USUAL_DAMPING
+from stochlin.models.plausible import PLAUSIBLE
+from stochlin.solver.simulation.finite_motions import keeping_apart, quantile_intervals
+from stochlin.solver.tables import labels
+
+if TYPE_CHECKING:
+    from stochlin.applications.cases.reading.buildings import Building
+    from stochlin.applications.cases.reading.case import Case
+
+MOST_RECORDS = 5  # records reported one by one; of more, statistics are reported
+LEVELS = (0.5, 0.84)  # quantiles over more records, besides the confidence of the case
+
+
+def shaking_of(case: Case) -> xr.Dataset:
+    """Mean intensity of the motions of a case: PGA, rms, S0, and Sa at the period of each building."""
+    return shaking(
+        case.site.ground,
+        np.array(case.periods),
+        case.site.course.duration,
+        case.site.course.envelope,
+    )
+
+
+def recorded_shaking(record: xr.DataArray, periods: list[float]) -> dict[str, xr.DataArray]:
+    """Intensity of a record: PGA, rms of its strong part, and Sa at each period over ``structure``."""
+    shown, place = np.unique(periods, return_inverse=True)
+    accelerations = response_spectrum(record, shown, USUAL_DAMPING).pseudo_acceleration.to_numpy()[place]
+    return {
+        "peak_ground_acceleration": abs(record).max(),
+        "rms_acceleration": (strong_part(record) ** 2).mean() ** 0.5,
+        "spectral_acceleration": xr.DataArray(accelerations, dims="structure"),
+    }
+
+
+def over_records(case: Case, separations: xr.DataArray, gap: float) -> xr.Dataset:
+    """Quantiles of the separations [m] in records, and the share of records without pounding.
+
+    The intervals are those of `ends_of_events`.
+    """
+    levels = np.unique([*LEVELS, case.wanted.confidence])
+    table = xr.Dataset(coords={"quantile": labels.axis("quantile", "quantile", levels)})
+    events = events_of(case.site.records.values())
+    samples = separations, *ends_of_events(separations, events)
+    for n, end in enumerate(labels.VALUE_AND_ENDS):
+        values = quantile_intervals(samples[n].to_numpy(), levels)[n]
+        table[f"record_gap_quantile{end}"] = "quantile", values
+    table = table.assign(share_apart(case, separations, gap)).assign_attrs(independent=len({*events}))
+    return labels.label(table, RECORDED)
+
+
+def share_apart(case: Case, values: xr.DataArray, most: float) -> dict[str, xr.DataArray]:
+    """Share of the records with values up to ``most``, and its 95 % interval, that of events."""
+    smallest, largest = ends_of_events(values, events_of(case.site.records.values()))
+    samples = values, largest, smallest  # most events are within by the smallest values
+    shares = [keeping_apart(each.rename(record="path"), most) for each in samples]
+    return {f"record_{name}": share[name] for name, share in zip(shares[0], shares, strict=True)}
+
+
+def doubts(
+    shaken: xr.Dataset,
+    buildings: tuple[Building, ...],
+    gap: float = 0.0,
+    peaks: tuple[float, ...] = (),
+) -> list[str]:
+    """Texts on implausible results: the shaking, or a gap [m] or peaks [m] above building heights."""
+    texts = []
+    if warning := doubtful_peak(float(shaken["peak_ground_acceleration"])):
+        texts.append(f"peak ground acceleration: {warning}")
+    heights = {building.name: building.height for building in buildings if building.height}
+    if heights and gap > min(heights.values()):
+        name = min(heights, key=lambda name: heights[name])
+        what = "gap" if len(buildings) > 1 else "set-back"
+        texts.append(
+            f"a {what} of {gap:.3g} m is larger than the height of {name}, {heights[name]:.3g} m"
+        )
+    for building, peak in zip(buildings, peaks, strict=False):
+        if building.height and building.height < peak < np.inf:  # which it is of one that falls
+            texts.append(
+                f"{building.name} would move by {peak:.3g} m, more than its height, "
+                f"{building.height:.3g} m"
+            )
+    return texts
+
+
+def doubtful_peak(pga: float) -> str:
+    """Text of a warning on an implausible peak ground acceleration [m/s^2]; empty if plausible."""
+    known = PLAUSIBLE["pga"]
+    return "" if known.holds(pga) else f"{pga / constants.g:.3g} g, and {known.usually}"

@@ -1,0 +1,112 @@
+"""Case files in folders of their own, together with the files that they name and no others."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import warnings
+from collections.abc import Iterator, Mapping
+from pathlib import Path, PurePath
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
+
+from stochlin.applications.cases.reading.case import Case, case_of, read_case
+from stochlin.applications.cases.reading.tables import read_table
+from stochlin.messages import DoubtfulInput
+from stochlin.solver.tables.inputs import only_within
+from stochlin.solver.tables.toml import read_toml
+
+DEEPEST = 16  # folders within one another
+OF_SITE = re.compile(r": (site|motion)\b")  # in warnings, the table of the key
+_LAST: dict[Path, tuple[Case, list[str]]] = {}  # the last case that was read, and warnings on its site
+
+
+class Upload(NamedTuple):
+    """A case file in a temporary folder: its name and its text."""
+
+    folder: TemporaryDirectory[str]
+    name: str
+    text: str
+
+
+def uploaded(files: Mapping[str, bytes]) -> Upload:
+    """The case file among these, in a folder with the others; raises a ValueError if there is none.
+
+    ``files`` are the contents of the case file and of the files that it names, by name.
+    """
+    cases = [name for name in files if name.endswith(".toml")]
+    if len(cases) != 1:
+        raise ValueError(
+            f"{len(cases)} case files are chosen; allowed: one, its name ends in .toml, together with "
+            "the files that it names, such as records"
+        )
+    folder = TemporaryDirectory()
+    inside = Path(folder.name).resolve()
+    try:
+        for name, data in files.items():
+            (inside / PurePath(name).name).write_bytes(data)
+        text, tables = read_toml(inside / PurePath(cases[0]).name)
+        for place in _texts(tables):  # where the case looks for them
+            there = (inside / place).resolve()
+            if there.name in files and inside in [*there.parents][1:DEEPEST]:
+                there.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(inside / there.name, there)
+    except (OSError, ValueError) as error:
+        folder.cleanup()
+        raise ValueError(_without(folder.name, error)) from error
+    return Upload(folder, PurePath(cases[0]).name, text)
+
+
+def of_file(path: Path) -> Upload:
+    """A case file with copies of all files that it names; they must lie in its folder or below it."""
+    home = path.resolve().parent
+    with only_within(home):
+        named = read_case(path).files
+    folder = TemporaryDirectory()
+    for each in named:
+        copy = Path(folder.name) / each.resolve().relative_to(home)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        (shutil.copytree if each.is_dir() else shutil.copy)(each, copy)
+    return Upload(folder, path.name, path.read_text(encoding="utf-8-sig"))
+
+
+def read_upload(folder: str, name: str, text: str) -> tuple[Case, list[str]]:
+    """The case of this text in a folder outside of which nothing is read, and warnings on it.
+
+    Its ground is fitted and scaled, unless that of the last text of the file is the same.
+    """
+    path = Path(folder) / name
+    before, of_site = _LAST.get(path, (None, []))
+    with only_within(path.parent), warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", DoubtfulInput)
+        try:
+            path.write_text(text, encoding="utf-8")
+            case = case_of(read_table(path), before)
+            _ = case.site.ground
+        except (OSError, ValueError) as error:
+            raise ValueError(_without(folder, error)) from error
+    doubts = [str(message.message) for message in caught]
+    if before is not None and case.site is before.site:
+        doubts = of_site + doubts
+    _LAST.clear()
+    _LAST[path] = case, [message for message in doubts if OF_SITE.search(message)]
+    return case, doubts
+
+
+def _without(folder: str, error: Exception) -> str:
+    """Message of an error without the path of the temporary folder."""
+    message = str(error).replace(f"{folder}{os.sep}", "").replace(folder, "")
+    absent = isinstance(error.__cause__, FileNotFoundError)
+    return (
+        f"{message}; choose the case file together with the files that it names" if absent else message
+    )
+
+
+def _texts(values: Any) -> Iterator[str]:
+    """All texts in nested tables and lists."""
+    if isinstance(values, str):
+        yield values
+    elif isinstance(values, (dict, list)):
+        for value in values.values() if isinstance(values, dict) else values:
+            yield from _texts(value)

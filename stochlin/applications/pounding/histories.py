@@ -1,0 +1,208 @@
+"""Response histories, impacts and energies of buildings in a row, as labelled arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.pounding.rows import COLUMN, SIDES, Meeting, Standing
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.pounding import impacts
+from stochlin.kernels.pounding.run import RowResponse
+from stochlin.kernels.records.runs import SampledMotion
+from stochlin.kernels.simulation.contacts import ForceLaw, forces
+from stochlin.models.links import Link
+from stochlin.solver.tables.floors import FLOOR, LINK, link_coordinates
+
+STRUCTURE, CONTACT = "structure", "contact"
+OF_ROW = ""  # in place of a dimension, for a number of the row of buildings
+Quantities = dict[str, tuple[str, Any]]
+"""Values by name, each with its last dimension; FLOOR also stands for the structure."""
+
+
+def labelled(values: Quantities, standing: Standing, *over: str) -> dict[str, xr.Variable]:
+    """Values as arrays over named dimensions, the first of which are ``over``.
+
+    The coordinates are those of `floor_coords`; a dataset takes them once, since to align those of every
+    array takes longer than all else.
+    """
+    return {
+        name: _by_floor(array, standing, *over)
+        if dimension == FLOOR
+        else xr.Variable([*over, *filter(None, [dimension])], array)
+        for name, (dimension, array) in values.items()
+    }
+
+
+def _by_floor(values: Array, standing: Standing, *over: str) -> xr.Variable:
+    """Values of all floors (..., n) over ``structure`` and, for shear buildings, ``floor``.
+
+    Cells above the roof of a building are NaN.
+    """
+    first, sizes = standing.first, np.diff(standing.first)
+    wide = np.full((*values.shape[:-1], sizes.size, sizes.max()), np.nan)
+    for b, size in enumerate(sizes):
+        wide[..., b, :size] = values[..., first[b] : first[b + 1]]
+    if not standing.with_floors:
+        return xr.Variable((*over, STRUCTURE), wide[..., 0])
+    return xr.Variable((*over, STRUCTURE, FLOOR), wide)
+
+
+def floor_coords(standing: Standing) -> dict[str, Any]:
+    """Coordinates of the numbers of the structures and, for shear buildings, of the floors."""
+    sizes = np.diff(standing.first)
+    coords = {STRUCTURE: (STRUCTURE, np.arange(1, sizes.size + 1), {"long_name": "structure"})}
+    if standing.with_floors:
+        coords[FLOOR] = (FLOOR, np.arange(1, sizes.max() + 1), {"long_name": "floor"})
+    return coords
+
+
+def _course(standing: Standing, response: RowResponse, ground: SampledMotion) -> Quantities:
+    """Displacements, velocities, accelerations, forces and energies in the history of a response."""
+    course = response.over_time
+    row, arrangement, floors = standing.row, standing.arrangement, standing.first[:-1]
+    system, first, n = row.elements.system, arrangement.first_coordinate[:-1], row.parts.mass.size
+    q, v, z = map(course, "qvz")
+    extension, rate = _products(q, system.extensions), _products(v, system.extensions)
+    force = system.post * extension + system.couple * z
+    stored = 0.5 * (system.post * extension**2 + system.couple * z**2)
+    drag = _drags(standing, rate)
+    pushed, squeezed = _contact_forces(standing, response, q, v)
+    load = _products(v, system.damping) + _products(force + drag, system.extensions.T)
+    shear = _products(force[:, :n], arrangement.shear_shares)
+    most, missing = course("most"), np.abs(course("missing"))
+    imbalance = np.divide(missing, most, out=np.zeros_like(most), where=most > 0)
+    kinetic = np.add.reduceat(0.5 * system.mass * v**2, first, axis=1)
+    # A floor moves with the ground as far as the modes of a building leave out mass.
+    carried = np.multiply.outer(ground.acceleration, 1 - system.shapes.sum(axis=1))
+    sped = -(load + _products(pushed, row.contacts.weights.T)) / system.mass
+    values: Quantities = {
+        "displacement": (FLOOR, _products(q, system.shapes)),
+        "velocity": (FLOOR, _products(v, system.shapes)),
+        "acceleration": (FLOOR, _products(sped, system.shapes) + carried),
+        "storey_shear": (FLOOR, shear),
+        "base_shear": (STRUCTURE, shear[:, floors]),
+        "input_energy": (STRUCTURE, course("entering")),
+        "kinetic_energy": (STRUCTURE, kinetic),
+        "elastic_energy": (STRUCTURE, np.add.reduceat(stored[:, :n], first, axis=1)),
+        "viscous_energy": (STRUCTURE, course("viscous")),
+        "hysteretic_energy": (STRUCTURE, np.add.reduceat(course("spent")[:, :n], first, axis=1)),
+    }
+    linked: Quantities = {}
+    if row.parts.spring.size:
+        values["link_force"] = LINK, _link_forces(standing, force, rate, drag)
+        linked["link_stored_energy"] = OF_ROW, stored[:, n:].sum(axis=1)
+        linked["link_lost_energy"] = OF_ROW, course("drained").sum(axis=1)
+    return values | {
+        "contact_stored_energy": (OF_ROW, squeezed),
+        "contact_lost_energy": (OF_ROW, course("lost").sum(axis=1)),
+        "energy_balance_error": (OF_ROW, imbalance[:, 0]),
+        **linked,
+        "contact_force": (CONTACT, pushed),
+    }
+
+
+def _products(values: Array, matrix: Array) -> Array:
+    """Products (times, m) of a matrix (m, n) with values (times, n).
+
+    BLAS is not used, because its threads would take the time of those in which motions are stepped.
+    """
+    products: Array = np.einsum("tn,mn->tm", values, matrix)
+    return products
+
+
+def _drags(standing: Standing, rate: Array) -> Array:
+    """Forces of the dashpots with an exponent among the elements [N] (times, e), zero of the others."""
+    elements, drag = standing.row.elements, np.zeros_like(rate)
+    for i in standing.row.parts.dashpot[standing.row.parts.dashpot >= 0]:
+        c, a = elements.own[i, :2]
+        drag[:, i] = c * np.abs(rate[:, i]) ** a * np.sign(rate[:, i])
+    return drag
+
+
+def _contact_forces(
+    standing: Standing, response: RowResponse, u: Array, v: Array
+) -> tuple[Array, Array]:
+    """Forces of the contacts [N] (times, c), and the energy stored in all of them [J] (times,)."""
+    contacts = standing.row.contacts
+    if contacts.jumps:
+        return response.over_time("force") * response.over_time("held"), np.zeros(len(u))
+    depth, rate = _products(u, contacts.weights) - contacts.gap, _products(v, contacts.weights)
+    approach = response.over_time("approach")
+    fields: dict[str, Any] = {name: contacts.law[name] for name in ForceLaw._fields}
+    law = ForceLaw(**fields)
+    pushed = forces(law, depth, rate, np.where(approach > response.at_end("slow"), approach, 0.0))
+    power = law.exponent + 1.0
+    return pushed, (law.stiffness * np.maximum(depth, 0.0) ** power / power).sum(axis=1)
+
+
+def _link_forces(standing: Standing, force: Array, rate: Array, drag: Array) -> Array:
+    """Forces of the links against their first floor [N] (times, l)."""
+    parts = standing.row.parts
+    power = np.where(parts.dashpot >= 0, drag[:, parts.dashpot], 0.0)
+    link_forces: Array = force[:, parts.spring] + parts.constant * rate[:, parts.spring] + power
+    return link_forces
+
+
+def histories(
+    standing: Standing,
+    response: RowResponse,
+    ground: SampledMotion,
+    time: Array,
+) -> xr.Dataset:
+    """Dataset of the histories of a response, over ``time`` [s], and of its impacts."""
+    line, course = response.impacts.T, _course(standing, response, ground)
+    return xr.Dataset(
+        {
+            **labelled(course, standing, "time"),
+            "impact_time": ("impact", time[0] + line[impacts.BEGIN]),
+            "impact_contact": ("impact", line[impacts.CONTACT].astype(np.int64) + 1),
+            "approach_velocity": ("impact", line[impacts.APPROACH]),
+            "largest_force": ("impact", line[impacts.LARGEST]),
+            "impact_duration": ("impact", line[impacts.END] - line[impacts.BEGIN]),
+            "energy_lost": ("impact", line[impacts.LOST]),
+            "energy_transferred": (("impact", "side"), energy_transferred(response)),
+        },
+        coords={
+            "time": ("time", time, {"units": "s", "long_name": "time"}),
+            **floor_coords(standing),
+            "side": ("side", list(SIDES), {"long_name": "side of the contact"}),
+        },
+    )
+
+
+def energy_transferred(response: RowResponse) -> Array:
+    """Work of each impact on the structures on its left and right [J], (impacts, 2)."""
+    columns = impacts.HANDED, impacts.LOST, impacts.STORED
+    right, lost, stored = (response.impacts[:, column] for column in columns)
+    return np.stack([-right - lost - stored, right], axis=-1)
+
+
+def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Dataset:
+    """Coordinates of contacts and links: structures, floors, level [m] and kind of each contact."""
+    coords = {
+        "contact": ("contact", np.arange(1, len(places) + 1), {"long_name": "contact"}),
+        "left": ("contact", [m.building + 1 for m in places], {"long_name": "structure on the left"}),
+        "right": ("contact", [m.building + 2 for m in places], {"long_name": "structure on the right"}),
+    }
+    if np.isfinite([m.level for m in places]).any():
+        kinds = [m.kind for m in places]
+        coords["kind"] = ("contact", kinds, {"long_name": "what meets"})
+        name = {"units": "m", "long_name": "level of the contact above the ground"}
+        coords["level"] = ("contact", [m.level for m in places], name)
+        for side in SIDES:
+            floors = [getattr(m, f"floor_{side}") + 1 for m in places]
+            coords[f"floor_{side}"] = ("contact", floors, {"long_name": f"floor on the {side}"})
+        if COLUMN in kinds:
+            sides = [m.struck for m in places]
+            coords["column"] = ("contact", sides, {"long_name": "side whose column is met"})
+            storeys = [m.storey + 1 if m.struck else 0 for m in places]
+            name = {"long_name": "storey of the column, whose floor above stands as that of its side"}
+            coords["storey"] = ("contact", storeys, name)
+            name = {"units": "1", "long_name": "share of the floor above in the column's displacement"}
+            coords["share"] = ("contact", [m.share for m in places], name)
+    tied = [number for number, link in enumerate(links, start=1) if link is not None]
+    return xr.Dataset(coords=coords | (link_coordinates(tied) if tied else {}))

@@ -1,0 +1,307 @@
+"""Pounding of buildings in a row: response histories in one motion, statistics over many motions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from stochlin.applications.pounding.ensembles import checked_ensemble, over_motions, with_statistics
+from stochlin.applications.pounding.estimates import largest_by_one_impact
+from stochlin.applications.pounding.histories import contacts, histories, labelled
+from stochlin.applications.pounding.rows import (
+    BetweenBuildings,
+    Standing,
+    build_row,
+    check_contact,
+    checked_buildings,
+    checked_gaps,
+    checked_links,
+)
+from stochlin.applications.pounding.runs import (
+    STEPS_PER_CONTACT,
+    RowRun,
+    jobs_of,
+    paces_of,
+    responses,
+    successful,
+)
+from stochlin.applications.pounding.summaries import summary
+from stochlin.applications.pounding.variables import VARIABLES
+from stochlin.applications.records.cells import SHORTEST, Records
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.records.oscillator import RADIUS
+from stochlin.kernels.records.runs import SampledMotion, peaks_on_records
+from stochlin.models.arguments import Quantiles, Whole, checked
+from stochlin.models.contacts import Contact
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.links import Link
+from stochlin.models.parameters import Model
+from stochlin.models.systems import AnyStructure
+from stochlin.solver.tables import labels
+
+OF_CONTACTS = "contact", "impact", "side", "neighbours"  # dimensions dropped for one building alone
+
+FEWEST_STEPS, MOST_STEPS = 4, 4096  # numbers of steps in half a period of a contact
+
+REFERENCES = (
+    f"{labels.PAPER} Newmark, N. M. (1959), J. Eng. Mech. Div. ASCE 85, for the time steps; Quispel, "
+    "G. R. W. and McLaren, D. I. (2008), J. Phys. A 41, for mean forces over a step."
+)
+
+
+@checked
+def pound(
+    structures: Sequence[AnyStructure],
+    gaps: npt.ArrayLike = (),
+    contact: BetweenBuildings | None = None,
+    motion: Records | None = None,
+    *,
+    link: Link | Sequence[Link | None] | None = None,
+    quantiles: Quantiles = (0.5, 0.84, 0.95),
+    steps_per_contact: Annotated[int, Whole(FEWEST_STEPS, MOST_STEPS)] = STEPS_PER_CONTACT,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Response of a row of buildings from rest, with all impacts, in one motion or in many.
+
+    For one motion the result has response histories, for several motions a summary of each motion, with
+    means and quantiles. One building alone has no impacts; its displacements, forces and energies are
+    computed in the same way.
+
+    Parameters
+    ----------
+    structures : list of Bilinear, BoucWen or Hysteretic with a mass, and of ShearBuilding
+        Buildings from left to right, or one building, with any hysteresis law. They can meet at every
+        floor of either building up to the lower roof: slab to slab where the floors are within 0.05 m of
+        the same level, otherwise slab to column of the neighbour, between two of its floors. An
+        oscillator meets the roof of a shear building.
+    gaps : list of float
+        Gaps between neighbours [m], not negative. For two structures one number is enough. One building
+        alone has no gap.
+    contact : Contact
+        Contact between all neighbours, for instance `Kelvin` or `Stereomechanical`. It is not required
+        for one building alone.
+    motion : xarray.DataArray, or list or mapping of them
+        Ground acceleration [m/s^2] over ``time``, as from `read_record`, linear between samples. Several
+        motions are an array also over ``path``, as from `simulated_motions`, or records as from
+        `read_records`, which may differ in length and time step.
+    link : Link or list of Link and None, optional
+        Links between buildings and devices inside them, with springs that are linear or yield, and
+        dashpots that are linear or have an exponent. Without ``floors`` a link ties the highest floors
+        at the same level. Without ``structures`` a list has one link for each two
+        neighbours, or None. A link that names one structure twice is a device inside it and also acts
+        in the response of this building alone.
+    quantiles : sequence of float
+        Probabilities, between 0 and 1, of the quantiles over several motions.
+    steps_per_contact : int
+        Number of time steps in half a period of the contact, from 4 to 4096; see Notes. All time steps
+        are shorter the larger it is, and the error falls with its square.
+    progress : callable, optional
+        Called with the share of the work that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        For one motion, histories over ``time`` [s] and ``structure``, for shear buildings also
+        ``floor``: ``displacement`` [m] and ``velocity`` [m/s] relative to the ground, absolute
+        ``acceleration`` [m/s^2], and ``storey_shear`` [N] of the storey below the floor. Over ``time``
+        and ``structure``: ``base_shear`` [N], ``input_energy``, ``kinetic_energy``, ``elastic_energy``,
+        ``viscous_energy`` and ``hysteretic_energy`` [J]. Over ``time`` and ``contact``:
+        ``contact_force`` [N]. Over ``time``: ``contact_stored_energy`` and ``contact_lost_energy`` [J],
+        and ``energy_balance_error`` [-], the energy that the time steps did not account for over the
+        largest input energy so far. With links also ``link_force`` [N] over ``time`` and ``link``, and
+        ``link_stored_energy`` and ``link_lost_energy`` [J] over ``time``.
+
+        Over ``impact``: ``impact_time`` [s], ``impact_contact``, ``approach_velocity`` [m/s],
+        ``largest_force`` [N] (NaN for a `Stereomechanical` contact), ``impact_duration`` [s] and
+        ``energy_lost`` [J]; also over ``side``, ``energy_transferred`` [J], the work of the impact on
+        the structure on this side.
+
+        Peaks over ``structure`` and for shear buildings ``floor``: ``peak`` [m] in the row and
+        ``peak_alone`` [m] of each building alone, and ``amplification`` [-], their ratio;
+        ``peak_acceleration`` [m/s^2], ``peak_storey_shear`` [N] and ``peak_base_shear`` [N], each also
+        with the ending ``_alone``. With links also, over ``link``, ``peak_link_force``
+        [N], ``peak_link_stroke`` [m], the largest absolute extension, and ``link_energy`` [J], which the
+        link dissipates.
+
+        For one motion ``step_error`` [-]: the largest relative change of a peak displacement or of the
+        largest force of a contact, from steps twice as long. About a third of it remains.
+
+        Over ``contact``: ``gap`` [m], the number of ``impacts``, ``hardest_force`` [N],
+        ``fastest_approach`` [m/s], ``longest_impact`` [s], ``deepest_compression`` [m] (these four are
+        NaN without an impact, ``hardest_force`` and ``deepest_compression`` also for a
+        `Stereomechanical` contact) and ``contact_energy`` [J], the energy lost in the contact. Over
+        ``structure``: ``energy_received`` [J] from all impacts. If all structures are `Bilinear` and
+        there is no link, also ``largest_radius_amplification`` [-], the largest by `pounding_estimate`
+        for an impact at the largest energies of both structures. It is NaN for a structure whose period
+        is below a tenth of the motion's time step, and for its neighbours.
+
+        Coordinates of ``contact`` are the structures and floors that meet, the ``level`` [m] and the
+        ``kind``, slab to slab or slab to column. If a slab meets a column, there are also the
+        coordinates ``column``, the side of the column, ``storey``, that of the column, and ``share``, by
+        which the displacement of the floor above counts in that of the column; and the variables
+        ``column_force`` [N], the largest force on the columns of this storey, and
+        ``column_force_share`` [-], this force over the shear of the storey at yield.
+
+        For several motions there are no histories. The peaks, the variables over ``contact``,
+        ``energy_received`` and the largest ``energy_balance_error`` are then also over ``path`` or
+        ``record``. Over ``neighbours``, for all contacts across a gap together: ``impacts_between``,
+        ``hardest_force_between`` [N] and ``contact_energy_between`` [J]. ``status`` and ``missing``
+        mark motions that failed, whose results are NaN; ``missing`` gives the reason. From the other
+        motions follow names ending in ``_mean`` and ``_mean_standard_error``, and in ``_quantile`` over
+        ``quantile`` with its 95 % interval ``_lower`` and ``_upper`` (infinite where the motions are too
+        few), for all these variables except ``longest_impact``, ``deepest_compression`` and
+        ``energy_received``. A motion without an impact counts with a force and an approach velocity of
+        0. ``pounding_probability`` and ``no_pounding_probability`` [-] over ``neighbours`` are the
+        shares of motions with and without an impact, with their 95 % intervals.
+
+        For one building alone there is nothing over ``contact``, ``impact`` and ``neighbours``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If there is no structure, or a structure has an array as parameter or no mass; if
+        the contact is missing for several structures, or is `Stereomechanical` where a slab meets a
+        column; if a gap is negative, or the number of gaps or links is wrong; if a link names a floor or
+        structure that does not exist; if the output step is not positive or is given with several
+        motions; if there is no motion, or a motion is not a record, has NaN or only zeros; or if the
+        computation would take too long.
+    ArithmeticError
+        If the response is no longer finite, since a law runs away. Also if a structure with a negative
+        stiffness after yielding falls, as in `simulate`. With several motions the results of such a
+        motion are NaN; only if all motions fail, the error of the first is raised.
+
+    Notes
+    -----
+    Each of several motions gives exactly the results that it gives alone. A motion that fails, for
+    instance because a building collapses, is a severe one. Quantiles over the other motions are
+    therefore too small.
+
+    Displacements are positive to the right; structure 2 stands to the right of structure 1. The time
+    steps are those of the trapezoidal rule, which is of second order, with contacts as elements that
+    only push. There are at least ``12.5 steps_per_contact`` steps in the shortest of the first periods
+    and ``2.5 steps_per_contact`` in the shortest period of a mode with 1 % of the mass. While a contact
+    is closed, or may become so, they are divided further, so that ``steps_per_contact`` of them are in
+    half a period of every contact with the reduced mass of its floors; for a Hertz element it is that of
+    an approach at 1 m/s. A contact force is the mean over the step, in which the penetration grows
+    evenly. Outputs that are not at the end of a step are interpolated linearly.
+
+    Peaks of displacements include those within steps, and the largest force of an impact is that of a
+    parabola through forces at the ends of steps. Peaks of storey shears are those at the ends of steps,
+    peaks of accelerations and of link forces are means over steps.
+
+    An impact ends when the gap opens again; its duration is until the contact force has vanished. If a
+    `NoTensionKelvin` pushes again before the gap has opened, this continues the same impact. For
+    `HertzDamp`, an approach velocity below a thousandth of ``max |a| T/(2 pi)``, with the largest ground
+    acceleration ``|a|`` and the shortest first period ``T``, counts as zero, and the contact is then
+    elastic. A `Stereomechanical` impact takes place at the time of touch within a step. If the floors
+    are pressed together so much that the rebound would take less than two steps, they move together, as
+    one impact, until they are pulled apart; smaller rebounds are not counted.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (13) to (16); Newmark, N. M. (1959), J. Eng. Mech. Div. ASCE
+    85, with average acceleration, for the time steps; Quispel, G. R. W. and McLaren, D. I. (2008), J.
+    Phys. A 41, for mean forces over a step, which conserve energy; Clopper and Pearson (1934),
+    Biometrika 26, for the intervals of probabilities.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr, stochlin as sl
+    >>> time = 0.02 * np.arange(500)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> soft = sl.Bilinear(period=1.2, damping=0.05, mass=2e5)
+    >>> stiff = sl.Bilinear(period=0.6, damping=0.05, mass=3e5)
+    >>> bumper = sl.Kelvin(stiffness=1e8, restitution=0.65)
+    >>> table = sl.pound([soft, stiff], gaps=0.05, contact=bumper, motion=record)
+    >>> table.sizes["impact"], bool((table.approach_velocity > 0).all())
+    (10, True)
+    >>> bool(table.energy_balance_error.max() < 1e-6)
+    True
+    >>> alone = sl.pound([soft], motion=record)
+    >>> float(alone.amplification[0]), "impact" in alone.dims
+    (1.0, False)
+    >>> motions = sl.simulated_motions(sl.named_ground("firm", intensity=0.01), 5.0, paths=16)
+    >>> many = sl.pound([soft, stiff], gaps=0.1, contact=bumper, motion=motions)
+    >>> many.impacts.dims, float(many.pounding_probability[0])
+    (('path', 'contact'), 0.3125)
+    """
+    row_of = checked_buildings(structures)
+    spaces = checked_gaps(gaps, len(row_of))
+    if len(row_of) > 1:
+        check_contact("contact", contact)
+    levels = np.asarray(quantiles, float)
+    if motion is None:
+        raise TypeError("motion is not given; allowed: a record or several, as read_record gives them")
+    ensemble = checked_ensemble(motion)
+    links = checked_links(link, len(row_of))
+    motions, over, _ = ensemble
+    standing = build_row(row_of, spaces, contact, links)
+    grounds = motions.grounds
+    paces = paces_of(standing, contact, grounds, steps_per_contact)
+    if progress is not None:
+        progress(0.0)
+    lines, more = contacts(standing.places, links), {"gap": ("contact", standing.gap)}
+    if over is None:
+        assert isinstance(motion, xr.DataArray)
+        jobs = jobs_of(standing, grounds[0], paces[0], halved=True)
+        table = _of_one(standing, jobs, motion["time"], progress).merge(lines)
+        oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
+        if contact is not None and len(oscillators) == len(row_of) and not any(links):
+            worst = _estimates(oscillators, spaces, contact, grounds[0])
+            more["largest_radius_amplification"] = ("structure", worst)
+        call = f"pound(steps_per_contact={steps_per_contact})"
+    else:
+        table = over_motions(standing, ensemble, paces, progress).merge(lines)
+        table = with_statistics(table, over, levels)
+        call = f"pound(quantiles={levels.tolist()}, steps_per_contact={steps_per_contact})"
+    table = labels.label(table.assign(more), VARIABLES).assign_attrs(motion=ensemble.describe())
+    models: dict[str, Model] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
+    models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
+    title = "Pounding of buildings in a row"
+    if contact is None or not spaces.size:
+        title = "A building alone in a motion"
+        table = table.drop_dims(OF_CONTACTS, errors="ignore")
+    else:
+        models["contact"] = contact
+        table = table.assign_attrs(gaps=spaces.tolist())
+    return labels.with_run_information(table, title, call, models, REFERENCES)
+
+
+def _of_one(
+    standing: Standing,
+    jobs: Sequence[RowRun],
+    time: xr.DataArray,
+    progress: Progress | None,
+) -> xr.Dataset:
+    """Histories and summary of one motion, from its jobs by `jobs_of`."""
+    outcomes = responses(standing, jobs, keep=True, progress=progress)
+    values = summary(standing, outcomes)
+    del values["energy_balance_error"]  # it has a history
+    at = time.to_numpy().astype(float)
+    table = histories(standing, successful(outcomes)[0], jobs[0].ground, at)
+    return table.assign(labelled(values, standing))
+
+
+def _estimates(
+    structures: Sequence[Bilinear], gaps: Array, contact: Contact, ground: SampledMotion
+) -> Array:
+    """Largest amplification of each structure's energy radius by an impact from either side [-].
+
+    All structures have the pseudo energy radii of the motion; it is NaN where `response_spectrum` would
+    be, for periods that are too short for the motion.
+    """
+    values = [structure.arrays() for structure in structures]
+
+    def column(name: str, elastic: float = np.inf) -> Array:
+        return np.array([float(each.get(name, elastic)) for each in values])
+
+    period, strength = column("period"), (column("hardening", 1.0), column("yield_displacement"))
+    parameters = np.stack([2 * np.pi / period, column("damping"), *strength], axis=1)
+    radii = peaks_on_records([ground], parameters)[0, :, RADIUS]
+    radii[period < SHORTEST * ground.dt] = np.nan
+    return largest_by_one_impact(structures, gaps, contact, radii)

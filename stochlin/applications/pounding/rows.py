@@ -1,0 +1,246 @@
+"""Checks of structures, gaps, contact and links, and the row of buildings that kernels take."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Annotated, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.pounding.run import BuildingRow
+from stochlin.kernels.simulation.contacts import Contacts, ForceLaw
+from stochlin.messages import brief
+from stochlin.models.arguments import as_numbers
+from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.contacts import Contact, Element
+from stochlin.models.links import Link
+from stochlin.models.parameters import expect
+from stochlin.models.systems import (
+    LEVEL,
+    STRUCTURES,
+    AnyStructure,
+    Arrangement,
+    arrangement_of,
+    check_links,
+    first_period,
+    shares_at,
+    slabs_on_columns,
+)
+from stochlin.solver.simulation.rows import row_of, structure_of_floors
+from stochlin.solver.tables.checks import check_scalars
+
+NUMBERS = "numbers, since a history is of one row"
+SLABS, COLUMN = "slab to slab", "slab to column"
+SIDES = "left", "right"  # sides of a contact
+
+
+class Meeting(NamedTuple):
+    """A contact between two neighbours: the building on its left, both floors and their level [m].
+
+    Buildings and floors are counted from 0. Where a slab meets a column, the floor on the side of the
+    column is the one above the level. The displacement of the column is ``share`` times that of this
+    floor plus ``1 - share`` times that of the floor below or the ground.
+    """
+
+    building: int
+    floor_left: int
+    floor_right: int
+    level: float  # NaN between structures of one degree of freedom
+    struck: str = ""  # side of the column: "left", "right", or empty for slab to slab
+    share: float = 1.0
+
+    @property
+    def kind(self) -> str:
+        """Kind of the contact, slab to slab or slab to column."""
+        return COLUMN if self.struck else SLABS
+
+    def shares(self, side: str) -> dict[int, float]:
+        """Shares of the floors in the displacement of what meets on one side, by their numbers."""
+        floor = self.floor_left if side == SIDES[0] else self.floor_right
+        if self.struck != side:
+            return {floor: 1.0}
+        return {floor: self.share} | ({floor - 1: 1 - self.share} if floor else {})
+
+    @property
+    def storey(self) -> int:
+        """Storey of the column, counted from 0, which is below the floor on the side of the column."""
+        return self.floor_left if self.struck == "left" else self.floor_right
+
+
+class Standing(NamedTuple):
+    """Buildings in a row, and each of them alone, as kernels take them."""
+
+    structures: Sequence[AnyStructure]
+    row: BuildingRow
+    alone: BuildingRow  # the same without links between buildings; the row itself, if there are none
+    arrangement: Arrangement
+    places: list[Meeting]
+    gap: Array  # (c,) [m]
+    reduced: Array  # (c,) [kg]: reduced mass of both sides of each contact
+
+    @property
+    def first(self) -> Array:
+        """Number of the first floor of each building, and of all floors (s + 1,)."""
+        return self.arrangement.first
+
+    @property
+    def left(self) -> Array:
+        """Number of the building on the left of each contact, from 0 (c,)."""
+        return np.array([place.building for place in self.places], np.int64)
+
+    @property
+    def with_floors(self) -> bool:
+        """Whether there is a building with storeys."""
+        return any(isinstance(structure, MultistoreyBuilding) for structure in self.structures)
+
+    @property
+    def shortest(self) -> float:
+        """Shortest of the first-mode periods of the structures [s]."""
+        return min(float(first_period(structure)) for structure in self.structures)
+
+
+def checked_buildings(structures: Sequence[AnyStructure]) -> list[AnyStructure]:
+    """The structures as a list, after a check that each has what time steps need."""
+    if not isinstance(structures, Sequence) or not structures:
+        raise ValueError(
+            f"structures = {brief(structures)}; allowed: a list of one or more, from left to right"
+        )
+    for number, structure in enumerate(structures, start=1):
+        role = f"structures, number {number}"
+        expect(structure, STRUCTURES, role)
+        if isinstance(structure, MultistoreyBuilding):
+            continue
+        check_scalars(structure, role, NUMBERS)
+        if structure.mass is None:
+            raise ValueError(f"{role}: mass is not given; pounding needs it, in kg")
+        if structure.reduction_factor is not None:
+            raise ValueError(
+                f"{role}: reduction_factor has no meaning in a given motion, since it refers to the "
+                "elastic response to a ground model; give yield_displacement"
+            )
+    return list(structures)
+
+
+def checked_gaps(gaps: npt.ArrayLike, count: int) -> Array:
+    """Gaps [m] between ``count`` structures as an array, checked; one number is enough for two."""
+    allowed = f"one number between each two neighbours, {count - 1} in all"
+    if count == 1:
+        allowed = "none for one building alone, gaps=(), or a second structure"
+    values = np.atleast_1d(as_numbers("gaps", gaps, allowed))
+    if values.ndim != 1 or values.size != count - 1:
+        raise ValueError(f"gaps = {brief(gaps)}; allowed: {allowed}")
+    bad = np.flatnonzero(~(np.isfinite(values) & (values >= 0)))
+    if bad.size:
+        raise ValueError(
+            f"gaps: {values[bad[0]]:g} between structures {bad[0] + 1} and {bad[0] + 2} is out of "
+            "range; allowed: 0 <= gap, finite, in metres"
+        )
+    return values.astype(float)
+
+
+def check_contact(name: str, contact: Contact | None) -> None:
+    """Raise an error unless a contact with scalar parameters is given."""
+    if contact is None:
+        raise ValueError(
+            f"{name} is not given; structures side by side need a contact between them, for instance "
+            "Kelvin(stiffness, restitution=..); only one building alone needs none"
+        )
+    expect(contact, Contact, name)
+    check_scalars(contact, name, NUMBERS)
+
+
+BetweenBuildings = Annotated[Contact, check_contact]
+
+
+def checked_links(link: Link | Sequence[Link | None] | None, count: int) -> tuple[Link | None, ...]:
+    """Links between ``count`` structures, checked; for two structures a single link is enough."""
+    links = check_links("link", link, count)
+    for each in links:
+        if each is not None:
+            check_scalars(each, "link", NUMBERS)
+    return links
+
+
+def meetings(levels: Sequence[Array]) -> list[Meeting]:
+    """Contacts of structures in a row, with floors at these levels [m]; NaN for an oscillator.
+
+    They are sorted by level from the ground up, and from left to right at the same level.
+    """
+    contacts: list[Meeting] = []
+    for b, (left, right) in enumerate(pairwise(levels)):
+        if np.isnan(left).any() or np.isnan(right).any():  # an oscillator meets the roof
+            level = np.fmax(left[-1], right[-1])
+            contacts.append(Meeting(b, left.size - 1, right.size - 1, float(level)))
+        else:
+            contacts += _facing(b, left, right)
+    starts: dict[tuple[int, int], tuple[float, int]] = {}
+    chains: list[tuple[tuple[float, int], int, Meeting]] = []
+    for m in contacts:  # slabs in contact form a chain, known by the level and building where it starts
+        key = np.inf if np.isnan(m.level) else m.level, m.building
+        if not m.struck:
+            key = starts.get((m.building, m.floor_left), key)
+            starts[m.building, m.floor_left] = starts[m.building + 1, m.floor_right] = key
+        chains.append((key, m.building, m))
+    return [m for *_, m in sorted(chains, key=lambda chain: chain[:2])]
+
+
+def build_row(
+    structures: Sequence[AnyStructure],
+    gaps: Array,
+    contact: Contact | None,
+    links: Sequence[Link | None],
+) -> Standing:
+    """The row of buildings as kernels take it, with its contacts, and the buildings alone."""
+    system = arrangement_of(structures, links)
+    places = meetings([stack.levels for stack in system.stacks])
+    columns = [m for m in places if m.struck]
+    if contact is not None and not isinstance(contact, Element) and columns:
+        raise ValueError(
+            f"contact = {contact.describe()}: velocities jump only where slabs meet, and of the "
+            f"structures {columns[0].building + 1} and {columns[0].building + 2} a floor meets a column "
+            f"at {columns[0].level:g} m; allowed: a contact with a force, for instance "
+            "Kelvin(stiffness, restitution=..)"
+        )
+    left, right = (floors @ system.storeys.shapes for floors in _sides(places, system))
+    mass = system.storeys.mass
+    reduced = 1.0 / ((left + right) ** 2 @ (1.0 / mass))
+    space = np.array([gaps[m.building] for m in places], float)
+    if isinstance(contact, Element):
+        laws = [contact.force_law(float(m)) for m in reduced]
+        contacts = Contacts.of(laws, mass.size, left, right, space)
+    else:
+        e = 1.0 if contact is None else float(contact.e)
+        contacts = Contacts.of([ForceLaw()] * len(places), mass.size, left, right, space, e)
+    structure = structure_of_floors(system)
+    own = tuple(t for t in system.ties if t.other < 0 or structure[t.floor] == structure[t.other])
+    row = alone = row_of(system, contacts)
+    if own != system.ties:
+        alone = row_of(system._replace(ties=own), Contacts.of([], mass.size))
+    return Standing(structures, row, alone, system, places, space, reduced)
+
+
+def _facing(b: int, left: Array, right: Array) -> list[Meeting]:
+    """Contacts of two neighbours up to the lower roof, slab to slab and slab to column."""
+    pairs = [
+        (i, j) for i in range(left.size) for j in range(right.size) if abs(left[i] - right[j]) < LEVEL
+    ]
+    contacts = [Meeting(b, i, j, float(0.5 * (left[i] + right[j]))) for i, j in pairs]
+    for side, floor in slabs_on_columns(left, right):
+        i, (levels, other) = floor - 1, ((left, right), (right, left))[side]
+        above, share = next(iter(shares_at(other, levels[i]).items()))
+        floors, struck = ((above, i), "left") if side else ((i, above), "right")
+        contacts.append(Meeting(b, *floors, float(levels[i]), struck, share))
+    return contacts
+
+
+def _sides(places: Sequence[Meeting], system: Arrangement) -> tuple[Array, Array]:
+    """Weights (c, n) of the floors in the penetrations, those of the left and of the right side."""
+    sides = np.zeros((2, len(places), int(system.first[-1])))
+    for j, m in enumerate(places):
+        for k, side in enumerate(SIDES):
+            for floor, share in m.shares(side).items():
+                sides[k, j, system.first[m.building + k] + floor] = share if k == 0 else -share
+    return sides[0], sides[1]

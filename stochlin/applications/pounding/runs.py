@@ -1,0 +1,198 @@
+"""Responses of a row of buildings to motions, in the row and each alone, and their time steps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stochlin.applications.pounding.rows import Standing
+from stochlin.kernels.basics.parallel import Progress, cores, in_order
+from stochlin.kernels.pounding import run as kernel
+from stochlin.kernels.pounding.run import RowResponse
+from stochlin.kernels.records.runs import SampledMotion
+from stochlin.models.contacts import Contact, Element
+from stochlin.solver.simulation.connected_structures import modes_of, shortest_mode
+from stochlin.solver.tables.work import check_work
+
+STEPS_PER_CONTACT = 16  # default number of steps in half a period of a contact
+# For each of them: steps in the shortest and in the first period, and, for stereomechanical impacts,
+# steps near contact in one without.
+OF_SHORTEST, OF_FIRST, AT_BLOWS = 2.5, 12.5, 1.0
+TYPICAL = 1.0  # [m/s]: rate of penetration for which the half-period of a Hertz contact is taken
+ON_GRID = 1e-9  # share of a time step within which an output time counts as a sample of the record
+LANES = 64  # motions that are stepped together
+FEW = 4  # motions that take hardly more time than one
+OPERATIONS = 60.0  # in a step for each floor, besides those with every other floor
+SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi)
+NEAR = 0.03  # share of the steps that are taken for divided near contact
+
+
+Outcome = RowResponse | ArithmeticError
+
+
+def paces_of(
+    standing: Standing,
+    contact: Contact | None,
+    grounds: Sequence[SampledMotion],
+    steps_per_contact: int = STEPS_PER_CONTACT,
+) -> list[kernel.StepCounts]:
+    """Time steps in an interval of each motion, an even number, and near contact.
+
+    Raises a ValueError if the motions would take too much time or memory.
+    """
+    systems = [stack.system for stack in standing.arrangement.stacks]
+    first = min(float(modes_of(system)[0].max()) for system in systems)
+    shortest = min(map(shortest_mode, [standing.row.elements.system, *systems]))
+    longest = min(first / OF_FIRST, shortest / OF_SHORTEST) / steps_per_contact
+    half = np.inf
+    if isinstance(contact, Element):
+        half = min(_half_period(contact, float(mass)) for mass in standing.reduced)
+
+    def pace(dt: float) -> kernel.StepCounts:
+        cuts = 2 * max(1, int(np.ceil(0.5 * dt / longest * (1 - ON_GRID))))
+        substeps = np.ceil(dt / cuts * steps_per_contact / half)
+        if not isinstance(contact, Element):
+            substeps = np.ceil(AT_BLOWS * STEPS_PER_CONTACT)
+        return kernel.StepCounts(cuts, max(1, int(substeps)))
+
+    paces = [pace(ground.dt) for ground in grounds]
+    _check_runs(standing, grounds, paces)
+    return paces
+
+
+def _half_period(contact: Element, reduced: float) -> float:
+    """Half a period of a contact [s], or the time in which its dashpot stops both sides, if shorter."""
+    law = contact.force_law(reduced)
+    n = float(law.exponent)
+    scale = float((reduced * TYPICAL ** (1 - n) / law.stiffness) ** (1 / (n + 1)))
+    if not law.over_approach and law.damping > 0:
+        scale = min(scale, reduced / float(law.damping))
+    return np.pi * scale
+
+
+def _check_runs(
+    standing: Standing, grounds: Sequence[SampledMotion], paces: Sequence[kernel.StepCounts]
+) -> None:
+    """Raise a ValueError if the motions would take too much time or memory."""
+    n, lanes = standing.row.parts.mass.size, min(LANES, len(grounds))
+    samples = [len(ground.acceleration) for ground in grounds]
+    steps = sum(
+        p.cuts * (1.0 + NEAR * (p.substeps - 1)) * many for p, many in zip(paces, samples, strict=True)
+    )
+    operations = 3.0 * n * n + OPERATIONS * n
+    many = f"{len(grounds)} motions, " if len(grounds) > 1 else ""
+    seconds = sum(ground.dt * (size - 1) for ground, size in zip(grounds, samples, strict=True))
+    shortest = min(ground.dt / pace.cuts for ground, pace in zip(grounds, paces, strict=True))
+    closed = min(ground.dt / p.cuts / p.substeps for ground, p in zip(grounds, paces, strict=True))
+    check_work(
+        f"{many}{seconds:g} s of motion, in steps of {shortest:.3g} s, near contact of {closed:.3g} s, "
+        "would take",
+        "take softer structures, a softer contact, or "
+        f"{'fewer motions' if many else 'a shorter record'}",
+        numbers=(standing.row.places[1].rows + 2.0) * max(samples),
+        seconds=2 * steps * (1e-9 * operations + 3e-6 / lanes),
+        cores=min(cores(), len(grounds)),
+    )
+
+
+class RowRun(NamedTuple):
+    """A response that is to be computed."""
+
+    row: kernel.BuildingRow
+    ground: SampledMotion
+    pace: kernel.StepCounts
+    meets: bool = True  # whether contacts act
+
+
+def jobs_of(
+    standing: Standing,
+    ground: SampledMotion,
+    pace: kernel.StepCounts,
+    halved: bool,
+) -> list[RowRun]:
+    """The row and each building alone in a motion, and if ``halved`` the row in steps twice as long."""
+    coarser = pace._replace(cuts=pace.cuts // 2)
+    rows = (standing.row, True), (standing.alone, False)
+    both = [RowRun(row, ground, pace, meets) for row, meets in rows]
+    return [*both, RowRun(standing.row, ground, coarser)] if halved else both
+
+
+def responses(
+    standing: Standing,
+    jobs: Sequence[RowRun],
+    keep: bool = False,
+    progress: Progress | None = None,
+) -> list[Outcome]:
+    """Responses, or the error of one that could not be computed; the first one has its history."""
+    batches = list(_batches(jobs))
+    outcomes: dict[int, Outcome] = {}
+
+    def run(batch: list[int]) -> list[RowResponse]:
+        first, motions = jobs[batch[0]], _motions([jobs[n] for n in batch], standing.shortest)
+        return kernel.run(first.row, motions, first.pace, keep and 0 in batch)
+
+    done = in_order(lambda number: run(batches[number]), len(batches), progress)
+    for batch, of_batch in zip(batches, done, strict=True):
+        for number, response in zip(batch, of_batch, strict=True):
+            outcomes[number] = _failure(standing, response) or response
+    return [outcomes[number] for number in range(len(jobs))]
+
+
+def _batches(jobs: Sequence[RowRun]) -> Iterator[list[int]]:
+    """Numbers of jobs that are stepped together: of one row and time step, the shortest first."""
+    alike: dict[tuple[int, float, kernel.StepCounts], list[int]] = {}
+    for number in np.argsort([len(job.ground.acceleration) for job in jobs], kind="stable"):
+        row, ground, pace, *_ = jobs[number]
+        alike.setdefault((id(row), ground.dt, pace), []).append(int(number))
+    for numbers in alike.values():
+        size = min(LANES, max(FEW, -(-len(numbers) // cores())))
+        for begin in range(0, len(numbers), size):
+            yield numbers[begin : begin + size]
+
+
+def _motions(jobs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
+    """The motions of jobs that are stepped together; ``shortest`` is that of the first periods [s]."""
+    members = [job.ground.acceleration for job in jobs]
+    sizes = np.array([samples.size for samples in members])
+    acceleration = np.zeros((sizes.max(), len(jobs)))
+    for lane, samples in enumerate(members):
+        acceleration[: samples.size, lane] = samples
+    meets = np.array([float(job.meets) for job in jobs])
+    slow = SLOW * np.abs(acceleration).max(axis=0) * shortest / (2 * np.pi)
+    return kernel.GroundMotions(acceleration, jobs[0].ground.dt, sizes - 1, slow, meets)
+
+
+def successful(outcomes: Sequence[Outcome]) -> list[RowResponse]:
+    """The responses; raises the error of the first that could not be computed."""
+    for outcome in outcomes:
+        if isinstance(outcome, ArithmeticError):
+            raise outcome
+    return [outcome for outcome in outcomes if isinstance(outcome, RowResponse)]
+
+
+def _failure(standing: Standing, response: RowResponse) -> ArithmeticError | None:
+    """The error of a motion that was ended before its end, because a building falls or numbers do."""
+    failed = float(response.at_end("failed")[0])
+    if failed == np.inf:
+        return None
+    firsts = standing.arrangement.first_coordinate
+    for number, stack in enumerate(standing.arrangement.stacks, start=1):
+        u, limits = response.at_end("q")[firsts[number - 1] : firsts[number]], stack.limits
+        share = np.nan_to_num(np.abs(stack.system.extensions @ u) / limits, nan=np.inf)
+        worst = int(np.argmax(np.where(np.isfinite(limits), share, 0.0)))
+        if np.isfinite(limits[worst]) and share[worst] > 1:
+            part = "mode" if stack.by_modes else "storey"
+            where = "it" if stack.is_oscillator else f"its {part} {worst + 1}"
+            return ArithmeticError(
+                f"pound: structure {number} falls over: by {failed:.4g} s after the beginning {where} "
+                f"has drifted by more than {limits[worst]:.3g} m, where no force is left to hold it, "
+                "since its stiffness after yielding is negative; give it more hardening or strength, or "
+                "a weaker motion"
+            )
+    return ArithmeticError(
+        f"pound: the response is no longer finite {failed:.4g} s after the beginning; the rates of a "
+        "law grow without end, or a structure, link or contact is too stiff for the time steps: give a "
+        "law in which all states stay bounded, make it softer, or take more steps_per_contact"
+    )

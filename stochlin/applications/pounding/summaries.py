@@ -1,0 +1,117 @@
+"""Summary of one motion for a row of buildings: peaks, and sums and extremes over the impacts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stochlin.applications.pounding.histories import (
+    CONTACT,
+    OF_ROW,
+    STRUCTURE,
+    Quantities,
+    energy_transferred,
+)
+from stochlin.applications.pounding.rows import Standing
+from stochlin.applications.pounding.runs import Outcome, successful
+from stochlin.kernels.pounding import impacts
+from stochlin.kernels.pounding.run import RowResponse
+from stochlin.solver.tables.floors import FLOOR, LINK
+
+
+def summary(standing: Standing, outcomes: Sequence[Outcome]) -> Quantities:
+    """Summary of one motion from its responses to `jobs_of`, with the error of coarser steps if known.
+
+    Raises the error of a response that could not be computed.
+    """
+    response, alone, *coarse = successful(outcomes)
+    values = _peaks(standing, response, alone) | _tallies(standing, response)
+    values |= _columns(standing, response)
+    if coarse:
+        values["step_error"] = OF_ROW, step_error(standing, coarse[0], response)
+    return values
+
+
+def step_error(standing: Standing, response: RowResponse, finer: RowResponse) -> float:
+    """Largest relative change of a peak displacement or largest force from steps twice as long [-].
+
+    The steps are of second order, so that the error that remains in the finer response is about a third
+    of the change. A peak counts beside the largest of its structure.
+    """
+    whole = np.maximum.reduceat(finer.peaks, standing.first[:-1])
+    largest = np.repeat(whole, np.diff(standing.first))
+    moved = np.abs(response.peaks - finer.peaks) / np.where(largest > 0, largest, 1.0)
+    hardest, more = (_tallies(standing, each)["hardest_force"][1] for each in (response, finer))
+    hits = np.isfinite(hardest) & np.isfinite(more)
+    changes = np.abs(hardest[hits] - more[hits]) / more[hits]
+    return float(max(moved.max(), changes.max(initial=0.0)))
+
+
+def _peaks(standing: Standing, response: RowResponse, alone: RowResponse) -> Quantities:
+    """Largest absolute values in the row and of each building alone."""
+    values: Quantities = {}
+    first = standing.first
+    for ending, own in (("", response), ("_alone", alone)):
+        known = np.isfinite(standing.arrangement.shear_shares).all(axis=1)
+        shear = np.where(known, own.at_end("shear"), np.nan)
+        values |= {
+            f"peak{ending}": (FLOOR, own.peaks),
+            f"peak_acceleration{ending}": (FLOOR, own.at_end("acceleration")),
+            f"peak_storey_shear{ending}": (FLOOR, shear),
+            f"peak_base_shear{ending}": (STRUCTURE, shear[first[:-1]]),
+        }
+    apart, unknown = alone.peaks, np.full(first[-1], np.nan)
+    growth = np.divide(response.peaks, apart, out=unknown, where=apart > 0)
+    values["amplification"] = FLOOR, growth
+    springs = standing.row.parts.spring
+    if springs.size:
+        values["peak_link_force"] = LINK, response.at_end("pull")
+        values["peak_link_stroke"] = LINK, response.at_end("stretch")[springs]
+        values["link_energy"] = LINK, response.at_end("drained")
+    return values | {"energy_balance_error": (OF_ROW, response.at_end("imbalance")[0])}
+
+
+def _tallies(standing: Standing, response: RowResponse) -> Quantities:
+    """Number, extremes and lost energy of the impacts of each contact, and energy received."""
+    line, contacts = response.impacts.T, standing.row.contacts
+    where = line[impacts.CONTACT].astype(np.int64)
+    hit = where == np.arange(contacts.gap.size)[:, None]
+    at_most = {
+        "hardest_force": line[impacts.LARGEST],
+        "fastest_approach": line[impacts.APPROACH],
+        "longest_impact": line[impacts.END] - line[impacts.BEGIN],
+        "deepest_compression": np.where(contacts.jumps, np.nan, line[impacts.DEEPEST]),
+    }
+    values: Quantities = {"impacts": (CONTACT, hit.sum(axis=1))}
+    for name, each in at_most.items():  # NaN without an impact, or where one has no such value
+        most = np.array([np.maximum.reduce(each[own], initial=-np.inf) for own in hit])
+        values[name] = CONTACT, np.where(np.isfinite(most), most, np.nan)
+    values["contact_energy"] = CONTACT, hit @ line[impacts.LOST]
+    received = np.zeros(standing.first.size - 1)
+    for side, energy in enumerate(energy_transferred(response).T):
+        np.add.at(received, standing.left[where] + side, energy)
+    values["energy_received"] = STRUCTURE, received
+    return values
+
+
+def _columns(standing: Standing, response: RowResponse) -> Quantities:
+    """Largest force on columns that a slab meets [N], also over the storey shear at yield [-].
+
+    Contacts slab to slab are NaN.
+    """
+    struck = np.array([bool(m.struck) for m in standing.places])
+    if not struck.any():
+        return {}
+    most, storeys = np.zeros(struck.size), standing.arrangement.storeys
+    where = response.impacts[:, impacts.CONTACT].astype(np.int64)
+    np.maximum.at(most, where, response.impacts[:, impacts.LARGEST])
+    floor = [
+        standing.first[m.building + (m.struck != "left")] + m.storey if m.struck else 0
+        for m in standing.places
+    ]
+    yield_force = storeys.elastic * storeys.strength
+    strength = standing.arrangement.of_elements(yield_force, np.inf, np.inf)[floor]
+    force = np.where(struck, most, np.nan)
+    share = np.where(np.isfinite(strength), force / strength, np.nan)
+    return {"column_force": (CONTACT, force), "column_force_share": (CONTACT, share)}

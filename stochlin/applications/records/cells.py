@@ -1,0 +1,168 @@
+"""Checked records and structures, the cells of a table of structures, and the labelled table."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.records.records import checked_record
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.records.oscillator import HIGHEST, LOWEST
+from stochlin.kernels.records.runs import SampledMotion
+from stochlin.models.arguments import OfClass, check_label
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.parameters import expect
+from stochlin.models.structures import Structure
+from stochlin.models.systems import STRUCTURES, AnyStructure, falls_at
+from stochlin.solver.tables import labels
+from stochlin.solver.tables.cellwise import row_of
+from stochlin.solver.tables.lazy import arrays_of, check_names
+
+Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
+"""One record, as from `read_record`, or several as a list, or as a mapping with their names."""
+
+RECORD = "record"
+SCALARS = "scalars, since histories are of one structure; response_spectrum takes arrays"
+SHORTEST = 0.1  # shortest period over time step; below it the response is to the interpolation
+
+
+class RecordedMotions(NamedTuple):
+    """Checked records, as accelerations with a time step, and their names."""
+
+    records: list[xr.DataArray]
+    grounds: list[SampledMotion]
+    names: list[str] | None  # None for a single record, which adds no dimension to results
+
+    def describe(self) -> str:
+        """The records in one line, for the run information."""
+        names = self.names or ["record"]
+        named = zip(names, self.grounds, strict=True)
+        return "; ".join(f"{name}: {len(values)} samples at {dt:g} s" for name, (values, dt) in named)
+
+
+def checked_motions(record: Records) -> RecordedMotions:
+    """The records, checked; names in a list are those of the sources, if all differ, or else numbers."""
+    if isinstance(record, xr.DataArray):
+        return RecordedMotions([record], [SampledMotion(*checked_record(record))], None)
+    if isinstance(record, Mapping):
+        names, records = [str(name) for name in record], list(record.values())
+    elif isinstance(record, (list, tuple)):
+        records = list(record)
+        sources = [str(getattr(each, "attrs", {}).get("source", "")) for each in records]
+        distinct = all(sources) and len(set(sources)) == len(sources)
+        names = sources if distinct else [str(n + 1) for n in range(len(records))]
+    else:
+        raise TypeError(f"record is a {type(record).__name__}; allowed: an xarray.DataArray or several")
+    if not records:
+        raise ValueError("record is empty; allowed: at least one record")
+    grounds = []
+    for name, each in zip(names, records, strict=True):
+        check_label("the name of a record", name)
+        try:
+            grounds.append(SampledMotion(*checked_record(each)))
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"record {name}: {error}") from error
+    return RecordedMotions(records, grounds, names)
+
+
+def events_of(records: Iterable[xr.DataArray]) -> list[object]:
+    """What is equal for the components of a station in one earthquake, for each record."""
+    stated = [(each.attrs.get("event"), each.attrs.get("station")) for each in records]
+    return [pair if all(pair) else n for n, pair in enumerate(stated)]
+
+
+def ends_of_events(values: xr.DataArray, events: Sequence[object]) -> list[xr.DataArray]:
+    """The smallest and the largest values of each event, over ``record``.
+
+    Components of a station are not independent: the lower end of an interval is that of the smallest
+    values, its upper end that of the largest.
+    """
+    numbers = [[n for n, each in enumerate(events) if each == event] for event in dict.fromkeys(events)]
+    parts = [values.isel({RECORD: of_event}) for of_event in numbers]
+    ends = ([getattr(part, end)(RECORD, skipna=False) for part in parts] for end in ("min", "max"))
+    return [xr.concat(each, RECORD) for each in ends]
+
+
+def check_structure(role: str, structure: AnyStructure) -> None:
+    """Raise an error for a structure whose response to a record cannot be computed."""
+    expect(structure, STRUCTURES, role)
+    if isinstance(structure, Structure) and structure.reduction_factor is not None:
+        raise ValueError(
+            f"{role}: reduction_factor is for a ground; allowed on a record: yield_displacement"
+        )
+
+
+# Structures whose response to a record can be computed.
+OnRecord = Annotated[AnyStructure, check_structure]
+OscillatorOnRecord = Annotated[Structure, OfClass((Structure,)), check_structure]
+
+
+class RecordCells(NamedTuple):
+    """One or two bilinear structures on records, in the valid cells of a table of their parameters."""
+
+    motions: RecordedMotions
+    like: xr.DataArray  # False over the dimensions of the table
+    valid: Array  # (n,): whether the parameters of each cell are valid
+    sides: list[Array]  # (valid cells, 4) each: w, damping, hardening and yield displacement
+
+    @classmethod
+    def of(cls, motions: RecordedMotions, *structures: Bilinear) -> RecordCells:
+        """The cells of structures, elastic where the yield displacement is infinite.
+
+        A cell that is out of range, or has a period below a tenth of the records' longest time step, is
+        not valid.
+        """
+        arrays = arrays_of(dict(zip(("first", "second"), structures, strict=False)))
+        like = xr.broadcast(xr.DataArray(False), *arrays.values())[0]
+        check_names((*like.dims, *like.coords), (RECORD, "status"))
+        shortest = SHORTEST * max(ground.dt for ground in motions.grounds)
+        sides, valid = [], np.ones(like.size, bool)
+        for structure in structures:
+            values = structure.arrays()
+            period, uy = values["period"], values.get("yield_displacement", xr.DataArray(np.inf))
+            if period.ndim == 0 and period < shortest:
+                allowed = f"{shortest:g} s, a tenth of the record's step, or more"
+                raise ValueError(f"period = {float(period):g} s; allowed: {allowed}")
+            finite: dict[str, Any] = (
+                {"yield_displacement": uy.where(~np.isposinf(uy), 1.0)} if structure.yields else {}
+            )
+            usable = dataclasses.replace(structure, **finite).valid() & (period >= shortest)
+            w = 2 * np.pi / period.where(usable, 1.0)
+            columns = (w, values["damping"], values.get("hardening", xr.DataArray(1.0)), uy)
+            sides.append(np.stack([row_of(column, like) for column in columns], axis=1).astype(float))
+            valid &= row_of(usable, like)
+        return cls(motions, like, valid, [side[valid] for side in sides])
+
+    def peak(self, number: int, peaks: Array) -> Array:
+        """Peak displacements of a structure (records, valid cells) [m], infinite where it falls."""
+        _, _, hardening, uy = self.sides[number].T
+        peak = np.maximum(peaks[..., HIGHEST], peaks[..., LOWEST])
+        return np.where(peak <= falls_at(hardening, 1 - hardening, uy), peak, np.inf)
+
+    def table(self, columns: Mapping[str, Array], peaks: Sequence[Array]) -> xr.Dataset:
+        """Columns (records, valid cells) as a labelled table over the records and the dimensions.
+
+        The status of a cell is ``elastic_limit`` if no structure yielded in its peak displacement, and
+        ``invalid_input`` if the cell is NaN.
+        """
+        check_names((*self.like.dims, *self.like.coords), columns)
+        stayed = [peak <= side[:, 3] for peak, side in zip(peaks, self.sides, strict=True)]
+        status = np.where(np.all(stayed, axis=0), labels.ELASTIC_LIMIT, labels.CONVERGED)
+        names, count = self.motions.names, len(self.motions.grounds)
+        dims, shape = self.like.dims, self.like.shape
+        if names is not None:
+            dims, shape = (RECORD, *dims), (count, *shape)
+        variables = {}
+        for name, values in {**columns, "status": status}.items():
+            filled = np.full((count, self.valid.size), np.nan)
+            filled[:, self.valid] = values
+            variables[name] = (dims, filled.reshape(shape))
+        table = xr.Dataset(variables, coords=self.like.coords)
+        if names is not None:
+            table = table.assign_coords({RECORD: (RECORD, names, {"long_name": "record"})})
+        known = table[next(iter(columns))].notnull()
+        return table.assign(status=table.status.where(known, labels.INVALID_INPUT).astype(np.int8))

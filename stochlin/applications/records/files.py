@@ -1,0 +1,100 @@
+"""Record files: the registered formats and columns of text, without conversion of units."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+from itertools import islice
+from pathlib import Path
+
+from stochlin.applications.records.columns import Column, Text
+from stochlin.applications.records.formats import FORMATS, HEADER_LINES, RecordFile, Series
+from stochlin.messages import brief, plain, refuse
+from stochlin.models.arguments import is_label, is_whole
+from stochlin.models.units import size_of
+from stochlin.solver.tables.inputs import input_path, read_text
+
+_COMMENT = re.compile(r"^([-+.,;\dDEde\s]*)[#%].*")
+
+
+class UnknownFormatError(ValueError):
+    """A text in which no record can be seen, such as notes beside records."""
+
+
+def unknown_format(name: str) -> UnknownFormatError:
+    """The error for such a file, which says what is read."""
+    titles = ", ".join(of.title for of in FORMATS.values())
+    return UnknownFormatError(
+        f"{name} has no accelerations in a format that is known; allowed: {titles}, columns of numbers "
+        "(skip= leaves out lines above them); docs/from_records.md has what obspy reads"
+    )
+
+
+def read_channels(
+    path: str | os.PathLike[str],
+    column: Column | None = None,
+    time_column: Column | None = None,
+    wrapped: bool = False,
+    skip: int = 0,
+) -> tuple[str, list[Series]]:
+    """The name of a record file of any format, and the components in it."""
+    path = input_path("path", path)
+    name, lines = plain(path.name), _lines(path)
+    first = "\n".join(islice(filter(str.strip, islice(lines, skip, None)), HEADER_LINES))
+    if not first:
+        raise ValueError(f"{name} is empty: it holds no line of numbers")
+    of = next((of for of in FORMATS.values() if of.header.search(first)), None)
+    if of is None:
+        if (text := Text.of(name, lines, skip)) is None:
+            raise unknown_format(name)
+        return name, [text.series(column, time_column, wrapped)]
+    columns = {"column": column, "time_column": time_column, "wrapped": wrapped or None}
+    refuse(name, of.title, columns)
+    channels = of.read(RecordFile(name, lines))
+    if not channels:
+        raise unknown_format(name)
+    for unit in (channel.units for channel in channels if channel.units):
+        if size_of(unit, "m/s^2") is None:
+            raise ValueError(f"{name} has {brief(unit)}; allowed: units of an acceleration")
+    return name, channels
+
+
+def chosen(channels: Sequence[Series], component: Column | None, name: str) -> Series:
+    """The component that is asked for, or the only one, which takes the name if it states none."""
+    if component is not None and not (is_whole(component) or is_label(component)):
+        raise ValueError(f"component = {brief(component)}; allowed: the name or the number of one")
+    names = [channel.about.get("component", "") for channel in channels]
+    known = ", ".join(f"{n} ({plain(text)})" if text else f"{n}" for n, text in enumerate(names, 1))
+    if component is None:
+        if len(channels) == 1:
+            return channels[0]
+        raise ValueError(f"component is missing: {name} has {known}; give component=")
+    if names == [""]:
+        return channels[0]._replace(about={**channels[0].about, "component": str(component)})
+    wanted = letters(component)
+    fitting = [n for n, text in enumerate(names) if wanted and letters(text) == wanted]
+    if not fitting and wanted in map(str, range(1, len(channels) + 1)):
+        fitting = [int(wanted) - 1]
+    if len(fitting) != 1:
+        count = "is more than one" if fitting else "is not"
+        raise ValueError(f"component = {brief(component)} {count} in {name}; allowed: {known}")
+    return channels[fitting[0]]
+
+
+def letters(text: object) -> str:
+    """Letters and digits of a name, in capitals."""
+    return re.sub(r"\W|_", "", str(text)).upper()
+
+
+def is_record(name: str) -> bool:
+    """Whether a file has the ending of a record, also if it is compressed by gzip."""
+    endings = "|".join(["txt", "csv", "dat", "acc", *(of.endings for of in FORMATS.values())])
+    return re.search(rf"\.({endings})(\.gz)?$", name, re.IGNORECASE) is not None
+
+
+def _lines(path: Path) -> list[str]:
+    """The lines of a file without comments."""
+    text = read_text(path).replace("\x1a", "")  # control-Z, the end of old DOS files
+    lines = text.splitlines()
+    return [_COMMENT.sub(r"\1", line) for line in lines] if "#" in text or "%" in text else lines

@@ -1,0 +1,134 @@
+"""Formats of record files, each recognized by its header: one file for each format."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from stochlin.applications.sheets.sheets import number_in
+from stochlin.messages import brief
+from stochlin.registry import Registry
+
+Array = npt.NDArray[np.float64]
+Line = tuple[int, str]
+"""Line number in the file, from 1, and its text."""
+
+
+class Series(NamedTuple):
+    """Content of a record file: accelerations as written, and time, time step and units if stated."""
+
+    values: Array
+    time: Array | None
+    dt: float | None
+    units: str | None
+    column: str = ""  # name of the column
+    about: Mapping[str, str] = MappingProxyType({})  # event, station and component, if stated
+    nameless: int = 0  # number of columns without names, none of which is known to be the time
+
+
+class RecordFile(NamedTuple):
+    """Name and lines of a record file."""
+
+    name: str
+    lines: Sequence[str]
+
+    def wrong(self, number: int, allowed: str) -> ValueError:
+        """The error that a line is not what is allowed there."""
+        line = self.lines[number - 1].strip() if number <= len(self.lines) else "the end of the file"
+        return ValueError(f"{self.name}, line {number}: {brief(line)}; allowed there: {allowed}")
+
+    def positive(self, stated: Mapping[str, Line], key: str, example: str) -> float:
+        """The positive number that the line of this key states in the header."""
+        number, text = self.line(stated, key, example)
+        value = number_in(text)
+        if value is None or not 0 < value < math.inf:
+            raise self.wrong(number, f"a positive number, as in {example!r}")
+        return value
+
+    def line(self, stated: Mapping[str, Line], key: str, example: str) -> Line:
+        """Number and text of the line of this key; a ValueError if the header has none."""
+        if key not in stated:
+            raise ValueError(f"{self.name} has no line {key!r}; allowed: a header with {example!r}")
+        return stated[key]
+
+    def counted(self, first: int, last: int, count: int, stated: int, width: int = 0) -> Array:
+        """The numbers from line ``first`` to ``last``, as many as line ``stated`` says.
+
+        Numbers that run on are separated where a ``width`` of the fields is known.
+        """
+        values = self.numbers(first, last, width)
+        if values.size != count:
+            held = f"{self.name} holds {values.size} values, but line {stated} states {count}"
+            raise ValueError(f"{held}; the file is cut or damaged: fetch it again")
+        return values
+
+    def block(self, number: int, count: int, end: re.Pattern[str], width: int) -> tuple[Array, int]:
+        """As many numbers as the line above states, up to a line with ``end``, and their last line."""
+        after = enumerate(self.lines[number:], number)
+        last = next((n for n, text in after if end.search(text)), len(self.lines))
+        return self.counted(number + 1, last, count, number, width), last
+
+    def numbers(self, first: int, last: int, width: int = 0) -> Array:
+        """The numbers from line ``first`` to ``last``, both included."""
+        lines = self.lines[first - 1 : last]
+        text = "\n".join(lines)
+        with suppress(ValueError):  # of other text, which follows
+            values = np.array(text.split(), float)
+            if np.isfinite(values).all() and "_" not in text:
+                return values
+        fields = [(n, field) for n, line in enumerate(lines, first) for field in _fields(line, width)]
+        for n, field in fields:
+            if number_in(field) is None:
+                what = f"{self.name}, line {n}: {brief(field)} is not a number"
+                raise ValueError(f"{what}; allowed: a finite number, such as -0.5E-3")
+        return np.array([number_in(field) for _, field in fields], float)
+
+    def check_length(self, count: int, dt: float, seconds: float, number: int) -> None:
+        """Raise a ValueError if samples and time step do not give the length on a line of the header."""
+        if abs(count * dt - seconds) > 2 * dt + 0.01 * seconds:
+            raise self.wrong(number, f"the length of {count} samples with a step of {dt:g} s")
+
+
+class Format(NamedTuple):
+    """A format of record files.
+
+    ``header`` is searched in the first `HEADER_LINES` lines with text, and ``read`` gives the
+    components, none if it sees no accelerations. Of a folder of records, files with these ``endings``,
+    a regular expression, are read.
+    """
+
+    title: str  # with its article
+    header: re.Pattern[str]
+    read: Callable[[RecordFile], list[Series]]
+    endings: str
+
+
+HEADER_LINES = 8
+FORMATS: Registry[Format] = Registry("format of records", "stochlin.applications.records.formats")
+
+
+def field_width(stated: str) -> int:
+    """Width of the fields of a Fortran format such as ``8F10.5``; 0 if it is not known."""
+    width = re.search(r"[DEFGI](\d{1,3})", stated.upper())
+    return int(width[1]) if width else 0
+
+
+def centred(values: Array, units: str) -> tuple[Array, str]:
+    """A record without baseline correction less its mean, and the sentence that says so."""
+    mean = float(values.mean()) if values.size else 0.0
+    return values - mean, f"its mean of {mean:.6g} {units} is subtracted"
+
+
+def _fields(line: str, width: int) -> list[str]:
+    fields = line.split()
+    if width and any(number_in(field) is None for field in fields):
+        line = line.rstrip()
+        return [line[start : start + width].strip() for start in range(0, len(line), width)]
+    return fields

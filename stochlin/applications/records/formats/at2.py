@@ -1,0 +1,73 @@
+"""PEER AT2: one component, whose header states the number of samples, the time step and the units.
+
+PEER Ground Motion Database, https://ngawest2.berkeley.edu. ``NPTS`` and ``DT`` stand on one line or on
+two, in any order: ``NPTS=  5372, DT=   .0100 SEC``, or ``4096    0.0100    NPTS, DT`` in older files.
+"""
+
+from __future__ import annotations
+
+import re
+
+from stochlin.applications.records.formats import (
+    FORMATS,
+    Format,
+    RecordFile,
+    Series,
+)
+from stochlin.applications.sheets.sheets import number_in
+from stochlin.registry import LAST
+
+_HEADER = re.compile(r"\bNPTS\b", re.IGNORECASE)
+_NUMBER = r"((?:\d+\.?\d*|\.\d+)(?:[ED][-+]?\d+)?)"
+_COUNT = re.compile(rf"\bNPTS\b[\s=:]*{_NUMBER}", re.IGNORECASE)
+_STEP = re.compile(rf"\bDT\b[\s=:]*{_NUMBER}[\s(]*([A-Z]*)", re.IGNORECASE)
+_NUMBERS_FIRST = re.compile(rf"^\s*{_NUMBER}[\s,]+{_NUMBER}[\s,]+NPTS\W+DT[\s(]*([A-Z]*)", re.IGNORECASE)
+_SECONDS = dict.fromkeys(("", "S", "SEC", "SECS", "SECOND", "SECONDS"), 1.0)
+_SECONDS |= dict.fromkeys(("MS", "MSEC", "MSECS", "MILLISECONDS"), 1e-3)
+# "UNITS OF G.", "UNITS OF (CM/SEC/SEC)", "UNITS: G'S"
+_UNITS = re.compile(r"\bUNITS?(?:\s+OF)?[\s:=(\[]+([A-Z]+\d?(?:(?:/|\^|\*\*)[A-Z\d]+)*)", re.IGNORECASE)
+_OF_PEER = re.compile(r"STRONG.MOTION", re.IGNORECASE)  # first line of a file whose second is a title
+_EXAMPLES = "'NPTS= 5372, DT= .0100 SEC' or '4096 0.0100 NPTS, DT', the time step in SEC or MSEC"
+
+
+def _read(file: RecordFile) -> list[Series]:
+    lines = file.lines
+    number = next(n for n, line in enumerate(lines, 1) if _HEADER.search(line))
+    # The time step may stand on the line of the number of samples, below it, or above it.
+    places = ((number, number), (number, number + 1), (number - 1, number))
+    known = ((last, _stated(" ".join(lines[max(first - 1, 0) : last]))) for first, last in places)
+    last, stated = next(((last, each) for last, each in known if each), (number, None))
+    if stated is None:
+        raise file.wrong(number, _EXAMPLES)
+    count, dt = stated
+    values = file.counted(last + 1, len(lines), count, number)
+    units = next((unit[1] for line in lines[:last] if (unit := _UNITS.search(line))), None)
+    return [Series(values, None, dt, units, about=_title(file))]
+
+
+def _stated(text: str) -> tuple[int, float] | None:
+    """Number of samples and time step [s] of a header; None unless it states both."""
+    count, step, first = _COUNT.search(text), _STEP.search(text), _NUMBERS_FIRST.search(text)
+    if first:
+        samples, dt, unit = first.groups()
+    elif count and step:
+        samples, dt, unit = count[1], *step.groups()
+    else:
+        return None
+    seconds = (number_in(dt) or 0.0) * _SECONDS.get(unit.upper(), 0.0)
+    return (int(samples), seconds) if samples.isdigit() and 0 < seconds < float("inf") else None
+
+
+def _title(file: RecordFile) -> dict[str, str]:
+    """Event, station and component in PEER's second line: ``Kobe, 1/16/1995, Nishi-Akashi, 090``."""
+    if len(file.lines) < 2 or not _OF_PEER.search(file.lines[0]):
+        return {}
+    *event, station, component = (part.strip() for part in f",,{file.lines[1]}".split(","))
+    known = any(event) and station and component
+    named = {"event": ", ".join(filter(None, event)), "station": station, "component": component}
+    return named if known else {}
+
+
+FORMATS.register("at2", LAST + 1)(  # its header is the least distinct
+    Format("an AT2 file", _HEADER, _read, "at2")
+)

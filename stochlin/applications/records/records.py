@@ -1,0 +1,256 @@
+"""Strong-motion records: reading a record as a labelled array, and its strong part."""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from collections.abc import Iterator
+from typing import Annotated
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from scipy import constants
+
+from stochlin.applications.records.columns import Column
+from stochlin.applications.records.files import chosen, letters, read_channels
+from stochlin.applications.records.formats import Series
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import DoubtfulInput, brief
+from stochlin.models.arguments import Seconds, Truth, Whole, checked, is_number
+from stochlin.models.units import size_of, stated_size
+
+MINIMUM_SAMPLES = 16
+
+# Allowed deviation of a printed time from its even position, in time steps. Times at 1/300 s are printed
+# 0.003, 0.007, 0.010. A lost sample deviates by 0.5 at least.
+_TIME_TOLERANCE = 0.25
+# Relative difference of two time steps that may come from rounding: 1/128 s is printed 0.0078.
+_STEP_TOLERANCE = 2e-3
+_CURE = "correct it, or leave it out"
+SHORTEST_STEP = 1e-6  # s
+_ROWS_OF_A_SERIES = 5  # fewest numbers in a row; the usual components of a motion are three
+LONGEST_STEP, LARGEST_PEAK = 0.5, 3 * constants.g  # s, m/s^2; larger values give a warning
+_NO_ACCELERATION = re.compile(r"\b(vel|velocity|disp|displacement|time)\b", re.IGNORECASE)
+
+
+@checked
+def read_record(
+    path: str | os.PathLike[str],
+    *,
+    dt: Seconds | None = None,
+    units: str | None = None,
+    column: Column | None = None,
+    time_column: Column | None = None,
+    component: Column | None = None,
+    wrapped: Truth = False,
+    skip: Annotated[int, Whole(0)] = 0,
+) -> xr.DataArray:
+    r"""Read a strong-motion record.
+
+    Formats are recognized by their header, which states time step and units: PEER AT2 (``NPTS=  5372,
+    DT=   .0100 SEC`` or ``4096    0.0100    NPTS, DT``), CSMIP Volume 2 (``.V2``), COSMOS 1.20
+    (``.V2c``), K-NET and KiK-net, the Engineering Strong Motion database (ESM), and the standard file of
+    UNAM and other Mexican networks. A file with columns of text, separated by comma, semicolon or white
+    space, may begin with two lines of titles, a row of names and a row of units. It states the time step
+    only in a first row of the number of samples and it, such as ``1559 0.02``, and the units only in a
+    name such as ``acc [g]``. Between semicolons or tabs numbers may have decimal commas. A line that
+    begins with ``#`` or ``%``, and what follows them beside numbers, is a comment. Missing information
+    is never guessed.
+
+    Parameters
+    ----------
+    path : str or path
+        Path of the file, text in UTF-8, also compressed by gzip: a regular file of at most 64 MiB and
+        two million lines.
+    dt : float, optional
+        Time step [s], positive. Not needed if the header states it or with a ``time_column``.
+    units : str, optional
+        Units of the numbers in the file, such as ``"g"``, ``"m/s^2"``, ``"gal"`` or ``"in/s^2"``. Not
+        needed if the file states them.
+    column, time_column : int or str, optional
+        Columns of the acceleration and of the time, in seconds if its name has no other unit, each by
+        its index from 0 or by its name, also without its unit.
+        ``column`` is not needed if only one column remains.
+    component : int or str, optional
+        Component of a file that holds several, by its name there, such as ``"N00E"``, or by its number
+        from 1. A file of one component that states another name is refused; of one that states none it
+        becomes the attribute of this name.
+    wrapped : bool
+        Whether all numbers of a file without a known header are one series, written in rows.
+    skip : int
+        Number of lines at the beginning of such a file that are left out.
+
+    Returns
+    -------
+    xarray.DataArray
+        Ground acceleration [m/s^2] with the dimension ``time`` [s], named ``acceleration``. The
+        attributes ``source`` and ``dt`` hold the file name and the time step; ``event``, ``station`` and
+        ``component`` are those that the header states. The mean is subtracted from records that are not
+        corrected for their baseline: those of K-NET and KiK-net, and of ESM where the header says so.
+        The attribute ``comment`` then states it.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If the time step, the units, a column or a component are missing, unknown or contradict the file;
+        if a header or its number of samples is not that of its format; if the file
+        has text, NaN or infinity among its numbers (the message names the line), lines of unequal
+        length, a time that does not increase or has a gap, fewer than 16 samples or only zeros.
+
+    Warns
+    -----
+    UserWarning
+        If the record is implausible: a peak of more than 3 g, a time step of more than 0.5 s, a
+        column named as a velocity, a displacement or a time, or one of five or more columns without
+        names beside no ``time_column``, which may be rows of one series.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import stochlin as sl
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "record.csv"
+    >>> lines = [f"{0.02 * i:.2f},{(-1) ** i}" for i in range(100)]
+    >>> _ = path.write_text("time,north\n" + "\n".join(lines), encoding="utf-8")
+    >>> record = sl.read_record(path, time_column="time", units="gal")
+    >>> record.sizes["time"], record.attrs["dt"], float(record.max())
+    (100, 0.02, 0.01)
+    """
+    name, channels = read_channels(path, column, time_column, wrapped, skip)
+    return recorded(chosen(channels, component, name), name, dt, units)
+
+
+def recorded(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:
+    """The record of a component of this source, with a warning where it is implausible."""
+    record = _labelled(series, name, dt, units)
+    for warning in _doubts(record, series):
+        warnings.warn(f"{name}: {warning}", DoubtfulInput, stacklevel=4)
+    return record
+
+
+_UPWARD = re.compile(r"UP|DN|DWN|DOWN|UD|DU|UPDOWN|V|VT|VER|VERT|VERTICAL|[A-Z]{0,2}Z")
+_BELOW = {"BOREHOLE", "DOWNHOLE", "UNDERGROUND"}
+
+
+def is_horizontal(record: xr.DataArray, name: str) -> bool:
+    """Whether a record is of a horizontal component at the surface, by its component or file name."""
+    component = record.attrs.get("component", "")
+    words = re.split(r"[\s,;()]+", component or re.sub(r"^.*[-_]|\..*", "", name))
+    return not any(_UPWARD.fullmatch(word) or word in _BELOW for word in map(letters, words))
+
+
+def _doubts(record: xr.DataArray, series: Series) -> Iterator[str]:
+    """Texts of warnings on an implausible record, each as a question."""
+    peak, step = float(np.abs(record).max()), record.attrs["dt"]
+    if peak > LARGEST_PEAK:
+        yield f"its peak is {peak / constants.g:.4g} g, more than 3 g; are the units right?"
+    if step > LONGEST_STEP:
+        yield f"its time step is {step:.6g} s, and that of records a hundredth; is time in seconds?"
+    if _NO_ACCELERATION.search(series.column):
+        yield f"its column is named {brief(series.column)}; is that an acceleration?"
+    if series.nameless >= _ROWS_OF_A_SERIES:
+        yield f"its {series.nameless} columns may be rows of one series; is it one, with wrapped=True?"
+
+
+def strong_samples(motions: Array, start: float = 0.05, end: float = 0.95) -> tuple[Array, Array]:
+    """Numbers of the first and last samples of the `strong_part` of motions (..., times)."""
+    energy = np.cumsum(motions**2, axis=-1)
+    first, last = ((energy < share * energy[..., -1:]).sum(axis=-1) for share in (start, end))
+    return first, last
+
+
+def strong_part(record: xr.DataArray, start: float = 0.05, end: float = 0.95) -> xr.DataArray:
+    """Part of a record between two fractions of its Arias intensity, 0 <= start < end <= 1.
+
+    Samples [m/s^2] over their ``time`` in the record; the attribute ``energy_part`` names the fractions
+    (Trifunac and Brady, 1975, Bull. Seismol. Soc. Am. 65). Raises a ValueError if they are out of range.
+    """
+    values, _ = checked_record(record)
+    if not (is_number(start) and is_number(end) and 0 <= start < end <= 1):
+        raise ValueError(f"start, end = {brief(start)}, {brief(end)}; allowed: 0 <= start < end <= 1")
+    first, last = strong_samples(values, start, end)
+    part = record.isel(time=slice(int(first), int(last) + 1))
+    part.attrs = dict(record.attrs) | {"energy_part": f"{100 * start:g}-{100 * end:g} %"}
+    return part
+
+
+def checked_array(
+    array: xr.DataArray, role: str, dim: str, usual: str | None = None
+) -> tuple[Array, Array]:
+    """Coordinate and accelerations [m/s^2] of an array over one dimension, checked; raises errors.
+
+    Without an attribute ``units`` it has the ``usual`` ones, if there are some.
+    """
+    if not isinstance(array, xr.DataArray):
+        raise TypeError(f"{role} is a {type(array).__name__}; allowed: an xarray.DataArray")
+    if array.dims != (dim,) or dim not in array.coords:
+        raise ValueError(f"{role} has the dimensions {array.dims}; allowed: {dim} with its coordinate")
+    units = array.attrs.get("units", usual)
+    if size_of(str(units), "m/s^2") != 1:
+        raise ValueError(f"{role} has units {brief(units)}; allowed: m/s^2, stated in its attributes")
+    if not {array.dtype.kind, array[dim].dtype.kind} <= set("iuf"):
+        raise TypeError(f"{role} is {array.dtype} over {array[dim].dtype}; allowed: numbers")
+    return array[dim].to_numpy().astype(float), array.to_numpy().astype(float)
+
+
+def checked_record(record: xr.DataArray) -> tuple[npt.NDArray[np.float64], float]:
+    """Values [m/s^2] and time step [s] of a record, checked.
+
+    A record is a DataArray over an evenly spaced ``time`` [s], with units m/s^2 or without units, and
+    with at least 16 finite samples that are not all zero. Otherwise a TypeError or ValueError is raised.
+    """
+    time, values = checked_array(record, "record", "time", "m/s^2")
+    if values.size < MINIMUM_SAMPLES:
+        raise ValueError(f"record has {values.size} samples; allowed: at least {MINIMUM_SAMPLES}")
+    if not np.isfinite(values).all():
+        i = int(np.argmin(np.isfinite(values)))
+        raise ValueError(f"record is {values[i]} at {time[i]:g} s; allowed: finite values")
+    if not values.any():
+        raise ValueError("record holds only zeros; allowed: some motion, so check which column it is")
+    return values, _time_step(time)
+
+
+def _labelled(series: Series, name: str, dt: float | None, units: str | None) -> xr.DataArray:
+    size = stated_size("acceleration", series.units or "", units, name)
+    if dt and series.dt and not np.isclose(dt, series.dt, rtol=_STEP_TOLERANCE, atol=0):
+        raise ValueError(f"dt = {dt:g} contradicts {name}, which states {series.dt:g}; {_CURE}")
+    step, start = dt or series.dt, 0.0
+    if series.time is not None:
+        step, start = _time_step(series.time, dt), float(series.time[0])
+    if step is None:
+        raise ValueError(f"dt is missing and {name} does not state it; give dt= or time_column=")
+    if not step >= SHORTEST_STEP:
+        raise ValueError(f"the time step of {name} is {step:g} s; allowed: {SHORTEST_STEP:g} s or more")
+    time = start + step * np.arange(series.values.size)
+    about = {key: text for key, text in series.about.items() if text}
+    record = xr.DataArray(
+        series.values * size,
+        dims="time",
+        coords={"time": ("time", time, {"units": "s", "long_name": "time"})},
+        name="acceleration",
+        attrs={"units": "m/s^2", "long_name": "ground acceleration", "source": name, "dt": step} | about,
+    )
+    checked_record(record)
+    return record
+
+
+def _time_step(time: npt.NDArray[np.float64], dt: float | None = None) -> float:
+    """Step of an evenly spaced time [s], which is ``dt`` if this is given and agrees."""
+    steps = np.diff(time)
+    if not steps.size or not np.isfinite(time).all():
+        raise ValueError("time is not a series of finite numbers; allowed: increasing, in seconds")
+    if steps.min() <= 0:
+        i = int(np.argmax(steps <= 0))
+        raise ValueError(f"time does not increase: {time[i]:.9g} s is followed by {time[i + 1]:.9g} s")
+    # Rounded to twelve digits, the mean step of printed times is 0.02, not 0.019999999999999997.
+    step = float(f"{(time[-1] - time[0]) / steps.size:.12g}")
+    if dt is not None and not np.isclose(dt, step, rtol=_STEP_TOLERANCE, atol=0):
+        raise ValueError(f"dt = {dt:g} contradicts the time, whose step is {step:.6g} s; {_CURE}")
+    if (np.abs(time - time[0] - step * np.arange(time.size)) > _TIME_TOLERANCE * step).any():
+        i = int(np.argmax(np.abs(steps - np.median(steps))))
+        between = f"{time[i]:.9g} s is followed by {time[i + 1]:.9g} s"
+        raise ValueError(f"time is uneven: {between}; fill a gap, or resample the record evenly")
+    return dt or step

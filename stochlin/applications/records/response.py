@@ -1,0 +1,299 @@
+"""Response of structures to records: response spectra, pseudo energy radius, response histories."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.records.cells import (
+    SCALARS,
+    OnRecord,
+    RecordCells,
+    RecordedMotions,
+    Records,
+    checked_motions,
+)
+from stochlin.applications.records.stepped import stepped_history
+from stochlin.applications.records.variables import VARIABLES
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.records import oscillator as recorded
+from stochlin.kernels.records.runs import history, peaks_on_records
+from stochlin.models.arguments import Whole, checked, is_number
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.parameters import Parameter
+from stochlin.models.structures import Structure
+from stochlin.models.systems import AnyStructure, arrangement_of
+from stochlin.solver.tables import labels
+from stochlin.solver.tables.checks import check_scalars
+
+_KINDS = ("input", "viscous", "hysteretic", "kinetic", "elastic")
+ENERGIES = tuple(f"{kind}_energy_per_mass" for kind in _KINDS)
+REFERENCES = (
+    f"{labels.PAPER} Nigam, N. C. and Jennings, P. C. (1969). Calculation of response spectra from "
+    "strong-motion earthquake records. Bull. Seismol. Soc. Am. 59."
+)
+
+
+@checked
+def pseudo_energy_radius(
+    record: Records,
+    period: Parameter,
+    damping: Parameter,
+    *,
+    hardening: Parameter | None = None,
+    yield_displacement: Parameter | None = None,
+) -> xr.Dataset:
+    """Pseudo energy radius of structures on records, eqs. (1) and (2).
+
+    ``r_PER = max sqrt(u^2 + (u'/w)^2)``, with ``w = 2 pi/T`` of the elastic structure. It is at least
+    ``max |u|``, and equal to it only if the velocity is zero at the largest energy.
+
+    Parameters
+    ----------
+    record, period, damping, hardening, yield_displacement
+        As in `response_spectrum`, whose result includes that of this function.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the parameters: ``pseudo_energy_radius`` [m]; ``displacement_max`` [m],
+        which is ``max |u|``; ``status``, which is ``elastic_limit`` where the structure did not yield.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As in `response_spectrum`.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (1) and (2), Fig. 1.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr, stochlin as sl
+    >>> time = 0.02 * np.arange(1000)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> table = sl.pseudo_energy_radius(record, period=[0.2, 1.0], damping=0.05)
+    >>> bool((table.pseudo_energy_radius >= table.displacement_max).all())
+    True
+    """
+    spectrum = response_spectrum(
+        record, period, damping, hardening=hardening, yield_displacement=yield_displacement
+    )
+    table = spectrum[["pseudo_energy_radius", "displacement_max", "status"]]
+    title = "Pseudo energy radius"
+    return labels.with_run_information(table, title, "pseudo_energy_radius()", {}, REFERENCES)
+
+
+@checked
+def response_spectrum(
+    record: Records,
+    period: Parameter,
+    damping: Parameter,
+    *,
+    hardening: Parameter | None = None,
+    yield_displacement: Parameter | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Response spectra of records: peak responses of elastic or bilinear oscillators.
+
+    Parameters
+    ----------
+    record : xarray.DataArray, or list or mapping of them
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`. Several records add the
+        dimension ``record`` to the result.
+    period, damping : float or array
+        Period ``T`` [s], at least a tenth of the time step of the record, and damping ratio [-], in
+        (0, 1).
+    hardening : float or array, optional
+        Hardening ratio, post-yield over elastic stiffness [-], in (0, 1]. It is required with a yield
+        displacement.
+    yield_displacement : float or array, optional
+        Yield displacement ``uy`` [m], positive. By default, and where it is infinite, the structure
+        stays elastic.
+    progress : callable, optional
+        Called with the share of the work that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the parameters: ``displacement_max`` [m] and ``velocity_max`` [m/s],
+        relative to the ground; ``acceleration_max`` [m/s^2], absolute; ``pseudo_velocity`` [m/s],
+        ``w max |u|``, and ``pseudo_acceleration`` [m/s^2], ``w^2 max |u|``, with ``w = 2 pi/T``;
+        ``pseudo_energy_radius`` [m]; ``input_energy_per_mass``, ``viscous_energy_per_mass`` and
+        ``hysteretic_energy_per_mass`` [m^2/s^2] at the end of the record, as in `respond`; and
+        ``status``, which is ``elastic_limit`` where the structure did not yield. With a yield
+        displacement also ``permanent_set`` [m], the displacement at which the structure comes to rest if
+        it does not yield after the end of the record.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a record is not valid, a scalar is out of range, or dimensions do not match. Cells of an array
+        that are out of range are NaN, with the status ``invalid_input``.
+
+    Notes
+    -----
+    The ground acceleration is linear between samples, and for it the response is exact: each linear
+    branch has its closed-form solution, and yielding and unloading are located within a time step. Peaks
+    between steps are those of cubic interpolation, with an error of a few 1e-4. Peaks after the end of
+    the record are not found; append zeros to a record that ends while structures still move.
+
+    References
+    ----------
+    Nigam and Jennings (1969), Bull. Seismol. Soc. Am. 59, for the exact transition.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr, stochlin as sl
+    >>> time = 0.02 * np.arange(1000)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> table = sl.response_spectrum(record, period=[0.2, 1.0, 5.0], damping=0.05)
+    >>> int(table.displacement_max.argmax("case"))
+    1
+    >>> yields = sl.response_spectrum(record, 1.0, 0.05, hardening=0.05, yield_displacement=0.02)
+    >>> float(yields.acceleration_max) < float(table.acceleration_max[1])
+    True
+    """
+    if is_number(yield_displacement) and yield_displacement == np.inf:
+        yield_displacement = None
+    structure = Bilinear(period, damping, hardening, yield_displacement)
+    motions = checked_motions(record)
+    cells = RecordCells.of(motions, structure)
+    [parameters] = cells.sides
+    peaks = peaks_on_records(motions.grounds, parameters, progress)
+    w, displacement = parameters[:, 0], cells.peak(0, peaks)
+    columns = {
+        "displacement_max": displacement,
+        "velocity_max": peaks[..., recorded.VELOCITY],
+        "acceleration_max": peaks[..., recorded.ACCELERATION],
+        "pseudo_velocity": w * displacement,
+        "pseudo_acceleration": w**2 * displacement,
+        "pseudo_energy_radius": peaks[..., recorded.RADIUS],
+        **{name: peaks[..., recorded.INPUT + n] for n, name in enumerate(ENERGIES[:3])},
+    }
+    if structure.yields:
+        # At rest alpha u + (1 - alpha) y = 0, while u - y stays as it is.
+        slip = peaks[..., recorded.LAST] - peaks[..., recorded.LAST_Y]
+        columns["permanent_set"] = (1 - parameters[:, 2]) * slip
+    stands = np.isfinite(displacement)
+    columns = {name: np.where(stands, values, np.nan) for name, values in columns.items()}
+    table = cells.table({**columns, "displacement_max": displacement}, [displacement])
+    return _with_information(table, "Response spectrum", "response_spectrum()", structure, motions)
+
+
+@checked
+def respond(
+    structure: OnRecord,
+    record: xr.DataArray,
+    *,
+    refine: Annotated[int, Whole(1)] = 1,
+) -> xr.Dataset:
+    """Response history of one structure to a record, from rest.
+
+    Parameters
+    ----------
+    structure : Bilinear, BoucWen, Hysteretic or ShearBuilding
+        Structure with scalar parameters, elastic or with a yield displacement or yield drifts.
+    record : xarray.DataArray
+        Ground acceleration [m/s^2] over ``time`` [s], as from `read_record`, linear between samples.
+    refine : int
+        Number of output times in each interval of the record. The response at the times of the record
+        does not depend on it.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``time`` [s]: ``displacement`` [m] and ``velocity`` [m/s], relative to the ground;
+        ``radius`` [m], ``sqrt(u^2 + (u'/w)^2)`` of eq. (1); and energies per unit mass [m^2/s^2]:
+        ``input_energy_per_mass``, ``-Int a_g u' dt`` up to this time; ``viscous_energy_per_mass`` and
+        ``hysteretic_energy_per_mass``, dissipated up to this time; ``kinetic_energy_per_mass``,
+        ``u'^2/2``; and ``elastic_energy_per_mass``, which unloading would release. The last four add up
+        to the first. If the structure can yield, also ``z`` [-], the hysteretic displacement over
+        ``uy``, which is in [-1, 1] for the bilinear law.
+
+        For a building with storeys, ``displacement`` and ``velocity`` are over ``floor``, and
+        ``storey_drift`` [m] and ``z`` over ``element``; energies are those of all floors over the total
+        mass, and there is no ``radius``. For all structures except `Bilinear`, the time steps are those
+        of `simulate`, halved until no peak changes by more than 1e-4; ``step_error`` [-] is the last
+        change. If the structure falls (see `simulate`), histories are NaN from then on, and the
+        attribute ``collapse_s`` is the time.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the structure has arrays or a reduction factor, the record is not valid, or ``refine`` is not
+        a whole number from 1.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (1) and (5) to (7); Uang, C.-M. and Bertero, V. V. (1990),
+    Earthquake Eng. Struct. Dyn. 19, for the relative input energy.
+
+    Examples
+    --------
+    >>> import numpy as np, xarray as xr, stochlin as sl
+    >>> time = 0.02 * np.arange(500)
+    >>> record = xr.DataArray(np.sin(2 * np.pi * time), dims="time", coords={"time": time})
+    >>> building = sl.Bilinear(period=1.0, damping=0.05, hardening=0.05, yield_displacement=0.02)
+    >>> motion = sl.respond(building, record, refine=4)
+    >>> motion.sizes["time"], float(abs(motion.z).max())
+    (1997, 1.0)
+    """
+    if isinstance(structure, Structure):
+        check_scalars(structure, "structure", SCALARS)
+    if not isinstance(record, xr.DataArray):
+        raise TypeError(f"record is a {type(record).__name__}; allowed: one xarray.DataArray")
+    motions = checked_motions(record)
+    [ground] = motions.grounds
+    intervals = ground.acceleration.size - 1
+    time = float(record["time"][0]) + ground.dt / refine * np.arange(refine * intervals + 1)
+    time[::refine] = record["time"]
+    if isinstance(structure, Bilinear):
+        table = _exact_history(structure, motions, int(refine))
+    else:
+        table = stepped_history(structure, ground, int(refine))
+    table = table.assign_coords(time=("time", time, {"units": "s", "long_name": "time"}))
+    call, table = f"respond(refine={refine})", _until_fall(table, structure)
+    return _with_information(table, "Response to a record", call, structure, motions)
+
+
+def _until_fall(table: xr.Dataset, structure: AnyStructure) -> xr.Dataset:
+    """A history with NaN after the structure falls, and with the time at which it does, if it does."""
+    system = arrangement_of([structure])
+    drifts = table.displacement if isinstance(structure, Structure) else table.storey_drift
+    fallen = system.fallen(drifts.values.reshape(table.time.size, -1), system.limits)[:, 0]
+    if not fallen.any():
+        return table
+    falls = float(table.time[int(np.argmax(fallen))])
+    histories = {n: v.where(table.time <= falls) for n, v in table.data_vars.items() if "time" in v.dims}
+    return table.assign(histories).assign_attrs(collapse_s=falls)
+
+
+def _exact_history(structure: Bilinear, motions: RecordedMotions, refine: int) -> xr.Dataset:
+    """The response history of a bilinear oscillator for `respond`; without times."""
+    [[parameters]] = RecordCells.of(motions, structure).sides
+    displacement, velocity, strain, *spent = history(motions.grounds[0], parameters, refine)
+    w, _, hardening, uy = parameters
+    kept = displacement**2
+    if structure.yields:
+        kept = hardening * displacement**2 + (1 - hardening) * strain**2
+    energies = (*spent, 0.5 * velocity**2, 0.5 * w**2 * kept)
+    columns = {
+        "displacement": displacement,
+        "velocity": velocity,
+        "radius": np.hypot(displacement, velocity / w),
+        **dict(zip(ENERGIES, energies, strict=True)),
+    }
+    if structure.yields:
+        columns["z"] = strain / uy
+    return xr.Dataset({name: ("time", values) for name, values in columns.items()})
+
+
+def _with_information(
+    table: xr.Dataset, title: str, call: str, structure: AnyStructure, motions: RecordedMotions
+) -> xr.Dataset:
+    table = labels.label(table, VARIABLES).assign_attrs(records=motions.describe())
+    return labels.with_run_information(table, title, call, {"structure": structure}, REFERENCES)

@@ -1,0 +1,236 @@
+"""Response to records of buildings with storeys and structures of any law, by steps that are halved."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.records.cells import RECORD, RecordedMotions
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.pounding.run import GroundMotions, StepCounts, run
+from stochlin.kernels.records.runs import SampledMotion
+from stochlin.kernels.simulation.contacts import Contacts
+from stochlin.models.structures import Structure
+from stochlin.models.systems import AnyStructure, Arrangement, arrangement_of, first_period, floor_count
+from stochlin.solver.simulation.connected_structures import SteppedGroup, all_connected
+from stochlin.solver.simulation.finite_motions import RUNS_AWAY
+from stochlin.solver.simulation.rows import row_of
+from stochlin.solver.simulation.views import Terms, apart, displacements, drifts_of, pairs_of
+from stochlin.solver.tables import labels
+from stochlin.solver.tables.floors import ELEMENT, FLOOR, element_coordinates, floor_coordinates
+from stochlin.solver.tables.work import check_work
+
+STEPS_PER_PERIOD = 32  # steps in the shortest period before the first halving
+FALLEN = 1e3  # displacement over the largest at which a structure falls, where it is not followed
+CLOSE, HALVINGS = 1e-4, 6  # allowed relative change of peaks when the step is halved; most halvings
+AT_ONCE = 4096  # steps computed at a time
+
+
+class SteppedResponse(NamedTuple):
+    """Response of a system to a record: m functions of its floor displacements after every step."""
+
+    values: Array  # (steps + 1, m) [m]
+    cuts: int  # number of steps in an interval of the record
+    error: float  # largest relative change of a peak when the step was halved for the last time
+
+
+def stepped_response(
+    connected: Sequence[SteppedGroup], limits: Array, ground: SampledMotion, functions: Sequence[Terms]
+) -> SteppedResponse:
+    """Functions of the floor displacements, from rest, with steps halved until their peaks converge.
+
+    The steps are of second order, so that the remaining error is about a third of the last change.
+    ``limits`` (w,) [m] are the drifts at which structures fall.
+    """
+    most = FALLEN * limits[np.isfinite(limits)].max(initial=0.0) or np.inf
+    weights = np.zeros((len(functions), limits.size))
+    for row, terms in zip(weights, functions, strict=True):
+        row[list(terms)] = list(terms.values())
+    shortest = min(group.shortest for group in connected)
+    cuts = max(1, int(np.ceil(ground.dt * STEPS_PER_PERIOD / shortest)))
+    steps = float(cuts) * ground.acceleration.size
+    what = f"{ground.acceleration.size} samples, with a shortest period of {shortest:.3g} s, would take"
+    cure = "take softer structures, or a shorter record"
+    check_work(what, cure, numbers=len(functions) * 2.0**2 * steps)  # which are halved twice
+
+    def followed(cuts: int) -> Array:
+        """The functions in such steps; those of a structure that falls end far beyond its limit."""
+        values = _values(connected, weights, ground, cuts)
+        return values if most == np.inf else np.clip(np.nan_to_num(values, nan=most), -most, most)
+
+    values, change = followed(cuts), np.inf
+    for _ in range(HALVINGS):
+        coarse, cuts = peaks_of(values), 2 * cuts
+        values = followed(cuts)
+        fine = peaks_of(values)
+        change = float(np.max(np.abs(fine - coarse) / np.where(fine > 0, fine, 1.0)))
+        if change <= CLOSE:
+            break
+    if not np.isfinite(change):
+        raise ArithmeticError(
+            f"the response is no longer finite, with steps of {ground.dt / cuts:.2g} s; {RUNS_AWAY}"
+        )
+    return SteppedResponse(values, cuts, change)
+
+
+def stepped_history(structure: AnyStructure, ground: SampledMotion, refine: int) -> xr.Dataset:
+    """The response history for `respond`, with ``refine`` points in an interval; without times."""
+    system = arrangement_of([structure])
+    samples = np.arange(ground.acceleration.size)
+    between = np.arange(refine * samples[-1] + 1) / refine
+    finer = SampledMotion(np.interp(between, samples, ground.acceleration), ground.dt / refine)
+    floors = range(floor_count(structure))
+    ends = [{floor: 1.0} for floor in floors]
+    first = stepped_response(all_connected(system), system.limits, finer, ends)
+    row = row_of(system, Contacts.of([], system.storeys.mass.size))
+    intervals, none = np.array([between.size - 1]), np.zeros(1)
+    motion = GroundMotions(finer.acceleration[:, None], finer.dt, intervals, none, none)
+    [response] = run(row, motion, StepCounts(first.cuts, 1), keep=True)
+    kept = np.full((between.size, response.history.shape[1]), np.nan)  # NaN after a fall
+    kept[: len(response.history)] = response.history
+    response = response._replace(history=kept)
+    q, rate, z = (response.over_time(name) for name in "qvz")
+    u, v = (values @ system.storeys.shapes.T for values in (q, rate))
+    drift = q @ (system.drifts @ system.displacements).T
+    extension = q @ system.extensions.T
+    mass, storeys = system.storeys.mass, system.storeys
+    energies = {
+        "input": response.over_time("entering")[:, 0],
+        "viscous": response.over_time("viscous")[:, 0],
+        "hysteretic": response.over_time("spent").sum(axis=1),
+        "kinetic": 0.5 * rate**2 @ mass,
+        "elastic": 0.5 * (extension**2 @ storeys.post + z**2 @ storeys.couple),
+    }
+    lone = system.stacks[0].is_oscillator
+
+    def over(dimension: str, values: Array) -> tuple[Any, Array]:
+        return ("time", values[:, 0]) if lone else (("time", dimension), values)
+
+    columns = {f"{name}_energy_per_mass": ("time", e / mass.sum()) for name, e in energies.items()}
+    table = xr.Dataset({"displacement": over(FLOOR, u), "velocity": over(FLOOR, v), **columns})
+    if lone:
+        radius = np.hypot(u[:, 0], v[:, 0] * float(first_period(structure)) / (2 * np.pi))
+        table["radius"] = ("time", radius)
+    else:
+        table["storey_drift"] = over(ELEMENT, drift)
+        table = table.assign_coords({**floor_coordinates(system), **element_coordinates(system)})
+    if structure.yields:
+        table["z"] = over(ELEMENT, system.of_elements(z / system.storeys.strength, 0.0, np.nan))
+    return table.assign(step_error=first.error)
+
+
+def stepped_gap(
+    structures: Sequence[AnyStructure], motions: RecordedMotions, progress: Progress | None = None
+) -> xr.Dataset:
+    """The result of `recorded_gap` for structures with scalar parameters, without labels."""
+    system = arrangement_of(structures)
+    if len(structures) == 1:
+        floors: list[Terms] = [{floor: 1.0} for floor in range(int(system.first[-1]))]
+        functions = [floors[-1], *drifts_of(system), *floors]
+    else:
+        pairs = pairs_of(system)
+        functions = [*displacements(system, pairs[-1]), *drifts_of(system)]
+        functions += [apart(system, pair) for pair in pairs]
+    connected, limits = all_connected(system), system.limits
+    periods = [float(s.arrays()["period"]) for s in structures if isinstance(s, Structure)]
+    tables = []
+    for ground in motions.grounds:
+        motion = stepped_response(connected, limits, ground, functions)
+        table = _in_one(system, motion)
+        if len(periods) == len(structures):
+            table = table.assign(_radii(motion, periods, ground.dt / motion.cuts))
+        tables.append(table)
+        if progress is not None:
+            progress(len(tables) / len(motions.grounds))
+    if motions.names is None:
+        return tables[0]
+    names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
+    return xr.concat(tables, names.rename(RECORD), data_vars="all", coords="minimal", compat="equals")
+
+
+def gap_columns(separation: Any, peaks: Sequence[Any], rho: Any | None) -> dict[str, Any]:
+    """The gap, the peaks and, of two structures, their correlation ``rho``, as arrays of any shape.
+
+    Peaks are infinite where a structure falls.
+    """
+    stands = np.all(np.isfinite(peaks), axis=0)
+    columns = {"separation": np.where(stands, separation, np.inf)}
+    columns |= {f"peak_{number}": peak for number, peak in enumerate(peaks, start=1)}
+    if rho is not None:
+        columns |= {"rho": np.where(stands, rho, np.nan), "srss": np.hypot(*peaks)}
+        with np.errstate(invalid="ignore", divide="ignore"):
+            columns["separation_over_srss"] = columns["separation"] / columns["srss"]
+    return columns
+
+
+def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
+    """Results for one record.
+
+    The functions in ``motion`` are the displacement of each structure at the highest level where they
+    can meet, all drifts, and the relative displacements at all levels.
+    """
+    n, values, count = len(system.watched), motion.values, len(system.stacks)
+    peaks, drifts = np.split(np.abs(values[:, : count + n]).max(axis=0), [count])
+    at_height = np.maximum(values[:, count + n :].max(axis=0), 0.0)
+    fallen = system.fallen(drifts, system.limits)
+    if fallen.any():
+        at_height[:], peaks[fallen], drifts[fallen[system.owners]] = np.inf, np.inf, np.inf
+    strength = system.watched_strength
+    stayed = not (drifts > strength).any()
+    rho = None
+    if count == 2:
+        u_1, u_2 = values[:, 0], values[:, 1]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            power = np.sqrt(np.trapezoid(u_1**2) * np.trapezoid(u_2**2))
+            rho = np.trapezoid(u_1 * u_2) / power
+    columns = gap_columns(at_height.max(), [*peaks], rho)
+    table = xr.Dataset(columns).assign(
+        step_error=motion.error, status=np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
+    )
+    if all(stack.is_oscillator for stack in system.stacks):
+        return table
+    heights = system.stacks[0].levels
+    if count == 2:
+        heights = np.array([pair.height for pair in pairs_of(system)])
+    attrs = {"units": "m", "long_name": "height above the ground"}
+    return table.assign(
+        separation_at_height=("height", at_height),
+        peak_drift=(ELEMENT, drifts),
+        ductility=(ELEMENT, drifts / strength),
+    ).assign_coords({"height": ("height", heights, attrs), **element_coordinates(system)})
+
+
+def _radii(motion: SteppedResponse, periods: Sequence[float], dt: float) -> dict[str, float]:
+    """Pseudo energy radii of oscillators [m], with velocities by central differences."""
+    moved = motion.values[:, : len(periods)]
+    frequencies = 2 * np.pi / np.array(periods)
+    radii = np.hypot(moved, np.gradient(moved, dt, axis=0) / frequencies).max(axis=0)
+    return {f"pseudo_energy_radius_{n}": float(radius) for n, radius in enumerate(radii, 1)}
+
+
+def peaks_of(values: Array) -> Array:
+    """Largest values and negatives of the smallest values, each at least 0 (2 m,)."""
+    return np.maximum(np.concatenate([values.max(axis=0), -values.min(axis=0)]), 0.0)
+
+
+def _values(
+    connected: Sequence[SteppedGroup], weights: Array, ground: SampledMotion, cuts: int
+) -> Array:
+    share = (np.arange(cuts) + 0.5) / cuts  # of the means over each step of the acceleration
+    rise = np.diff(ground.acceleration)
+    f = -(ground.acceleration[:-1, None] + rise[:, None] * share).reshape(-1, 1)
+    dt = ground.dt / cuts
+    values = np.zeros((len(f) + 1, len(weights)))
+    for group in connected:
+        watched, block, state = group.watched, group.part.block(dt), group.part.at_rest(1)
+        for begin in range(0, len(f), AT_ONCE):
+            part = f[begin : begin + AT_ONCE]
+            out = np.empty((len(part), watched.size, 1))
+            block(part, state, 1, out)
+            moved = out[..., 0] @ weights[:, watched].T
+            values[begin + 1 : begin + 1 + len(part)] += moved
+    return values

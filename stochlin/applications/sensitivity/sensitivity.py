@@ -1,0 +1,228 @@
+"""Sensitivity of the gap of two buildings: its changes with every input."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.sensitivity.estimates import changed_quantiles
+from stochlin.applications.sensitivity.inputs import Input, changed, described, inputs_of
+from stochlin.applications.sensitivity.variables import VARIABLES
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.models.arguments import Duration, Paths, Probability, Scatter, Seed, checked
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.systems import AnyStructure
+from stochlin.models.uncertain import UncertainModel, median_of
+from stochlin.solver.linearization.strength import strength_in_metres
+from stochlin.solver.simulation.draws import GROUND, INPUT, draw
+from stochlin.solver.simulation.finite_motions import (
+    pair_separation,
+    quantile_intervals,
+    simulate_finite,
+)
+from stochlin.solver.simulation.simulation import STEPS_PER_PERIOD, check_repeated, checked_structures
+from stochlin.solver.simulation.structures_in_motion import structures_in_motion
+from stochlin.solver.tables import labels
+from stochlin.solver.tables.checks import check_duration, standing
+
+END, ENDS = "end", ("low", "high")
+REFERENCES = "Cleveland, W. S. (1979), J. Am. Stat. Assoc. 74."
+
+
+@checked
+def sensitivity(
+    first: AnyStructure,
+    second: AnyStructure | None,
+    ground: Ground,
+    duration: Duration,
+    *,
+    envelope: Envelope | None = None,
+    confidence: Probability = 0.9,
+    scatter: Scatter = 0.0,
+    paths: Paths = 512,
+    seed: Seed = 0,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Influence of each input on the gap of two buildings.
+
+    The inputs are all numbers that describe the structures and the ground. For each input the result has
+    the change of the gap of `separation` with it. All estimates are from the same motions.
+
+    Parameters
+    ----------
+    first, second, ground
+        As in `separation`, with numbers or `Uncertain` parameters. If ``second`` is None, the result is
+        for the set-back of ``first``.
+    duration, envelope, confidence, scatter
+        As in `separation`.
+    paths : int
+        Number of motions. Each is simulated twice, and twice for every input.
+    seed, progress
+        As in `separation`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``input``, named ``"structure_1.period"`` and so on, with the coordinates ``input_median``,
+        ``input_unit`` and ``uncertain``, which is 1 if the input has a spread. An array, such as the
+        stiffnesses of storeys, is one input, a common factor with median 1. Also over ``end``:
+        ``input_factor_at`` [-], a low and a high value of the input over its median, which are its 16 %
+        and 84 % quantiles if it is uncertain, else 10 % below and above; ``gap_change`` [m], the change
+        of the gap if the input is known to have this value. Without dimensions: ``gap`` [m] with its
+        95 % interval; ``gap_of_medians`` [m], with all inputs at their medians. Changes have standard
+        errors.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As in `separation`; also if a parameter is an array over the cells of a table.
+
+    Notes
+    -----
+    A strength by reduction factor is converted to metres on the ground at its medians and does not
+    change with the ground. A value 10 % above or below that is not allowed, such as a hardening above 1,
+    is left out: its factor is 1. The ``peak_factor``, which belongs to the
+    definition of a reduction factor, and the ``mass`` of an oscillator, on which the separation does
+    not depend, are no inputs; nor are numbers within a sympy law or a list.
+
+    References
+    ----------
+    Cleveland (1979), J. Am. Stat. Assoc. 74, for the changes of the gap.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> old = sl.Bilinear(sl.Uncertain(0.6, 0.25), 0.05)
+    >>> new, ground = sl.Bilinear(1.0, 0.05), sl.named_ground("firm", intensity=0.01)
+    >>> table = sl.sensitivity(old, new, ground, 15.0, paths=64)
+    >>> change = table.gap_change.sel(input="ground.intensity") / table.gap  # of a linear structure
+    >>> change.values.round(3)  # the square root of 0.9 and of 1.1, less 1
+    array([-0.051,  0.049])
+    """
+    usual = median_of(ground)
+    structures = standing(first, second)
+    both = {role: median_of(structure) for role, structure in structures.items()}
+    check_duration(duration, both)
+    checked_structures([*both.values()], usual)
+    roles = {f"structure_{n}": each for n, each in enumerate(structures.values(), start=1)}
+    models = {role: described(model) for role, model in {**roles, GROUND: ground}.items()}
+    inputs = [entry for role, model in models.items() for entry in inputs_of(role, model)]
+    for role in roles:  # reduction factors refer to the ground at its medians
+        models[role] = models[role].changed(lambda s: strength_in_metres(s, usual))
+    check_repeated([*both.values()], usual, duration, paths, 2 * (1 + len(inputs)))
+    motion = Motion(duration, envelope, paths, seed, float(scatter), progress)
+    responses = _responses(models, inputs, motion)
+    table = labels.label(_table(responses, inputs, confidence), VARIABLES)
+    subject = "the set-back of a building" if second is None else "the gap of two buildings"
+    return labels.with_run_information(
+        table.assign_attrs(
+            confidence=confidence,
+            paths=responses.base.size,
+            seed=seed,
+            duration_s=float(duration),
+            envelope="none" if envelope is None else envelope.describe(),
+            **labels.of_scatter(scatter),
+        ),
+        f"What matters for {subject}, {usual.name} ground",
+        f"sensitivity(duration={duration:g}, confidence={confidence:g}, paths={paths}, seed={seed})",
+        {**structures, "ground": ground},
+        REFERENCES,
+    )
+
+
+class _Responses(NamedTuple):
+    """Separations [m] in the same motions with different values of the inputs."""
+
+    base: Array  # (motions,), with the samples that `separation` has
+    usual: Array  # (motions,), with all inputs at their medians
+    ends: Array  # (inputs, 2, motions), with an input at the ends of its range
+    factors: Array  # (inputs, 2), these values of the input over its median
+
+
+class Motion(NamedTuple):
+    """The motions of all simulations."""
+
+    duration: float
+    envelope: Envelope | None
+    paths: int
+    seed: int
+    scatter: float
+    progress: Progress | None
+
+
+def _responses(
+    models: Mapping[str, UncertainModel], inputs: Sequence[Input], motion: Motion
+) -> _Responses:
+    """Responses of all simulations, with the time step and the samples of the first."""
+    steps: list[float] = []  # of the simulations so far
+    made: dict[str, list[Any]] = {}  # samples of the models in the first simulation
+
+    def run(changes: Mapping[str, UncertainModel]) -> Array:
+        own = [value for m in {**models, **changes}.values() for value in m.uncertain.values()]
+        sampled = any(value.spread for value in own)
+        *structures, ground = (
+            model if sampled and model.uncertain else model.median()
+            for model in {**models, **changes}.values()
+        )
+        drawn = draw(structures, ground, motion.paths, motion.seed)
+        if not steps:
+            made.update({role: drawn.samples_of(role) for role in drawn.factors})
+        kept = {role: made[role] for role in drawn.factors if role not in changes}
+        drawn = drawn._replace(made=kept)
+        structures, ground = drawn.medians
+        moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
+        simulation = moving.run(
+            ground, steps_per_period=STEPS_PER_PERIOD, paths=motion.paths, seed=motion.seed,
+            scatter=motion.scatter, grounds=drawn.grounds(), step=steps[0] if steps else None,
+        )  # fmt: skip
+        table = simulate_finite(moving, simulation, motion.duration, motion.envelope, (), None)
+        steps.append(simulation.plan.dt)
+        if motion.progress is not None:
+            motion.progress(len(steps) / (2 * len(inputs) + 2))
+        return pair_separation(table).to_numpy()
+
+    of_samples, factors, ends = run({}), np.ones((len(inputs), 2)), []
+    for n, entry in enumerate(inputs):
+        for side, factor in enumerate(entry.ends()):
+            with suppress(ValueError):  # not allowed
+                changed(models[entry.role], entry.key, factor)
+                factors[n, side] = factor
+            ends.append(run({entry.role: changed(models[entry.role], entry.key, factors[n, side])}))
+    medians = run({role: described(model.median()) for role, model in models.items()})
+    return _Responses(of_samples, medians, np.reshape(ends, (len(inputs), 2, -1)), factors)
+
+
+def _table(responses: _Responses, listed: Sequence[Input], confidence: float) -> xr.Dataset:
+    base, level = responses.base, np.array([confidence])
+    falls = float(np.isposinf([base, responses.usual]).mean())
+    if falls or np.isposinf(responses.ends).any():
+        raise ArithmeticError(
+            f"a structure falls in {100 * falls:.3g} % of the motions, or with a changed input, so that "
+            "the changes of the gap are infinite; give it more hardening or strength, or weaker "
+            "motions: separation takes it as it is"
+        )
+    gap, lower, upper = (float(end[0]) for end in quantile_intervals(base, level))
+    of_ends = np.vstack([responses.ends.reshape(-1, base.size), responses.usual])
+    at_ends = changed_quantiles(base, of_ends, base[None], confidence)
+    medians = [entry.value for entry in listed]
+    coords: dict[str, Any] = {
+        INPUT: (INPUT, [entry.name for entry in listed], {"long_name": "number of a model"}),
+        "input_median": (INPUT, medians, {"long_name": "the input, or its median, in its unit"}),
+        "input_unit": (INPUT, [entry.units for entry in listed], {"long_name": "unit of the input"}),
+        "uncertain": (INPUT, np.array([entry.uncertain for entry in listed], np.int8),
+                      {"long_name": "1 where the input is not known exactly"}),
+        END: (END, list(ENDS), {"long_name": "end of the range of the input"}),
+    }  # fmt: skip
+    table = xr.Dataset({"gap": gap, "gap_lower": lower, "gap_upper": upper}, coords)
+    table["gap_of_medians"] = gap + at_ends.value[-1]
+    table["gap_of_medians_standard_error"] = at_ends.error[-1]
+    table["input_factor_at"] = (INPUT, END), responses.factors
+    table["gap_change"] = (INPUT, END), at_ends.value[:-1].reshape(-1, len(ENDS))
+    table["gap_change_standard_error"] = (INPUT, END), at_ends.error[:-1].reshape(-1, len(ENDS))
+    return table

@@ -1,0 +1,390 @@
+"""Separation of two buildings by the rules of building codes, in one table."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.separation.modes import spectral_peaks
+from stochlin.applications.separation.variables import VARIABLES
+from stochlin.messages import brief
+from stochlin.models.arguments import Truth, checked, fitting, is_number
+from stochlin.models.grounds import Ground
+from stochlin.models.grounds.white_noise import WhiteNoise
+from stochlin.models.parameters import Model, Parameter
+from stochlin.models.rules.codes import (
+    BEHAVIOUR,
+    CODE_RULES,
+    DEFLECTION,
+    MULTIPLIED,
+    BuildingPeaks,
+    CodeRule,
+    Neighbours,
+    Zone,
+    code_rule,
+    code_rule_names,
+)
+from stochlin.models.rules.published import look_up
+from stochlin.models.systems import AnyStructure
+from stochlin.solver.tables import labels
+
+PEAKS = "peak_1", "peak_2"
+AS_DEFINED = "displacements as each code defines them, its factors included"
+UNDER_DESIGN = "displacements under design forces, which each code multiplies by its factors"
+OF_SPECTRUM = (
+    "displacements of the elastic spectrum by the CQC over the modes of each building; cqc is that over "
+    "the modes of both"
+)
+REDUCED = (
+    f"{OF_SPECTRUM}. They are reduced to design forces by the behaviour factor, and multiplied by the "
+    "factors of each code"
+)
+JOINED: Mapping[str, Any] = {"coords": "minimal", "compat": "override"}
+TEXTS: Mapping[str, str] = {
+    "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
+    "reference": "source of the rule",
+    "mark": "how the rule was checked: S seen in a copy of its source, C derived and checked, "
+    "P in the text of the paper, M not compared with its source; high or low says how sure it is",
+    "assumptions": "assumptions of the rule",
+    "missing": "what the rule needs and was not given",
+}
+
+
+def _check_source(
+    peak_1: object, peak_2: object, modes_1: object, modes_2: object, spectrum: object, ground: object
+) -> None:
+    """Raise a ValueError unless displacements are given once, as peaks or as modes with a spectrum."""
+    of_modes = {"modes_1": modes_1, "modes_2": modes_2, "spectrum": spectrum, "ground": ground}
+    named = [name for name, value in of_modes.items() if value is not None]
+    peaks = [name for name, value in zip(PEAKS, (peak_1, peak_2), strict=True) if value is not None]
+    if peaks and named:
+        raise ValueError(f"{peaks[0]} and {named[0]} are both given; allowed: peaks, or modes")
+    lacking = [name for name in ("modes_1", "spectrum") if of_modes[name] is None]
+    if named and lacking:
+        raise ValueError(f"{lacking[0]} is missing; {named[0]} needs modes_1 and a spectrum")
+    if not named and peak_1 is None:
+        raise ValueError("peak_1 is missing; give it, or modes_1 and a spectrum")
+
+
+@fitting(_check_source)
+@checked
+def code_gaps(
+    peak_1: Parameter | None = None,
+    peak_2: Parameter | None = None,
+    *,
+    height_1: Parameter | None = None,
+    height_2: Parameter | None = None,
+    floors_align: Truth = False,
+    same_property: Truth = False,
+    same_system: Truth = False,
+    zone: Zone | None = None,
+    storeys_1: Parameter | None = None,
+    storeys_2: Parameter | None = None,
+    design_pga: Parameter | None = None,
+    numbers: Mapping[str, float] | None = None,
+    behaviour_1: Parameter | None = None,
+    behaviour_2: Parameter | None = None,
+    deflection_1: Parameter | None = None,
+    deflection_2: Parameter | None = None,
+    importance: Parameter | None = None,
+    importance_2: Parameter | None = None,
+    modes_1: AnyStructure | None = None,
+    modes_2: AnyStructure | None = None,
+    spectrum: xr.DataArray | None = None,
+    ground: Ground | None = None,
+) -> xr.Dataset:
+    """Separation of two buildings by every known rule of a building code.
+
+    The rules include the four families of the paper: the square root of the sum of squares, a factor
+    times the sum, a factor times the height, and a fixed distance.
+
+    With the factors of a code it is the code as an engineer applies it: ``peak_1`` and ``peak_2`` are
+    then displacements under design forces, which each code multiplies by its factors. Without them the
+    peaks are displacements as the code defines them.
+
+    In place of peaks the modes of the buildings and an elastic design spectrum may be given. The peaks
+    are then those of a response spectrum analysis of each building, at every height at which they could
+    meet. Beside each code stands ``cqc``, the response spectrum analysis of both buildings together.
+
+    Parameters
+    ----------
+    peak_1, peak_2 : float or array, optional
+        Peak displacements [m], not negative, at the level where the buildings could meet. Each code
+        defines its own displacement, see ``assumptions``. If ``peak_2`` is None, the gap is the distance
+        of one building from its property line, for rules that define it.
+    height_1, height_2 : float or array, optional
+        Heights of the buildings [m].
+    floors_align : bool
+        Whether the floors are at the same levels, which reduces the gap in some rules.
+    same_property : bool
+        Whether no property line is between the buildings. Between two properties, the default, some
+        codes ask for the sum of both distances from the line, and within one for less.
+    same_system : bool
+        Whether the structural systems are the same; for buildings of the same height and with level
+        floors, this halves the gap in Mexico City.
+    zone : str, optional
+        Zone of Mexico City: ``"I"``, ``"II"`` or ``"III"``.
+    storeys_1, storeys_2 : float or array, optional
+        Numbers of storeys above the ground [-], at least 1, for Iran and Colombia.
+    design_pga : float or array, optional
+        Peak ground acceleration of the design at the site [m/s^2], positive: ``ag S`` of Italy.
+    numbers : mapping, optional
+        Numbers of rules by name, in place of their defaults, as in `stochlin.rules.code_rule`. With
+        a number, ``"share_of_height"`` and ``"fixed_distance"`` [m] are also in the table.
+    behaviour_1, behaviour_2 : float or array, optional
+        Behaviour factor of each building [-], at least 1: ``q`` of Eurocode 8, ``R`` of UBC-97, IS 1893
+        and TBDY 2018, ``Rd Ro`` of Canada, ``Q`` of Mexico City.
+    deflection_1, deflection_2 : float or array, optional
+        Displacement factor of each building [-], at least 1: ``Cd`` of ASCE 7 and Iran, ``1.4 alpha_y
+        Ra`` of Taiwan, ``0.75 R`` of Peru (0.85 if irregular), ``mu_d`` of Italy, ``mu`` of New Zealand.
+    importance, importance_2 : float or array, optional
+        Importance factor [-], 0.5 to 2, by default 1; of both buildings, or of each. ASCE 7, Canada and
+        TBDY 2018 divide by it, and Iran asks for the displacement if it is above 1. ``ag`` of Eurocode 8
+        contains it, so that it has no effect there.
+    modes_1, modes_2 : ModalBuilding, ShearBuilding or oscillator, optional
+        Buildings of which all modes are taken, as elastic, in place of peaks. If ``modes_2`` is None, it
+        is one building beside its property line. Factors of codes then need ``behaviour_1`` and ``_2``,
+        by which the spectrum is reduced to design forces.
+    spectrum : DataArray, optional
+        Elastic spectrum [m/s^2] over ``period`` [s], as from `eurocode_8`, `asce_7` and `read_spectrum`,
+        given with ``modes_1``. It is taken as it is, also for modes with other damping ratios. A mode
+        shorter than its shortest period has the ordinate there.
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien, optional
+        Ground on which the modes are correlated. By default it is white noise, as in the CQC of
+        programs.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``rule`` and the dimensions of the arguments: ``gap`` [m], NaN for rules that lack an
+        argument, and ``status``. Coordinates along ``rule`` are ``family`` (``SRSS``, ``sum``,
+        ``height`` or ``fixed``), ``reference``, ``mark`` (S: seen in a copy of the source; P: in the
+        text of the paper that was available; M: not compared with the source), ``assumptions``, and
+        ``missing``, the arguments that the rule lacks. The attribute ``comment`` says which
+        displacements the peaks are taken for.
+
+        With modes the table is also over ``height`` [m], unless both structures are oscillators, and has
+        ``peak_1`` and ``peak_2`` [m], the CQC of each building under the spectrum, and ``rho`` [-], the
+        correlation of both. ``cqc`` [m], over ``rule``, is eq. (3) with ``rho`` and the displacements of
+        the code. It has no reduction for floors that align, and is NaN for rules without displacements.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the zone or a rule is unknown, a scalar is out of range, a value is not a number, dimensions
+        do not match, or an importance factor is given without a factor on displacements. With modes, if
+        peaks are given as well, the spectrum is missing, is reduced by a behaviour factor or ends before
+        the longest period, or heights contradict the storeys.
+
+    Warns
+    -----
+    DoubtfulInput
+        If modes have another damping ratio than the spectrum.
+
+    Notes
+    -----
+    The table is a summary of one clause of each code for comparison. It does not replace the code.
+
+    The modes ``i`` of both buildings have the spectral displacements ``D_i``, and ``d_i`` is the share
+    of ``D_i`` by which a mode of building 1 closes the gap at the height, or, negative, by which one of
+    building 2 opens it. Then ``cqc`` is the root of ``sum_ij d_i d_j rho_ij D_i D_j`` over all modes of
+    both, with the correlations ``rho_ij`` of the oscillators of the modes: eq. (4) on white noise.
+
+    References
+    ----------
+    The coordinate ``reference`` names the source of each rule. Der Kiureghian (1981), Earthquake Eng.
+    Struct. Dyn. 9, for the CQC of one building.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> table = sl.code_gaps(0.03, 0.04)
+    >>> round(float(table.gap.sel(rule="eurocode_8")), 6)
+    0.07
+    >>> one_property = sl.code_gaps(0.03, 0.04, floors_align=True, same_property=True)
+    >>> round(float(one_property.gap.sel(rule="eurocode_8")), 6)
+    0.035
+    >>> table.missing.sel(rule="peru_e030").item()
+    'height_1, height_2'
+    >>> applied = sl.code_gaps(0.01, 0.02, behaviour_1=3.0, behaviour_2=2.0)  # of design forces
+    >>> round(float(applied.gap.sel(rule="eurocode_8")), 6)
+    0.07
+    >>> applied.missing.sel(rule="asce_7").item()
+    'deflection_1 (deflection amplification factor Cd), deflection_2'
+    >>> alone = sl.code_gaps(0.03, None, height_1=12.0, zone="II")  # from its property line
+    >>> float(alone.gap.sel(rule="asce_7")), round(float(alone.gap.sel(rule="mexico_city")), 6)
+    (0.03, 0.066)
+    >>> stated = sl.code_gaps(0.03, 0.04, height_1=12, height_2=20, numbers={"share_of_height": 0.01})
+    >>> float(stated.gap.sel(rule="share_of_height"))
+    0.12
+    >>> frame, wall = (
+    ...     sl.ShearBuilding([2e5] * n, [k] * n, [3.0] * n, 0.05) for n, k in ((3, 2e8), (2, 3e8))
+    ... )
+    >>> spectrum = sl.eurocode_8(ag=2.5, soil="C")
+    >>> by_modes = sl.code_gaps(modes_1=frame, modes_2=wall, spectrum=spectrum).sel(rule="srss")
+    >>> by_modes.height.values.tolist(), by_modes.gap.round(4).values, by_modes.cqc.round(4).values
+    ([3.0, 6.0], array([0.0218, 0.0384]), array([0.0215, 0.038 ]))
+    """
+    neighbours = Neighbours(floors_align, same_property, same_system)
+    alone, inputs = peak_2 is None and modes_2 is None, neighbours.told()
+    factors = {
+        **{"behaviour_1": behaviour_1, "behaviour_2": behaviour_2},
+        **{"deflection_1": deflection_1, "deflection_2": deflection_2},
+        **{"importance": importance, "importance_2": importance_2},
+    }
+    check_neighbours(neighbours, alone, height_2=height_2, storeys_2=storeys_2, **factors)
+    by_design = _are_of_design(factors)
+    by_site = {"storeys_1": storeys_1, "storeys_2": storeys_2, "design_pga": design_pga}
+    together = None
+    if modes_1 is not None and spectrum is not None:
+        both = [modes_1] if modes_2 is None else [modes_1, modes_2]
+        tall = height_1, height_2
+        together = spectral_peaks(both, spectrum, ground or WhiteNoise(1.0), tall, neighbours)
+        (peak_1, peak_2), (height_1, height_2) = together.peaks, together.heights
+        neighbours = together.neighbours
+    assert peak_1 is not None
+    pair = BuildingPeaks(peak_1, peak_2, height_1, height_2, **by_site, **factors)
+    valid = pair.valid()
+    values = {name: array.where(valid) for name, array in pair.arrays().items()}
+    known = {*values, *(() if zone is None else ("zone",))}
+    rules = rules_with(numbers)
+    reduced = together is not None
+    missing = [
+        ", ".join(
+            [*rule.missing(known, alone), *(_without(rule, known, alone, reduced) if by_design else ())]
+        )
+        for rule in rules
+    ]
+    nothing = xr.full_like(valid, np.nan, float)
+    of_site = (*PEAKS, "height_1", "height_2", *by_site)
+    arguments: dict[str, Any] = {name: values.get(name) for name in of_site}
+    arguments |= {"zone": zone, **vars(neighbours), **_importances(values)}
+    gaps, differences = [], []
+    for rule, lacks in zip(rules, missing, strict=True):
+        designed = by_design and not lacks
+        own = arguments | (_designed(rule, values, floors_align, reduced) if designed else {})
+        gaps.append(nothing if lacks else rule.gap(**own))
+        combines = not alone and rule.takes_peaks() and not lacks
+        differences.append(together.apart(own) if together is not None and combines else nothing)
+    dimension = xr.DataArray([rule.name for rule in rules], dims="rule", name="rule")
+    dimension.attrs["long_name"] = "rule"
+    gap, cqc = (
+        xr.concat([each.broadcast_like(valid) for each in arrays], dim=dimension, **JOINED)
+        for arrays in (gaps, differences)
+    )
+    usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
+    table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
+    for name, text in TEXTS.items():
+        kept = {
+            "missing": missing,
+            "assumptions": [rule.told(alone) for rule in rules],
+            "family": [rule.governed_by(same_property) for rule in rules],
+        }
+        entries = kept.get(name) or [getattr(rule, name) for rule in rules]
+        table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
+    peaks_are, models = UNDER_DESIGN if by_design else AS_DEFINED, dict[str, Model](pair=pair)
+    if together is not None and spectrum is not None:
+        table = table.assign({"cqc": cqc} if not alone else {}).assign(together.variables())
+        peaks_are = REDUCED if by_design else OF_SPECTRUM
+        of_modes = {"modes_1": modes_1, "modes_2": modes_2, "ground": ground}
+        models = {name: model for name, model in of_modes.items() if model is not None}
+        table.attrs["spectrum"] = str(spectrum.attrs.get("source", "a spectrum"))
+    table = labels.label(table, VARIABLES)
+    table.attrs["comment"] = (
+        f"The peaks are {peaks_are}. Rules whose mark has an M were not compared with their source."
+    )
+    return labels.with_run_information(
+        table,
+        f"{'Set-back' if alone else 'Separation'} by the rules of building codes",
+        f"code_gaps(zone={zone!r}{inputs}{told_numbers(numbers)})",
+        models,
+        "; ".join(dict.fromkeys(rule.reference for rule in rules)),
+    )
+
+
+def _are_of_design(factors: Mapping[str, object]) -> bool:
+    """Whether a factor on displacements under design forces is given."""
+    named = [name for name, value in factors.items() if value is not None]
+    if named and not any(name.startswith((BEHAVIOUR, DEFLECTION)) for name in named):
+        raise ValueError(
+            f"{named[0]} = {brief(factors[named[0]])} is given without a factor on displacements; give "
+            f"{BEHAVIOUR}_1 or {DEFLECTION}_1, or leave it out"
+        )
+    return bool(named)
+
+
+def _without(rule: CodeRule, known: Collection[str], alone: bool, reduced: bool) -> list[str]:
+    """What a rule lacks for displacements under design forces, the first factor as the code calls it.
+
+    If ``reduced``, they are those of an elastic spectrum, reduced by the behaviour factor.
+    """
+    if not rule.takes_peaks():
+        return []
+    if not rule.multiplies:
+        return [MULTIPLIED]
+    lacking = []
+    for factor in dict.fromkeys((rule.multiplies, *([BEHAVIOUR] if reduced else []))):
+        needed = [f"{factor}_{n}" for n in ((1,) if alone else (1, 2))]
+        first, *others = [name for name in needed if name not in known] or [""]
+        lacking += [f"{first} ({rule.called[factor]})", *others] if first else []
+    return lacking
+
+
+def _designed(
+    rule: CodeRule, values: Mapping[str, Any], floors_align: bool, reduced: bool
+) -> dict[str, Any]:
+    """The displacements of a code [m], for those under design forces; nothing if it takes none.
+
+    If ``reduced``, the values are those of an elastic spectrum, and are first reduced to design forces.
+    """
+    if not rule.multiplies:
+        return {}
+    factors = {name: values.get(name) for name in (f"{rule.multiplies}_1", f"{rule.multiplies}_2")}
+    if rule.larger_factor and not floors_align and "peak_2" in values:
+        factors = dict.fromkeys(factors, np.maximum(*map(values.__getitem__, factors)))
+    importances = _importances(values).values()
+    gaps = {}
+    for n, (factor, importance) in enumerate(zip(factors.values(), importances, strict=True), start=1):
+        if (peak := f"peak_{n}") in values:
+            displacement = values[peak]
+            if reduced:
+                behaviour = values[f"{BEHAVIOUR}_{n}"]
+                displacement = rule.under_design_forces(displacement, behaviour, importance)
+            gaps[peak] = rule.designed(displacement, factor, importance)
+    return gaps
+
+
+def _importances(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The importance factors of both buildings, as `CodeRule.gap` takes them."""
+    of_both = values.get("importance", 1.0)
+    return {"importance_1": of_both, "importance_2": values.get("importance_2", of_both)}
+
+
+def rules_with(numbers: Mapping[str, float] | None) -> list[CodeRule]:
+    """All rules in their order, with the given numbers of rules in place of their defaults."""
+    if numbers is not None and not isinstance(numbers, Mapping):
+        raise TypeError(f"numbers = {brief(numbers)}; allowed: a mapping from names of rules to numbers")
+    stated: dict[str, float] = {}
+    for name, value in (numbers or {}).items():
+        rule = look_up(CODE_RULES, name, "a name in numbers")
+        if not is_number(value):
+            raise TypeError(f"numbers: {rule.name} = {brief(value)}; allowed: a positive number")
+        stated[rule.name] = value
+    usual = code_rule_names()
+    return [code_rule(name, stated.get(name)) for name in CODE_RULES if name in usual or name in stated]
+
+
+def check_neighbours(neighbours: Neighbours, alone: bool, **others: object) -> None:
+    """Raise a ValueError if a fact is of a second building that is not there."""
+    named = {name: value is not None for name, value in others.items() if name.endswith("_2")}
+    facts = {**named, **vars(neighbours)}
+    for name in (name for name, stated in facts.items() if alone and stated):
+        raise ValueError(f"{name} is given, of a second building, and there is none; leave it out")
+
+
+def told_numbers(numbers: Mapping[str, float] | None) -> str:
+    """The given numbers of rules, for the run information."""
+    return f", numbers={ {str(n): float(v) for n, v in numbers.items()} }" if numbers else ""

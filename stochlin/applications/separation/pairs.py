@@ -1,0 +1,253 @@
+"""Two structures, or one beside its property line, in simulated motions: peaks and correlations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.separation.modes import combine_modes, modes_of, oscillators_of
+from stochlin.applications.separation.storeys import (
+    correlation_in,
+    correlation_of,
+    facing_heights,
+    resolved,
+    stationary_motions,
+    weights_at,
+)
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.systems.response import StationaryResponse
+from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.grounds import Ground
+from stochlin.models.rules.peak_factors import peak_factor_model
+from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
+from stochlin.models.systems import Arrangement, arrangement_of, first_mode
+from stochlin.solver.correlation.correlation import correlate
+from stochlin.solver.linearization.equivalent_systems import solve_elastic, solve_structure
+from stochlin.solver.linearization.peaks import peak_table, relative_moments, response_moments
+from stochlin.solver.linearization.strength import solved_reduction_factor
+from stochlin.solver.linearization.systems.systems import linearized_motion
+from stochlin.solver.linearization.tolerance import USUAL
+from stochlin.solver.simulation.finite_motions import mean_with_error, pair_peaks, quantiles_of
+from stochlin.solver.simulation.simulation import simulate
+
+GUMBEL = np.sqrt(6) / np.pi
+SHORT = "not solved, or the motion is too short for a peak"
+
+
+@dataclass(frozen=True)
+class PairInMotion:
+    """Two structures, or one beside its property line, with their simulated motions of finite length.
+
+    If one of them has storeys, all strengths are in metres. Arrays are over the heights at which the
+    structures could meet, or cross the line. Without storeys there is one height, which is NaN.
+    """
+
+    structures: tuple[Any, ...]
+    ground: Ground
+    motions: xr.Dataset
+    confidence: float
+    strong_seconds: float  # [s], duration of the stationary motion with equal energy
+    known_heights: Sequence[float | None]  # [m], given heights of oscillators
+
+    @property
+    def alone(self) -> bool:
+        """Whether there is only one structure."""
+        return len(self.structures) == 1
+
+    @property
+    def has_storeys(self) -> bool:
+        """Whether one of the structures is a building with storeys."""
+        return any(isinstance(structure, MultistoreyBuilding) for structure in self.structures)
+
+    @property
+    def scatter(self) -> float:
+        """Scatter between the motions [-]."""
+        return float(self.motions.attrs.get("scatter", 0.0))
+
+    @cached_property
+    def system(self) -> Arrangement:
+        """All structures as one system, without links."""
+        return arrangement_of(self.structures)
+
+    @cached_property
+    def heights(self) -> Array:
+        """Heights at which the structures could meet [m]."""
+        return facing_heights(self.system)
+
+    @property
+    def code_heights(self) -> tuple[Any, ...]:
+        """Height of each structure for rules of codes [m], a number, an array or None.
+
+        Rules of codes for the roof are applied at every level below it.
+        """
+        if not self.has_storeys:
+            return tuple(self.known_heights)
+        return (self.heights,) * len(self.structures)
+
+    @cached_property
+    def peaks(self) -> Array:
+        """Quantile of the peak ``|u|`` at the probability ``confidence`` [m], (structures, heights)."""
+        peaks = self.motions.peak
+        if self.has_storeys and not self.alone:
+            peaks = self.motions.peak_at_height.sel(height=self.heights)
+        samples = peaks.to_numpy().reshape(len(peaks), len(self.structures), -1)
+        return quantiles_of(samples, np.array([self.confidence]))[0]
+
+    @cached_property
+    def modes(self) -> list[Structure]:
+        """The first modes of the structures as oscillators."""
+        return [first_mode(structure) for structure in self.structures]
+
+    @cached_property
+    def elastic(self) -> list[xr.Dataset]:
+        """The response of each first mode as elastic."""
+        return [solve_elastic(mode, self.ground) for mode in self.modes]
+
+    @cached_property
+    def solved(self) -> list[xr.Dataset]:
+        """The linearized response of each oscillator."""
+        return [solve_structure(s, self.ground, GAUSSIAN, USUAL) for s in self.structures]
+
+    @cached_property
+    def linearized(self) -> StationaryResponse:
+        """Stationary response of structures with storeys by linearization."""
+        return linearized_motion(self.structures, self.ground)
+
+    @property
+    def yield_displacements(self) -> list[float]:
+        """Yield displacement of each first mode [m], known even if linearization fails."""
+        return [float(side.yield_displacement) for side in self.elastic]
+
+    @cached_property
+    def ductilities(self) -> Array:
+        """Mean peak ductility of the first modes, from roof displacements; 0 if elastic."""
+        roofs = self.motions.peak_mean.to_numpy()[self.system.first[1:] - 1]
+        shares = [
+            float(structure.first_mode_moves()[-1])
+            if isinstance(structure, MultistoreyBuilding)
+            else 1.0
+            for structure in self.structures
+        ]
+        ductilities: Array = roofs / np.array(shares) / np.array(self.yield_displacements)
+        return ductilities
+
+    @cached_property
+    def weights(self) -> list[Array]:
+        """Displacement of each structure at the heights, as weights of floors (heights, floors)."""
+        return weights_at(self.system, self.heights)
+
+    @property
+    def of_coordinates(self) -> list[Array]:
+        """The `weights` as those of the coordinates of the system (heights, coordinates)."""
+        return [weights @ self.system.storeys.shapes for weights in self.weights]
+
+    def simulated_rho(self) -> Array:
+        """Correlation by stationary simulation [-], (heights,); a ValueError if it is not resolved."""
+        if not self.has_storeys:
+            return resolved(simulate(self.structures, self.ground)).rho.values[0, 1:]
+        duration = float(self.motions.attrs["duration_s"])
+        motions = stationary_motions(self.structures, self.ground, duration)
+        return correlation_in(motions, *self.weights)
+
+    def linearized_rho(self, closure: str) -> Array:
+        """Correlation by linearization [-], (heights,); a ValueError if there is no solution."""
+        if self.has_storeys:
+            if closure == DRIFT:
+                raise ValueError("the drift closure is only available for oscillators")
+            return correlation_of(self.linearized, *self.of_coordinates)
+        lacking = {type(s).__name__ for s in self.structures if closure not in s.closure_names()}
+        if lacking:
+            raise ValueError(f"no {closure} closure for {', '.join(sorted(lacking))}")
+        first, second = self.structures
+        return np.atleast_1d(correlate(first, second, self.ground, closure=closure, bias=False).rho)
+
+    def amplified_peaks(self) -> Array:
+        """Quantile of the elastic peak ``|u|`` times ``D`` of linearization [m], as `peaks`.
+
+        A ValueError or an ArithmeticError if there is none.
+        """
+        if self.has_storeys:
+            raise ValueError("the linearized amplification of Fig. 5b is only available for oscillators")
+        peaks = np.empty((len(self.structures), 1))
+        for n, (elastic, yielding) in enumerate(zip(self.elastic, self.solved, strict=True)):
+            moments = response_moments(elastic, self.ground)
+            peak = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2)
+            peaks[n] = peak * yielding.displacement_std / elastic.displacement_std
+        if not np.isfinite(peaks).all():
+            raise ArithmeticError(SHORT)
+        return peaks
+
+    def combined_modes(self) -> tuple[Array, Array]:
+        """Peak ``|u|`` by the CQC of elastic modes [m], as `peaks`, and its correlation (heights,).
+
+        The peak of a mode is the quantile of that of its oscillator. An ArithmeticError or a ValueError
+        if there is none.
+        """
+        modes = modes_of(self.system)
+        moments = response_moments(solve_elastic(oscillators_of(modes), self.ground), self.ground)
+        peaks = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2).to_numpy()
+        if not np.isfinite(peaks).all():
+            raise ArithmeticError(SHORT)
+        return combine_modes(modes, peaks, self.ground, self.weights)
+
+    def effective_arguments(self) -> dict[str, float]:
+        """Arguments of `rho_effective`, without the rule."""
+        arguments: dict[str, float] = {}
+        for n, (mode, ductility) in enumerate(zip(self.modes, self.ductilities, strict=True), start=1):
+            parameters = mode.arrays()
+            arguments |= {f"{key}_{n}": float(parameters[key]) for key in ("period", "damping")}
+            arguments[f"hardening_{n}"] = float(parameters["hardening"]) if mode.yields else 1.0
+            arguments[f"ductility_{n}"] = float(ductility) if mode.yields else 1.0
+        return arguments
+
+    def relative_moments(self) -> tuple[Array, ...]:
+        """Spectral moments ``l0, l1, l2`` of the linearized ``u_1 - u_2``, or of ``u_1`` if alone."""
+        if self.has_storeys:
+            weights_1, *weights_2 = self.of_coordinates
+            return tuple(m[0] for m in self.linearized.spectral_moments(weights_1 - sum(weights_2)))
+        first, *others = self.solved
+        if others:
+            moments = relative_moments(first, others[0], self.ground)
+        else:
+            moments = response_moments(first, self.ground)
+        return tuple(moment.to_numpy() for moment in moments)
+
+    def quantities(self) -> dict[str, Any]:
+        """Variables of the table for the structures, by name."""
+        table: dict[str, Any] = {}
+        means, errors = mean_with_error(pair_peaks(self.motions))
+        for n, structure in enumerate(self.structures):
+            ductility = self.ductilities[n]
+            if self.has_storeys:
+                ductility = self.motions.ductility[self.motions.element_structure == n + 1].max()
+            own = {
+                "peak_mean": means[n],
+                "peak_mean_standard_error": errors[n],
+                "peak": self.peaks[n, -1],
+                "ductility": ductility if structure.yields else np.nan,
+                "yield_displacement": self.yield_displacements[n],
+                "reduction_factor": solved_reduction_factor(self.modes[n], self.elastic[n]),
+            }
+            table |= {f"{name}_{n + 1}": float(value) for name, value in own.items()}
+        if "collapse_probability" in self.motions:
+            shares = self.motions.collapse_probability.values
+            table |= {f"collapse_probability_{n}": share for n, share in enumerate(shares, start=1)}
+        if self.has_storeys:
+            of_storeys = ("peak_drift_mean", "peak_drift_mean_standard_error", "ductility")
+            table |= {name: self.motions[name] for name in of_storeys}
+        return table
+
+
+def peak_quantile(
+    moments: tuple[xr.DataArray, ...], seconds: float, confidence: float, sides: int
+) -> xr.DataArray:
+    """Quantile of the peak of a Gaussian motion [m] at ``confidence``, by a Gumbel distribution."""
+    l0, l1, l2 = moments
+    peak = peak_table(l0, l1, l2, xr.DataArray(seconds), peak_factor_model("vanmarcke"), sides)
+    reduced = -np.log(-np.log(confidence))
+    return peak.peak_mean + GUMBEL * (reduced - np.euler_gamma) * peak.peak_std

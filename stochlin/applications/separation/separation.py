@@ -1,0 +1,392 @@
+"""Required separation of two buildings by simulation, compared with that by every rule."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial, reduce
+from operator import and_
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.records.cells import checked_motions
+from stochlin.applications.records.gaps import recorded_gap
+from stochlin.applications.separation.code_gaps import TEXTS as CODE_TEXTS
+from stochlin.applications.separation.code_gaps import check_neighbours, rules_with, told_numbers
+from stochlin.applications.separation.pairs import PairInMotion
+from stochlin.applications.separation.rules import Rule, all_rules
+from stochlin.applications.separation.storeys import check_levels, numbers_of_storeys, of_storeys
+from stochlin.applications.separation.variables import ALONE, VARIABLES
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.models.arguments import (
+    Duration,
+    Paths,
+    Probability,
+    Scatter,
+    Seed,
+    Truth,
+    checked,
+)
+from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.envelopes import Envelope, strong_seconds
+from stochlin.models.grounds import Ground
+from stochlin.models.rules.codes import BuildingPeaks, Neighbours, Zone
+from stochlin.models.systems import AnyStructure, first_period
+from stochlin.models.uncertain import median_of
+from stochlin.solver.linearization.strength import strength_in_metres
+from stochlin.solver.simulation.finite_motions import (
+    enough_motions,
+    keeping_apart,
+    mean_with_error,
+    pair_separation,
+    quantile_intervals,
+    required_gaps,
+    separation_at,
+)
+from stochlin.solver.simulation.simulation import MOTIONS, check_repeated, simulate
+from stochlin.solver.tables import labels
+from stochlin.solver.tables.cells import over_cells
+from stochlin.solver.tables.checks import (
+    check_duration,
+    check_scalars,
+    standing,
+)
+from stochlin.solver.tables.lazy import arrays_of
+
+VERDICTS = "answer at_least_the_answer less_than_the_answer within_error not_available no_verdict"
+ANSWER, AT_LEAST, LESS, WITHIN_ERROR, NOT_AVAILABLE, NO_VERDICT = range(6)
+VERDICT_ATTRS: Mapping[str, Any] = {
+    "long_name": "whether the gap has the confidence",
+    "flag_values": np.arange(6, dtype=np.int8),
+    "flag_meanings": VERDICTS,
+}
+SET_BACK = "Set-back of one building from its property line"
+COMBINED = (
+    "A code's combination of simulated peaks: the peaks that are not exceeded with the confidence, "
+    "combined as the code combines displacements of its own. This is not the gap that the code asks "
+    "for, and it has no verdict."
+)
+EXACT = "nonlinear simulation of the given models"
+BEFORE_RECORDS = 0.8  # share of the work before the records, if there are any
+MOTION = ("paths", "seed", "step_s", "duration_s", "envelope")
+TEXTS: Mapping[str, str] = {
+    "kind": "simulation, eq. (3) with a correlation, response spectrum analysis, linearization, or "
+    "building code",
+    **CODE_TEXTS,
+    "missing": "why a rule has no answer",
+}
+
+
+@checked
+def separation(
+    first: AnyStructure,
+    second: AnyStructure | None,
+    ground: Ground,
+    duration: Duration,
+    *,
+    envelope: Envelope | None = None,
+    confidence: Probability = 0.9,
+    scatter: Scatter = 0.0,
+    paths: Paths | None = None,
+    seed: Seed = 0,
+    height_1: float | None = None,
+    height_2: float | None = None,
+    floors_align: Truth = False,
+    same_property: Truth = False,
+    same_system: Truth = False,
+    zone: Zone | None = None,
+    storeys_1: int | None = None,
+    storeys_2: int | None = None,
+    design_pga: float | None = None,
+    numbers: Mapping[str, float] | None = None,
+    unverified: Truth = False,
+    records: Any = None,
+    simulated_rho: Truth = True,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Gap that two buildings require, by simulation and by every rule.
+
+    The gap by simulation is the quantile of ``max(u_1 - u_2)`` at the probability ``confidence``, in
+    motions of this duration from rest, with ``first`` on the left. The rules use the quantiles of the
+    simulated peaks of the same buildings at the same probability. The table has the error of each rule,
+    and the share of the motions in which its gap prevents pounding.
+
+    If ``second`` is None, the result is the set-back of one building: the distance from the property
+    line on its right that ``max(u_1)`` of all its floors does not exceed.
+
+    Parameters
+    ----------
+    first, second : Bilinear, BoucWen, Hysteretic or ShearBuilding, or None for ``second``
+        Structures; a ``reduction_factor`` refers to the stationary ground. If ``second`` is None,
+        ``first`` stands alone.
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        Ground. All parameters broadcast by dimension name; each cell is simulated separately. Parameters
+        of structures and ground may be `Uncertain`, as in `simulate`; the rules are then applied to the
+        structures at their medians.
+    duration : float
+        Length of each motion [s], at least a period of the structures.
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
+        Envelope of the motions; without it they are stationary from their start.
+    confidence : float
+        Required probability of no pounding, between 0 and 1.
+    scatter : float
+        As in `simulate`. It is included in the simulated gap and in the peaks for the rules.
+    paths : int, optional
+        Number of motions. By default so many that they take half a second on one core, 256 to 2048, and
+        more of them, to 2048, until the 95 % interval of the gap is within 10 % of it; 2048 in a table.
+    seed : int
+        As in `simulate`.
+    height_1, height_2 : float, optional
+        Heights of the buildings [m], for building codes that require them.
+    floors_align : bool
+        Whether the floors are at the same levels, which reduces the gap in some codes.
+    same_property, same_system : bool
+        Whether no property line is between the buildings, and whether their structural systems are the
+        same, as in `code_gaps`.
+    zone : str, optional
+        Zone of Mexico City, ``"I"``, ``"II"`` or ``"III"``.
+    storeys_1, storeys_2 : int, optional
+        Numbers of storeys of buildings described as oscillators; others have theirs.
+    design_pga : float, optional
+        Peak ground acceleration of the design [m/s^2], as in `code_gaps`.
+    numbers : mapping, optional
+        Numbers of code rules by name, as in `code_gaps`.
+    unverified : bool
+        Whether to include rules whose formulas could not be verified.
+    records : DataArray, or list or mapping of them, optional
+        Recorded motions [m/s^2] over ``time`` [s], as from `read_record`.
+    simulated_rho : bool
+        Whether there is a row ``eq_3_simulated``, by a stationary simulation that takes longer than all
+        else for buildings with storeys.
+    progress : callable, optional
+        Called with the share of a simulation that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``rule``, of which the first is the simulation: ``gap`` [m]; ``gap_lower`` and
+        ``gap_upper`` [m], the 95 % interval of the simulated gap; ``error`` [-], the gap over the
+        simulated gap minus 1; ``no_pounding_probability`` [-] in the simulated motions with its 95 %
+        interval ``_lower`` and ``_upper``; ``rho`` [-] if the rule has one; ``verdict`` and ``status``
+        (flags). Building codes that define displacements of their own have neither probability nor
+        verdict here, as the attribute ``comment`` says; `code_gaps` applies them. Coordinates along
+        ``rule`` are ``kind``, ``family`` (of a code, as in `code_gaps`), ``reference``, ``mark``,
+        ``assumptions`` and ``missing``.
+
+        Over the dimensions of the parameters, from the simulation: ``peak_1`` and ``_2`` [m], the
+        quantiles that the rules use; ``peak_mean_1`` and ``_2`` and ``separation_mean`` [m], with
+        standard errors; ``separation_samples`` [m], also over ``path``; ``ductility_1`` and ``_2`` [-],
+        of the mean peaks; ``yield_displacement_1`` and ``_2`` [m]; ``reduction_factor_1`` and ``_2``
+        [-]; if a structure can fall, as in `simulate`, ``collapse_probability_1`` and ``_2`` [-]. With
+        records, over ``record``, the variables of `recorded_gap` with the prefix ``record_``.
+
+        For buildings with storeys also ``gap_at_height`` [m] over ``rule`` and ``height`` [m], that of
+        the simulation with a 95 % interval ``_lower`` and ``_upper``; ``governing_height`` [m] over
+        ``rule``; and over ``element``, for every storey, ``peak_drift_mean`` [m] with its standard error
+        and ``ductility`` [-].
+
+        For one building alone, the variables ending in ``_2`` are left out, the heights are those of its
+        floors, and rules that do not cover one building are NaN, with the reason in ``missing``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a number is out of range, the duration is shorter than a period, an argument is given for a
+        second building that is None, or the simulation would need too much time or memory.
+
+    Notes
+    -----
+    The verdict on a rule is that it gives at least the answer, or less, if the 95 % interval of its
+    probability of no pounding is above or below the confidence. With scatter, the peaks for the rules
+    include it; correlations for stationary motions, and the rules ``eq_3_paper``, ``cqc`` and
+    ``linearization``, which use no simulated peaks, are for motions of the median strength.
+
+    The rule ``eq_3_paper`` is the procedure of the paper: eq. (3) with the elastic peaks times ``D`` of
+    Fig. 5b, and ``rho`` of Fig. 5a, both by linearization with the Gaussian closure. The elastic peaks
+    are the quantiles of ``|u|`` of the elastic structures by Vanmarcke's peak factor. The rule
+    ``linearization`` has the same standard deviations and ``rho``, but one peak factor, that of
+    ``u_1 - u_2`` of the yielding structures in one direction. If this were also the factor of both
+    elastic peaks, the two gaps would be equal. Buildings with storeys have no ``eq_3_paper``.
+
+    The rule ``cqc`` is the response spectrum analysis of both buildings together, as a code's user would
+    do it if programs could: all modes of both are elastic, also where the structures yield, whose
+    displacements are then those of the elastic structure (the equal displacement rule). The gap is the
+    root of ``sum_ij d_i d_j rho_ij D_i D_j``, with the quantiles ``D`` of the peaks of the oscillators
+    of the modes by Vanmarcke's peak factor, their correlations on the ground, and the shares ``d`` of
+    ``D`` in ``u_1 - u_2`` at the height. ``rho`` is the correlation of both displacements by the same
+    sum. For elastic oscillators it is ``eq_3_paper``; for one building it is the CQC of each floor. For
+    30 elastic pairs it was -2 to +13 % off the simulated gap, for yielding ones -87 to +141 %.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (3) and (4); the coordinate ``reference`` for each rule.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> one, two = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.6, 1.0))
+    >>> table = sl.separation(one, two, sl.named_ground("firm", intensity=0.01), 20.0, paths=256)
+    >>> bool(table.gap.sel(rule="share_of_sum") > table.gap.sel(rule="simulation"))
+    True
+    >>> alone = sl.separation(two, None, sl.named_ground("firm", intensity=0.01), 20.0, paths=256)
+    >>> bool(alone.gap.sel(rule="asce_7") > alone.gap.sel(rule="simulation"))  # |u| and u
+    True
+    """
+    rules_with(numbers)
+    if records is not None:
+        checked_motions(records)
+    of_codes = BuildingPeaks(0.0, 0.0, height_1, height_2, storeys_1, storeys_2, design_pga)
+    check_scalars(of_codes, "separation", "a number")
+    by_role = standing(first, second)
+    alone = second is None
+    neighbours = for_codes = Neighbours(floors_align, same_property, same_system)
+    check_neighbours(neighbours, alone, height_2=height_2, storeys_2=storeys_2)
+    both = {role: median_of(structure) for role, structure in by_role.items()}
+    check_duration(duration, both)
+    tall = (height_1, height_2)[: len(both)]
+    site = {"zone": zone, "design_pga": design_pga}
+    site |= numbers_of_storeys(list(both.values()), (storeys_1, storeys_2))
+    if any(isinstance(structure, MultistoreyBuilding) for structure in both.values()):
+        check_levels(list(both.values()), tall, floors_align)
+        for_codes = of_storeys(neighbours, list(both.values()), tall)
+
+    # All cells of a table have the same number of motions.
+    count = paths or (MOTIONS[1] if arrays_of({**by_role, "ground": ground}) else None)
+    motion = {"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed}
+
+    def of_cell(ground: Ground, **by_role: AnyStructure) -> xr.Dataset:
+        with np.errstate(all="ignore"):  # overflow by extreme input shows in the status
+            known = [median_of(structure) for structure in by_role.values()]
+            begin, most = check_repeated(known, median_of(ground), duration, count, 1)
+            rest = part_of(progress, 0.0, 1.0 if records is None else BEFORE_RECORDS)
+            options: Any = {**motion, "quantiles": [confidence], "progress": rest}
+            simulated = partial(simulate, [*by_role.values()], ground, **options)
+            motions = enough_motions(lambda n: simulated(paths=n), begin, most)
+            # The rules take the structures at their medians, and the peaks of all samples.
+            structures, ground = tuple(known), median_of(ground)
+            if any(isinstance(structure, MultistoreyBuilding) for structure in structures):
+                structures = in_metres(structures, ground)
+            pair = PairInMotion(
+                structures, ground, motions, confidence, strong_seconds(duration, envelope), tall
+            )
+            rules = all_rules(pair, for_codes, site, unverified, numbers, simulated_rho)
+            table = _judged(rules, pair)
+            if "input_factor" in motions:
+                table["input_factor"] = motions.input_factor
+            table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)
+            if records is None:
+                return table
+            left, *others = in_metres(structures, ground)
+            right = others[0] if others else None
+            rest = part_of(progress, BEFORE_RECORDS, 1.0)
+            recorded = recorded_gap(left, right, records, progress=rest)
+            recorded = recorded.drop_dims("quantile", errors="ignore")
+            return table.assign({f"record_{name}": recorded[name] for name in recorded.data_vars})
+
+    models: dict[str, Any] = {**by_role, "ground": ground}
+    long_enough = reduce(and_, (first_period(structure) <= duration for structure in both.values()))
+    table = over_cells(of_cell, models, long_enough)
+    table["verdict"] = table.verdict.where(table.gap.notnull(), NOT_AVAILABLE).astype(np.int8)
+    table = labels.label(table, {**VARIABLES, **ALONE} if alone else VARIABLES)
+    table.verdict.attrs = VERDICT_ATTRS
+    for name, text in TEXTS.items():
+        table[name].attrs["long_name"] = text
+    return labels.with_run_information(
+        table.assign_attrs(confidence=confidence, comment=COMBINED),
+        f"{SET_BACK if alone else 'Separation of two buildings'} by rule, "
+        f"{median_of(ground).name} ground",
+        f"separation(duration={duration:g}, confidence={confidence:g}, "
+        f"paths={table.attrs['paths']}, seed={seed}{neighbours.told()}{told_numbers(numbers)})",
+        models,
+    )
+
+
+def in_metres(structures: Sequence[AnyStructure], ground: Ground) -> tuple[AnyStructure, ...]:
+    """The structures with strengths converted to metres."""
+    return tuple(strength_in_metres(structure, ground) for structure in structures)
+
+
+def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:
+    """Verdict by the 95 % interval of the probability of no pounding: enough, too low or undecided."""
+    lower, upper = (apart[f"no_pounding_probability_{end}"] for end in ("lower", "upper"))
+    undecided = xr.where(upper < confidence, LESS, WITHIN_ERROR)  # type: ignore[no-untyped-call]
+    verdict: xr.DataArray = xr.where(lower >= confidence, AT_LEAST, undecided)  # type: ignore[no-untyped-call]
+    return verdict
+
+
+def judged_rules(
+    rules: Sequence[Rule], samples: xr.DataArray, confidence: float, required: float
+) -> xr.Dataset:
+    """The gaps of rules, judged by simulated motions that need ``samples`` [m].
+
+    ``required`` is the gap by simulation [m], whose interval is not known here.
+    """
+    gap = xr.DataArray([rule.gap for rule in rules], dims="rule")
+    apart = keeping_apart(samples, gap)
+    known = gap.notnull()
+    judged = xr.DataArray([rule.judged for rule in rules], dims="rule")
+    verdict = verdict_of(apart, confidence).where(judged, NO_VERDICT).where(known, NOT_AVAILABLE)
+    columns = {name: ("rule", [getattr(rule, name) for rule in rules]) for name in TEXTS}
+    return xr.Dataset(
+        {
+            "gap": gap,
+            **{f"gap_{end}": xr.full_like(gap, np.nan) for end in labels.ENDS},
+            "error": gap / (required if 0 < required < np.inf else np.nan) - 1,
+            **{name: share.where(known & judged) for name, share in apart.items()},
+            "rho": ("rule", [rule.rho for rule in rules]),
+            "verdict": verdict.astype(np.int8),
+            "status": labels.status_where(known),
+        },
+        coords={"rule": ("rule", [rule.name for rule in rules]), **columns},
+    )
+
+
+def _judged(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
+    """Table of the simulated gap and the gaps of the rules, each judged by the simulated motions."""
+    motions = pair.motions
+    samples = pair_separation(motions)
+    required, lower, upper = required_gaps(motions)
+    rules = [Rule("simulation", "simulation", np.array([required]), assumptions=EXACT), *rules]
+    table = judged_rules(rules, samples, pair.confidence, required)
+    table.verdict[0] = ANSWER
+    for end, value in (("lower", lower), ("upper", upper)):
+        table[f"gap_{end}"][0] = value
+    table["separation_samples"] = samples
+    table = table.assign(pair.quantities())
+    names = ("separation_mean", "separation_mean_standard_error")
+    of_both = [float(motions[name][0, 1]) for name in names] if not pair.alone else None
+    for name, value in zip(names, of_both or mean_with_error(samples.values), strict=True):
+        table[name] = value
+    return table if np.isnan(pair.heights).all() else table.merge(_by_height(rules, pair))
+
+
+def _by_height(rules: list[Rule], pair: PairInMotion) -> xr.Dataset:
+    """Gaps by simulation and by the rules at each height, and peaks of both structures there."""
+    samples = separation_at(pair.motions, pair.heights)
+    levels = np.array([pair.confidence])
+    simulated, *interval = (ends[0] for ends in quantile_intervals(samples.values, levels))
+    peaks = xr.DataArray(pair.peaks, dims=("structure", "height"))
+    table = gaps_by_height([simulated, *(rule.gaps for rule in rules[1:])], pair.heights)
+    unknown = np.full((len(rules) - 1, simulated.size), np.nan)
+    for end, values in zip(("lower", "upper"), interval, strict=True):
+        table[f"gap_at_height_{end}"] = ("rule", "height"), np.vstack([values, unknown])
+    table = table.assign({f"peak_at_height_{n + 1}": peaks[n] for n in range(len(pair.peaks))})
+    return table.assign_coords(height=samples.height)
+
+
+def gaps_by_height(gaps: Sequence[Array], heights: Array) -> xr.Dataset:
+    """Gap of each rule at each height [m], and the height where it is largest [m]."""
+    gaps = [np.broadcast_to(each, heights.shape) for each in gaps]
+    return xr.Dataset(
+        {
+            "gap_at_height": (("rule", "height"), np.array(gaps)),
+            "governing_height": ("rule", [_where_largest(each, heights) for each in gaps]),
+        },
+        coords={"height": heights},
+    )
+
+
+def _where_largest(gaps: Array, heights: Array) -> float:
+    return np.nan if np.isnan(gaps).any() else float(heights[int(np.argmax(gaps))])

@@ -1,0 +1,286 @@
+"""Files of cells: text with separators, or the sheets of a workbook; errors name line and column."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from statistics import mode
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from stochlin.applications.sheets.workbooks import rows_of
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief, listed, plain
+from stochlin.models.arguments import is_whole
+from stochlin.models.parameters import Range
+from stochlin.models.units import parsed, stated_size
+from stochlin.solver.tables.inputs import read_input, read_text
+
+_WORKBOOKS = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"  # signatures of .xlsx, and of .xls or with a password
+_SAMPLE = 50  # lines in which the separator is looked for, and where the numbers begin
+MOST_CELLS = 2**23  # lines times columns
+_DECIMAL_COMMA = re.compile(r"(^|[;\s])[-+]?\d*,\d+([;\s]|$)")
+_BETWEEN_TITLES = r"\t+|\s{2,}", r"\s+(?![(\[])", r"\s+"  # white space, which may be within titles
+_UNIT = re.compile(r"(.*)[(\[]([^()\[\]]*)[)\]](.*)")  # the last pair of brackets
+
+
+class Sheet(NamedTuple):
+    """The cells of a text, or of one sheet of a workbook.
+
+    ``cells`` are texts without what surrounds them; the index has the numbers of the lines, from 1, and
+    the columns theirs, from 0. Empty lines are left out. A part of them, such as
+    ``sheet.cells.loc[lines, [2, 3]]``, keeps both, so that `numbers` can say where something is wrong.
+    """
+
+    name: str  # the file, and the sheet of a workbook
+    cells: pd.DataFrame
+    decimal: str = ".,"  # the signs that numbers may have before their decimals
+    separator: str | None = None  # between the columns of a text; None for white space
+
+    def row(self, line: int) -> tuple[str, ...]:
+        """The cells of a line up to the last one that is not empty."""
+        cells = self.cells.loc[line].tolist()
+        return tuple(cells[: max((n for n, cell in enumerate(cells, 1) if cell), default=0)])
+
+    def where(self, line: int, column: int | None = None) -> str:
+        """A place in words; columns are counted from 1 there."""
+        return f"{self.name}, line {line}" + ("" if column is None else f", column {column + 1}")
+
+    def error(self, line: int, column: int | None, what: str) -> ValueError:
+        """A ValueError at a cell, or at the whole line."""
+        return ValueError(f"{self.where(line, column)}: {what}")
+
+    def columns_of_numbers(self, line: int) -> set[int]:
+        """The columns that have a number in a line."""
+        return {n for n, cell in enumerate(self.row(line)) if number_in(cell, self.decimal) is not None}
+
+    def numbers(self, cells: pd.DataFrame, what: str, allowed: Range | None = None) -> Array:
+        """The numbers in a part of the cells, each of them ``what`` in messages.
+
+        Raises a ValueError at the first cell that is missing, no number, or out of the range.
+        """
+        texts = cells.to_numpy(dtype=object)
+        values = np.array([number_in(text, self.decimal) for text in texts.ravel()], dtype=float)
+        wrong = np.isnan(values) if allowed is None else ~allowed.contains(values)
+        for n in np.flatnonzero(wrong)[:1]:
+            line, column = cells.index[n // cells.shape[1]], cells.columns[n % cells.shape[1]]
+            text, signs = self.cells.at[line, column], " or ".join(map(repr, self.decimal))
+            if not np.isnan(values[n]):
+                raise self.error(line, column, f"the {what} is {values[n]:g}; allowed: {allowed}")
+            said = f"{brief(text)} is not a {what}" if text else f"the {what} is missing"
+            raise self.error(
+                line, column, f"{said}; allowed: a number, with {signs} before its decimals"
+            )
+        return values.reshape(texts.shape)
+
+    def check_width(self, lines: Sequence[int], width: int) -> None:
+        """Raise a ValueError for cells beyond the columns, such as the rest of 190,000."""
+        beyond = self.cells.loc[lines].iloc[:, width:]
+        for n, m in np.argwhere((beyond != "").to_numpy())[:1]:
+            where = self.where(beyond.index[n], beyond.columns[m])
+            what = f"{brief(beyond.iat[n, m])} is beyond the {width} columns above"
+            raise ValueError(f"{where}: {what}; allowed: no signs between thousands")
+
+    def without_comments(self) -> Sheet:
+        """The lines that do not begin with # or %."""
+        return self._replace(cells=self.cells[~self.cells[0].str.startswith(("#", "%"))])
+
+
+class Table(NamedTuple):
+    """A line of titles, maybe one of units below it, and lines with numbers; 0 if there is no line."""
+
+    name: str  # in messages
+    sheet: Sheet
+    titles: int
+    units: int
+    rows: pd.DataFrame
+    alike: Mapping[str, str] = {}  # the names that stand for another one
+
+    def error(self, what: str) -> ValueError:
+        """A ValueError at the table."""
+        return self.sheet.error(self.titles or self.rows.index[0], None, f"{self.name} {what}")
+
+    @property
+    def title_cells(self) -> tuple[str, ...]:
+        """The titles as they are written; empty if there are none."""
+        return self.sheet.row(self.titles) if self.titles else ()
+
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return max(len(self.sheet.row(self.rows.index[0])), len(self.title_cells))
+
+    @property
+    def in_words(self) -> str:
+        """The columns, for messages."""
+        named = f" named {listed(self.title_cells)}" if self.titles else ""
+        return f"{self.width} columns (index 0 to {self.width - 1}){named}"
+
+    def places(self) -> list[str]:
+        """Name of file and line of each row, for messages."""
+        return [self.sheet.where(line) for line in self.rows.index]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns, in small letters and digits alone."""
+        names = [spelled(with_unit(title)[0]) for title in self.title_cells]
+        return [self.alike.get(name, name) for name in names]
+
+    def column(self, name: str | int, several: bool = True) -> int:
+        """The column of an index or a title, the last of ``several``; a ValueError if there is none."""
+        wanted = spelled(with_unit(name)[0]) if isinstance(name, str) else name
+        exact = [n for n, title in enumerate(self.title_cells) if title == name]
+        fitting = exact or [n for n, other in enumerate(self.names) if other == wanted]
+        if is_whole(name) and 0 <= name < self.width:
+            return name
+        if not fitting or (fitting[1:] and not several):
+            raise self.error(f"has no column {brief(name)}; allowed: {self.in_words}")
+        return fitting[-1]
+
+    def texts(self, name: str | int) -> pd.Series:
+        """The texts of a column."""
+        return self.rows[self.column(name)]
+
+    def numbers(self, name: str | int, what: str, allowed: Range | None = None) -> Array:
+        """The numbers of a column, each of them ``what`` in messages."""
+        if self.rows[self.column(name)].dtype.kind == "f":
+            return self.rows[self.column(name)].to_numpy()
+        return self.sheet.numbers(self.rows[[self.column(name)]], what, allowed)[:, 0]
+
+    def unit_of(self, column: int) -> str:
+        """The unit in the title of a column or in the line of units; empty if there is none."""
+        cells = [self.sheet.cells.at[line, column] for line in (self.titles, self.units) if line]
+        stated = max((with_unit(cell)[1] for cell in cells), default="", key=len)
+        return stated or (cells[-1] if self.units else "")
+
+    def in_si(self, name: str | int, quantity: str, unit: str | None, allowed: Range | None) -> Array:
+        """The numbers of a column in SI, by the unit of its title, of the line of units, or this one."""
+        column, line = self.column(name), self.units or self.titles or self.rows.index[0]
+        size = stated_size(quantity, self.unit_of(column), unit, self.sheet.where(line, column))
+        return size * self.numbers(column, quantity, allowed)
+
+
+def table_of(sheet: Sheet, pattern: str = "") -> Table | None:
+    """The table below titles; None if there are no numbers.
+
+    They begin in the first line of numbers alone, or with a number in a column where the next line has
+    one. The titles are the line above with the most names that have a word of the pattern, also after
+    ``#``.
+    """
+    below = sheet.without_comments().cells
+    numbers, row, lines = sheet.columns_of_numbers, sheet.row, [*below.index]
+    pairs = zip(lines, [*lines[1:], *lines[-1:]], strict=True)
+    begins = (n for n, after in pairs if numbers(n) & numbers(after) or len(numbers(n)) == len(row(n)))
+    start = next(begins, None)
+    if start is None:
+        return None
+    above = [n for n in sheet.cells.index if n < start and (n in below.index or len(row(n)) > 1)]
+
+    def known(line: int) -> tuple[int, int]:
+        return sum(re.search(pattern, cell, re.IGNORECASE) is not None for cell in row(line)), line
+
+    wide = [line for line in above if len(row(line)) >= len(row(start))]
+    if wide[1:] and all(parsed(cell.strip("()[]")) for cell in row(wide[-1]) if cell):
+        wide = wide[:-1]
+    titles = max(wide, key=known, default=0)
+    units = next((line for line in above if line > titles > 0), 0)
+    return Table("the table", sheet, titles, units, below.loc[start:])
+
+
+def table_in(sheets: Sequence[Sheet], pattern: str, what: str) -> Table:
+    """The only table of numbers in a file; a ValueError if there is none, or if there are several."""
+    tables = [table for sheet in sheets if (table := table_of(sheet, pattern))]
+    if not tables:
+        raise ValueError(f"{sheets[0].name} has no line of numbers; allowed: {what}")
+    check_alone([table.sheet for table in tables], "lines of numbers")
+    tables[0].sheet.check_width(tables[0].rows.index, tables[0].width)
+    return tables[0]
+
+
+def spelled(title: str) -> str:
+    """A title or a name as it is compared: small letters and digits."""
+    return re.sub(r"[^a-z0-9]", "", title.lower())
+
+
+def sheets_of(path: Path) -> list[Sheet]:
+    """All sheets of a workbook, or the one of a text; an OSError or ValueError if it is neither."""
+    name, content = plain(path.name), read_input(path)
+    if content.startswith(_WORKBOOKS):
+        cells = {f"{name}, sheet {title}": rows for title, rows in rows_of(content, name).items()}
+        sheets = [Sheet(place, _frame(rows, place)) for place, rows in cells.items()]
+    else:
+        sheets = [text_sheet(read_text(path).splitlines(), name)]
+    if not (sheets := [sheet for sheet in sheets if sheet.cells.size]):
+        raise ValueError(f"{name} is empty: it holds no visible table")
+    return sheets
+
+
+def check_alone(sheets: Sequence[Sheet], what: str) -> None:
+    """Raise a ValueError if there are several sheets with what is wanted."""
+    if len(sheets) > 1:
+        raise ValueError(f"{sheets[0].name} and {sheets[1].name} both have {what}; allowed: one of them")
+
+
+def number_in(text: str, decimal: str = ".") -> float | None:
+    """The finite number that a text is, also as Fortran writes it; None if it is none.
+
+    Before its decimals is one of the signs in ``decimal``, and none between thousands.
+    """
+    point = text.replace(",", ".", 1) if "," in decimal and "." not in text else text
+    try:
+        value = float(point.upper().replace("D", "E"))  # Fortran writes .5D-03
+    except ValueError:
+        return None
+    known = math.isfinite(value) and "_" not in text and (decimal != "," or "." not in text)
+    return value if known else None
+
+
+def with_unit(title: str) -> tuple[str, str]:
+    """The name and the unit in a title such as ``S(T) [g]``, in lower case; the unit may be empty."""
+    match = _UNIT.fullmatch(title)
+    name, unit, rest = match.groups() if match else (title, "", "")
+    return f"{name.strip()} {rest.strip()}".strip().lower(), unit.strip()
+
+
+def text_sheet(lines: Sequence[str], name: str, marks: str = ";\t,") -> Sheet:
+    """The cells of a text: columns are between the marks that half of its lines have, or spaces."""
+    first = (line for line in lines if line.strip(" \t;,") and not line.startswith("#"))
+    sample = [*islice(first, _SAMPLE)]
+    often = (mark for mark in marks if 2 * sum(mark in line for line in sample) >= len(sample))
+    separator = next(often, None)
+    decimal = "," if separator != "," and any(map(_DECIMAL_COMMA.search, lines)) else "."
+    reader = partial(csv.reader, delimiter=separator or " ", skipinitialspace=True)
+    width, rows = mode([len(line.split()) for line in sample] or [0]), {}
+    for number, line in enumerate(lines, 1):
+        ways = reader([line]) if separator else _apart(line, width)
+        try:
+            rows[number] = next(ways, [])
+        except csv.Error as error:
+            raise ValueError(f"{name}, line {number}: {error}; allowed: cells of less text") from error
+    return Sheet(name, _frame(rows, name), decimal, separator)
+
+
+def _apart(line: str, width: int) -> Iterator[list[str]]:
+    """The numbers of a line, or as many titles as there are columns, or the line itself."""
+    if all(number_in(word, ".,") is not None for word in line.split()):
+        yield line.split()
+    yield from (row for way in _BETWEEN_TITLES if len(row := re.split(way, line.strip())) == width)
+    yield [line]
+
+
+def _frame(rows: Mapping[int, Sequence[str]], name: str) -> pd.DataFrame:
+    """The lines that are not empty, and their cells without what surrounds them."""
+    edge = " \t\"'\xa0"
+    lines = {n: row for n, cells in rows.items() if any(row := [cell.strip(edge) for cell in cells])}
+    width = max(map(len, lines.values()), default=0)
+    if width * len(lines) > MOST_CELLS:
+        raise ValueError(f"{name} has {len(lines)} lines, one with {width} columns; allowed: less")
+    cells = [[*row, *[""] * (width - len(row))] for row in lines.values()]
+    return pd.DataFrame(cells, [*lines], dtype=object)

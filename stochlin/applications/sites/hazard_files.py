@@ -1,0 +1,158 @@
+"""Hazard curves from files: columns, and the results of OpenQuake and of the U.S. Geological Survey."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from stochlin.applications.sites.hazard_formats import (
+    S0,
+    AskedHazard,
+    Ordinate,
+    Site,
+    measure_in_words,
+    points_of,
+    tables,
+    usgs,
+)
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief, listed
+from stochlin.models.arguments import Years, checked
+from stochlin.models.hazards import Hazard, HazardCurve, check_curve
+from stochlin.models.units import stated_size
+from stochlin.solver.tables.inputs import input_path, read_input, read_text
+
+FilePath = str | os.PathLike[str]
+
+
+@checked
+def read_hazard(
+    path: FilePath | Sequence[FilePath],
+    measure: str = "pga",
+    *,
+    units: str | None = None,
+    period: float | None = None,
+    site: Site | None = None,
+    investigation_time: Years | None = None,
+) -> HazardCurve:
+    r"""Read a hazard curve from a file.
+
+    These are read: columns of text; tables of sites of OpenQuake, one for each intensity measure
+    (``hazard_curve-mean-SA(0.5)_17.csv``), and of nshmp-haz (``SA0P5/total.csv``); and responses of the
+    hazard service of the U.S. Geological Survey in JSON, with several intensity measures of one site.
+
+    Parameters
+    ----------
+    path : str, path, or list of them
+        Path of the file. Columns of intensities and annual frequencies of exceedance [1/yr] are known by
+        their names, as ``iml`` and ``annual rate``, or are the first and the second of two. Several
+        files may be given, for several periods.
+    measure : {"pga", "sa", "intensity"}
+        As in `HazardCurve`.
+    units : str, optional
+        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as in
+        ``pga [g]``, or for the other formats, which are in g. Not allowed for ``"intensity"``, which is
+        in m^2/s^3.
+    period : float, optional
+        Period [s] of ``"sa"``. Between two periods of the files, the logarithm of the spectral
+        acceleration that is exceeded with the same frequency is interpolated linearly in the logarithm
+        of the period.
+    site : int or tuple of two floats, optional
+        Site in a table of sites: its number, from 1, or its longitude and latitude [degrees], within
+        0.01 degrees. Not needed if there is only one.
+    investigation_time : float, optional
+        Time [yr] in which the probabilities of a file hold, if its second column has probabilities of
+        exceedance. The annual frequencies are those of a Poisson process. OpenQuake states it.
+
+    Returns
+    -------
+    HazardCurve
+        The hazard curve in SI units, without zeros at its end, without probabilities of 1, and of equal
+        frequencies with the largest intensity only.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError, TypeError
+        If units are missing or contradict the file; if there are fewer than two points, a number is not
+        positive, the intensities do not increase or the frequencies do not decrease (the message names
+        the row); if the measure is unknown, or not in the file; if a period is missing, not allowed, or
+        beyond those of the file; or if a site is missing or not in the file.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import stochlin as sl
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "hazard.csv"
+    >>> _ = path.write_text("pga [g],per year\n0.1,1e-2\n0.2,2e-3\n0.4,2e-4\n", encoding="utf-8")
+    >>> hazard = sl.read_hazard(path)
+    >>> round(hazard.intensity(return_period=475) / 9.80665, 3)
+    0.196
+    """
+    of = Hazard(measure=measure, period=period)  # checks measure and period
+    paths = [input_path("path", file) for file in (path if isinstance(path, (list, tuple)) else [path])]
+    if not paths:
+        raise ValueError(f"path = {brief(path)}; allowed: one file, or several")
+    if of.measure == "intensity" and units is not None:
+        raise ValueError(f"units = {units!r}; allowed with intensity: none, it is in m^2/s^3")
+    choice = AskedHazard(site, investigation_time)
+    ordinates = [ordinate for file in paths for ordinate in _ordinates(file, of, choice)]
+    return _of_ordinates(ordinates, listed(file.name for file in paths), of, units)
+
+
+def _ordinates(path: Path, of: Hazard, choice: AskedHazard) -> list[Ordinate]:
+    """The hazard curves in a file: of the USGS, or in a table."""
+    if read_input(path).lstrip().startswith(b"{"):
+        return usgs.read(path, read_text(path), choice)
+    return [tables.read(path, of, choice)]
+
+
+def _of_ordinates(
+    ordinates: Sequence[Ordinate], names: str, of: Hazard, units: str | None
+) -> HazardCurve:
+    """The curve of the measure that is asked for, between two periods if need be."""
+    curves: dict[float, Ordinate] = {}
+    for ordinate in ordinates:
+        if ordinate.period in curves:
+            raise ValueError(f"{names}: {measure_in_words(ordinate.period)} is there twice")
+        curves[ordinate.period] = points_of(ordinate)
+    known = ", ".join(map(measure_in_words, sorted(curves))) or "no hazard curve"
+    of_s0 = any(curve.units == S0 for curve in curves.values())
+    if (of.measure == "intensity") != of_s0 or (of.measure == "pga" and 0.0 not in curves):
+        raise ValueError(f"measure = {of.measure!r} is not in {names}; allowed: {known}")
+    period = of.period or 0.0
+    below = [other for other in curves if 0 < other <= period or other == period]
+    above = [other for other in curves if other >= period]
+    if not below or not above:
+        raise ValueError(f"period = {period:g} is beyond {names}; allowed: within {known}")
+    lower, upper = (_in_metres(curves[end], names, units) for end in (max(below), min(above)))
+    intensities, frequencies = _between(lower, upper, period)
+    return HazardCurve(tuple(intensities), tuple(frequencies), measure=of.measure, period=of.period)
+
+
+def _in_metres(curve: Ordinate, name: str, units: str | None) -> Ordinate:
+    check_curve(curve.intensities, curve.frequencies, curve.places or [name])
+    unit = 1.0 if curve.units == S0 else stated_size("acceleration", curve.units, units, name)
+    return curve._replace(intensities=unit * curve.intensities)
+
+
+def _between(lower: Ordinate, upper: Ordinate, period: float) -> tuple[Array, Array]:
+    """Intensities at a period, and the annual frequencies that both curves have."""
+    if lower.period == upper.period:
+        return lower.intensities, lower.frequencies
+    logarithms = [np.log(curve.frequencies) for curve in (lower, upper)]
+    highest, lowest = min(of[0] for of in logarithms), max(of[-1] for of in logarithms)
+    if lowest >= highest:
+        raise ValueError(f"SA({lower.period:g}) and SA({upper.period:g}) do not overlap in frequency")
+    # Rounded, so that frequencies that differ by rounding errors are one.
+    common = np.unique(np.clip(np.round(np.concatenate(logarithms), 9), lowest, highest))[::-1]
+    short, long = (
+        np.interp(-common, -of, np.log(curve.intensities))
+        for of, curve in zip(logarithms, (lower, upper), strict=True)
+    )
+    share = np.log(period / lower.period) / np.log(upper.period / lower.period)
+    return np.exp((1 - share) * short + share * long), np.exp(common)

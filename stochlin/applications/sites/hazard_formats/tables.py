@@ -1,0 +1,142 @@
+"""Hazard curves in tables: columns of one curve, or sites as OpenQuake and nshmp-haz write them.
+
+GEM, OpenQuake Engine manual, Outputs from classical PSHA, ``hazard_curve-mean-PGA_17.csv``: a comment
+with ``investigation_time=50.0, imt='PGA'``, the columns ``lon,lat,depth,poe-0.005,...``, whose names
+have the intensities, in g for ``PGA`` and ``SA``, and a row for each site with the probabilities that
+they are exceeded in the investigation time [yr]. U.S. Geological Survey, nshmp-haz, ``PGA/total.csv``:
+the columns ``name,lon,lat,0.0025,...``, whose names have the intensities [g], and annual frequencies of
+exceedance, in a folder named by the measure.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from stochlin.applications.sheets.sheets import Sheet, Table, number_in, sheets_of, table_in
+from stochlin.applications.sites.hazard_formats import (
+    S0,
+    AskedHazard,
+    Ordinate,
+    Site,
+    annual_frequencies,
+    period_of,
+)
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import brief, listed, refuse
+from stochlin.models.arguments import is_number, is_whole
+from stochlin.models.hazards import Hazard
+from stochlin.models.parameters import Range
+
+_INTENSITY = r"\b(pga|p?sa|iml?|level|intensity|acceleration|s0)\b"
+_FREQUENCY = r"freq|rate|prob|poe|annual|per year|\bafe\b|\b1/yr"
+_NO_CURVE = re.compile(r"\b(depth|site|return|tr)\b", re.IGNORECASE)
+_ALONG = ("lon", "longitude", "lat", "latitude")
+_SITES = re.compile(rf"({'|'.join(_ALONG)}|custom_site_id|imt)\b", re.IGNORECASE)
+_YEARS = re.compile(r"investigation_time\s*=\s*([\d.eE+-]+)")
+_MEASURE = re.compile(r"\bimt\s*=\s*[\"']*([A-Za-z]\w*(?:\([^)]*\))?)")
+SHARE = Range(upper=1.0, include_lower=True, include_upper=True)
+_LEVEL = "poe-"
+_NEAR = 0.01  # degrees, about 1 km: largest distance of a site that is named by its coordinates
+
+
+def read(path: Path, of: Hazard, choice: AskedHazard) -> Ordinate:
+    """The curve at the site that is asked for, or the one in columns."""
+    sheets = sheets_of(path)
+    content = sheets[0].without_comments().cells
+    if len(sheets) == 1 and len(content) and content.iloc[0].map(_SITES.match).any():
+        line = content.index[0]
+        return _of_sites(Table("the table", sheets[0], line, 0, content.iloc[1:]), path, choice)
+    return _of_columns(sheets, of, choice)
+
+
+def _of_columns(sheets: Sequence[Sheet], of: Hazard, choice: AskedHazard) -> Ordinate:
+    """The curve in columns, which are known by their names or else the first two."""
+    table = table_in(sheets, f"{_INTENSITY}|{_FREQUENCY}", "intensities and annual frequencies")
+    refuse(table.sheet.name, "a file of one site", {"site": choice.site})
+    if wrong := next(filter(_NO_CURVE.search, table.title_cells), None):
+        raise table.error(f"has {brief(wrong)}; allowed: intensities and annual frequencies")
+    second = _named(table, _FREQUENCY, 1)
+    first = _named(table, _INTENSITY, 0 if second else 1)
+    title = table.title_cells[second] if table.titles else ""
+    if choice.years is not None:
+        others = annual_frequencies(table.numbers(second, "probability", SHARE), choice.years)
+    elif re.search("prob|poe", title, re.IGNORECASE):
+        raise table.error(f"has {brief(title)}, a probability; give investigation_time=")
+    else:
+        others = table.numbers(second, "annual frequency")
+    unit = S0 if of.measure == "intensity" else table.unit_of(first)
+    intensities = table.numbers(first, "intensity")
+    return Ordinate(of.period or 0.0, intensities, others, table.places(), unit)
+
+
+def _named(table: Table, words: str, usual: int) -> int:
+    """The column whose title has the words, or the usual one of two."""
+    named = [n for n, title in enumerate(table.title_cells) if re.search(words, title, re.IGNORECASE)]
+    if len(named) != 1 and table.width != 2:
+        raise table.error(f"has {table.in_words}; allowed: such as pga [g], annual rate")
+    return named[0] if len(named) == 1 else usual
+
+
+def _of_sites(table: Table, path: Path, choice: AskedHazard) -> Ordinate:
+    """The curve at a site, whose levels are in the titles."""
+    titles, sheet = [head.lower() for head in table.title_cells], table.sheet
+    if table.rows.empty or len({*titles}) < len(titles):
+        raise table.error("has no site, or a name twice; allowed: a row for each site")
+    sheet.check_width(table.rows.index, len(titles))
+    comments = " ".join(sheet.cells.loc[: table.titles - 1].to_numpy().ravel())
+    measure = stated[1] if (stated := _MEASURE.search(comments)) else ""
+    columns = [n for n, title in enumerate(titles) if title.startswith(_LEVEL)]
+    years = _years(table, comments, choice.years) if columns else None
+    if not columns:  # of nshmp-haz, with frequencies
+        columns = [n for n, title in enumerate(titles) if number_in(title) is not None]
+        measure = path.parent.name
+    levels = [number_in(titles[n].removeprefix(_LEVEL)) for n in columns]
+    if not columns or None in levels:
+        raise table.error(f"has {listed(titles, 6)}; allowed: a hazard curve, as poe-0.005")
+    if (period := period_of(measure)) is None:
+        shown = brief(measure) if measure else "no imt"
+        raise table.error(f"has {shown}; allowed: imt='PGA' or imt='SA(0.5)', or a folder SA0P5")
+    along = [n for n, title in enumerate(titles) if title in _ALONG]
+    places = sheet.numbers(table.rows[along], "coordinate").tolist()
+    line = table.rows.index[_chosen(sheet.name, places, choice.site)]
+    what, allowed = ("probability", SHARE) if years else ("annual frequency", None)
+    values = sheet.numbers(table.rows.loc[[line], columns], what, allowed)[0]
+    frequencies = annual_frequencies(values, years) if years else values
+    where = [sheet.where(line, column) for column in columns]
+    return Ordinate(period, np.array(levels, float), frequencies, where, "g")
+
+
+def _years(table: Table, comments: str, known: float | None) -> float:
+    stated = _YEARS.search(comments)
+    years = (number_in(stated[1]) or 0.0) if stated else known
+    if years is None:
+        raise table.error("does not state the time of its probabilities; give investigation_time=")
+    if not years > 0:
+        raise table.error(f"has investigation_time = {years:g}; allowed: a positive number")
+    if known is not None and not np.isclose(years, known, rtol=1e-9):
+        raise table.error(f"states {years:g} years, which investigation_time = {known:g} contradicts")
+    return years
+
+
+def _chosen(name: str, coordinates: Sequence[Sequence[float]], site: Site | None) -> int:
+    """Number, from 0, of the site that is asked for, or of the only one."""
+    places = (", ".join(f"{degrees:g}" for degrees in place) for place in coordinates)
+    sites = [f"{n} ({place})" for n, place in enumerate(places, 1)]
+    if site is None and len(sites) == 1:
+        return 0
+    if is_whole(site) and 1 <= site <= len(sites):
+        return site - 1
+    known = f"{name} has {listed(sites, 6)}"
+    if site is None:
+        raise ValueError(f"site is missing: {known}; give its number")
+    if not isinstance(site, (list, tuple)) or len(site) != 2 or not all(map(is_number, site)):
+        raise ValueError(f"site = {brief(site)} is unknown: {known}; give its number or coordinates")
+    away: Array = np.abs(np.array(coordinates, float) - np.array(site, float)).max(axis=1)
+    nearest = int(np.argmin(away))
+    if not away[nearest] <= _NEAR:
+        raise ValueError(f"site = {brief(site)} is not in {name}, where the nearest is {sites[nearest]}")
+    return nearest

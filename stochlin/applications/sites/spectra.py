@@ -1,0 +1,211 @@
+"""Response spectra as labelled arrays, pseudo-acceleration over period: from files, and their checks."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Mapping
+from typing import Annotated, TypeGuard
+
+import numpy as np
+import xarray as xr
+from scipy import constants
+
+from stochlin.applications.records.records import checked_array
+from stochlin.applications.sheets.sheets import sheets_of, table_in
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import DoubtfulInput, brief, listed, plain
+from stochlin.models.arguments import DampingRatio, OneOf, checked, is_number
+from stochlin.models.units import size_of
+from stochlin.solver.tables.inputs import input_path
+
+USUAL_DAMPING = 0.05
+SHORTEST = 0.05  # shortest period for which a spectrum is fitted or compared [s]
+BAND, BAND_POINTS = (0.2, 2.0), 40  # [s] of usual buildings, in which spectra are compared; periods
+FEWEST = 4  # smallest number of points
+_WORDS = r"period|\bt\b|\bs?a\b|s\(t\)|acc|spectr"  # of titles
+WIDEST = 2.0  # ratio of two consecutive periods, beyond which it matters what is between them
+BETWEEN, FINER = ("logarithmic", "linear"), 33  # points from one to the next of a linear spectrum
+LEAST, MOST = 0.0025, 7.5  # plausible ordinates [g], 2.5 times ground accelerations of 0.001 and 3 g
+# Elastic spectra with damping 0.05 rise to 2 to 3 times the peak ground acceleration; spectra divided by
+# a behaviour factor q or R do not.
+_LEAST_RISE, _STIFF = 1.5, 0.02  # smallest rise; longest period of a rigid structure [s]
+_FLAT = 3  # last points that are equal if a design spectrum has a lower bound at long periods
+
+
+def labelled(period: Array, values: Array, damping: float, source: str) -> xr.DataArray:
+    """A spectrum as a labelled array, with its units, damping ratio and source."""
+    return xr.DataArray(
+        values,
+        dims="period",
+        coords={"period": ("period", period, {"units": "s", "long_name": "period"})},
+        name="pseudo_acceleration",
+        attrs={
+            "units": "m/s^2",
+            "long_name": f"elastic response spectrum, damping {damping:g}",
+            "damping": float(damping),
+            "source": source,
+        },
+    )
+
+
+def check_band(band: tuple[float, float]) -> None:
+    """Raise a ValueError unless ``band`` is a range of periods [s]."""
+    if not 0 < band[0] < band[1] < np.inf:
+        raise ValueError(f"band = {brief(band)}; allowed: 0 < lower < upper, in seconds")
+
+
+def is_spectrum(target: object) -> TypeGuard[xr.DataArray]:
+    """Whether ``target`` is a spectrum, an array with the dimension ``period``."""
+    return isinstance(target, xr.DataArray) and "period" in target.dims
+
+
+def checked_spectrum(spectrum: xr.DataArray) -> tuple[Array, Array, float]:
+    """Periods [s], pseudo-accelerations [m/s^2] and damping ratio of a spectrum, checked.
+
+    A ValueError or TypeError is raised for other dimensions or units, for periods that do not increase
+    or have a gap, and for ordinates that are not positive. The ordinate at a period of 0 is the peak
+    ground acceleration.
+    """
+    period, values = checked_array(spectrum, "spectrum", "period")
+    damping = spectrum.attrs.get("damping", USUAL_DAMPING)
+    if not (is_number(damping) and 0 < damping < 1):
+        raise ValueError(f"spectrum is of the damping {brief(damping)}; allowed: 0 < damping < 1")
+    places = [f"spectrum, number {n}" for n in range(1, period.size + 1)]
+    check_ordinates(period, values, float(damping), places)
+    return period, values, float(damping)
+
+
+def check_goal(goals: Mapping[str, object], period: object) -> None:
+    """Raise a ValueError unless exactly one goal is given, and a period with ``sa`` only."""
+    stated = [name for name, value in goals.items() if value is not None]
+    if len(stated) != 1:
+        named = ["sa with a period" if name == "sa" else name for name in goals]
+        raise ValueError(
+            f"{' and '.join(stated) or 'nothing'} is given; allowed: one of {listed(named)}"
+        )
+    if (goals.get("sa") is None) != (period is None):
+        raise ValueError("sa and period go together; allowed: both, or neither")
+
+
+def interpolated(period: Array, values: Array, at: Array) -> Array:
+    """Ordinates at other periods above 0, by linear interpolation of logarithms."""
+    above = period > 0
+    ordinates: Array = np.exp(np.interp(np.log(at), np.log(period[above]), np.log(values[above])))
+    return ordinates
+
+
+def check_ordinates(period: Array, values: Array, damping: float, places: list[str]) -> None:
+    """Raise a ValueError unless these are an elastic spectrum; ``places`` name the points."""
+    if period.size < FEWEST:
+        raise ValueError(f"spectrum has {period.size} points; allowed: {FEWEST} or more")
+    for place, last, t, sa in zip(places, [-1.0, *period[:-1]], period, values, strict=True):
+        if not (np.isfinite(t) and t >= 0):
+            raise ValueError(f"{place}: the period is {t:g} s; allowed: 0 or more, finite")
+        if not (np.isfinite(sa) and sa > 0):
+            raise ValueError(f"{place}: the acceleration at {t:g} s is {sa:g}; allowed: positive")
+        if t <= last:
+            raise ValueError(f"{place}: {t:g} s follows {last:g} s; allowed: increasing periods")
+    _check_elastic(period, values, damping, places)
+
+
+def _check_elastic(period: Array, values: Array, damping: float, places: list[str]) -> None:
+    cure = "allowed: an elastic spectrum, so multiply by the behaviour factor q (or R)"
+    least = 1 + (_LEAST_RISE - 1) * np.sqrt(USUAL_DAMPING / damping)
+    rise = float(values.max() / values[0])
+    if period[0] <= _STIFF and rise < least:
+        what = f"the spectrum rises to {rise:.3g} times its value at {period[0]:g} s only"
+        raise ValueError(f"{places[0]}: {what}; {cure}")
+    flat = np.ptp(values[-_FLAT:]) <= 1e-6 * values[-1]
+    if flat and values[-1] < 0.9 * values.max():
+        what = f"the spectrum is level from {period[-_FLAT]:g} s on, as at a lower bound"
+        raise ValueError(f"{places[-_FLAT]}: {what}; {cure}, without that bound")
+
+
+@checked
+def read_spectrum(
+    path: str | os.PathLike[str],
+    *,
+    units: str | None = None,
+    damping: DampingRatio = USUAL_DAMPING,
+    column: int | str | None = None,
+    period_column: int | str = 0,
+    between: Annotated[str, OneOf(BETWEEN)] | None = None,
+) -> xr.DataArray:
+    r"""Read an elastic response spectrum from a file with columns of text.
+
+    Parameters
+    ----------
+    path : str or path
+        Path of the file, text in UTF-8 or a workbook, with or without a row of names, below which units
+        may follow. Lines that begin with ``#`` or ``%`` are comments.
+    units : str, optional
+        Units of the accelerations, as in `read_record`. Not needed if the row of names has them, as in
+        ``Sa [g]``.
+    damping : float
+        Damping ratio [-] of the spectrum, between 0 and 1.
+    column, period_column : int or str
+        Columns of the acceleration and of the period [s], each by its index from 0 or by its name.
+        ``column`` is not needed if only one column remains.
+    between : {"logarithmic", "linear"}, optional
+        What the ordinates and periods between two points are, which the code says: linear in their
+        logarithms (default), or linear, as for the few points of the code of Canada.
+
+    Returns
+    -------
+    xarray.DataArray
+        Pseudo-acceleration [m/s^2] over ``period`` [s], with the attributes ``damping`` and ``source``;
+        of a linear one also at periods between the points.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If units are missing or contradict the file; if the periods do not increase, an
+        ordinate is not positive, or there are fewer than 4 points; or if the spectrum seems to be
+        divided by a behaviour factor, since it hardly rises above its value at a period of zero, or is
+        constant at long periods.
+
+    Warns
+    -----
+    UserWarning
+        If the largest ordinate is below 0.0025 g or above 7.5 g, so that the units are probably wrong,
+        or a period is more than twice the last, and ``between`` is not given.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import stochlin as sl
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "site.csv"
+    >>> rows = ["period,Sa [g]", "0,0.2", "0.1,0.4", "0.2,0.5", "0.4,0.5", "0.8,0.25", "1.6,0.12"]
+    >>> _ = path.write_text("\n".join(rows), encoding="utf-8")
+    >>> spectrum = sl.read_spectrum(path)
+    >>> round(float(spectrum.sel(period=0.4)), 4), spectrum.attrs["damping"]
+    (4.9033, 0.05)
+    """
+    path = input_path("path", path)
+    name = plain(path.name)
+    table = table_in(sheets_of(path), _WORDS, "periods and accelerations")
+    of_period = table.column(period_column, several=False)
+    left = 1 - of_period if table.width == 2 else of_period
+    of_values = left if column is None else table.column(column, several=False)
+    if of_values == of_period:
+        raise table.error(f"has {table.in_words}; give column=, another than that of the periods")
+    if (size := size_of(table.unit_of(of_period) or "s", "s")) is None:
+        raise table.error(f"has periods in {brief(table.unit_of(of_period))}; allowed: s, ms")
+    period = size * table.numbers(of_period, "period")
+    values = table.in_si(of_values, "acceleration", units, None)
+    check_ordinates(period, values, damping, table.places())
+    largest = values.max() / constants.g
+    wide = between is None and (period[1:] > WIDEST * period[:-1])[period[:-1] > 0].any()
+    doubts = {
+        f"its largest ordinate is {largest:.3g} g; are its units right?": not LEAST < largest < MOST,
+        "its points are far apart; is it linear in logarithms between them, or between='linear'?": wide,
+    }
+    for warning in (text for text, holds in doubts.items() if holds):
+        warnings.warn(f"{name}: {warning}", DoubtfulInput, stacklevel=3)
+    if between == BETWEEN[1]:
+        finer = np.unique(np.linspace(period[:-1], period[1:], FINER))
+        period, values = finer, np.interp(finer, period, values)
+    return labelled(period, values, damping, name)

@@ -1,0 +1,326 @@
+"""Suites of records: reading from a folder or a table, and scaling of each record by a factor."""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from collections.abc import Iterator, Mapping
+from itertools import zip_longest
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.applications.records.columns import Column
+from stochlin.applications.records.files import UnknownFormatError, chosen, is_record, read_channels
+from stochlin.applications.records.records import checked_record, is_horizontal, recorded
+from stochlin.applications.records.response import response_spectrum
+from stochlin.applications.sheets.sheets import number_in, text_sheet
+from stochlin.applications.sites.spectra import (
+    BAND,
+    BAND_POINTS,
+    USUAL_DAMPING,
+    check_band,
+    check_goal,
+    checked_spectrum,
+    interpolated,
+)
+from stochlin.kernels.basics.arrays import Array
+from stochlin.messages import LONGEST_MESSAGE, DoubtfulInput, brief, listed, plain, sentence
+from stochlin.models.arguments import (
+    Acceleration,
+    DampingRatio,
+    Seconds,
+    Truth,
+    TwoNumbers,
+    Whole,
+    checked,
+)
+from stochlin.solver.tables.inputs import input_path, read_text
+
+FILE = "file"  # name of the table column with the paths of the records
+# The table in a download of PEER, below a title, with a column for each component.
+PEER_TABLE = "_SearchResults.csv"
+PEER_FILES, PEER_FACTOR = r"Horizontal-[12] Acc\. Filename", "Scale Factor"
+PEER_ABOUT = {"event": ("Earthquake Name", "Year"), "station": ("Station Name",)}
+ABOUT = ("event", "station", "component")  # columns that become attributes
+LARGEST_FACTOR = 10.0
+
+Suite = dict[str, xr.DataArray]
+Row = Mapping[str, str]
+
+
+@checked
+def read_records(
+    path: str | os.PathLike[str],
+    *,
+    dt: Seconds | None = None,
+    units: str | None = None,
+    column: Column | None = None,
+    time_column: Column | None = None,
+    component: Column | None = None,
+    wrapped: Truth = False,
+    skip: Annotated[int, Whole(0)] = 0,
+    skip_unreadable: Truth = False,
+) -> Suite:
+    r"""Read a suite of records: all files of a folder, or those listed in a table.
+
+    Vertical components (``U-D``, ``UP``, ``V``, ``HNZ``, ..., by the header or else the name of the
+    file) and those in a borehole are left out with a warning. Two records with the same ``event`` and
+    ``station`` count as one earthquake in the intervals of `recorded_gap`.
+
+    Parameters
+    ----------
+    path : str or path
+        Path of a folder or a table. Of a folder and the folders in it, all files that end in .txt, .csv,
+        .dat or .acc, or as files of the formats of `read_record` do, such as .at2, .v2, .ns, .asc and
+        .191, are read in the order of their names, also compressed (.gz); those in which no record can
+        be seen are left out with a warning. Of a download of PEER the table ``_SearchResults.csv`` names
+        the files, earthquakes and stations, and its scale factors become the attribute
+        ``scale_factor``, without being applied. Another table is comma-separated with a row of names.
+        Its column ``file`` has paths relative to the folder of the table. The columns ``dt`` [s] and
+        ``units``, which are optional, apply to each file. Units such as ``"t s, g"`` mean that the first
+        column of the file is time and the second acceleration; text after a semicolon is a remark. The
+        columns ``event``, ``station`` and ``component`` become attributes of the records; ``component``
+        also chooses one of several components of a file.
+    dt, units, column, time_column, component, wrapped, skip
+        As in `read_record`, for all files without such an entry in the table. Without a ``component``,
+        both horizontal ones of a file are read; with it, also vertical ones.
+    skip_unreadable : bool
+        Whether a file that cannot be read is left out with a warning, instead of an error.
+
+    Returns
+    -------
+    dict of str to xarray.DataArray
+        The records [m/s^2] over ``time`` [s], by their paths in the table or relative to the folder, for
+        `recorded_gap`, `response_spectrum` and `separation`; of a file with two, also by the component.
+        The attribute ``file`` is this path.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such folder or table.
+    ValueError
+        If a file cannot be read, or its time step or units contradict the table (the message names the
+        file and the line of the table), or there is none.
+
+    Warns
+    -----
+    UserWarning
+        As in `read_record`, and for each file and for all components that are left out.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import stochlin as sl
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> for name, motion in zip("ab", sl.simulated_motions(sl.WhiteNoise(0.01), 5.0, paths=2)):
+    ...     motion.to_series().to_csv(folder / f"{name}.csv")
+    >>> list(sl.read_records(folder, units="m/s^2", time_column=0, column=1))
+    ['a.csv', 'b.csv']
+    """
+    path = input_path("path", path)
+    if not path.exists():
+        raise FileNotFoundError(f"path = {brief(str(path))} is neither a folder nor a table")
+    if (path / PEER_TABLE).is_file():
+        path /= PEER_TABLE
+    usual: dict[str, Any] = {"dt": dt, "units": units, "component": component}
+    usual |= {"column": column, "time_column": time_column, "wrapped": wrapped, "skip": skip}
+    listed_files = _of_folder(path) if path.is_dir() else _of_table(path)
+    suite: Suite = {}
+    upward: list[str] = []
+    folder = path if path.is_dir() else path.parent
+    for name, where, options, about in listed_files:
+        try:
+            for label, record in _components(folder / name, name, **usual | options):
+                if label in suite:
+                    raise ValueError("it is listed twice; allowed: each file once")
+                if component is not None or is_horizontal(record.assign_attrs(about), name):
+                    suite[label] = record.assign_attrs(about, file=name)
+                else:
+                    upward.append(label)
+        except (OSError, ValueError) as error:
+            no_record = path.is_dir() and isinstance(error, UnknownFormatError)
+            if not skip_unreadable and not no_record:
+                raise ValueError(f"{where}: {sentence(error, LONGEST_MESSAGE)}") from error
+            why = "no record can be seen in it" if no_record else sentence(error, LONGEST_MESSAGE)
+            warnings.warn(f"{where} is left out: {why}", DoubtfulInput, stacklevel=3)
+    if upward:
+        which = f"{listed(upward)} {'is' if len(upward) == 1 else 'are'} left out"
+        why = "vertical or in a borehole; read_record reads such components"
+        warnings.warn(f"{plain(path.name)}: {which}: {why}", DoubtfulInput, stacklevel=3)
+    if not suite:
+        raise ValueError(f"{plain(path.name)} holds no record that can be read; allowed: one at least")
+    return suite
+
+
+def _components(
+    path: Path, name: str, dt: float | None, units: str | None, component: Column | None, **reading: Any
+) -> Iterator[tuple[str, xr.DataArray]]:
+    """The components of a file with their names: the one that is asked for, or both horizontal ones."""
+    source, channels = read_channels(path, **reading)
+    if component is None and 1 < len(channels) <= 3:
+        for channel in channels:
+            label = f"{name}, {channel.about.get('component', '')}"
+            yield label, recorded(channel, source, dt, units)
+    else:
+        yield name, recorded(chosen(channels, component, source), source, dt, units)
+
+
+# A file of a suite: its name, its name for messages, options of reading, and attributes.
+_Listed = tuple[str, str, dict[str, Any], dict[str, Any]]
+
+
+def _of_folder(path: Path) -> Iterator[_Listed]:
+    """Each file in a folder."""
+    for file in sorted(path.rglob("*")):
+        if is_record(file.name) and file.is_file():
+            name = file.relative_to(path).as_posix()
+            yield name, plain(name), {}, {}
+
+
+def _of_table(path: Path) -> Iterator[_Listed]:
+    """Each file in a table."""
+    for line, name, row in table_rows(read_text(path), path.name):
+        where = f"{plain(path.name)}, line {line}, {plain(name)}"
+        about: dict[str, Any] = {key: row[key] for key in ABOUT if row.get(key)}
+        if factor := number_in(row.get(PEER_FACTOR, "")):
+            about["scale_factor"] = factor
+        yield name, where, _options(row, where), about
+
+
+def table_rows(text: str, name: str) -> Iterator[tuple[int, str, Row]]:
+    """Line, file and columns of each row of a table of records; a ValueError if it is none.
+
+    A row of PEER's ``_SearchResults.csv`` has both horizontal components.
+    """
+    sheet = text_sheet(text.splitlines(), plain(name), ",")
+    rows = {line: sheet.row(line) for line in sheet.cells.index}
+    is_file = re.compile(f"{FILE}|{PEER_FILES}").fullmatch
+    start = next((line for line, row in rows.items() if any(map(is_file, row))), None)
+    if start is None:
+        known = listed(next(iter(rows.values()), ()))
+        raise ValueError(f"{sheet.name} has the columns {known}; allowed: with {FILE!r}")
+    names = rows[start]
+    for line, row in rows.items():
+        if line > start and FILE not in names and len(row) < len(names):
+            return  # below the table of PEER
+        cells = dict(zip_longest(names, row, fillvalue=""))
+        for key, parts in PEER_ABOUT.items() if FILE not in names else ():
+            cells[key] = ", ".join(cells.get(part, "") for part in parts)
+        for column in filter(is_file, names if line > start else ()):
+            if cells[column].strip("-"):
+                yield line, cells[column], cells
+
+
+def _options(row: Row, where: str) -> dict[str, Any]:
+    options: dict[str, Any] = {key: row[key] for key in ("component",) if row.get(key)}
+    units, step = (row.get(key, "") for key in ("units", "dt"))
+    of_columns = [part.strip() for part in units.partition(";")[0].split(",")]
+    if of_columns[-1]:
+        options["units"] = of_columns[-1]
+    if len(of_columns) == 2 and of_columns[0].split() == ["t", "s"]:
+        options |= {"time_column": 0, "column": 1, "dt": None}
+    elif len(of_columns) > 1:
+        raise ValueError(f"{where}: units = {brief(units)}; allowed: one unit, or 't s, ' before it")
+    if step:
+        options["dt"] = number_in(step)
+        if options["dt"] is None:
+            raise ValueError(f"{where}: dt = {brief(step)} is no number; allowed: seconds")
+    return options
+
+
+@checked
+def scale_records(
+    records: Mapping[str, xr.DataArray],
+    *,
+    pga: Acceleration | None = None,
+    sa: Acceleration | None = None,
+    period: Seconds | None = None,
+    spectrum: xr.DataArray | None = None,
+    band: TwoNumbers = BAND,
+    damping: DampingRatio = USUAL_DAMPING,
+) -> Suite:
+    """Scale each record of a suite by its own factor to a peak or spectral acceleration or a spectrum.
+
+    Parameters
+    ----------
+    records : mapping of str to xarray.DataArray
+        A suite, as from `read_records`.
+    pga : float, optional
+        Wanted peak ground acceleration of each record [m/s^2]. One of ``pga``, ``sa`` and ``spectrum``
+        is given.
+    sa, period : float, optional
+        Wanted pseudo-acceleration of each record [m/s^2] at this period [s].
+    spectrum : xarray.DataArray, optional
+        Wanted spectrum, as from `eurocode_8`. The spectrum of each record has the same mean logarithm
+        over the ``band``.
+    band : tuple of two floats
+        Periods [s] between which spectra are compared, evenly spaced in the logarithm.
+    damping : float
+        Damping ratio [-] for ``sa``; a spectrum has its own.
+
+    Returns
+    -------
+    dict of str to xarray.DataArray
+        The scaled suite; the attribute ``scale`` of each record is its factor.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If not exactly one of ``pga``, ``sa`` and ``spectrum`` is given, a number is out of range, or a
+        record is not valid.
+
+    Warns
+    -----
+    UserWarning
+        If a factor is above 10 or below 0.1, so that the record hardly represents the wanted earthquake.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> motions = sl.simulated_motions(sl.named_ground("firm", 0.01), 10.0, paths=2)
+    >>> suite = sl.scale_records({"a": motions[0], "b": motions[1]}, pga=3.0)
+    >>> [round(float(abs(record).max()), 6) for record in suite.values()]
+    [3.0, 3.0]
+    """
+    if not isinstance(records, Mapping) or not records:
+        raise TypeError(f"records = {brief(records)}; allowed: a suite, as read_records gives it")
+    check_goal({"pga": pga, "sa": sa, "spectrum": spectrum}, period)
+    check_band(band)
+    periods = np.geomspace(*band, BAND_POINTS) if sa is None else np.array([float(period or 0.0)])
+    target = np.array([pga if sa is None else sa], float)
+    if spectrum is not None:
+        own_periods, values, damping = checked_spectrum(spectrum)
+        if not own_periods[own_periods > 0][0] <= band[0] < band[1] <= own_periods[-1]:
+            raise ValueError(f"band = {brief(band)} is not within the spectrum; allowed: its periods")
+        target = interpolated(own_periods, values, periods)
+    suite = {}
+    for name, record in records.items():
+        acceleration, _ = checked_record(record)
+        own = np.abs(acceleration).max() if pga is not None else _spectrum(record, periods, damping)
+        factor = float(np.exp(np.mean(np.log(target / own))))
+        if warning := doubtful_factor(factor):
+            warnings.warn(
+                f"{plain(name)} is scaled by {factor:.3g}; {warning}", DoubtfulInput, stacklevel=3
+            )
+        suite[name] = scaled_record(record, factor)
+    return suite
+
+
+def doubtful_factor(factor: float) -> str:
+    """Text of a warning on an implausible factor of a record; empty if it is plausible."""
+    plausible = 1 / LARGEST_FACTOR <= factor <= LARGEST_FACTOR
+    return "" if plausible else "between 0.1 and 10 a record is still one of its kind"
+
+
+def scaled_record(record: xr.DataArray, factor: float) -> xr.DataArray:
+    """The record times a factor, which becomes its attribute ``scale``."""
+    return (factor * record).assign_attrs(record.attrs, scale=factor)
+
+
+def _spectrum(record: xr.DataArray, periods: Array, damping: float) -> Array:
+    sa: Array = response_spectrum(record, periods, damping).pseudo_acceleration.to_numpy().ravel()
+    return sa

@@ -1,0 +1,144 @@
+"""Correlation of yielding structures by eq. (4) with effective periods and damping ratios."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.correlation.white_noise import white_noise_correlation
+from stochlin.models.arguments import checked
+from stochlin.models.parameters import Parameter
+from stochlin.models.rules.effective_properties import EffectiveRule, YieldingPair, effective_rule
+from stochlin.solver.correlation.variables import VARIABLES
+from stochlin.solver.linearization.equivalent_systems import Solved
+from stochlin.solver.tables import labels
+from stochlin.solver.tables.cellwise import Cells, cellwise, valid_cells
+from stochlin.solver.tables.lazy import in_blocks
+
+EQ_4 = ("period_eq_1", "period_eq_2", "damping_eq_1", "damping_eq_2")  # arguments of eq. (4)
+
+
+@checked
+def rho_effective(
+    period_1: Parameter,
+    period_2: Parameter,
+    damping_1: Parameter,
+    damping_2: Parameter,
+    hardening_1: Parameter,
+    hardening_2: Parameter,
+    ductility_1: Parameter,
+    ductility_2: Parameter,
+    rule: str | EffectiveRule = "iwan_1980",
+) -> xr.Dataset:
+    """Correlation of two yielding structures by eq. (4) with effective periods and damping ratios.
+
+    Parameters
+    ----------
+    period_1, period_2 : float or array
+        Elastic periods [s], positive; all parameters broadcast by dimension name.
+    damping_1, damping_2 : float or array
+        Viscous damping ratios [-], in (0, 1).
+    hardening_1, hardening_2 : float or array
+        Hardening ratios [-], in (0, 1].
+    ductility_1, ductility_2 : float or array
+        Peak ductilities [-], positive; below 1 the structure is elastic.
+    rule : str or EffectiveRule
+        Rule for effective periods and damping ratios, one of `effective_rule_names` or a rule object.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the parameters: ``rho`` [-], ``period_eq_1`` and ``_2`` [s],
+        ``damping_eq_1`` and ``_2`` [-], ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the rule is unknown, a scalar is out of range or not a number, or dimensions do not fit.
+
+    Notes
+    -----
+    The result does not depend on the ground. Compared with nonlinear simulation, separations by such
+    rules are off by tens of per cent in both directions, most of all on narrow-band ground.
+
+    References
+    ----------
+    Jeng, Kasai and Maison (1992), Earthquake Spectra 8, for the method; the dataset also has the
+    reference of the rule.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> pair = {"damping_1": 0.05, "damping_2": 0.05, "hardening_1": 0.05, "hardening_2": 0.05}
+    >>> table = sl.rules.rho_effective(0.7, 1.0, ductility_1=4.0, ductility_2=4.0, **pair, rule="secant")
+    >>> elastic = sl.rho_white_noise(0.7, 1.0, 0.05, 0.05)
+    >>> bool(table.rho > elastic.rho)
+    True
+    """
+    chosen = effective_rule(rule)
+    pair = YieldingPair(
+        period_1, period_2, damping_1, damping_2, hardening_1, hardening_2, ductility_1, ductility_2
+    )
+    table = labels.label(in_blocks(partial(_of_rule, chosen), {"pair": pair}), VARIABLES)
+    return labels.with_run_information(
+        table.assign_attrs(rule=chosen.describe()),
+        f"Stationary correlation of two yielding structures by eq. (4) and the rule {chosen.name}",
+        f"rho_effective(rule={chosen.name!r})",
+        {"pair": pair},
+        f"{labels.PAPER} {chosen.reference}.",
+    )
+
+
+def _of_rule(rule: EffectiveRule, pair: YieldingPair) -> xr.Dataset:
+    valid = valid_cells(pair)
+    effective = effective_properties(pair.cells(), rule, valid)
+    rho, status = cellwise(_eq_4, valid, *effective.values(), kinds=(float, np.int8))
+    return xr.Dataset({"rho": rho, **effective, "status": status})
+
+
+def _eq_4(valid: Array, *pair: Array) -> tuple[Array, Array]:
+    rho = white_noise_correlation(*pair)
+    status = np.where(np.isnan(rho), labels.NOT_PHYSICAL, labels.CONVERGED)
+    return rho, np.where(valid, status, labels.INVALID_INPUT)
+
+
+def effective_properties(
+    values: Mapping[str, Cells], rule: EffectiveRule, valid: Cells = True
+) -> dict[str, Cells]:
+    """Effective periods [s] and damping ratios, each over the dimensions of its structure.
+
+    ``values`` has the names of `YieldingPair`. Cells that are not ``valid`` are NaN.
+    """
+    properties: dict[str, Cells] = dict.fromkeys(EQ_4, np.nan)
+
+    @np.errstate(all="ignore")  # invalid cells, and periods that overflow, are NaN
+    def effective(good: Array, *own: Array) -> tuple[Array, Array]:
+        mu, alpha, period, xi = (np.where(good, value, np.nan) for value in own)
+        longer = period * rule.period_ratio(mu, alpha)
+        return np.where(np.isfinite(longer), longer, np.nan), rule.damping(mu, alpha, xi)
+
+    for n in (1, 2):
+        columns = [values[f"{name}_{n}"] for name in ("ductility", "hardening", "period", "damping")]
+        properties[f"period_eq_{n}"], properties[f"damping_eq_{n}"] = cellwise(
+            effective, valid, *columns, kinds=(float, float)
+        )
+    return properties
+
+
+def effective_pair(solved: Solved, rule: EffectiveRule) -> dict[str, Cells]:
+    """Effective properties of two linearized structures at their peak ductilities ``p ductility_std``.
+
+    The ductility of an elastic structure is 0, so that it keeps its period and damping ratio.
+    """
+    values: dict[str, Cells] = {}
+    for n, structure in enumerate(solved.structures, start=1):
+        own, side = structure.cells(), solved.labelled(n - 1, ["ductility_std"])
+        values |= {f"{name}_{n}": own[name] for name in ("period", "damping")}
+        values[f"hardening_{n}"] = own.get("hardening", 1.0)
+        values[f"ductility_{n}"] = own["peak_factor"] * side["ductility_std"]
+    peaks = {f"ductility_peak_{n}": values[f"ductility_{n}"] for n in (1, 2)}
+    return effective_properties(values, rule) | peaks

@@ -1,0 +1,211 @@
+"""Signatures of structures with plastic drift, from their correlations with reference structures.
+
+The plastic drifts of two structures are correlated if both slip at the same instants, which does not
+follow from their covariances. A table over all pairs would have too many parameters. The signature of a
+structure, eq. (9) of ``docs/drift.md``, describes it by its correlations with a few reference structures
+on the same ground, so that each structure can be tabulated alone. The signature is derived with the
+drift closure, and its correction is interpolated in a map of simulations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.slabs import in_ranges
+from stochlin.kernels.correlation.errors import BOUNDS
+from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness
+from stochlin.kernels.correlation.pairs import Drifting, over_pairs
+from stochlin.kernels.correlation.signatures import LEFT, Signature
+from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
+from stochlin.kernels.linearization.drift import DriftingSide
+from stochlin.models.grounds import Ground, WhiteNoise
+from stochlin.models.laws.bilinear import Bilinear
+from stochlin.models.structures import DRIFT
+from stochlin.solver.linearization.drift_map import (
+    CORRECTED_GROUNDS,
+    ELASTIC,
+    NEARNESS,
+    REFERENCE,
+    SIGNATURE,
+    drift_map,
+    hold_at_ends,
+    simulated,
+)
+from stochlin.solver.linearization.equivalent_systems import (
+    STRENGTH_RATIO,
+    Oscillators,
+    Solved,
+    Yielding,
+    in_columns,
+    solve_oscillators,
+)
+from stochlin.solver.linearization.tolerance import Tolerance
+
+PAIRS = tuple((i, j) for i in range(AXES) for j in range(i))  # off the diagonal of a matrix
+# The map of `Nearness` has R/p from the first value up, and hardening up to the second.
+KNOWN_NEARNESS = (0.5, 0.5)
+# T/Tg for which a Kanai-Tajimi ground of damping 1 acts on the structure like white noise.
+AS_ON_WHITE_NOISE = 5.0
+GROUNDS = 64  # number of grounds with scalar parameters whose solved references are kept
+BLUR = 0.1  # share of the square of a correction, over which the limit of eq. (10) is rounded
+OWN = 0.01  # share of the unit matrix in the correlations of references, against ill-conditioning
+TOGETHER = 512  # signatures that are computed together
+
+
+class References(NamedTuple):
+    """Solved reference structures on several grounds."""
+
+    sides: DriftingSide  # those of one ground after those of another
+    basis: Array  # (grounds, references, references) `basis_of` their correlations
+
+
+def drifting_side(values: Mapping[str, Array]) -> DriftingSide:
+    """Structures of `solve_oscillators` by the drift closure."""
+    system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
+    with np.errstate(all="ignore"):  # failed cells are NaN
+        drift = values["drift_std"], values["drift_rate"], values["drift_shares"]
+        return DriftingSide.of(system, forcing, *drift)
+
+
+def solved_references(
+    ground: Ground, soil: Array, tolerance: Tolerance, table: xr.Dataset
+) -> References:
+    """The references in the ``table`` of a map on grounds with the parameters ``soil`` (g, grounds)."""
+    names = "period", "damping", "hardening", "elastic_ductility_std"
+    rows = [np.tile(table[f"reference_{name}"].values, soil.shape[1]) for name in names]
+    each = np.repeat(soil, table.sizes[REFERENCE], axis=1)
+    period = rows[0] * dict(zip(ground.cells(), each, strict=True))["period"]
+    ones = np.ones_like(period)
+    cells = Oscillators(period, rows[1], rows[2], rows[3], ones, ones, each)
+    law = Yielding.bilinear(np.arange(period.size), DRIFT)
+    sides = drifting_side(solve_oscillators(cells, [law], ground, tolerance))
+    count = table.sizes[REFERENCE]
+    gram = _with_references(sides, sides, np.repeat(np.arange(soil.shape[1]), count), count)
+    return References(sides, basis_of(_definite(gram.reshape(-1, count, count))))
+
+
+def _with_references(side: DriftingSide, references: DriftingSide, ground: Array, count: int) -> Array:
+    """Correlations (n, count) of structures with the references on their grounds (n,)."""
+    structures = np.repeat(np.arange(ground.size, dtype=np.int32), count)
+    places = (ground[:, None] * count + np.arange(count)).astype(np.int32).ravel()
+    return over_pairs(side, references, (structures, places)).rho.reshape(-1, count)
+
+
+def basis_of(gram: Array) -> Array:
+    """Matrix (..., k, k) that makes signatures of correlations with the references, eq. (9).
+
+    ``gram`` are the correlations (..., k, k) of the references; if one of them is NaN, so is the matrix.
+    """
+    good = np.isfinite(gram).all(axis=(-2, -1), keepdims=True)
+    size = np.eye(gram.shape[-1])
+    factor = np.linalg.cholesky((1 - OWN) * np.where(good, gram, size) + OWN * size)
+    return np.where(good, np.sqrt(1 - OWN) * np.linalg.inv(factor), np.nan)
+
+
+def _definite(gram: Array) -> Array:
+    """Correlations of the references; NaN where rounding errors dominate them."""
+    finite = np.isfinite(gram).all(axis=(-2, -1), keepdims=True)
+    least = np.linalg.eigvalsh(np.where(finite, gram, np.eye(gram.shape[-1])))[..., :1, None]
+    return np.where(finite & (least > -OWN / 2), gram, np.nan)
+
+
+@lru_cache(maxsize=GROUNDS)
+def _solved_once(ground: Ground, tolerance: Tolerance) -> References:
+    soil = in_columns([*ground.cells().values()], 1)
+    return solved_references(ground, soil, tolerance, drift_map())
+
+
+def derived_signatures(side: DriftingSide, known: References, ground: Array) -> Array:
+    """Signatures (references, n), eq. (9), of structures on the grounds with these numbers (n,)."""
+    rho = _with_references(side, known.sides, ground, known.basis.shape[-1])
+
+    def part(cells: slice) -> Array:
+        return np.einsum("nij,nj->in", known.basis[ground[cells]], rho[cells])
+
+    return np.hstack(in_ranges(part, ground.size, TOGETHER))
+
+
+def drifting(solved: Solved, tolerance: Tolerance) -> Drifting:
+    """Structures that were solved with the drift closure, and what simulations add to them.
+
+    Structures of other laws that yield are NaN.
+    """
+    values, cells = solved.values, solved.oscillators
+    side = drifting_side(values)
+    for structure, part in zip(solved.structures, solved.parts, strict=True):
+        if structure.yields and not isinstance(structure, Bilinear):
+            side.std[part] = np.nan
+    with np.errstate(all="ignore"):  # failed cells are NaN
+        signature, nearness = _corrections(solved, side, tolerance)
+    return Drifting(
+        side,
+        values["displacement_std"],
+        values["displacement_error"],
+        np.searchsorted(BOUNDS, values[STRENGTH_RATIO], side="right").astype(np.int8),
+        np.log(cells.period),
+        simulated(solved.ground, solved.point, cells.soil),
+        np.isinf(values["yield_displacement"]),
+        signature,
+        nearness,
+    )
+
+
+def _corrections(solved: Solved, side: DriftingSide, tolerance: Tolerance) -> tuple[Signature, Nearness]:
+    """What simulations say of structures; nothing if all are elastic or the map lacks this ground.
+
+    On white noise the signatures are not corrected.
+    """
+    ground, point = solved.ground, solved.point
+    ones = np.ones(point.shape[1])
+    nothing = np.zeros((ENTRIES, ones.size))
+    signature = Signature(nothing, nothing, ones, ones)
+    yields = any(each.yields and isinstance(each, Bilinear) for each in solved.structures)
+    if type(ground) not in CORRECTED_GROUNDS or not yields:
+        return signature, Nearness(nothing[:AXES], nothing, 0 * ones)
+    if isinstance(ground, WhiteNoise):
+        point = np.stack([*point, ones, AS_ON_WHITE_NOISE * ones])
+    else:
+        number, soil = np.zeros(ones.size, int), solved.oscillators.soil
+        if any(array.ndim for array in ground.arrays().values()):
+            grounds, number = np.unique(soil, axis=1, return_inverse=True)
+            known = solved_references(ground, grounds, tolerance, drift_map())
+        else:
+            known = _solved_once(ground, tolerance)
+        derived = derived_signatures(side, known, number.ravel())
+        signature = corrected(derived, hold_at_ends(SIGNATURE, point))
+    least, most = KNOWN_NEARNESS
+    trust = np.log(point[0] / ELASTIC) / np.log(least / ELASTIC)
+    trust = eased(trust) * eased(np.log(point[1]) / np.log(most))
+    place = np.log([solved.oscillators.period, *point[:3]])
+    return signature, Nearness(place, matrix_of(hold_at_ends(NEARNESS, point)), trust)
+
+
+def corrected(derived: Array, correction: Array) -> Signature:
+    """The signatures (k, n) that are derived, with their corrections, eq. (10)."""
+    known = derived + correction
+    # A signature has a length of at most 1, since it is the projection of a unit vector.
+    square, blur = (known**2).sum(axis=0), BLUR * (correction**2).sum(axis=0)
+    known = known / np.sqrt((square + 1 + np.hypot(square - 1, 2 * blur)) / 2)
+    left, left_derived = (np.maximum(1 - (c**2).sum(axis=0), 0) for c in (known, derived))
+    ratio = np.sqrt((left + LEFT) / (left_derived + LEFT))
+    return Signature(known, ratio * derived, ratio, np.sqrt(left))
+
+
+def matrix_of(form: Array) -> Array:
+    """Lower triangles (ENTRIES, n) of matrices G, of which the map has the slopes and correlations."""
+    slopes = np.exp(form[:AXES])
+    across = dict(zip(PAIRS, form[AXES:], strict=True))
+    triangle = [(i, j) for i in range(AXES) for j in range(i + 1)]
+    return np.stack([slopes[i] * slopes[j] * across.get((i, j), 1.0) for i, j in triangle])
+
+
+def eased(share: Array) -> Array:
+    """A share that rises smoothly from 0 to 1 where ``share`` does; 0 or 1 beyond."""
+    share = np.clip(share, 0, 1)
+    return share * share * (3 - 2 * share)

@@ -1,0 +1,195 @@
+"""Corrections of the drift closure, interpolated in a map of nonlinear simulations.
+
+The drift closure follows from a derivation with assumptions, so that its results differ from those of
+simulations. The map holds these differences for many structures on many grounds:
+
+- the logarithm of the simulated over the derived standard deviation of the displacement. Where the
+  period of the ground exceeds that of the structure, the map has additional points between its points;
+- the simulated minus the derived signature of a structure, from which the correlation of a pair follows
+  (see `correlation.signatures`);
+- the slopes with which the correlation of two nearly equal structures decreases as they become more
+  different.
+
+The corrections of a structure are interpolated between the points of the map; outside the map, the
+values at its boundary are used. At two boundaries the corrections are exactly 0, because the structure
+is linear there: at the hardening ratio 1, and where the yield displacement is about seven standard
+deviations of the elastic displacement. The more the surrounding points differ, the larger is
+``displacement_error``, the error that is expected after the correction. ``benchmarks/drift_map.py``
+computes the map.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.resources import files
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.models.grounds import CloughPenzien, Ground, KanaiTajimi, WhiteNoise
+from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
+from stochlin.solver.tables.interpolation import Grid, linear
+
+FILE = "drift_map.nc"
+# Clough-Penzien ground is a Kanai-Tajimi ground with a high-pass filter. Structures on it are corrected
+# as on the Kanai-Tajimi ground alone.
+CORRECTED_GROUNDS = (KanaiTajimi, WhiteNoise, CloughPenzien)
+# R/p is the standard deviation of the elastic displacement over the yield displacement. Below this value
+# no drift grows within a million periods.
+ELASTIC = 0.15
+DISPLACEMENT, DISPLACEMENT_WHITE = "displacement_correction", "displacement_correction_white_noise"
+REFINEMENT = "displacement_refinement"
+SIGNATURE, REFERENCE = "signature_correction", "drift_reference"
+NEARNESS, ENTRY = "nearness", "nearness_entry"
+# Along these dimensions there is no parameter to interpolate in: each entry is a map of its own.
+COLUMNS = (REFERENCE, ENTRY)
+# Ranges that were simulated: of R/p, of the hardening ratio and of the damping ratio of the structure,
+# of the damping ratio of the ground, and of the period of the structure over that of the ground.
+GROUND_DAMPING, PERIOD = (0.03, 1.0), (0.1, 10.0)
+SIMULATED = (0.0, 4.0), (0.01, 1.0), (0.005, 0.3), GROUND_DAMPING, PERIOD
+# Ranges of the map itself: of the hardening ratio and of the damping ratio of the structure.
+MAP_HARDENING, MAP_DAMPING = (0.02, 1.0), (0.01, 0.1)
+# Ranges on Clough-Penzien ground: of the period of the high-pass filter over that of the soil, and of
+# the damping ratio of the high-pass filter.
+HIGH_PASS_PERIOD, HIGH_PASS_DAMPING = (2.0, 25.0), (0.2, 1.3)
+# Largest period after yield, T/sqrt(alpha), over the period of the high-pass filter. Where it is larger,
+# corrected standard deviations are too large by 10 % and more.
+BEYOND = 2.0
+# The expected relative error of a corrected standard deviation combines two parts: one that is always
+# there, which is larger where the correction is that of another case (Clough-Penzien ground, or a
+# hardening or damping ratio beyond the map), and this share of the scatter of the points around.
+LEAST, LEAST_BEYOND, BY_SPREAD = 0.01, 0.03, 0.45
+ROUNDING = 1e-9
+
+
+@cache
+def drift_map() -> xr.Dataset:
+    """The map that the package contains; its attributes say how it was computed."""
+    with files("stochlin.solver.linearization").joinpath(FILE).open("rb") as stream:
+        return xr.load_dataset(stream, engine="scipy")
+
+
+def point_of(ground: Ground, own: Sequence[Array], period: Array, soil: Array) -> Array:
+    """Places (axes, n) in the map of structures; that on white noise has two axes less.
+
+    ``own`` are their R/p, hardening and damping ratios, ``soil`` the parameters of the ``ground``.
+    """
+    if type(ground) not in CORRECTED_GROUNDS or isinstance(ground, WhiteNoise):
+        return np.array(own)
+    named = dict(zip(ground.cells(), soil, strict=True))
+    return np.array([*own, named["damping"], period / named["period"]])
+
+
+def with_correction(
+    ground: Ground, point: Array, soil: Array, derived: Mapping[str, Array]
+) -> dict[str, Array]:
+    """The results of the drift closure for structures, with displacements corrected by the map.
+
+    They also have ``displacement_error``, the relative error that is expected after the correction. It
+    is NaN where a structure or the ground is outside the simulated ranges. On a kind of ground for
+    which there are no simulations, nothing is corrected, and the error is NaN if a structure yields.
+    """
+    factor: Array | float = 1.0
+    error: Array | float = np.nan
+    if type(ground) in CORRECTED_GROUNDS:
+        name = DISPLACEMENT_WHITE if isinstance(ground, WhiteNoise) else DISPLACEMENT
+        logarithm, spread = _held_with_spread(name, point)
+        factor = np.exp(logarithm)
+        mapped = within(point[1], MAP_HARDENING) & within(point[2], MAP_DAMPING)
+        least = np.where(mapped & (type(ground) is not CloughPenzien), LEAST, LEAST_BEYOND)
+        error = np.sqrt(least**2 + (BY_SPREAD * spread) ** 2)
+        error = np.where(simulated(ground, point, soil), error, np.nan)
+    elastic, lost = np.isinf(derived["yield_displacement"]), np.isnan(derived["displacement_std"])
+    shown = {name: derived[name] * factor for name in ("displacement_std", "ductility_std")}
+    error = np.where(lost, np.nan, np.where(elastic, 0.0, error))
+    return {**derived, **shown, "displacement_error": error}
+
+
+@np.errstate(all="ignore")  # what overflows is outside, and what is out of range
+def simulated(ground: Ground, point: Array, soil: Array) -> Array:
+    """Whether the places ``point`` of structures in the map are within the simulated ranges."""
+    if type(ground) not in CORRECTED_GROUNDS:
+        return np.zeros(point.shape[1], bool)
+    inside = np.ones(point.shape[1], bool)
+    for row, ends in zip(point, SIMULATED, strict=False):
+        inside &= within(row, ends)
+    if not isinstance(ground, CloughPenzien):
+        return inside
+    named = dict(zip(ground.cells(), soil, strict=True))
+    ratio = named["high_pass_period"] / named["period"]
+    inside &= within(ratio, HIGH_PASS_PERIOD) & within(named["high_pass_damping"], HIGH_PASS_DAMPING)
+    return inside & (point[4] / np.sqrt(point[1]) <= BEYOND * ratio)
+
+
+def within(value: Array, ends: tuple[float, float]) -> Array:
+    """Whether each value lies between both ends of a range; rounding errors beyond them are allowed."""
+    return (value >= ends[0] * (1 - ROUNDING)) & (value <= ends[1] * (1 + ROUNDING))
+
+
+def calibrated_closure(structure: Structure, ground: Ground) -> str:
+    """The drift closure for laws that have it, on the grounds of the map; otherwise the Gaussian one."""
+    known = DRIFT in structure.closure_names() and type(ground) in CORRECTED_GROUNDS
+    return DRIFT if known else GAUSSIAN
+
+
+def hold_at_ends(name: str, point: Array) -> Array:
+    """Values (columns, n) of a variable of the map at the places ``point`` of structures.
+
+    Outside the map they are those at its boundary. There is a column for each entry of the variable.
+    """
+    return _grid(name).at(_inside(_grid(name), point))
+
+
+@cache
+def _grid(name: str) -> Grid:
+    """The map of a variable, with a column for each of its entries."""
+    whole = drift_map()[name]
+    if name == DISPLACEMENT:
+        whole = _refined(whole, drift_map()[REFINEMENT])
+    if name != NEARNESS:
+        strength, hardening = whole.dims[:2]
+        for dim, value, before in ((strength, ELASTIC, True), (hardening, 1.0, False)):
+            exact = xr.zeros_like(whole.isel({dim: [0]})).assign_coords({dim: [value]})
+            order = (exact, whole) if before else (whole, exact)
+            whole = xr.concat(order, dim).transpose(*whole.dims)
+    axes = [np.log(whole[dim].values.astype(float)) for dim in whole.dims if dim not in COLUMNS]
+    return Grid.of(axes, whole.values)
+
+
+def _refined(coarse: xr.DataArray, refinement: xr.DataArray) -> xr.DataArray:
+    """One map over the points of the coarse map and of the refinement.
+
+    Both are interpolated to all points and added. The refinement is 0 outside its own points.
+    """
+    parts = [[array[dim].values.round(12) for dim in array.dims] for array in (coarse, refinement)]
+    points = [np.union1d(*axes) for axes in zip(*parts, strict=True)]
+    first, other = (
+        Grid.of([np.log(axis) for axis in axes], array.values).on_points([np.log(x) for x in points])
+        for array, axes in zip((coarse, refinement), parts, strict=True)
+    )
+    named = dict(zip(coarse.dims, points, strict=True))
+    return xr.DataArray((first + other)[..., 0], dims=coarse.dims, coords=named)
+
+
+def _held_with_spread(name: str, point: Array) -> tuple[Array, Array]:
+    """The interpolated values, and the standard deviations of the points around each place.
+
+    The standard deviations have the weights of linear interpolation.
+    """
+    inside = _inside(_grid(name), point)
+    mean, square = _with_squares(name).at(inside)
+    return _grid(name).at(inside)[0], np.sqrt(np.maximum(square - mean**2, 0))
+
+
+@cache
+def _with_squares(name: str) -> Grid:
+    grid = _grid(name)
+    return Grid.of(grid.axes, np.concatenate([grid.values, grid.values**2], axis=-1), linear)
+
+
+@np.errstate(all="ignore")  # R/p of elastic structures is 0; failed cells are NaN
+def _inside(grid: Grid, point: Array) -> Array:
+    """Logarithms of the parameters, moved to the boundary where they are outside the map."""
+    return np.clip(np.log(point), *grid.ends)

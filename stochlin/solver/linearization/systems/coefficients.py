@@ -1,0 +1,137 @@
+"""Equivalent coefficients, eqs. (9) and (10), from the moments of one element."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.gaussian import Closure
+from stochlin.models.laws.hysteretic import law_of
+from stochlin.models.parameters import POSITIVE, Model, Parameter, Range, parameter
+from stochlin.models.structures import GAUSSIAN, Structure
+from stochlin.solver.linearization.variables import VARIABLES
+from stochlin.solver.tables import labels
+from stochlin.solver.tables.cellwise import cellwise
+from stochlin.solver.tables.lazy import in_blocks
+
+if TYPE_CHECKING:
+    import sympy
+
+
+@dataclass(frozen=True)
+class Moments(Model):
+    """Moments of the ductility rate and the hysteretic displacement ``z`` of an element."""
+
+    of_arguments = True
+
+    velocity_std: Parameter = parameter("1/s", "standard deviation of the ductility rate", POSITIVE)
+    z_std: Parameter = parameter("1", "standard deviation of z", POSITIVE)
+    velocity_z_corr: Parameter = parameter(
+        "1", "correlation of the ductility rate and z", Range(-1.0, 1.0)
+    )
+
+
+def equivalent_coefficients(
+    velocity_std: Parameter,
+    z_std: Parameter,
+    velocity_z_corr: Parameter,
+    law: str | sympy.Expr = "bilinear",
+    **law_parameters: Any,
+) -> xr.Dataset:
+    """Equivalent coefficients of ``z' = -c_eq v - k_eq z``, eqs. (9) and (10), for given moments.
+
+    They are the coefficients of the linear regression of ``G(v, z)`` on ``v`` and ``z``, for the
+    hysteresis law ``z' = G(v, z)`` and a Gaussian joint density.
+
+    Parameters
+    ----------
+    velocity_std : float or array
+        Standard deviation of the ductility rate ``v`` [1/s], positive. It is the velocity over the yield
+        displacement, or for a storey the drift rate over the yield drift.
+    z_std : float or array
+        Standard deviation of ``z`` [-], positive.
+    velocity_z_corr : float or array
+        Correlation [-] of ``v`` and ``z``, between -1 and 1. All parameters broadcast by dimension name.
+    law : str or sympy.Expr
+        Hysteresis law: ``"bilinear"``, ``"bouc_wen"``, another registered one, or an expression as for
+        `Hysteretic`.
+    **law_parameters : float or array
+        Parameters of the law [-], such as ``beta=0.6, gamma=0.4``.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over the dimensions of the parameters: ``c_eq`` [-], ``k_eq`` [1/s] and ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a scalar is out of range or not a number, the law is unknown, or dimensions do not fit.
+    ArithmeticError
+        If a single case is beyond the range of numbers; in a table the cell is NaN.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (8) to (10); the available text lacks the coefficients,
+    which are derived here for the bilinear law. Wen, Y. K. (1980), J. Appl. Mech. 47, for the Bouc-Wen
+    law.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> found = sl.equivalent_coefficients(velocity_std=1.0, z_std=0.5, velocity_z_corr=0.3)
+    >>> round(float(found.c_eq), 10), round(float(found.k_eq), 10)
+    (-0.9649205716, 0.162719435)
+
+    The coefficients that `linearize` returns are those for its moments:
+
+    >>> one = sl.linearize(sl.Bilinear(1.0, 0.05, 0.05, reduction_factor=4), sl.WhiteNoise(0.01))
+    >>> rate = one.velocity_std / one.yield_displacement
+    >>> again = sl.equivalent_coefficients(rate, one.z_std, one.velocity_z_corr)
+    >>> bool(abs(again.k_eq / one.k_eq - 1) < 1e-9)
+    True
+    """
+    moments = Moments(velocity_std, z_std, velocity_z_corr)
+    structure = law_of(law, {"period": 1.0, "damping": 0.05}, law_parameters)
+    models: dict[str, Model] = {"moments": moments, "law": structure}
+    table = in_blocks(_of_moments, models)
+    labels.raise_if_lone_failure(table, "equivalent_coefficients", *models.values())
+    law_name = law if isinstance(law, str) else f"{law}"
+    return labels.with_run_information(
+        labels.label(table, VARIABLES),
+        "Equivalent coefficients, eqs. (9) and (10)",
+        f"equivalent_coefficients(law={law_name!r})",
+        models,
+    )
+
+
+def _of_moments(moments: Moments, law: Structure) -> xr.Dataset:
+    c_eq, k_eq = cellwise(
+        _coefficients,
+        moments.valid() & law.valid(),
+        *moments.arrays().values(),
+        *law.law_parameters(),
+        kinds=(float, float),
+        closure=law.closure(GAUSSIAN),
+    )
+    status = labels.status_where(c_eq.notnull() & k_eq.notnull())
+    return xr.Dataset({"c_eq": c_eq, "k_eq": k_eq, "status": status})
+
+
+@np.errstate(all="ignore")  # cells out of range are NaN
+def _coefficients(
+    valid: Array, sv: Array, sz: Array, r: Array, *own: Array, closure: Closure
+) -> tuple[Array, Array]:
+    arrays = np.broadcast_arrays(valid, sv, sz, r, *own)
+    where = np.flatnonzero(arrays[0])
+    moments, parameters = np.split(np.stack([a.reshape(-1)[where] for a in arrays[1:]]), [3])
+    coefficients = np.full((2, arrays[0].size), np.nan)
+    if where.size:
+        slip, relaxation = closure(moments, parameters).coefficients
+        coefficients[:, where] = slip - 1, relaxation
+    c_eq, k_eq = coefficients.reshape(2, *arrays[0].shape)
+    return c_eq, k_eq

@@ -1,0 +1,425 @@
+"""Statistical linearization of systems of structures, storey by storey."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import reduce
+from operator import and_
+from typing import Annotated, Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.linearization.gaussian import absolute_moment, gaussian
+from stochlin.kernels.linearization.systems.response import StationaryResponse
+from stochlin.kernels.linearization.systems.springs import (
+    Law,
+    Springs,
+    elastic_start,
+    linear_for,
+    solve_springs,
+)
+from stochlin.models.arguments import Number, OneOf, checked
+from stochlin.models.buildings import MultistoreyBuilding
+from stochlin.models.grounds import Ground
+from stochlin.models.links import Link
+from stochlin.models.parameters import Model, Range
+from stochlin.models.structures import GAUSSIAN
+from stochlin.models.systems import AnyStructure, arrangement_of, check_stationary, stack_of
+from stochlin.solver.linearization.equivalent_systems import ELASTIC, STRONG
+from stochlin.solver.linearization.strength import strength_in_metres
+from stochlin.solver.linearization.systems.state_space import (
+    Equations,
+    check_one_system,
+    checked_system,
+)
+from stochlin.solver.linearization.tolerance import USUAL, Tolerance
+from stochlin.solver.linearization.variables import VARIABLES as LINEARIZATION
+from stochlin.solver.tables import labels
+from stochlin.solver.tables.cells import NONE_VALID, Flat, flat
+from stochlin.solver.tables.floors import element_coordinates, floor_coordinates
+from stochlin.solver.tables.lazy import check_names
+from stochlin.solver.tables.work import check_work, count_cells
+
+ANDERSON = "anderson"
+ITERATIONS = (ANDERSON, "substitution")
+VARIABLES: labels.Variables = {
+    **LINEARIZATION,
+    "drift_std": ("m", "standard deviation of the storey drift or link extension"),
+    "ductility_std": ("1", "standard deviation of the storey ductility"),
+    "yield_drift": ("m", "yield drift"),
+    "rho": ("1", "correlation coefficient of the displacements"),
+    "relative_displacement_std": ("m", "standard deviation of the relative displacement of two floors"),
+    "link_force_std": ("N", "standard deviation of the link force"),
+    "equivalent_damping_constant": ("N s/m", "equivalent damping constant of the link"),
+    "residual": ("1", "relative residual of the Lyapunov equation"),
+    "covariance_change": ("1", "largest relative change of the covariance"),
+    "coefficient_change": ("1", "largest change of the equivalent coefficients"),
+}
+# Dimensions of the variables of `linearize_system` beside those of the cells.
+DIMS = {
+    **dict.fromkeys(
+        ("drift_std", "ductility_std", "z_std", "velocity_z_corr", "c_eq", "k_eq", "yield_drift"),
+        ("element",),
+    ),
+    **dict.fromkeys(("displacement_std", "velocity_std"), ("floor",)),
+    **dict.fromkeys(("rho", "relative_displacement_std"), ("floor", "floor_2")),
+    "covariance": ("state", "state_2"),
+    **dict.fromkeys(("link_force_std", "equivalent_damping_constant"), ("link",)),
+    "residual": (),
+}
+CHANGES = "covariance_change", "coefficient_change"
+OWN = {"iteration", "iterations", "status", *CHANGES, *DIMS, *sum(DIMS.values(), ())}
+
+
+@checked
+def linearize_system(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    links: Sequence[Link | None] = (),
+    *,
+    iteration: Annotated[str, OneOf(ITERATIONS)] = ANDERSON,
+    relaxation: Annotated[float, Number(Range(0, 1, include_upper=True))] = 1.0,
+    rtol: float = USUAL.rtol,
+    max_iterations: int = USUAL.max_iterations,
+) -> xr.Dataset:
+    """Stationary response of structures on one ground, storey by storey, by statistical linearization.
+
+    The coefficients of eqs. (9) and (10) of all elements define the linear system of `statespace`. From
+    its covariance, that of `stationary_covariance`, new coefficients follow, and this is iterated until
+    both converge. ``(v, z)`` of each element are taken as jointly Gaussian. With arrays as parameters
+    all cells of the table are iterated together.
+
+    Parameters
+    ----------
+    structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
+        Structures of any number and kind. A ``reduction_factor`` refers to the elastic response of the
+        structure without links.
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        The ground. All parameters of oscillators, ground and links broadcast by dimension name.
+    links : sequence of Link or None, optional
+        Links from each structure to the next, or between the structures that the ``structures`` of a
+        link name; oscillators then need a mass. A link that yields is an element like a storey. A
+        dashpot with an exponent ``a`` is linearized for a Gaussian rate ``v``, with the damping constant
+        ``c E|v|^(a+1) / E v^2``, in the same iteration.
+    iteration : {"anderson", "substitution"}
+        ``"substitution"``: the moments of the response give the next coefficients directly, as in the
+        paper, which may cycle without end; see the notes. ``"anderson"``: Anderson's mixing combines
+        the moments of the last rounds so that the mismatch is least.
+    relaxation : float
+        Share [-] of the way to the new moments, as logarithms, that a substitution goes, in (0, 1]; with
+        0.7 nearly every pair converges, see the notes.
+    rtol : float
+        The iteration stops when no covariance changes by more than ``rtol`` times the product of the
+        standard deviations, no ``c_eq`` by more than ``rtol``, and no ``k_eq`` by more than ``rtol``
+        times the sum of ``k_eq`` and the frequency of the element.
+    max_iterations : int
+        Largest number of iterations. Where a law may have several solutions, and where mixing fails,
+        the solution is followed from weak to full shaking, in at most so many steps of up to 30
+        iterations.
+
+    Returns
+    -------
+    xarray.Dataset
+        All variables are also over the dimensions of the parameters. Over ``element``, the storeys of
+        all structures from the ground up (``1`` is oscillator 1, ``2.3`` the third storey of structure
+        2) and the links that yield (``link 1``): ``drift_std`` [m], ``ductility_std`` [-], ``z_std``
+        [-], ``velocity_z_corr`` [-], ``c_eq`` [-], ``k_eq`` [1/s] and ``yield_drift`` [m] (infinite if
+        elastic). Over ``floor``: ``displacement_std`` [m] and ``velocity_std`` [m/s]. Over (``floor``,
+        ``floor_2``): ``rho`` [-] and ``relative_displacement_std`` [m]. Over (``state``, ``state_2``):
+        ``covariance``, with the states of `statespace`. Over ``iteration``: ``covariance_change`` and
+        ``coefficient_change`` [-], NaN after the last iteration of a cell; where a solution is followed,
+        they are those at full shaking. Over ``link``: ``link_force_std`` [N] and, if a link has a
+        dashpot with an exponent, ``equivalent_damping_constant`` [N s/m], which is NaN if the ends of
+        the link do not move relative to each other. And ``iterations``; ``residual`` [-] of the Lyapunov
+        equation, in units of the standard deviations of the states and over the largest entry of the
+        state matrix; and ``status``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is of the wrong kind or not allowed, arrays do not broadcast or have too many
+        cells, a link cannot be placed between the structures, or P-delta effects leave a storey no
+        stiffness after yield.
+    ArithmeticError
+        If the iteration of a single case does not converge; in a table the cell is NaN and its status
+        gives the reason.
+
+    Notes
+    -----
+    Builder of the state matrix, solver, renewal of the coefficients and stop rule are one function each
+    in ``stochlin.kernels.linearization.systems``, beside their equations in ``docs/theory.md``. With
+    mixing a pair takes about 12 iterations, with substitution 20 to 60. Of the pairs of the charts, 95 %
+    and more converge by substitution with ``relaxation=1``, and all with 0.7. Of 2000 random pairs with
+    periods of 0.1 to 3 s, damping ratios of 0.01 to 0.1, hardening ratios of 0.02 to 0.2 and R of 1 to
+    6, 69 to 92 % converge in 200 iterations with 1, by ground, and 99.8 % or more with 0.7.
+
+    The force of a storey depends on its own drift only, so that the closures of single oscillators apply
+    to each storey. They also have the same errors: compared with nonlinear simulation, drifts of
+    yielding storeys were too small by 7 to 39 %, and the relative displacement of two buildings by 28 %.
+
+    References
+    ----------
+    Valles-Mattox and Reinhorn (1996), eqs. (5) to (12); Baber, T. T. and Wen, Y.
+    K. (1981), J. Eng. Mech. Div. ASCE 107, for storeys; Roberts, J. B. and Spanos, P. D. (1990), Random
+    vibration and statistical linearization, for dashpots.
+
+    Examples
+    --------
+    >>> import stochlin as sl
+    >>> tower = sl.ShearBuilding(
+    ...     [2e5, 2e5, 1.5e5], [4e8, 3e8, 2e8], [3.5] * 3, 0.05, 0.05, yield_drifts=0.01
+    ... )
+    >>> shop = sl.Bilinear(0.3, 0.05, 0.1, reduction_factor=2)
+    >>> table = sl.linearize_system([tower, shop], sl.named_ground("firm", intensity=0.02))
+    >>> table.element.values.tolist()
+    ['1.1', '1.2', '1.3', '2']
+    >>> int(table.status), bool(table.rho.sel(floor="1.2", floor_2="2") > 0)
+    (0, True)
+    """
+    links = checked_system(structures, ground, links)
+    tolerance = Tolerance(rtol, 0.0, max_iterations)
+    factor = relaxation_of(iteration, relaxation)
+    models: dict[str, Model] = {f"structure_{n}": s for n, s in enumerate(structures, start=1)}
+    models |= {"ground": ground}
+    models |= {f"link_{n}": link for n, link in enumerate(links, start=1) if link is not None}
+    check_chain(models)
+    cells = flat(models)
+    check_names((*cells.shape.dims, *cells.shape.coords), OWN)
+    if not cells.where.size:
+        raise ValueError(NONE_VALID)
+    equations = equations_of_cells(cells, links)
+    solution = solve_equations(equations, tolerance, factor)
+    table = labels.label(solution_table(cells, equations, solution), VARIABLES)
+    described = ", ".join(structure.describe() for structure in structures)
+    labels.raise_if_lone_failure(table, f"linearize_system([{described}], {ground.describe()})")
+    if any(structure.yields for structure in structures):
+        table = table.assign_attrs(comment=labels.CAUTION_SIGMA)
+    how = "" if factor is None else f"iteration='substitution', relaxation={factor:g}"
+    return labels.with_run_information(
+        table,
+        f"Stationary response of {len(structures)} structures by linearization, {ground.name} ground",
+        f"linearize_system({how})",
+        models,
+    )
+
+
+class SystemSolution(NamedTuple):
+    """Result of the iteration in c cells; NaN in cells that failed."""
+
+    c_eq: Array  # (c, e), of the elements; -1 if elastic
+    k_eq: Array  # (c, e) [1/s]; 0 if elastic
+    dashpots: Array  # (c, l) constants of the links, NaN for those with an exponent that do not move
+    changes: Array  # (iterations, 2, c) of the covariance and of the coefficients
+    iterations: Array  # (c,)
+    status: Array  # (c,)
+
+
+@np.errstate(all="ignore")  # NaN is checked where it matters
+def solve_equations(
+    equations: Equations, tolerance: Tolerance, relaxation: float | None = None
+) -> SystemSolution:
+    """The equivalent coefficients of all elements, by mixing, or by plain substitution if relaxed."""
+    own = equations.yields
+    problem, elastic = elastic_start(springs_of(equations))
+    m = problem.springs
+    weak = (s.law for s in equations.arrangement.stacks if not np.isposinf(s.system.strength).all())
+    unique = (law.has_one_solution().to_numpy() for law in weak)
+    one_solution = np.broadcast_to(reduce(and_, unique, np.array(True)), equations.cells)
+    rule = tolerance.max_iterations, tolerance.rtol
+    solved, changes = solve_springs(problem, elastic, one_solution, *rule, relaxation)
+    slip, k, dashpots = linear_for(problem, solved.unknowns)
+    still = (np.abs(slip) < ELASTIC) & (np.abs(k) < ELASTIC * problem.mechanics.frequency)
+    c_eq, k_eq = np.full((equations.cells, own.size), -1.0), np.zeros((equations.cells, own.size))
+    c_eq[:, own], k_eq[:, own] = np.where(still, -1.0, slip - 1), np.where(still, 0.0, k)
+    idle = problem.exponents != equations.exponents
+    dashpots = np.where(idle, np.nan, dashpots)
+    demand = np.exp(elastic[m : 2 * m].max(axis=0, initial=-np.inf))
+    failed = np.where(demand > STRONG, labels.TOO_STRONG, labels.NOT_CONVERGED)
+    failed = np.where(np.isnan(demand), labels.NOT_PHYSICAL, failed)
+    calm = np.where(still.all(axis=1), labels.ELASTIC_LIMIT, labels.CONVERGED)
+    status = np.where(solved.converged, calm, failed).astype(np.int8)
+    return SystemSolution(c_eq, k_eq, dashpots, changes, solved.iterations, status)
+
+
+def springs_of(equations: Equations) -> Springs:
+    """What the iteration takes: springs that yield with their laws, and dashpots that it linearizes."""
+    dashpots, exponents = equations.dashpots, equations.exponents
+    power = np.flatnonzero(((exponents != 1) & (dashpots > 0)).any(axis=0))
+    mechanics, level = equations.mechanics(equations.yields), np.zeros(equations.cells)
+    return Springs(mechanics, list(_laws(equations)), dashpots, exponents, power, level)
+
+
+def _laws(equations: Equations) -> Iterator[Law]:
+    """Closures of the laws, each with the numbers of its yielding elements and their parameters."""
+    begin, cells = 0, equations.cells
+    for stack in equations.arrangement.stacks:
+        yields = ~np.isposinf(np.atleast_2d(stack.system.strength)).all(axis=0)
+        mine = begin + np.arange(yields.sum())
+        if mine.size:
+            values = stack.law_parameters[..., yields, :]
+            wide = np.broadcast_to(values, (cells, mine.size, values.shape[-1]))
+            yield Law(mine, stack.law.closure(GAUSSIAN), np.moveaxis(wide, -1, 0))
+        begin += mine.size
+    links = np.arange(begin, equations.yields.sum())
+    if links.size:
+        yield Law(links, gaussian, np.empty((0, cells, links.size)))
+
+
+def relaxation_of(iteration: str, relaxation: float) -> float | None:
+    """The relaxation factor of a substitution, None with mixing, which has none."""
+    if iteration == ANDERSON and relaxation != 1:
+        raise ValueError(
+            f"relaxation = {relaxation:g} with iteration = 'anderson', which finds its own steps; "
+            "allowed: 1, or iteration='substitution'"
+        )
+    return float(relaxation) if iteration == "substitution" else None
+
+
+def check_chain(models: Mapping[str, Model]) -> None:
+    """Raise a ValueError if the iteration of all cells would take too long or too much memory.
+
+    ``models`` are structures, ground and links by their roles.
+    """
+    elements = sum(
+        stack_of(model).coordinates if isinstance(model, MultistoreyBuilding) else 1
+        for model in models.values()
+    )
+    cells = max(1, count_cells(*(m for m in models.values() if not isinstance(m, MultistoreyBuilding))))
+    check_work(
+        f"the iteration of {cells} systems would take" if cells > 1 else "the iteration would take",
+        "take fewer cells at a time, storeys together, or structures that are not linked apart",
+        numbers=20.0 * cells * (3 * elements) ** 2,
+        seconds=cells * (1e-3 + 4e-9 * elements * (3 * elements) ** 3),  # of ten iterations
+    )
+
+
+def linearized_motion(
+    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None] = ()
+) -> StationaryResponse:
+    """Response of the equivalent linear system, with its covariance; an ArithmeticError if it fails."""
+    links = checked_system(structures, ground, links)
+    check_one_system(structures, ground, links)
+    equations = equations_of(structures, ground, links)
+    solution = solve_equations(equations, USUAL)
+    if solution.status[0] >= labels.NOT_CONVERGED:
+        meaning = labels.STATUS_MEANINGS[solution.status[0]].replace("_", " ")
+        raise ArithmeticError(f"linearization of {len(structures)} structures: {meaning}")
+    return response_of(equations, solution)
+
+
+def response_of(equations: Equations, solution: SystemSolution) -> StationaryResponse:
+    """Response of the linear systems with the coefficients and dashpots of a solution."""
+    dashpots = np.nan_to_num(solution.dashpots)
+    space = equations.state_space(solution.c_eq, solution.k_eq, equations.yields, dashpots)
+    return StationaryResponse(space)
+
+
+def equations_of(
+    structures: Sequence[AnyStructure], ground: Ground, links: Sequence[Link | None]
+) -> Equations:
+    """Equations with all strengths in metres; raises if a storey has no stationary response."""
+    solid: list[Any] = [
+        structure
+        if isinstance(structure, MultistoreyBuilding)
+        else strength_in_metres(structure, ground)
+        for structure in structures
+    ]
+    system = arrangement_of(solid, links)
+    check_stationary(system)
+    return Equations(system, ground)
+
+
+def equations_of_cells(cells: Flat, links: Sequence[Link | None]) -> Equations:
+    """Equations of the valid cells; the models are those of `linearize_system` by their roles."""
+    structures = [model for role, model in cells.models.items() if role.startswith("structure_")]
+    flat_links = [
+        None if link is None else cells.models[f"link_{n}"] for n, link in enumerate(links, start=1)
+    ]
+    return equations_of(structures, cells.models["ground"], flat_links)
+
+
+@np.errstate(all="ignore")  # correlations of floors that do not move are 0/0
+def solution_table(cells: Flat, equations: Equations, solution: SystemSolution) -> xr.Dataset:
+    """Dataset of `linearize_system` from a solution, without labels."""
+    system, results = equations.arrangement, _results(equations, solution)
+    finite = np.isfinite(results["covariance"]).all(axis=(1, 2))
+    status = np.where(
+        finite | (solution.status >= labels.NOT_CONVERGED), solution.status, labels.NOT_PHYSICAL
+    )
+    for name in results.keys() - {"yield_drift"}:
+        results[name][status >= labels.NOT_CONVERGED] = np.nan
+    variables = {name: cells.table(results[name], DIMS[name]) for name in DIMS if name in results}
+    for row, name in enumerate(CHANGES):
+        changes = cells.table(solution.changes[:, row].T, ("iteration",))
+        variables[name] = changes.transpose("iteration", ...)
+    variables["iterations"] = cells.table(solution.iterations, blank=0)
+    variables["status"] = cells.table(status.astype(np.int8), blank=labels.INVALID_INPUT)
+    states, _ = equations.states(equations.yields)
+    links = [tie.name for tie in system.ties]
+    table = xr.Dataset(
+        variables,
+        coords={
+            **{name: cells.shape.coords[name] for name in cells.shape.coords},
+            **element_coordinates(system, equations.reported_names[len(system.watched) :]),
+            **floor_coordinates(system),
+            "floor_2": ("floor_2", system.floors, {"long_name": "floor"}),
+            "state": ("state", states, {"long_name": "state"}),
+            "state_2": ("state_2", states, {"long_name": "state"}),
+            "iteration": ("iteration", 1 + np.arange(len(solution.changes)), {"long_name": "iteration"}),
+            **({"link": links} if links else {}),
+        },
+    )
+    table.covariance.attrs = {"long_name": "covariance of the states, in m and s"}
+    return table
+
+
+def _results(equations: Equations, solution: SystemSolution) -> dict[str, Array]:
+    """What follows from the responses of the equivalent linear systems, by variable."""
+    system, floors, own = equations.arrangement, equations.system.shapes, equations.yields
+    n, links = len(floors), equations.system.extensions[equations.elements[equations.first_link :]]
+    motion = response_of(equations, solution)
+    covariance, (_, order), q = motion.covariance, equations.states(own), motion.system.blocks[1]
+    std, strength = motion.std(floors), equations.strength
+    drifts = motion.std(np.concatenate([system.drifts @ system.displacements, links]))
+    (velocity, of_z, velocity_z), (z, corr) = motion.moments, np.zeros((2, *strength.shape))
+    z[:, own], corr[:, own] = np.sqrt(of_z) / strength[:, own], velocity_z / np.sqrt(velocity * of_z)
+    rho = floors @ covariance[:, q, q] @ floors.T / (std[:, :, None] * std[:, None])
+    pairs = (floors[:, None] - floors).reshape(n * n, -1)
+    yield_drift = equations.reported(strength, np.inf, np.nan)
+    results = {
+        "drift_std": drifts,
+        "ductility_std": drifts / yield_drift,
+        "z_std": equations.reported(z, 0.0),
+        "velocity_z_corr": equations.reported(corr, 0.0),
+        "c_eq": equations.reported(solution.c_eq, -1.0),
+        "k_eq": equations.reported(solution.k_eq, 0.0),
+        "yield_drift": yield_drift,
+        "displacement_std": std,
+        "velocity_std": motion.std(floors, rates=True),
+        "rho": np.clip(rho, -1, 1),
+        "relative_displacement_std": motion.std(pairs).reshape(-1, n, n),
+        "covariance": covariance[:, order[:, None], order],
+        "residual": motion.residual,
+    }
+    if system.ties:
+        results["link_force_std"] = link_forces(equations, solution, motion)
+    if any(tie.link.damping_exponent is not None for tie in system.ties):
+        results["equivalent_damping_constant"] = solution.dashpots.copy()
+    return results
+
+
+def link_forces(equations: Equations, solution: SystemSolution, motion: StationaryResponse) -> Array:
+    """Standard deviations of the forces in all links (c, l) [N].
+
+    For a dashpot with an exponent, the variance of its linearized force is replaced by that of the
+    nonlinear force for a Gaussian rate.
+    """
+    dashpots, exponents = np.nan_to_num(solution.dashpots), equations.exponents
+    links, springs = slice(equations.first_link, None), equations.system
+    linear = motion.force_std(springs.post[:, links], springs.couple[:, links], dashpots)
+    rate = motion.std(springs.extensions[links], rates=True)
+    whole = equations.dashpots**2 * absolute_moment(2 * exponents, rate)
+    nonlinear = np.sqrt(linear**2 + whole - (dashpots * rate) ** 2)
+    return np.where((exponents != 1) & (dashpots > 0), nonlinear, linear)

@@ -1,0 +1,393 @@
+"""Nonlinear simulation of any number of structures on one ground."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.simulation.ensemble import Sums, View, stationary_sums
+from stochlin.kernels.simulation.stepping import LANES, whole_groups
+from stochlin.messages import brief
+from stochlin.models.arguments import (
+    Duration,
+    Paths,
+    Quantiles,
+    RelaxationTimes,
+    Scatter,
+    Seed,
+    StepsPerPeriod,
+    checked,
+)
+from stochlin.models.envelopes import Envelope
+from stochlin.models.grounds import Ground
+from stochlin.models.links import Link
+from stochlin.models.parameters import expect
+from stochlin.models.structures import Structure
+from stochlin.models.systems import STRUCTURES, AnyStructure, floor_count
+from stochlin.solver.simulation.draws import Draw, draw
+from stochlin.solver.simulation.ensembles import SimulationRun, check_memory, seconds_of
+from stochlin.solver.simulation.finite_motions import (
+    check_finite,
+    check_motion,
+    check_response,
+    simulate_finite,
+)
+from stochlin.solver.simulation.run_lengths import BURN_IN, with_length
+from stochlin.solver.simulation.structures_in_motion import StructuresInMotion, structures_in_motion
+from stochlin.solver.simulation.variables import VARIABLES
+from stochlin.solver.simulation.views import drifts_of, view_of
+from stochlin.solver.tables import labels
+from stochlin.solver.tables.checks import check_scalars
+from stochlin.solver.tables.floors import ELEMENT, element_coordinates
+
+SCALARS = "scalars, one structure an entry; correlate(method='simulation') takes arrays"
+STEPS_PER_PERIOD = 32
+SHORT, MOTIONS = 0.5, (256, 2048)  # [s] of a simulation, and fewest and most motions, where not given
+ROUNDING = 1e-13  # relative size of a sum, over its terms, below which it is a rounding error
+NOT_STATIONARY = 5.0  # change of a variance, in standard errors, above which a run is not stationary
+# A drift is waited for if each motion then has at most this number of time steps. With 256 motions of
+# one structure this takes some ten seconds.
+MOST_STEPS = 1e7
+
+
+class MomentEstimates(NamedTuple):
+    """Second moments of the displacements of n cells, with standard errors; NaN for invalid cells."""
+
+    displacement_std: Array  # (n,) [m]
+    displacement_error: Array  # (n,) [m]
+    rho: Array  # (n, n)
+    rho_error: Array  # (n, n)
+    drift: Array  # (n,) change of the variance during the run, in standard errors
+    status: Array  # (n,) status codes of `labels`
+
+
+@checked
+def simulate(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    *,
+    paths: Paths = 256,
+    seed: Seed = 0,
+    steps_per_period: StepsPerPeriod = STEPS_PER_PERIOD,
+    relaxation_times: RelaxationTimes = 20.0,
+    duration: Duration | None = None,
+    envelope: Envelope | None = None,
+    scatter: Scatter = 0.0,
+    quantiles: Quantiles = (0.5, 0.84, 0.95),
+    link: Link | Sequence[Link | None] | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Response of structures on one ground by nonlinear simulation.
+
+    Without a duration the result has the stationary second moments of the displacements; with a
+    duration, the peaks in finite motions from rest. All structures are subjected to the same motions, so
+    that the result has each pair of them.
+
+    Parameters
+    ----------
+    structures : sequence of Bilinear, BoucWen, Hysteretic or ShearBuilding
+        The structures, with scalar parameters. A ``reduction_factor`` refers to the elastic response of
+        the structure without links. With a duration, parameters may be `Uncertain`; each motion then has
+        its own sample.
+    ground : WhiteNoise, KanaiTajimi or CloughPenzien
+        The ground, with scalar parameters, or `Uncertain` ones with a duration.
+    paths : int
+        Number of independent motions, which is rounded up to a multiple of 32.
+    seed : int
+        Seed of the random numbers; the result does not depend on the number of cores.
+    steps_per_period : int
+        Time steps in the shortest period of structures and ground, at least 8.
+    relaxation_times : float
+        Duration of each stationary motion after the burn-in, at least 1, in multiples of the longest
+        memory of structures and ground. The memory is ``1/(xi w)`` or the correlation time of the
+        plastic drift, which is measured in a short simulation. The burn-in takes five times the memory.
+    duration : float, optional
+        Duration of each motion [s], at least one period; without it the response is stationary.
+    envelope : AminAng, ShinozukaSato or GammaEnvelope, optional
+        Envelope of finite motions; without it they are stationary from their start.
+    scatter : float
+        Standard deviation [-] of the natural logarithm of a random factor on the ground acceleration of
+        each finite motion, from 0 to 2. The factors have the median 1 and are independent. They
+        represent the scatter between earthquakes, which a ground does not contain. The motions are
+        otherwise the same as without scatter.
+    quantiles : sequence of float
+        Probabilities of the quantiles of the separation in finite motions, between 0 and 1.
+    link : Link or list of Link and None, optional
+        Links from each structure to the next, or between the structures that the ``structures`` of a
+        link name, which may be one structure; linked oscillators need a mass.
+    progress : callable, optional
+        Called with the share of the work that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        Without a duration, over ``structure``: ``displacement_std`` [m] with
+        ``displacement_std_standard_error``; ``ductility_std`` [-]; ``drift`` [-], the change of the
+        variance from the first half of the run to the second in standard errors; ``drift_memory`` [s],
+        the relaxation time of the plastic drift, 0 if elastic; and ``status``, which
+        is ``not_converged`` if the drift exceeds 5, and ``not_resolved`` if the structure yields too
+        rarely for the run (see the notes). Over (``structure``, ``structure_2``): ``rho`` [-] with
+        ``rho_standard_error``.
+
+        With a duration, over (``path``, ``structure``): ``peak_positive``, ``peak_negative`` and
+        ``peak``, the larger of both [m]. Over (``path``, ``structure``, ``structure_2``): ``separation``
+        [m], the peak of ``u_1 - u_2``, which is the gap without pounding for ``structure`` on the left
+        of ``structure_2``. Also their means with standard errors, and ``separation_quantile`` with its
+        95 % interval, ``_lower`` and ``_upper``. `exceedance` gives the probability of exceeding a gap
+        from the samples. With uncertain parameters also ``input_factor`` [-] over (``path``,
+        ``input``), the samples over the medians. With links also, over (``path``, ``link``) and as means
+        with standard errors: ``peak_link_force`` [N], means over steps, ``peak_link_stroke`` [m] and
+        ``link_energy`` [J], which the link dissipates in the motion.
+
+        A structure whose stiffness after yielding is negative, by its ``hardening`` or by P-delta, falls
+        where its force at the largest ``z`` is zero again, or where a storey drifts by its height. Such
+        a motion exceeds any gap: its peaks, separations and links are infinite.
+        ``collapse_probability`` [-] over ``structure``, with its 95 % interval, is their share.
+
+        With a building with storeys, displacements are over ``floor`` in place of ``structure``, and
+        ductilities over ``element``, the storeys; standard deviations and peaks of the drifts are added.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If there is no structure, a parameter is an array, an argument is of the wrong kind or out of
+        range, or the simulation would take too much memory or time.
+    ArithmeticError
+        If the elastic response of a structure cannot be computed.
+
+    Notes
+    -----
+    The time steps are those of the trapezoidal rule. The bilinear law has an exact return map in them,
+    the states of other laws a rule of fourth order. For linear structures the second moments are exact
+    for any step. A law in sympy is compiled in a second or two. Storeys with the Bouc-Wen law take as
+    long as bilinear ones, with an exponent other than 1 three times, dashpots with an exponent ten times
+    as long. Standard errors come from the scatter between independent paths.
+
+    The plastic drift of a structure that yields rarely takes very long to settle. The run is only as
+    long as all drifts require that settle within ten million steps of each motion. A structure whose
+    drift takes longer has the status ``not_resolved``, and so have structures that are linked to it. Its
+    numbers are those of the simulated motions, with the standard errors of these. They lack most of the
+    drift, so that the stationary standard deviation is larger, and ``rho`` is another one. A response is
+    stationary only after several ``drift_memory``, which no earthquake lasts if it is a minute or more.
+    It is measured where a drift determines the length of the run; else, and if it is not resolved, it is
+    that by linearization, which is 1.2 to 10 times as long. With fewer
+    ``relaxation_times`` more structures are resolved. A simulation that would take a quarter of an hour
+    or more is refused.
+
+    References
+    ----------
+    Hairer, Lubich and Wanner (2006), Geometric numerical integration; Simo and Hughes (1998),
+    Computational inelasticity, for the return map.
+
+    Examples
+    --------
+    >>> import numpy as np, stochlin as sl
+    >>> pair = [sl.Bilinear(period=T, damping=0.05) for T in (0.5, 1.0)]
+    >>> table = sl.simulate(pair, sl.WhiteNoise(0.01), paths=64, relaxation_times=20)
+    >>> exact = float(sl.rho_white_noise(0.5, 1.0, 0.05, 0.05).rho)
+    >>> bool(abs(table.rho[0, 1] - exact) < 4 * table.rho_standard_error[0, 1])
+    True
+    """
+    drawn = draw(structures, ground, paths, seed)
+    if drawn.factors:
+        structures, ground = _medians(drawn, duration)
+    roles = checked_structures(structures, ground)
+    check_motion(duration, envelope, scatter, roles)
+    check_memory(sum(floor_count(structure) for structure in structures), paths)
+    moving = structures_in_motion(structures, ground, link, duration is None, drawn.stacks())
+    options: dict[str, Any] = {
+        "paths": paths,
+        "seed": seed,
+        "steps_per_period": steps_per_period,
+        "scatter": float(scatter),
+        "grounds": drawn.grounds(),
+    }
+    run = moving.run(ground, **options)
+    if not run.valid.all() and (moving.has_storeys or duration is not None):
+        lost = roles[f"structures[{int(np.argmin(run.valid))}]"].describe()
+        raise ArithmeticError(
+            f"the elastic response of {lost} cannot be computed in floating point; give less extreme "
+            "parameters"
+        )
+    models = drawn.models
+    del models["ground"]
+    if isinstance(link, Link):
+        models["link"] = link
+    else:
+        models |= {f"link_{n}": each for n, each in enumerate(moving.links, start=1) if each is not None}
+    if duration is not None:
+        table = simulate_finite(moving, run, duration, envelope, quantiles, progress)
+        table = table.assign(drawn.table())
+        state, more = "finite motions", f", duration={duration}"
+    else:
+        table = _stationary(moving, run, relaxation_times, progress)
+        state, more = "stationary response", ""
+    return labels.with_run_information(
+        labels.label(table, VARIABLES, labels.NOT_RESOLVED),
+        f"Simulation of {len(structures)} structures in {state}, {ground.name} ground",
+        f"simulate(paths={paths}, seed={seed}{more})",
+        models | {"ground": drawn.ground},
+    )
+
+
+def _medians(drawn: Draw, duration: float | None) -> tuple[Sequence[AnyStructure], Ground]:
+    """Medians of uncertain structures and ground; raises a ValueError without a duration."""
+    if duration is None:
+        role, names = next((role, list(own)) for role, own in drawn.factors.items())
+        raise ValueError(
+            f"{role}: {', '.join(names)} is uncertain, and duration is missing; a stationary response "
+            "is that of one structure on one ground: give a duration, or the median()"
+        )
+    return drawn.medians
+
+
+def _stationary(
+    moving: StructuresInMotion, run: SimulationRun, relaxation_times: float, progress: Progress | None
+) -> xr.Dataset:
+    """Stationary second moments of all floors, and of the drifts of storeys."""
+    too_slow = MOST_STEPS * run.plan.dt / (BURN_IN + relaxation_times)
+    expected = run.drift_time
+    rare = expected > too_slow
+    run = with_length(run._replace(drift_time=np.where(rare, 0.0, expected)), relaxation_times)
+    memory = run._replace(drift_time=np.where(rare, expected, run.drift_time)).drift_memory
+    storeys = drifts_of(moving.system) if moving.has_storeys else []
+    view = None
+    if storeys:
+        floors = [{floor: 1.0} for floor in range(len(moving.system.floors))]
+        view = view_of([*floors, *storeys], run.order, run.scale)
+    moments = simulate_moments(run, progress, view)
+    n, over = len(moving.system.floors), moving.floor
+    check_response(moving.system, np.isfinite(moments.displacement_std[None, :n]) | ~run.valid[:n])
+    for group in moving.connected:  # all floors of a structure move with the storey that yields rarely
+        memory[group.watched] = memory[group.watched].max()
+    unresolved = memory > too_slow
+    table = xr.Dataset(
+        {
+            "displacement_std": (over, moments.displacement_std[:n]),
+            "displacement_std_standard_error": (over, moments.displacement_error[:n]),
+            "drift": (over, moments.drift[:n]),
+            "drift_memory": (over, memory[:n]),
+            "status": (over, np.where(unresolved[:n], labels.NOT_RESOLVED, moments.status[:n])),
+            "rho": ((over, f"{over}_2"), moments.rho[:n, :n]),
+            "rho_standard_error": ((over, f"{over}_2"), moments.rho_error[:n, :n]),
+        },
+        coords=moving.floor_coords(),
+        attrs=run_attributes(run),
+    )
+    ductility = moments.displacement_std[:n]
+    if storeys:
+        ductility = moments.displacement_std[n:]
+        table["drift_std"] = (ELEMENT, ductility)
+        table["drift_std_standard_error"] = (ELEMENT, moments.displacement_error[n:])
+        table = table.assign_coords(element_coordinates(moving.system))
+    table["ductility_std"] = (moving.element, ductility / moving.strength)
+    return table
+
+
+def checked_structures(structures: Sequence[AnyStructure], ground: Ground) -> dict[str, AnyStructure]:
+    """The structures by their roles; raises if they or the ground do not suit `simulate`."""
+    if not isinstance(structures, Sequence):
+        raise TypeError(f"structures = {brief(structures)}; allowed: a list of structures")
+    if not structures:
+        raise ValueError("structures is empty; allowed: at least one")
+    roles = {f"structures[{number}]": structure for number, structure in enumerate(structures)}
+    for role, structure in roles.items():
+        expect(structure, STRUCTURES, role)
+        if isinstance(structure, Structure):
+            check_scalars(structure, role, SCALARS)
+    check_scalars(ground, "ground", SCALARS)
+    return roles
+
+
+def time_step(structures: Sequence[AnyStructure], ground: Ground) -> float:
+    """Time step of `simulate` in finite motions of these structures [s]."""
+    moving = structures_in_motion(structures, ground, None, stationary=False)
+    return moving.run(ground, paths=1, seed=0, steps_per_period=STEPS_PER_PERIOD).plan.dt
+
+
+def check_repeated(
+    structures: Sequence[AnyStructure],
+    ground: Ground,
+    duration: float,
+    paths: int | None,
+    times: int,
+) -> tuple[int, int]:
+    """Fewest and most motions of finite simulations: ``paths``, or so many that each is short.
+
+    Raises if structures do not suit `simulate`, or if ``times`` simulations would take too long.
+    """
+    checked_structures(structures, ground)
+    moving = structures_in_motion(structures, ground, None, stationary=False)
+    run = moving.run(ground, paths=paths or LANES, seed=0, steps_per_period=STEPS_PER_PERIOD)
+    check_finite(run, duration, moving.functions, times)
+    if paths is not None:
+        return paths, paths
+    each = seconds_of(run, duration / run.plan.dt, 2.0 * moving.functions) / LANES
+    return whole_groups(int(np.clip(SHORT / each, *MOTIONS))), MOTIONS[1]
+
+
+def simulate_moments(
+    run: SimulationRun, progress: Progress | None, view: View | None = None
+) -> MomentEstimates:
+    """Second moments with standard errors, of all floors or of the displacements in ``view``."""
+    sums = stationary_sums(run.crowd, view, progress)
+    variance, variance_error, rho, rho_error, drift = _estimates(sums, run.plan.groups * LANES)
+    sigma = np.sqrt(variance)
+    valid, order, unit = run.valid, run.order, run.scale
+    if view is not None:
+        valid, order, unit = np.ones(sigma.size, bool), np.arange(sigma.size), np.ones(sigma.size)
+
+    def spread(values: Array, scale: Any = 1.0) -> Array:
+        filled = np.full((valid.size,) * values.ndim, np.nan)
+        filled[np.ix_(*([valid] * values.ndim))] = values[np.ix_(*([order] * values.ndim))] * scale
+        return filled
+
+    std, error, drift = spread(sigma, unit), spread(variance_error / (2 * sigma), unit), spread(drift)
+    status = np.where(np.abs(drift) <= NOT_STATIONARY, labels.CONVERGED, labels.NOT_CONVERGED)
+    status = np.where(valid, status, labels.INVALID_INPUT).astype(np.int8)
+    return MomentEstimates(std, error, spread(rho), spread(rho_error), drift, status)
+
+
+@np.errstate(all="ignore")  # cells that overflow get a status
+def _estimates(sums: Sums, paths: int) -> tuple[Array, Array, Array, Array, Array]:
+    """Variance and its standard error, rho and its standard error, and change of the variance.
+
+    The errors follow from the scatter between paths. That of ``rho`` is the standard error of the mean
+    of its influence function, ``g_12/(s_1 s_2) - rho/2 (g_11/s_1^2 + g_22/s_2^2)``, with the mean
+    products ``g_ij`` of the displacements in a path.
+    """
+    mean = sums.moments / paths
+    variance = np.diag(mean)
+    unit = np.sqrt(np.outer(variance, variance))
+    rho = mean / unit
+    share_1, share_2 = sums.with_own / (unit * variance[:, None]), sums.with_own.T / (unit * variance)
+    own = np.diag(sums.own) / variance**2
+    spread = (
+        sums.squares / unit**2
+        - rho * (share_1 + share_2)
+        + 0.25 * rho**2 * (own[:, None] + own + 2 * sums.own / unit**2)
+    )
+    spread = np.where(spread > ROUNDING * sums.squares / unit**2, spread, 0.0)
+    rho_error = np.sqrt(spread / (paths * (paths - 1)))
+    variance_error = np.sqrt((np.diag(sums.own) - paths * variance**2) / (paths * (paths - 1)))
+    change = sums.change / paths
+    change_error = np.sqrt((sums.change_squares / paths - change**2) / (paths - 1))
+    return variance, variance_error, rho, rho_error, change / change_error
+
+
+def run_attributes(run: SimulationRun) -> dict[str, float | int]:
+    """Attributes of a dataset that describe its stationary simulation."""
+    plan = run.plan
+    return {
+        "paths": plan.groups * LANES,
+        "seed": plan.seed,
+        "step_s": plan.dt,
+        "memory_s": run.memory,
+        "burn_in_s": plan.burn_in * plan.block,
+        "recorded_s": plan.recorded * plan.block,
+    }
