@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
+from stochlin.applications.sites.motion_fit import energy_ratio
 from stochlin.messages import DoubtfulInput
 
 SHAPE = sl.AminAng(3.0, 12.0, 0.3)
@@ -26,6 +27,17 @@ def assert_energy_is_that(record, motion):
     motions = sl.simulated_motions(motion.ground, motion.duration, motion.envelope, paths=512)
     ratio = (motions**2).integrate("time") / (record**2).integrate("time")
     assert abs(float(ratio.mean()) - 1) < 4 * float(ratio.std()) / np.sqrt(512), record.attrs["source"]
+
+
+@pytest.mark.oracle
+def test_energy_of_motions_over_that_of_a_sine_of_the_same_rms_is_the_ratio_of_durations():
+    ground = sl.KanaiTajimi(0.5, 0.4, intensity=0.01)
+    w, damping = 4 * np.pi, 0.4  # of the ground; its variance is pi S0 w (1 + 4 xi^2) / (2 xi)
+    rms = np.sqrt(np.pi * 0.01 * w * (1 + 4 * damping**2) / (2 * damping))
+    time = np.arange(2001) * 0.01
+    sine = rms * np.sqrt(2) * np.sin(2 * np.pi * time)
+    record = xr.DataArray(sine, [("time", time)], attrs={"units": "m/s^2"})
+    assert energy_ratio(record, ground, None, 10.0) == pytest.approx(0.5, rel=1e-3)
 
 
 @pytest.mark.slow

@@ -41,10 +41,7 @@ USUAL_RULES = ("penzien_1997", "iwan_1980")  # derived, and fitted to records
 SIMULATED_POINTS = 21  # along a curve
 STEPS = 100  # in a period of the ground, of the finite motions
 SIMULATED, IN_MOTIONS, ERROR = "rho_simulated", "rho_in_motions", "rho_standard_error"
-OPEN_POINTS = (
-    "Simulated values whose plastic drift relaxes in more than {:.3g} s, open or hatched, are not in "
-    "the errors."
-)
+OPEN_POINTS = "Simulated values whose plastic drift relaxes in more than {:.3g} s are not in the errors."
 VARIABLES = {
     "rho": ("1", "correlation coefficient ρ"),
     "rho_drift": ("1", "correlation coefficient of the displacements by the drift closure"),
