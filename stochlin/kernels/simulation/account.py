@@ -96,29 +96,35 @@ class Account(NamedTuple):
 @compiled
 def _watch_accelerations(column, weight, dt, at, to, x, lanes):
     """Largest absolute accelerations, from the change of the velocities in the step."""
-    change, v = to.scratch_1, to.scratch_2
+    most, change, v = to.acceleration, to.scratch_1, to.scratch_2
     for i in range(column.shape[0]):
-        most = to.acceleration + i
         times_row(column, weight, i, x, at.dq, change, lanes)
         times_row(column, weight, i, x, at.v, v, lanes)
         for lane in range(lanes):
             mean = abs(2.0 * (x[v, lane] - x[change, lane] / dt) / dt - x[at.f, lane])
-            x[most, lane] = max(x[most, lane], x[to.counts, lane] * mean)
+            x[most + i, lane] = max(x[most + i, lane], x[to.counts, lane] * mean)
+
+
+@compiled
+def _farthest(column, weight, i, dt, at, to, x, lanes):
+    """Write a weighted sum of displacements at the end of the step, and where it turns within it."""
+    end, turn, change = to.scratch_1, to.scratch_2, to.scratch_3
+    times_row(column, weight, i, x, at.q, end, lanes)
+    times_row(column, weight, i, x, at.dq, change, lanes)
+    times_row(column, weight, i, x, at.known, turn, lanes)  # the velocity at the beginning
+    for lane in range(lanes):
+        begin, way = x[end, lane] - x[change, lane], dt * x[turn, lane]
+        x[turn, lane], _ = turned(begin, x[end, lane], way)
 
 
 @compiled
 def watch_displacements(steps, at, to, x, lanes):
-    """Largest and smallest displacements, at the end of the step and where they turn within it."""
+    """Largest and smallest displacements."""
     column, weight = steps.shapes
-    u, change, turn = to.scratch_1, to.scratch_2, to.scratch_3
+    u, turn = to.scratch_1, to.scratch_2
     for i in range(column.shape[0]):
         highest, lowest = to.highest + i, to.lowest + i
-        times_row(column, weight, i, x, at.q, u, lanes)
-        times_row(column, weight, i, x, at.dq, change, lanes)
-        times_row(column, weight, i, x, at.known, turn, lanes)  # the velocity at the beginning
-        for lane in range(lanes):
-            end, way = x[u, lane], steps.dt * x[turn, lane]
-            x[turn, lane], _ = turned(end - x[change, lane], end, way)
+        _farthest(column, weight, i, steps.dt, at, to, x, lanes)
         for lane in range(lanes):
             most = max(x[u, lane], x[turn, lane]) if x[to.counts, lane] > 0.0 else 0.0
             x[highest, lane] = max(x[highest, lane], most)
@@ -130,25 +136,24 @@ def watch_displacements(steps, at, to, x, lanes):
 @compiled
 def _watch_shears(column, weight, column_z, weight_z, at, to, x, lanes):
     """Largest storey shears at the ends of steps."""
-    of_q, of_z = to.scratch_1, to.scratch_2
+    most, of_q, of_z = to.shear, to.scratch_1, to.scratch_2
     for i in range(column.shape[0]):
-        most = to.shear + i
         times_row(column, weight, i, x, at.q, of_q, lanes)
         times_row(column_z, weight_z, i, x, at.z, of_z, lanes)
         for lane in range(lanes):
             shear = abs(x[of_q, lane] + x[of_z, lane])
-            x[most, lane] = max(x[most, lane], x[to.counts, lane] * shear)
+            x[most + i, lane] = max(x[most + i, lane], x[to.counts, lane] * shear)
 
 
 @compiled
-def _watch_extensions(column, weight, at, to, x, lanes):
-    """Largest absolute extensions at the ends of steps."""
-    extension = to.scratch_1
+def _watch_extensions(column, weight, dt, at, to, x, lanes):
+    """Largest absolute extensions."""
+    most, end, turn = to.stretch, to.scratch_1, to.scratch_2
     for i in range(column.shape[0]):
-        most = to.stretch + i
-        times_row(column, weight, i, x, at.q, extension, lanes)
+        _farthest(column, weight, i, dt, at, to, x, lanes)
         for lane in range(lanes):
-            x[most, lane] = max(x[most, lane], x[to.counts, lane] * abs(x[extension, lane]))
+            farthest = max(abs(x[end, lane]), abs(x[turn, lane]))
+            x[most + i, lane] = max(x[most + i, lane], x[to.counts, lane] * farthest)
 
 
 @compiled
@@ -202,7 +207,7 @@ def watch(steps, parts, at, to, x, lanes):
     _watch_accelerations(of_floor, share, dt, at, to, x, lanes)
     (of_q, share_q), (of_z, share_z) = parts.shear
     _watch_shears(of_q, share_q, of_z, share_z, at, to, x, lanes)
-    _watch_extensions(column, weight, at, to, x, lanes)
+    _watch_extensions(column, weight, dt, at, to, x, lanes)
     _watch_masses(parts.damping, parts.mass, parts.structure, dt, at, to, x, lanes)
     if parts.spring.size > 0:
         spring, ties, dashpot, constant = steps.spring, parts.spring, parts.dashpot, parts.constant

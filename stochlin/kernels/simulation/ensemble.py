@@ -359,14 +359,17 @@ def finite_extremes(
     def of_group(motion: MotionGroup) -> Extremes:
         """The extremes in one group of motions."""
         begin, way, highest, lowest = np.zeros((4, len(view.row), LANES))
-        peaks = LinkPeaks.at_rest(len(links.parameters) if links else 0)
+        count = len(links.parameters) if links else 0
+        extensions, peaks = np.zeros((4, count, LANES)), LinkPeaks(*np.zeros((4, count, LANES)))
         for out in motion.under(envelope):
             keep_extremes(out, *view, begin, way, highest, lowest)
             if links is not None:
+                keep_extremes(out, *links.extensions, *extensions)
                 watch_links(links.extensions.of(out), links.parameters, crowd.plan.dt, peaks)
         lost = ~np.isfinite(view.of(out[-1:])[0])
         highest[lost] = lowest[lost] = np.nan
-        return Extremes(highest, lowest, peaks.force, peaks.stroke, peaks.energy)
+        stroke = np.abs(extensions[2:]).max(axis=0)
+        return Extremes(highest, lowest, peaks.force, stroke, peaks.energy)
 
     groups = list(crowd.over_groups(of_group, progress))
     return Extremes(*(np.concatenate(each, axis=1).T for each in zip(*groups, strict=True)))

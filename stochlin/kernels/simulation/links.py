@@ -1,4 +1,4 @@
-"""Largest forces and strokes of links in simulated motions, and the energies that they dissipate.
+"""Largest forces of links in simulated motions, and the energies that they dissipate.
 
 The extension of a link is known after each step, and its rate is constant within a step. The change of
 the extension therefore gives the mean force of a dashpot and the slip of a spring that yields, which are
@@ -8,8 +8,6 @@ those of the step itself, as in `account`.
 from __future__ import annotations
 
 from typing import NamedTuple
-
-import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import entry
@@ -24,13 +22,7 @@ class LinkPeaks(NamedTuple):
     extension: Array  # (l, LANES) ``u1 - u2`` [m]
     elastic: Array  # (l, LANES) its elastic part [m]
     force: Array  # (l, LANES) largest force, as means of steps [N]
-    stroke: Array  # (l, LANES) largest absolute extension [m]
     energy: Array  # (l, LANES) dissipated so far [J]
-
-    @classmethod
-    def at_rest(cls, links: int) -> LinkPeaks:
-        """Those of links before a motion."""
-        return cls(*np.zeros((5, links, LANES)))
 
 
 @entry
@@ -39,7 +31,7 @@ def watch_links(extensions, parameters, dt, peaks):
 
     The columns of ``parameters`` (l, 5) are those of this module.
     """
-    extension, elastic, force, stroke, energy = peaks
+    extension, elastic, force, energy = peaks
     for s in range(extensions.shape[0]):
         for i in range(len(parameters)):
             post, couple, strength = parameters[i, POST], parameters[i, COUPLE], parameters[i, STRENGTH]
@@ -55,5 +47,4 @@ def watch_links(extensions, parameters, dt, peaks):
                 mean = 0.5 * post * (begin + end) + held + (drag if change > 0.0 else -drag)
                 extension[i, lane], elastic[i, lane] = end, new
                 force[i, lane] = max(force[i, lane], abs(mean))
-                stroke[i, lane] = max(stroke[i, lane], abs(end))
                 energy[i, lane] += drag * abs(change) + held * slip
