@@ -276,7 +276,7 @@ def unfit(error: BaseException | None, parameter: str) -> str:
         "has a name from within": bool(INNER.search(said)),
         "does not name the parameter": bool(said)
         and not isinstance(error, OSError)
-        and "no pair has valid parameters" not in said  # of a table
+        and "no cell has valid parameters" not in said  # of a table
         and not any(word in said for word in words),
     }
     return ", ".join(fault for fault, found in faults.items() if found)

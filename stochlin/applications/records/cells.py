@@ -11,8 +11,10 @@ import xarray as xr
 
 from stochlin.applications.records.records import checked_record
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.linear_branch import LONGEST
+from stochlin.kernels.basics.parallel import cores
 from stochlin.kernels.records.oscillator import HIGHEST, LOWEST
-from stochlin.kernels.records.runs import SampledMotion
+from stochlin.kernels.records.runs import PAIR, SampledMotion
 from stochlin.models.arguments import OfClass, check_label
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import expect
@@ -21,6 +23,7 @@ from stochlin.models.systems import STRUCTURES, AnyStructure, falls_at
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cellwise import row_of
 from stochlin.solver.tables.lazy import arrays_of, check_names
+from stochlin.solver.tables.work import check_work
 
 Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
 """One record, as from `read_record`, or several as a list, or as a mapping with their names."""
@@ -114,7 +117,7 @@ class RecordCells(NamedTuple):
         """The cells of structures, elastic where the yield displacement is infinite.
 
         A cell that is out of range, or has a period below a tenth of the records' longest time step, is
-        not valid.
+        not valid. A ValueError is raised if the responses would take too long.
         """
         arrays = arrays_of(dict(zip(("first", "second"), structures, strict=False)))
         like = xr.broadcast(xr.DataArray(False), *arrays.values())[0]
@@ -127,15 +130,19 @@ class RecordCells(NamedTuple):
             if period.ndim == 0 and period < shortest:
                 allowed = f"{shortest:g} s, a tenth of the record's step, or more"
                 raise ValueError(f"period = {float(period):g} s; allowed: {allowed}")
-            finite: dict[str, Any] = (
-                {"yield_displacement": uy.where(~np.isposinf(uy), 1.0)} if structure.yields else {}
-            )
+            limit = uy.where(~np.isposinf(uy), 1.0)
+            finite: dict[str, Any] = {"yield_displacement": limit} if structure.yields else {}
             usable = dataclasses.replace(structure, **finite).valid() & (period >= shortest)
             w = 2 * np.pi / period.where(usable, 1.0)
             columns = (w, values["damping"], values.get("hardening", xr.DataArray(1.0)), uy)
             sides.append(np.stack([row_of(column, like) for column in columns], axis=1).astype(float))
             valid &= row_of(usable, like)
-        return cls(motions, like, valid, [side[valid] for side in sides])
+        sides = [side[valid] for side in sides]
+        steps = np.max([side[:, 0] for side in sides], axis=0) * (2 * PAIR) ** (len(sides) - 1) / LONGEST
+        cure = "take longer periods, or fewer structures or records at a time"
+        seconds = 3e-8 * sum(len(a) * np.maximum(1.0, dt * steps).sum() for a, dt in motions.grounds)
+        check_work("structures on records would take", cure, seconds=seconds, cores=cores())
+        return cls(motions, like, valid, sides)
 
     def peak(self, number: int, peaks: Array) -> Array:
         """Peak displacements of a structure (records, valid cells) [m], infinite where it falls."""

@@ -180,7 +180,7 @@ def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
     if fallen.any():
         at_height[:], peaks[fallen], drifts[fallen[system.owners]] = np.inf, np.inf, np.inf
     strength = system.watched_strength
-    stayed = not (drifts > strength).any()
+    status = labels.CONVERGED if (drifts > strength).any() else labels.ELASTIC_LIMIT
     rho = None
     if count == 2:
         u_1, u_2 = values[:, 0], values[:, 1]
@@ -188,14 +188,10 @@ def _in_one(system: Arrangement, motion: SteppedResponse) -> xr.Dataset:
             power = np.sqrt(np.trapezoid(u_1**2) * np.trapezoid(u_2**2))
             rho = np.trapezoid(u_1 * u_2) / power
     columns = gap_columns(at_height.max(), [*peaks], rho)
-    table = xr.Dataset(columns).assign(
-        step_error=motion.error, status=np.int8(labels.ELASTIC_LIMIT if stayed else labels.CONVERGED)
-    )
+    table = xr.Dataset(columns).assign(step_error=motion.error, status=np.int8(status))
     if all(stack.is_oscillator for stack in system.stacks):
         return table
-    heights = system.stacks[0].levels
-    if count == 2:
-        heights = np.array([pair.height for pair in pairs_of(system)])
+    heights = system.stacks[0].levels if count == 1 else [pair.height for pair in pairs_of(system)]
     attrs = {"units": "m", "long_name": "height above the ground"}
     return table.assign(
         separation_at_height=("height", at_height),
@@ -231,6 +227,5 @@ def _values(
             part = f[begin : begin + AT_ONCE]
             out = np.empty((len(part), watched.size, 1))
             block(part, state, 1, out)
-            moved = out[..., 0] @ weights[:, watched].T
-            values[begin + 1 : begin + 1 + len(part)] += moved
+            values[begin + 1 : begin + 1 + len(part)] += out[..., 0] @ weights[:, watched].T
     return values

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from stochlin.applications.pounding.pounding import pound
+from stochlin.applications.probability.probability import pounding_probability
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.records.response import respond, response_spectrum
 from stochlin.kernels.correlation.bilinear_pair import linearized_pair
@@ -81,6 +82,7 @@ def oscillators() -> None:
         _finite([first, second], ground)
     _finite([first, BoucWen(0.5, 0.05, **YIELDING)], _ground())
     simulate([first, second], _ground(), paths=PATHS, relaxation_times=1.0)
+    pounding_probability(first, second, _ground(), 0.05, duration=SECONDS, paths=PATHS)
     unknown: Any = Uncertain(0.5, 0.1)
     uncertain = Bilinear(unknown, 0.05, **YIELDING)
     _finite([uncertain, second], KanaiTajimi(unknown, 0.3, intensity=0.01))
