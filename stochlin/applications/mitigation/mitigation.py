@@ -155,14 +155,12 @@ def mitigate(
     left, right = _checked(first, second, ground, measures, contact, records)
     both = [median_of(structure) for structure in (left, right)]
     check_duration(duration, dict(zip(("first", "second"), both, strict=True)))
+    motion = {"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed}
     pair = MitigatedPair(
         structures=(left, right),
         ground=ground,
         gap=float(gap),
-        motion={
-            **{"duration": duration, "envelope": envelope, "scatter": scatter, "seed": seed},
-            "quantiles": [confidence],
-        },
+        motion={**motion, "quantiles": [confidence]},
         paths=check_repeated(both, median_of(ground), duration, paths, len(measures) + SIMULATIONS),
         contact=contact,
         records=records or {},

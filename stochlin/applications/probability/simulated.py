@@ -117,8 +117,8 @@ def _table(histories: Histories, axes: ResultAxes, confidence: float, seed: int)
     table = xr.Dataset({name: axes.array(each, heights=False) for name, each in shares.items()})
     table = table.assign({name: axes.array(each, gaps=False) for name, each in at_heights.items()})
     largest = histories.largest.max(axis=1)
-    whole: dict[str, Any] = {name: float(gap) for name, (gap,) in
-                             _required_gaps(largest[:, None], confidence).items()}  # fmt: skip
+    gaps = _required_gaps(largest[:, None], confidence)
+    whole: dict[str, Any] = {name: float(gap) for name, (gap,) in gaps.items()}
     whole[SAMPLES] = "path", largest
     return over_heights(table).assign(whole).assign_attrs(paths=n, seed=seed)
 

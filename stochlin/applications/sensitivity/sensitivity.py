@@ -116,7 +116,8 @@ def sensitivity(
     for role in roles:  # reduction factors refer to the ground at its medians
         models[role] = models[role].changed(lambda s: strength_in_metres(s, usual))
     check_repeated([*both.values()], usual, duration, paths, 2 * (1 + len(inputs)))
-    motion = Motion(duration, envelope, paths, seed, float(scatter), progress)
+    draws = {"paths": paths, "seed": seed, "scatter": float(scatter)}
+    motion = Motion(duration, envelope, draws, progress)
     responses = _responses(models, inputs, motion)
     table = labels.label(_table(responses, inputs, confidence), VARIABLES)
     subject = "the set-back of a building" if second is None else "the gap of two buildings"
@@ -150,9 +151,7 @@ class Motion(NamedTuple):
 
     duration: float
     envelope: Envelope | None
-    paths: int
-    seed: int
-    scatter: float
+    draws: Mapping[str, Any]  # number, seed and scatter of the motions
     progress: Progress | None
 
 
@@ -164,23 +163,20 @@ def _responses(
     made: dict[str, list[Any]] = {}  # samples of the models in the first simulation
 
     def run(changes: Mapping[str, UncertainModel]) -> Array:
-        own = [value for m in {**models, **changes}.values() for value in m.uncertain.values()]
-        sampled = any(value.spread for value in own)
+        present = [changes.get(role, model) for role, model in models.items()]
+        sampled = any(value.spread for model in present for value in model.uncertain.values())
         *structures, ground = (
-            model if sampled and model.uncertain else model.median()
-            for model in {**models, **changes}.values()
+            model if sampled and model.uncertain else model.median() for model in present
         )
-        drawn = draw(structures, ground, motion.paths, motion.seed)
+        drawn = draw(structures, ground, motion.draws["paths"], motion.draws["seed"])
         if not steps:
             made.update({role: drawn.samples_of(role) for role in drawn.factors})
         kept = {role: made[role] for role in drawn.factors if role not in changes}
         drawn = drawn._replace(made=kept)
         structures, ground = drawn.medians
         moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
-        simulation = moving.run(
-            ground, steps_per_period=STEPS_PER_PERIOD, paths=motion.paths, seed=motion.seed,
-            scatter=motion.scatter, grounds=drawn.grounds(), step=steps[0] if steps else None,
-        )  # fmt: skip
+        options = {**motion.draws, "grounds": drawn.grounds(), "step": steps[0] if steps else None}
+        simulation = moving.run(ground, steps_per_period=STEPS_PER_PERIOD, **options)
         table = simulate_finite(moving, simulation, motion.duration, motion.envelope, (), None)
         steps.append(simulation.plan.dt)
         if motion.progress is not None:

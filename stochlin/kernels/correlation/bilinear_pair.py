@@ -17,11 +17,18 @@ from stochlin.kernels.linearization.covariance import (
 )
 from stochlin.kernels.linearization.gaussian import gaussian_of_numbers, owens_t_of_numbers
 from stochlin.kernels.linearization.grounds import clough_penzien, kanai_tajimi
+from stochlin.kernels.linearization.single_structures import (
+    ALONG,
+    BOLD,
+    BOLD_SHARE,
+    CAREFUL,
+    LEAST_DELTA,
+)
 
 ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken as elastic
-CLOSE, ALONG = 1e-10, 1e-6  # Newton's step at the end, and steps of the differences for its slopes
-# Numbers of steps, and the fields of `single_structures.StepControl`: bold steps, then careful ones.
-PACES = (30, 30.0, 1.0, 0.25, 3.0, 100.0), (170, 0.5, 0.5, 0.5, 1.1, 1.5)
+CLOSE, MOST = 1e-10, 200  # Newton's step at the end, and the number of steps
+BOLD_STEPS = int(BOLD_SHARE * MOST)
+PACES = (BOLD_STEPS, *BOLD), (MOST - BOLD_STEPS, *CAREFUL)
 for _formula in owens_t_of_numbers, gaussian_of_numbers:
     compiled(_formula)
 
@@ -117,7 +124,7 @@ def _settled(start, cell, soil, filters, uy):
                 step = elastic if math.isinf(before) else back
                 continue
             ratio = 1.0 if math.isinf(before) or now == 0 else before / now
-            shorter = max(fall * min(delta, restart), 0.05)
+            shorter = max(fall * min(delta, restart), LEAST_DELTA)
             delta = shorter if ratio < 1 else delta * min(rise * ratio, longest)
             base, before = y, now
             a = _slope((ALONG, 0.0, 0.0), y, f, cell, soil, filters, uy)
