@@ -112,6 +112,14 @@ class Browser:
         wait(lambda: not self.script("return !!document.querySelector('.q-menu')"))
         self.idle()
 
+    def fill(self, text: str) -> None:
+        """Write another text of the case file."""
+        fill = """const area = document.querySelector('textarea[data-text]'); area.value = arguments[0];
+            area.dispatchEvent(new Event('input'))"""
+        self.script(fill, text)
+        time.sleep(0.6)  # longer than an entry waits for another key
+        self.idle()
+
     def click(self, mark: str) -> None:
         self.driver.find_element("css selector", f"[data-{mark}]").click()
 

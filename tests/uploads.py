@@ -11,5 +11,7 @@ from stochlin.applications.explorer.uploads import read_upload, uploaded
 def open_case(files: Mapping[str, bytes]) -> tuple[Case, list[str]]:
     """The case among these files, and warnings on it; the temporary folder is gone afterwards."""
     upload = uploaded(files)
-    with upload.folder as folder:
-        return read_upload(folder, upload.name, upload.text)
+    try:
+        return read_upload(upload.folder, upload.name, upload.text)
+    finally:
+        upload.remove()

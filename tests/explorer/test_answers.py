@@ -14,7 +14,6 @@ from cases import BLOCK, example_of_short_motion, with_buildings
 import stochlin as sl
 from stochlin.applications.cases.separation import answer_case
 from stochlin.applications.explorer.answers import PATHS, correlations, gap_by_few_motions
-from stochlin.applications.explorer.uploads import uploaded
 from stochlin.views.explorer.answers import correlation_of, gap_of
 from stochlin.views.separation.words import first_lines
 
@@ -31,9 +30,8 @@ def nothing(share: float) -> None:
     assert 0 <= share <= 1
 
 
-def answered(question, text):
-    with uploaded({"case.toml": text.encode()}).folder as folder:
-        page = question(folder, "case.toml", text, nothing)
+def answered(question, text, folder):
+    page = question(str(folder), "case.toml", text, nothing)
     return html.unescape(re.sub(r"<svg.*?</svg>|<[^>]*>", "", page, flags=re.DOTALL))
 
 
@@ -42,7 +40,7 @@ def test_the_gap_is_that_of_the_case_with_few_motions(tmp_path):
     case = sl.read_case(tmp_path / "case.toml")
     few = dataclasses.replace(case.simulated, paths=PATHS)
     expected = answer_case(dataclasses.replace(case, simulated=few))
-    page = answered(gap_of, TEXT.replace('title = "', 'title = "<b>'))
+    page = answered(gap_of, TEXT.replace('title = "', 'title = "<b>'), tmp_path)
     for sentence in first_lines(expected):
         assert sentence in page
     shown = [answer.shown.gap for answer in (gap_by_few_motions(case), expected)]
@@ -51,19 +49,18 @@ def test_the_gap_is_that_of_the_case_with_few_motions(tmp_path):
     assert "RuleGap [cm]Error" in page
 
 
-def test_names_are_no_html():
-    with uploaded({"case.toml": TEXT.encode()}).folder as folder:
-        text = TEXT.replace('"Annex"', '"<img src=x onerror=alert(1)>"')
-        page = gap_of(folder, "case.toml", text, nothing)
+def test_names_are_no_html(tmp_path):
+    text = TEXT.replace('"Annex"', '"<img src=x onerror=alert(1)>"')
+    page = gap_of(str(tmp_path), "case.toml", text, nothing)
     assert "<img" not in page
     assert "&lt;img" in page
 
 
 @pytest.mark.slow
-def test_storeys_have_a_gap_and_no_correlation():
-    assert "should stand" in answered(gap_of, STOREYS)
+def test_storeys_have_a_gap_and_no_correlation(tmp_path):
+    assert "should stand" in answered(gap_of, STOREYS, tmp_path)
     with pytest.raises(ValueError, match="is that of two oscillators"):
-        answered(correlation_of, STOREYS)
+        answered(correlation_of, STOREYS, tmp_path)
 
 
 def test_the_correlation_is_that_of_correlate(tmp_path):
@@ -80,10 +77,10 @@ def test_the_correlation_is_that_of_correlate(tmp_path):
     for on in (narrow, broad):
         near = on.linearized.interp(period_ratio=on.simulated.period_ratio)
         assert float(abs(near - on.simulated.rho).max()) < 0.25
-    assert "On white noise: ρ = 0.63 linearized" in answered(correlation_of, TEXT)
+    assert "On white noise: ρ = 0.63 linearized" in answered(correlation_of, TEXT, tmp_path)
 
 
-def test_what_progress_raises_stops_an_answer():
+def test_what_progress_raises_stops_an_answer(tmp_path):
     class Enough(Exception):  # noqa: N818
         pass
 
@@ -91,5 +88,5 @@ def test_what_progress_raises_stops_an_answer():
         raise Enough
 
     for question in (gap_of, correlation_of):
-        with uploaded({"case.toml": TEXT.encode()}).folder as folder, pytest.raises(Enough):
-            question(folder, "case.toml", TEXT, stop)
+        with pytest.raises(Enough):
+            question(str(tmp_path), "case.toml", TEXT, stop)

@@ -40,11 +40,12 @@ def test_a_case_is_opened_with_the_files_that_it_names(tmp_path):
     case, doubts = open_case(files)
     assert doubts == []
     np.testing.assert_array_equal(case.site.records["a.at2"], original.site.records["a.at2"])
-    copied = of_file(tmp_path / "case.toml")
-    assert copied.text == text
-    again, _ = read_upload(copied.folder.name, copied.name, copied.text)
+    there = of_file(tmp_path / "case.toml")
+    assert there.text == text
+    again, _ = read_upload(there.folder, there.name, there.text)
     np.testing.assert_array_equal(again.site.records["a.at2"], original.site.records["a.at2"])
-    copied.folder.cleanup()
+    there.remove()
+    assert record_in(tmp_path / "records").exists()
     del files["a.at2"]
     with pytest.raises(
         ValueError, match=r"line \d+: site.records.path = .*choose the case file together"
@@ -88,27 +89,25 @@ def test_a_name_of_an_upload_that_no_file_can_have_is_refused(name):
 
 def test_an_upload_stays_in_its_folder():
     upload = uploaded({"a/../../case.toml": short_example().encode(), "/b/../../a.csv": b""})
-    with upload.folder as folder:
-        assert sorted(each.name for each in Path(folder).iterdir()) == ["a.csv", "case.toml"]
+    assert sorted(each.name for each in Path(upload.folder).iterdir()) == ["a.csv", "case.toml"]
+    upload.remove()
     for name in ("../a.at2", "/etc/hostname"):
         text = with_site(f'{SITE}[[site.records]]\npath = "{name}"\n')
         with pytest.raises(ValueError, match="is outside of the folder of the case file"):
             open_case({"case.toml": text.encode(), "a.at2": b""})
 
 
-def test_what_is_fitted_to_a_site_is_fitted_once():
+def test_what_is_fitted_to_a_site_is_fitted_once(tmp_path):
     """And a warning on the site is given with each text, with that on the file."""
-    code = 'spectrum = "eurocode_8"\nag = "4 g"\nsoil = "C"\nfilters = 1\n'
-    upload = uploaded({"case.toml": with_site(code).encode()})
-    with upload.folder as folder:
-        before, doubts = read_upload(folder, upload.name, upload.text)
-        assert ["site.ag = '4 g' is doubtful" in doubt for doubt in doubts] == [True]
-        other = upload.text.replace('existing = "5 cm"', 'existing = "4 m"')
-        case, doubts = read_upload(folder, upload.name, other)
-        assert case.site is before.site
-        assert "site.ag" in doubts[0]
-        assert "separation.existing = '4 m' is doubtful" in doubts[1]
-        weaker, doubts = read_upload(folder, upload.name, upload.text.replace("4 g", "0.25 g"))
+    text = with_site('spectrum = "eurocode_8"\nag = "4 g"\nsoil = "C"\nfilters = 1\n')
+    before, doubts = read_upload(str(tmp_path), "case.toml", text)
+    assert ["site.ag = '4 g' is doubtful" in doubt for doubt in doubts] == [True]
+    other = text.replace('existing = "5 cm"', 'existing = "4 m"')
+    case, doubts = read_upload(str(tmp_path), "case.toml", other)
+    assert case.site is before.site
+    assert "site.ag" in doubts[0]
+    assert "separation.existing = '4 m' is doubtful" in doubts[1]
+    weaker, doubts = read_upload(str(tmp_path), "case.toml", text.replace("4 g", "0.25 g"))
     assert doubts == []
     ratio = float(weaker.site.ground.psd(5.0) / before.site.ground.psd(5.0))
     assert ratio == pytest.approx((0.25 / 4) ** 2, rel=1e-6)

@@ -23,11 +23,17 @@ _LAST: dict[Path, tuple[Case, list[str]]] = {}  # the last case that was read, a
 
 
 class Upload(NamedTuple):
-    """A case file in a temporary folder: its name and its text."""
+    """A case file by its name and its text, and the folder of the files that it names."""
 
-    folder: TemporaryDirectory[str]
+    folder: str
     name: str
     text: str
+    temporary: TemporaryDirectory[str] | None = None  # the folder, if it is to be removed
+
+    def remove(self) -> None:
+        """Remove a temporary folder."""
+        if self.temporary is not None:
+            self.temporary.cleanup()
 
 
 def uploaded(files: Mapping[str, bytes]) -> Upload:
@@ -55,20 +61,15 @@ def uploaded(files: Mapping[str, bytes]) -> Upload:
     except (OSError, ValueError) as error:
         folder.cleanup()
         raise ValueError(_without(folder.name, error)) from error
-    return Upload(folder, PurePath(cases[0]).name, text)
+    return Upload(folder.name, PurePath(cases[0]).name, text, folder)
 
 
 def of_file(path: Path) -> Upload:
-    """A case file with copies of all files that it names; they must lie in its folder or below it."""
-    home = path.resolve().parent
-    with only_within(home):
-        named = read_case(path).files
-    folder = TemporaryDirectory()
-    for each in named:
-        copy = Path(folder.name) / each.resolve().relative_to(home)
-        copy.parent.mkdir(parents=True, exist_ok=True)
-        (shutil.copytree if each.is_dir() else shutil.copy)(each, copy)
-    return Upload(folder, path.name, path.read_text(encoding="utf-8-sig"))
+    """A case file in its own folder; the files that it names must lie there or below."""
+    folder = path.resolve().parent
+    with only_within(folder):
+        read_case(path)
+    return Upload(str(folder), path.name, read_toml(path)[0])
 
 
 def read_upload(folder: str, name: str, text: str) -> tuple[Case, list[str]]:
@@ -81,8 +82,7 @@ def read_upload(folder: str, name: str, text: str) -> tuple[Case, list[str]]:
     with only_within(path.parent), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", DoubtfulInput)
         try:
-            path.write_text(text, encoding="utf-8")
-            case = case_of(read_table(path), before)
+            case = case_of(read_table(path, text), before)
             _ = case.site.ground
         except (OSError, ValueError) as error:
             raise ValueError(_without(folder, error)) from error

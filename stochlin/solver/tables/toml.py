@@ -30,12 +30,13 @@ _DEEP = re.compile(rf"(?<![\w\\-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{MOST_DOTS
 NESTED = f"is nested too deeply; allowed: tables and their keys, at most {MOST_DOTS} dots in a key"
 
 
-def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
-    """Text and data of a TOML file.
+def read_toml(path: Path, other: str | None = None) -> tuple[str, dict[str, Any]]:
+    """Text and data of a TOML file, or of another text in its place.
 
     Raises an OSError if the file cannot be read, and a ValueError if it is no TOML.
     """
-    name, content = plain(path.name), read_input(path, MOST_BYTES)
+    name = plain(path.name)
+    content = read_input(path, MOST_BYTES) if other is None else other.encode("utf-8", "replace")
     try:
         text = content.decode("utf-8-sig")
         return text, toml_tables(text)
@@ -46,8 +47,7 @@ def read_toml(path: Path) -> tuple[str, dict[str, Any]]:
     except ValueError as error:  # TOML errors, and numbers with thousands of digits
         if NESTED in str(error):
             raise ValueError(f"{name}, {error}") from error
-        match = re.search(r"\(at line (\d+), column \d+\)$", str(error))
-        lines = text.splitlines()
+        match, lines = re.search(r"\(at line (\d+), column \d+\)$", str(error)), text.splitlines()
         endless = (n for n, entry in enumerate(lines, 1) if re.search(r"(?<![\d_])[\d_]{1000}", entry))
         line = int(match[1]) if match else next(endless, len(lines))
         excerpt = lines[line - 1].strip() if 0 < line <= len(lines) else ""

@@ -32,8 +32,9 @@ CAPTION = (
 def get_ready(progress: Progress) -> None:
     """Answer the example, so that libraries are loaded and code is compiled before a change."""
     text = short_example()
-    with uploaded({"case.toml": text.encode()}).folder as folder:
-        gap_of(folder, "case.toml", text, progress)
+    upload = uploaded({"case.toml": text.encode()})
+    gap_of(upload.folder, upload.name, text, progress)
+    upload.remove()
 
 
 def gap_of(folder: str, name: str, text: str, progress: Progress) -> str:

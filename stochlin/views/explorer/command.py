@@ -44,5 +44,5 @@ def explore(case: Path | None, port: int, show: bool) -> None:
         check_port(port)
         tempfile.tempdir = str(process_folder())  # removed with all that is left in it
         start = of_file(case) if case else uploaded({"case.toml": short_example().encode()})
-        with start.folder:
-            serve(start, port=port, show=show)
+        serve(start, port=port, show=show)
+        start.remove()

@@ -6,23 +6,23 @@ import asyncio
 import gc
 import logging
 import weakref
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from nicegui import background_tasks, ui
 
-from stochlin.applications.explorer.form import changed_text, chosen, form_of
+from stochlin.applications.explorer.form import changed_text, form_of
 from stochlin.applications.explorer.uploads import Upload, uploaded
 from stochlin.messages import LONGEST_MESSAGE, sentence
 from stochlin.solver.tables.inputs import MOST_BYTES
-from stochlin.solver.tables.toml import toml_tables, toml_text
 from stochlin.views.explorer.answers import correlation_of, gap_of
-from stochlin.views.explorer.rows import EntryRow, choice_row
+from stochlin.views.explorer.rows import TYPING, EntryRow
 from stochlin.views.explorer.workers import Job, Stopped
 
 if TYPE_CHECKING:
     from nicegui import events
 
-    from stochlin.applications.explorer.form import Choice, Entry
+    from stochlin.applications.explorer.form import Entry
     from stochlin.views.explorer.workers import Worker
 
 QUESTIONS = {"Gap": gap_of, "Correlation": correlation_of}  # of each tab
@@ -66,7 +66,14 @@ class Page:
             _button("Open case file", "data-open").on("click", js_handler=pick)
             _button("Save case file", "data-save").on_click(self._save)
         with ui.element("main").classes("sheet"):
-            self._form = ui.element("form").classes("controls").props('onsubmit="return false"')
+            with ui.element("form").classes("controls").props('onsubmit="return false"'):
+                self._form = ui.element("div")
+                with ui.element("details"):
+                    with ui.element("summary"):
+                        ui.label("Text of the case file").style("display: inline")
+                    self._source = ui.textarea(on_change=self._typed).props("outlined data-text")
+                    self._source.props(f"debounce={TYPING} autogrow spellcheck=false")
+                    self._source.props["aria-label"] = "Text of the case file"
             with ui.element("div").props("id=answer tabindex=-1"):
                 with ui.tabs(on_change=self._compute) as self._tabs:
                     self._tabs.props("no-caps align=left dense")
@@ -78,28 +85,29 @@ class Page:
                 self._answer.classes("answer").props("data-answer")
 
     def _show_form(self) -> None:
-        """The form of the present text."""
+        """The form of the present text; none if it is no TOML, which the reader says."""
         self._form.clear()
-        with self._form:
-            for title, choices, entries in form_of(toml_tables(self._text)):
+        self._source.value = self._text
+        with self._form, suppress(ValueError):
+            for title, entries in form_of(self._text):
                 with ui.element("details").props("open"):
                     with ui.element("summary"):
                         ui.label(title).style("display: inline")
-                    for choice in choices:
-                        choice_row(choice, self._choose)
                     for entry in entries:
                         EntryRow(entry, title, self._change)
 
     def _change(self, entry: Entry) -> None:
         """Take another value of a key."""
         self._text = changed_text(self._text, entry)
+        self._source.value = self._text
         self._compute(PAUSE)
 
-    def _choose(self, choice: Choice, option: str) -> None:
-        """Write a table in another way."""
-        self._text = toml_text(chosen(toml_tables(self._text), choice, option))
-        self._show_form()
-        self._compute()
+    def _typed(self, event: events.ValueChangeEventArguments[str | None]) -> None:
+        """Take another text."""
+        if event.value != self._text:
+            self._text = event.value or ""
+            self._show_form()
+            self._compute(PAUSE)
 
     def _compute(self, pause: float = 0.0) -> None:
         """Stop what is computed, and compute the present tab anew after a pause, if a browser looks."""
@@ -118,9 +126,7 @@ class Page:
         await asyncio.sleep(pause)
         upload, text, why = self._upload, self._text, ""
         try:
-            answer = await self._worker.answer(
-                job, QUESTIONS[tab], upload.folder.name, upload.name, text
-            )
+            answer = await self._worker.answer(job, QUESTIONS[tab], upload.folder, upload.name, text)
         except Stopped:  # for the sake of other values, or of none
             return
         except Exception as error:
@@ -169,7 +175,7 @@ class Page:
     def _remove_folder(self) -> None:
         """Remove the files of this page; those with which the server started are of all pages."""
         if self._upload is not self._shared:
-            self._upload.folder.cleanup()
+            self._upload.remove()
 
 
 def _why(error: Exception) -> str:

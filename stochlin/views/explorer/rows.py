@@ -14,7 +14,7 @@ from stochlin.views.shared.symbols import typeset_html
 if TYPE_CHECKING:
     from nicegui import events
 
-    from stochlin.applications.explorer.form import Choice, Entry
+    from stochlin.applications.explorer.form import Entry
 
 TYPING = 300  # ms after the last key, before a text is read
 
@@ -33,6 +33,12 @@ class EntryRow:
                 switch = ui.switch(value=bool(entry.value))
                 switch.on_value_change(lambda event: self._take(event.value))
                 switch.props(f'dense data-entry="{place}"').props["aria-label"] = name
+                return
+            if entry.words:
+                select = ui.select([*entry.words], value=entry.value)
+                select.on_value_change(lambda event: self._take(event.value))
+                select.props(f'dense outlined options-dense data-choice="{place}"')
+                select.props["aria-label"] = name
                 return
             self._text = ui.input(value=entry.text, on_change=self._typed)
             self._text.props(f'dense outlined debounce={TYPING} autocomplete=off data-entry="{place}"')
@@ -61,14 +67,3 @@ class EntryRow:
         if value != self._entry.value:
             self._entry = self._entry._replace(value=value)
             self._changed(self._entry)
-
-
-def choice_row(choice: Choice, chosen: Callable[[Choice, str], None]) -> None:
-    """A list of the ways to write a table."""
-    select = ui.select(
-        [*choice.ways],
-        label=choice.label,
-        value=choice.present,
-        on_change=lambda event: chosen(choice, event.value),
-    )
-    select.props(f'dense outlined options-dense data-choice="{choice.table}.{choice.name}"')

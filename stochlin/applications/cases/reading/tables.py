@@ -253,9 +253,9 @@ def _examples(keys: Mapping[str, Key]) -> str:
     return ", ".join(f"{name} = {EXAMPLES.get(name, key.kind.example)}" for name, key in keys.items())
 
 
-def read_table(path: Path) -> Table:
-    """The whole file as one table; an OSError if it cannot be read, a ValueError if it is no TOML."""
-    text, values = read_toml(path)
+def read_table(path: Path, text: str | None = None) -> Table:
+    """The whole file as one table, or another text in its place; errors are those of `read_toml`."""
+    text, values = read_toml(path, text)
     return Table(Source(path, key_lines(text), [path]), values)
 
 
