@@ -226,4 +226,3 @@ def test_a_building_takes_a_law_and_its_parameters(tmp_path: Path) -> None:
     assert judge_gap(case, 0.05).records.record_required_gap > 0
     (table,) = pound_case(case).values()
     assert np.isfinite(table.peak).all()
-    assert np.isnan(table.largest_radius_amplification).all()

@@ -6,7 +6,7 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 import xarray as xr
-from cases import assert_near, with_slow
+from cases import assert_near
 from hypothesis import given, settings
 from motions import finer, from_sample_to_sample, smooth_noise
 
@@ -153,13 +153,11 @@ def test_compression_is_that_of_a_fine_history(contact: sl.Kelvin) -> None:
     table = sl.pound(row, 0.005, contact, finer(record(100), 100))
     u = table.displacement
     apart = (u.sel(structure=1) - u.sel(structure=2)).sel(floor=[1, 2]).max("time") - 0.005
-    np.testing.assert_allclose(table.deepest_compression, apart.where(apart > 0), rtol=2e-3)
+    np.testing.assert_allclose(table.deepest_compression, apart.clip(0.0), rtol=2e-3)
 
 
 def test_what_does_not_touch_is_not_compressed() -> None:
-    for contact in (SPRING, sl.Stereomechanical(0.5)):
-        table = sl.pound(pair(), FAR, contact, record(50))
-        assert np.isnan(table.deepest_compression).all()
+    assert float(sl.pound(pair(), FAR, SPRING, record(50)).deepest_compression[0]) == 0
     jumped = sl.pound(pair(), 0.005, sl.Stereomechanical(0.5), record(50))
     assert jumped.sizes["impact"] > 0
     assert np.isnan(jumped.deepest_compression).all()
@@ -176,18 +174,3 @@ DEVICES = {
         sl.Link(2e7, 3e5, structures=(1, 2), hardening=0.1, yield_displacement=0.01),
     ],
 }
-
-
-@pytest.mark.parametrize("name", with_slow(DEVICES, {"fluid dampers in storeys"}))
-def test_each_path_is_that_of_the_simulation(name: str) -> None:
-    """Which takes steps of a length, each with an error of the second order."""
-    devices, ground = DEVICES[name], sl.named_ground("firm", intensity=0.01)
-    quake = {"duration": 6.0, "envelope": sl.AminAng(1.0, 4.0, 0.5), "seed": 5}
-    simulated = sl.simulate(towers(), ground, **quake, paths=32, steps_per_period=128, link=devices)
-    shaking = sl.simulated_motions(ground, **quake, paths=32, step=simulated.attrs["step_s"])
-    table = sl.pound(towers(), FAR, SPRING, shaking[:12], link=devices)
-    found = np.concatenate([table.peak.values[:, b, :n] for b, n in ((0, 2), (1, 4))], axis=1)
-    error = found / simulated.peak.values[:12] - 1
-    assert float(table.energy_balance_error.max()) < 1e-8
-    assert np.abs(error).max() < 0.02
-    assert np.sqrt((error**2).mean()) < 0.005

@@ -23,7 +23,7 @@ ANNEX = sl.ShearBuilding([2e5] * 2, [4e8, 3e8], [4.2, 3.0], 0.05, hardening=0.05
 BUMPER = sl.Kelvin(1e8, restitution=0.65)
 GROUND = sl.named_ground("firm", intensity=0.01)
 QUAKE: dict[str, Any] = {"duration": 8.0, "envelope": sl.AminAng(1.0, 5.0, 0.5)}
-ONE_ONLY = {"energy_balance_error", "largest_radius_amplification", "gap"}
+ONE_ONLY = {"energy_balance_error", "gap"}
 CASES: dict[str, tuple[list[Any], Any, Any, dict[str, Any]]] = {
     "oscillators": ([SOFT, STIFF], 0.08, BUMPER, {}),
     "a law over the approach": ([SOFT, STIFF], 0.08, sl.HertzDamp(1e9, restitution=0.65), {}),
@@ -119,7 +119,7 @@ def test_summaries_are_those_of_the_impacts() -> None:
             assert float(one.longest_impact) == float(alone.impact_duration.max())
             assert float(one.contact_energy) == pytest.approx(float(alone.contact_lost_energy[-1]))
         else:
-            assert np.isnan(one.hardest_force)
+            assert float(one.hardest_force) == float(one.longest_impact) == 0
         given = alone.energy_transferred.sum("impact").values
         np.testing.assert_allclose(one.energy_received, given)
 
@@ -158,19 +158,6 @@ def test_they_meet_in_the_motions_whose_separation_exceeds_the_gap(pair: tuple[A
 # --- What is done to all motions is done to the table -----------------------------------------------
 
 
-def test_a_mirrored_row_in_mirrored_motions_has_the_same_table() -> None:
-    shaking = motions(8)
-    table = sl.pound([TOWER, ANNEX, STIFF], [0.01, 0.03], BUMPER, shaking)
-    other = sl.pound([STIFF, ANNEX, TOWER], [0.03, 0.01], BUMPER, -shaking)
-    assert float(table.impacts.sum()) > 20
-    np.testing.assert_array_equal(table.impacts_between, other.impacts_between[:, ::-1])
-    for name in ("peak", "peak_acceleration", "peak_storey_shear_alone"):
-        np.testing.assert_allclose(table[name], other[name][:, ::-1], rtol=1e-6)
-    for name in ("hardest_force_between_quantile", "contact_energy_between_mean"):
-        np.testing.assert_allclose(table[name], other[name][..., ::-1], rtol=1e-6)
-    np.testing.assert_array_equal(table.pounding_probability, other.pounding_probability[::-1])
-
-
 # --- Statistics -------------------------------------------------------------------------------------
 
 
@@ -182,7 +169,8 @@ def test_means_quantiles_and_shares_are_those_of_the_motions() -> None:
     assert float(table.pounding_probability[0]) == (hits > 0).mean()
     assert float(table.pounding_probability_lower[0]) == pytest.approx(interval.low)
     assert float(table.no_pounding_probability_lower[0]) == pytest.approx(1 - interval.high)
-    force = np.where(hits > 0, table.hardest_force[:, 0].values, 0.0)
+    force = table.hardest_force[:, 0].values
+    assert (force[hits == 0] == 0).all()
     for name, samples in (
         ("hardest_force", force),
         ("hardest_force_between", force),

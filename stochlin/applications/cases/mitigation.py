@@ -54,9 +54,7 @@ def _of_buildings(case: Case, table: xr.Dataset) -> list[str]:
 def _over_records(case: Case, table: xr.Dataset) -> xr.Dataset:
     """Quantiles over many records, and the share of records without an impact, for each measure."""
     known = table.amplification_1.notnull()
-    quiet = table.largest_force.where(table.impacts > 0, 0.0)  # without an impact the force is 0
-    columns = {name: table[name] for name in ("amplification_1", "amplification_2", "impacts")}
-    of_records = xr.Dataset({**columns, "largest_force": quiet}).where(known)
+    of_records = table[["amplification_1", "amplification_2", "impacts", "largest_force"]].where(known)
     quantiles = of_records.quantile(LEVELS, "record", skipna=False)
     quantiles = quantiles.rename({name: f"record_{name}" for name in quantiles.data_vars})
     apart = share_apart(case, table.impacts, 0.5)

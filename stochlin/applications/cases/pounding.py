@@ -203,8 +203,6 @@ def _check(case: Case, simulated: bool = False) -> None:
 
 def _described(table: xr.Dataset) -> xr.Dataset:
     """The dataset with the shares of the energies, and the least clearance of each contact."""
-    if "floor" not in table.dims and "largest_radius_amplification" not in table:
-        table["largest_radius_amplification"] = np.nan * table.amplification  # of bilinear buildings
     if "contact" in table.dims:
         left, right = (displacement_beside(table, side) for side in ("left", "right"))
         table["least_clearance"] = table.gap - (left - right).max("time")
@@ -274,9 +272,8 @@ def hardest_contacts(table: xr.Dataset) -> list[int]:
     for left in np.unique(table.left.values):
         there = np.flatnonzero(table.left.values == left)
         force, speed = (table[name].values[there] for name in ("hardest_force", "fastest_approach"))
-        most = force if np.isfinite(force).any() else speed
-        clearance = table.least_clearance.values[there]
-        best = np.nanargmax(most) if np.isfinite(most).any() else np.argmin(clearance)
+        most = force if np.isfinite(force).all() else speed
+        best = np.argmax(most) if most.any() else np.argmin(table.least_clearance.values[there])
         chosen.append(int(there[best]))
     return chosen
 

@@ -1,17 +1,16 @@
-"""Response of buildings in a row to many motions: summary of each motion, and statistics over them."""
+"""Response of buildings in a row to motions: histories of one, statistics over several."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from itertools import chain, islice
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.pounding.histories import Quantities, floor_coords, labelled
+from stochlin.applications.pounding.histories import floor_coords, histories, labelled
 from stochlin.applications.pounding.rows import Standing
-from stochlin.applications.pounding.runs import jobs_of, responses
+from stochlin.applications.pounding.runs import failure, responses, runs_of
 from stochlin.applications.pounding.summaries import summary
 from stochlin.applications.pounding.variables import STATISTICS
 from stochlin.applications.records.cells import RECORD, RecordedMotions, Records, checked_motions
@@ -27,32 +26,25 @@ from stochlin.solver.simulation.finite_motions import (
 )
 from stochlin.solver.tables import labels
 
-PATH = "path"
-NEIGHBOURS = "neighbours"
-# Variables that are NaN without an impact and then count as 0, with the variable that counts impacts.
-OF_IMPACTS = {
-    "hardest_force": "impacts",
-    "hardest_force_between": "impacts_between",
-    "fastest_approach": "impacts",
-}
-# Variables that are combined over all contacts between two neighbours, and how.
-BETWEEN: Mapping[str, Any] = {
-    "impacts": np.sum,
-    "hardest_force": np.fmax.reduce,
-    "contact_energy": np.sum,
-}
+PATH, NEIGHBOURS = "path", "neighbours"
+BETWEEN = "impacts", "hardest_force", "contact_energy"  # also of all contacts between two neighbours
 
 
 class Ensemble(NamedTuple):
-    """Motions and their dimension, ``path`` or ``record``, which is None for one motion."""
+    """One motion or several, and their dimension, ``path`` or ``record``."""
 
     motions: RecordedMotions
-    over: str | None
+    over: str
     labels: xr.DataArray | None = None  # coordinate along the dimension
+
+    @property
+    def single(self) -> bool:
+        """Whether there is one motion, which adds no dimension to results."""
+        return self.motions.names is None
 
     def describe(self) -> str:
         """The motions in one line, for the run information."""
-        if self.over != PATH:
+        if self.single or self.over != PATH:
             return self.motions.describe().removeprefix("record: ")
         (acceleration, dt), *more = self.motions.grounds
         return f"{1 + len(more)} paths, {acceleration.size} samples at {dt:g} s"
@@ -66,7 +58,7 @@ def checked_ensemble(motion: Records) -> Ensemble:
             names = xr.DataArray(motions.names, dims=RECORD, attrs={"long_name": "record"})
             return Ensemble(motions, RECORD, names)
         if PATH not in motion.dims:
-            return Ensemble(checked_motions(motion), None)
+            return Ensemble(checked_motions(motion), PATH)
         paths = {f"path {n}": motion.isel({PATH: n}, drop=True) for n in range(motion.sizes[PATH])}
         own = motion[PATH].assign_attrs(long_name="simulated motion") if PATH in motion.coords else None
         return Ensemble(checked_motions(paths), PATH, own)
@@ -74,35 +66,41 @@ def checked_ensemble(motion: Records) -> Ensemble:
         raise type(error)(f"motion: {error}") from error
 
 
-def over_motions(
+def response_table(
     standing: Standing,
     ensemble: Ensemble,
     paces: Sequence[StepCounts],
     progress: Progress | None,
 ) -> xr.Dataset:
-    """Summary of each motion; the results of one that fails are NaN, with the reason in ``missing``."""
-    grounds, over = ensemble.motions.grounds, str(ensemble.over)
-    of_motions = [jobs_of(standing, *each, halved=False) for each in zip(grounds, paces, strict=True)]
-    outcomes = iter(responses(standing, list(chain.from_iterable(of_motions)), progress=progress))
-    summaries: list[Quantities] = []
-    reasons: list[str] = []
-    for jobs in of_motions:
-        values: Quantities = {}
-        reasons.append("")
-        try:
-            values = summary(standing, list(islice(outcomes, len(jobs))))
-        except ArithmeticError as error:
-            reasons[-1] = str(error)
-        summaries.append(values)
+    """Summary of each motion, or summary and histories of a single one.
+
+    The results of one of several motions that fails are NaN, with the reason in ``missing``.
+    """
+    grounds, over, single = ensemble.motions.grounds, ensemble.over, ensemble.single
+    runs = [runs_of(standing, *each, halved=single) for each in zip(grounds, paces, strict=True)]
+    outcomes = responses([run for several in runs for run in several], standing, single, progress)
+    size = len(runs[0])
+    of_motions = [outcomes[begin : begin + size] for begin in range(0, len(outcomes), size)]
+    reasons = [
+        next(filter(None, (failure(standing, each) for each in of_motion)), "")
+        for of_motion in of_motions
+    ]
     if all(reasons):
         raise ArithmeticError(
             f"{reasons[0]}; so in all {len(reasons)} motions" if reasons[1:] else reasons[0]
         )
+    summaries = [
+        {} if reason else summary(standing, *of_motion)
+        for reason, of_motion in zip(reasons, of_motions, strict=True)
+    ]
     like = next(filter(None, summaries))
     blank = {name: (dim, np.full(np.shape(values), np.nan)) for name, (dim, values) in like.items()}
     rows = [values or blank for values in summaries]
     columns = {n: (dim, np.array([row[n][1] for row in rows], float)) for n, (dim, _) in like.items()}
     table = xr.Dataset(labelled(columns, standing, over), coords=floor_coords(standing))
+    if single:
+        courses = histories(standing, outcomes[0], grounds[0], ensemble.motions.records[0]["time"])
+        return courses.assign(table.isel({over: 0}).drop_vars("energy_balance_error").data_vars)
     good = xr.DataArray([not reason for reason in reasons], dims=over)
     table["status"] = labels.status_where(good, labels.NOT_CONVERGED)
     if ensemble.labels is not None:
@@ -117,18 +115,17 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
 
     Motions that failed do not count.
     """
-    table = _between_neighbours(table, over)
+    if "contact" in table.dims:
+        table = table.merge(_between_neighbours(table).transpose(over, ...))
     good = table.isel({over: (table.status == labels.CONVERGED).values})
     columns: Columns = {}
     for name in (each for each in STATISTICS if each in good):
         samples = good[name].transpose(over, ...)
-        values = samples.values
-        if name in OF_IMPACTS:
-            impacts = good[OF_IMPACTS[name]].transpose(*samples.dims)
-            values = np.where(impacts.values > 0, values, 0.0)
-        columns |= _statistics(name, samples.dims[1:], values, levels)
+        columns |= _statistics(name, samples.dims[1:], samples.values, levels)
     # Added at once, because each addition to a dataset takes a millisecond.
     table = table.assign(columns).assign_coords(quantile=labels.axis("quantile", "quantile", levels))
+    if "contact" not in table.dims:
+        return table
     hits = good.impacts_between.rename({over: PATH})
     shares = exceedance(hits, 0.0).rename(
         {f"probability{end}": f"pounding_probability{end}" for end in labels.VALUE_AND_ENDS}
@@ -136,24 +133,15 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     return table.assign({**shares.data_vars, **keeping_apart(hits, 0.0)})
 
 
-def neighbours(count: int) -> dict[str, Any]:
-    """Coordinate ``neighbours`` of the gaps between ``count`` structures."""
-    pairs = [f"{n} | {n + 1}" for n in range(1, count)]
-    return {NEIGHBOURS: (NEIGHBOURS, pairs, {"long_name": "both sides of the gap"})}
-
-
-def _between_neighbours(table: xr.Dataset, over: str) -> xr.Dataset:
-    """The table with the variables of `BETWEEN`, combined over all contacts between two neighbours."""
-    left = table.left.values
-    pairs = np.unique(left)
-    table = table.assign_coords(neighbours(pairs.size + 1))
-    columns: Columns = {}
-    for name, join in BETWEEN.items():
-        values = table[name].transpose(over, "contact").values
-        joined = [join(values[:, left == n], axis=1) for n in pairs]
-        together = np.reshape(joined, (pairs.size, len(values))).T
-        columns[f"{name}_between"] = (over, NEIGHBOURS), np.ascontiguousarray(together)
-    return table.assign(columns)
+def _between_neighbours(table: xr.Dataset) -> xr.Dataset:
+    """The variables of `BETWEEN`, of all contacts between two neighbours together."""
+    by_gap = table[[*BETWEEN]].groupby("left")
+    joined = by_gap.sum(skipna=False).assign(hardest_force=by_gap.max(skipna=False).hardest_force)
+    names = [f"{left} | {left + 1}" for left in joined.left.values]
+    joined = joined.rename({name: f"{name}_between" for name in BETWEEN} | {"left": NEIGHBOURS})
+    return joined.assign_coords(
+        {NEIGHBOURS: (NEIGHBOURS, names, {"long_name": "both sides of the gap"})}
+    )
 
 
 def _statistics(name: str, dims: tuple[Any, ...], values: Array, levels: Array) -> Columns:

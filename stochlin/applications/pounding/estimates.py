@@ -17,17 +17,15 @@ from stochlin.models.arguments import Points, checked
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.contacts import Contact
 from stochlin.models.contacts.base import checked_value
-from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter, Range, expect
 from stochlin.models.systems import STRUCTURES, AnyStructure, first_mode
 from stochlin.solver.tables import labels
 
 GAP = Range(include_lower=True, reason="in metres; positive is open")
 RADIUS = Range(reason="in metres")
-# Signs of the velocities with which two structures, number 1 on the left, can approach one another.
-WAYS = {"towards each other": (1, -1), "both to the right": (1, 1), "both to the left": (-1, -1)}
 POINTS = 181
-PLACES = "point", "way"  # dimensions of the impacts at one contact
+OF_IMPACT = "point", "direction_1", "direction_2"  # dimensions of the impacts at one contact
+DIRECTIONS = [1, -1]  # of the velocities: to the right, and to the left
 
 
 class Mode(NamedTuple):
@@ -80,12 +78,13 @@ def pounding_estimate(
     Returns
     -------
     xarray.Dataset
-        Over ``point``, ``way`` (the signs of the velocities) and the dimensions of the parameters, for
-        buildings with storeys also over ``contact``, as in `pound`: ``contact_displacement_1/2`` [m],
-        ``velocity_before_1/2`` and ``velocity_after_1/2`` [m/s] of the impact,
-        ``radius_amplification_1/2`` [-] and ``energy_lost`` [J]; NaN where the structures do not
-        approach one another. ``largest_radius_amplification_1/2`` [-] is the largest over these
-        dimensions, and 1 if the structures do not reach one another. ``status``.
+        Over ``point``, ``direction_1`` and ``direction_2`` (1 for a velocity to the right, -1 to the
+        left) and the dimensions of the parameters, for buildings with storeys also over ``contact``, as
+        in `pound`: ``contact_displacement_1/2`` [m], ``velocity_before_1/2`` and
+        ``velocity_after_1/2`` [m/s] of the impact, ``radius_amplification_1/2`` [-] and ``energy_lost``
+        [J]; NaN where the structures do not approach one another.
+        ``largest_radius_amplification_1/2`` [-] is the largest over these dimensions, and 1 if the
+        structures do not reach one another. ``status``.
 
     Raises
     ------
@@ -115,34 +114,32 @@ def pounding_estimate(
     1.922
     """
     modes = [_mode(structure, role) for role, structure in (("first", first), ("second", second))]
-    g = _argument("gap", gap, GAP)
-    r = [_argument("radius_1", radius_1, RADIUS), _argument("radius_2", radius_2, RADIUS)]
-    table = _estimate(modes, g, contact, r, int(points))
+    lengths = [
+        xr.DataArray(checked_value("pounding_estimate", name, value, "m", allowed))
+        for name, value, allowed in (
+            ("gap", gap, GAP),
+            ("radius_1", radius_1, RADIUS),
+            ("radius_2", radius_2, RADIUS),
+        )
+    ]
+    valid = contact.valid() & modes[0].valid & modes[1].valid & GAP.contains(lengths[0])
+    valid = valid & RADIUS.contains(lengths[1]) & RADIUS.contains(lengths[2])
+    space, *radii = (length.where(valid) for length in lengths)
+    places = meetings([mode.levels for mode in modes])
+    each = [_impacts(modes, place, space, contact, radii, int(points)) for place in places]
+    storeys = not all(np.isnan(mode.levels).any() for mode in modes)
+    table = xr.concat(each, "contact").merge(contacts(places, ())) if storeys else each[0]
+    of_impact = [*OF_IMPACT, *["contact"] * storeys]
+    for n in (1, 2):
+        largest = table[f"radius_amplification_{n}"].max(of_impact).fillna(1.0)
+        table[f"largest_radius_amplification_{n}"] = largest.where(valid)
+    table["status"] = labels.status_where(valid)
     return labels.with_run_information(
         labels.label(table, VARIABLES),
         "Energy estimate of a hit",
         f"pounding_estimate(points={points})",
         {"first": first, "second": second, "contact": contact},
     )
-
-
-def largest_by_one_impact(
-    structures: Sequence[Bilinear], gaps: Array, contact: Contact, radii: Array
-) -> Array:
-    """Largest amplification of each structure's energy radius by one impact on either side [-].
-
-    As `pounding_estimate` gives it, for one radius (n,) [m] each. It is NaN for a radius out of
-    range and for its neighbours.
-    """
-    modes = [_mode(structure, f"structure {n}") for n, structure in enumerate(structures, 1)]
-    largest = np.ones(len(modes))
-    for left, gap in enumerate(gaps):
-        two = slice(left, left + 2)
-        both = [xr.DataArray(radius) for radius in radii[two]]
-        estimate = _estimate(modes[two], xr.DataArray(gap), contact, both, POINTS)
-        growth = [float(estimate[f"largest_radius_amplification_{n}"]) for n in (1, 2)]
-        largest[two] = np.maximum(largest[two], growth)
-    return largest
 
 
 def _mode(structure: AnyStructure, role: str) -> Mode:
@@ -157,72 +154,38 @@ def _mode(structure: AnyStructure, role: str) -> Mode:
     return Mode(w, float(oscillator.mass), moves, levels, structure.valid())
 
 
-def _estimate(
+def _impacts(
     modes: Sequence[Mode],
+    place: Meeting,
     gap: xr.DataArray,
     contact: Contact,
     radii: Sequence[xr.DataArray],
     points: int,
 ) -> xr.Dataset:
-    """Dataset of `pounding_estimate`, without labels."""
-    valid = contact.valid() & modes[0].valid & modes[1].valid
-    valid = valid & GAP.contains(gap) & RADIUS.contains(radii[0]) & RADIUS.contains(radii[1])
-    places = meetings([mode.levels for mode in modes])
-    e = xr.DataArray(contact.e)
-    hits = [_hits(modes, place, gap, valid, e, radii, points) for place in places]
-    storeys = not all(np.isnan(mode.levels).any() for mode in modes)
-    table = xr.concat(hits, "contact").merge(contacts(places, ())) if storeys else hits[0]
-    of_one = [*PLACES, *["contact"] * storeys]
-    for n in (1, 2):
-        largest = table[f"radius_amplification_{n}"].max(of_one).fillna(1.0)
-        table[f"largest_radius_amplification_{n}"] = largest.where(valid)
-    table["status"] = labels.status_where(valid)
-    return table
-
-
-def _hits(
-    modes: Sequence[Mode],
-    place: Meeting,
-    gap: xr.DataArray,
-    valid: xr.DataArray,
-    restitution: xr.DataArray,
-    radii: Sequence[xr.DataArray],
-    points: int,
-) -> xr.Dataset:
-    """Impacts at one contact for all points and ways; cells that are not valid are NaN.
-
-    ``valid`` has the dimensions and coordinates of all others. In between, values have dimensions only,
-    which takes a fraction of the time.
-    """
-    arrays = [gap, restitution, *radii, *(mode.frequency for mode in modes)]
-    parts: list[Any] = [each.variable for each in xr.align(valid, *arrays, join="inner")]
-    usable, g, e, *others = parts
-    g, radii, w = g.where(usable), others[:2], others[2:]
+    """Impacts at one contact at all displacements that both structures reach, in all directions."""
+    e, w = xr.DataArray(contact.e), [mode.frequency for mode in modes]
     moves = [
         sum(share * float(mode.moves[floor]) for floor, share in place.shares(side).items())
         for side, mode in zip(SIDES, modes, strict=True)
     ]
     mass = [mode.mass / share**2 for mode, share in zip(modes, moves, strict=True)]
     r = [radius * abs(share) for radius, share in zip(radii, moves, strict=True)]
-    low, high = np.maximum(-r[0], g - r[1]), np.minimum(r[0], g + r[1])
-    share = xr.Variable("point", np.linspace(0, 1, points))
+    low: Any = np.maximum(-r[0], gap - r[1])
+    high: Any = np.minimum(r[0], gap + r[1])
+    share = xr.DataArray(np.linspace(0, 1, points), dims="point")
     u1 = (low + share * (high - low)).where(high >= low)
-    u = [u1, u1 - g]
-    signs = [xr.Variable("way", list(each)) for each in zip(*WAYS.values(), strict=True)]
-    v = [signs[i] * w[i] * np.sqrt(np.maximum(r[i] ** 2 - u[i] ** 2, 0.0)) for i in range(2)]
+    u = [u1, u1 - gap]
+    signs = [labels.axis(name, "direction of the velocity", DIRECTIONS) for name in OF_IMPACT[1:]]
+    v = [
+        sign * frequency * np.sqrt(np.maximum(radius**2 - at**2, 0.0))
+        for sign, frequency, radius, at in zip(signs, w, r, u, strict=True)
+    ]
     approach = v[0] > v[1]
-    after = velocities_after_impact(v[0], v[1], mass[0], mass[1], e)
-    table: dict[str, xr.Variable] = {}
-    for i in range(2):
-        n = i + 1
+    after = velocities_after_impact(*v, *mass, e)
+    table = {"energy_lost": (impact_loss(*mass, e) * (v[0] - v[1]) ** 2).where(approach)}
+    for i, n in enumerate((1, 2)):
         table[f"contact_displacement_{n}"] = u[i]
         table[f"velocity_before_{n}"] = v[i].where(approach)
         table[f"velocity_after_{n}"] = after[i].where(approach)
         table[f"radius_amplification_{n}"] = (np.hypot(u[i], after[i] / w[i]) / r[i]).where(approach)
-    loss = impact_loss(mass[0], mass[1], e) * (v[0] - v[1]) ** 2
-    table["energy_lost"] = loss.where(approach)
-    return xr.Dataset(table, coords=valid.coords).assign_coords(way=list(WAYS))
-
-
-def _argument(name: str, value: Any, allowed: Range) -> xr.DataArray:
-    return xr.DataArray(checked_value("pounding_estimate", name, value, "m", allowed))
+    return xr.Dataset(table).transpose(..., *OF_IMPACT)

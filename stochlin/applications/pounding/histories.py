@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.pounding.rows import COLUMN, SIDES, Meeting, Standing
+from stochlin.applications.pounding.rows import SIDES, Meeting, Standing
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
@@ -19,6 +19,7 @@ from stochlin.solver.tables.floors import FLOOR, LINK, link_coordinates
 
 STRUCTURE, CONTACT = "structure", "contact"
 OF_ROW = ""  # in place of a dimension, for a number of the row of buildings
+UNITS = {"level": {"units": "m"}, "share": {"units": "1"}}  # of the coordinates of contacts
 Quantities = dict[str, tuple[str, Any]]
 """Values by name, each with its last dimension; FLOOR also stands for the structure."""
 
@@ -148,12 +149,10 @@ def _link_forces(standing: Standing, force: Array, rate: Array, drag: Array) -> 
 
 
 def histories(
-    standing: Standing,
-    response: RowResponse,
-    ground: SampledMotion,
-    time: Array,
+    standing: Standing, response: RowResponse, ground: SampledMotion, times: xr.DataArray
 ) -> xr.Dataset:
-    """Dataset of the histories of a response, over ``time`` [s], and of its impacts."""
+    """Dataset of the histories of a response, at these times [s], and of its impacts."""
+    time = times.to_numpy().astype(float)
     line, course = response.impacts.T, _course(standing, response, ground)
     return xr.Dataset(
         {
@@ -183,26 +182,27 @@ def energy_transferred(response: RowResponse) -> Array:
 
 def contacts(places: Sequence[Meeting], links: Sequence[Link | None]) -> xr.Dataset:
     """Coordinates of contacts and links: structures, floors, level [m] and kind of each contact."""
-    coords = {
-        "contact": ("contact", np.arange(1, len(places) + 1), {"long_name": "contact"}),
-        "left": ("contact", [m.building + 1 for m in places], {"long_name": "structure on the left"}),
-        "right": ("contact", [m.building + 2 for m in places], {"long_name": "structure on the right"}),
+    columns: dict[str, tuple[Sequence[Any], str]] = {
+        "contact": (range(1, len(places) + 1), "contact"),
+        "left": ([m.building + 1 for m in places], "structure on the left"),
+        "right": ([m.building + 2 for m in places], "structure on the right"),
     }
     if np.isfinite([m.level for m in places]).any():
-        kinds = [m.kind for m in places]
-        coords["kind"] = ("contact", kinds, {"long_name": "what meets"})
-        name = {"units": "m", "long_name": "level of the contact above the ground"}
-        coords["level"] = ("contact", [m.level for m in places], name)
-        for side in SIDES:
-            floors = [getattr(m, f"floor_{side}") + 1 for m in places]
-            coords[f"floor_{side}"] = ("contact", floors, {"long_name": f"floor on the {side}"})
-        if COLUMN in kinds:
-            sides = [m.struck for m in places]
-            coords["column"] = ("contact", sides, {"long_name": "side whose column is met"})
-            storeys = [m.storey + 1 if m.struck else 0 for m in places]
-            name = {"long_name": "storey of the column, whose floor above stands as that of its side"}
-            coords["storey"] = ("contact", storeys, name)
-            name = {"units": "1", "long_name": "share of the floor above in the column's displacement"}
-            coords["share"] = ("contact", [m.share for m in places], name)
+        columns |= {
+            "kind": ([m.kind for m in places], "what meets"),
+            "level": ([m.level for m in places], "level of the contact above the ground"),
+            "floor_left": ([m.floor_left + 1 for m in places], "floor on the left"),
+            "floor_right": ([m.floor_right + 1 for m in places], "floor on the right"),
+        }
+    if any(m.struck for m in places):
+        columns |= {
+            "column": ([m.struck for m in places], "side whose column is met"),
+            "storey": ([m.storey + 1 if m.struck else 0 for m in places], "storey of the column"),
+            "share": ([m.share for m in places], "share of the floor above in its displacement"),
+        }
+    coords: dict[str, Any] = {
+        name: ("contact", list(values), {"long_name": text} | UNITS.get(name, {}))
+        for name, (values, text) in columns.items()
+    }
     tied = [number for number, link in enumerate(links, start=1) if link is not None]
     return xr.Dataset(coords=coords | (link_coordinates(tied) if tied else {}))

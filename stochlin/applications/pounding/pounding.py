@@ -3,44 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from stochlin.applications.pounding.ensembles import checked_ensemble, over_motions, with_statistics
-from stochlin.applications.pounding.estimates import largest_by_one_impact
-from stochlin.applications.pounding.histories import contacts, histories, labelled
+from stochlin.applications.pounding.ensembles import checked_ensemble, response_table, with_statistics
+from stochlin.applications.pounding.histories import contacts
 from stochlin.applications.pounding.rows import (
     BetweenBuildings,
-    Standing,
     build_row,
     check_contact,
     checked_buildings,
     checked_gaps,
     checked_links,
 )
-from stochlin.applications.pounding.runs import (
-    STEPS_PER_CONTACT,
-    RowRun,
-    jobs_of,
-    paces_of,
-    responses,
-    successful,
-)
-from stochlin.applications.pounding.summaries import summary
+from stochlin.applications.pounding.runs import STEPS_PER_CONTACT, paces_of
 from stochlin.applications.pounding.variables import VARIABLES
-from stochlin.applications.records.cells import SHORTEST, Records
-from stochlin.kernels.basics.arrays import Array
+from stochlin.applications.records.cells import Records
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.records.oscillator import RADIUS
-from stochlin.kernels.records.runs import SampledMotion, peaks_on_records
 from stochlin.models.arguments import Quantiles, Whole, checked
-from stochlin.models.contacts import Contact
-from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.links import Link
-from stochlin.models.parameters import Model
 from stochlin.models.systems import AnyStructure
 from stochlin.solver.tables import labels
 
@@ -132,13 +116,10 @@ def pound(
         largest force of a contact, from steps twice as long. About a third of it remains.
 
         Over ``contact``: ``gap`` [m], the number of ``impacts``, ``hardest_force`` [N],
-        ``fastest_approach`` [m/s], ``longest_impact`` [s], ``deepest_compression`` [m] (these four are
-        NaN without an impact, ``hardest_force`` and ``deepest_compression`` also for a
-        `Stereomechanical` contact) and ``contact_energy`` [J], the energy lost in the contact. Over
-        ``structure``: ``energy_received`` [J] from all impacts. If all structures are `Bilinear` and
-        there is no link, also ``largest_radius_amplification`` [-], the largest by `pounding_estimate`
-        for an impact at the largest energies of both structures. It is NaN for a structure whose period
-        is below a tenth of the motion's time step, and for its neighbours.
+        ``fastest_approach`` [m/s], ``longest_impact`` [s] and ``deepest_compression`` [m], all 0
+        without an impact; ``hardest_force`` and ``deepest_compression`` are NaN for a
+        `Stereomechanical` contact. Also ``contact_energy`` [J], the energy lost in the contact. Over
+        ``structure``: ``energy_received`` [J] from all impacts.
 
         Coordinates of ``contact`` are the structures and floors that meet, the ``level`` [m] and the
         ``kind``, slab to slab or slab to column. If a slab meets a column, there are also the
@@ -155,9 +136,8 @@ def pound(
         motions follow names ending in ``_mean`` and ``_mean_standard_error``, and in ``_quantile`` over
         ``quantile`` with its 95 % interval ``_lower`` and ``_upper`` (infinite where the motions are too
         few), for all these variables except ``longest_impact``, ``deepest_compression`` and
-        ``energy_received``. A motion without an impact counts with a force and an approach velocity of
-        0. ``pounding_probability`` and ``no_pounding_probability`` [-] over ``neighbours`` are the
-        shares of motions with and without an impact, with their 95 % intervals.
+        ``energy_received``. ``pounding_probability`` and ``no_pounding_probability`` [-] over
+        ``neighbours`` are the shares of motions with and without an impact, with their 95 % intervals.
 
         For one building alone there is nothing over ``contact``, ``impact`` and ``neighbours``.
 
@@ -239,69 +219,23 @@ def pound(
         raise TypeError("motion is not given; allowed: a record or several, as read_record gives them")
     ensemble = checked_ensemble(motion)
     links = checked_links(link, len(row_of))
-    motions, over, _ = ensemble
     standing = build_row(row_of, spaces, contact, links)
-    grounds = motions.grounds
-    paces = paces_of(standing, contact, grounds, steps_per_contact)
+    paces = paces_of(standing, contact, ensemble.motions.grounds, steps_per_contact)
     if progress is not None:
         progress(0.0)
-    lines, more = contacts(standing.places, links), {"gap": ("contact", standing.gap)}
-    if over is None:
-        assert isinstance(motion, xr.DataArray)
-        jobs = jobs_of(standing, grounds[0], paces[0], halved=True)
-        table = _of_one(standing, jobs, motion["time"], progress).merge(lines)
-        oscillators = [structure for structure in row_of if isinstance(structure, Bilinear)]
-        if contact is not None and len(oscillators) == len(row_of) and not any(links):
-            worst = _estimates(oscillators, spaces, contact, grounds[0])
-            more["largest_radius_amplification"] = ("structure", worst)
-        call = f"pound(steps_per_contact={steps_per_contact})"
-    else:
-        table = over_motions(standing, ensemble, paces, progress).merge(lines)
-        table = with_statistics(table, over, levels)
-        call = f"pound(quantiles={levels.tolist()}, steps_per_contact={steps_per_contact})"
-    table = labels.label(table.assign(more), VARIABLES).assign_attrs(motion=ensemble.describe())
-    models: dict[str, Model] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
-    models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
-    title = "Pounding of buildings in a row"
-    if contact is None or not spaces.size:
-        title = "A building alone in a motion"
+    table = response_table(standing, ensemble, paces, progress).merge(contacts(standing.places, links))
+    table = table.assign(gap=("contact", standing.gap))
+    if len(row_of) == 1:
         table = table.drop_dims(OF_CONTACTS, errors="ignore")
-    else:
-        models["contact"] = contact
+    call = f"steps_per_contact={steps_per_contact}"
+    if not ensemble.single:
+        table = with_statistics(table, ensemble.over, levels)
+        call = f"quantiles={levels.tolist()}, {call}"
+    table = labels.label(table, VARIABLES).assign_attrs(motion=ensemble.describe())
+    models: dict[str, Any] = {f"structure_{n}": each for n, each in enumerate(row_of, start=1)}
+    models |= {f"link_{n}": each for n, each in enumerate(links, start=1) if each is not None}
+    title = "A building alone in a motion"
+    if len(row_of) > 1:
+        title, models["contact"] = "Pounding of buildings in a row", contact
         table = table.assign_attrs(gaps=spaces.tolist())
-    return labels.with_run_information(table, title, call, models, REFERENCES)
-
-
-def _of_one(
-    standing: Standing,
-    jobs: Sequence[RowRun],
-    time: xr.DataArray,
-    progress: Progress | None,
-) -> xr.Dataset:
-    """Histories and summary of one motion, from its jobs by `jobs_of`."""
-    outcomes = responses(standing, jobs, keep=True, progress=progress)
-    values = summary(standing, outcomes)
-    del values["energy_balance_error"]  # it has a history
-    at = time.to_numpy().astype(float)
-    table = histories(standing, successful(outcomes)[0], jobs[0].ground, at)
-    return table.assign(labelled(values, standing))
-
-
-def _estimates(
-    structures: Sequence[Bilinear], gaps: Array, contact: Contact, ground: SampledMotion
-) -> Array:
-    """Largest amplification of each structure's energy radius by an impact from either side [-].
-
-    All structures have the pseudo energy radii of the motion; it is NaN where `response_spectrum` would
-    be, for periods that are too short for the motion.
-    """
-    values = [structure.arrays() for structure in structures]
-
-    def column(name: str, elastic: float = np.inf) -> Array:
-        return np.array([float(each.get(name, elastic)) for each in values])
-
-    period, strength = column("period"), (column("hardening", 1.0), column("yield_displacement"))
-    parameters = np.stack([2 * np.pi / period, column("damping"), *strength], axis=1)
-    radii = peaks_on_records([ground], parameters)[0, :, RADIUS]
-    radii[period < SHORTEST * ground.dt] = np.nan
-    return largest_by_one_impact(structures, gaps, contact, radii)
+    return labels.with_run_information(table, title, f"pound({call})", models, REFERENCES)

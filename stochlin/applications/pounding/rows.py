@@ -176,15 +176,7 @@ def meetings(levels: Sequence[Array]) -> list[Meeting]:
             contacts.append(Meeting(b, left.size - 1, right.size - 1, float(level)))
         else:
             contacts += _facing(b, left, right)
-    starts: dict[tuple[int, int], tuple[float, int]] = {}
-    chains: list[tuple[tuple[float, int], int, Meeting]] = []
-    for m in contacts:  # slabs in contact form a chain, known by the level and building where it starts
-        key = np.inf if np.isnan(m.level) else m.level, m.building
-        if not m.struck:
-            key = starts.get((m.building, m.floor_left), key)
-            starts[m.building, m.floor_left] = starts[m.building + 1, m.floor_right] = key
-        chains.append((key, m.building, m))
-    return [m for *_, m in sorted(chains, key=lambda chain: chain[:2])]
+    return sorted(contacts, key=lambda m: (round(np.nan_to_num(m.level, nan=np.inf), 6), m.building))
 
 
 def build_row(

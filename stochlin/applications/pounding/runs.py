@@ -29,9 +29,6 @@ SLOW = 1e-3  # approach velocity that counts as zero over max |a| T/(2 pi)
 NEAR = 0.03  # share of the steps that are taken for divided near contact
 
 
-Outcome = RowResponse | ArithmeticError
-
-
 def paces_of(
     standing: Standing,
     contact: Contact | None,
@@ -106,45 +103,37 @@ class RowRun(NamedTuple):
     meets: bool = True  # whether contacts act
 
 
-def jobs_of(
-    standing: Standing,
-    ground: SampledMotion,
-    pace: kernel.StepCounts,
-    halved: bool,
+def runs_of(
+    standing: Standing, ground: SampledMotion, pace: kernel.StepCounts, *, halved: bool
 ) -> list[RowRun]:
     """The row and each building alone in a motion, and if ``halved`` the row in steps twice as long."""
-    coarser = pace._replace(cuts=pace.cuts // 2)
-    rows = (standing.row, True), (standing.alone, False)
-    both = [RowRun(row, ground, pace, meets) for row, meets in rows]
-    return [*both, RowRun(standing.row, ground, coarser)] if halved else both
+    both = [RowRun(standing.row, ground, pace), RowRun(standing.alone, ground, pace, meets=False)]
+    coarser = RowRun(standing.row, ground, pace._replace(cuts=pace.cuts // 2))
+    return [*both, coarser] if halved else both
 
 
 def responses(
-    standing: Standing,
-    jobs: Sequence[RowRun],
-    keep: bool = False,
-    progress: Progress | None = None,
-) -> list[Outcome]:
-    """Responses, or the error of one that could not be computed; the first one has its history."""
-    batches = list(_batches(jobs))
-    outcomes: dict[int, Outcome] = {}
+    runs: Sequence[RowRun], standing: Standing, keep: bool, progress: Progress | None
+) -> list[RowResponse]:
+    """Responses, the first one with its history if it is to be kept."""
+    batches = list(_batches(runs))
+    responses: dict[int, RowResponse] = {}
 
-    def run(batch: list[int]) -> list[RowResponse]:
-        first, motions = jobs[batch[0]], _motions([jobs[n] for n in batch], standing.shortest)
+    def of_batch(batch: list[int]) -> list[RowResponse]:
+        first, motions = runs[batch[0]], _motions([runs[n] for n in batch], standing.shortest)
         return kernel.run(first.row, motions, first.pace, keep and 0 in batch)
 
-    done = in_order(lambda number: run(batches[number]), len(batches), progress)
-    for batch, of_batch in zip(batches, done, strict=True):
-        for number, response in zip(batch, of_batch, strict=True):
-            outcomes[number] = _failure(standing, response) or response
-    return [outcomes[number] for number in range(len(jobs))]
+    done = in_order(lambda number: of_batch(batches[number]), len(batches), progress)
+    for batch, several in zip(batches, done, strict=True):
+        responses |= zip(batch, several, strict=True)
+    return [responses[number] for number in range(len(runs))]
 
 
-def _batches(jobs: Sequence[RowRun]) -> Iterator[list[int]]:
-    """Numbers of jobs that are stepped together: of one row and time step, the shortest first."""
+def _batches(runs: Sequence[RowRun]) -> Iterator[list[int]]:
+    """Numbers of runs that are stepped together: of one row and time step, the shortest first."""
     alike: dict[tuple[int, float, kernel.StepCounts], list[int]] = {}
-    for number in np.argsort([len(job.ground.acceleration) for job in jobs], kind="stable"):
-        row, ground, pace, *_ = jobs[number]
+    for number in np.argsort([len(run.ground.acceleration) for run in runs], kind="stable"):
+        row, ground, pace, _ = runs[number]
         alike.setdefault((id(row), ground.dt, pace), []).append(int(number))
     for numbers in alike.values():
         size = min(LANES, max(FEW, -(-len(numbers) // cores())))
@@ -152,46 +141,38 @@ def _batches(jobs: Sequence[RowRun]) -> Iterator[list[int]]:
             yield numbers[begin : begin + size]
 
 
-def _motions(jobs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
-    """The motions of jobs that are stepped together; ``shortest`` is that of the first periods [s]."""
-    members = [job.ground.acceleration for job in jobs]
+def _motions(runs: Sequence[RowRun], shortest: float) -> kernel.GroundMotions:
+    """The motions of runs that are stepped together; ``shortest`` is that of the first periods [s]."""
+    members = [run.ground.acceleration for run in runs]
     sizes = np.array([samples.size for samples in members])
-    acceleration = np.zeros((sizes.max(), len(jobs)))
+    acceleration = np.zeros((sizes.max(), len(runs)))
     for lane, samples in enumerate(members):
         acceleration[: samples.size, lane] = samples
-    meets = np.array([float(job.meets) for job in jobs])
+    meets = np.array([float(run.meets) for run in runs])
     slow = SLOW * np.abs(acceleration).max(axis=0) * shortest / (2 * np.pi)
-    return kernel.GroundMotions(acceleration, jobs[0].ground.dt, sizes - 1, slow, meets)
+    return kernel.GroundMotions(acceleration, runs[0].ground.dt, sizes - 1, slow, meets)
 
 
-def successful(outcomes: Sequence[Outcome]) -> list[RowResponse]:
-    """The responses; raises the error of the first that could not be computed."""
-    for outcome in outcomes:
-        if isinstance(outcome, ArithmeticError):
-            raise outcome
-    return [outcome for outcome in outcomes if isinstance(outcome, RowResponse)]
-
-
-def _failure(standing: Standing, response: RowResponse) -> ArithmeticError | None:
-    """The error of a motion that was ended before its end, because a building falls or numbers do."""
+def failure(standing: Standing, response: RowResponse) -> str:
+    """Why a motion was ended before its end: a building falls, or numbers do; empty if it was not."""
     failed = float(response.at_end("failed")[0])
     if failed == np.inf:
-        return None
+        return ""
     firsts = standing.arrangement.first_coordinate
     for number, stack in enumerate(standing.arrangement.stacks, start=1):
         u, limits = response.at_end("q")[firsts[number - 1] : firsts[number]], stack.limits
-        share = np.nan_to_num(np.abs(stack.system.extensions @ u) / limits, nan=np.inf)
-        worst = int(np.argmax(np.where(np.isfinite(limits), share, 0.0)))
-        if np.isfinite(limits[worst]) and share[worst] > 1:
+        drifts = np.nan_to_num(np.abs(stack.system.extensions @ u), nan=np.inf)
+        beyond = np.flatnonzero((drifts > limits) & np.isfinite(limits))
+        if beyond.size:
             part = "mode" if stack.by_modes else "storey"
-            where = "it" if stack.is_oscillator else f"its {part} {worst + 1}"
-            return ArithmeticError(
+            where = "it" if stack.is_oscillator else f"its {part} {beyond[0] + 1}"
+            return (
                 f"pound: structure {number} falls over: by {failed:.4g} s after the beginning {where} "
-                f"has drifted by more than {limits[worst]:.3g} m, where no force is left to hold it, "
-                "since its stiffness after yielding is negative; give it more hardening or strength, or "
-                "a weaker motion"
+                f"has drifted by more than {limits[beyond[0]]:.3g} m, where no force is left to hold "
+                "it, since its stiffness after yielding is negative; give it more hardening or "
+                "strength, or a weaker motion"
             )
-    return ArithmeticError(
+    return (
         f"pound: the response is no longer finite {failed:.4g} s after the beginning; the rates of a "
         "law grow without end, or a structure, link or contact is too stiff for the time steps: give a "
         "law in which all states stay bounded, make it softer, or take more steps_per_contact"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from stochlin.applications.pounding.histories import (
@@ -14,26 +12,27 @@ from stochlin.applications.pounding.histories import (
     energy_transferred,
 )
 from stochlin.applications.pounding.rows import Standing
-from stochlin.applications.pounding.runs import Outcome, successful
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.pounding import impacts
 from stochlin.kernels.pounding.run import RowResponse
 from stochlin.solver.tables.floors import FLOOR, LINK
 
 
-def summary(standing: Standing, outcomes: Sequence[Outcome]) -> Quantities:
-    """Summary of one motion from its responses to `jobs_of`, with the error of coarser steps if known.
+def summary(
+    standing: Standing, response: RowResponse, alone: RowResponse, coarser: RowResponse | None = None
+) -> Quantities:
+    """Summary of one motion, from the responses of the row and of each building alone.
 
-    Raises the error of a response that could not be computed.
+    The error of the time steps needs the response of the row in ``coarser`` ones.
     """
-    response, alone, *coarse = successful(outcomes)
     values = _peaks(standing, response, alone) | _tallies(standing, response)
-    values |= _columns(standing, response)
-    if coarse:
-        values["step_error"] = OF_ROW, step_error(standing, coarse[0], response)
+    values |= _columns(standing, values["hardest_force"][1])
+    if coarser is not None:
+        values["step_error"] = OF_ROW, _step_error(standing, coarser, response)
     return values
 
 
-def step_error(standing: Standing, response: RowResponse, finer: RowResponse) -> float:
+def _step_error(standing: Standing, response: RowResponse, finer: RowResponse) -> float:
     """Largest relative change of a peak displacement or largest force from steps twice as long [-].
 
     The steps are of second order, so that the error that remains in the finer response is about a third
@@ -43,7 +42,7 @@ def step_error(standing: Standing, response: RowResponse, finer: RowResponse) ->
     largest = np.repeat(whole, np.diff(standing.first))
     moved = np.abs(response.peaks - finer.peaks) / np.where(largest > 0, largest, 1.0)
     hardest, more = (_tallies(standing, each)["hardest_force"][1] for each in (response, finer))
-    hits = np.isfinite(hardest) & np.isfinite(more)
+    hits = (hardest > 0) & (more > 0)
     changes = np.abs(hardest[hits] - more[hits]) / more[hits]
     return float(max(moved.max(), changes.max(initial=0.0)))
 
@@ -81,12 +80,13 @@ def _tallies(standing: Standing, response: RowResponse) -> Quantities:
         "hardest_force": line[impacts.LARGEST],
         "fastest_approach": line[impacts.APPROACH],
         "longest_impact": line[impacts.END] - line[impacts.BEGIN],
-        "deepest_compression": np.where(contacts.jumps, np.nan, line[impacts.DEEPEST]),
+        "deepest_compression": line[impacts.DEEPEST],
     }
+    unknown = ("hardest_force", "deepest_compression") if contacts.jumps else ()
     values: Quantities = {"impacts": (CONTACT, hit.sum(axis=1))}
-    for name, each in at_most.items():  # NaN without an impact, or where one has no such value
-        most = np.array([np.maximum.reduce(each[own], initial=-np.inf) for own in hit])
-        values[name] = CONTACT, np.where(np.isfinite(most), most, np.nan)
+    for name, each in at_most.items():
+        none = np.nan if name in unknown else 0.0
+        values[name] = CONTACT, np.array([each[own].max(initial=none) for own in hit])
     values["contact_energy"] = CONTACT, hit @ line[impacts.LOST]
     received = np.zeros(standing.first.size - 1)
     for side, energy in enumerate(energy_transferred(response).T):
@@ -95,7 +95,7 @@ def _tallies(standing: Standing, response: RowResponse) -> Quantities:
     return values
 
 
-def _columns(standing: Standing, response: RowResponse) -> Quantities:
+def _columns(standing: Standing, hardest: Array) -> Quantities:
     """Largest force on columns that a slab meets [N], also over the storey shear at yield [-].
 
     Contacts slab to slab are NaN.
@@ -103,15 +103,12 @@ def _columns(standing: Standing, response: RowResponse) -> Quantities:
     struck = np.array([bool(m.struck) for m in standing.places])
     if not struck.any():
         return {}
-    most, storeys = np.zeros(struck.size), standing.arrangement.storeys
-    where = response.impacts[:, impacts.CONTACT].astype(np.int64)
-    np.maximum.at(most, where, response.impacts[:, impacts.LARGEST])
+    storeys = standing.arrangement.storeys
     floor = [
         standing.first[m.building + (m.struck != "left")] + m.storey if m.struck else 0
         for m in standing.places
     ]
-    yield_force = storeys.elastic * storeys.strength
-    strength = standing.arrangement.of_elements(yield_force, np.inf, np.inf)[floor]
-    force = np.where(struck, most, np.nan)
+    strength = standing.arrangement.of_elements(storeys.elastic * storeys.strength, np.inf, np.inf)
+    force, strength = np.where(struck, hardest, np.nan), strength[floor]
     share = np.where(np.isfinite(strength), force / strength, np.nan)
     return {"column_force": (CONTACT, force), "column_force_share": (CONTACT, share)}

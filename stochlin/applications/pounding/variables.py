@@ -63,7 +63,7 @@ _SINGLE: Variables = {
     "pounding_probability": ("1", "share of the motions with an impact between the neighbours"),
     "no_pounding_probability": ("1", "share of the motions without an impact between the neighbours"),
 }
-# Variables with a mean and quantiles over several motions; without an impact a force counts as 0.
+# Variables with a mean and quantiles over several motions.
 STATISTICS = (
     *("impacts_between", "hardest_force_between", "contact_energy_between"),
     *("impacts", "hardest_force", "fastest_approach", "contact_energy", "column_force"),

@@ -287,8 +287,7 @@ def _gaps(panels: Sequence[Axes], dataset: xr.Dataset) -> None:
         label = f"gap {table.neighbours.item()}"
         _exceedance(left, table.impacts_between.values, style | {"label": label})
         if forces:
-            none_is_zero = table.hardest_force_between.where(table.impacts_between > 0, 0.0)
-            _exceedance(right, MEGA * none_is_zero.where(table.status == 0).values, style)
+            _exceedance(right, MEGA * table.hardest_force_between.values, style)
     if not forces:
         right.text(0.5, 0.5, "no forces: velocities jump", transform=right.transAxes, ha="center")
     left.set(xlabel="impacts", ylabel="share of motions with more", xlim=(0, None), ylim=(0, 1.02))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +19,6 @@ from stochlin.views.shared.words import (
     MISSING,
     SPACE,
     along,
-    centimetres,
     floors,
     in_g,
     left_out,
@@ -42,36 +41,29 @@ if TYPE_CHECKING:
 
     Column = tuple[str, Callable[[xr.Dataset], str]]  # head, and the cell of a row
 
-LONGEST_NAME, NAME_OF_MANY, SHORTER_NAME = 26, 24, 20
+LONGEST_NAME = 20
 LARGE_ERROR = 0.01  # by time steps, above which a caution is given
-BASE = "Base: largest base shear."
 SINKS = {"viscous": "damping dissipated", "hysteretic": "yielding", "contacts": "contacts"}
 ALONE = "one building alone, without a neighbour."
-SHEAR = "Shear: of the storey below the floor."
-TIMES = "Times: largest displacement with pounding, relative to that without."
-ESTIMATE = (
-    "Estimate: growth factor of the energy radius (PER) in the worst single impact, at full energy "
-    "and without yielding."
-)
-DUCTILITY = "Ductility: largest displacement relative to that at yield."
-ROOF = "Peaks are those of the roof. Worst: the floor whose displacement grows most by pounding."
-FLOOR = (
-    "Floor: the floor with the largest acceleration; alone: its acceleration without pounding. Storey "
-    "shear: the largest growth factor of a storey's shear by pounding."
-)
+NOTES = {
+    "shear [MN]": "Shear: of the storey below the floor.",
+    "accel. [g]": "Peaks are those of the roof; accelerations are those of the floor with the largest "
+    "one; base: largest base shear. The second value is that without pounding.",
+    "times": "Times: largest displacement with pounding, relative to that without.",
+    "worst": "Worst: the floor whose displacement grows most by pounding.",
+    "ductility": "Ductility: largest displacement relative to that at yield.",
+    "gains [kJ]": "Gains: work of all impacts on the building, negative if they take energy from it.",
+    "closest [cm]": "Closest: smallest distance in the motion, negative if the contact is compressed.",
+}
+COLUMN = "Contacts with a star: a slab meets a column between two floors."
 JUMPS = (
     "Velocities jump in impacts with this contact: accelerations and shears are those between impacts."
 )
-HITS = "Hits give: work of all impacts on the building, negative if they take energy from it."
-COLUMN = "Contacts with a star: a slab meets a column between two floors."
-CLOSEST = "Closest: smallest distance in the motion, negative if the contact is compressed."
 ERRORS = (
     "Mean: with its standard error. The 95 % intervals of the quantiles are in brackets; over: the "
     "motions are too few for the upper end of the interval."
 )
-FORCES = "Alone: without pounding. In motions without an impact, forces count as 0."
-OF_ROOF = "Displacements are those of the roof; accelerations are those of the floor with the largest "
-OF_ROOF += "acceleration"
+OF_ROOF = "Displacements are those of the roof; accelerations, those of the floor with the largest one."
 FAILED = (
     "{} of {} motions FAILED and are left out: {}. These are probably strong motions, so the "
     "quantiles are too small."
@@ -84,29 +76,33 @@ STRENGTH = (
 
 def answer_sections(case: Case, tables: Mapping[str, xr.Dataset]) -> list[ViewSection]:
     """All that is shown, record by record, and the meaning of the columns."""
-    doubts_of = {record: _doubts(table, case) for record, table in tables.items()}
-    doubtful = [f"in {record} {text}" for record, several in doubts_of.items() for text in several]
+    doubtful = [
+        f"in {record} {text}"
+        for record, table in tables.items()
+        for text in doubts(table, case.buildings, peaks=_peaks(table))
+    ]
+    of_records = [_in_record(case, record, table) for record, table in tables.items()]
     return [
         opening(case, doubtful),
         ViewSection("", texts([floors(case), *left_out(case), at_medians(case)])),
-        *(ViewSection("", _in_record(case, record, table)) for record, table in tables.items()),
-        ViewSection("", texts([_notes(case, next(iter(tables.values())))])),
+        *(ViewSection("", blocks) for blocks in of_records),
+        ViewSection("", [Text(_notes(case, next(iter(tables.values())), of_records[0]))]),
     ]
 
 
 def _in_record(case: Case, record: str, table: xr.Dataset) -> list[Block]:
-    met = [columns_met(table)] if "column" in table.coords else []
-    responses = (_buildings, _borne, _contacts) if "contact" in table.dims else (_alone,)
+    about = [f"{record}: {headline(table)}", recorded_shaking(table, case), columns_faced(table)]
+    tables = (_buildings, _contacts) if "contact" in table.dims else (_alone,)
     return [
-        *texts([f"{record}: {headline(table)}", recorded_shaking(table, case), *met]),
-        *(response(table) for response in responses),
+        *texts(about),
+        *(each(table) for each in tables),
         *texts([energies(table), step_error(table)]),
     ]
 
 
-def _doubts(table: xr.Dataset, case: Case) -> list[str]:
-    peaks = table.peak.max("floor") if "floor" in table.dims else table.peak
-    return doubts(table, case.buildings, peaks=tuple(map(float, peaks)))
+def _peaks(table: xr.Dataset) -> tuple[float, ...]:
+    """Largest displacement of each building [m]."""
+    return tuple(map(float, table.peak.max({*table.peak.dims} - {"structure"})))
 
 
 def headline(table: xr.Dataset) -> str:
@@ -126,23 +122,25 @@ def headline(table: xr.Dataset) -> str:
     return f"{sentence} Fastest approach {short(speed)} m/s; this contact gives no forces."
 
 
-def columns_met(table: xr.Dataset) -> str:
-    """A clear warning where slabs hit columns."""
-    met = int(table.column_force.notnull().sum())
-    hit = int((table.column_force > 0).sum())
-    begin = "SLABS FACE COLUMNS: the floors are not level"
+def columns_faced(table: xr.Dataset, end: str = "", when: str = "") -> str:
+    """A clear warning where slabs meet columns; ``end`` is that of the names of the variables."""
+    if "column" not in table.coords:
+        return ""
+    forces = table[f"column_force{end}"].fillna(0.0)
+    hit = int((forces > 0).sum())
     if not hit:
-        return f"{begin} at {met} contact{'s' * (met > 1)}; in this record no column is hit."
-    contact = table.isel(contact=int(table.column_force.argmax("contact")))
+        return "SLABS FACE COLUMNS: the floors are not level. No column is hit."
+    contact = table.isel(contact=int(forces.argmax("contact")))
     struck = int(contact[str(contact.column.item())])
-    force = f"{number(float(contact.column_force), 'MN')} MN"
-    if np.isfinite(float(contact.column_force_share)):
-        force += f", {per_cent(float(contact.column_force_share))} of the storey's shear at yield"
+    force = f"{number(float(contact[f'column_force{end}']), 'MN')} MN"
+    share = float(contact[f"column_force_share{end}"])
+    if np.isfinite(share):
+        force += f", {per_cent(share)} of the storey's shear at yield"
     return (
         f"SLABS HIT COLUMNS at {hit} contact{'s' * (hit > 1)}, since the floors are not level. "
         f"Hardest, {float(contact.level):.4g} m up: the columns of storey {int(contact.storey)} of "
-        f"building {struck} take {force}. They carry the building above: check them in bending and "
-        "shear, or widen the gap."
+        f"building {struck} take {force}{when}. They carry the building above: check them in bending "
+        "and shear, or widen the gap."
     )
 
 
@@ -185,12 +183,9 @@ def _times(name: str) -> Callable[[xr.Dataset], str]:
     return lambda row: f"{value:.2f}" if np.isfinite(value := float(row[name])) else MISSING
 
 
-def _numbered(table: xr.Dataset, longest: int) -> list[tuple[str, xr.Dataset]]:
-    """Buildings by their number and name."""
-    return [
-        (f"{place}  {cut(str(building.building.item()), longest)}", building)
-        for place, building in enumerate(along(table, "structure"), start=1)
-    ]
+def _named(building: xr.Dataset) -> str:
+    """The number and the name of a building."""
+    return f"{int(building.structure)}  {cut(str(building.building.item()), LONGEST_NAME)}"
 
 
 def _roof(building: xr.Dataset) -> xr.Dataset:
@@ -200,84 +195,54 @@ def _roof(building: xr.Dataset) -> xr.Dataset:
 
 def _at_most(building: xr.Dataset, name: str) -> xr.Dataset:
     """What is at the floor where a variable is largest."""
-    return building.isel(floor=int(building[name].argmax("floor")))
-
-
-def _floor(building: xr.Dataset, name: str) -> str:
-    """The floor where a variable is largest; empty for an oscillator, which has none."""
-    return "" if is_oscillator(building) else str(int(_at_most(building, name).floor))
+    return (
+        building.isel(floor=int(building[name].argmax("floor")))
+        if "floor" in building.dims
+        else building
+    )
 
 
 def _alone(table: xr.Dataset) -> Table:
     """The response of a single building, floor by floor from the roof down."""
     building = table.isel(structure=0)
-    columns = [("peak [cm]", _in("cm", "peak")), ("accel. [g]", _in("g", "peak_acceleration"))]
-    columns += [("shear [MN]", _in("MN", "peak_storey_shear"))]
+    columns = [
+        ("accel. [g]", _in("g", "peak_acceleration")),
+        ("shear [MN]", _in("MN", "peak_storey_shear")),
+    ]
+    peak = _in("cm", "peak")
     if "floor" not in table.dims:
-        (head, first), *others = [*columns, ("ductility", _in("1", "peak_ductility"))]
-        return _table(head, [(first(building), building)], others)
+        columns.append(("ductility", _in("1", "peak_ductility")))
+        return _table("peak [cm]", [(peak(building), building)], columns)
     height: Column = ("height [m]", lambda floor: f"{float(floor.floor_level):.4g}")
     down = [(str(int(floor.floor)), floor) for floor in along(building, "floor")[::-1]]
-    return _table("floor", down, [height, *columns])
+    return _table("floor", down, [height, ("peak [cm]", peak), *columns])
 
 
 def _buildings(table: xr.Dataset) -> Table:
-    """The effect of pounding on each building."""
-    if "floor" in table.dims:
-        more: list[Column] = [("worst", _worst)]
-    else:
-        more = [("estimate", _times("largest_radius_amplification"))]
-        more += [("ductility", _times("peak_ductility"))]
+    """What pounding does to each building: values with it and without."""
+
+    def both(unit: str, name: str, place: Callable[[xr.Dataset], xr.Dataset]) -> Callable[..., str]:
+        ends = _in(unit, name), _in(unit, f"{name}_alone")
+        return lambda building: " | ".join(cell(place(building)) for cell in ends)
+
+    worst = ("worst", _worst) if "floor" in table.dims else ("ductility", _times("peak_ductility"))
     columns: list[Column] = [
-        ("peak [cm]", lambda building: centimetres(float(_roof(building).peak))),
-        ("alone [cm]", lambda building: centimetres(float(_roof(building).peak_alone))),
+        ("peak [cm]", both("cm", "peak", _roof)),
         ("times", lambda building: _times("amplification")(_roof(building))),
+        worst,
+        ("accel. [g]", both("g", "peak_acceleration", lambda b: _at_most(b, "peak_acceleration"))),
+        ("base [MN]", both("MN", "peak_base_shear", lambda building: building)),
+        ("gains [kJ]", _in("kJ", "energy_received")),
     ]
-    return _table("building", _numbered(table, LONGEST_NAME), [*columns, *more])
+    rows = [(_named(building), building) for building in along(table, "structure")]
+    return _table("building", rows, columns)
 
 
 def _worst(building: xr.Dataset) -> str:
     """The floor whose displacement grows most."""
-    times = _times("amplification")(_at_most(building, "amplification"))
-    floor = _floor(building, "amplification")
-    return f"{times}, floor {floor}" if floor else times
-
-
-def _borne(table: xr.Dataset) -> Table:
-    """Accelerations, shears, and the work of impacts on each building."""
-    storeys, peak = "floor" in table.dims, "peak_acceleration"
-
-    def acceleration(end: str) -> Callable[[xr.Dataset], str]:
-        def cell(building: xr.Dataset) -> str:
-            shaken = _at_most(building, peak) if storeys else building
-            return f"{float(shaken[f'{peak}{end}']) / constants.g:.2f}"
-
-        return cell
-
-    columns: list[Column] = [("accel. [g]", acceleration("")), ("alone", acceleration("_alone"))]
-    columns += [("floor", lambda building: _floor(building, peak) or MISSING)] * storeys
-    columns += [
-        ("base [MN]", _in("MN", "peak_base_shear")),
-        ("alone", _in("MN", "peak_base_shear_alone")),
-    ]
-    columns += [("storey shear", _shear)] * storeys
-    columns += [("hits give [kJ]", _work)]
-    return _table("building", _numbered(table, SHORTER_NAME), columns)
-
-
-def _shear(building: xr.Dataset) -> str:
-    """The storey whose shear grows most."""
-    if is_oscillator(building):
-        return MISSING
-    times = building.peak_storey_shear / building.peak_storey_shear_alone
-    worst = times.isel(floor=int(times.argmax("floor")))
-    return f"{float(worst):.2f}, storey {int(worst.floor)}"
-
-
-def _work(building: xr.Dataset) -> str:
-    """The energy that impacts give a building, with its sign."""
-    work = float(building.energy_received) / 1e3
-    return f"{work:+.3g}" if work else "0"
+    floor = _at_most(building, "amplification")
+    times = _times("amplification")(floor)
+    return times if is_oscillator(building) else f"{times}, floor {int(floor.floor)}"
 
 
 def _contacts(table: xr.Dataset) -> Table:
@@ -303,15 +268,13 @@ def _contacts(table: xr.Dataset) -> Table:
     return _table("contact", [(name(contact), contact) for contact in along(table, "contact")], columns)
 
 
-def _notes(case: Case, table: xr.Dataset) -> str:
-    storeys = "floor" in table.dims
-    notes = [COLUMN] if "column" in table.coords else []
-    if "contact" in table.dims:
-        notes += [TIMES, *([ROOF, FLOOR] if storeys else [f"{ESTIMATE} {DUCTILITY}"])]
-        jumps = table.sizes["impact"] and bool(table.largest_force.isnull().all())
-        notes += [BASE, *[JUMPS] * bool(jumps), HITS, CLOSEST]
-    else:
-        notes.append(SHEAR if storeys else DUCTILITY)
+def _notes(case: Case, table: xr.Dataset, blocks: Sequence[Block]) -> str:
+    """What the columns of the tables mean that are shown for a record."""
+    heads = {head for block in blocks if isinstance(block, Table) for head in block.heads}
+    meets = "contact" in table.dims
+    notes = [note for head, note in NOTES.items() if head in heads and (meets or head != "accel. [g]")]
+    notes += [COLUMN] * ("column" in table.coords)
+    notes += [JUMPS] * (meets and bool(table.hardest_force.isnull().all()))
     if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
         notes.append(STRENGTH.format(site_in_words(case)))
     return " ".join(notes)
@@ -323,7 +286,6 @@ def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
     simulated, meets = over == "path", "neighbours" in table.dims
     count, good = table.sizes[over], int((table.status == 0).sum())
     strongest = table[["peak_ground_acceleration"]].max()
-    peaks = tuple(map(float, table.peak.max({*table.peak.dims} - {"structure"})))
     motions = f"{count} records"
     if simulated:
         duration = f"{case.site.course.duration:.4g} s"
@@ -335,19 +297,18 @@ def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
     ]
     why = next((str(text) for text in table.missing.values if text), "")
     failed = FAILED.format(count - good, count, why) if good < count else ""
-    columns = _columns_faced(table) if "column_force_quantile" in table else ""
+    level = f" at most in {per_cent(float(table['quantile'][-1]))} of the motions"
+    columns = columns_faced(table.isel(quantile=-1), "_quantile", level)
     heads = ["", "mean", *(per_cent(level) for level in table["quantile"].values)]
     rows: list[list[str]] = []
     for of_pair in along(table, "neighbours") if meets else ():
         rows += _gap_rows(of_pair, heads)
     for building in along(table, "structure"):
         rows += _building_rows(building, heads)
-    notes = [f"{ERRORS} {FORCES}" if meets else ERRORS]
-    with_and_without = " in pounding, with and without pounding" if meets else ""
-    notes += [f"{OF_ROOF}{with_and_without}."] * ("floor" in table.dims)
+    notes = [ERRORS, *["Alone: without pounding."] * meets, *[OF_ROOF] * ("floor" in table.dims)]
     notes += [JUMPS] * (meets and bool(table.hardest_force_between_mean.isnull().any()))
     return [
-        opening(case, doubts(strongest, case.buildings, peaks=peaks)),
+        opening(case, doubts(strongest, case.buildings, peaks=_peaks(table))),
         ViewSection("", texts([floors(case), *left_out(case)])),
         *(ViewSection("", texts(several)) for several in (about, [failed], [columns])),
         ViewSection("", [Table.of(heads, rows), Text(" ".join(notes))]),
@@ -370,18 +331,6 @@ def _shares(table: xr.Dataset) -> str:
     return f"{'; '.join(shares)}."
 
 
-def _columns_faced(table: xr.Dataset) -> str:
-    most = table.column_force_quantile.isel(quantile=-1)
-    contact = table.isel(contact=int(most.fillna(0.0).argmax("contact")))
-    struck, level = int(contact[str(contact.column.item())]), float(table["quantile"][-1])
-    return (
-        f"SLABS FACE COLUMNS: the floors are not level. Hit hardest, {float(contact.level):.4g} m up, "
-        f"are the columns of storey {int(contact.storey)} of building {struck}: with at most "
-        f"{short(1e-6 * float(contact.column_force_quantile[-1]))} MN in {per_cent(level)} of the "
-        "motions."
-    )
-
-
 def _gap_rows(table: xr.Dataset, heads: list[str]) -> list[list[str]]:
     pair = str(table.neighbours.item())
     gap = 100 * float(table.gap.values[table.left.values == int(pair.split(" | ", maxsplit=1)[0])][0])
@@ -395,22 +344,19 @@ def _gap_rows(table: xr.Dataset, heads: list[str]) -> list[list[str]]:
 
 
 def _building_rows(table: xr.Dataset, heads: list[str]) -> list[list[str]]:
-    top, shaken = _roof(table), table
-    at_floor, meets = "", "neighbours" in table.dims
-    if "floor" in table.dims:
-        times = table.peak_acceleration_mean / (table.peak_acceleration_alone_mean if meets else 1.0)
-        shaken = table.isel(floor=int(times.argmax("floor")))
-        at_floor = "" if is_oscillator(table) else f", floor {int(shaken.floor)}"
+    shaken, meets = _at_most(table, "peak_acceleration_mean"), "neighbours" in table.dims
+    at_floor = (
+        "" if "floor" not in table.dims or is_oscillator(table) else f", floor {int(shaken.floor)}"
+    )
     rows = []
     for name, place, stem, scale in (
-        ("displacement [cm]", top, "peak", 100.0),
+        ("displacement [cm]", _roof(table), "peak", 100.0),
         (f"acceleration [g]{at_floor}", shaken, "peak_acceleration", 1 / constants.g),
         ("base shear [MN]", table, "peak_base_shear", 1e-6),
     ):
         rows.append(_row(f"  {name}", place, stem, scale))
         rows += [_row("    alone", place, f"{stem}_alone", scale)] * meets
-    named = f"{int(table.structure)}  {cut(str(table.building.item()), NAME_OF_MANY)}"
-    return [[named, *[""] * (len(heads) - 1)], *rows]
+    return [[_named(table), *[""] * (len(heads) - 1)], *rows]
 
 
 def _row(name: str, table: xr.Dataset, stem: str, scale: float) -> list[str]:
