@@ -11,7 +11,7 @@ import xarray as xr
 
 from stochlin.applications.cases.reading.codes import factors_of
 from stochlin.applications.cases.rows import neighbours_of, of_codes, one_or_two
-from stochlin.applications.separation.rules import Rule, code_rules
+from stochlin.applications.separation.code_gaps import DESIGN, Rule, code_rules
 from stochlin.applications.separation.separation import COMBINED, gaps_by_height, judged_rules
 from stochlin.applications.separation.storeys import of_storeys, weights
 from stochlin.applications.separation.variables import VARIABLES
@@ -87,12 +87,12 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
     if any(isinstance(structure, MultistoreyBuilding) for structure in structures):
         neighbours = of_storeys(neighbours, structures, tall)
         tall = (heights,) * len(buildings)
-    factors = _factors(rule, [factors_of(building) for building in buildings])
-    (row,) = (
-        row
-        for row in code_rules(peaks, tall, neighbours, of_codes(case), case.wanted.of_rules(), factors)
-        if row.name == rule.name
-    )
+    values = {**_factors(rule, [factors_of(building) for building in buildings]), **of_codes(case)}
+    for name, both in (("height", tall), ("peak", peaks)):
+        values |= {f"{name}_{n}": value for n, value in enumerate(both, start=1)}
+    zone = values.pop("zone")
+    rules = code_rules(values, neighbours, zone, case.wanted.of_rules(), DESIGN)
+    (row,) = (row for row in rules if row.name == rule.name)
     return replace(row, name=name, assumptions=f"{row.assumptions}; {_stated(case, rule)}")
 
 

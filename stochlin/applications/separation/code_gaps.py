@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -32,17 +33,19 @@ from stochlin.models.systems import AnyStructure
 from stochlin.solver.tables import labels
 
 PEAKS = "peak_1", "peak_2"
-AS_DEFINED = "displacements as each code defines them, its factors included"
-UNDER_DESIGN = "displacements under design forces, which each code multiplies by its factors"
-OF_SPECTRUM = (
+# What the displacements are, with or without the factors of a code.
+DEFINED = "displacements as each code defines them, its factors included"
+DESIGN = "displacements under design forces, which each code multiplies by its factors"
+SPECTRAL = (
     "displacements of the elastic spectrum by the CQC over the modes of each building; cqc is that over "
     "the modes of both"
 )
 REDUCED = (
-    f"{OF_SPECTRUM}. They are reduced to design forces by the behaviour factor, and multiplied by the "
+    f"{SPECTRAL}. They are reduced to design forces by the behaviour factor, and multiplied by the "
     "factors of each code"
 )
-JOINED: Mapping[str, Any] = {"coords": "minimal", "compat": "override"}
+NEEDS = "needs "  # begins what is missing
+OF_SITE = ("peak_1", "height_1", "height_2", "storeys_1", "storeys_2", "design_pga")
 TEXTS: Mapping[str, str] = {
     "family": "what governs a building code: SRSS or sum of the peaks, the height, or a fixed distance",
     "reference": "source of the rule",
@@ -51,6 +54,34 @@ TEXTS: Mapping[str, str] = {
     "assumptions": "assumptions of the rule",
     "missing": "what the rule needs and was not given",
 }
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A row of a table of rules: the gap of a rule in each cell, or at each height of a meeting."""
+
+    name: str
+    kind: str
+    gaps: Any = np.nan  # [m], NaN if not available
+    rhos: Any = None
+    family: str = ""  # for a building code only
+    reference: str = ""
+    mark: str = ""
+    assumptions: str = ""
+    missing: str = ""
+    judged: bool = True  # False for a code's combination of simulated peaks
+    peaks: tuple[Any, Any] | None = None  # [m], that a code combines
+
+    @property
+    def gap(self) -> float:
+        """Largest gap over the heights [m], which is required over the whole height."""
+        return float(np.max(self.gaps))
+
+    @property
+    def rho(self) -> float:
+        """Correlation at the height where the gap is largest [-]; NaN if the rule has none."""
+        known = self.rhos is not None and not np.isnan(self.gap)
+        return float(self.rhos[int(np.argmax(self.gaps))]) if known else np.nan
 
 
 def _check_source(
@@ -236,65 +267,37 @@ def code_gaps(
         **{"importance": importance, "importance_2": importance_2},
     }
     check_neighbours(neighbours, alone, height_2=height_2, storeys_2=storeys_2, **factors)
-    by_design = _are_of_design(factors)
-    by_site = {"storeys_1": storeys_1, "storeys_2": storeys_2, "design_pga": design_pga}
-    together = None
+    together, displacements = None, DESIGN if _are_of_design(factors) else DEFINED
     if modes_1 is not None and spectrum is not None:
         both = [modes_1] if modes_2 is None else [modes_1, modes_2]
         tall = height_1, height_2
         together = spectral_peaks(both, spectrum, ground or WhiteNoise(1.0), tall, neighbours)
         (peak_1, peak_2), (height_1, height_2) = together.peaks, together.heights
         neighbours = together.neighbours
+        displacements = SPECTRAL if displacements == DEFINED else REDUCED
     assert peak_1 is not None
+    by_site = {"storeys_1": storeys_1, "storeys_2": storeys_2, "design_pga": design_pga}
     pair = BuildingPeaks(peak_1, peak_2, height_1, height_2, **by_site, **factors)
     valid = pair.valid()
     values = {name: array.where(valid) for name, array in pair.arrays().items()}
-    known = {*values, *(() if zone is None else ("zone",))}
-    rules = rules_with(numbers)
-    reduced = together is not None
-    missing = [
-        ", ".join(
-            [*rule.missing(known, alone), *(_without(rule, known, alone, reduced) if by_design else ())]
-        )
-        for rule in rules
-    ]
-    nothing = xr.full_like(valid, np.nan, float)
-    of_site = (*PEAKS, "height_1", "height_2", *by_site)
-    arguments: dict[str, Any] = {name: values.get(name) for name in of_site}
-    arguments |= {"zone": zone, **vars(neighbours), **_importances(values)}
-    gaps, differences = [], []
-    for rule, lacks in zip(rules, missing, strict=True):
-        designed = by_design and not lacks
-        own = arguments | (_designed(rule, values, floors_align, reduced) if designed else {})
-        gaps.append(nothing if lacks else rule.gap(**own))
-        combines = not alone and rule.takes_peaks() and not lacks
-        differences.append(together.apart(own) if together is not None and combines else nothing)
-    dimension = xr.DataArray([rule.name for rule in rules], dims="rule", name="rule")
-    dimension.attrs["long_name"] = "rule"
-    gap, cqc = (
-        xr.concat([each.broadcast_like(valid) for each in arrays], dim=dimension, **JOINED)
-        for arrays in (gaps, differences)
-    )
-    usable = valid & xr.DataArray([not lacks for lacks in missing], dims="rule")
+    rules = code_rules(values, neighbours, zone, numbers, displacements)
+    usable = valid & xr.DataArray([not rule.missing for rule in rules], dims="rule")
+    gap = _along_rules([rule.gaps for rule in rules], rules, valid)
     table = xr.Dataset({"gap": gap, "status": labels.status_where(usable).transpose(*gap.dims)})
     for name, text in TEXTS.items():
-        kept = {
-            "missing": missing,
-            "assumptions": [rule.told(alone) for rule in rules],
-            "family": [rule.governed_by(same_property) for rule in rules],
-        }
-        entries = kept.get(name) or [getattr(rule, name) for rule in rules]
+        entries = [getattr(rule, name).removeprefix(NEEDS) for rule in rules]
         table = table.assign_coords({name: ("rule", entries, {"long_name": text})})
-    peaks_are, models = UNDER_DESIGN if by_design else AS_DEFINED, dict[str, Model](pair=pair)
+    models: dict[str, Model] = {"pair": pair}
     if together is not None and spectrum is not None:
-        table = table.assign({"cqc": cqc} if not alone else {}).assign(together.variables())
-        peaks_are = REDUCED if by_design else OF_SPECTRUM
+        cqc = [np.nan if rule.peaks is None else together.apart(*rule.peaks) for rule in rules]
+        table = table.assign({} if alone else {"cqc": _along_rules(cqc, rules, valid)})
+        table = table.assign(together.variables())
         of_modes = {"modes_1": modes_1, "modes_2": modes_2, "ground": ground}
         models = {name: model for name, model in of_modes.items() if model is not None}
         table.attrs["spectrum"] = str(spectrum.attrs.get("source", "a spectrum"))
     table = labels.label(table, VARIABLES)
     table.attrs["comment"] = (
-        f"The peaks are {peaks_are}. Rules whose mark has an M were not compared with their source."
+        f"The peaks are {displacements}. Rules whose mark has an M were not compared with their source."
     )
     return labels.with_run_information(
         table,
@@ -303,6 +306,57 @@ def code_gaps(
         models,
         "; ".join(dict.fromkeys(rule.reference for rule in rules)),
     )
+
+
+def _along_rules(arrays: Sequence[Any], rules: Sequence[Rule], cells: xr.DataArray) -> xr.DataArray:
+    """Arrays of all rules in one, over the rules and the dimensions of ``cells``."""
+    name = xr.DataArray([rule.name for rule in rules], dims="rule", name="rule")
+    each = [xr.DataArray(array).broadcast_like(cells) for array in arrays]
+    return xr.concat(each, name.assign_attrs(long_name="rule"), coords="minimal", compat="override")
+
+
+def code_rules(
+    values: Mapping[str, Any],
+    neighbours: Neighbours,
+    zone: str | None,
+    numbers: Mapping[str, float] | None = None,
+    displacements: str = DEFINED,
+) -> list[Rule]:
+    """All rules of building codes, including those that have no gap because something is missing.
+
+    ``values`` are those of `BuildingPeaks` by name, numbers, arrays or None, and ``displacements`` what
+    the peaks are.
+    """
+    values = {name: value for name, value in values.items() if value is not None}
+    alone, known = "peak_2" not in values, {*values, *(() if zone is None else ("zone",))}
+    site = {name: values[name] for name in OF_SITE if name in values}
+    site |= {"peak_2": values.get("peak_2"), "zone": zone, **vars(neighbours), **_importances(values)}
+    rules, by_design = [], displacements in (DESIGN, REDUCED)
+    for rule in rules_with(numbers):
+        missing = rule.missing(known, alone)
+        if by_design:
+            missing += _without(rule, known, alone, displacements)
+        own, gaps = site, np.nan
+        if not missing:
+            if by_design and rule.multiplies:
+                own = site | _designed(rule, values, neighbours.floors_align, displacements)
+            gaps = rule.gap(**own)
+        combines = not alone and rule.takes_peaks() and not missing
+        rules.append(
+            Rule(
+                rule.name,
+                "code",
+                gaps,
+                family=rule.governed_by(neighbours.same_property),
+                reference=rule.reference,
+                mark=rule.mark,
+                assumptions=rule.told(alone),
+                missing=f"{NEEDS}{', '.join(missing)}" if missing else "",
+                judged=by_design or not rule.multiplies,
+                peaks=(own["peak_1"], own["peak_2"]) if combines else None,
+            )
+        )
+    return rules
 
 
 def _are_of_design(factors: Mapping[str, object]) -> bool:
@@ -316,17 +370,14 @@ def _are_of_design(factors: Mapping[str, object]) -> bool:
     return bool(named)
 
 
-def _without(rule: CodeRule, known: Collection[str], alone: bool, reduced: bool) -> list[str]:
-    """What a rule lacks for displacements under design forces, the first factor as the code calls it.
-
-    If ``reduced``, they are those of an elastic spectrum, reduced by the behaviour factor.
-    """
+def _without(rule: CodeRule, known: Collection[str], alone: bool, displacements: str) -> list[str]:
+    """What a rule lacks for displacements under design forces, the first factor as the code calls it."""
     if not rule.takes_peaks():
         return []
     if not rule.multiplies:
         return [MULTIPLIED]
     lacking = []
-    for factor in dict.fromkeys((rule.multiplies, *([BEHAVIOUR] if reduced else []))):
+    for factor in dict.fromkeys((rule.multiplies, *([BEHAVIOUR] * (displacements == REDUCED)))):
         needed = [f"{factor}_{n}" for n in ((1,) if alone else (1, 2))]
         first, *others = [name for name in needed if name not in known] or [""]
         lacking += [f"{first} ({rule.called[factor]})", *others] if first else []
@@ -334,27 +385,20 @@ def _without(rule: CodeRule, known: Collection[str], alone: bool, reduced: bool)
 
 
 def _designed(
-    rule: CodeRule, values: Mapping[str, Any], floors_align: bool, reduced: bool
+    rule: CodeRule, values: Mapping[str, Any], floors_align: bool, displacements: str
 ) -> dict[str, Any]:
-    """The displacements of a code [m], for those under design forces; nothing if it takes none.
-
-    If ``reduced``, the values are those of an elastic spectrum, and are first reduced to design forces.
-    """
-    if not rule.multiplies:
-        return {}
-    factors = {name: values.get(name) for name in (f"{rule.multiplies}_1", f"{rule.multiplies}_2")}
-    if rule.larger_factor and not floors_align and "peak_2" in values:
-        factors = dict.fromkeys(factors, np.maximum(*map(values.__getitem__, factors)))
-    importances = _importances(values).values()
-    gaps = {}
-    for n, (factor, importance) in enumerate(zip(factors.values(), importances, strict=True), start=1):
-        if (peak := f"peak_{n}") in values:
-            displacement = values[peak]
-            if reduced:
-                behaviour = values[f"{BEHAVIOUR}_{n}"]
-                displacement = rule.under_design_forces(displacement, behaviour, importance)
-            gaps[peak] = rule.designed(displacement, factor, importance)
-    return gaps
+    """The peaks of a code [m] by name, for those under design forces or an elastic spectrum."""
+    both = [n for n in (1, 2) if f"peak_{n}" in values]
+    factors = [values[f"{rule.multiplies}_{n}"] for n in both]
+    if rule.larger_factor and not floors_align and len(both) > 1:
+        factors = [np.maximum(*factors)] * 2
+    peaks = {}
+    for n, factor, importance in zip(both, factors, _importances(values).values(), strict=False):
+        peak = values[f"peak_{n}"]
+        if displacements == REDUCED:
+            peak = rule.under_design_forces(peak, values[f"{BEHAVIOUR}_{n}"], importance)
+        peaks[f"peak_{n}"] = rule.designed(peak, factor, importance)
+    return peaks
 
 
 def _importances(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -11,7 +11,7 @@ over the product of both peaks.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -53,10 +53,9 @@ class SpectralPeaks(NamedTuple):
     neighbours: Neighbours
     rho: xr.DataArray  # correlation of both
 
-    def apart(self, displacements: Mapping[str, Any]) -> xr.DataArray:
-        """CQC of the difference [m], if ``peak_1`` and ``peak_2`` are these ``displacements``."""
-        peaks = (displacements[f"peak_{n}"] for n in (1, 2))
-        difference: xr.DataArray = xr.apply_ufunc(equation_3, *peaks, self.rho)
+    def apart(self, peak_1: Any, peak_2: Any) -> xr.DataArray:
+        """CQC of the difference [m] with these peaks."""
+        difference: xr.DataArray = xr.apply_ufunc(equation_3, peak_1, peak_2, self.rho)
         return difference
 
     def variables(self) -> dict[str, xr.DataArray]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from stochlin.applications.separation.critical_gap import ALIKE
 from stochlin.applications.separation.modes import combine_modes, modes_of, oscillators_of
 from stochlin.applications.separation.storeys import (
     correlation_in,
@@ -23,27 +24,27 @@ from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.models.buildings import MultistoreyBuilding
 from stochlin.models.grounds import Ground
+from stochlin.models.rules.effective_properties import EffectiveRule
 from stochlin.models.rules.peak_factors import peak_factor_model
-from stochlin.models.structures import DRIFT, GAUSSIAN, Structure
+from stochlin.models.structures import DRIFT, Structure
 from stochlin.models.systems import Arrangement, arrangement_of, first_mode
 from stochlin.solver.correlation.correlation import correlate
-from stochlin.solver.linearization.equivalent_systems import solve_elastic, solve_structure
-from stochlin.solver.linearization.peaks import peak_table, relative_moments, response_moments
+from stochlin.solver.correlation.effective import rho_effective
+from stochlin.solver.linearization.equivalent_systems import solve_elastic
+from stochlin.solver.linearization.peaks import peak_table, response_moments
 from stochlin.solver.linearization.strength import solved_reduction_factor
 from stochlin.solver.linearization.systems.systems import linearized_motion
-from stochlin.solver.linearization.tolerance import USUAL
 from stochlin.solver.simulation.finite_motions import mean_with_error, pair_peaks, quantiles_of
 from stochlin.solver.simulation.simulation import simulate
 
 GUMBEL = np.sqrt(6) / np.pi
-SHORT = "not solved, or the motion is too short for a peak"
 
 
 @dataclass(frozen=True)
 class PairInMotion:
     """Two structures, or one beside its property line, with their simulated motions of finite length.
 
-    If one of them has storeys, all strengths are in metres. Arrays are over the heights at which the
+    All strengths are in metres. Arrays are over the heights at which the
     structures could meet, or cross the line. Without storeys there is one height, which is NaN.
     """
 
@@ -109,13 +110,8 @@ class PairInMotion:
         return [solve_elastic(mode, self.ground) for mode in self.modes]
 
     @cached_property
-    def solved(self) -> list[xr.Dataset]:
-        """The linearized response of each oscillator."""
-        return [solve_structure(s, self.ground, GAUSSIAN, USUAL) for s in self.structures]
-
-    @cached_property
     def linearized(self) -> StationaryResponse:
-        """Stationary response of structures with storeys by linearization."""
+        """Stationary response of all structures by linearization."""
         return linearized_motion(self.structures, self.ground)
 
     @property
@@ -154,17 +150,19 @@ class PairInMotion:
         motions = stationary_motions(self.structures, self.ground, duration)
         return correlation_in(motions, *self.weights)
 
-    def linearized_rho(self, closure: str) -> Array:
-        """Correlation by linearization [-], (heights,); a ValueError if there is no solution."""
+    def linearized_rho(self) -> Array:
+        """Correlation by linearization [-], (heights,); an error if there is no solution."""
+        return correlation_of(self.linearized, *self.of_coordinates)
+
+    def drift_rho(self) -> Array:
+        """Correlation of oscillators by the drift closure [-], (1,); a ValueError if there is none."""
         if self.has_storeys:
-            if closure == DRIFT:
-                raise ValueError("the drift closure is only available for oscillators")
-            return correlation_of(self.linearized, *self.of_coordinates)
-        lacking = {type(s).__name__ for s in self.structures if closure not in s.closure_names()}
+            raise ValueError("the drift closure is only available for oscillators")
+        lacking = {type(s).__name__ for s in self.structures if DRIFT not in s.closure_names()}
         if lacking:
-            raise ValueError(f"no {closure} closure for {', '.join(sorted(lacking))}")
+            raise ValueError(f"no {DRIFT} closure for {', '.join(sorted(lacking))}")
         first, second = self.structures
-        return np.atleast_1d(correlate(first, second, self.ground, closure=closure, bias=False).rho)
+        return np.atleast_1d(correlate(first, second, self.ground, closure=DRIFT, bias=False).rho)
 
     def amplified_peaks(self) -> Array:
         """Quantile of the elastic peak ``|u|`` times ``D`` of linearization [m], as `peaks`.
@@ -174,13 +172,12 @@ class PairInMotion:
         if self.has_storeys:
             raise ValueError("the linearized amplification of Fig. 5b is only available for oscillators")
         peaks = np.empty((len(self.structures), 1))
-        for n, (elastic, yielding) in enumerate(zip(self.elastic, self.solved, strict=True)):
+        for n, (elastic, weights) in enumerate(zip(self.elastic, self.of_coordinates, strict=True)):
             moments = response_moments(elastic, self.ground)
             peak = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2)
-            peaks[n] = peak * yielding.displacement_std / elastic.displacement_std
-        if not np.isfinite(peaks).all():
-            raise ArithmeticError(SHORT)
-        return peaks
+            amplification = self.linearized.std(weights).item() / elastic.displacement_std.item()
+            peaks[n] = amplification * peak.item()
+        return _finite(peaks)
 
     def combined_modes(self) -> tuple[Array, Array]:
         """Peak ``|u|`` by the CQC of elastic modes [m], as `peaks`, and its correlation (heights,).
@@ -191,31 +188,26 @@ class PairInMotion:
         modes = modes_of(self.system)
         moments = response_moments(solve_elastic(oscillators_of(modes), self.ground), self.ground)
         peaks = peak_quantile(moments, self.strong_seconds, self.confidence, sides=2).to_numpy()
-        if not np.isfinite(peaks).all():
-            raise ArithmeticError(SHORT)
-        return combine_modes(modes, peaks, self.ground, self.weights)
+        return combine_modes(modes, _finite(peaks), self.ground, self.weights)
 
-    def effective_arguments(self) -> dict[str, float]:
-        """Arguments of `rho_effective`, without the rule."""
+    def effective_rho(self, rule: EffectiveRule) -> Array:
+        """Correlation by a rule for effective properties of the first modes [-], (1,)."""
         arguments: dict[str, float] = {}
         for n, (mode, ductility) in enumerate(zip(self.modes, self.ductilities, strict=True), start=1):
             parameters = mode.arrays()
             arguments |= {f"{key}_{n}": float(parameters[key]) for key in ("period", "damping")}
             arguments[f"hardening_{n}"] = float(parameters["hardening"]) if mode.yields else 1.0
             arguments[f"ductility_{n}"] = float(ductility) if mode.yields else 1.0
-        return arguments
+        return np.atleast_1d(rho_effective(**arguments, rule=rule).rho.values)
 
-    def relative_moments(self) -> tuple[Array, ...]:
-        """Spectral moments ``l0, l1, l2`` of the linearized ``u_1 - u_2``, or of ``u_1`` if alone."""
-        if self.has_storeys:
-            weights_1, *weights_2 = self.of_coordinates
-            return tuple(m[0] for m in self.linearized.spectral_moments(weights_1 - sum(weights_2)))
-        first, *others = self.solved
-        if others:
-            moments = relative_moments(first, others[0], self.ground)
-        else:
-            moments = response_moments(first, self.ground)
-        return tuple(moment.to_numpy() for moment in moments)
+    def linearized_gaps(self) -> Array:
+        """Quantile of the peak of the linearized ``u_1 - u_2``, or ``u_1`` if alone [m], (heights,)."""
+        weights_1, *weights_2 = self.of_coordinates
+        apart = weights_1 - sum(weights_2)
+        moments = (xr.DataArray(each[0]) for each in self.linearized.spectral_moments(apart))
+        gaps = peak_quantile(tuple(moments), self.strong_seconds, self.confidence, sides=1).to_numpy()
+        alike = self.linearized.std(apart) < ALIKE * self.linearized.std(weights_1)
+        return _finite(np.where(alike[0], 0.0, gaps))
 
     def quantities(self) -> dict[str, Any]:
         """Variables of the table for the structures, by name."""
@@ -241,6 +233,13 @@ class PairInMotion:
             of_storeys = ("peak_drift_mean", "peak_drift_mean_standard_error", "ductility")
             table |= {name: self.motions[name] for name in of_storeys}
         return table
+
+
+def _finite(peaks: Array) -> Array:
+    """Peaks by a formula; an ArithmeticError if there are none."""
+    if not np.isfinite(peaks).all():
+        raise ArithmeticError("not solved, or the motion is too short for a peak")
+    return peaks
 
 
 def peak_quantile(

@@ -13,9 +13,14 @@ import xarray as xr
 from stochlin.applications.records.cells import checked_motions
 from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.separation.code_gaps import TEXTS as CODE_TEXTS
-from stochlin.applications.separation.code_gaps import check_neighbours, rules_with, told_numbers
+from stochlin.applications.separation.code_gaps import (
+    Rule,
+    check_neighbours,
+    rules_with,
+    told_numbers,
+)
 from stochlin.applications.separation.pairs import PairInMotion
-from stochlin.applications.separation.rules import Rule, all_rules
+from stochlin.applications.separation.rules import all_rules
 from stochlin.applications.separation.storeys import check_levels, numbers_of_storeys, of_storeys
 from stochlin.applications.separation.variables import ALONE, VARIABLES
 from stochlin.kernels.basics.arrays import Array
@@ -246,7 +251,7 @@ def separation(
     both = {role: median_of(structure) for role, structure in by_role.items()}
     check_duration(duration, both)
     tall = (height_1, height_2)[: len(both)]
-    site = {"zone": zone, "design_pga": design_pga}
+    site = {"design_pga": design_pga}
     site |= numbers_of_storeys(list(both.values()), (storeys_1, storeys_2))
     if any(isinstance(structure, MultistoreyBuilding) for structure in both.values()):
         check_levels(list(both.values()), tall, floors_align)
@@ -265,21 +270,19 @@ def separation(
             simulated = partial(simulate, [*by_role.values()], ground, **options)
             motions = enough_motions(lambda n: simulated(paths=n), begin, most)
             # The rules take the structures at their medians, and the peaks of all samples.
-            structures, ground = tuple(known), median_of(ground)
-            if any(isinstance(structure, MultistoreyBuilding) for structure in structures):
-                structures = in_metres(structures, ground)
+            ground = median_of(ground)
+            structures = tuple(strength_in_metres(structure, ground) for structure in known)
             pair = PairInMotion(
                 structures, ground, motions, confidence, strong_seconds(duration, envelope), tall
             )
-            rules = all_rules(pair, for_codes, site, unverified, numbers, simulated_rho)
+            rules = all_rules(pair, for_codes, site, zone, unverified, numbers, simulated_rho)
             table = _judged(rules, pair)
             if "input_factor" in motions:
                 table["input_factor"] = motions.input_factor
             table.attrs = {name: motions.attrs[name] for name in MOTION} | labels.of_scatter(scatter)
             if records is None:
                 return table
-            left, *others = in_metres(structures, ground)
-            right = others[0] if others else None
+            left, right = (*structures, None)[:2]
             rest = part_of(progress, BEFORE_RECORDS, 1.0)
             recorded = recorded_gap(left, right, records, progress=rest)
             recorded = recorded.drop_dims("quantile", errors="ignore")
@@ -301,11 +304,6 @@ def separation(
         f"paths={table.attrs['paths']}, seed={seed}{neighbours.told()}{told_numbers(numbers)})",
         models,
     )
-
-
-def in_metres(structures: Sequence[AnyStructure], ground: Ground) -> tuple[AnyStructure, ...]:
-    """The structures with strengths converted to metres."""
-    return tuple(strength_in_metres(structure, ground) for structure in structures)
 
 
 def verdict_of(apart: Mapping[Any, xr.DataArray], confidence: float) -> xr.DataArray:

@@ -14,7 +14,7 @@ from typing import Annotated, Any, NamedTuple
 import numpy as np
 
 from stochlin.messages import brief
-from stochlin.models.arguments import OneOf, checked
+from stochlin.models.arguments import OneOf, check_fields, checked
 from stochlin.models.parameters import NOT_NEGATIVE, POSITIVE, Model, Parameter, Range, parameter
 from stochlin.models.rules.published import Published, look_up
 from stochlin.registry import Registry
@@ -79,14 +79,15 @@ class CodeRule(Published):
     ``over_importance``. ``called`` has the names that it gives to its factors.
     """
 
-    gap_of: Callable[[Site], Any] = field(compare=False)  # required separation of two buildings [m]
+    # Required separation of two buildings [m]; by default the sum of both distances from the line.
+    gap_of: Callable[[Site], Any] | None = field(default=None, compare=False)
     # Required distance of building 1 from a property line [m]; by default the gap to a building of the
     # same height that does not move.
     line_of: Callable[[Site], Any] | None = field(default=None, compare=False)
     assumptions: str = INELASTIC
     of_pairs: Sequence[str] = ()  # further assumptions, which say nothing of one building
     family: str = ""  # the quantity from which the gap is computed: "SRSS", "sum", "height" or "fixed"
-    between: str = ""  # the same between two properties, if it differs
+    between: str = ""  # the same between two properties, if both distances from the line are added there
     needs: Sequence[str] = ()  # arguments of `gap` required besides the peaks
     line: str = ""  # statement on one building and its property line, empty if not known
     multiplies: str = ""  # BEHAVIOUR or DEFLECTION; empty if it takes no such displacements
@@ -132,47 +133,38 @@ class CodeRule(Published):
         """
         return displacement * (importance if self.over_importance else 1.0) / behaviour
 
-    @checked
-    def gap(
-        self,
-        peak_1: Any,
-        peak_2: Any,
-        height_1: Any = None,
-        height_2: Any = None,
-        floors_align: bool = False,
-        zone: Zone | None = None,
-        same_property: bool = False,
-        same_system: bool = False,
-        storeys_1: Any = None,
-        storeys_2: Any = None,
-        importance_1: Any = 1.0,
-        importance_2: Any = 1.0,
-        design_pga: Any = None,
-    ) -> Any:
+    def gap(self, peak_1: Any, peak_2: Any, *more: Any, **others: Any) -> Any:
         """Required separation [m] for peak displacements [m] as the rule defines them.
 
-        Without ``peak_2`` it is the distance of one building from its property line. Some rules also
-        need the heights of the buildings [m] or their storeys, the zone ``"I"``, ``"II"`` or ``"III"``
-        of Mexico City, or the peak ground acceleration ``design_pga`` [m/s^2]; a ValueError names what
-        is missing. ``importance_1`` and ``_2`` are importance factors. ``floors_align`` states whether
-        the floors of both buildings are at the same levels, ``same_property`` whether no property line
-        is between them, and ``same_system`` whether their structural systems are the same.
+        Without ``peak_2`` it is the distance of one building from its property line. ``more`` and
+        ``others`` are, in this order or by name: ``height_1`` and ``height_2`` of the buildings [m];
+        ``floors_align``, whether the floors of both are at the same levels; ``zone`` of Mexico City,
+        ``"I"``, ``"II"`` or ``"III"``; ``same_property``, whether no property line is between them;
+        ``same_system``, whether their structural systems are the same; ``storeys_1`` and ``storeys_2``;
+        ``importance_1`` and ``importance_2``, importance factors; and ``design_pga``, the peak ground
+        acceleration of the design [m/s^2]. A ValueError names what a rule needs and is missing.
         """
         if peak_2 is None and not self.line:
             raise ValueError(f"{self.name} needs {TWO}; give peak_2")
-        neighbours = Neighbours(floors_align, same_property, same_system)
-        pair = peak_1, peak_2, height_1, height_2, zone, storeys_1, storeys_2
-        site = Site(*pair, importance_1, importance_2, design_pga, neighbours, self.value)
+        site = replace(Site(peak_1, peak_2, *more, **others), number=self.value)
         named = [name for name, value in vars(site).items() if value is not None]
         if missing := self.missing(named, peak_2 is None):
             raise ValueError(
                 f"{self.name} needs {', '.join(missing)}, which is not given; allowed: heights [m], "
                 f"numbers of storeys, design_pga [m/s^2], zone one of {', '.join(ZONES)}"
             )
-        if peak_2 is not None:
-            return self.gap_of(site)
-        alone = replace(site, peak_2=0 * peak_1, height_2=height_1, neighbours=Neighbours())
-        return (self.line_of or self.gap_of)(alone)
+        if peak_2 is None:
+            return self._from_line(site)
+        if self.gap_of is None or (self.between and not site.same_property):
+            return self._from_line(site) + self._from_line(site.mirrored())
+        return self.gap_of(site)
+
+    def _from_line(self, site: Site) -> Any:
+        """Distance of building 1 from a property line [m]."""
+        formula = self.line_of or self.gap_of
+        assert formula is not None
+        alone = {"peak_2": 0 * site.peak_1, "height_2": site.height_1}
+        return formula(replace(site, **alone, **vars(Neighbours())))
 
     def missing(self, named: Collection[str], alone: bool) -> list[str]:
         """Arguments that the rule requires and that are not ``given``, for two buildings or for one."""
@@ -223,14 +215,19 @@ class Site:
     peak_2: Any
     height_1: Any = None
     height_2: Any = None
-    zone: str | None = None
+    floors_align: bool = False
+    zone: Zone | None = None
+    same_property: bool = False
+    same_system: bool = False
     storeys_1: Any = None
     storeys_2: Any = None
     importance_1: Any = 1.0
     importance_2: Any = 1.0
     design_pga: Any = None
-    neighbours: Neighbours = Neighbours()
     number: Any = None  # of the rule
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @property
     def lower_height(self) -> Any:
@@ -245,7 +242,7 @@ class Site:
 
     def if_aligned(self, factor: float) -> float:
         """The factor if the floors align, else 1."""
-        return factor if self.neighbours.floors_align else 1.0
+        return factor if self.floors_align else 1.0
 
 
 def code_rule_names() -> tuple[str, ...]:
