@@ -65,6 +65,8 @@ REMOVED: dict[str, str] = {
     "system": "no number depends on it; the page on buildings says what a chain leaves out of a wall",
     "strength_factor": "multiply the yield drifts, or take strengthening_1 of a measure",
     "parallel": "ParallelGround in Python, or a site by its spectrum, has several grounds",
+    "--law": "stochlin.correlate of the library takes structures of any law",
+    "--solver": "solver= of stochlin.correlate",
 }
 
 

@@ -59,7 +59,7 @@ def test_what_is_no_chart_is_refused_with_the_kinds_there_are():
         ("damping", 5),
         ("hardening", "stiff"),
         ("ground_period", None),
-        ("ductilities", (True,)),
+        ("ductility", True),
     ],
 )
 def test_settings_out_of_range_are_refused_before_any_work(name, value):

@@ -28,29 +28,6 @@ def the_same(**structure):
     return sl.Hysteretic(**structure, law=V - pinched * slip - beyond)
 
 
-def options(**values):
-    return [part for name, value in values.items() for part in (f"--{name.replace('_', '-')}", value)]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("method", ["linearization", pytest.param("simulation", marks=pytest.mark.slow)])
-def test_rho_of_a_law_from_outside(toy, tmp_path, method):
-    done = toy(
-        "rho",
-        *options(period_1="0.7s", period_2="1s,1.3s", law="pinched", **SITE, **TOLD, method=method),
-        *options(paths=32, seed=3, ground="firm", intensity="0.01 m^2/s^3", out=tmp_path / "table.nc"),
-    )
-    assert done.returncode == 0, done.stderr
-    first, second = (the_same(period=period, **SITE) for period in (0.7, [1.0, 1.3]))
-    firm = sl.named_ground("firm", intensity=0.01)
-    expected = sl.correlate(first, second, firm, method, paths=32, seed=3)
-    with xr.open_dataset(tmp_path / "table.nc") as table:
-        assert "Pinched (" in table.attrs["first"]
-        assert not table.status.any()
-        for name in ("rho", "displacement_std_1", "displacement_std_2"):
-            np.testing.assert_allclose(table[name], expected[name], rtol=ROUNDING, err_msg=name)
-
-
 CASE = f"""\
 {cases.FIRM_SITE}[building_1]
 law = "pinched"

@@ -66,12 +66,11 @@ def test_sweeps_become_dimensions_of_the_saved_table(tmp_path: Path) -> None:
 
 
 def test_methods_closures_and_rules_are_options(tmp_path: Path) -> None:
-    """With either dash in names."""
     first, second = (sl.Bilinear(T, 0.05, 0.05, reduction_factor=4) for T in (0.7, 1.0))
     for options, of_rho in (
         (("--closure", "drift"), {"closure": "drift"}),
         (("--method", "effective", "--rule", "secant"), {"method": "effective", "rule": "secant"}),
-        (("--method", "white-noise"), {"method": "white_noise"}),
+        (("--method", "white_noise"), {"method": "white_noise"}),
     ):
         table = sl.correlate(first, second, sl.WhiteNoise(), **of_rho)
         assert f"{float(table.rho):.6g}" in answered("rho", *PAIR, *YIELDING, *options).output
@@ -102,20 +101,23 @@ def test_the_package_runs_without_its_script() -> None:
     ("line", "says"),
     [
         ("rho --period-2 1s", "--period-1"),
-        ("rho --period -1s", "Bilinear: period = -1 is out"),
-        ("rho --period one", "'one' is no number"),
-        ("rho --period 1s:2s", "start:stop:count"),
-        ("rho --period 1s:2s:1", "count >= 2"),
-        ("rho --period 0s:2s:5:log", "includes 0"),
-        ("rho --period 1s:2s:99999999999999", "take fewer points"),
-        ("rho --period 1s --reduction-factor 4", "Bilinear: hardening is not given"),
-        ("rho --period 1s --ground moon", "firm"),
-        ("rho --period 1s --ground kanai-tajimi", "--ground-period, --ground-damping"),
-        ("rho --period 1s --ground-period 2s", "does not apply"),
-        ("rho --period 1s --record nowhere.txt", "nowhere.txt: there is no such file"),
-        ("rho --period 1s --method effective --rule mine", "iwan_1980"),
-        ("rho --period 0.7", "'0.7' has no unit"),
-        ("rho --period 1s --hardening 0.05 --yield-displacement 2cm", "the strength of the shaking"),
+        ("rho --period-1 -1s --period-2 1s", "Bilinear: period = -1 is out"),
+        ("rho --period-1 one --period-2 1s", "'one' is no number"),
+        ("rho --period-1 1s:2s --period-2 1s", "start:stop:count"),
+        ("rho --period-1 1s:2s:1 --period-2 1s", "a count of 2 to 999999"),
+        ("rho --period-1 0s:2s:5:log --period-2 1s", "includes 0"),
+        ("rho --period-1 1s:2s:99999999999999 --period-2 1s", "a count of 2 to 999999"),
+        ("rho --period-1 1s --period-2 1s --reduction-factor 4", "Bilinear: hardening is not given"),
+        ("rho --period-1 1s --period-2 1s --ground moon", "firm"),
+        ("rho --period-1 1s --period-2 1s --ground kanai-tajimi", "needs --ground-period"),
+        ("rho --period-1 1s --period-2 1s --ground-period 2s", "does not apply"),
+        ("rho --period-1 1s --period-2 1s --record nowhere.txt", "nowhere.txt: there is no such file"),
+        ("rho --period-1 1s --period-2 1s --method effective --rule mine", "iwan_1980"),
+        ("rho --period-1 0.7 --period-2 1s", "'0.7' has no unit"),
+        (
+            "rho --period-1 1s --period-2 1s --hardening 0.05 --yield-displacement 2cm",
+            "the strength of the shaking",
+        ),
         ("probability case.toml --gap 5", "'5' has no unit"),
         ("charts fig9", "fig4b"),
         ("gaps", "No such command 'gaps'."),
@@ -238,7 +240,7 @@ def test_units_are_those_of_case_files() -> None:
     plain = invoke("rho", "--period-1", "0.7s", "--period-2", "1 s", *YIELDING, "--damping", 0.02).output
     other = invoke("rho", "--period-1", "700ms", "--period-2", "1000 ms", *YIELDING, "--damping", "2%")
     assert other.output == plain
-    strong = ("rho", "--period", "1s,1200ms", "--hardening", "0.05")
+    strong = ("rho", "--period-1", "1s,1200ms", "--period-2", "1s", "--hardening", "0.05")
     metres = answered(*strong, "--yield-displacement", "0.02m", "--intensity", "0.01 m²/s³")
     centimetres = invoke(*strong, "--yield-displacement", "2cm", "--intensity", "100cm^2/s^3")
     assert centimetres.output == metres.output

@@ -71,9 +71,9 @@ def test_command_line_and_case_files_say_what_to_use_instead(tmp_path: Path) -> 
     said = "; it was removed: the gap says it"
     assert f"No such command 'gone'{said}" in refused("gone")
     assert said in refused("gap", "--gone")
-    chosen = refused("rho", "--closure", "gone")
-    assert "'gone' is not one of 'gaussian'" in chosen
-    assert said in chosen
+    pair = ("--period-1", "1s", "--period-2", "2s", "--hardening", 0.1, "--reduction-factor", 4)
+    chosen = refused("rho", *pair, "--closure", "gone")
+    assert "closure = 'gone' is not available for Bilinear; it was removed: the gap says it" in chosen
     case = tmp_path / "case.toml"
     case.write_text(example_case().replace("[site]", "[site]\ngone = 1"), encoding="utf-8")
     assert "site.gone = 1 is not a key that is known here; it was removed: the gap says it" in refused(

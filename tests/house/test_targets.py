@@ -16,6 +16,7 @@ from stochlin.solver.tables.storage import save_table, whole_file
 pytestmark = pytest.mark.cli
 
 SAYS = "would overwrite"
+PAIR = ("--period-1", "1s", "--period-2", "2s")
 
 
 @pytest.fixture
@@ -41,7 +42,7 @@ def test_the_record_of_a_case_or_table_is_not_written_over(case: Path) -> None:
     for command in ("mitigate", "probability"):
         assert SAYS in refused(command, case, "--out", record)
     of_record = ("--record", record, "--dt", "0.01s", "--units", "g")
-    assert SAYS in refused("rho", "--period", "1s", *of_record, "--out", record)
+    assert SAYS in refused("rho", *PAIR, *of_record, "--out", record)
     assert record.read_bytes() == before
     histories = record.rename(record.with_suffix(".nc"))  # the dataset that goes beside a picture
     case.write_text(case.read_text().replace("taft.csv", "taft.nc"), encoding="utf-8")
@@ -54,7 +55,7 @@ def test_a_link_stays_and_what_it_leads_to_is_written(tmp_path: Path) -> None:
     link, real = tmp_path / "link.csv", tmp_path / "folder" / "real.csv"
     link.symlink_to(real)
     for _ in range(2):  # of a file that is not there yet, and of one that is
-        answered("rho", "--period", "1s", "--out", link)
+        answered("rho", *PAIR, "--out", link)
         assert link.is_symlink()
         assert real.read_text().startswith("case,rho")
         real.write_text("before")
@@ -67,7 +68,7 @@ def test_a_file_that_is_read_only_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "kept.csv"
     path.write_text("before")
     path.chmod(0o444)
-    assert "is read-only; make it writable" in refused("rho", "--period", "1s", "--out", path)
+    assert "is read-only; make it writable" in refused("rho", *PAIR, "--out", path)
     with pytest.raises(PermissionError, match="read-only"), whole_file(path):
         pass
     assert path.read_text() == "before"
@@ -104,7 +105,7 @@ def test_what_is_not_written_to_its_end_leaves_nothing(tmp_path: Path) -> None:
 def test_what_cannot_be_written_is_refused_before_the_work(name: str, says: str, tmp_path: Path) -> None:
     (tmp_path / "round.csv").symlink_to("round.csv")
     (tmp_path / "folder.csv").mkdir()
-    long = ("--period", "0.1s:2s:100", "--hardening", 0.05, "--reduction-factor", 4)
+    long = (*PAIR, "--period-1", "0.1s:2s:100", "--hardening", 0.05, "--reduction-factor", 4)
     begin = time.perf_counter()
     result = refused("rho", *long, "--method", "simulation", "--paths", 8192, "--out", tmp_path / name)
     assert time.perf_counter() - begin < 5  # the run takes minutes
@@ -121,7 +122,7 @@ def test_a_full_disk_is_told_with_the_file_and_leaves_nothing(
 
     monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
     monkeypatch.setattr("pandas.DataFrame.to_csv", full)
-    result = invoke("rho", "--period", "1s", "--out", tmp_path / name)
+    result = invoke("rho", *PAIR, "--out", tmp_path / name)
     assert result.exit_code == 1
     assert f"{name} could not be written: the disk is full; make room on it" in result.output
     assert "Usage" not in result.output  # no option is wrong

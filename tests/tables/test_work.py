@@ -123,7 +123,7 @@ def test_memory_that_is_not_there_is_said_in_one_line(monkeypatch: pytest.Monkey
 
     monkeypatch.setattr("stochlin.solver.correlation.correlation.correlate", full)
     assert "this machine has too little memory (Unable to allocate 74 GiB); take" in refused(
-        "rho", "--period", "1s"
+        "rho", "--period-1", "1s", "--period-2", "2s"
     )
 
 

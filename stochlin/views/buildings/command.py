@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from stochlin.messages import brief
-from stochlin.views.shared.options import Names, QuantityType
+from stochlin.views.shared.options import QuantityType
 from stochlin.views.shared.screen import (
     COMMANDS,
     FILE,
@@ -42,10 +42,9 @@ USUAL_DAMPING = 0.05
 )
 @click.option(
     "--pushover-method",
-    type=Names("stochlin.applications.buildings.pushover", "REFERENCES"),
     default="asce_41",
     show_default=True,
-    help="Idealization of the curve by two lines.",
+    help="Idealization of the curve by two lines: asce_41 or eurocode_8.",
 )
 @click.option(
     "--pushover-units",

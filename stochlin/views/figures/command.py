@@ -31,6 +31,7 @@ OPTIONS: tuple[tuple[str, Any, Any, str], ...] = (
     ("damping", RATIO, "0.05", "Damping ratio of the structures."),
     ("hardening", RATIO, "0.05", "Hardening ratio."),
     ("plane-reduction-factor", RATIO, "4", "R of Fig. 5a."),
+    ("ductility", RATIO, "4", "Peak ductility in Fig. 3b."),
     ("ground-period", SECONDS, "2s", "Period of the model grounds [s]."),
     ("points", WHOLE, 161, "Number of periods along an axis."),
     ("paths", WHOLE, 64, "Simulated motions."),
@@ -50,9 +51,8 @@ OPTIONS: tuple[tuple[str, Any, Any, str], ...] = (
         for name, kind, default, text in OPTIONS
     )
 )
-@numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", "1,2,4,6")
-@numbers_option("--ground-damping", "Damping of the model grounds: a panel for each.", "0.05,0.6")
-@numbers_option("--ductility", "Peak ductilities in Fig. 3b: a panel for each.", "4")
+@numbers_option("--reduction-factors", "R of the curves in Figs. 4 and 5b.", default="1,2,4,6")
+@numbers_option("--ground-damping", "Of the model grounds: a panel for each.", default="0.05,0.6")
 @click.option(
     "--curves",
     metavar="NAMES",
@@ -94,7 +94,7 @@ def charts(name: str | None, record: Path | None, comparison: bool, **options: A
     with bad_input():
         fields = {field.name for field in dataclasses.fields(ChartSettings)}
         chosen = {key: value for key, value in options.items() if key in fields}
-        chosen |= {"ductilities": options["ductility"], "ground_dampings": options["ground_damping"]}
+        chosen["ground_dampings"] = options["ground_damping"]
         if options["curves"] is not None:
             chosen["curves"] = options["curves"].split(",")
         lists = {key: tuple(value) for key, value in chosen.items() if isinstance(value, list)}

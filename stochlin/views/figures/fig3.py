@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -63,7 +62,7 @@ def white_noise_chart(settings: ChartSettings) -> xr.Dataset:
 @register_chart("fig3b", place=30)
 def _fig3b(inputs: ChartInputs) -> xr.Dataset:
     settings = inputs.settings
-    structures = settings.damping, settings.hardening, settings.ductilities
+    structures = settings.damping, settings.hardening, settings.ductility
     return effective_rules_chart(*structures, settings.fine_points, settings.curves)
 
 
@@ -71,7 +70,7 @@ def _fig3b(inputs: ChartInputs) -> xr.Dataset:
 def effective_rules_chart(
     damping: float,
     hardening: float,
-    ductility: float | Sequence[float],
+    ductility: float,
     points: Points = 321,
     rules: Sequence[str | EffectiveRule] | None = None,
 ) -> xr.Dataset:
@@ -84,8 +83,8 @@ def effective_rules_chart(
     ----------
     damping, hardening : float
         Damping ratio and hardening ratio [-] of both structures.
-    ductility : float or list of float
-        Peak ductility [-] of both structures; of a list, one panel for each.
+    ductility : float
+        Peak ductility [-] of both structures.
     points : int
         Number of period ratios, from 1/4 to 4.
     rules : list of str or EffectiveRule, optional
@@ -95,8 +94,8 @@ def effective_rules_chart(
     Returns
     -------
     xarray.Dataset
-        ``rho`` [-] over ``rule`` and ``period_ratio``, the ratio of the elastic periods, and over
-        ``ductility`` for a list; NaN beyond the ductility to which a rule was fitted. The coordinates
+        ``rho`` [-] over ``rule`` and ``period_ratio``, the ratio of the elastic periods; NaN beyond the
+        ductility to which a rule was fitted. The coordinates
         ``reference`` and ``mark`` over ``rule`` state the source of a rule and how it was checked.
 
     Raises
@@ -116,21 +115,19 @@ def effective_rules_chart(
     ['iwan_1980', 'secant']
     """
     chosen = chosen_rules("rules", rules or (OF_PAPER, *effective_rule_names()))
-    values = np.atleast_1d(ductility).tolist()
-    mu: Any = labels.axis("ductility", "peak ductility", values) if len(values) > 1 else values[0]
     ratio = ratio_axis(points, "elastic period ratio T1/T2")
-    both = {"damping": damping, "hardening": hardening, "ductility": mu}
+    both = {"damping": damping, "hardening": hardening, "ductility": ductility}
     pair = {f"{name}_{n}": value for name, value in both.items() for n in (1, 2)}
     tables = [rho_effective(ratio, 1.0, **pair, rule=rule)[["rho", "status"]] for rule in chosen]
     for table, rule in zip(tables, chosen, strict=True):
-        table["rho"] = table.rho.where(np.less_equal(mu, rule.largest_ductility))
+        table["rho"] = table.rho.where(ductility <= rule.largest_ductility)
     doubts = [f"{rule.title or rule.name}: {rule.reason}." for rule in chosen if rule.reason]
     chart = along_rules(tables, chosen).transpose(..., "rule", "period_ratio")
     return labels.label(chart, VARIABLES).assign_attrs(
         chart="curves",
         title="Stationary correlation of bilinear structures by eq. (4) with effective properties",
         caption=f"White noise. Bilinear structures: ξ = {damping:g}, α = {hardening:g}, peak ductility "
-        f"{', '.join(f'{value:g}' for value in values)} of both; ratio of the elastic periods",
+        f"{ductility:g} of both; ratio of the elastic periods",
         comment=" ".join(
             [
                 "Estimates, which do not depend on the ground. Compared with nonlinear simulation, "

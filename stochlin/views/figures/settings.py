@@ -52,8 +52,8 @@ class ChartSettings(metaclass=Named):
         Reduction factors [-] of the curves in Figs. 4 and 5b.
     plane_reduction_factor : float
         Reduction factor [-] in Fig. 5a; that of the paper is 4.
-    ductilities : tuple of float
-        Peak ductilities [-] of both structures in Fig. 3b, which has a panel for each.
+    ductility : float
+        Peak ductility [-] of both structures in Fig. 3b.
     ground_period : float
         Period ``Tg`` [s] of the model grounds.
     ground_dampings : tuple of float
@@ -90,7 +90,7 @@ class ChartSettings(metaclass=Named):
     hardening: Annotated[float, Number(STATIONARY_HARDENING)] = 0.05
     reduction_factors: Annotated[tuple[float, ...], each(FACTOR)] = (1.0, 2.0, 4.0, 6.0)
     plane_reduction_factor: Annotated[float, FACTOR] = 4.0
-    ductilities: Annotated[tuple[float, ...], each(FACTOR)] = (4.0,)
+    ductility: Annotated[float, FACTOR] = 4.0
     ground_period: Seconds = 2.0
     ground_dampings: Annotated[tuple[float, ...], each(GROUND_DAMPING)] = (
         NARROW_BAND_DAMPING,

@@ -45,7 +45,7 @@ def options_of_steps() -> Iterable[Any]:
 
 
 @COMMANDS.register("pound")
-@click.command(cls=Extended, after="motions", by=[options_of_steps])
+@click.command(cls=Extended, after="motions", by=options_of_steps)
 @click.argument("case", type=FILE)
 @click.option(
     "--out",

@@ -227,14 +227,12 @@ def on_screen(table: xr.Dataset) -> str:
     from stochlin.solver.tables.storage import in_rows
 
     shown = table[[name for name in table.data_vars if not str(name).startswith("yield")]]
+    digits: Any = {"float_format": lambda x: f"{x:.6g}"}
     if not shown.sizes:
         cell = in_rows(shown.expand_dims("case")).drop(columns="case").iloc[0]
-        return str(cell.to_string(float_format=lambda x: f"{x:.6g}"))
-    rows, first = 1, {}
-    for name, size in reversed(list(shown.sizes.items())):  # the last changes fastest
-        first[name] = slice(min(size, -(-SCREEN_ROWS // rows)))
-        rows *= first[name].stop
-    more = math.prod(shown.sizes.values()) - SCREEN_ROWS
-    shown = shown.isel(first)
-    text = in_rows(shown).head(SCREEN_ROWS).to_string(index=False, float_format=lambda x: f"{x:.6g}")
+        return str(cell.to_string(**digits))
+    first, more = shown, math.prod(shown.sizes.values()) - SCREEN_ROWS
+    for name in shown.dims:
+        first = first.head({name: SCREEN_ROWS})
+    text = in_rows(first).head(SCREEN_ROWS).to_string(index=False, **digits)
     return text if more <= 0 else f"{text}\n# ... {more} more rows; --out saves all"
