@@ -88,8 +88,8 @@ def _applied(case: Case, rule: CodeRule, table: xr.Dataset) -> Rule:
         neighbours = of_storeys(neighbours, structures, tall)
         tall = (heights,) * len(buildings)
     values = {**_factors(rule, [factors_of(building) for building in buildings]), **of_codes(case)}
-    for name, both in (("height", tall), ("peak", peaks)):
-        values |= {f"{name}_{n}": value for n, value in enumerate(both, start=1)}
+    for of, both in (("height", tall), ("peak", peaks)):
+        values |= {f"{of}_{n}": value for n, value in enumerate(both, start=1)}
     zone = values.pop("zone")
     rules = code_rules(values, neighbours, zone, case.wanted.of_rules(), DESIGN)
     (row,) = (row for row in rules if row.name == rule.name)
