@@ -231,7 +231,7 @@ def test_limits_are_elastic(case):
     elastic = sl.response_spectrum(record, period, damping)
     assert int(elastic.status) == labels.ELASTIC_LIMIT
     peak = float(elastic.displacement_max)
-    for alpha, strength in ((1.0, uy), (hardening, 1.01 * peak), (hardening, np.inf)):
+    for alpha, strength in ((1.0, uy), (hardening, 1.01 * peak)):
         table = sl.response_spectrum(
             record, period, damping, hardening=alpha, yield_displacement=strength
         )

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from stochlin.applications.records.records import checked_record
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.linear_branch import LONGEST
 from stochlin.kernels.basics.parallel import cores
-from stochlin.kernels.records.oscillator import HIGHEST, LOWEST
+from stochlin.kernels.records.oscillator import HIGHEST, LONGEST, LOWEST
 from stochlin.kernels.records.runs import PAIR, SampledMotion
 from stochlin.models.arguments import OfClass, check_label
 from stochlin.models.laws.bilinear import Bilinear
@@ -21,8 +19,8 @@ from stochlin.models.parameters import expect
 from stochlin.models.structures import Structure
 from stochlin.models.systems import STRUCTURES, AnyStructure, falls_at
 from stochlin.solver.tables import labels
-from stochlin.solver.tables.cellwise import row_of
-from stochlin.solver.tables.lazy import arrays_of, check_names
+from stochlin.solver.tables.cells import Flat, flat
+from stochlin.solver.tables.lazy import check_names
 from stochlin.solver.tables.work import check_work
 
 Records = xr.DataArray | Sequence[xr.DataArray] | Mapping[str, xr.DataArray]
@@ -108,41 +106,28 @@ class RecordCells(NamedTuple):
     """One or two bilinear structures on records, in the valid cells of a table of their parameters."""
 
     motions: RecordedMotions
-    like: xr.DataArray  # False over the dimensions of the table
-    valid: Array  # (n,): whether the parameters of each cell are valid
+    flat: Flat
     sides: list[Array]  # (valid cells, 4) each: w, damping, hardening and yield displacement
 
     @classmethod
     def of(cls, motions: RecordedMotions, *structures: Bilinear) -> RecordCells:
-        """The cells of structures, elastic where the yield displacement is infinite.
+        """The cells of structures; raises a ValueError if the responses would take too long.
 
-        A cell that is out of range, or has a period below a tenth of the records' longest time step, is
-        not valid. A ValueError is raised if the responses would take too long.
+        So it does for a period below a tenth of the longest time step of the records.
         """
-        arrays = arrays_of(dict(zip(("first", "second"), structures, strict=False)))
-        like = xr.broadcast(xr.DataArray(False), *arrays.values())[0]
-        check_names((*like.dims, *like.coords), (RECORD, "status"))
         shortest = SHORTEST * max(ground.dt for ground in motions.grounds)
-        sides, valid = [], np.ones(like.size, bool)
         for structure in structures:
-            values = structure.arrays()
-            period, uy = values["period"], values.get("yield_displacement", xr.DataArray(np.inf))
-            if period.ndim == 0 and period < shortest:
+            if (period := float(structure.arrays()["period"].min())) < shortest:
                 allowed = f"{shortest:g} s, a tenth of the record's step, or more"
-                raise ValueError(f"period = {float(period):g} s; allowed: {allowed}")
-            limit = uy.where(~np.isposinf(uy), 1.0)
-            finite: dict[str, Any] = {"yield_displacement": limit} if structure.yields else {}
-            usable = dataclasses.replace(structure, **finite).valid() & (period >= shortest)
-            w = 2 * np.pi / period.where(usable, 1.0)
-            columns = (w, values["damping"], values.get("hardening", xr.DataArray(1.0)), uy)
-            sides.append(np.stack([row_of(column, like) for column in columns], axis=1).astype(float))
-            valid &= row_of(usable, like)
-        sides = [side[valid] for side in sides]
+                raise ValueError(f"period = {period:g} s; allowed: {allowed}")
+        cells = flat(dict(zip(("first", "second"), structures, strict=False)), settled=False)
+        check_names((*cells.shape.dims, *cells.shape.coords), (RECORD, "status"))
+        sides = [_parameters(structure, cells.where.size) for structure in cells.models.values()]
         steps = np.max([side[:, 0] for side in sides], axis=0) * (2 * PAIR) ** (len(sides) - 1) / LONGEST
         cure = "take longer periods, or fewer structures or records at a time"
         seconds = 3e-8 * sum(len(a) * np.maximum(1.0, dt * steps).sum() for a, dt in motions.grounds)
         check_work("structures on records would take", cure, seconds=seconds, cores=cores())
-        return cls(motions, like, valid, sides)
+        return cls(motions, cells, sides)
 
     def peak(self, number: int, peaks: Array) -> Array:
         """Peak displacements of a structure (records, valid cells) [m], infinite where it falls."""
@@ -156,20 +141,24 @@ class RecordCells(NamedTuple):
         The status of a cell is ``elastic_limit`` if no structure yielded in its peak displacement, and
         ``invalid_input`` if the cell is NaN.
         """
-        check_names((*self.like.dims, *self.like.coords), columns)
+        shape = self.flat.shape
+        check_names((*shape.dims, *shape.coords), columns)
         stayed = [peak <= side[:, 3] for peak, side in zip(peaks, self.sides, strict=True)]
         status = np.where(np.all(stayed, axis=0), labels.ELASTIC_LIMIT, labels.CONVERGED)
-        names, count = self.motions.names, len(self.motions.grounds)
-        dims, shape = self.like.dims, self.like.shape
-        if names is not None:
-            dims, shape = (RECORD, *dims), (count, *shape)
-        variables = {}
-        for name, values in {**columns, "status": status}.items():
-            filled = np.full((count, self.valid.size), np.nan)
-            filled[:, self.valid] = values
-            variables[name] = (dims, filled.reshape(shape))
-        table = xr.Dataset(variables, coords=self.like.coords)
-        if names is not None:
-            table = table.assign_coords({RECORD: (RECORD, names, {"long_name": "record"})})
-        known = table[next(iter(columns))].notnull()
-        return table.assign(status=table.status.where(known, labels.INVALID_INPUT).astype(np.int8))
+        whole = {name: self.flat.whole(values) for name, values in columns.items()}
+        whole["status"] = self.flat.whole(status.astype(np.int8), labels.INVALID_INPUT)
+        over = (RECORD, *shape.dims)
+        table = xr.Dataset({name: (over, values) for name, values in whole.items()}, shape.coords)
+        if self.motions.names is None:
+            return table.isel({RECORD: 0})
+        return table.assign_coords({RECORD: (RECORD, self.motions.names, {"long_name": "record"})})
+
+
+def _parameters(structure: Bilinear, cells: int) -> Array:
+    """Parameters (cells, 4) of structures in a row; elastic ones have no yield displacement."""
+    values = structure.cells()
+    of_elastic = {"hardening": 1.0, "yield_displacement": np.inf}
+    names = "period", "damping", *of_elastic
+    rows = np.array([np.broadcast_to({**of_elastic, **values}[name], cells) for name in names])
+    rows[0] = 2 * np.pi / rows[0]
+    return rows.T

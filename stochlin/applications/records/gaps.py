@@ -21,7 +21,7 @@ from stochlin.applications.records.stepped import gap_columns, stepped_gap
 from stochlin.applications.records.variables import ALONE, VARIABLES
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
-from stochlin.kernels.records.runs import gaps_on_records, peaks_on_records
+from stochlin.kernels.records.runs import peaks_on_records
 from stochlin.models.arguments import checked
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.solver.simulation.finite_motions import quantile_columns
@@ -138,17 +138,16 @@ def _exactly(
 ) -> xr.Dataset:
     """Exact results for bilinear structures in all cells, without labels."""
     cells = RecordCells.of(motions, *structures)
+    peaks = peaks_on_records(motions.grounds, *cells.sides, progress=progress)
+    ends = [recorded.PEAKS * number for number in range(1, len(structures) + 1)]
+    *each, together = np.split(peaks, ends, axis=-1)
     if len(structures) == 1:
-        each = [peaks_on_records(motions.grounds, cells.sides[0], progress)]
         separation, rho = each[0][..., recorded.HIGHEST], None
     else:
-        first, second = cells.sides
-        gaps = gaps_on_records(motions.grounds, first, second, progress)
-        *each, together = np.split(gaps, [recorded.PEAKS, 2 * recorded.PEAKS], axis=-1)
         separation, rho = np.moveaxis(together, -1, 0)
-    peaks = [cells.peak(number, of) for number, of in enumerate(each)]
-    columns = gap_columns(separation, peaks, rho)
-    for number, (peak, of) in enumerate(zip(peaks, each, strict=True), start=1):
+    highest = [cells.peak(number, of) for number, of in enumerate(each)]
+    columns = gap_columns(separation, highest, rho)
+    for number, (peak, of) in enumerate(zip(highest, each, strict=True), start=1):
         radius = np.where(np.isfinite(peak), of[..., recorded.RADIUS], np.inf)
         columns[f"pseudo_energy_radius_{number}"] = radius
-    return cells.table(columns, peaks)
+    return cells.table(columns, highest)

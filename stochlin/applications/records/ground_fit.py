@@ -16,11 +16,11 @@ from stochlin.applications.records.spectra import (
     Estimator,
     Part,
     Vector,
+    best_fit,
     described,
     energy_band,
     periodogram,
 )
-from stochlin.kernels.records.least_squares import best_fit
 from stochlin.models.arguments import OneOf, TwoNumbers, checked
 from stochlin.models.grounds import GROUNDS, Ground
 

@@ -20,7 +20,7 @@ from stochlin.applications.records.variables import VARIABLES
 from stochlin.kernels.basics.parallel import Progress
 from stochlin.kernels.records import oscillator as recorded
 from stochlin.kernels.records.runs import history, peaks_on_records
-from stochlin.models.arguments import Whole, checked, is_number
+from stochlin.models.arguments import Whole, checked
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.parameters import Parameter
 from stochlin.models.structures import Structure
@@ -111,8 +111,7 @@ def response_spectrum(
         Hardening ratio, post-yield over elastic stiffness [-], in (0, 1]. It is required with a yield
         displacement.
     yield_displacement : float or array, optional
-        Yield displacement ``uy`` [m], positive. By default, and where it is infinite, the structure
-        stays elastic.
+        Yield displacement ``uy`` [m], positive. By default the structure stays elastic.
     progress : callable, optional
         Called with the share of the work that is done.
 
@@ -131,8 +130,8 @@ def response_spectrum(
     Raises
     ------
     ValueError, TypeError
-        If a record is not valid, a scalar is out of range, or dimensions do not match. Cells of an array
-        that are out of range are NaN, with the status ``invalid_input``.
+        If a record is not valid, a scalar is out of range, a period is too short, or dimensions do not
+        match. Other cells of an array that are out of range are NaN, with the status ``invalid_input``.
 
     Notes
     -----
@@ -157,13 +156,11 @@ def response_spectrum(
     >>> float(yields.acceleration_max) < float(table.acceleration_max[1])
     True
     """
-    if is_number(yield_displacement) and yield_displacement == np.inf:
-        yield_displacement = None
     structure = Bilinear(period, damping, hardening, yield_displacement)
     motions = checked_motions(record)
     cells = RecordCells.of(motions, structure)
     [parameters] = cells.sides
-    peaks = peaks_on_records(motions.grounds, parameters, progress)
+    peaks = peaks_on_records(motions.grounds, parameters, progress=progress)
     w, displacement = parameters[:, 0], cells.peak(0, peaks)
     columns = {
         "displacement_max": displacement,

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from scipy import fft
+from scipy import fft, optimize
 
 from stochlin.applications.records.records import checked_record, strong_part
+from stochlin.kernels.basics.arrays import Array
 from stochlin.models.arguments import TwoNumbers, checked
 from stochlin.models.grounds import Ground
 from stochlin.solver.tables import labels
@@ -25,6 +26,7 @@ STRONG_PART: Part = (0.05, 0.95)
 _ENERGY = (1e-4, 0.99)
 # Share of the part under a cosine taper, for estimators that weight low ordinates fully.
 _TAPER = 0.1
+_INSIDE = 1e-6  # smallest distance of a start of a fit from the bounds
 _SIXTH_OCTAVE = 2 ** (1 / 12)  # frequency ratio from the centre of a sixth of an octave to its edges
 
 
@@ -62,6 +64,24 @@ ESTIMATORS = {
     ),
     "whittle": Estimator("Whittle likelihood", _deviance, np.ones_like, 1.0, _TAPER),
 }
+
+
+def best_fit(
+    residual: Callable[[Array], Array],
+    starts: Iterable[Array],
+    bounds: tuple[Any, Any],
+    slope: Callable[[Array], Array] | str = "2-point",
+    **options: float,
+) -> Any:
+    """The fit with the least sum of squares, as `scipy.optimize.least_squares` returns it.
+
+    ``residual`` is a function of the unknowns, ``slope`` that of its derivatives; ``options`` are
+    tolerances of the search.
+    """
+    lower, upper = bounds
+    inside = (np.clip(start, lower + _INSIDE, upper - _INSIDE) for start in starts)
+    fits = [optimize.least_squares(residual, start, slope, bounds, **options) for start in inside]
+    return min(fits, key=lambda fit: float(fit.cost))
 
 
 @checked

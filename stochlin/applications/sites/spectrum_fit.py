@@ -14,10 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stochlin.applications.records.spectra import best_fit
 from stochlin.applications.sites.simulated_spectra import Motions, peak_accelerations
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.kernels.records.least_squares import best_fit
 from stochlin.models.envelopes import Envelope, strong_seconds
 from stochlin.models.grounds import MOST_FILTERS, CloughPenzien, Ground, ParallelGround
 from stochlin.models.rules.peak_factors import peak_factor_model

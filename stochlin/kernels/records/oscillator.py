@@ -2,9 +2,10 @@
 
 The ground acceleration is linear between its samples, the structure is linear on each of its branches,
 and changes of branch are located within a step: the response has no error of discretization. Each
-interval of the record is divided into sub-steps. They are so short that a cubic polynomial through the
-values and rates at both ends gives peaks with a relative error of a few 1e-4. The unit of time is the
-sub-step, also in velocities and accelerations.
+interval of the record is divided into sub-steps of ``h`` seconds, with ``w h`` at most `LONGEST`. Their
+Taylor series gives the solution to rounding error, without the cancellations of the closed form, and a
+cubic polynomial through the values and rates at both ends gives peaks with a relative error of a few
+1e-4. The unit of time is the sub-step, also in velocities and accelerations.
 """
 
 from __future__ import annotations
@@ -13,24 +14,17 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.compiled import compiled
-from stochlin.kernels.basics.linear_branch import (
-    LONGEST,
-    MARKS,
-    TERMS,
-    evaluate,
-    expand,
-    first_exit,
-)
 
 # Columns of the peaks: largest u and largest -u [m]; largest velocity, absolute acceleration and energy
 # radius sqrt(u^2 + (u'/w)^2); u and y at the end; input, viscous and hysteretic energy per unit mass.
 HIGHEST, LOWEST, VELOCITY, ACCELERATION, RADIUS, LAST, LAST_Y, INPUT, VISCOUS, HYSTERETIC = range(10)
 PEAKS = 10
 STATE = 6  # rows of a history: u, u', y, and the three energies so far
-MOST_LEGS = 64  # changes of branch in one sub-step; more than six are unusual
-SMALLEST = 1e-12  # smallest advance past a change of branch, in sub-steps
-Unit = tuple[float, float, float]
+LONGEST = 1 / 3  # largest w h [rad]; the damping 2 xi w h is then below 2/3
+TERMS = 18  # of the Taylor series; the first term left out is below (2/3)^18 / 18!, 1e-19
+SMALLEST = 1e-12  # least time between changes of branch, in sub-steps; more than six are unusual
 
 
 class Oscillator(NamedTuple):
@@ -44,8 +38,9 @@ class Oscillator(NamedTuple):
     post: float  # alpha (w h)^2
     couple: float  # (1 - alpha) (w h)^2
     uy: float  # yield displacement [m]
-    elastic: tuple[Unit, Unit, Unit]  # `_transition` of the elastic branch
-    plastic: tuple[Unit, Unit, Unit]  # that of the yielding branches
+    # (branches, results, causes): change of the displacement in a sub-step, velocity at its end, and
+    # integral of the change, per unit velocity, push and slope as in `expand`; first if elastic.
+    transitions: Array
 
 
 @compiled
@@ -59,25 +54,37 @@ def oscillator(parameters, h, c):
     """The structure with ``parameters`` (4,) as in `run`, for sub-steps of ``h`` seconds."""
     w, xi, alpha, uy = parameters
     damping, stiffness = 2 * xi * w * h, (w * h) ** 2
-    post = alpha * stiffness
-    elastic, plastic = _transition(damping, stiffness, c), _transition(damping, post, c)
-    return Oscillator(damping, stiffness, post, (1 - alpha) * stiffness, uy, elastic, plastic)
+    post, causes, transitions = alpha * stiffness, np.eye(3), np.empty((2, 3, 3))
+    for branch, of_branch in enumerate((stiffness, post)):
+        for n in range(3):
+            expand(c, causes[n, 0], causes[n, 1], causes[n, 2], damping, of_branch)
+            transitions[branch, 0, n], transitions[branch, 1, n] = evaluate(c, 1.0)
+            transitions[branch, 2, n] = _integral(c, 1.0)
+    return Oscillator(damping, stiffness, post, (1 - alpha) * stiffness, uy, transitions)
 
 
 @compiled
-def _transition(damping, stiffness, c):
-    """Results of a sub-step per unit velocity, push and slope at its beginning, as in `expand`."""
-    of_velocity = _after(c, 1.0, 0.0, 0.0, damping, stiffness)
-    of_push = _after(c, 0.0, 1.0, 0.0, damping, stiffness)
-    return of_velocity, of_push, _after(c, 0.0, 0.0, 1.0, damping, stiffness)
+def expand(c, velocity, push, slope, damping, stiffness):
+    """Taylor coefficients ``c`` (TERMS,) of ``x'' + damping x' + stiffness x = push + slope t``.
+
+    They are those with ``x(0) = 0`` and ``x'(0) = velocity``.
+    """
+    c[0] = 0.0
+    c[1] = velocity
+    c[2] = (push - damping * velocity) / 2
+    c[3] = (slope - 2 * damping * c[2] - stiffness * velocity) / 6
+    for n in range(4, TERMS):
+        c[n] = -(damping * (n - 1) * c[n - 1] + stiffness * c[n - 2]) / (n * (n - 1))
 
 
 @compiled
-def _after(c, velocity, push, slope, damping, stiffness):
-    """Change of the displacement in a sub-step, velocity at its end, and integral of the change."""
-    expand(c, velocity, push, slope, damping, stiffness)
-    change, rate = evaluate(c, 1.0)
-    return change, rate, _integral(c, 1.0)
+def evaluate(c, t):
+    """Value and derivative at ``t`` of the polynomial with coefficients ``c``, by Horner's scheme."""
+    value, rate = c[TERMS - 1], 0.0
+    for n in range(TERMS - 2, -1, -1):
+        rate = rate * t + value
+        value = value * t + c[n]
+    return value, rate
 
 
 @compiled
@@ -90,40 +97,22 @@ def _integral(c, t):
 
 
 @compiled
-def _stride(o, u, v, y, side, ground, h, cuts, at, peaks, each, out):
-    """Advance on one branch, from sub-step ``at`` to one in which the branch may change, or to the end.
-
-    ``side`` is the direction of yielding, 1 or -1, and 0 on the elastic branch. Every ``each``-th state
-    is written to ``out``, none if ``each`` is 0. Returns the number of the sub-step and the state.
-    """
-    stiffness = o.stiffness if side == 0 else o.post
-    (xv, vv, sv), (xp, vp, sp), (xs, vs, ss) = o.elastic if side == 0 else o.plastic
-    while at < cuts * (ground.size - 1):
-        if each and at % each == 0:
-            _keep(o, u, v, y, h, peaks, out[:, at // each])
-        now, rise = _ground_in(ground, h, cuts, at)
-        push = -now - o.post * u - o.couple * y
-        change = xv * v + xp * push - xs * rise
-        v1 = vv * v + vp * push - vs * rise
-        u1, y1 = u + change, y + change if side == 0 else y
-        a = push - o.damping * v
-        a1 = -now - rise - o.post * u1 - o.couple * y1 - o.damping * v1
-        if o.uy < np.inf and _may_change(o, stiffness, v, a, y, v1, a1, y1, rise, side):
-            return at, u, v, y
-        integral = sv * v + sp * push - ss * rise
-        _update(o, 1.0, side, u, v, a, now, u1, v1, a1, now + rise, integral, peaks)
-        u, v, y, at = u1, v1, y1, at + 1
-    if each:
-        _keep(o, u, v, y, h, peaks, out[:, at // each])
-    return at, u, v, y
+def _acceleration(o, u, v, y, ground):
+    """Relative acceleration by the equation of motion."""
+    return -ground - o.post * u - o.couple * y - o.damping * v
 
 
 @compiled
-def _ground_in(ground, h, cuts, at):
-    """Ground acceleration at the beginning of a sub-step, and its rise within it."""
-    s = at // cuts
-    rise = (ground[s + 1] - ground[s]) * h * h / cuts
-    return ground[s] * h * h + (at - s * cuts) * rise, rise
+def _quiet(o, u, v, y, side, ground, rise, peaks):
+    """Advance by one sub-step on one branch; ``side`` is 1 or -1 where it yields, and 0 if elastic."""
+    push = _acceleration(o, u, 0.0, y, ground)
+    to = o.transitions[0 if side == 0 else 1]
+    change = to[0, 0] * v + to[0, 1] * push - to[0, 2] * rise
+    v1 = to[1, 0] * v + to[1, 1] * push - to[1, 2] * rise
+    integral = to[2, 0] * v + to[2, 1] * push - to[2, 2] * rise
+    u1, y1 = u + change, y + change if side == 0 else y
+    _update(o, 1.0, side, u, v, y, ground, u1, v1, y1, ground + rise, integral, peaks)
+    return u1, v1, y1
 
 
 @compiled
@@ -142,67 +131,103 @@ def _keep(o, u, v, y, h, peaks, state):
 
 
 @compiled
-def _may_change(o, stiffness, v, a, y, v1, a1, y1, rise, side):
-    """Whether the branch may change within a sub-step with these states at its ends.
+def _largest_acceleration(o, stiffness, v, a, rise):
+    """Bound of the acceleration within a sub-step that begins with this velocity and acceleration.
 
-    A function differs from its chord by at most an eighth of its largest second derivative. The
-    derivatives of the acceleration are bounded by the equation of motion, which is linear.
+    Its rate is ``-rise - damping a - stiffness v``, and the velocity is at most ``v`` and it together.
     """
-    speed = max(abs(v), abs(v1))
-    most = 1.08 * (max(abs(a), abs(a1)) + 0.125 * o.damping * (abs(rise) + stiffness * speed))
-    if side == 0:
-        return max(abs(y), abs(y1)) + 0.125 * most > o.uy
-    jerk = abs(rise) + o.damping * most + abs(stiffness) * (speed + 0.125 * most)
-    return min(side * v, side * v1) <= 0.125 * jerk
+    stiffness = abs(stiffness)
+    return (abs(a) + abs(rise) + stiffness * abs(v)) / (1.0 - o.damping - stiffness)
 
 
 @compiled
-def _legs(o, u, v, y, side, ground, rise, peaks, space):
+def _until(left, rate, curve, change, end):
+    """Shortest time, at most ``end``, in which a value covers a distance.
+
+    The value has this rate and curvature, and its curvature changes at ``change`` at most: while it
+    remains negative the rate alone counts.
+    """
+    time = _covered(left, rate, max(curve + change * end, 0.0), end)
+    return max(time, _covered(left, rate, 0.0, min(end, -curve / change))) if curve < 0 else time
+
+
+@compiled
+def _covered(left, rate, curve, end):
+    """Time, at most ``end``, in which a distance is covered with this rate and constant curvature."""
+    root = np.sqrt(rate * rate + 2.0 * curve * max(left, 0.0))
+    if rate > 0:
+        return min(end, 2.0 * left / (root + rate))
+    return min(end, (root - rate) / curve) if curve > 0 else end
+
+
+@compiled
+def _until_change(o, c, v, y, side, push, rise, end):
+    """Time until the branch changes, at most ``end``; ``c`` are the coefficients of the displacement.
+
+    Each step goes as far as bounds of the derivatives allow without a change, so that none is missed
+    however brief it is; near a change the steps are those of Newton.
+    """
+    stiffness = o.stiffness if side == 0 else o.post
+    most = _largest_acceleration(o, stiffness, v, push - o.damping * v, rise)
+    jerk = abs(rise) + o.damping * most + abs(stiffness) * (abs(v) + most)
+    snap = o.damping * jerk + abs(stiffness) * most
+    t = 0.0
+    while True:
+        x, rate = evaluate(c, t)
+        a = push - rise * t - o.damping * rate - stiffness * x
+        if side == 0:
+            step = min(
+                _until(o.uy - y - x, rate, a, jerk, end - t),
+                _until(o.uy + y + x, -rate, -a, jerk, end - t),
+            )
+        else:
+            curve = side * (rise + o.damping * a + stiffness * rate)
+            step = _until(side * rate, -side * a, curve, snap, end - t)
+        if step >= end - t:
+            return end
+        t += step
+        if step <= SMALLEST:
+            return t
+
+
+@compiled
+def _legs(o, u, v, y, side, ground, rise, peaks, c):
     """Advance by one sub-step, from one change of branch to the next.
 
     Returns the state and the branch ``side`` at its end.
     """
-    c, row, rows, marks = space
     t, count = 0.0, 0
     while t < 1.0:
-        now = ground + rise * t
-        push = -now - o.post * u - o.couple * y
-        stiffness = o.stiffness if side == 0 else o.post
-        expand(c, v, push, -rise, o.damping, stiffness)
-        if side == 0:
-            for n in range(TERMS):
-                row[n] = c[n]
-            row[0] = y
-            length, way = first_exit(row, -o.uy, o.uy, 1.0 - t, rows, marks)
-        else:
-            for n in range(TERMS - 1):
-                row[n] = side * (n + 1) * c[n + 1]
-            row[TERMS - 1] = 0.0
-            length, way = first_exit(row, 0.0, np.inf, 1.0 - t, rows, marks)
-        if way != 0:  # advance a little, so that rounding cannot cause endless changes of branch
+        now, left = ground + rise * t, 1.0 - t
+        push = _acceleration(o, u, 0.0, y, now)
+        expand(c, v, push, -rise, o.damping, o.stiffness if side == 0 else o.post)
+        length = _until_change(o, c, v, y, side, push, rise, left)
+        changes = length < left
+        if changes:  # advance a little, so that rounding cannot cause endless changes of branch
             count += 1
-            length = min(max(length, SMALLEST if 2 * count < MOST_LEGS else 2 / MOST_LEGS), 1.0 - t)
+            length = min(max(length, SMALLEST * 2.0**count), left)
         change, v1 = evaluate(c, length)
-        a, u1, y1, next_side = push - o.damping * v, u + change, y, side
-        if side == 0:
-            y1, next_side = (y + change, 0) if way == 0 else (way * o.uy, way)
-        elif way != 0:
+        u1, y1, next_side = u + change, y + change if side == 0 else y, side
+        if changes and side == 0:
+            next_side = 1 if y1 > 0 else -1
+            y1 = next_side * o.uy
+        elif changes:
             v1, next_side = 0.0, 0
-        then = now + rise * length
-        a1 = -then - o.post * u1 - o.couple * y1 - o.damping * v1
-        _update(o, length, side, u, v, a, now, u1, v1, a1, then, _integral(c, length), peaks)
+        integral, then = _integral(c, length), now + rise * length
+        _update(o, length, side, u, v, y, now, u1, v1, y1, then, integral, peaks)
         u, v, y, side = u1, v1, y1, next_side
-        t = 1.0 if way == 0 else t + length
+        t = t + length if changes else 1.0
     return u, v, y, side
 
 
 @compiled
-def _update(o, length, side, u, v, a, ground, u1, v1, a1, ground1, integral, peaks):
+def _update(o, length, side, u, v, y, ground, u1, v1, y1, ground1, integral, peaks):
     """Update peaks and energies by a part of a sub-step on one branch, of this ``length``.
 
     ``integral`` is that of the change of displacement over the part: by parts, the input is exact.
     """
     stiffness = o.stiffness if side == 0 else o.post
+    a, a1 = _acceleration(o, u, v, y, ground), _acceleration(o, u1, v1, y1, ground1)
     peaks[INPUT] -= ground1 * (u1 - u) - (ground1 - ground) / length * integral
     peaks[HYSTERETIC] += 0.0 if side == 0 else o.couple * o.uy * abs(u1 - u)
     peaks[HIGHEST] = max(peaks[HIGHEST], top(length, u, v, u1, v1))
@@ -234,10 +259,16 @@ def _turn_of_radius(o, length, u, v, a, u1, v1, a1):
 
 
 @compiled
-def _cubic(s, length, value, rate, value1, rate1):
-    """Cubic polynomial through the values and rates at both ends, at the share ``s`` of the length."""
+def _coefficients(length, value, rate, value1, rate1):
+    """Those of the cubic polynomial through the values and rates at both ends, over the share."""
     begin, end, rise = rate * length, rate1 * length, value1 - value
-    square, cube = 3 * rise - 2 * begin - end, begin + end - 2 * rise
+    return begin, 3 * rise - 2 * begin - end, begin + end - 2 * rise
+
+
+@compiled
+def _cubic(s, length, value, rate, value1, rate1):
+    """Value of that polynomial at the share ``s`` of the length."""
+    begin, square, cube = _coefficients(length, value, rate, value1, rate1)
     return value + s * (begin + s * (square + s * cube))
 
 
@@ -246,21 +277,14 @@ def top(length, value, rate, value1, rate1):
     """Largest value of the cubic polynomial through the values and rates at both ends of a length."""
     largest = max(value, value1)
     if rate > 0 > rate1:
-        begin, end, rise = rate * length, rate1 * length, value1 - value
-        square, cube = 3 * rise - 2 * begin - end, begin + end - 2 * rise
+        begin, square, cube = _coefficients(length, value, rate, value1, rate1)
         s = begin / (np.sqrt(square * square - 3 * cube * begin) - square)
-        largest = max(largest, _cubic(s, length, value, rate, value1, rate1))
+        largest = max(largest, value + s * (begin + s * (square + s * cube)))
     return largest
 
 
 @compiled
-def workspace():
-    """Working space for the steps of one thread."""
-    return np.empty(TERMS), np.empty(TERMS), np.empty((4, TERMS)), np.empty((2, MARKS))
-
-
-@compiled
-def run(parameters, ground, dt, cuts, peaks, each, out, space):
+def run(parameters, ground, dt, cuts, peaks, each, out):
     """Response of one structure from rest to ``ground`` (samples,) [m/s^2], with time step ``dt`` [s].
 
     Each interval has ``cuts`` sub-steps. ``parameters`` (4,) are the circular frequency ``w`` [rad/s],
@@ -268,14 +292,25 @@ def run(parameters, ground, dt, cuts, peaks, each, out, space):
     ``peaks`` (PEAKS,). Every ``each``-th state (``u``, ``u'``, ``y``, and the input, viscous and
     hysteretic energies per unit mass so far) is written to a column of ``out``, none if ``each`` is 0.
     """
-    h = dt / cuts
-    o = oscillator(parameters, h, space[0])
+    h, c = dt / cuts, np.empty(TERMS)
+    o = oscillator(parameters, h, c)
     u, v, y, side = 0.0, 0.0, 0.0, 0
     peaks[:] = 0.0
-    at, u, v, y = _stride(o, u, v, y, side, ground, h, cuts, 0, peaks, each, out)
-    while at < cuts * (ground.size - 1):
-        u, v, y, side = _legs(o, u, v, y, side, *_ground_in(ground, h, cuts, at), peaks, space)
-        at, u, v, y = _stride(o, u, v, y, side, ground, h, cuts, at + 1, peaks, each, out)
+    steps = cuts * (ground.size - 1)
+    for at in range(steps + 1):
+        if each and at % each == 0:
+            _keep(o, u, v, y, h, peaks, out[:, at // each])
+        if at == steps:
+            break
+        s = at // cuts
+        rise = (ground[s + 1] - ground[s]) * h * h / cuts
+        now = ground[s] * h * h + (at - s * cuts) * rise
+        a, stiffness = _acceleration(o, u, v, y, now), o.stiffness if side == 0 else o.post
+        most = _largest_acceleration(o, stiffness, v, a, rise)
+        if side * v > most if side != 0 else abs(y) + abs(v) + 0.5 * most <= o.uy:
+            u, v, y = _quiet(o, u, v, y, side, now, rise, peaks)
+        else:
+            u, v, y, side = _legs(o, u, v, y, side, now, rise, peaks, c)
     peaks[VELOCITY] /= h
     peaks[ACCELERATION] /= h * h
     peaks[RADIUS] = max(np.sqrt(peaks[RADIUS]), peaks[HIGHEST], peaks[LOWEST])

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.compiled import entry
+from stochlin.kernels.basics.compiled import compiled, entry
 from stochlin.kernels.basics.parallel import Progress, in_order
-from stochlin.kernels.records.oscillator import PEAKS, STATE, run, substeps, top, workspace
+from stochlin.kernels.records.oscillator import PEAKS, STATE, run, substeps, top
 
 PARTS = 16  # number of tasks into which the structures on a record are divided
 PAIR = 2.0  # number of sub-steps of a pair over that of its stiffer structure alone
@@ -24,60 +24,63 @@ class SampledMotion(NamedTuple):
 
 
 @entry
-def _all_peaks(ground, dt, parameters, out):
-    """Write the peaks of all structures to ``out`` (n, PEAKS)."""
-    space, nothing = workspace(), np.empty((STATE, 0))
-    for i in range(parameters.shape[0]):
-        cuts = substeps(parameters[i, 0], dt, 1.0)
-        run(parameters[i], ground, dt, cuts, out[i], 0, nothing, space)
+def _all_peaks(ground, dt, sides, out):
+    """Write the results of `peaks_on_records` for one record to ``out``; ``sides`` (1 or 2, n, 4)."""
+    pair = len(sides) == 2
+    for i in range(sides.shape[1]):
+        cuts = substeps(sides[:, i, 0].max(), dt, PAIR if pair else 1.0)
+        size = cuts * (ground.size - 1) + 1 if pair else 0
+        paths = np.empty((len(sides), STATE, size))
+        for n in range(len(sides)):
+            peaks = out[i, n * PEAKS : (n + 1) * PEAKS]
+            run(sides[n, i], ground, dt, cuts, peaks, 1 if pair else 0, paths[n])
+        if pair:
+            together = _together(paths[0, 0], paths[1, 0], paths[0, 1], paths[1, 1], dt / cuts)
+            out[i, 2 * PEAKS], out[i, 2 * PEAKS + 1] = together
 
 
-@entry
-def _all_gaps(ground, dt, first, second, out):
-    """Write the results of `gaps_on_records` for one record to ``out`` (n, 2 PEAKS + 2)."""
-    space = workspace()
-    for i in range(first.shape[0]):
-        cuts = substeps(max(first[i, 0], second[i, 0]), dt, PAIR)
-        size = cuts * (ground.size - 1) + 1
-        path_1, path_2 = np.empty((STATE, size)), np.empty((STATE, size))
-        run(first[i], ground, dt, cuts, out[i, :PEAKS], 1, path_1, space)
-        run(second[i], ground, dt, cuts, out[i, PEAKS : 2 * PEAKS], 1, path_2, space)
-        apart, sum_11, sum_22, sum_12 = 0.0, 0.0, 0.0, 0.0
-        for s in range(size - 1):
-            d, d1 = path_1[0, s] - path_2[0, s], path_1[0, s + 1] - path_2[0, s + 1]
-            rate, rate1 = path_1[1, s] - path_2[1, s], path_1[1, s + 1] - path_2[1, s + 1]
-            apart = max(apart, top(dt / cuts, d, rate, d1, rate1))
-            weight = 1.0 if s + 1 < size - 1 else 0.5  # trapezoidal rule; the first value is 0
-            sum_11 += weight * path_1[0, s + 1] ** 2
-            sum_22 += weight * path_2[0, s + 1] ** 2
-            sum_12 += weight * path_1[0, s + 1] * path_2[0, s + 1]
-        out[i, 2 * PEAKS] = apart
-        out[i, 2 * PEAKS + 1] = sum_12 / np.sqrt(sum_11 * sum_22)
+@compiled
+def _together(u, u_2, v, v_2, step):
+    """Largest ``u1 - u2`` and correlation of two displacements with these velocities."""
+    apart = 0.0
+    for s in range(u.size - 1):
+        before, after = u[s] - u_2[s], u[s + 1] - u_2[s + 1]
+        apart = max(apart, top(step, before, v[s] - v_2[s], after, v[s + 1] - v_2[s + 1]))
+    u[-1] *= np.sqrt(0.5)  # by the trapezoidal rule; the first value is 0
+    u_2[-1] *= np.sqrt(0.5)
+    return apart, (u * u_2).sum() / np.sqrt((u * u).sum() * (u_2 * u_2).sum())
 
 
 @entry
 def _history(ground, dt, parameters, refine, out):
     """Write the states of one structure, ``refine`` in each interval of the record, to ``out``."""
     each = substeps(parameters[0], dt / refine, 1.0)
-    run(parameters, ground, dt, each * refine, np.empty(PEAKS), each, out, workspace())
+    run(parameters, ground, dt, each * refine, np.empty(PEAKS), each, out)
 
 
 def peaks_on_records(
-    grounds: Sequence[SampledMotion], parameters: Array, progress: Progress | None = None
+    grounds: Sequence[SampledMotion], *sides: Array, progress: Progress | None = None
 ) -> Array:
-    """Peaks (records, n, PEAKS) on each record of structures with ``parameters`` (n, 4) as in `run`."""
-    return _spread(_all_peaks, PEAKS, grounds, (parameters,), progress)
+    """Peaks of structures, or of pairs of them, on each record, (records, n, columns).
 
-
-def gaps_on_records(
-    grounds: Sequence[SampledMotion], first: Array, second: Array, progress: Progress | None = None
-) -> Array:
-    """Response of pairs to each record, (records, n, 2 PEAKS + 2).
-
-    The columns are the peaks of both structures, the largest ``u1 - u2`` [m], and the correlation of the
-    two displacements over the record. Both structures of a pair take the same sub-steps.
+    A side has the parameters (n, 4) of its structures as in `run`. The columns are `PEAKS` for each
+    side, and of pairs the largest ``u1 - u2`` [m] and the correlation of the two displacements over the
+    record. Both structures of a pair take the same sub-steps. A task takes every `PARTS`-th structure,
+    so that all tasks have short and long periods.
     """
-    return _spread(_all_gaps, 2 * PEAKS + 2, grounds, (first, second), progress)
+    both, count = np.stack(sides), len(sides[0])
+    parts = max(1, min(count, PARTS))
+    result = np.empty((len(grounds), count, len(sides) * PEAKS + 2 * (len(sides) - 1)))
+
+    def task(number: int) -> None:
+        """One part of the structures on one record."""
+        record, part = number // parts, slice(number % parts, None, parts)
+        out = np.empty(result[record, part].shape)
+        _all_peaks(*grounds[record], np.ascontiguousarray(both[:, part]), out)
+        result[record, part] = out
+
+    list(in_order(task, parts * len(grounds), progress))
+    return result
 
 
 def history(ground: SampledMotion, parameters: Array, refine: int) -> Array:
@@ -85,29 +88,3 @@ def history(ground: SampledMotion, parameters: Array, refine: int) -> Array:
     out = np.empty((STATE, refine * (len(ground.acceleration) - 1) + 1))
     _history(*ground, parameters, refine, out)
     return out
-
-
-def _spread(
-    fill: Callable[..., None],
-    columns: int,
-    grounds: Sequence[SampledMotion],
-    structures: Sequence[Array],
-    progress: Progress | None,
-) -> Array:
-    """Results (records, n, columns) of ``fill`` for all records and structures, on all cores.
-
-    A task takes every `PARTS`-th structure, so that all tasks have short and long periods.
-    """
-    count = len(structures[0])
-    parts = max(1, min(count, PARTS))
-    result = np.empty((len(grounds), count, columns))
-
-    def task(number: int) -> None:
-        """One part of the structures on one record."""
-        record, part = number // parts, slice(number % parts, None, parts)
-        out = np.empty(result[record, part].shape)
-        fill(*grounds[record], *(np.ascontiguousarray(rows[part]) for rows in structures), out)
-        result[record, part] = out
-
-    list(in_order(task, parts * len(grounds), progress))
-    return result
