@@ -7,7 +7,6 @@ import sixty_digits as oracle
 import xarray as xr
 
 import stochlin as sl
-from stochlin.kernels.correlation import pairs
 from stochlin.kernels.correlation.errors import bias_of_difference, std_of_difference
 from stochlin.kernels.linearization.covariance import EquivalentSystem, own_covariance, pair_covariance
 from stochlin.kernels.linearization.filters import Filter
@@ -110,11 +109,18 @@ def test_tuned_to_the_ground_and_to_each_other(slip):
 
 
 @pytest.mark.parametrize("options", [{}, {"bias": False}, {"closure": "drift"}])
-def test_large_tables_have_the_numbers_of_small_ones(options, monkeypatch):
-    """They are compiled from the same functions."""
-    axes = xr.DataArray([0.2, 0.9, 2.0], dims="a"), xr.DataArray([0.3, -1.0, 1.1, 4.0], dims="b")
-    pair = [sl.Bilinear(axis, 0.05, 0.05, reduction_factor=4) for axis in axes]
-    small = sl.correlate(*pair, sl.KanaiTajimi(1.0, 0.1), **options)
-    monkeypatch.setattr(pairs, "MANY", 1)
-    large = sl.correlate(*pair, sl.KanaiTajimi(1.0, 0.1), **options)
-    xr.testing.assert_allclose(large, small, rtol=1e-12)
+@pytest.mark.parametrize("period", [1.1, -1.0], ids=["all valid", "one invalid"])
+def test_a_table_has_the_numbers_of_its_pairs_side_by_side(options, period):
+    """A table of all combinations is computed by its rows and columns, or pair by pair."""
+    axes = np.array([0.2, 0.9, 2.0]), np.array([0.3, period, 4.0, 0.9])
+
+    def correlation(*periods):
+        pair = [sl.Bilinear(each, 0.05, 0.05, reduction_factor=4) for each in periods]
+        return sl.correlate(*pair, sl.KanaiTajimi(1.0, 0.1), **options)
+
+    table = correlation(*(xr.DataArray(axis, dims=dim) for axis, dim in zip(axes, "ab", strict=True)))
+    sides = np.meshgrid(*axes, indexing="ij")
+    pairs = correlation(*(xr.DataArray(side.ravel(), dims="c") for side in sides))
+    for name, values in pairs.items():
+        whole = table[name].broadcast_like(table.rho).transpose("a", "b").values.ravel()
+        np.testing.assert_allclose(whole, values, rtol=1e-12, err_msg=name)

@@ -1,4 +1,4 @@
-"""Functions of arrays, some of which `correlation.on_numbers` has for numbers in another form."""
+"""Functions of arrays, which `correlation.bilinear_pair` also compiles for numbers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from stochlin.kernels.basics.arrays import Array
 def choose(condition: Any, yes: Any, no: Any) -> Any:
     """``yes`` where the condition holds, otherwise ``no``; arrays, or named tuples of arrays.
 
-    In compiled code it is one of two numbers, or of two tuples.
+    In compiled code it is one of two numbers, or of two tuples of numbers.
     """
     if isinstance(yes, tuple):
         return type(yes)(*(choose(condition, *parts) for parts in zip(yes, no, strict=True)))

@@ -33,11 +33,6 @@ def in_order(
     task: Callable[[int], Result], count: int, progress: Progress | None = None
 ) -> Iterator[Result]:
     """Results of ``task(0)`` to ``task(count - 1)`` in this order, computed on all cores."""
-    if count == 1:
-        yield task(0)
-        if progress is not None:
-            progress(1.0)
-        return
     pool = ThreadPoolExecutor(cores())
     try:
         for done, result in enumerate(pool.map(task, range(count)), start=1):

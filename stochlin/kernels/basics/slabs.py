@@ -5,7 +5,6 @@ They run on one core: numpy's short operations on a slab would wait for one anot
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
@@ -22,15 +21,16 @@ def in_slabs(
 ) -> tuple[Array, ...]:
     """Results of ``function`` for inputs that broadcast, without temporary arrays of the table's size.
 
-    The function is called for slabs of about `CHUNK` cells. It returns one array for each data type of
-    ``kinds``: the array itself for one type, a tuple for several.
+    The function is called for slabs of about `CHUNK` cells. It returns an array, or a tuple with one for
+    each data type of ``kinds``.
     """
     shape = np.broadcast_shapes(*{array.shape for array in inputs})
     inputs = tuple(array.reshape((1,) * (len(shape) - array.ndim) + array.shape) for array in inputs)
     results = tuple(np.empty(shape, kind) for kind in kinds)
-    for slab in [()] if math.prod(shape) <= CHUNK else _slabs(shape, CHUNK):
+    for slab in _slabs(shape, CHUNK):
         outputs = function(*(_cut(slab, array) for array in inputs))
-        for result, output in zip(results, outputs if len(kinds) > 1 else (outputs,), strict=True):
+        outputs = outputs if isinstance(outputs, tuple) else (outputs,)
+        for result, output in zip(results, outputs, strict=True):
             result[slab] = output
     return results
 

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from inspect import isfunction
 from typing import Any, NamedTuple
 
-from stochlin.kernels.basics.compiled import called_often, compiled, entry
-from stochlin.kernels.basics.elementary import solve_3x3
-from stochlin.kernels.correlation import on_numbers  # noqa: F401  # which compiles formulas for numbers
+from numba.extending import overload
+
+from stochlin.kernels.basics.compiled import OFTEN, called_often, compiled, entry
+from stochlin.kernels.basics.elementary import choose, solve_3x3
+from stochlin.kernels.linearization import covariance, grounds
 from stochlin.kernels.linearization.covariance import (
     EquivalentSystem,
     Forcing,
@@ -29,8 +32,19 @@ ELASTIC = 1e-18  # slip and relaxation over w below which the structure is taken
 CLOSE, MOST = 1e-10, 200  # Newton's step at the end, and the number of steps
 BOLD_STEPS = int(BOLD_SHARE * MOST)
 PACES = (BOLD_STEPS, *BOLD), (MOST - BOLD_STEPS, *CAREFUL)
+# The formulas that take numbers and arrays, compiled for numbers.
+called_often(solve_3x3)
+for _module in (covariance, grounds):
+    for _formula in vars(_module).values():
+        if isfunction(_formula) and _formula.__module__ == _module.__name__:
+            called_often(_formula)
 for _formula in owens_t_of_numbers, gaussian_of_numbers:
     compiled(_formula)
+
+
+@overload(choose, jit_options=OFTEN)
+def _choose(condition, yes, no):
+    return lambda condition, yes, no: yes if condition else no
 
 
 class PairResponse(NamedTuple):

@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.elementary import choose
 
-NONE_LEFT = 1e-13  # value of 1 - rho below which it is rounding error, and taken as 0
+# Value of 1 - rho, and relative difference of two deviations, below which it is a rounding error
+NONE_LEFT = 1e-13
 # Errors by the smaller R/p of both structures: below the first bound, between them, above the last one.
 BOUNDS = np.array([0.5, 1.0, 2.0])
 # Expected relative errors of 1 - rho: of nearly equal structures, and of all others, as a share of rho.
@@ -23,7 +23,7 @@ SAFE_SIDE = 0.06  # relative bias, on the safe side, of u_1 - u_2 of nearly equa
 
 def std_of_difference(std_1: Array, std_2: Array, rho: Array) -> Array:
     """Standard deviation of ``u_1 - u_2``."""
-    return np.hypot(std_1 - std_2, np.sqrt(2 * _left(rho)) * np.sqrt(std_1) * np.sqrt(std_2))
+    return np.hypot(_apart(std_1, std_2), np.sqrt(2 * _left(rho)) * np.sqrt(std_1) * np.sqrt(std_2))
 
 
 def error_of_difference(
@@ -35,14 +35,14 @@ def error_of_difference(
     were independent. ``share`` is the weight of eq. (13) for nearly equal structures, which is biased to
     the safe side.
     """
-    joint = std_1 * std_2 * _left(rho)
-    square = (std_1 - std_2) ** 2 + 2 * joint
-    part_1 = (std_1 * (std_1 - std_2) + joint) / square * error_1
-    part_2 = (std_2 * (std_2 - std_1) + joint) / square * error_2
+    joint, apart = std_1 * std_2 * _left(rho), _apart(std_1, std_2)
+    square = apart**2 + 2 * joint
+    part_1 = (joint + std_1 * apart) / square * error_1
+    part_2 = (joint - std_2 * apart) / square * error_2
     part_3 = joint / square * error
     total, bias = np.sqrt(part_1**2 + part_2**2 + part_3**2), SAFE_SIDE * share * 2 * joint / square
     equal = np.isfinite(error_1) & np.isfinite(error_2) & (square == 0)
-    return choose(equal, 0.0, total), choose(equal, 0.0, bias)
+    return np.where(equal, 0.0, total), np.where(equal, 0.0, bias)
 
 
 def bias_of_difference(
@@ -52,9 +52,15 @@ def bias_of_difference(
     true_rho = np.minimum(np.maximum(rho - bias, -1.0), 1.0)
     truth = std_of_difference(std_1 / (1 + bias_1), std_2 / (1 + bias_2), true_rho)
     equal = (std == 0) & (truth <= np.sqrt(2 * NONE_LEFT) * std_1)  # but for rounding errors
-    return choose(equal, 0.0, std / truth - 1)
+    return np.where(equal, 0.0, std / truth - 1)
+
+
+def _apart(std_1: Array, std_2: Array) -> Array:
+    """``std_1 - std_2``, and 0 where it is as small as rounding errors."""
+    apart = std_1 - std_2
+    return np.where(np.abs(apart) < NONE_LEFT * std_1, 0.0, apart)
 
 
 def _left(rho: Array) -> Array:
     """``1 - rho``, and 0 where it is as small as rounding errors."""
-    return choose(1 - rho < NONE_LEFT, 0.0, 1 - rho)
+    return np.where(1 - rho < NONE_LEFT, 0.0, 1 - rho)

@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.elementary import choose
 
 AXES = 4  # period, strength, hardening, damping
 ENTRIES = AXES * (AXES + 1) // 2  # of a symmetric matrix over these axes
@@ -49,4 +48,4 @@ def by_nearness(rho: Array, first: Nearness, second: Nearness, unseen: Array) ->
     apart = np.log(q / (1 + q) / left)
     known = np.isfinite(apart) & (share > 0)
     mixed = 1 - left * np.exp(share * (WEIGHT * apart + SAFE * (1 + unseen)))
-    return choose(known, mixed, rho), choose(known, share, 0.0)
+    return np.where(known, mixed, rho), np.where(known, share, 0.0)

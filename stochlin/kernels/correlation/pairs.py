@@ -1,19 +1,14 @@
-"""Correlation of structures that were solved one by one, with its errors, for many pairs.
-
-The functions of two structures take and return arrays. Large tables call the same functions compiled
-for numbers, pair by pair; see `on_numbers`.
-"""
+"""Correlation of structures that were solved one by one, with its errors, for many pairs."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array, on_arrays
-from stochlin.kernels.basics.elementary import choose
-from stochlin.kernels.basics.slabs import in_ranges
+from stochlin.kernels.basics.slabs import in_slabs
 from stochlin.kernels.correlation.errors import (
     OF_NEARLY_EQUAL,
     OF_OTHERS,
@@ -32,9 +27,8 @@ ROUNDING = 1e-9  # by which |rho| may exceed 1 by rounding; beyond it the covari
 # with more similar periods, the difference comes from strength, hardening and damping alone, and its
 # estimate is less certain.
 ALIKE = 0.015
-CELLS = 8192  # pairs that are computed together
-NONE = np.full(4, np.nan)  # unknown errors
-MANY = 200_000  # pairs from which it is worth to wait for the compiler, once on each machine
+
+Structures = TypeVar("Structures", bound=tuple[object, ...])
 
 
 class Linear(NamedTuple):
@@ -68,7 +62,7 @@ class Compared(NamedTuple):
 
 
 class LinearPair(NamedTuple):
-    """Results for two structures `Linear` or `DriftingSide`."""
+    """Results for two structures `Linear`."""
 
     rho: Array
 
@@ -94,97 +88,77 @@ class ComparedPair(NamedTuple):
     difference_bias: Array
 
 
-def linear_pair(first: Linear, second: Linear, errors: Array) -> LinearPair:
+def linear_pair(first: Linear, second: Linear) -> LinearPair:
     """The correlation by linearization."""
     joint = pair_covariance(first.system, first.forcing, second.system, second.forcing)
     return LinearPair(_bounded(joint / (first.std * second.std)))
 
 
-def drifting_pair(first: Drifting, second: Drifting, errors: Array) -> DriftingPair:
+def drifting_pair(errors: Array, first: Drifting, second: Drifting) -> DriftingPair:
     """The correlation by the drift closure; ``errors`` are those of ``rho`` on this ground.
 
     The caution of ``u_1 - u_2`` is that of its error less half of the bias to the safe side, if the
     periods differ. Its error is 0 if both structures are elastic.
     """
-    rho, error, rest, share = _drifting(first, second, errors)
+    rho, error, rest, share = _drifting(errors, first, second)
     apart, lean = error_of_difference(first.std, first.error, second.std, second.error, rho, rest, share)
-    apart = choose(error == 0, 0.0, apart + 0 * error)
+    apart = np.where(error == 0, 0.0, apart + 0 * error)
     lean = lean + 0 * apart
     unlike = np.abs(first.period - second.period) >= ALIKE
-    counted = apart - choose(unlike, lean / 2, 0.0)
+    counted = apart - np.where(unlike, lean / 2, 0.0)
     return DriftingPair(rho, std_of_difference(first.std, second.std, rho), error, apart, lean, counted)
 
 
-def compared_pair(first: Compared, second: Compared, errors: Array) -> ComparedPair:
+def compared_pair(errors: Array, first: Compared, second: Compared) -> ComparedPair:
     """The correlation by linearization with its bias; the truth of two elastic structures is itself."""
     stds = first.linear.std, second.linear.std
-    (rho,) = linear_pair(first.linear, second.linear, errors)
-    true, error, _, _ = _drifting(first.true, second.true, errors)
+    (rho,) = linear_pair(first.linear, second.linear)
+    true, error, _, _ = _drifting(errors, first.true, second.true)
     elastic = first.true.elastic & second.true.elastic
-    bias = choose(elastic | (np.abs(rho - true) < EQUAL), 0.0, rho - true) + 0 * (rho + error)
+    bias = np.where(elastic | (np.abs(rho - true) < EQUAL), 0.0, rho - true) + 0 * (rho + error)
     difference = std_of_difference(*stds, rho)
     off = bias_of_difference(difference, *stds, first.bias, second.bias, rho, bias)
     return ComparedPair(rho, difference, bias, error + 0 * bias, off)
 
 
-def _drifting(first: Drifting, second: Drifting, errors: Array) -> tuple[Array, ...]:
+def _drifting(errors: Array, first: Drifting, second: Drifting) -> tuple[Array, ...]:
     """``rho``, the expected error of it and of ``1 - rho``, and the weight of eq. (13)."""
     rho = by_signatures(drifting_correlation(first.side, second.side), first.signature, second.signature)
     unseen = first.signature.left * second.signature.left
     rho, share = by_nearness(rho, first.nearness, second.nearness, unseen)
     weaker = np.minimum(first.strength_class, second.strength_class)
     rest = share * OF_NEARLY_EQUAL[weaker] + (1 - share) * OF_OTHERS * np.maximum(rho, 0.0)
-    error = choose(first.known & second.known, errors[weaker], np.nan)
+    error = np.where(first.known & second.known, errors[weaker], np.nan)
     rho = _bounded(rho)
-    return rho, choose(first.elastic & second.elastic, 0.0, error) + 0 * rho, rest, share
+    return rho, np.where(first.elastic & second.elastic, 0.0, error) + 0 * rho, rest, share
 
 
 def _bounded(rho: Array) -> Array:
     """``rho`` within -1 and 1; NaN where it is beyond by more than rounding."""
-    return choose(np.abs(rho) <= 1 + ROUNDING, np.minimum(np.maximum(rho, -1.0), 1.0), np.nan)
+    return np.where(np.abs(rho) <= 1 + ROUNDING, np.minimum(np.maximum(rho, -1.0), 1.0), np.nan)
 
 
-def drifting_rho(first: DriftingSide, second: DriftingSide, errors: Array) -> LinearPair:
-    """The derived correlation of two structures with drift."""
-    return LinearPair(drifting_correlation(first, second))
+@np.errstate(all="ignore")  # pairs with extreme parameters are NaN
+def over_pairs(
+    function: Callable[[Structures, Structures], Any],
+    first: Structures,
+    second: Structures,
+    places: Sequence[Array],
+    results: int = 1,
+) -> tuple[Array, ...]:
+    """The ``results`` of a function of two structures, for pairs by their places.
+
+    The places are two arrays of whole numbers, which broadcast: structures of a table of all
+    combinations are read once for its rows and once for its columns.
+    """
+
+    def of_places(at_1: Array, at_2: Array) -> Any:
+        return function(_taken(first, at_1), _taken(second, at_2))
+
+    return in_slabs(of_places, *places, kinds=(float,) * results)
 
 
-# By the kind of both structures: function, and kind of its results.
-PAIRS: dict[type[Any], tuple[Callable[[Any, Any, Array], Any], Any]] = {
-    Linear: (linear_pair, LinearPair),
-    Drifting: (drifting_pair, DriftingPair),
-    Compared: (compared_pair, ComparedPair),
-    DriftingSide: (drifting_rho, LinearPair),
-}
-
-
-def results(first: Any, second: Any, errors: Array) -> Any:
-    """Results for structures of one kind."""
-    return PAIRS[type(first)][0](first, second, errors)
-
-
-def cell(structures: Any, place: Any) -> Any:
-    """Some of the structures; one of them by numbers in compiled code."""
-    return on_arrays(lambda x: np.take(x, place, axis=-1), structures)
-
-
-def over_pairs(first: Any, second: Any, places: Sequence[Array], errors: Array = NONE) -> Any:
-    """Results of the function in `PAIRS` for pairs of structures by their places, two arrays (n,)."""
-    kind, count = PAIRS[type(first)][1], places[0].size
-    out, write = np.empty((len(kind._fields), count)), None
-    if count >= MANY:
-        from stochlin.kernels.correlation.on_numbers import WRITERS
-
-        write = WRITERS.get(type(first))
-        first, second = (on_arrays(np.asfortranarray, each) for each in (first, second))
-
-    @np.errstate(all="ignore")  # pairs with extreme parameters are NaN
-    def part(cells: slice) -> None:
-        at_1, at_2 = (each[cells] for each in places)
-        if write:
-            write(first, second, at_1, at_2, errors, out[:, cells])
-        else:
-            out[:, cells] = results(cell(first, at_1), cell(second, at_2), errors)
-
-    in_ranges(part, count, CELLS)
-    return kind(*out)
+def _taken(structures: Structures, places: Array) -> Structures:
+    """The structures at these places."""
+    taken: Structures = on_arrays(lambda row: np.take(row, places, axis=-1), structures)
+    return taken

@@ -14,7 +14,6 @@ from typing import NamedTuple
 import numpy as np
 
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.elementary import choose
 
 LEFT = 1e-3  # added to the variance that is independent of the references, against division by zero
 
@@ -35,7 +34,7 @@ def by_signatures(derived: Array, first: Signature, second: Signature) -> Array:
     """
     rho = first.ratio * second.ratio * (derived + LEFT) - LEFT
     rho = rho + product(first.simulated, second.simulated) - product(first.derived, second.derived)
-    return choose(np.isnan(rho), derived, np.minimum(np.maximum(rho, -1.0), 1.0))
+    return np.where(np.isnan(rho), derived, np.minimum(np.maximum(rho, -1.0), 1.0))
 
 
 def product(left: Array, right: Array) -> Array:

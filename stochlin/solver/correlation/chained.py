@@ -8,10 +8,10 @@ solved, and the coefficients are renewed until both stand still, without the clo
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 
 import numpy as np
 
-from stochlin.kernels.basics.arrays import Array
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import Model
 from stochlin.models.structures import Structure
@@ -37,8 +37,7 @@ def chained_pairs(
 ) -> dict[str, Cells]:
     """Variables of `correlate` by linearization with ``solver="lyapunov"``."""
     both, *sides = (_solved(each, ground, tolerance) for each in (pair, pair[:1], pair[1:]))
-    statuses = [solution["status"] for solution in (both, *sides)]
-    (status,) = cellwise(_largest, *statuses, kinds=(np.int8,))
+    status = reduce(np.maximum, (solution["status"] for solution in (both, *sides)))
     (rho,) = cellwise(np.where, status < labels.NOT_CONVERGED, both["rho"], np.nan)
     shown = {f"{name}_{n}": side[name] for name in SHOWN for n, side in enumerate(sides, start=1)}
     return {"rho": rho, **shown, "status": status}
@@ -65,7 +64,3 @@ def _solved(structures: Sequence[Structure], ground: Ground, tolerance: Toleranc
     for name, dim in zip(LAST, (FLOOR, ELEMENT, ELEMENT), strict=True):
         last.append(table[name].isel({dim: -1}, drop=True))
     return {**dict(zip(OF_PAIR, last, strict=True)), "status": status}
-
-
-def _largest(*arrays: Array) -> Array:
-    return np.maximum.reduce(np.broadcast_arrays(*arrays))

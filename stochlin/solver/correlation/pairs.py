@@ -6,6 +6,8 @@ equation. By the drift closure it has a part of the drifts, and is corrected by 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,6 +19,9 @@ from stochlin.kernels.correlation.pairs import (
     DriftingPair,
     Linear,
     LinearPair,
+    compared_pair,
+    drifting_pair,
+    linear_pair,
     over_pairs,
 )
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
@@ -43,29 +48,36 @@ def linearized_pairs(
 ) -> dict[str, Cells]:
     """Variables of `correlate` by linearization, with those of the bias if asked for."""
     solve = judged if bias or closure == DRIFT else solved_together
-    solved, structures = solve(pair, ground, closure, tolerance), None  # type: Solved, Any
+    solved, errors = solve(pair, ground, closure, tolerance), errors_on(ground)
     if closure == DRIFT:
-        structures = drifting(solved, tolerance)
-    else:
-        values = solved.values
-        system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
-        structures = Linear(system, forcing, values["displacement_std"])
-        if bias:
-            truth = drifting(solved.like[DRIFT], tolerance)
-            structures = Compared(structures, values["bias"], truth)
-    return _table(solved, structures, errors_on(ground))
+        drifts = drifting(solved, tolerance)
+        return _table(solved, drifts, partial(drifting_pair, errors), DriftingPair)
+    values = solved.values
+    system, forcing = EquivalentSystem(*values["system"]), Forcing(*values["forcing"])
+    linear = Linear(system, forcing, values["displacement_std"])
+    if not bias:
+        return _table(solved, linear, linear_pair, LinearPair)
+    compared = Compared(linear, values["bias"], drifting(solved.like[DRIFT], tolerance))
+    return _table(solved, compared, partial(compared_pair, errors), ComparedPair)
 
 
-def _table(solved: Solved, structures: Any, errors: Array) -> dict[str, Cells]:
-    """Variables of both structures, which are those of ``solved`` in one row, and of all pairs."""
+def _table(
+    solved: Solved, structures: Any, function: Callable[..., Any], kind: type[Any]
+) -> dict[str, Cells]:
+    """Variables of both structures, and of all pairs by a ``function`` with results of this kind.
+
+    The ``structures`` are those of ``solved`` in one row.
+    """
     table = over_all(*(cells.shape for cells in solved.tables))
     places = [cells.places(table) for cells in solved.tables]
     good = (places[0] >= 0) & (places[1] >= 0)
-    at_1, at_2 = (at[good] + part.start for at, part in zip(places, solved.parts, strict=True))
-    pair = over_pairs(structures, structures, (at_1, at_2), errors)
+    if not good.all():
+        places = [np.broadcast_to(own, good.shape)[good] for own in places]
+    places = [own + part.start for own, part in zip(places, solved.parts, strict=True)]
+    pair = kind(*over_pairs(function, structures, structures, places, len(kind._fields)))
 
     def worst(name: str) -> Array:
-        return np.maximum(solved.values[name][at_1], solved.values[name][at_2])
+        return np.maximum(*(solved.values[name][own] for own in places))
 
     status = worst("status")
     not_physical = (status < labels.NOT_CONVERGED) & np.isnan(pair.rho)
@@ -89,7 +101,7 @@ def _table(solved: Solved, structures: Any, errors: Array) -> dict[str, Cells]:
     of_sides = {f"{name}_{n}": own[n - 1][name] for name in names for n in (1, 2)}
     pairs = Flat(table, np.flatnonzero(good), {})
     rho, *others = [
-        (name, pairs.array(values, BLANK.get(name.removeprefix(f"{DIFFERENCE}_"), np.nan)))
+        (name, pairs.array(values.ravel(), BLANK.get(name.removeprefix(f"{DIFFERENCE}_"), np.nan)))
         for name, values in columns.items()
     ]
     return dict([rho]) | of_sides | dict(others)

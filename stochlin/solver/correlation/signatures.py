@@ -23,7 +23,7 @@ from stochlin.kernels.correlation.nearness import AXES, ENTRIES, Nearness
 from stochlin.kernels.correlation.pairs import Drifting, over_pairs
 from stochlin.kernels.correlation.signatures import LEFT, Signature
 from stochlin.kernels.linearization.covariance import EquivalentSystem, Forcing
-from stochlin.kernels.linearization.drift import DriftingSide
+from stochlin.kernels.linearization.drift import DriftingSide, drifting_correlation
 from stochlin.models.grounds import Ground, WhiteNoise
 from stochlin.models.laws.bilinear import Bilinear
 from stochlin.models.structures import DRIFT
@@ -92,9 +92,8 @@ def solved_references(
 
 def _with_references(side: DriftingSide, references: DriftingSide, ground: Array, count: int) -> Array:
     """Correlations (n, count) of structures with the references on their grounds (n,)."""
-    structures = np.repeat(np.arange(ground.size, dtype=np.int32), count)
-    places = (ground[:, None] * count + np.arange(count)).astype(np.int32).ravel()
-    return over_pairs(side, references, (structures, places)).rho.reshape(-1, count)
+    places = np.arange(ground.size)[:, None], ground[:, None] * count + np.arange(count)
+    return over_pairs(drifting_correlation, side, references, places)[0]
 
 
 def basis_of(gram: Array) -> Array:

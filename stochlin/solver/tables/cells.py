@@ -78,9 +78,9 @@ class Flat(NamedTuple):
         return values.reshape((*values.shape[:-1], *self.shape.shape))
 
     def places(self, table: xr.DataArray) -> Array:
-        """For each cell of a larger table the number of the valid cell here; -1 if that is not valid."""
-        own = xr.Variable(self.shape.dims, self.whole(np.arange(self.where.size, dtype=np.int32), -1))
-        return own.set_dims(dict(table.sizes)).values.ravel()  # type: ignore[no-untyped-call]
+        """Numbers of the valid cells, -1 for others, with the dimensions of a larger table."""
+        own = xr.Variable(self.shape.dims, self.whole(np.arange(self.where.size), -1))
+        return own.set_dims(table.dims).values  # type: ignore[no-untyped-call]
 
     def table(self, values: Array, dims: Sequence[str] = (), blank: float = np.nan) -> xr.Variable:
         """Values (c, ...) of the valid cells over the dimensions of the cells and ``dims``."""
