@@ -10,6 +10,7 @@ REMOVED: dict[str, str] = {
     "example_case": "stochlin gap --example prints it",
     "example_record": "stochlin gap --example-record prints it",
     "draw_pushover": "matplotlib plots base_shear and idealized_base_shear of bilinear_of",
+    "pushover_method": "ASCE 41 alone idealizes a curve, with hardening",
     "damping_model": "damping_modes alone gives the two modes of Rayleigh damping",
     "fitted": "ModalBuilding takes the modes as they are",
     "misfit": "ModalBuilding takes the modes as they are",

@@ -74,11 +74,10 @@ def same(one: Any, other: Any) -> None:
         np.testing.assert_allclose(array, other.arrays()[name], rtol=1e-12)
 
 
-@pytest.mark.parametrize("method", ["asce_41", "eurocode_8"])
-def test_buildings_are_those_of_python(method: str, push: Path, tmp_path: Path) -> None:
+def test_buildings_are_those_of_python(push: Path, tmp_path: Path) -> None:
     """The oscillator is the first mode of the building with storeys, as both have the same mode."""
-    line = f'pushover_method = "{method}"\nhardening = "3 %"\n'
-    ideal = sl.bilinear_of(sl.read_pushover(push), method, hardening=0.03)
+    line = 'hardening = "3 %"\n'
+    ideal = sl.bilinear_of(sl.read_pushover(push), hardening=0.03)
     wanted = ELASTIC.with_pushover(ideal)
     chosen = (text.replace("damping", f"{line}damping", 1) for text in (OSCILLATOR, STOREYS, SINGLY))
     oscillator, *others = chosen
@@ -97,8 +96,6 @@ def test_hardening_is_that_of_the_curve_unless_it_is_given(push: Path, tmp_path:
     case = read(tmp_path, OSCILLATOR, STOREYS)
     for building in case.buildings:
         assert building.structure.hardening == pytest.approx(float(ideal.hardening), rel=1e-12)
-    with pytest.warns(DoubtfulInput, match=r"building_1.pushover = 'push.csv' is doubtful: .*0\.01 is"):
-        read(tmp_path, f'{OSCILLATOR}pushover_method = "eurocode_8"\n', STOREYS)
 
 
 def test_uncertain_parameters_keep_the_curve(tmp_path: Path) -> None:

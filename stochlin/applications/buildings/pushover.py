@@ -1,4 +1,4 @@
-"""Bilinear idealizations of pushover curves, by the methods of building codes."""
+"""Bilinear idealizations of pushover curves, by ASCE 41."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import xarray as xr
 from stochlin.applications.buildings.variables import VARIABLES
 from stochlin.kernels.basics.arrays import Array
 from stochlin.messages import DoubtfulInput, brief
-from stochlin.models.arguments import Metres, Number, OneOf, checked
+from stochlin.models.arguments import Metres, Number, checked
 from stochlin.models.structures import STATIONARY_HARDENING
 from stochlin.solver.tables import labels
 
@@ -25,30 +25,25 @@ SMALL = 1e-3  # share of the largest values up to which the first point is the o
 EQUAL = 1e-9  # difference of areas, relative to the area
 BEND = 1e-3  # least energy beyond that of a straight line, relative to it
 BEGINNING = 0.1  # share of the largest base shear up to which the curve is taken to be elastic
-REFERENCES = {
-    "eurocode_8": "EN 1998-1:2004, annex B.3.",
-    "asce_41": "ASCE/SEI 41-17 (2017), 7.4.3.2.4.",
-}
+REFERENCE = "ASCE/SEI 41-17 (2017), 7.4.3.2.4."
 
 
 @checked
 def bilinear_of(
     pushover: xr.DataArray,
-    method: Annotated[str, OneOf(REFERENCES)] = "asce_41",
     *,
     target_displacement: Metres | None = None,
     hardening: Annotated[float, Number(STATIONARY_HARDENING)] | None = None,
 ) -> xr.Dataset:
     """Bilinear idealization of a pushover curve.
 
+    The area below is that below the curve, the first line crosses the curve at 0.6 of the yield force,
+    and the second one ends on it.
+
     Parameters
     ----------
     pushover : xarray.DataArray
         Base shear [N] over the dimension ``displacement`` of the roof [m], as `read_pushover` reads it.
-    method : {"asce_41", "eurocode_8"}
-        ``"asce_41"``: the area below is that below the curve, the first line crosses the curve at 0.6 of
-        the yield force, and the second one ends on it. ``"eurocode_8"``: elastic-perfectly plastic, with
-        the largest base shear as yield force, and equal area.
     target_displacement : float, optional
         Displacement of the roof [m] up to which the curve is idealized, if it is less than that of the
         largest base shear, which is the default.
@@ -75,12 +70,12 @@ def bilinear_of(
     Warns
     -----
     DoubtfulInput
-        If the idealization has a hardening ratio below 0.01, as that of Eurocode 8 always has, and none
-        is given. 0.01 is then taken, which a stationary response needs.
+        If the idealization has a hardening ratio below 0.01, and none is given. 0.01 is then taken,
+        which a stationary response needs.
 
     References
     ----------
-    EN 1998-1:2004, Eurocode 8, annex B.3; ASCE/SEI 41-17 (2017), 7.4.3.2.4.
+    ASCE/SEI 41-17 (2017), 7.4.3.2.4.
 
     Examples
     --------
@@ -104,7 +99,7 @@ def bilinear_of(
     before = whole < end
     u = np.append(whole[before], end)
     v = np.append(forces[before], np.interp(end, whole, forces))
-    force, displacement, last = _METHODS[method](u, v, float(np.trapezoid(v, u)))
+    force, displacement, last = _idealized(u, v, float(np.trapezoid(v, u)))
     stiffness = force / displacement
     ratio = (last - force) / (end - displacement) / stiffness
     beginning = BEGINNING * v.max()
@@ -113,7 +108,7 @@ def bilinear_of(
             CURVE: pushover,
             "yield_force": force,
             "yield_displacement": displacement,
-            "hardening": _hardening(ratio, method) if hardening is None else float(hardening),
+            "hardening": _hardening(ratio) if hardening is None else float(hardening),
             "initial_stiffness": beginning / _first_at(u, v, beginning),
             "effective_stiffness": stiffness,
             "target_displacement": float(end),
@@ -122,9 +117,9 @@ def bilinear_of(
         },
         {"point": ("point", ["origin", "yield", "end"], {"long_name": "point of the idealization"})},
     )
-    title, call = "Bilinear idealization of a pushover curve", f"bilinear_of(method={method!r})"
-    table = labels.label(table, VARIABLES).assign_attrs(method=method)
-    return labels.with_run_information(table, title, call, {}, REFERENCES[method])
+    title = "Bilinear idealization of a pushover curve"
+    table = labels.label(table, VARIABLES)
+    return labels.with_run_information(table, title, "bilinear_of()", {}, REFERENCE)
 
 
 def checked_curve(displacement: Array, force: Array, places: Sequence[str]) -> tuple[Array, Array]:
@@ -189,13 +184,13 @@ def _curve_of(pushover: object) -> tuple[Array, Array]:
     return checked_curve(displacement, force, [f"pushover, point {n}" for n in range(1, force.size + 1)])
 
 
-def _hardening(ratio: float, method: str) -> float:
+def _hardening(ratio: float) -> float:
     """The hardening ratio of an idealization, or the least one with a warning."""
     if ratio >= LEAST_HARDENING:
         return ratio
     warnings.warn(
-        f"pushover: the hardening ratio by {method} is {ratio:.3g}; {LEAST_HARDENING:g} is taken, since "
-        "with less a building drifts away; give hardening, or another method",
+        f"pushover: the hardening ratio is {ratio:.3g}; {LEAST_HARDENING:g} is taken, since with less a "
+        "building drifts away; give hardening",
         DoubtfulInput,
         stacklevel=4,
     )
@@ -208,17 +203,12 @@ def _first_at(u: Array, v: Array, force: float) -> float:
     return float(u[n - 1] + (u[n] - u[n - 1]) * (force - v[n - 1]) / (v[n] - v[n - 1]))
 
 
-def _eurocode_8(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
-    """Elastic-perfectly plastic, with the energy of the curve: forces at yield and end, and between."""
-    force = float(v.max())
-    _check_bend(u, force, energy)
-    return force, 2 * (float(u[-1]) - energy / force), force
-
-
-def _asce_41(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
-    """The same with equal area, an end on the curve, and a first line through it at 0.6 of yield."""
+def _idealized(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
+    """Force and displacement at yield, and force at the end, of a curve with this area below it."""
     most, last = float(v.max()), float(v[-1])
-    _check_bend(u, last, energy)
+    if energy < 0.5 * u[-1] * last * (1 + BEND):  # it is not above the straight line to its end
+        what = f"pushover does not bend up to {u[-1]:g} m, so that it has no yield point"
+        raise ValueError(f"{what}; allowed: a curve that is pushed into yielding and flattens")
 
     def at_yield(force: float) -> float:
         return _first_at(u, v, 0.6 * force) / 0.6
@@ -232,15 +222,5 @@ def _asce_41(u: Array, v: Array, energy: float) -> tuple[float, float, float]:
         force = float(scipy.optimize.brentq(excess, 1e-6 * most, most, xtol=1e-9 * most))
     if abs(excess(force)) > 1e3 * EQUAL:
         what = "pushover: no two lines have its area and cross it at 0.6 of the yield force"
-        raise ValueError(f"{what}; allowed: a curve that flattens, or method='eurocode_8'")
+        raise ValueError(f"{what}; allowed: a curve that flattens")
     return force, at_yield(force), last
-
-
-def _check_bend(u: Array, last: float, energy: float) -> None:
-    """Raise a ValueError for a curve that is not above the straight line to its end."""
-    if energy < 0.5 * u[-1] * last * (1 + BEND):
-        what = f"pushover does not bend up to {u[-1]:g} m, so that it has no yield point"
-        raise ValueError(f"{what}; allowed: a curve that is pushed into yielding and flattens")
-
-
-_METHODS = {"eurocode_8": _eurocode_8, "asce_41": _asce_41}

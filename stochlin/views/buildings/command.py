@@ -41,12 +41,6 @@ USUAL_DAMPING = 0.05
     help="Pushover curve of the building under forces of its first mode: the strength of that mode.",
 )
 @click.option(
-    "--pushover-method",
-    default="asce_41",
-    show_default=True,
-    help="Idealization of the curve by two lines: asce_41 or eurocode_8.",
-)
-@click.option(
     "--pushover-units",
     help="Units of displacement and base shear in that file, if it does not say them: mm,kN.",
 )
@@ -61,7 +55,6 @@ def building(
     length_units: str | None,
     damping: float | None,
     pushover: Path | None,
-    pushover_method: str,
     pushover_units: str | None,
     example: bool,
     out: Path | None,
@@ -102,7 +95,7 @@ def building(
         ideal: Any = None
         if pushover is not None:
             names = dict(zip(("length_units", "force_units"), _pair(pushover_units), strict=True))
-            ideal = bilinear_of(read_pushover(pushover, **names), pushover_method)
+            ideal = bilinear_of(read_pushover(pushover, **names))
             of_modes = of_modes.with_pushover(ideal)
         table = with_masses(table, of_modes)
         options = {"modes": modes.name, "direction": table.attrs.get("direction"), "points": named}

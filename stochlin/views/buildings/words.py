@@ -9,7 +9,7 @@ import numpy as np
 
 from stochlin.models.buildings import GRAVITY
 from stochlin.views.shared.blocks import Items, Table, Text, ViewSection
-from stochlin.views.shared.words import SPACE, TURNS, along, length, per_cent, rule_label
+from stochlin.views.shared.words import SPACE, TURNS, along, length, per_cent
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -128,7 +128,7 @@ def _strength(table: xr.Dataset, building: ModalBuilding, ideal: xr.Dataset | No
     share = force / (GRAVITY * float(table["mass"].sum()))
     yield (
         f"Strength of mode 1 by the pushover curve {ideal['base_shear'].attrs['source']}, idealized by "
-        f"{rule_label(ideal.attrs['method'])}: yield at {force / 1e3:.5g}{SPACE}kN, "
+        f"ASCE 41: yield at {force / 1e3:.5g}{SPACE}kN, "
         f"{per_cent(share, 1)} of the weight, and {length(float(ideal['yield_displacement']))} of the "
         f"roof; hardening ratio {float(ideal['hardening']):.3g}. The other modes stay elastic."
     )

@@ -62,10 +62,7 @@ class OfBuilding(Form):
     """Keys of every building; ``more`` are the parameters of its hysteresis law."""
 
     one_called = "strength"
-    goes_with: ClassVar[Sequence[tuple[str, str]]] = (
-        ("pushover_method", "pushover"),
-        ("pushover_units", "pushover"),
-    )
+    goes_with: ClassVar[Sequence[tuple[str, str]]] = (("pushover_units", "pushover"),)
     at_most = (("storey_height", "heights"),)
     of_law: ClassVar[Mapping[str, Any]] = {"single": "alone"}  # one number for all elements, or a list
 
@@ -75,7 +72,6 @@ class OfBuilding(Form):
     hardening: Any = of(Bilinear, "hardening", default=None)
     elastic: bool = key(TRUTH, "It does not yield", False)
     pushover: str = key(TEXT, "File of its pushover curve", "")
-    pushover_method: str = key(Word(("asce_41", "eurocode_8")), "Idealization of the curve", "asce_41")
     pushover_units: Any = key(ListOf(TEXT, length=2), "Units of displacement and force in it", None)
     displacements: Any = key(ListOf(MOVE, "listed"), "Displacements under design forces", ())
     behaviour_factor: float | None = key(CODE_FACTOR, "Behaviour factor of the code", None)
@@ -124,7 +120,7 @@ class OfBuilding(Form):
         with self.table.naming("pushover"):
             path = self.table.path("pushover")
             curve = read_pushover(path, length_units=units[0], force_units=units[1])
-            ideal = bilinear_of(curve, self.pushover_method, hardening=self.hardening)
+            ideal = bilinear_of(curve, hardening=self.hardening)
             self.with_curve(median_of(elastic), ideal)  # with its warnings
 
         def quietly(structure: Any) -> Any:
