@@ -69,7 +69,7 @@ def test_linear_pair_follows_the_lyapunov_differential_equation(name):
     pair = sl.Bilinear(1.0, 0.05), sl.Bilinear(0.6, 0.02)
     course = course_of(QUAKE, DURATION, 0.6, 11)
     x = direct(pair, ground, course.times)
-    (own, both, *_), _ = MovingPair.of(*pair, ground, course, np.ones(1)).solve(ground, None)
+    (own, both, *_), _ = MovingPair.of(*pair, ground, course).solve(ground, None)
     d = np.array([1.0, 0.0, -1.0, 0.0])
     v = np.array([0.0, 1.0, 0.0, -1.0])
     for found, expected in (

@@ -186,17 +186,16 @@ def test_a_fragility_falls_with_the_gap_and_grows_with_the_intensity():
 def test_lognormal_fragility_of_elastic_structures_is_that_of_their_separations():
     """Each motion takes the gap at ``S0`` times the square of gap over separation."""
     pair, gap = [sl.Bilinear(T, 0.05) for T in (0.6, 1.0)], 0.1
-    intensities = [0.016, 0.001, 0.004, 0.064, 0.256]  # in any order
+    intensities = [0.001, 0.004, 0.016, 0.064, 0.256]
     table = sl.pounding_fragility(*pair, FIRM, [gap, 5.0, 1e-4], intensities, paths=256, **QUAKE)
     motions = sl.simulate(pair, FIRM, paths=256, **QUAKE).separation[:, 0, 1].values
     enough = np.log(0.01 * (gap / motions) ** 2)
     found, error = table.sel(gap=gap), enough.std() / np.sqrt(256)
-    # The same motions, in other steps.
-    assert float(found.fragility_median) == pytest.approx(np.exp(enough.mean()), rel=0.01)
-    assert float(found.fragility_dispersion) == pytest.approx(enough.std(), rel=0.01)
-    assert float(found.fragility_median_standard_error / found.fragility_median) == pytest.approx(
-        error, rel=0.01
-    )
+    assert float(found.fragility_median) == pytest.approx(np.exp(enough.mean()), rel=1e-9)
+    assert float(found.fragility_dispersion) == pytest.approx(enough.std(), rel=1e-9)
+    assert float(found.fragility_median_standard_error / found.fragility_median) == pytest.approx(error)
+    shares = (motions * np.sqrt(np.array(intensities)[:, None] / 0.01) > gap).mean(axis=1)
+    np.testing.assert_array_equal(found.pounding_probability_simulated, shares)
     meanings = table.fragility_status.attrs["flag_meanings"].split()
     assert [meanings[code] for code in table.fragility_status.values] == [
         "fitted",
@@ -219,6 +218,14 @@ class Nothing(sl.GammaEnvelope):
         return 0 * super().at(time)
 
 
+def test_fragilities_of_other_intensities_and_of_tables_are_refused():
+    for intensity in ([0.02, 0.01], [0.0, 0.01], [0.01, np.inf]):
+        with pytest.raises(ValueError, match=r"intensity = .* allowed: a positive number"):
+            sl.pounding_fragility(ONE, TWO, FIRM, 0.1, intensity, **QUAKE)
+    with pytest.raises(ValueError, match=r"first\.period is an array"):
+        sl.pounding_fragility(sl.Bilinear([0.5, 0.6], 0.05), TWO, FIRM, 0.1, 0.01, **QUAKE)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -226,8 +233,8 @@ class Nothing(sl.GammaEnvelope):
         ({"envelope": Negative(1.0, 0.2)}, "allowed: finite values from 0 on"),
         ({"envelope": Nothing(1.0, 0.2)}, "is 0 during the whole"),
         ({"paths": 1}, "paths = 1"),
-        ({"method": "hybrid"}, "do not go with method='hybrid'"),
-        ({"record": xr.DataArray(0.0)}, "record goes with method='hybrid'"),
+        ({"method": "hybrid"}, "envelope = .* does not apply: method is hybrid"),
+        ({"record": xr.DataArray(0.0)}, "record = .* does not apply: method is evolutionary"),
     ],
     ids=str,
 )

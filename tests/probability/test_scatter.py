@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import stochlin as sl
-from stochlin.applications.probability.strengths import strengths
+from stochlin.applications.probability.formulas import strengths
 
 GROUND = sl.KanaiTajimi(2 * np.pi / 15, 0.6, 0.01)
 QUAKE = {"duration": 15.0, "envelope": sl.AminAng(2.0, 9.0, 0.4)}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stochlin as sl
-from stochlin.applications.risk.risk import Target
+from stochlin.applications.risk.risk import allowed_rate
 
 GROUND = sl.named_ground("firm", intensity=0.01)
 SHAPE = sl.AminAng(2.0, 10.0, 0.5)
@@ -102,7 +102,7 @@ def test_hazards_of_different_measures_are_one_hazard():
     [("2 % in 50 years", -np.log(0.98) / 50), ("10%in 10yr", -np.log(0.9) / 10), (1e-3, 1e-3)],
 )
 def test_risks_are_read_as_rates_a_year(risk, rate):
-    assert Target.of(risk).rate == pytest.approx(rate, rel=1e-12)
+    assert allowed_rate(risk)[0] == pytest.approx(rate, rel=1e-12)
 
 
 def test_risks_that_are_none_or_outside_of_the_hazard_are_named():

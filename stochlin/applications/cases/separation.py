@@ -22,7 +22,7 @@ from stochlin.applications.cases.rows import (
     simulated_as,
 )
 from stochlin.applications.cases.shaking import MOST_RECORDS, doubts, over_records, shaking_of
-from stochlin.applications.risk.risk import RiskInputs, SimulatedRisk, Target
+from stochlin.applications.risk.risk import SimulatedRisk, allowed_rate
 from stochlin.applications.risk.variables import VARIABLES
 from stochlin.applications.sensitivity.sensitivity import sensitivity
 from stochlin.applications.separation.existing_gap import existing_gap
@@ -188,18 +188,17 @@ def _spectrum(case: Case) -> xr.Dataset:
 
 def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | None:
     """Simulated motions at all intensities of the hazard; None if the case has no hazard."""
-    if case.site.hazard is None:
+    if (hazard := case.site.hazard) is None:
         return None
     sampled = (building.sampled for building in one_or_two(case))
     structures = dict(zip(("first", "second"), sampled, strict=False))
     motion = case.site.course.duration, case.site.course.envelope, case.site.scatter
     paths = whole_groups(max(FEWEST_PATHS, case.simulated.motions // SHARE))
-    inputs = RiskInputs(
-        structures, case.site.sampled_ground, case.site.hazard, *motion, paths, case.simulated.seed
-    )
+    ground, seed = case.site.sampled_ground, case.simulated.seed
+    risk = SimulatedRisk(structures, ground, hazard, *motion, paths, seed, progress)
     with named_errors(case, HAZARD):
-        inputs.check()
-        return inputs.simulated(progress)
+        _ = risk.motions  # simulates
+    return risk
 
 
 def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Dataset | None:
@@ -211,7 +210,7 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
     gaps = {"existing": (*case.wanted.existing, 0.0)[0], "answer": answer}
     years, target = YEARS, xr.Dataset()
     if case.wanted.risk is not None:
-        years = Target.of(case.wanted.risk).years or YEARS
+        years = allowed_rate(case.wanted.risk)[1] or YEARS
         with named_errors(case, HAZARD):
             target = simulated.gap_of(case.wanted.risk)
         gaps["target"] = float(target.required_gap)
@@ -229,10 +228,9 @@ def _risk_table(simulated: SimulatedRisk, case: Case, answer: float) -> xr.Datas
     table = labels.label(table, VARIABLES).rename(
         {name: f"{PREFIX}{name}" for name in table.variables if name not in (GAP, OF)}
     )
-    inputs = simulated.inputs
     table.attrs = {
-        "risk_hazard": inputs.hazard.describe(),
+        "risk_hazard": simulated.hazard.describe(),
         "risk_years": years,
-        "risk_paths": inputs.paths,
+        "risk_paths": simulated.paths,
     }
     return table

@@ -7,15 +7,20 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import elementwise
 
-from stochlin.applications.probability.strengths import ALONE
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress
+from stochlin.kernels.linearization.systems.response import StationaryResponse
 from stochlin.kernels.linearization.transient import Difference
 from stochlin.kernels.probability.crossings import accumulated, exceeding, hazards
-from stochlin.solver.linearization.transient_systems import TimeGrid
+from stochlin.models.grounds import Ground
+from stochlin.models.systems import Arrangement
+from stochlin.solver.linearization.systems.state_space import Equations
+from stochlin.solver.linearization.transient_systems import TimeGrid, TransientMoments, ground_of
 
 WIDEST, NARROWEST = 14.0, 1e-3  # bounds of a gap in a search, over the largest standard deviation
 CLOSE = 1e-5  # relative tolerance of the search
 LEAST_LEVEL = 1e-6  # least share of the gap that remains if the drift alone closes it
+INSTANTS = 13  # instants at which the bandwidth of yielding structures is computed
 # Gauss-Hermite quadrature over the drift; with 31 nodes probabilities change by 0.04 at most.
 _NODES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(5)
 _WEIGHTS = _WEIGHTS / _WEIGHTS.sum()
@@ -25,8 +30,8 @@ class Chances(NamedTuple):
     """Probabilities over (instants of the result, cells)."""
 
     now: Array  # probability that u_1 - u_2 exceeds the gap at the instant
-    poisson: Array  # confidence of no pounding until the instant, for independent crossings
     vanmarcke: Array  # confidence of no pounding until the instant, for crossings in clumps
+    poisson: Array  # confidence of no pounding until the instant, for independent crossings
 
 
 class RelativeMotion(NamedTuple):
@@ -41,7 +46,15 @@ class RelativeMotion(NamedTuple):
     bandwidth: Array  # (times, k p) [-]
     drift: Array  # (times, k p) variance [m^2]
     course: TimeGrid
-    weights: Array = ALONE  # (k,) of the strengths of the motion, with the sum 1, for mean probabilities
+    weights: Array  # (k,) of the strengths of the motion, with the sum 1, for mean probabilities
+
+    def mean(self, moments: Array) -> Array:
+        """Mean (instants of the result, p) of moments (times, k p) over the strengths."""
+        shown = moments[self.course.shown]
+        mean: Array = np.einsum(
+            "k,tkp->tp", self.weights, shown.reshape(len(shown), self.weights.size, -1)
+        )
+        return mean
 
     def chances(self, gap: Array, pair: Array) -> Chances:
         """Probabilities (instants of the result, c) of exceeding gaps, and of no pounding.
@@ -95,3 +108,40 @@ class RelativeMotion(NamedTuple):
         )
         required[moving] = np.where(root.success, root.x * widest[moving], np.nan)
         return required
+
+
+def bandwidths(
+    moments: TransientMoments, pairs: Array, ground: Ground, progress: Progress | None = None
+) -> Array:
+    """Bandwidth [-] of ``u_1 - u_2`` over (times, pairs h), with h heights.
+
+    At each instant it is that of the stationary response of the equivalent linear systems at this
+    instant, since their spectrum develops within a few periods.
+    """
+    times, own = moments.course.times, moments.own
+    elastic = not own.relaxation.any() and not own.slip.any()
+    chosen = np.unique(np.linspace(0, times.size - 1, 1 if elastic else INSTANTS).astype(int))
+    first, second = moments.sides
+    seen, count = np.hstack([first.seen, -second.seen]), pairs.shape[1]
+    spectral = np.full((3, chosen.size, count, len(seen)), np.nan)
+    for number in range(count):
+        stacks = first.stack_at(number), second.stack_at(number)
+        begins = number * first.elements, count * first.elements + number * second.elements
+        storeys = [b + np.arange(s.coordinates) for b, s in zip(begins, stacks, strict=True)]
+        at = np.concatenate(storeys)
+        equations = Equations(Arrangement(stacks, ()), ground_of(ground, first.ground, number))
+        for place, instant in enumerate(chosen):
+            slip, relaxation = own.slip[instant, at], own.relaxation[instant, at]
+            space = equations.state_space(slip - 1, relaxation, equations.yields)
+            of_space = StationaryResponse(space).spectral_moments(seen)
+            spectral[:, place, number] = np.stack(of_space)[:, 0]
+        if progress is not None:
+            progress((number + 1) / count)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        l0, l1, l2 = spectral.reshape(3, chosen.size, -1)
+        narrow = 1 - l1**2 / (l0 * l2)
+    # NaN, for structures that move together, becomes 1: crossings are then independent.
+    table = np.sqrt(np.clip(np.nan_to_num(narrow, nan=1.0), 0, 1))
+    if elastic:
+        return np.broadcast_to(table, (times.size, table.shape[1]))
+    return np.stack([np.interp(times, times[chosen], column) for column in table.T], axis=1)

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.probability.axes import HEIGHT, Draws, ResultAxes, over_heights
-from stochlin.applications.probability.bandwidths import bandwidths
-from stochlin.applications.probability.crossings import RelativeMotion
-from stochlin.applications.probability.strengths import ALONE, at_strengths, strengths
+from stochlin.applications.probability.axes import HEIGHT, ResultAxes, over_heights
+from stochlin.applications.probability.crossings import RelativeMotion, bandwidths
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.kernels.linearization.transient import Difference
 from stochlin.kernels.probability.drift_growth import drift_variances
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap, Structure
@@ -33,27 +33,49 @@ from stochlin.solver.simulation.views import displacement_at, meeting_heights
 from stochlin.solver.tables import labels
 
 OF_MOMENTS = 0.9  # share of the progress that the moments have beside the bandwidths
+MOTION = "motion"  # dimension of the motions, which the results do not have
+CHANCES = "instantaneous_probability", "confidence_of_no_pounding", "confidence_of_no_pounding_poisson"
+# Variables that have a version with the plastic drift, and the names of these.
+CORRECTED = {
+    **{f"displacement_std_{n}": f"displacement_std_corrected_{n}" for n in (1, 2)},
+    **{name: f"{name}_corrected" for name in (*CHANCES[:2], "difference_std", "required_gap")},
+}
+# Range [standard deviations], step of the logarithm, and least number of steps on each side, of the
+# strengths of motions with a scatter. The peaks scatter by a logarithmic standard deviation of 0.15 or
+# more for one strength, so that probabilities are smooth in the strength; the error of the mean is
+# about 0.001.
+REACH, STEP, FEWEST = 3.2, 0.25, 4
+
+
+def strengths(scatter: float) -> tuple[Array, Array]:
+    """Factors on the motion, over which formulas are averaged, and their weights with the sum 1."""
+    if not scatter:
+        return np.ones(1), np.ones(1)
+    each = max(FEWEST, int(np.ceil(REACH * scatter / STEP)))
+    normal = np.linspace(-REACH, REACH, 2 * each + 1)
+    weights = np.exp(-0.5 * normal**2)
+    return np.exp(scatter * normal), weights / weights.sum()
 
 
 class MovingPair(NamedTuple):
-    """Two structures in k strengths of a motion, and the h heights at which they can meet."""
+    """Two structures in m motions of different strength, and the h heights at which they can meet."""
 
-    sides: tuple[StructureCells, StructureCells]  # k cells each
+    sides: tuple[StructureCells, StructureCells]  # m cells each
     heights: Array  # (h,) [m]
     course: TimeGrid
-    weights: Array  # (k,) of the strengths, with the sum 1
 
     @classmethod
     def of(
-        cls, first: AnyStructure, second: AnyStructure, ground: Ground, course: TimeGrid, weights: Array
+        cls, first: AnyStructure, second: AnyStructure, ground: Ground, course: TimeGrid
     ) -> MovingPair:
-        """The pair; with several weights the ground is an array over as many strengths.
+        """The pair; the ground may be an array over the motions.
 
         Raises an ArithmeticError if the elastic response of a structure cannot be computed.
         """
         sides: list[StructureCells] = []
         for role, structure in (("first", first), ("second", second)):
-            side = side_of(structure, ground, course.duration, role, len(sides) * weights.size)
+            begin = sum(side.period.size for side in sides)
+            side = side_of(structure, ground, course.duration, role, begin)
             labels.raise_if_lone_failure(xr.Dataset({"status": side.status.max()}), role)
             sides.append(side)
         stacks = [side.stack for side in sides]
@@ -65,24 +87,15 @@ class MovingPair(NamedTuple):
                     terms = displacement_at(stack, float(height))
                     at[row, list(terms)] = list(terms.values())
                 sides[n] = sides[n]._replace(seen=at @ stack.system.shapes)
-        return cls((sides[0], sides[1]), heights, course, weights)
+        return cls((sides[0], sides[1]), heights, course)
 
     @property
     def numbers(self) -> Array:
-        """Numbers (2, k) of both structures in each strength."""
-        return np.arange(2 * self.weights.size).reshape(2, -1)
-
-    def mean(self, moments: Array) -> Array:
-        """Mean (instants of the result, h) of moments (times, k h) over the strengths."""
-        shown = moments[self.course.shown]
-        mean: Array = np.einsum("k,tkh->th", self.weights, shown.reshape(*self._shape(shown)))
-        return mean
-
-    def _shape(self, moments: Array) -> tuple[int, int, int]:
-        return len(moments), self.weights.size, self.heights.size
+        """Numbers (2, m) of both structures in each motion."""
+        return np.arange(2 * self.sides[0].period.size).reshape(2, -1)
 
     def solve(self, ground: Ground, progress: Progress | None) -> tuple[TransientMoments, Array]:
-        """Second moments, and bandwidths (times, k h), by transient linearization."""
+        """Second moments, and bandwidths (times, m h), by transient linearization."""
         first, rest = part_of(progress, 0.0, OF_MOMENTS), part_of(progress, OF_MOMENTS, 1.0)
         moments = solve_course(self.sides, ground, self.numbers, self.course, first)
         return moments, bandwidths(moments, self.numbers, ground, rest)
@@ -94,43 +107,65 @@ def by_formula(
     distance: Gap,
     course: TimeGrid,
     confidence: float,
-    draws: Draws,
+    scatter: float,
     progress: Progress | None,
-) -> xr.Dataset:
-    """Results by linearization, and with its known bias corrected, averaged over the scatter."""
-    (first, second), ground, weights = map(median_of, structures), median_of(ground), ALONE
-    if draws.scatter:
-        factors, weights = strengths(draws.scatter)
-        first, second = (strength_in_metres(structure, ground) for structure in (first, second))
-        ground = at_strengths(ground, factors)
-    pair = MovingPair.of(first, second, ground, course, weights)
+    intensities: Array | None = None,
+) -> list[xr.Dataset]:
+    """Results by linearization, and with its known bias corrected, averaged over the scatter.
+
+    There is one table for each of the ``intensities`` [m^2/s^3], which are by default that of the
+    ground. The motions of all intensities and strengths are solved together.
+    """
+    ground = median_of(ground)
+    first, second = (strength_in_metres(median_of(structure), ground) for structure in structures)
+    if intensities is None:
+        intensities = np.array([float(ground.arrays()["intensity"])])
+    factors, weights = strengths(scatter)
+    changed: dict[str, Any] = {
+        "intensity": xr.DataArray(np.outer(intensities, factors**2).ravel(), dims=MOTION)
+    }
+    ground = replace(ground, **changed)
+    pair = MovingPair.of(first, second, ground, course)
     moments, bandwidth = pair.solve(ground, progress)
-    own, both = np.split(moments.own.displacement, 2, axis=1), moments.difference
-    axes, count = ResultAxes(pair.heights, distance), pair.heights.size
-    cells = np.tile(axes.gaps, count), np.repeat(np.arange(count), axes.gaps.size)
-    table, motion = xr.Dataset(), None
-    nothing = np.zeros_like(moments.own.displacement), np.zeros_like(both.d_d)
-    for ending, (drift, apart) in (("", nothing), ("_corrected", _drift(pair, moments, ground))):
-        if motion is None or np.isnan(apart).any() or apart.any():
-            motion = RelativeMotion(both, bandwidth, apart, course, weights)
-            chances = motion.chances(*cells)
-            required = motion.gap_for(confidence)
-        now, poisson, vanmarcke = (axes.array(each.reshape(len(each), count, -1)) for each in chances)
-        table[f"instantaneous_probability{ending}"] = now
-        table[f"confidence_of_no_pounding{ending}"] = vanmarcke
-        if not ending:
-            table["confidence_of_no_pounding_poisson"] = poisson
-        variances = *map(np.add, own, np.split(drift, 2, axis=1)), both.d_d + apart
-        names = f"displacement_std{ending}_1", f"displacement_std{ending}_2", f"difference_std{ending}"
-        for name, variance in zip(names, variances, strict=True):
-            std = np.sqrt(pair.mean(np.maximum(variance, 0)))
-            table[name] = axes.array(std, gaps=False)
-        table[f"required_gap{ending}"] = axes.array(required, gaps=False)
-    product = np.sqrt(pair.mean(own[0])) * np.sqrt(pair.mean(own[1]))
-    with np.errstate(invalid="ignore", divide="ignore"):
-        rho = np.where(product > 0, pair.mean(both.product) / product, np.nan)
-    table["rho"] = axes.array(rho, gaps=False)
-    return _bounds(table) if HEIGHT in table.dims else table
+    axes, columns = ResultAxes(pair.heights, distance), [bandwidth, *moments.difference]
+    drift, apart = _drift(pair, moments, ground)
+    own = [*np.split(moments.own.displacement, 2, axis=1), *np.split(drift, 2, axis=1), apart]
+    tables = []
+    for intensity in range(intensities.size):
+        band, *both, own_1, own_2, drift_1, drift_2, slow = (
+            np.split(column, intensities.size, axis=1)[intensity] for column in (*columns, *own)
+        )
+        linear = RelativeMotion(Difference(*both), band, np.zeros_like(slow), course, weights)
+        table = _table(linear, (own_1, own_2), axes, confidence)
+        corrected = table
+        if slow.any():  # also where it is unknown, hence NaN
+            total = own_1 + drift_1, own_2 + drift_2
+            corrected = _table(linear._replace(drift=slow), total, axes, confidence)
+        renamed = {name: CORRECTED[name] for name in map(str, corrected) if name in CORRECTED}
+        table = table.assign(corrected[[*renamed]].rename(renamed))
+        product = table.displacement_std_1 * table.displacement_std_2
+        product_of_both = axes.array(linear.mean(linear.both.product), gaps=False)
+        table["rho"] = product_of_both / product.where(product > 0)
+        tables.append(_bounds(table) if HEIGHT in table.dims else table)
+    return tables
+
+
+def _table(
+    motion: RelativeMotion, own: tuple[Array, Array], axes: ResultAxes, confidence: float
+) -> xr.Dataset:
+    """Results of one motion, with the variances (times, k h) of both displacements [m^2]."""
+    count, both = axes.heights.size, motion.both
+    gaps = np.tile(axes.gaps, count)
+    chances = motion.chances(gaps, np.repeat(np.arange(count), axes.gaps.size))
+    over_gaps = [axes.array(chance.reshape(len(chance), count, -1)) for chance in chances]
+    table = xr.Dataset(dict(zip(CHANCES, over_gaps, strict=True)))
+    names = "displacement_std_1", "displacement_std_2", "difference_std"
+    variances = *own, both.d_d + motion.drift
+    stds = [np.sqrt(motion.mean(np.maximum(variance, 0))) for variance in variances]
+    for name, std in zip(names, stds, strict=True):
+        table[name] = axes.array(std, gaps=False)
+    table["required_gap"] = axes.array(motion.gap_for(confidence), gaps=False)
+    return table
 
 
 def _bounds(table: xr.Dataset) -> xr.Dataset:
@@ -157,7 +192,7 @@ def _drift(pair: MovingPair, moments: TransientMoments, ground: Ground) -> tuple
     if not (_is_in_map(first) and _is_in_map(second)):
         unknown = np.nan if first.yields or second.yields else 0.0
         return np.full_like(own.displacement, unknown), np.full_like(both.d_d, unknown)
-    table, count = correlate(first, second, ground), pair.weights.size
+    table, count = correlate(first, second, ground), pair.numbers.shape[1]
     *biases, shared = (
         np.broadcast_to(table[name].values, count) for name in ("bias_1", "bias_2", "bias")
     )

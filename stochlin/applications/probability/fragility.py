@@ -2,46 +2,48 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.probability.axes import Draws
-from stochlin.applications.probability.probability import REFERENCES, PathsIfAny, with_samples
-from stochlin.applications.probability.simulated import SAMPLES
+from stochlin.applications.probability.formulas import by_formula
+from stochlin.applications.probability.probability import REFERENCES, PathsIfAny
+from stochlin.applications.probability.simulated import required_gaps
 from stochlin.applications.probability.variables import VARIABLES
 from stochlin.applications.risk.rates import (
-    NOT_SIMULATED,
     Fragility,
     SeparationsByIntensity,
     lognormal_fragility,
+    simulated_separations,
+    times_intensity,
 )
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress
-from stochlin.models.arguments import Duration, Probability, Scatter, Seed, checked
+from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.messages import brief
+from stochlin.models.arguments import Duration, Probability, Scatter, Seed, as_numbers, checked
 from stochlin.models.envelopes import Envelope
-from stochlin.models.grounds import Ground, WhiteNoise
-from stochlin.models.parameters import Parameter
+from stochlin.models.grounds import Ground
+from stochlin.models.parameters import Parameter, as_array
 from stochlin.models.structures import Gap
-from stochlin.models.systems import AnyStructure
+from stochlin.models.systems import AnyStructure, first_period
 from stochlin.solver.linearization.strength import strength_in_metres
+from stochlin.solver.linearization.transient_systems import check_course, course_of, over_time
+from stochlin.solver.simulation.finite_motions import exceedance
+from stochlin.solver.simulation.simulation import check_repeated
 from stochlin.solver.tables import labels
+from stochlin.solver.tables.checks import check_duration
+from stochlin.solver.tables.lazy import arrays_of
 
 POINTS = 11  # instants of a calculation, of which only the last one is reported
-OPPOSITE = {
-    "_simulated_lower": "_simulated_upper",
-    "_simulated_upper": "_simulated_lower",
-    "_at_most": "_at_least",
-}
+INTENSITY, SIMULATED = "intensity", "pounding_probability_simulated"
+OF_FORMULA = 0.2  # share of the progress that the formulas have beside the simulation
 STATUS = {
     "long_name": "status of the lognormal fragility",
     "flag_values": np.arange(5, dtype=np.int8),
     "flag_meanings": "fitted fewer_than_two_motions_pound all_pound_at_the_lowest_intensity "
     "fewer_than_two_intensities not_simulated",
 }
-ENDINGS = ("", "_poisson", "_corrected", "_simulated", *OPPOSITE, "_at_height")
 
 
 @checked
@@ -73,8 +75,8 @@ def pounding_fragility(
         The ground, with the intensity to which reduction factors refer.
     gap : float or array
         Gaps [m]; a plain array gets the dimension ``gap``.
-    intensity : float or array
-        Intensities ``S0`` [m^2/s^3]; a plain array gets the dimension ``intensity``.
+    intensity : float or sequence of float
+        Intensities ``S0`` [m^2/s^3], positive and increasing.
     duration, envelope, confidence, scatter, paths, seed, progress
         As in `pounding_probability`.
 
@@ -83,9 +85,8 @@ def pounding_fragility(
     xarray.Dataset
         Over ``intensity`` and ``gap``: ``pounding_probability`` [-], the probability of pounding in the
         motion by formula with crossings in clumps, and with the endings ``_poisson`` for independent
-        crossings, ``_corrected`` for the known bias, ``_simulated`` with a 95 % interval ``_lower`` and
-        ``_upper``, and for buildings with storeys ``_at_height`` and ``_at_most``, Boole's upper bound
-        for all heights together.
+        crossings, ``_corrected`` for the known bias, and ``_simulated`` with a 95 % interval ``_lower``
+        and ``_upper``. By formula it is that of the worst height.
 
         Over ``intensity``: ``required_gap`` [m], also ``_corrected`` and ``_simulated``, and ``status``.
 
@@ -93,12 +94,13 @@ def pounding_fragility(
         ``fragility_median`` [m^2/s^3] and ``fragility_dispersion`` [-], the standard deviation of the
         logarithm of ``S0``, both with standard errors. They are NaN, with the reason in
         ``fragility_status``, if fewer than two motions lead to pounding, if all of them do at the lowest
-        intensity, for a single intensity, and for invalid cells.
+        intensity, for a single intensity, for invalid gaps, and if a structure falls.
 
     Raises
     ------
     ValueError, TypeError, ArithmeticError
-        As in `pounding_probability`.
+        As in `pounding_probability`; also if the intensities do not increase, or a parameter of the
+        structures or the ground is an array.
 
     Notes
     -----
@@ -124,69 +126,85 @@ def pounding_fragility(
     >>> bool((table.pounding_probability.diff("gap") < 0).all())
     True
     """
-    named_gap = _named(Gap(gap).gap, "gap", "m", "gap")
-    named_intensity = _named(WhiteNoise(intensity).intensity, "intensity", "m^2/s^3", "intensity S0")
-    changed: dict[str, Any] = {"intensity": named_intensity}
-    models: dict[str, Any] = {
-        "first": strength_in_metres(first, ground),
-        "second": strength_in_metres(second, ground),
-        "ground": replace(ground, **changed),
+    if not isinstance(gap, xr.DataArray) and (gaps := as_array(gap)).ndim == 1:
+        gap = labels.axis("gap", "gap", gaps, "m")
+    distance, levels = Gap(gap), _increasing(intensity)
+    models: dict[str, Any] = {"first": first, "second": second, "ground": ground}
+    if arrays := arrays_of(models):
+        raise ValueError(f"{', '.join(arrays)} is an array; allowed: the numbers of one pair at a time")
+    seconds = check_course(duration, envelope)
+    check_duration(seconds, {"first": first, "second": second})
+    pair = [strength_in_metres(structure, ground) for structure in (first, second)]
+    if paths:
+        check_repeated(pair, ground, seconds, paths, levels.size)
+    course = course_of(envelope, seconds, min(float(first_period(each)) for each in pair), POINTS)
+    along = labels.axis(INTENSITY, "intensity S0", levels, "m^2/s^3")
+    table, comment = xr.Dataset(coords={INTENSITY: along}), labels.CAUTION_SIGMA
+    try:
+        part = part_of(progress, 0.0, OF_FORMULA if paths else 1.0)
+        formulas = by_formula(pair, ground, distance, course, confidence, scatter, part, levels)
+        table = table.assign(_of_formulas(xr.concat(formulas, along).isel(time=-1, drop=True)))
+    except ArithmeticError as error:
+        if not paths:
+            raise
+        comment = f"There are no formulas: {error}."
+    if paths:
+        motion: dict[str, Any] = {"duration": seconds, "envelope": envelope, "scatter": scatter}
+        motion |= {"paths": paths, "seed": seed, "progress": part_of(progress, OF_FORMULA, 1.0)}
+        unit = times_intensity(ground, 1 / float(ground.arrays()[INTENSITY]))
+        motions = simulated_separations(pair, unit, levels, levels, 0.5, **motion)
+        table = table.assign(_of_motions(motions, distance, confidence))
+    table["status"] = labels.status_where(distance.valid() & xr.ones_like(along, bool))
+    table.attrs = {
+        **over_time(xr.Dataset(), course).attrs,
+        **({"paths": paths, "seed": seed} if paths else {}),
+        "confidence": confidence,
+        **({"comment": comment} if any(structure.yields for structure in pair) else {}),
+        **labels.of_scatter(scatter),
     }
-    draws, motion = Draws(paths, seed, float(scatter)), (duration, envelope, POINTS)
-    results = with_samples(models, Gap(named_gap), motion, confidence, draws, progress)
-    results = results.isel(time=-1, drop=True)
-    table = xr.Dataset()
-    for ending in ENDINGS:
-        confident = f"confidence_of_no_pounding{OPPOSITE.get(ending, ending)}"
-        if confident in results:
-            table[f"pounding_probability{ending}"] = 1 - results[confident]
-    for ending in ENDINGS:
-        if f"required_gap{ending}" in results:
-            table[f"required_gap{ending}"] = results[f"required_gap{ending}"]
-    if SAMPLES in results:
-        table = table.assign(_lognormal(results[SAMPLES], named_gap, named_intensity))
-    table["status"] = results.status
-    table = labels.label(table, VARIABLES).assign_attrs(results.attrs)
     return labels.with_run_information(
-        table,
+        labels.label(table, VARIABLES),
         f"Fragility of two structures against pounding, {ground.name} ground",
         f"pounding_fragility(duration={duration:g}, confidence={confidence:g}, paths={paths}, "
         f"seed={seed})",
-        {"first": first, "second": second, "ground": ground},
+        {**models, "gap": distance},
         REFERENCES,
     )
 
 
-def _lognormal(samples: xr.DataArray, gap: Any, intensity: Any) -> dict[str, xr.DataArray]:
-    """Lognormal fragility for each gap, from the lowest intensity of pounding in each motion."""
-    gap, intensity = xr.DataArray(gap), xr.DataArray(intensity)
-    along = intensity.dims if intensity.ndim == 1 and intensity.dims[0] not in gap.dims else ()
-    if not along:
-        samples, along, levels = samples.expand_dims("of_one"), ("of_one",), np.ones(1)
-    else:
-        levels, order = np.unique(intensity.to_numpy(), return_index=True)
-        samples = samples.isel({along[0]: order})
+def _increasing(intensity: Parameter) -> Array:
+    """The intensities [m^2/s^3]; a ValueError unless they are positive and increase."""
+    allowed = "a positive number, or increasing ones"
+    levels = np.atleast_1d(as_numbers(INTENSITY, intensity, allowed)).astype(float)
+    if levels.ndim > 1 or not ((np.diff(levels, prepend=0.0) > 0) & (levels < np.inf)).all():
+        raise ValueError(f"{INTENSITY} = {brief(intensity)}; allowed: {allowed}")
+    return levels
 
-    def fitted(largest: Array, gap: float) -> tuple[float, ...]:
-        if np.isfinite(largest).all() and 0 < gap < np.inf:
-            return lognormal_fragility(SeparationsByIntensity(levels, largest, 0.5), gap)
-        return Fragility(status=NOT_SIMULATED)
 
+def _of_formulas(table: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Probabilities of pounding, and required gaps, from the confidences at the end of the motion."""
+    columns = {}
+    for ending in ("", "_poisson", "_corrected"):
+        columns[f"pounding_probability{ending}"] = 1 - table[f"confidence_of_no_pounding{ending}"]
+    return columns | {name: table[name] for name in ("required_gap", "required_gap_corrected")}
+
+
+def _of_motions(
+    motions: SeparationsByIntensity, distance: Gap, confidence: float
+) -> dict[str, xr.DataArray]:
+    """Simulated probabilities and required gaps, and the lognormal fragility, for each gap."""
+    gap = distance.arrays()["gap"]
+    samples = xr.DataArray(motions.separation, dims=("path", INTENSITY))
+    pounding = exceedance(samples, gap).where(distance.valid())
+    columns = {str(n).replace("probability", SIMULATED): array for n, array in pounding.items()}
+    for name, gaps in required_gaps(motions.separation, confidence).items():
+        columns[name] = xr.DataArray(gaps, dims=INTENSITY)
     fits = xr.apply_ufunc(
-        fitted,
-        samples,
+        lambda gap: lognormal_fragility(motions, gap),
         gap,
-        input_core_dims=[["path", *along], []],
-        output_core_dims=[[]] * len(Fragility._fields),
+        output_core_dims=[()] * len(Fragility._fields),
         vectorize=True,
     )
     fragility = Fragility(*fits).named()
     status = fragility["fragility_status"].astype(np.int8).drop_attrs()
-    return fragility | {"fragility_status": status.assign_attrs(STATUS)}
-
-
-def _named(value: Any, name: str, units: str, long_name: str) -> Any:
-    """A plain array, over the dimension ``case``, as an array over the dimension ``name``."""
-    if not isinstance(value, xr.DataArray) or value.dims != ("case",) or "case" in value.coords:
-        return value
-    return labels.axis(name, long_name, value.to_numpy(), units)
+    return columns | fragility | {"fragility_status": status.assign_attrs(STATUS)}

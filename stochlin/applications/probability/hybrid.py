@@ -12,7 +12,7 @@ from stochlin.applications.records.gaps import recorded_gap
 from stochlin.applications.records.ground_fit import ground_of_record
 from stochlin.applications.records.response import respond
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.probability.phases import beyond_phase, concentration, exceeding, least_phase
+from stochlin.kernels.probability.phases import beyond_phase, concentration, least_phase
 from stochlin.models.grounds import Ground
 from stochlin.models.parameters import expect
 from stochlin.models.states import NotLinearizedError
@@ -64,14 +64,9 @@ def hybrid_pounding(
         rho = float(recorded.rho)
     k = concentration(min(max(rho, -1.0), 1.0))
     axes = ResultAxes(np.full(1, np.nan), distance)
-    radii_and_gap = radius_1[:, None], radius_2[:, None], axes.gaps
-    least = np.minimum.accumulate(least_phase(*radii_and_gap))
-    columns = {
-        "instantaneous_probability": exceeding(*radii_and_gap, k),
-        "confidence_of_no_pounding": 1 - beyond_phase(least, k),
-    }
-    over_gaps = {name: axes.array(values, heights=False) for name, values in columns.items()}
-    table = xr.Dataset(over_gaps, motions[0].coords).assign(
+    least = np.minimum.accumulate(least_phase(radius_1[:, None], radius_2[:, None], axes.gaps))
+    table = xr.Dataset(coords=motions[0].coords).assign(
+        confidence_of_no_pounding=axes.array(1 - beyond_phase(least, k), heights=False),
         radius_1=motions[0].radius,
         radius_2=motions[1].radius,
         recorded_difference=motions[0].displacement - motions[1].displacement,

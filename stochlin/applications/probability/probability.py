@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import reduce
 from operator import and_
 from typing import Annotated, Any
 
 import xarray as xr
 
-from stochlin.applications.probability.axes import HEIGHT, Draws
+from stochlin.applications.probability.axes import HEIGHT
 from stochlin.applications.probability.formulas import by_formula
 from stochlin.applications.probability.hybrid import hybrid_pounding
-from stochlin.applications.probability.simulated import SAMPLES, by_simulation
+from stochlin.applications.probability.simulated import by_simulation
 from stochlin.applications.probability.variables import VARIABLES
 from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.messages import refuse
 from stochlin.models.arguments import (
     Duration,
     OneOf,
@@ -24,7 +24,6 @@ from stochlin.models.arguments import (
     Seed,
     Whole,
     checked,
-    fitting,
 )
 from stochlin.models.envelopes import Envelope
 from stochlin.models.grounds import Ground
@@ -56,18 +55,6 @@ REFERENCES = (
 )
 
 
-def _check_fitting(method: object, record: object, envelope: object, duration: object) -> None:
-    """Raise a ValueError for an argument that goes with the other method."""
-    if not isinstance(method, str):
-        return
-    if method == "hybrid":
-        if envelope is not None or duration is not None:
-            raise ValueError("envelope and duration do not go with method='hybrid': the record has both")
-    elif method == "evolutionary" and record is not None:
-        raise ValueError("record goes with method='hybrid'; allowed here: envelope and duration")
-
-
-@fitting(_check_fitting)
 @checked
 def pounding_probability(
     first: AnyStructure,
@@ -160,8 +147,7 @@ def pounding_probability(
     structures of very different periods and for light damping. The 90 % gap has an error of -4 to +4 %.
 
     Two buildings are checked at the floor levels of both, up to the lower roof, because displacements
-    are linear between floors. The variables ``_at_height`` (confidence, instantaneous probability,
-    ``difference_std``, ``required_gap`` and ``rho``) are the results at each height by itself. The
+    are linear between floors. The variables ``_at_height`` are the formulas at each height by itself. The
     confidence without this ending is that of the worst height, and the confidence at all heights
     together is not larger. ``confidence_of_no_pounding_at_least`` is a lower bound of the latter by
     Boole's inequality, which adds the probabilities of pounding at all heights and holds for any
@@ -180,9 +166,8 @@ def pounding_probability(
     ``paths``.
 
     The hybrid method returns, over the time of the record: ``radius_1`` and ``radius_2`` [m], the
-    energy radii of both structures; ``recorded_difference`` [m], ``u_1 - u_2`` in the record;
-    ``instantaneous_probability``; and ``confidence_of_no_pounding``, with one phase for all of the
-    record. Without time it returns ``rho``, ``separation`` [m], the largest ``u_1 - u_2`` in the
+    energy radii of both structures; ``recorded_difference`` [m], ``u_1 - u_2`` in the record; and
+    ``confidence_of_no_pounding``, with one phase for all of the record. Without time it returns ``rho``, ``separation`` [m], the largest ``u_1 - u_2`` in the
     record, and ``required_gap`` [m]. The confidence is 0 from the instant at which the radii differ by
     more than the gap, since one structure then closes the gap for any phase. The structures are
     oscillators, and ``rho`` is that of linearization, or that of the record itself if a law cannot be
@@ -203,35 +188,16 @@ def pounding_probability(
     True
     """
     if method == "hybrid":
-        if scatter:
-            raise ValueError(
-                f"scatter = {scatter:g} does not go with method='hybrid': a record has one intensity"
-            )
+        refuse(
+            "method", method, {"envelope": envelope, "duration": duration, "scatter": scatter or None}
+        )
         return hybrid_pounding(first, second, ground, Gap(gap), record, confidence)
-    models: dict[str, Any] = {"first": first, "second": second, "ground": ground}
-    draws, motion = Draws(paths, seed, float(scatter)), (duration, envelope, points)
-    table = with_samples(models, Gap(gap), motion, confidence, draws, progress)
-    return table.drop_vars(SAMPLES, errors="ignore")
-
-
-def with_samples(
-    models: Mapping[str, Any],
-    distance: Gap,
-    motion: tuple[float | None, Envelope | None, int],
-    confidence: float,
-    draws: Draws,
-    progress: Progress | None,
-) -> xr.Dataset:
-    """Dataset of `pounding_probability`, with the peak of ``u_1 - u_2`` in each simulated motion.
-
-    ``models`` are the structures and the ground, ``motion`` the duration [s], the envelope and the
-    number of instants.
-    """
-    (duration, envelope, points), paths = motion, draws.paths
-    usual = {role: median_of(model) for role, model in models.items()}
-    expect(usual["ground"], Ground, "ground")
+    refuse("method", method, {"record": record})
+    expect(median_of(ground), Ground, "ground")
     if paths == 1:
         raise ValueError("paths = 1; allowed: 0 for no simulation, or a whole number from 2")
+    models: dict[str, Any] = {"first": first, "second": second, "ground": ground}
+    usual, distance = {role: median_of(model) for role, model in models.items()}, Gap(gap)
     seconds = check_course(duration, envelope)
     cells = arrays_of({**models, "distance": distance}).values()
     names = [name for array in cells for name in (*array.dims, *array.coords)]
@@ -248,7 +214,7 @@ def with_samples(
         pair, table, comment = (first, second), xr.Dataset(), labels.CAUTION_SIGMA
         try:
             part = part_of(progress, 0.0, 1.0 if paths == 0 else OF_FORMULA)
-            table = by_formula(pair, ground, distance, course, confidence, draws, part)
+            (table,) = by_formula(pair, ground, distance, course, confidence, scatter, part)
         except ArithmeticError as error:
             if paths == 0:
                 raise
@@ -258,8 +224,8 @@ def with_samples(
             rest = part_of(progress, OF_FORMULA, 1.0)
 
             def of_motions(count: int) -> xr.Dataset:
-                drawn = draws._replace(paths=count)
-                return by_simulation(pair, ground, distance, course, confidence, drawn, rest)
+                draws = {"paths": count, "seed": seed, "scatter": float(scatter)}
+                return by_simulation(pair, ground, distance, course, confidence, draws, rest)
 
             simulated = enough_motions(of_motions, begin, most, _simulated_gaps)
             table = table.assign(simulated.data_vars).assign_attrs(simulated.attrs)
@@ -270,12 +236,11 @@ def with_samples(
     table = over_cells(of_cell, models, usable, {"distance": distance})
     order = dict.fromkeys([TIME, *(dim for array in cells for dim in array.dims)])
     table = over_time(table.transpose(*order, ..., missing_dims="ignore"), course)
-    table = labels.label(table, VARIABLES)
     return labels.with_run_information(
-        table.assign_attrs(confidence=confidence, **labels.of_scatter(draws.scatter)),
+        labels.label(table, VARIABLES).assign_attrs(confidence=confidence, **labels.of_scatter(scatter)),
         f"Probability of pounding in a finite motion, {usual['ground'].name} ground",
         f"pounding_probability(duration={duration:g}, confidence={confidence:g}, "
-        f"paths={table.attrs.get('paths', 0)}, seed={draws.seed})",
+        f"paths={table.attrs.get('paths', 0)}, seed={seed})",
         {**models, "gap": distance},
         REFERENCES,
     )

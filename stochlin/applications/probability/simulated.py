@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from stochlin.applications.probability.axes import Draws, ResultAxes, over_heights
+from stochlin.applications.probability.axes import ResultAxes
 from stochlin.kernels.basics.arrays import Array
 from stochlin.kernels.basics.parallel import Progress, cores
 from stochlin.kernels.simulation.separation_histories import (
@@ -22,7 +22,7 @@ from stochlin.kernels.simulation.stepping import LANES
 from stochlin.models.grounds import Ground
 from stochlin.models.structures import Gap
 from stochlin.models.systems import AnyStructure
-from stochlin.solver.linearization.transient_systems import TimeGrid
+from stochlin.solver.linearization.transient_systems import TIME, TimeGrid
 from stochlin.solver.simulation.draws import draw
 from stochlin.solver.simulation.ensembles import SimulationRun, seconds_of
 from stochlin.solver.simulation.finite_motions import (
@@ -35,9 +35,12 @@ from stochlin.solver.simulation.views import displacements, drifts_of, pairs_of,
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.work import check_work
 
-SAMPLES = "separation_samples"  # variable from which a fragility is fitted
 STEPS_PER_PERIOD = 32
 STEP_OF_DISTANCE = 6e-8  # time to compare a distance with gaps at a step [s], approximately
+STDS = (
+    *(f"displacement_std_simulated_{number}" for number in (1, 2)),
+    *(f"difference_std_simulated{ending}" for ending in ("", "_standard_error")),
+)
 ENVELOPES, RESULTS = 6, 6  # numbers in memory at once for each step, and for each motion and height
 
 
@@ -47,19 +50,22 @@ def by_simulation(
     distance: Gap,
     course: TimeGrid,
     confidence: float,
-    draws: Draws,
+    draws: Mapping[str, Any],
     progress: Progress | None,
 ) -> xr.Dataset:
-    """Results by simulation, with errors; the gap is checked at all heights."""
-    assert draws.paths is not None
-    drawn = draw(pair, ground, draws.paths, draws.seed)
+    """Results by simulation, with errors; the gap is checked at all heights.
+
+    ``draws`` are the number ``paths`` of the motions, their ``seed`` and their ``scatter``.
+    """
+    drawn = draw(pair, ground, draws["paths"], draws["seed"])
     structures, ground = drawn.medians
     moving = structures_in_motion(structures, ground, None, False, drawn.stacks())
     grounds = drawn.grounds()
-    run = moving.run(ground, steps_per_period=STEPS_PER_PERIOD, grounds=grounds, **draws._asdict())
+    run = moving.run(ground, steps_per_period=STEPS_PER_PERIOD, grounds=grounds, **draws)
     axes = ResultAxes(np.array([place.height for place in pairs_of(moving.system)]), distance)
     histories = _histories(run, course, _watched(moving, run, axes.gaps), progress)
-    return _table(histories, axes, confidence, draws.seed).assign(drawn.table())
+    table = _table(histories, axes, confidence).assign(drawn.table())
+    return table.assign_attrs(paths=len(histories.largest), seed=draws["seed"])
 
 
 def _watched(moving: StructuresInMotion, run: SimulationRun, gaps: Array) -> Watched:
@@ -95,35 +101,21 @@ def _histories(
     return separation_histories(crowd, shape, instants, watched, progress)
 
 
-def _table(histories: Histories, axes: ResultAxes, confidence: float, seed: int) -> xr.Dataset:
-    """Simulated probabilities and standard deviations, with errors, all heights together."""
+def _table(histories: Histories, axes: ResultAxes, confidence: float) -> xr.Dataset:
+    """Simulated probabilities at all heights together, and standard deviations at the highest one."""
     n, alive, stem = len(histories.largest), histories.survivors, "confidence_of_no_pounding_simulated"
     shares = {"instantaneous_probability_simulated": histories.beyond / n, stem: alive / n}
     shares |= dict(zip((f"{stem}_lower", f"{stem}_upper"), share_interval(alive, n), strict=True))
-    mean = histories.squares / n
-    error = np.sqrt(np.maximum(histories.fourths / n - mean**2, 0) / n) / (
-        2 * np.sqrt(np.where(mean > 0, mean, 1.0))
-    )
-    stds = {
-        "displacement_std_simulated_1": np.sqrt(mean[:, 0]),
-        "displacement_std_simulated_2": np.sqrt(mean[:, 1]),
-        "difference_std_simulated": np.sqrt(mean[:, 2]),
-        "difference_std_simulated_standard_error": error[:, 2],
-    }
-    at_heights = {
-        **{name: infinite_if_fallen(std) for name, std in stds.items()},
-        **_required_gaps(histories.largest, confidence),
-    }
     table = xr.Dataset({name: axes.array(each, heights=False) for name, each in shares.items()})
-    table = table.assign({name: axes.array(each, gaps=False) for name, each in at_heights.items()})
-    largest = histories.largest.max(axis=1)
-    gaps = _required_gaps(largest[:, None], confidence)
-    whole: dict[str, Any] = {name: float(gap) for name, (gap,) in gaps.items()}
-    whole[SAMPLES] = "path", largest
-    return over_heights(table).assign(whole).assign_attrs(paths=n, seed=seed)
+    mean, fourth = (moments[..., -1] / n for moments in (histories.squares, histories.fourths))
+    error = np.sqrt(np.maximum(fourth - mean**2, 0) / n) / (2 * np.sqrt(np.where(mean > 0, mean, 1.0)))
+    stds = dict(zip(STDS, (*np.sqrt(mean.T), error[:, 2]), strict=True))
+    table = table.assign({name: (TIME, infinite_if_fallen(std)) for name, std in stds.items()})
+    gaps = required_gaps(histories.largest.max(axis=1, keepdims=True), confidence)
+    return table.assign({name: gap.item() for name, gap in gaps.items()})
 
 
-def _required_gaps(largest: Array, confidence: float) -> dict[str, Array]:
+def required_gaps(largest: Array, confidence: float) -> dict[str, Array]:
     """Gaps [m] for the confidence, from samples (motions, h), and their 95 % intervals."""
     gaps = quantile_intervals(largest, np.array([confidence]))
     return {

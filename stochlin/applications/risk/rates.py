@@ -7,7 +7,9 @@ extrapolated with the slope of linear structures.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +18,10 @@ import xarray as xr
 from scipy.special import log_ndtr
 
 from stochlin.kernels.basics.arrays import Array
+from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.models.uncertain import applied
+from stochlin.solver.simulation.finite_motions import pair_separation
+from stochlin.solver.simulation.simulation import simulate
 
 TINY = 1e-12  # smallest separation [m], in place of zero in logarithms
 FITTED, TOO_FEW_POUND, ALL_POUND, TOO_FEW_INTENSITIES, NOT_SIMULATED = range(5)
@@ -46,6 +52,33 @@ class SeparationsByIntensity(NamedTuple):
         high = np.full_like(last, x[-1]), np.where(last > 0, np.inf, x[-1])
         begin, end = (np.hstack(parts) for parts in zip(low, (begin, end), high, strict=True))
         return np.exp(begin), np.exp(end)
+
+
+def simulated_separations(
+    structures: Sequence[Any],
+    ground: Any,
+    intensity: Array,
+    factors: Array,
+    power: float,
+    progress: Progress | None,
+    **motion: Any,
+) -> SeparationsByIntensity:
+    """Separations in the same motions at several intensities.
+
+    At each ``intensity`` the ``S0`` of the ground is multiplied by one of the ``factors``. ``motion``
+    are the further arguments of `simulate`.
+    """
+    count, columns = intensity.size, []
+    for n, factor in enumerate(factors):
+        stronger = applied(partial(times_intensity, factor=factor), ground)
+        part = part_of(progress, n / count, (n + 1) / count)
+        columns.append(pair_separation(simulate(structures, stronger, progress=part, **motion)))
+    return SeparationsByIntensity(intensity, np.stack(columns, axis=1), power)
+
+
+def times_intensity(ground: Any, factor: float) -> Any:
+    """The ground with its intensity multiplied by a factor."""
+    return replace(ground, intensity=ground.intensity * factor)
 
 
 def rates(motions: SeparationsByIntensity, gap: float, frequency: Callable[[Array], Array]) -> Array:
@@ -81,9 +114,11 @@ def lognormal_fragility(motions: SeparationsByIntensity, gap: float) -> Fragilit
     """Fragility by maximum likelihood from the lowest intensity of pounding in each motion.
 
     For a motion without pounding, this intensity is known to be above the highest one. The result is
-    NaN, with the reason as its status, if fewer than two motions have pounding, or all of them already
-    at the lowest intensity.
+    NaN, with the reason as its status, if fewer than two motions have pounding, all of them already at
+    the lowest intensity, or a structure falls.
     """
+    if not np.isfinite(motions.separation).all() or not 0 < gap < np.inf:
+        return Fragility(status=NOT_SIMULATED)
     if motions.intensity.size < 2:
         return Fragility(status=TOO_FEW_INTENSITIES)
     if (motions.separation[:, 0] > gap).all():

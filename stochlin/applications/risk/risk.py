@@ -8,21 +8,21 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import replace
-from functools import partial, reduce
+from dataclasses import dataclass
+from functools import cached_property, reduce
 from operator import and_
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import scipy.optimize
 import xarray as xr
 
-from stochlin.applications.risk.rates import SeparationsByIntensity, rates
+from stochlin.applications.risk.rates import SeparationsByIntensity, rates, simulated_separations
 from stochlin.applications.risk.variables import VARIABLES
 from stochlin.applications.sites.intensity import scale_ground
 from stochlin.applications.sites.simulated_spectra import PGA_STEP
 from stochlin.kernels.basics.arrays import Array
-from stochlin.kernels.basics.parallel import Progress, part_of
+from stochlin.kernels.basics.parallel import Progress
 from stochlin.messages import DoubtfulInput, brief
 from stochlin.models.arguments import (
     Duration,
@@ -41,11 +41,10 @@ from stochlin.models.systems import AnyStructure, first_period
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.linearization.strength import strength_in_metres
 from stochlin.solver.simulation.finite_motions import (
-    keeping_apart,
+    exceedance,
     mean_with_error,
-    pair_separation,
 )
-from stochlin.solver.simulation.simulation import check_repeated, simulate
+from stochlin.solver.simulation.simulation import check_repeated
 from stochlin.solver.tables import labels
 from stochlin.solver.tables.cells import over_cells
 from stochlin.solver.tables.checks import check_duration, standing
@@ -146,15 +145,12 @@ def pounding_risk(
     >>> bool(table.annual_rate_standard_error < 0.2 * table.annual_rate)
     True
     """
-    structures = standing(first, second)
-    check_duration(duration, {role: median_of(structure) for role, structure in structures.items()})
 
     def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
-        inputs = RiskInputs(structures, ground, hazard, duration, envelope, scatter, paths, seed)
-        inputs.check()
-        return inputs.simulated(progress).of_gap(gap, years)
+        motion = duration, envelope, scatter, paths, seed, progress
+        return SimulatedRisk(structures, ground, hazard, *motion).of_gap(gap, years)
 
-    return _over_cells(of_cell, structures, ground, duration)
+    return _over_cells(of_cell, standing(first, second), ground, duration)
 
 
 @checked
@@ -211,10 +207,8 @@ def required_gap(
     """
 
     def of_cell(ground: Ground, **structures: AnyStructure) -> xr.Dataset:
-        inputs = RiskInputs(structures, ground, hazard, duration, envelope, scatter, paths, seed)
-        inputs.check()
-        check_target(hazard, risk)
-        return inputs.simulated(progress).gap_of(risk)
+        motion = duration, envelope, scatter, paths, seed, progress
+        return SimulatedRisk(structures, ground, hazard, *motion).gap_of(risk)
 
     return _over_cells(of_cell, standing(first, second), ground, duration)
 
@@ -229,36 +223,28 @@ def _over_cells(
     return over_cells(of_cell, {**structures, "ground": ground}, long_enough)
 
 
-class Target(NamedTuple):
-    """An allowed risk."""
+def allowed_rate(risk: str | float) -> tuple[float, float | None]:
+    """Mean annual frequency [1/yr] of an allowed risk, and the years in its text, if it is a text.
 
-    rate: float  # mean annual frequency [1/yr]
-    years: float | None  # years in the text of the risk, if it is a text
-
-    @classmethod
-    def of(cls, risk: str | float) -> Target:
-        """The target from a mean annual frequency, or from ``"p in t years"`` as ``-ln(1 - p)/t``."""
-        if is_number(risk):
-            if not 0 < risk < np.inf:
-                raise ValueError(f"risk = {brief(risk)}; allowed: a positive annual frequency [1/yr]")
-            return cls(float(risk), None)
-        match = _RISK.fullmatch(risk) if isinstance(risk, str) else None
-        if match is None:
-            raise ValueError(
-                f'risk = {brief(risk)}; allowed: a text as "2 % in 50 years", or an annual frequency '
-                "[1/yr]"
-            )
-        share, years = float(match[1]) / 100, float(match[2])
-        if not 0 < share < 1 or not years > 0:
-            raise ValueError(
-                f"risk = {brief(risk)}; allowed: more than 0 % and less than 100 %, in years"
-            )
-        return cls(-np.log1p(-share) / years, years)
+    The frequency of a text ``"p in t years"`` is ``-ln(1 - p)/t``.
+    """
+    if is_number(risk):
+        if not 0 < risk < np.inf:
+            raise ValueError(f"risk = {brief(risk)}; allowed: a positive annual frequency [1/yr]")
+        return float(risk), None
+    match = _RISK.fullmatch(risk) if isinstance(risk, str) else None
+    share, years = (float(match[1]) / 100, float(match[2])) if match else (0.0, 0.0)
+    if not 0 < share < 1 or not years > 0:
+        raise ValueError(
+            f'risk = {brief(risk)}; allowed: a text as "2 % in 50 years" of more than 0 % and less than '
+            "100 %, or an annual frequency [1/yr]"
+        )
+    return -np.log1p(-share) / years, years
 
 
-def check_target(hazard: Hazard, risk: str | float) -> None:
-    """Raise a ValueError for a risk outside of the annual frequencies of the hazard."""
-    target = Target.of(risk).rate
+def check_target(hazard: Hazard, risk: str | float) -> float:
+    """The annual frequency of a risk [1/yr]; a ValueError if it is outside of those of the hazard."""
+    target, _ = allowed_rate(risk)
     rarest, commonest = (float(hazard.frequency(im)) for im in simulated_at(hazard)[[-1, 0]])
     if not rarest < target < commonest:
         raise ValueError(
@@ -266,6 +252,7 @@ def check_target(hazard: Hazard, risk: str | float) -> None:
             f"{commonest:.3g} a year, the rarest and the most frequent shaking of the hazard; give "
             "a hazard that reaches it"
         )
+    return target
 
 
 def simulated_at(hazard: Hazard) -> Array:
@@ -284,8 +271,9 @@ def simulated_at(hazard: Hazard) -> Array:
     return np.geomspace(ends[0], ends[-1], POINTS)
 
 
-class RiskInputs(NamedTuple):
-    """Structures, site and options of a computation of risk."""
+@dataclass(frozen=True)
+class SimulatedRisk:
+    """Simulated motions of structures at a site, from which the risk of any gap follows."""
 
     structures: Mapping[str, AnyStructure]  # by the names of their arguments
     ground: Ground
@@ -295,19 +283,38 @@ class RiskInputs(NamedTuple):
     scatter: float
     paths: int
     seed: int
+    progress: Progress | None
 
-    @property
-    def alone(self) -> bool:
-        """Whether there is only one building, beside its property line."""
-        return len(self.structures) == 1
+    @cached_property
+    def motions(self) -> SeparationsByIntensity:
+        """Separations in the same motions at all intensities.
 
-    def check(self) -> None:
-        """Raise an error for a duration shorter than a period, or too much work."""
+        Raises an error for a duration shorter than a period, or too much work.
+        """
         both = {role: median_of(structure) for role, structure in self.structures.items()}
+        ground, levels = median_of(self.ground), simulated_at(self.hazard)
         check_duration(self.duration, both)
-        check_repeated(list(both.values()), median_of(self.ground), self.duration, self.paths, POINTS)
+        check_repeated(list(both.values()), ground, self.duration, self.paths, POINTS)
+        pair = [
+            applied(lambda s: strength_in_metres(s, ground), each) for each in self.structures.values()
+        ]
+        power = 0.5 if self.hazard.measure == "intensity" else 1.0
+        factors = (
+            self._ground_of_one(ground) / float(ground.arrays()["intensity"]) * levels ** (2 * power)
+        )
+        motion: dict[str, Any] = {"duration": self.duration, "envelope": self.envelope}
+        motion |= {"paths": self.paths, "seed": self.seed, "scatter": self.scatter}
+        return simulated_separations(pair, self.ground, levels, factors, power, self.progress, **motion)
 
-    def frequency(self, intensity: Array) -> Array:
+    def _ground_of_one(self, ground: Ground) -> float:
+        """``S0`` [m^2/s^3] of motions with the intensity 1 in the measure of the hazard."""
+        if self.hazard.measure == "intensity":
+            return 1.0
+        goal: dict[str, Any] = {self.hazard.measure: 1.0, "period": self.hazard.period}
+        scaled = scale_ground(ground, self.duration, self.envelope, seed=self.seed, **goal)
+        return float(scaled.arrays()["intensity"])
+
+    def _frequency(self, intensity: Array) -> Array:
         """Annual frequency of exceedance [1/yr]; constant below a table of the hazard, zero beyond."""
         known, top = intensity, np.inf
         if isinstance(self.hazard, HazardCurve):
@@ -322,51 +329,69 @@ class RiskInputs(NamedTuple):
             )
         return np.where(intensity > top * (1 + ROUNDING), 0.0, frequencies)
 
-    def simulated(self, progress: Progress | None) -> SimulatedRisk:
-        """Separations in the same motions at all intensities, simulated."""
-        separations = []
-        motion: dict[str, Any] = {"duration": self.duration, "envelope": self.envelope}
-        usual = median_of(self.ground)
-        both = self.structures.values()
-        pair = [applied(lambda s: strength_in_metres(s, usual), structure) for structure in both]
-        at_one = self._ground_of_one(usual) / float(usual.arrays()["intensity"])
-        for n, intensity in enumerate(simulated_at(self.hazard)):
-            times = at_one * self._power(intensity)
-            table = simulate(
-                pair,
-                applied(partial(_times, factor=times), self.ground),
-                paths=self.paths,
-                seed=self.seed,
-                scatter=self.scatter,
-                progress=part_of(progress, n / POINTS, (n + 1) / POINTS),
-                **motion,
-            )
-            separations.append(pair_separation(table).to_numpy())
-        power = 0.5 if self.hazard.measure == "intensity" else 1.0
-        motions = SeparationsByIntensity(simulated_at(self.hazard), np.stack(separations, axis=1), power)
-        return SimulatedRisk(self, motions)
+    def of_gap(self, gap: float, years: float) -> xr.Dataset:
+        """The result of `pounding_risk`."""
+        motions = self.motions
+        by_path = rates(motions, gap, self._frequency)
+        rate, error = mean_with_error(by_path.sum(axis=1))
+        self._warn_of_weak(gap)
+        spared = float((motions.separation[:, -1] <= gap).mean())
+        table = xr.Dataset(
+            {
+                "annual_rate": rate,
+                "annual_rate_standard_error": error,
+                "annual_rate_unseen": spared * float(self._frequency(motions.intensity[-1:])[0]),
+                **_in_years(rate, error, years),
+                **_by_intensity(motions, by_path, gap, self.hazard.measure),
+            }
+        )
+        return self._labelled(table.assign_attrs(years=float(years), gap_m=float(gap)), "pounding_risk")
 
-    def _power(self, intensity: float) -> float:
-        """``S0`` at an intensity over ``S0`` at the intensity 1 [-]."""
-        return float(intensity if self.hazard.measure == "intensity" else intensity**2)
+    def gap_of(self, risk: str | float) -> xr.Dataset:
+        """The result of `required_gap`."""
+        target = check_target(self.hazard, risk)
+        separation = self.motions.separation
+        least = 1e-3 * float(separation.min() or 1e-6)
+        most = 2 * float(separation.max(where=separation < np.inf, initial=least))
 
-    def _ground_of_one(self, ground: Ground) -> float:
-        """``S0`` [m^2/s^3] of motions with the intensity 1 in the measure of the hazard."""
-        if self.hazard.measure == "intensity":
-            return 1.0
-        goal: dict[str, Any] = {self.hazard.measure: 1.0}
-        if self.hazard.period is not None:
-            goal["period"] = self.hazard.period
-        scaled = scale_ground(ground, self.duration, self.envelope, seed=self.seed, **goal)
-        return float(scaled.arrays()["intensity"])
+        def rate(gap: float) -> tuple[float, float]:
+            return mean_with_error(rates(self.motions, gap, self._frequency).sum(axis=1))
 
-    def labelled(self, table: xr.Dataset, call: str) -> xr.Dataset:
+        def gap_at(errors: float) -> float:
+            """Gap [m] for which the rate, and so many standard errors, equal the target."""
+
+            def excess(gap: float) -> float:
+                mean, error = rate(gap)
+                return mean + errors * error - target
+
+            if excess(most) > 0:  # of motions in which a structure falls
+                return np.inf
+            if excess(least) <= 0:
+                return 0.0
+            ends = np.log(least), np.log(most)
+            return float(np.exp(scipy.optimize.brentq(lambda x: excess(np.exp(x)), *ends, xtol=CLOSE)))
+
+        gap = gap_at(0.0)
+        mean, error = rate(gap) if gap else (np.nan, np.nan)
+        table = xr.Dataset(
+            {
+                "required_gap": gap,
+                "required_gap_lower": gap_at(-CERTAIN),
+                "required_gap_upper": gap_at(CERTAIN),
+                "target_rate": target,
+                "annual_rate": mean,
+                "annual_rate_standard_error": error,
+            }
+        )
+        return self._labelled(table.assign_attrs(risk=brief(risk)), "required_gap")
+
+    def _labelled(self, table: xr.Dataset, call: str) -> xr.Dataset:
         """The table with units and run information."""
-        table = labels.label(table, VARIABLES)
         models: dict[str, Any] = {**self.structures, "ground": self.ground, "hazard": self.hazard}
-        what = "one structure crossing its property line" if self.alone else "pounding of two structures"
+        alone = len(self.structures) == 1
+        what = "one structure crossing its property line" if alone else "pounding of two structures"
         return labels.with_run_information(
-            table.assign_attrs(
+            labels.label(table, VARIABLES).assign_attrs(
                 paths=self.paths,
                 seed=self.seed,
                 duration_s=float(self.duration),
@@ -381,71 +406,12 @@ class RiskInputs(NamedTuple):
             REFERENCES,
         )
 
-
-class SimulatedRisk(NamedTuple):
-    """A computation of risk and its simulated motions, from which results for any gap follow."""
-
-    inputs: RiskInputs
-    motions: SeparationsByIntensity
-
-    def of_gap(self, gap: float, years: float) -> xr.Dataset:
-        """The result of `pounding_risk`."""
-        inputs, motions = self
-        by_path = rates(motions, gap, inputs.frequency)
-        rate, error = mean_with_error(by_path.sum(axis=1))
-        self._warn_of_weak(gap)
-        table = xr.Dataset(
-            {
-                "annual_rate": rate,
-                "annual_rate_standard_error": error,
-                "annual_rate_unseen": _unseen(motions, gap, inputs.frequency),
-                **_in_years(rate, error, years),
-            }
-        )
-        table = table.assign(_by_intensity(motions, by_path, gap, inputs.hazard.measure))
-        return inputs.labelled(table.assign_attrs(years=float(years), gap_m=float(gap)), "pounding_risk")
-
-    def gap_of(self, risk: str | float) -> xr.Dataset:
-        """The result of `required_gap`."""
-        inputs, motions = self
-        target = Target.of(risk).rate
-
-        def rate(gap: float) -> tuple[float, float]:
-            return mean_with_error(rates(motions, gap, inputs.frequency).sum(axis=1))
-
-        def gap_of(excess: Callable[[float, float], float]) -> float:
-            """Gap for which the rate, or an end of its interval, equals the target [m]."""
-            least = 1e-3 * float(motions.separation.min() or 1e-6)
-            most = 2 * float(motions.separation.max(where=motions.separation < np.inf, initial=least))
-            if excess(*rate(most)) > target:  # of motions in which a structure falls
-                return np.inf
-            if excess(*rate(least)) <= target:
-                return 0.0
-            root = scipy.optimize.brentq(
-                lambda x: excess(*rate(np.exp(x))) - target, np.log(least), np.log(most), xtol=CLOSE
-            )
-            return float(np.exp(root))
-
-        gap = gap_of(lambda mean, _: mean)
-        mean, error = rate(gap) if gap else (np.nan, np.nan)
-        table = xr.Dataset(
-            {
-                "required_gap": gap,
-                "required_gap_lower": gap_of(lambda mean, error: mean - CERTAIN * error),
-                "required_gap_upper": gap_of(lambda mean, error: mean + CERTAIN * error),
-                "target_rate": target,
-                "annual_rate": mean,
-                "annual_rate_standard_error": error,
-            }
-        )
-        return inputs.labelled(table.assign_attrs(risk=brief(risk)), "required_gap")
-
     def _warn_of_weak(self, gap: float) -> None:
         """Warn if pounding is likely also below the lowest intensity of the hazard."""
-        motions, hazard = self.motions, self.inputs.hazard
+        motions, hazard = self.motions, self.hazard
         share = float((motions.separation[:, 0] > gap).mean())
         if isinstance(hazard, HazardCurve) and share > WEAKEST:
-            met = "it crosses" if self.inputs.alone else "they pound"
+            met = "it crosses" if len(self.structures) == 1 else "they pound"
             warnings.warn(
                 f"hazard: it begins at {motions.intensity[0]:.3g} {UNITS[hazard.measure]}, where {met} "
                 f"in {100 * share:.0f} % of the motions; weaker shaking, which is not in the hazard, "
@@ -455,11 +421,6 @@ class SimulatedRisk(NamedTuple):
             )
 
 
-def _times(ground: Any, factor: float) -> Any:
-    """The ground with its intensity multiplied by a factor."""
-    return replace(ground, intensity=ground.intensity * factor)
-
-
 def _by_intensity(
     motions: SeparationsByIntensity, by_path: Array, gap: float, measure: str
 ) -> dict[str, xr.DataArray]:
@@ -467,19 +428,10 @@ def _by_intensity(
     attrs = {"units": UNITS[measure], "long_name": f"intensity, {measure}"}
     axis = {"intensity": ("intensity", motions.intensity, attrs)}
     samples = xr.DataArray(motions.separation, dims=("path", "intensity"), coords=axis)
-    apart = keeping_apart(samples, gap)
-    columns = {"pounding_probability": 1 - apart["no_pounding_probability"]}
-    for end, other in (("lower", "upper"), ("upper", "lower")):
-        columns[f"pounding_probability_{end}"] = 1 - apart[f"no_pounding_probability_{other}"]
+    columns = {f"pounding_{name}": array for name, array in exceedance(samples, gap).items()}
     begin = {"from_intensity": ("from_intensity", np.append(0.0, motions.intensity), attrs)}
     by_interval = xr.DataArray(by_path.mean(axis=0), dims="from_intensity", coords=begin)
     return columns | {"annual_rate_by_intensity": by_interval}
-
-
-def _unseen(motions: SeparationsByIntensity, gap: float, frequency: Callable[[Array], Array]) -> float:
-    """Largest contribution of intensities beyond the highest, from motions without pounding [1/yr]."""
-    spared = float((motions.separation[:, -1] <= gap).mean())
-    return spared * float(frequency(motions.intensity[-1:])[0])
 
 
 def _in_years(rate: float, error: float, years: float) -> dict[str, float]:

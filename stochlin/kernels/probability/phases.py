@@ -60,32 +60,6 @@ def beyond_phase(phase: Array, k: float) -> Array:
     return np.clip(np.where(start <= 0, 1.0, probability), 0, 1).reshape(phase.shape)
 
 
-def exceeding(radius_1: Array, radius_2: Array, gap: Array, k: float) -> Array:
-    """Probability ``P(r_1 cos a_1 - r_2 cos a_2 > g)`` for a gap ``g > 0``; the arrays broadcast.
-
-    It is the mean of ``(1/pi) arccos(g/A)`` over the phase differences with ``A > g``.
-    """
-    if np.isinf(k):
-        span = np.abs(radius_1 - radius_2) if k > 0 else radius_1 + radius_2
-        return _share_above(gap, span)
-    flat = [array.ravel() for array in np.broadcast_arrays(radius_1, radius_2, gap)]
-    probability = np.zeros(flat[0].size)
-    some = np.flatnonzero(flat[0] + flat[1] > flat[2])
-    for begin in range(0, some.size, CELLS):
-        cells = some[begin : begin + CELLS]
-        r_1, r_2, g = (array[cells, None] for array in flat)
-        d, weight = _nodes(least_phase(r_1, r_2, g)[:, 0], k)
-        span = np.sqrt((r_1 - r_2) ** 2 + 4 * r_1 * r_2 * np.sin(d / 2) ** 2)
-        probability[cells] = (weight * _share_above(g, span)).sum(axis=1)
-    return probability.reshape(np.broadcast_shapes(radius_1.shape, radius_2.shape, gap.shape))
-
-
-def _share_above(gap: Array, span: Array) -> Array:
-    """Share of time in which an oscillation of radius ``span`` is above the gap."""
-    with np.errstate(divide="ignore"):
-        return np.arccos(np.minimum(gap / span, 1.0)) / np.pi
-
-
 def _nodes(start: Array, k: float) -> tuple[Array, Array]:
     """Nodes from ``start`` to pi, and weights, of integrals over the density of ``|D|``."""
     length = (np.pi - start)[:, None]
