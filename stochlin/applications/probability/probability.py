@@ -147,8 +147,8 @@ def pounding_probability(
     structures of very different periods and for light damping. The 90 % gap has an error of -4 to +4 %.
 
     Two buildings are checked at the floor levels of both, up to the lower roof, because displacements
-    are linear between floors. The variables ``_at_height`` are the formulas at each height by itself. The
-    confidence without this ending is that of the worst height, and the confidence at all heights
+    are linear between floors. The variables ``_at_height`` are the formulas at each height by itself.
+    The confidence without this ending is that of the worst height, and the confidence at all heights
     together is not larger. ``confidence_of_no_pounding_at_least`` is a lower bound of the latter by
     Boole's inequality, which adds the probabilities of pounding at all heights and holds for any
     dependence between them. Likewise, ``required_gap`` is the gap at ``governing_height``, and the
@@ -167,7 +167,8 @@ def pounding_probability(
 
     The hybrid method returns, over the time of the record: ``radius_1`` and ``radius_2`` [m], the
     energy radii of both structures; ``recorded_difference`` [m], ``u_1 - u_2`` in the record; and
-    ``confidence_of_no_pounding``, with one phase for all of the record. Without time it returns ``rho``, ``separation`` [m], the largest ``u_1 - u_2`` in the
+    ``confidence_of_no_pounding``, with one phase for all of the record. Without
+    time it returns ``rho``, ``separation`` [m], the largest ``u_1 - u_2`` in the
     record, and ``required_gap`` [m]. The confidence is 0 from the instant at which the radii differ by
     more than the gap, since one structure then closes the gap for any phase. The structures are
     oscillators, and ``rho`` is that of linearization, or that of the record itself if a law cannot be
