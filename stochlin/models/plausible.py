@@ -62,10 +62,6 @@ PLAUSIBLE: Mapping[str, Plausible] = {
     "confidence": Plausible(0.01, 1.0, "0.5 to 0.99, 0.9 for 90 %"),
     "risk": Plausible(0.0, 0.01, "1e-4 to 2e-3 per year", "", "is it in %?"),
 }
-# Intensity in SI units that no site exceeds as often as once in `OFTEN` years: the largest PGA of hazard
-# maps is 0.6 g in 100 years and 1.5 g in 475, Sa is 2.5 times as large, and S0 = 1 m^2/s^3 gives 3 g.
-OFTEN = 150.0
-STRONG = {"pga": g, "sa": 2.5 * g, "intensity": 1.0}
 
 
 def implausible(values: Mapping[str, Any]) -> Iterator[str]:

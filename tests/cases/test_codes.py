@@ -196,7 +196,7 @@ def test_a_period_beyond_the_spectrum_is_told_in_the_row(storeyed: CaseAnswer) -
         (spectrum := sl.asce_7(9.8, 6.0, 8.0), ""),
         (spectrum[:30], "its period of 0.6"),
     ):
-        case = replace(case, site=replace(case.site, written=known))
+        case = replace(case, site=replace(case.site, spectrum=known))
         row = with_applied_codes(case, storeyed.separation.isel(rule=slice(0, 24))).isel(rule=-1)
         assert told in row.missing.item()
         assert np.isnan(row.gap) == bool(told)
@@ -265,7 +265,7 @@ def test_the_design_spectrum_of_eurocode_8_by_hand(
     """EN 1998-1, 3.2.2.5, 4.3.4, ground C: displacements over ag S (T/2 pi)^2; TB .2, TC .6, TD 2 s."""
     spectrum = sl.eurocode_8(0.25 * G, "C", damping=damping)
     rule, first = CODE_RULES["eurocode_8"], storeyed.case.buildings[0]
-    case = replace(storeyed.case, site=replace(storeyed.case.site, written=spectrum))
+    case = replace(storeyed.case, site=replace(storeyed.case.site, spectrum=spectrum))
     table = replace(first.form.table, values={"elastic": True})
     form = Oscillator(table=table, period=period, damping=damping, height=3.0, storeys=1)
     structure = sl.Bilinear(period, damping)

@@ -117,21 +117,6 @@ def test_a_hazard_too_steep_for_its_motions_is_named(tmp_path):
         answer_case(case)
 
 
-@pytest.mark.parametrize(
-    "lines",
-    [
-        'intensities = ["0.98 g", "1.96 g"]\nfrequencies = [0.01, 0.0021]\n',
-        'k0 = 0.01\nk = 2.5\nunits = "g"\n',
-    ],
-)
-def test_a_hazard_in_another_unit_is_asked_about(tmp_path, lines):
-    with pytest.warns(
-        DoubtfulInput, match=r"line 5: site.hazard.measure = 'pga' is doubtful: .*are its units"
-    ) as told:
-        read(tmp_path, HAZARD + lines)
-    assert len(told) == 1
-
-
 def test_a_risk_of_a_year_is_said_to_be_one(tmp_path):
     with pytest.warns(DoubtfulInput, match=r"separation.risk = 0.02 is doubtful: usual are .* per year"):
         case = read(tmp_path, HAZARD + POINTS, "risk = 0.02\n")

@@ -113,18 +113,3 @@ def test_uncertain_parameters_keep_the_curve(tmp_path: Path) -> None:
     assert longer.period == pytest.approx(1.2 * certain.buildings[0].structure.period)
     assert longer.yield_displacement == certain.buildings[0].structure.yield_displacement
     same(second.at({"period": 1.4}), certain.buildings[1].structure)
-
-
-def test_doubtful_curves_are_doubted(push: Path, tmp_path: Path) -> None:
-    """Of another unit: the effective mass is 10/12 of the mass, and ten times that."""
-    heavy = f'{OSCILLATOR}mass = "480 t"\n'
-    read(tmp_path, heavy, STOREYS)
-    text = push.read_text(encoding="utf-8")
-    push.write_text(text.replace("cm", "mm"), encoding="utf-8")
-    with pytest.warns(DoubtfulInput) as caught:
-        read(tmp_path, heavy, STOREYS)
-    said = [str(warning.message) for warning in caught]
-    assert len(said) == 2
-    assert "building_1.pushover = 'push.csv' is doubtful: its stiffness" in said[0]
-    assert "give 8.33 of the mass as effective mass; check units" in said[0]
-    assert "building_2.pushover = 'push.csv' is doubtful: the pushover curve begins" in said[1]

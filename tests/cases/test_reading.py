@@ -81,7 +81,7 @@ MISTAKES = {
     "strength of a spectrum": (SITE, f'{CODE}pga = "0.3 g"', "pga = '0.3 g' is not a key"),
     "no code": (SITE, 'spectrum = "eurocode_9"', "did you mean 'eurocode_8'"),
     "no return period": (SITE, 'ground = "firm"\nreturn_period = "475 yr"', "needs a hazard; write"),
-    "hazard elsewhere": ("[contact]", '[hazard]\nmeasure = "pga"\n[contact]', "write [site.hazard]"),
+    "hazard elsewhere": ("[contact]", '[hazard]\nmeasure = "pga"\n[contact]', "is not a key"),
     "risk without a hazard": ("[contact]", 'risk = "2 % in 50 years"\n[contact]', "needs a hazard"),
     "scatter": ("[building_1]", "scatter = 40\n[building_1]", "out of range; allowed: 0 <= value <= 2"),
     "code without factors": ("[contact]", 'codes = ["asce_7"]\n[contact]', "asce_7 needs them"),
@@ -104,13 +104,13 @@ MISTAKES = {
 # Lines of a measure, and a piece of the message.
 OF_MEASURES = {
     "": "does nothing; allowed: added_damping_1",
-    "link_floors = [1, 1]": "has no link to tie",
+    "link_floors = [1, 1]": "a link that does nothing",
     'link_stiffness = "1 MN/m"\nlink_floors = [5, 1]': "is not a floor of each building",
     'link_stiffness = "1 MN/m"\nlink_hardening = 0.1': "goes with link_yield_displacement",
     'link_damping_constant = "1 MN s/m"\nlink_damping_exponent = 0.5': "MN (s/m)^0.5",
     'contact = { model = "rubber" }': "m.contact.model = 'rubber'",
-    "dampers_1 = { storeys = [1] }": "does nothing; allowed: stiffness, damping_constant",
-    'dampers_1 = { storeys = [1, 2], stiffness = "1 MN/m" }': "numbers from 1 to 1, each once",
+    "dampers_1 = { storeys = [1] }": "allowed: a stiffness, a damping constant, or both",
+    'dampers_1 = { storeys = [1, 2], stiffness = "1 MN/m" }': "or storeys 1 to 1",
     'dampers_1 = { storeys = "some", stiffness = "1 MN/m" }': "storeys = 'some'",
     'dampers_1 = { stiffness = ["1 MN/m", "2 MN/m"] }': "has 2 values for dampers in 1 storeys",
 }

@@ -48,7 +48,7 @@ class ProbabilityAnswer(NamedTuple):
 
     def doubts(self) -> list[str]:
         """Texts on implausible results."""
-        return doubts(self.shaking, pair_of(self.case), float(self.table.required_gap_simulated))
+        return doubts(self.shaking)
 
 
 def judge_gap(case: Case, gap: float, progress: Progress | None = None) -> ProbabilityAnswer:

@@ -93,10 +93,8 @@ class CaseAnswer:
         return table if samples else table.drop_dims(set(table.dims) - {"rule"})
 
     def doubts(self) -> list[str]:
-        """Texts on implausible results."""
-        buildings = one_or_two(self.case)
-        peaks = tuple(float(self.separation[f"peak_mean_{n + 1}"]) for n in range(len(buildings)))
-        return doubts(self.shaking, buildings, float(self.separation.gap[0]), peaks)
+        """Texts on implausible shaking."""
+        return doubts(self.shaking)
 
 
 def answer_case(

@@ -19,7 +19,6 @@ from stochlin.solver.simulation.finite_motions import keeping_apart, quantile_in
 from stochlin.solver.tables import labels
 
 if TYPE_CHECKING:
-    from stochlin.applications.cases.reading.buildings import Building
     from stochlin.applications.cases.reading.case import Case
 
 MOST_RECORDS = 5  # records reported one by one; of more, statistics are reported
@@ -71,33 +70,9 @@ def share_apart(case: Case, values: xr.DataArray, most: float) -> dict[str, xr.D
     return {f"record_{name}": share[name] for name, share in zip(shares[0], shares, strict=True)}
 
 
-def doubts(
-    shaken: xr.Dataset,
-    buildings: tuple[Building, ...],
-    gap: float = 0.0,
-    peaks: tuple[float, ...] = (),
-) -> list[str]:
-    """Texts on implausible results: the shaking, or a gap [m] or peaks [m] above building heights."""
-    texts = []
-    if warning := doubtful_peak(float(shaken["peak_ground_acceleration"])):
-        texts.append(f"peak ground acceleration: {warning}")
-    heights = {building.name: building.height for building in buildings if building.height}
-    if heights and gap > min(heights.values()):
-        name = min(heights, key=lambda name: heights[name])
-        what = "gap" if len(buildings) > 1 else "set-back"
-        texts.append(
-            f"a {what} of {gap:.3g} m is larger than the height of {name}, {heights[name]:.3g} m"
-        )
-    for building, peak in zip(buildings, peaks, strict=False):
-        if building.height and building.height < peak < np.inf:  # which it is of one that falls
-            texts.append(
-                f"{building.name} would move by {peak:.3g} m, more than its height, "
-                f"{building.height:.3g} m"
-            )
-    return texts
-
-
-def doubtful_peak(pga: float) -> str:
-    """Text of a warning on an implausible peak ground acceleration [m/s^2]; empty if plausible."""
-    known = PLAUSIBLE["pga"]
-    return "" if known.holds(pga) else f"{pga / constants.g:.3g} g, and {known.usually}"
+def doubts(shaken: xr.Dataset) -> list[str]:
+    """Texts on implausible shaking."""
+    pga, known = float(shaken["peak_ground_acceleration"]), PLAUSIBLE["pga"]
+    if known.holds(pga):
+        return []
+    return [f"peak ground acceleration: {pga / constants.g:.3g} g, and {known.usually}"]

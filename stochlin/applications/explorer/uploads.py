@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -18,8 +18,17 @@ from stochlin.solver.tables.inputs import only_within
 from stochlin.solver.tables.toml import read_toml
 
 DEEPEST = 16  # folders within one another
-OF_SITE = re.compile(r": (site|motion)\b")  # in warnings, the table of the key
-_LAST: dict[Path, tuple[Case, list[str]]] = {}  # the last case that was read, and warnings on its site
+
+
+class _Last:
+    """The last site with its ground, what it was read from, and warnings on the ground."""
+
+    shaking: Any = None
+    site: Any = None
+    warned: Sequence[warnings.WarningMessage] = ()
+
+
+_LAST = _Last()
 
 
 class Upload(NamedTuple):
@@ -75,23 +84,22 @@ def of_file(path: Path) -> Upload:
 def read_upload(folder: str, name: str, text: str) -> tuple[Case, list[str]]:
     """The case of this text in a folder outside of which nothing is read, and warnings on it.
 
-    Its ground is fitted and scaled, unless that of the last text of the file is the same.
+    Its ground is fitted and scaled, unless site and motion are those of the last text.
     """
     path = Path(folder) / name
-    before, of_site = _LAST.get(path, (None, []))
     with only_within(path.parent), warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", DoubtfulInput)
         try:
-            case = case_of(read_table(path, text), before)
-            _ = case.site.ground
+            case = case_of(read_table(path, text))
+            shaking = path, case.whole.site.values, case.whole.motion.values
+            if shaking != _LAST.shaking:
+                before = len(caught)
+                _ = case.site.ground
+                _LAST.shaking, _LAST.site, _LAST.warned = shaking, case.site, caught[before:]
         except (OSError, ValueError) as error:
             raise ValueError(_without(folder, error)) from error
-    doubts = [str(message.message) for message in caught]
-    if before is not None and case.site is before.site:
-        doubts = of_site + doubts
-    _LAST.clear()
-    _LAST[path] = case, [message for message in doubts if OF_SITE.search(message)]
-    return case, doubts
+    doubts = {str(warning.message): None for warning in [*caught, *_LAST.warned]}
+    return replace(case, site=_LAST.site), [*doubts]
 
 
 def _without(folder: str, error: Exception) -> str:

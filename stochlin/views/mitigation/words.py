@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stochlin.applications.cases.rows import pair_of, simulated_as
+from stochlin.applications.cases.rows import simulated_as
 from stochlin.applications.cases.shaking import doubts
 from stochlin.applications.separation.separation import AT_LEAST, LESS
 from stochlin.views.shared.blocks import Items, Table, ViewSection, texts
@@ -64,11 +64,9 @@ Columns = dict[str, "Callable[[xr.Dataset], str]"]  # heads, and the cells below
 def answer_sections(table: xr.Dataset, case: Case) -> list[ViewSection]:
     """The answer, the measures in simulated motions and in records, and what their columns mean."""
     case = simulated_as(case, table)
-    built = table.isel(measure=0)
-    peaks = float(built.peak_mean_1), float(built.peak_mean_2)
     about = (floors(case), *left_out(case), _headline(table), shaking(table, case), scatter(case))
     return [
-        opening(case, doubts(table, pair_of(case), float(built.required_gap), peaks)),
+        opening(case, doubts(table)),
         ViewSection("", [*texts(about), *unknowns(case, "needed gaps and shares are those")]),
         ViewSection("", [_table(along(table, "measure"), _of_motions(table))]),
         *_devices(table),

@@ -76,11 +76,7 @@ STRENGTH = (
 
 def answer_sections(case: Case, tables: Mapping[str, xr.Dataset]) -> list[ViewSection]:
     """All that is shown, record by record, and the meaning of the columns."""
-    doubtful = [
-        f"in {record} {text}"
-        for record, table in tables.items()
-        for text in doubts(table, case.buildings, peaks=_peaks(table))
-    ]
+    doubtful = [f"in {record} {text}" for record, table in tables.items() for text in doubts(table)]
     of_records = [_in_record(case, record, table) for record, table in tables.items()]
     return [
         opening(case, doubtful),
@@ -98,11 +94,6 @@ def _in_record(case: Case, record: str, table: xr.Dataset) -> list[Block]:
         *(each(table) for each in tables),
         *texts([energies(table), step_error(table)]),
     ]
-
-
-def _peaks(table: xr.Dataset) -> tuple[float, ...]:
-    """Largest displacement of each building [m]."""
-    return tuple(map(float, table.peak.max({*table.peak.dims} - {"structure"})))
 
 
 def headline(table: xr.Dataset) -> str:
@@ -308,7 +299,7 @@ def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
     notes = [ERRORS, *["Alone: without pounding."] * meets, *[OF_ROOF] * ("floor" in table.dims)]
     notes += [JUMPS] * (meets and bool(table.hardest_force_between_mean.isnull().any()))
     return [
-        opening(case, doubts(strongest, case.buildings, peaks=_peaks(table))),
+        opening(case, doubts(strongest)),
         ViewSection("", texts([floors(case), *left_out(case)])),
         *(ViewSection("", texts(several)) for several in (about, [failed], [columns])),
         ViewSection("", [Table.of(heads, rows), Text(" ".join(notes))]),

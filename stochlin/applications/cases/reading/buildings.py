@@ -54,7 +54,6 @@ HEIGHT = Quantity("m", POSITIVE, PLAUSIBLE["height"])
 MOVE = Quantity("m", NOT_NEGATIVE, PLAUSIBLE["displacements"])
 DIVISOR = Quantity("1", OF_IMPORTANCE)
 TWO_MODES = ListOf(integer(1, MOST_STOREYS), length=2)
-SHARES = 0.4, 1.05  # plausible effective masses of a first mode, over the whole mass
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,12 +162,6 @@ class Oscillator(OfBuilding):
         if self.participation is None:
             raise self.missing("participation")
         softer = float(np.sqrt(ideal.initial_stiffness / ideal.effective_stiffness))
-        if structure.mass is not None:
-            stiffness = float(ideal.initial_stiffness) * self.participation
-            share = stiffness * (structure.period / (2 * np.pi)) ** 2 / structure.mass
-            if not SHARES[0] < share < SHARES[1]:
-                what = f"its stiffness and the period give {share:.3g} of the mass as effective mass"
-                self.table.warn("pushover", f"is doubtful: {what}; check units, period and mass")
         return replace(
             structure,
             period=structure.period * softer,
@@ -310,6 +303,11 @@ class Building:
         return isinstance(self.structure, MultistoreyBuilding)
 
     @property
+    def floors(self) -> int:
+        """Number of its floors; an oscillator has one."""
+        return int(self.structure.storeys) if self.has_storeys else 1
+
+    @property
     def height(self) -> float | None:
         """Level of the roof [m], if it is known."""
         return float(self.structure.levels()[-1]) if self.has_storeys else self.form.height
@@ -357,11 +355,12 @@ def read_building(table: Table, number: int) -> Building:
     """A building by the form that has most of its keys."""
     form: Any = table.read(*((ByModes,) if "modes" in table else FORMS))
     building = Building(form.name or f"Building {number}", form.model(), form)
-    floors = building.storeys if building.has_storeys else 1
-    counts = {"storeys": form.storeys, "displacements": len(form.displacements)}
-    for name in counts if building.has_storeys else ["displacements"]:
-        if counts[name] not in (None, 0, floors):
-            raise table.error(name, f"does not fit {floors} floors; allowed: {floors}")
+    counts = {"displacements": len(form.displacements)}
+    if building.has_storeys:
+        counts["storeys"] = form.storeys
+    for name, count in counts.items():
+        if count not in (None, 0, building.floors):
+            raise table.error(name, f"does not fit {building.floors} floors; allowed: {building.floors}")
     if building.has_storeys and not form.elastic:
         for warning in building.structure.doubts():
             table.warn(building.strength, f"is doubtful: {warning}")

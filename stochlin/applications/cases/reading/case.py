@@ -44,17 +44,6 @@ class Whole(Form):
     measures: Table | None = key(TABLE, "Measures against pounding, each with its name", None)
     mitigation: Table | None = key(TABLE, "What measures have to achieve", None)
 
-    def shakes_as(self, other: Whole) -> bool:
-        """Whether site and motion are those of another text of the same file."""
-        tables = (self.site, other.site), (self.motion, other.motion)
-        same = self.table.source.path == other.table.source.path
-        return same and all(table.values == of_other.values for table, of_other in tables)
-
-    @classmethod
-    def elsewhere(cls, table: Table, name: str) -> str:
-        """Where a hazard belongs."""
-        return "is of the site; write [site.hazard], below its other keys" * (name == "hazard")
-
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
         """With the buildings, none left out, and the next one, which a wrong name may mean."""
@@ -161,8 +150,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
         factor below 0.6 or above 20, a base shear coefficient above 1, a yield displacement above 2 m, a
         yield drift above a tenth of the storey height, a behaviour factor above 12, a confidence below
         0.01, a motion that ends before its strong part, shaking that is not felt or was never recorded,
-        a hazard that exceeds a PGA of 1 g once in 150 years, an allowed risk above 0.01 per year, or
-        floors that are stated to align and do not.
+        an allowed risk above 0.01 per year, or floors that are stated to align and do not.
 
     Examples
     --------
@@ -183,13 +171,10 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     return case_of(read_table(input_path("path", path)))
 
 
-def case_of(table: Table, before: Case | None = None) -> Case:
-    """The case of a file; a site that is that of ``before`` is not read and fitted anew."""
+def case_of(table: Table) -> Case:
+    """The case of a file."""
     whole = table.read(Whole)
-    if before is not None and before.whole.shakes_as(whole):
-        site = before.site
-    else:
-        site = read_site(whole.site, whole.motion)
+    site = read_site(whole.site, whole.motion)
     row = range(1, len(whole.more) + 1)
     buildings = tuple(read_building(whole.more[f"building_{n}"], n) for n in row)
     wanted = whole.separation.read(Wanted)
@@ -203,7 +188,7 @@ def case_of(table: Table, before: Case | None = None) -> Case:
         described=buildings,
         wanted=wanted,
         simulated=table.table("simulation").read(Simulated),
-        codes=wanted.applied_codes(buildings, site.written),
+        codes=wanted.applied_codes(buildings, site.spectrum),
         contact=whole.contact.read(OfContact).contact() if whole.contact else None,
         measures=read_measures(table.table("measures"), buildings),
     )

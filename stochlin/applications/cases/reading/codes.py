@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import xarray as xr
 
@@ -14,12 +15,13 @@ from stochlin.applications.cases.reading.kinds import (
     TRUTH,
     Inner,
     Key,
+    Kind,
     ListOf,
     Quantity,
+    Warn,
     Word,
     integer,
     key,
-    keys_of,
 )
 from stochlin.applications.cases.reading.records import PEAK
 from stochlin.applications.cases.reading.tables import Form, Table
@@ -53,6 +55,13 @@ FACTORS = {
 OF_DESIGN = ("displacements", *FACTORS.values())
 
 
+def _risk(written: Any, warn: Warn) -> Any:
+    return (TEXT if isinstance(written, str) else RATE).read(written, warn)
+
+
+RISK = Kind(_risk, "a text with its time, or a number per year", '"2 % in 50 years"')
+
+
 @dataclass(frozen=True, kw_only=True)
 class Numbers(Form):
     """Numbers of code rules in place of their defaults; ``more`` has them by name."""
@@ -70,7 +79,7 @@ class Wanted(Form):
 
     existing: list[float] = key(ListOf(GAP, "listed"), "Existing gap", ())
     confidence: float = key(SHARE, "Confidence of no pounding")
-    risk: str | float | None = key(TEXT, "Allowed risk of pounding", None)
+    risk: str | float | None = key(RISK, "Allowed risk of pounding", None)
     floors_align: bool = key(TRUTH, "Floors at the same levels", False)
     same_property: bool = key(TRUTH, "On one property", False)
     same_system: bool = key(TRUTH, "Same structural system", False)
@@ -79,14 +88,6 @@ class Wanted(Form):
     design_pga: float | None = key(PEAK, "Peak ground acceleration of the design", None)
     unverified: bool = key(TRUTH, "Rules that are not compared with their source", False)
     numbers: Table | None = key(Inner(), "Numbers of rules in place of the usual ones", None)
-
-    @classmethod
-    def keys(cls, table: Table) -> dict[str, Key]:
-        """The risk is a text with its time, or a rate."""
-        keys = keys_of(cls)
-        if "risk" in table and not isinstance(table.values["risk"], str):
-            keys["risk"] = keys["risk"]._replace(kind=RATE)
-        return keys
 
     def of_rules(self) -> Mapping[str, float]:
         """Numbers of rules by name."""

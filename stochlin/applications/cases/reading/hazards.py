@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import constants
 
 from stochlin.applications.cases.reading.kinds import (
     TEXT,
@@ -24,7 +23,6 @@ from stochlin.applications.risk.risk import simulated_at
 from stochlin.applications.sites.hazard_files import read_hazard
 from stochlin.models.hazards import MEASURES, Hazard, HazardCurve, PowerLawHazard
 from stochlin.models.parameters import POSITIVE, Range
-from stochlin.models.plausible import OFTEN, STRONG
 
 YEARS = Quantity("yr", POSITIVE)
 DEGREES = Quantity("1", Range(-360.0, 360.0, True, True))
@@ -130,23 +128,4 @@ def read_hazard_of(table: Table) -> Hazard | None:
         return None
     if not {"file", "intensities", "k0", "k"} & table.values.keys():
         raise table.error("", f"has no numbers; {EXAMPLE}")
-    hazard = table.read(OfFile, OfPoints, OfPowerLaw).hazard()
-    if warning := doubtful(hazard):
-        table.warn("measure", f"is doubtful: {warning}")
-    return hazard
-
-
-def doubtful(hazard: Hazard) -> str:
-    """Text of a warning on a hazard of a strength that no site has; empty if it is plausible."""
-    strong = STRONG[hazard.measure]
-    if isinstance(hazard, HazardCurve):  # not beyond its ends
-        strong = max(strong, hazard.intensities[0])
-        if strong > hazard.intensities[-1]:
-            return ""
-    if (rate := float(hazard.frequency(strong))) * OFTEN < 1:
-        return ""
-    unit, size = ("m^2/s^3", 1.0) if hazard.measure == "intensity" else ("g", constants.g)
-    return (
-        f"it exceeds {hazard.measure} = {strong / size:.3g} {unit} once in {1 / rate:.3g} years, and no "
-        f"site does so in less than {OFTEN:g}; are its units right?"
-    )
+    return table.read(OfFile, OfPoints, OfPowerLaw).hazard()

@@ -62,45 +62,8 @@ class Quantity:
 
     def read(self, written: Any, warn: Warn) -> float | Uncertain:
         """The number in SI; a ValueError if it is not valid."""
-        if isinstance(written, str) and UNCERTAIN.search(written):
-            return self._uncertain(written, warn)
-        return self.certain(written, warn)
-
-    def certain(self, written: Any, warn: Warn) -> float:
-        """A number without a spread."""
-        value = self.in_si(written)
-        if not self.allowed.contains(value):
-            shown = self._in_usual_units(written, value) if self.units == "1" else f", in {self.units}"
-            raise ValueError(f"is out of range; allowed: {self.allowed}{shown}")
-        if not self.plausible.holds(value):
-            warn(f"is doubtful: {self.plausible.usually}{self._in_usual_units(written, value)}")
-        return value
-
-    def in_si(self, written: Any) -> float:
-        """A number in SI, within its range or not."""
-        number, unit = self._split(written)
-        if re.match(r",\s*\d", unit):
-            signs = (".", "") if number and re.match(r",\d{3}(?!\d)", unit) else (".",)
-            pointed = " or ".join(f'"{plain(written.strip().replace(",", sign), 40)}"' for sign in signs)
-            raise ValueError(f"has a comma; allowed: a decimal point, as {pointed}")
-        size = self.size(unit) if unit else 1.0
-        if size is None:
-            raise ValueError(f"has the unknown unit {brief(unit)}; allowed: {', '.join(self.spellings)}")
-        if not unit and self.units != "1":
-            suggested = ", ".join(self._ways(number))
-            raise ValueError(f"has no unit; allowed: a text with one of its units, {suggested}")
-        return number * size
-
-    def _split(self, written: Any) -> tuple[float, str]:
-        """The number and its unit as they are written."""
-        if isinstance(written, str) and (match := NUMBER.fullmatch(written)):
-            return float(match[1]), match[2].strip()
-        if is_number(written) or is_whole(written):
-            return (float(written) if is_number(written) else math.inf), ""
-        text = "a number" if self.units == "1" else "a text with a number and its unit"
-        raise ValueError(f"is no number; allowed: {text}, as {self.example}")
-
-    def _uncertain(self, written: str, warn: Warn) -> Uncertain:
+        if not (isinstance(written, str) and UNCERTAIN.search(written)):
+            return self.certain(written, warn)
         if not self.uncertain:
             allowed = f"one number, as {self.example}; what describes a building or the ground can"
             raise ValueError(f"cannot be uncertain; allowed: {allowed}: {DESCRIBED}")
@@ -120,18 +83,50 @@ class Quantity:
             f'of its logarithm, or "8 to 12 {unit_shown}", evenly between both'
         )
 
-    def _ways(self, number: float) -> dict[str, float]:
-        """Ways to write a number, with their values in SI; plausible ones come first."""
-        shown = f"{number:.12g}"
-        ways = {f'"{shown} {unit}"': size * number for unit, size in self.spellings.items()}
-        if self.units == "1":
-            ways = {shown: number}
-            if 1 in (self.allowed.upper, self.plausible.high):  # a share
-                ways[f'"{shown} %" or {number / 100:g}'] = number / 100
-        allowed = {text: value for text, value in ways.items() if self.allowed.contains(value)} or ways
-        return dict(sorted(allowed.items(), key=lambda way: not self.plausible.holds(way[1])))
+    def certain(self, written: Any, warn: Warn) -> float:
+        """A number in SI without a spread."""
+        value = self.in_si(written)
+        if not self.allowed.contains(value):
+            question = self._meant(written, value) if self.units == "1" else f", in {self.units}"
+            raise ValueError(f"is out of range; allowed: {self.allowed}{question}")
+        if not self.plausible.holds(value):
+            warn(f"is doubtful: {self.plausible.usually}{self._meant(written, value)}")
+        return value
 
-    def _in_usual_units(self, written: Any, value: float) -> str:
+    def in_si(self, written: Any) -> float:
+        """A number in SI, within its range or not."""
+        number, unit = self._split(written)
+        if re.match(r",\s*\d", unit):
+            signs = (".", "") if number and re.match(r",\d{3}(?!\d)", unit) else (".",)
+            pointed = " or ".join(f'"{plain(written.strip().replace(",", sign), 40)}"' for sign in signs)
+            raise ValueError(f"has a comma; allowed: a decimal point, as {pointed}")
+        if not unit and self.units != "1":
+            ways = ", ".join(self._ways(number))
+            raise ValueError(f"has no unit; allowed: a text with one of its units, {ways}")
+        size = self.size(unit) if unit else 1.0
+        if size is None:
+            raise ValueError(f"has the unknown unit {brief(unit)}; allowed: {', '.join(self.spellings)}")
+        return number * size
+
+    def _split(self, written: Any) -> tuple[float, str]:
+        """The number and its unit as they are written."""
+        if isinstance(written, str) and (match := NUMBER.fullmatch(written)):
+            return float(match[1]), match[2].strip()
+        if is_number(written) or is_whole(written):
+            return (float(written) if is_number(written) else math.inf), ""
+        text = "a number" if self.units == "1" else "a text with a number and its unit"
+        raise ValueError(f"is no number; allowed: {text}, as {self.example}")
+
+    def _ways(self, number: float) -> dict[str, float]:
+        """Ways to write a number, with their values in SI."""
+        shown = f"{number:.12g}"
+        if self.units != "1":
+            return {f'"{shown} {unit}"': size * number for unit, size in self.spellings.items()}
+        of_percent = 1 in (self.allowed.upper, self.plausible.high)  # a share
+        percent = {f'"{shown} %" or {number / 100:g}': number / 100} if of_percent else {}
+        return {shown: number, **percent}
+
+    def _meant(self, written: Any, value: float) -> str:
         """Another way to write the number that is allowed and plausible, as a question; or nothing."""
         for text, other in self._ways(self._split(written)[0]).items():
             fits = self.allowed.contains(other) and self.plausible.holds(other)
@@ -235,14 +230,14 @@ class ListOf:
             raise ValueError(f"is no list{count}; allowed: a list, as {self._list}")
         values = [self._value(place, each, warn) for place, each in enumerate(written, 1)]
         uncertain = [value for value in values if isinstance(value, Uncertain)]
+        spreads = {(value.kind, round(value.spread, 6)) for value in uncertain}
         if not uncertain:
             return values
-        spread, kind = uncertain[0].spread, uncertain[0].kind
-        alike = [u for u in uncertain if u.kind == kind and math.isclose(u.spread, spread, rel_tol=1e-6)]
-        if len(alike) < len(values):
+        if len(spreads) > 1 or len(uncertain) < len(values):
             what = "has numbers with different spreads; allowed: one spread for all of them"
             raise ValueError(f"{what}, since they vary together, by one factor")
-        return Uncertain(np.array([each.median for each in alike]), spread, kind)
+        medians = np.array([value.median for value in uncertain])
+        return Uncertain(medians, uncertain[0].spread, uncertain[0].kind)
 
     @property
     def _list(self) -> str:
@@ -280,17 +275,14 @@ class Key(NamedTuple):
 
 def key(kind: Any, about: str, default: Any = MISSING) -> Any:
     """Declare a key as a field of a form."""
-    return field(default=default, metadata={"kind": kind, "about": about})
-
-
-def quantity_of(model: type[Model], name: str, uncertain: bool = False) -> Quantity:
-    """The number that a parameter of a model is, with its unit and range."""
-    return Quantity(model.units(name), model.allowed(name), PLAUSIBLE.get(name, ANY), uncertain)
+    return field(default=default, metadata={"key": Key(kind, about, default)})
 
 
 def key_of(model: type[Model], name: str, uncertain: bool = False, single: str | None = None) -> Key:
     """A parameter of a model as a key: a number, or as in `ListOf` with ``single``."""
-    quantity, parameter = quantity_of(model, name, uncertain), model.__dataclass_fields__[name]
+    parameter = model.__dataclass_fields__[name]
+    plausible = PLAUSIBLE.get(name, ANY)
+    quantity = Quantity(model.units(name), model.allowed(name), plausible, uncertain)
     kind = quantity if single is None else ListOf(quantity, single)
     return Key(kind, parameter.metadata["long_name"].capitalize(), parameter.default)
 
@@ -311,11 +303,7 @@ def of(
 
 def keys_of(form: type) -> dict[str, Key]:
     """The keys of a form by name."""
-    return {
-        each.name: Key(each.metadata["kind"], each.metadata["about"], each.default)
-        for each in fields(form)
-        if "kind" in each.metadata
-    }
+    return {each.name: each.metadata["key"] for each in fields(form) if "key" in each.metadata}
 
 
 def keys_of_model(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, dataclass, replace
 from typing import Any
 
@@ -16,9 +16,9 @@ from stochlin.applications.cases.reading.kinds import (
     Word,
     integer,
     key,
+    key_of,
     keys_of,
     keys_of_model,
-    quantity_of,
 )
 from stochlin.applications.cases.reading.tables import Form, Table
 from stochlin.models.arguments import A_LABEL, is_label
@@ -28,7 +28,6 @@ from stochlin.models.links import Link
 from stochlin.models.measures import Measure
 
 DEVICE = ("stiffness", "damping_constant", "damping_exponent", "hardening", "yield_displacement")
-TIED = "link_stiffness", "link_damping_constant"
 ALL = "all"
 
 
@@ -44,10 +43,10 @@ class OfContact(Form):
         keys, kind = keys_of(cls), CONTACTS.get(str(table.values.get("model")))
         arguments = inspect.signature(kind).parameters if kind else {}
         for name, argument in arguments.items():
-            quantity = Quantity("1", RESTITUTION if name == "restitution" else DAMPING)
-            if kind and name in kind.parameter_names():
-                quantity = quantity_of(kind, name)
-            keys[name] = Key(quantity, "", MISSING if argument.default is argument.empty else None)
+            ratio = Quantity("1", RESTITUTION if name == "restitution" else DAMPING)
+            declared = kind is not None and name in kind.parameter_names()
+            known = key_of(kind, name) if kind and declared else Key(ratio, "")
+            keys[name] = known._replace(default=MISSING if argument.default is argument.empty else None)
         if "stiffness" in keys and "exponent" in keys:
             exponent = table.values.get("exponent", arguments["exponent"].default)
             keys["stiffness"] = _in_units(keys["stiffness"], f"N/m^{exponent}")
@@ -65,7 +64,7 @@ class Devices(Form):
 
     goes_with = (("hardening", "yield_displacement"), ("damping_exponent", "damping_constant"))
 
-    storeys: Any = key(ListOf(integer(1), "alone"), "Storeys with a device, or all", ALL)
+    storeys: Any = key(ListOf(integer(1), "listed"), "Storeys with a device, or all", ALL)
 
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
@@ -77,26 +76,19 @@ class Devices(Form):
 
     def links(self, number: int, building: Building) -> list[Link]:
         """A link in each storey; an oscillator has one storey."""
-        if not {"stiffness", "damping_constant"} & self.more.keys():
-            what = "does nothing; allowed: stiffness, damping_constant, or both"
-            raise self.table.error("", what)
-        count = building.structure.storeys if building.has_storeys else 1
-        storeys = [*range(1, count + 1)] if self.storeys == ALL else self.storeys
-        if not isinstance(storeys, list) or max(storeys) > count or len({*storeys}) < len(storeys):
-            what = f"is not a list of storeys of {building.name}; allowed: {ALL!r}, or a list of whole"
-            raise self.table.error("storeys", f"{what} numbers from 1 to {count}, each once")
-        for name, value in self.more.items():
-            if isinstance(value, list) and len(value) != len(storeys):
-                what = f"has {len(value)} values for dampers in {len(storeys)} storeys"
+        storeys = [*range(1, building.floors + 1)] if self.storeys == ALL else self.storeys
+        if max(storeys) > building.floors:
+            what = f"is not in {building.name}; allowed: {ALL!r}, or storeys 1 to {building.floors}"
+            raise self.table.error("storeys", what)
+        each = {n: v if isinstance(v, list) else [v] * len(storeys) for n, v in self.more.items()}
+        for name, values in each.items():
+            if len(values) != len(storeys):
+                what = f"has {len(values)} values for dampers in {len(storeys)} storeys"
                 raise self.table.error(name, f"{what}; allowed: one for all of them, or one for each")
+        of_each = ({name: values[n] for name, values in each.items()} for n in range(len(storeys)))
         return [
-            self.table.made(
-                Link,
-                **{name: v[n] if isinstance(v, list) else v for name, v in self.more.items()},
-                structures=(number, number),
-                floors=(storey, storey - 1),
-            )
-            for n, storey in enumerate(storeys)
+            _link(self.table, values, structures=(number, number), floors=(storey, storey - 1))
+            for storey, values in zip(storeys, of_each, strict=True)
         ]
 
 
@@ -124,12 +116,15 @@ class OfMeasure(Form):
         """The measure."""
         if not self.table.values:
             raise self.table.error("", f"does nothing; allowed: {', '.join(self.keys(self.table))}")
+        link = {n.removeprefix("link_"): v for n, v in self.more.items() if n.startswith("link_")}
         own = {name: value for name, value in self.more.items() if not name.startswith("link_")}
         for name, value in own.items():
             if "ening" in name and value < 1:
                 what = f"it leaves less than there is; to add that, write {name} = {1 + value:g}"
                 self.table.warn(name, f"is doubtful: {what}")
-        links = self._link(buildings)
+        links = (
+            [_link(self.table, link, floors=self._floors(buildings))] if link or self.link_floors else []
+        )
         for number, devices in enumerate((self.dampers_1, self.dampers_2), start=1):
             if devices is not None:
                 links += devices.read(Devices).links(number, buildings[number - 1])
@@ -140,23 +135,26 @@ class OfMeasure(Form):
         measure: Measure = self.table.made(Measure, **own)
         return measure
 
-    def _link(self, buildings: Sequence[Building]) -> list[Link]:
-        """The link between both buildings, if there is one."""
-        link = {n.removeprefix("link_"): v for n, v in self.more.items() if n.startswith("link_")}
-        if self.link_floors is not None:
-            if not link:
-                what = f"has no link to tie; allowed: beside {' or '.join(TIED)}"
-                raise self.table.error("link_floors", what)
-            counts = [b.structure.storeys if b.has_storeys else 1 for b in buildings]
-            if any(floor > count for floor, count in zip(self.link_floors, counts, strict=True)):
-                numbers = " and ".join(
-                    f"1 to {count} of {building.name}"
-                    for building, count in zip(buildings, counts, strict=True)
-                )
-                what = f"is not a floor of each building; allowed: {numbers}, as link_floors = {counts}"
-                raise self.table.error("link_floors", what)
-            link["floors"] = tuple(self.link_floors)
-        return [self.table.made(Link, **link)] if link else []
+    def _floors(self, buildings: Sequence[Building]) -> tuple[int, int] | None:
+        """The floors that the link ties, one of each building."""
+        if self.link_floors is None:
+            return None
+        counts = [building.floors for building in buildings]
+        if any(floor > count for floor, count in zip(self.link_floors, counts, strict=True)):
+            each = (f"1 to {building.floors} of {building.name}" for building in buildings)
+            what = f"is not a floor of each building; allowed: {' and '.join(each)}"
+            raise self.table.error("link_floors", f"{what}, as link_floors = {counts}")
+        return self.link_floors[0], self.link_floors[1]
+
+
+def _link(table: Table, values: Mapping[str, Any], **ends: Any) -> Link:
+    """A link with these parameters and ends."""
+    if not {"stiffness", "damping_constant"} & values.keys():
+        raise table.error(
+            "", "has a link that does nothing; allowed: a stiffness, a damping constant, or both"
+        )
+    link: Link = table.made(Link, **values, **ends)
+    return link
 
 
 def read_measures(table: Table, buildings: Sequence[Building]) -> dict[str, Measure]:

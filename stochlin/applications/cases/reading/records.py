@@ -84,28 +84,22 @@ class Suite(Reading):
         ListOf(TIME, length=2), "The two periods between which it is scaled to the spectrum", None
     )
 
-    def read(self) -> dict[str, xr.DataArray]:
-        """The records as they are in their files."""
-        if self.band and not self.band[0] < self.band[1]:
-            raise self.table.error("band", 'is no band; allowed: two periods, as ["0.2 s", "2 s"]')
-        options = self.given(*READING, "skip_unreadable")
-        path = self.table.path("path")
-        with self.table.naming("path"):
-            suite = read_records(path, **options)
-        beside = path if path.is_dir() else path.parent
-        self.table.source.files.extend(beside / record.attrs["file"] for record in suite.values())
-        return suite
-
-    def scaled(
-        self, suite: dict[str, xr.DataArray], spectrum: xr.DataArray | None
-    ) -> dict[str, xr.DataArray]:
-        """The records scaled to their goal, if they have one."""
+    def read(self, spectrum: xr.DataArray | None) -> dict[str, xr.DataArray]:
+        """The records, scaled to their goal if they have one."""
         goal: dict[str, Any] = self.given("pga", "sa", "band")
         if self.sa_period is not None:
             goal["period"] = self.sa_period
         if self.scale_to is not None:
+            if spectrum is None:
+                what = "is not there: the site has a ground; allowed: pga, sa, or a site by its spectrum"
+                raise self.table.error("scale_to", what)
             goal["spectrum"] = spectrum
+        path, options = self.table.path("path"), self.given(*READING, "skip_unreadable")
         with self.table.naming("path"):
+            suite = read_records(path, **options)
+        beside = path if path.is_dir() else path.parent
+        self.table.source.files.extend(beside / record.attrs["file"] for record in suite.values())
+        with self.table.naming("band" if self.band else "path"):
             return scale_records(suite, **goal) if goal else suite
 
 
@@ -122,8 +116,12 @@ def read_single_records(tables: list[Table]) -> dict[str, xr.DataArray]:
     return records
 
 
-def check_names(suite: Mapping[str, Any], records: Mapping[str, Any], table: Table) -> None:
-    """Raise a ValueError if a record of the suite has the name of a single one."""
+def read_suite(
+    table: Table, records: Mapping[str, xr.DataArray], spectrum: xr.DataArray | None
+) -> dict[str, xr.DataArray]:
+    """The records of a suite by name; none may have the name of a single one."""
+    suite = table.read(Suite).read(spectrum)
     if twice := next((name for name in suite if name in records), ""):
         what = f"has {brief(twice)}, which site.records also has; give that another name"
         raise table.error("path", what)
+    return suite

@@ -8,7 +8,6 @@ from functools import cached_property, partial
 from itertools import islice
 from typing import Any, NamedTuple
 
-import numpy as np
 import xarray as xr
 
 from stochlin.applications.cases.reading.hazards import EXAMPLE, YEARS, read_hazard_of
@@ -30,9 +29,8 @@ from stochlin.applications.cases.reading.records import (
     PEAK,
     RESPONSE,
     TIME,
-    Suite,
-    check_names,
     read_single_records,
+    read_suite,
 )
 from stochlin.applications.cases.reading.tables import Form, Table
 from stochlin.applications.records.ground_fit import fitted_grounds
@@ -78,18 +76,12 @@ def grounds() -> list[str]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class OfMotion(Form):
-    """Keys of every motion."""
-
-    scatter: float | None = key(SPREAD, "Scatter of the strength between earthquakes", None)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Motion(OfMotion):
+class Motion(Form):
     """Duration and envelope of the motions."""
 
     envelope: str = key(Word(lambda: [*ENVELOPES, NONE, FITTED]), "Envelope", NONE)
     duration: float = key(TIME, "Duration")
+    scatter: float | None = key(SPREAD, "Scatter of the strength between earthquakes", None)
 
     @classmethod
     def keys(cls, table: Table) -> dict[str, Key]:
@@ -107,11 +99,12 @@ class Motion(OfMotion):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MotionOfRecord(OfMotion):
+class MotionOfRecord(Form):
     """A motion that is fitted to the first records, together with the ground."""
 
     envelope: str = key(Word((FITTED,)), "Envelope")
     components: int = key(integer(1, 2), "Number of components that are fitted to", 1)
+    scatter: float | None = key(SPREAD, "Scatter of the strength between earthquakes", None)
 
 
 # --- the table [site] ---
@@ -125,6 +118,10 @@ class OfSite(Form):
     suite: Table | None = key(Inner(), "A suite of records", None)
     hazard: Table | None = key(Inner(), "Hazard", None)
 
+    def goal(self, hazard: Hazard | None) -> dict[str, Any]:
+        """The wanted strength, as arguments of `scale_ground`; empty if the ground has its own."""
+        return {}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Scaled(OfSite):
@@ -137,6 +134,17 @@ class Scaled(OfSite):
     sa: float | None = key(RESPONSE, "Spectral acceleration, mean of the motions", None)
     sa_period: float | None = key(TIME, "Its period", None)
     return_period: float | None = key(YEARS, "Return period of the shaking, from the hazard", None)
+
+    def goal(self, hazard: Hazard | None) -> dict[str, Any]:
+        """Also the intensity, of a hazard of S0."""
+        if self.return_period is None:
+            of_sa = {} if self.sa_period is None else {"period": self.sa_period}
+            return self.given("pga", "sa") | of_sa
+        if hazard is None:
+            raise self.table.error("return_period", f"needs a hazard; {EXAMPLE}")
+        with self.table.naming("return_period", "is not in the hazard"):
+            strength = {hazard.measure: float(hazard.intensity(self.return_period))}
+        return strength if hazard.period is None else strength | {"period": hazard.period}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -218,7 +226,7 @@ class Asce7(Spectrum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class SpectrumFile(Spectrum, Scaled):
+class SpectrumFile(Spectrum):
     """A spectrum from a file, with a factor."""
 
     described_as = "spectrum of a file"
@@ -270,28 +278,27 @@ class Course(NamedTuple):
 class Site:
     """Ground and motions of a case; what has to be fitted or scaled is so when it is first needed.
 
-    ``written`` is the spectrum without the wanted strength, ``described`` the ground of the file, None
-    if it is fitted, and ``goal`` the key of the wanted strength with arguments of `scale_ground`.
+    ``described`` is the ground of the file, None if it is fitted, and ``goal`` has the wanted strength
+    as arguments of `scale_ground`.
     """
 
     form: Any
     motion: Motion | MotionOfRecord
-    single_records: Mapping[str, xr.DataArray]
-    suite: tuple[Suite, dict[str, xr.DataArray]] | None
+    records: Mapping[str, xr.DataArray]
     hazard: Hazard | None
-    goal: tuple[str, Mapping[str, Any]] | None
-    written: xr.DataArray | None = field(repr=False)
+    goal: Mapping[str, Any]
+    spectrum: xr.DataArray | None = field(repr=False)
     described: Any
 
     @property
     def name(self) -> str:
         """Ground or spectrum as written in the file."""
-        return str(self.form.ground if self.written is None else self.form.spectrum)
+        return str(self.form.ground if self.spectrum is None else self.form.spectrum)
 
     @property
     def components(self) -> dict[str, xr.DataArray]:
         """The first record, or the first two, to which ground and motion are fitted."""
-        return dict(islice(self.single_records.items(), getattr(self.motion, "components", 1)))
+        return dict(islice(self.records.items(), getattr(self.motion, "components", 1)))
 
     @cached_property
     def course(self) -> Course:
@@ -316,63 +323,39 @@ class Site:
         """Scatter of the strength between motions [-], of the file or by default."""
         return float(self.usual_scatter.scatter if self.motion.scatter is None else self.motion.scatter)
 
-    @cached_property
-    def records(self) -> Mapping[str, xr.DataArray]:
-        """The single records, followed by those of the suite, which are scaled to its goal."""
-        if self.suite is None:
-            return self.single_records
-        form, suite = self.suite
-        return {
-            **self.single_records,
-            **form.scaled(suite, self.spectrum if self.goal else self.written),
-        }
-
     @property
     def ground(self) -> Ground:
         """The ground, with its uncertain parameters at their medians."""
         ground: Ground = median_of(self.sampled_ground)
         return ground
 
-    @property
+    @cached_property
     def sampled_ground(self) -> Any:
         """The ground as strong as it is wanted, with its uncertain parameters."""
-        return self._scaled[0]
-
-    @cached_property
-    def spectrum(self) -> xr.DataArray | None:
-        """The design spectrum of the site as strong as its ground."""
-        if self.written is None or self.goal is None:
-            return self.written
-        return (np.sqrt(self._scaled[1]) * self.written).assign_attrs(self.written.attrs)
-
-    @cached_property
-    def _scaled(self) -> tuple[Any, float]:
-        """The ground as strong as it is wanted, and the factor on its intensity."""
-        described = self._described()
-        if self.goal is None:
-            return described, 1.0
-        (key, strength), ground = self.goal, median_of(described)
-        duration, envelope, _ = self.course
-        if "intensity" in strength:  # from a hazard of S0
-            scaled = replace(ground, **strength)
-        else:
-            with self.form.table.naming(key, "cannot be met"):
-                scaled = scale_ground(ground, duration, envelope, **strength, paths=paths_for(duration))
-        times = float(scaled.arrays()["intensity"] / ground.arrays()["intensity"])
-        uncertain = isinstance(described, UncertainModel)
-        return described.changed(partial(_times, factor=times)) if uncertain else scaled, times
-
-    def _described(self) -> Any:
-        """The ground before it is scaled."""
-        duration, envelope, fitted = self.course
-        described, table = self.described if fitted is None else fitted, self.form.table
-        if described is not None:
+        described = self.course.ground or self.described or self._fitted()
+        if not self.goal:
             return described
-        if self.written is not None:
+        ground, (duration, envelope, _) = median_of(described), self.course
+        if "intensity" in self.goal:  # from a hazard of S0
+            scaled = replace(ground, **self.goal)
+        else:
+            key = next(name for name in STRENGTHS if name in self.form.table)
+            with self.form.table.naming(key, "cannot be met"):
+                paths = paths_for(duration)
+                scaled = scale_ground(ground, duration, envelope, **self.goal, paths=paths)
+        if not isinstance(described, UncertainModel):
+            return scaled
+        times = float(scaled.arrays()["intensity"] / ground.arrays()["intensity"])
+        return described.changed(partial(_times, factor=times))
+
+    def _fitted(self) -> Ground:
+        """The ground that is fitted to the spectrum, or to the first record."""
+        (duration, envelope, _), table = self.course, self.form.table
+        if self.spectrum is not None:
             options = {"duration": duration, "envelope": envelope, "filters": self.form.filters}
             with table.naming("spectrum"):
-                return fit_ground(self.written, **options)
-        name, record = next(iter(self.single_records.items()))
+                return fit_ground(self.spectrum, **options)
+        name, record = next(iter(self.records.items()))
         with table.naming("ground", f"cannot be fitted to {name}"):
             ground = fit_ground(record, self.form.model, self.form.estimator)
         ratio = energy_ratio(record, ground, envelope, duration)
@@ -393,10 +376,8 @@ def _times(ground: Any, factor: float) -> Any:
 
 def read_site(table: Table, of_motion: Table) -> Site:
     """The tables [site] and [motion] with their files; nothing is fitted or simulated yet."""
-    motion: Any = of_motion.read(
-        Motion if of_motion.values.get("envelope") != FITTED else MotionOfRecord
-    )
-    with_motion = isinstance(motion, MotionOfRecord)
+    with_motion = of_motion.values.get("envelope") == FITTED
+    motion: Any = of_motion.read(MotionOfRecord if with_motion else Motion)
     form = _read_form(table, with_motion)
     records = read_single_records(table.tables("records"))
     if getattr(form, "ground", "") == FITTED and not records:
@@ -411,33 +392,11 @@ def read_site(table: Table, of_motion: Table) -> Site:
     if isinstance(form, Spectrum):
         with table.naming("spectrum"):
             spectrum = form.table_of()  # type: ignore[attr-defined]
-    suite = None
-    if "suite" in table:
-        of_suite = table.table("suite").read(Suite)
-        if of_suite.scale_to and spectrum is None:
-            what = "is not there: the site has a ground; allowed: pga, sa, or a site by its spectrum"
-            raise of_suite.table.error("scale_to", what)
-        suite = of_suite, of_suite.read()
-        check_names(suite[1], records, of_suite.table)
+    if form.suite is not None:
+        records |= read_suite(form.suite, records, spectrum)
     hazard = read_hazard_of(table.table("hazard"))
     described = form.model() if isinstance(form, ByParameters) else None
-    goal = _goal(form, hazard) if isinstance(form, Scaled) else None
-    site = Site(form, motion, records, suite, hazard, goal, spectrum, described)
+    site = Site(form, motion, records, hazard, form.goal(hazard), spectrum, described)
     if not with_motion:
         _ = site.course
     return site
-
-
-def _goal(form: Scaled, hazard: Hazard | None) -> tuple[str, dict[str, float]] | None:
-    """The key of the wanted strength, and arguments of `scale_ground`."""
-    if form.pga is not None:
-        return "pga", {"pga": form.pga}
-    if form.sa is not None and form.sa_period is not None:
-        return "sa", {"sa": form.sa, "period": form.sa_period}
-    if form.return_period is None:
-        return None
-    if hazard is None:
-        raise form.table.error("return_period", f"needs a hazard; {EXAMPLE}")
-    with form.table.naming("return_period", "is not in the hazard"):
-        strength = {hazard.measure: float(hazard.intensity(form.return_period))}
-    return "return_period", strength if hazard.period is None else strength | {"period": hazard.period}
