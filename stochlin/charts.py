@@ -28,7 +28,7 @@ from stochlin.views.figures.settings import ChartSettings as ChartSettings
 from stochlin.views.pounding.pictures import draw_ensemble as draw_ensemble
 from stochlin.views.pounding.pictures import draw_pound as draw_pound
 from stochlin.views.sensitivity.pictures import draw_sensitivity as draw_sensitivity
-from stochlin.views.separation.storeys import draw_heights as draw_heights
+from stochlin.views.separation.pictures import draw_heights as draw_heights
 from stochlin.views.shared.style import CURVES as CURVES
 from stochlin.views.shared.style import STYLE as STYLE
 from stochlin.views.shared.style import ratio_ticks as ratio_ticks

@@ -19,7 +19,7 @@ from stochlin.applications.cases.separation import CaseAnswer, answer_case
 from stochlin.views.separation.elevation import elevation_figure
 from stochlin.views.separation.report import answer_sections
 from stochlin.views.separation.words import allowances, first_lines
-from stochlin.views.shared.blocks import Items
+from stochlin.views.shared.blocks import Table
 from stochlin.views.shared.screen import lines
 
 pytestmark = pytest.mark.cli
@@ -231,25 +231,31 @@ def test_a_verdict_within_the_error_is_undecided(answer: Any) -> None:
     assert "89.0\N{NO-BREAK SPACE}% of the motions (85.0" in undecided[1]
 
 
-def test_the_strongest_shaking_is_a_factor_on_accelerations(answer: Any) -> None:
-    """They grow with the root of S0, here 0.01."""
-    one, factors = answer("oscillators"), {"": 0.2, "_lower": 0.19, "_upper": 0.21}
-    limits = {f"largest_intensity{end}": 0.01 * factor**2 for end, factor in factors.items()}
-    blocks = allowances(dataclasses.replace(one, existing=one.existing.assign(limits)))
-    (items,) = (block for block in blocks if isinstance(block, Items))
-    assert "Shaking: up to 0.2 [0.19 to 0.21] times as strong" in items.texts
+def test_limits_of_the_existing_gap_are_factors_on_what_there_is(answer: Any) -> None:
+    """Accelerations grow with the root of S0, here 0.01, and strength falls with R, here 4."""
+    one = answer("oscillators")
+    known = {"largest_intensity": (0.2, 0.19, 0.21), "least_added_damping": (0.1, 0.08, 0.12)}
+    known["largest_intensity"] = tuple(0.01 * factor**2 for factor in known["largest_intensity"])
+    known |= {"largest_reduction_factor": (2.0, 1.6, 2.5), "least_reduction_factor": (0.5, 0.4, 0.8)}
 
+    def shown(**changed: float) -> list[tuple[str, ...]]:
+        limits = {
+            f"{name}{end}{of}": changed.get(name, value)
+            for name, values in known.items()
+            for end, value in zip(("", "_lower", "_upper"), values, strict=True)
+            for of in (("_1", "_2") if "factor" in name else ("",))
+        }
+        (table, _) = allowances(dataclasses.replace(one, existing=one.existing.assign(limits)))
+        assert isinstance(table, Table)
+        return [tuple(row.cells[1:]) for row in table.rows]
 
-def test_changes_that_are_not_sufficient_are_told_apart(answer: Any) -> None:
-    one, names = answer("oscillators"), {"strength": "reduction", "shaking": "intens", "damping": "damp"}
-    for none in (["strength"], [*names]):
-        gone = {str(n): np.nan for n in one.existing for what in none if names[what] in str(n)}
-        blocks = allowances(dataclasses.replace(one, existing=one.existing.assign(gone)))
-        (items,) = (block for block in blocks if isinstance(block, Items))
-        texts = [block.text for block in blocks if block is not items]
-        assert f"No {' or '.join(none)} that was searched is sufficient alone." in texts
-        assert texts[0].startswith("Each of these changes alone") == bool(items.texts)
-        assert [text.partition(":")[0].lower() for text in items.texts] == [*names][len(none) :]
+    assert shown() == [
+        ("at least 2", "1.6 to 2.5"), ("at most 8", "5 to 10"),
+        ("at most 0.2", "0.19 to 0.21"), ("at least 0.1", "0.08 to 0.12"),
+    ]  # fmt: skip
+    beyond = shown(largest_reduction_factor=np.inf, least_reduction_factor=0.0, largest_intensity=np.nan)
+    assert beyond == [("any", ""), ("none", ""), ("at least 0.1", "0.08 to 0.12")]
+    assert shown(largest_reduction_factor=np.nan)[0] == ("none", "")
 
 
 @pytest.mark.parametrize(
@@ -261,7 +267,7 @@ def test_changes_that_are_not_sufficient_are_told_apart(answer: Any) -> None:
         ("too few motions", ["or more; the motions are too few for an upper end"]),
         ("codes without heights", ["asce_41", "needs height_1, height_2"]),
         ("codes", ["asce_41 as you apply it 60.0"]),
-        ("oscillators", ["Damping: at least", "In brackets: 95 % intervals", "rule gap [cm] error"]),
+        ("oscillators", ["change sufficient 95 % interval", "rule gap [cm] error"]),
     ],
 )
 def test_cautions_refusals_and_intervals_need_no_details(

@@ -32,19 +32,17 @@ from stochlin.applications.sites.simulated_spectra import Motions, compared_spec
 from stochlin.kernels.basics.parallel import Progress, part_of
 from stochlin.kernels.simulation.stepping import whole_groups
 from stochlin.messages import DoubtfulInput
-from stochlin.models.parameters import Model
 from stochlin.models.rules.codes import CODE_RULES
 from stochlin.models.uncertain import UncertainModel
 from stochlin.solver.tables import labels
 
 HAZARD = ": site.hazard cannot be used"
-POINTS, SPECTRUM_PATHS = 401, 512
+SPECTRUM_PATHS = 512
 OF_RISK = 0.2  # share of the work for the risk, if there is a hazard
 SEARCHES = 0.95  # share of the remaining work for the existing gap, if there is one
 WITH_SENSITIVITIES = 0.5  # share of the work before the sensitivities
 USUAL_PATHS, FEW_PATHS = 512, 128  # motions for the sensitivities
 BAND = 0.2, 1.5  # of the shortest and of the longest period of buildings, in which spectra are compared
-AROUND = 5.0  # factor of the range of the spectrum beyond the periods of buildings and ground
 YEARS = 50.0  # default time of the probability of pounding [yr]
 SHARE = 4  # motions of the case over those at each of the 13 intensities
 PREFIX, GAP, OF = "risk_", "risk_gap", "risk_of"
@@ -161,13 +159,8 @@ def _paths(case: Case) -> int:
     return FEW_PATHS if storeys else USUAL_PATHS
 
 
-def periods_of(*models: Model) -> list[float]:
-    """Periods of the structures and of the ground [s]; white noise has no period."""
-    return [float(model.arrays()["period"]) for model in models if "period" in model.arrays()]
-
-
 def _spectrum(case: Case) -> xr.Dataset:
-    """Response spectrum of the motions, compared with the target or the record; else the ground PSD."""
+    """Response spectrum of the motions beside the target or the record; empty if there is neither."""
     options: Any = {"paths": SPECTRUM_PATHS, "seed": case.simulated.seed}
     motion = case.site.course.duration, case.site.course.envelope
     if case.site.spectrum is not None:
@@ -176,12 +169,7 @@ def _spectrum(case: Case) -> xr.Dataset:
         compared = periods_of_fit(case.site.course.duration)
         of_record = checked_components(case.site.components).spectrum(compared)
         return compared_spectrum(Motions(case.site.ground, *motion, **options), compared, of_record)
-    periods = [*case.periods, *periods_of(case.site.ground)]
-    low, high = min(periods) / AROUND, max(periods) * AROUND
-    frequency = np.geomspace(2 * np.pi / high, 2 * np.pi / low, POINTS)
-    spectrum = case.site.ground.psd(frequency).rename("psd_ground").to_dataset()
-    attrs = {"units": "s", "long_name": "period"}
-    return spectrum.assign_coords(period=("frequency", 2 * np.pi / frequency, attrs))
+    return xr.Dataset()
 
 
 def _simulated_risk(case: Case, progress: Progress | None) -> SimulatedRisk | None:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from stochlin.views.separation.rules import own_codes
-from stochlin.views.separation.subjects import subject_of
 from stochlin.views.separation.words import (
     SHARE,
     confidence,
@@ -16,6 +15,7 @@ from stochlin.views.separation.words import (
     meeting_level,
     needed,
     share_of,
+    subject_of,
 )
 from stochlin.views.shared.blocks import Picture
 from stochlin.views.shared.page import PAGE_STYLE

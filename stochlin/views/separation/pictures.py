@@ -6,145 +6,187 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stochlin.views.separation.rules import AT_LEAST, LESS, WITHIN, rows
-from stochlin.views.separation.subjects import subject_of
+from stochlin.views.separation.words import gap_of, measure_of, subject_of
 from stochlin.views.shared.style import (
+    AS_GIVEN,
     CURVES,
+    decade_ticks,
     filled,
     legend_above,
-    name_rows,
     open_frame,
-    swatches,
+    styled,
 )
-from stochlin.views.shared.words import BEYOND, FAR, with_interval
-from stochlin.views.sites.pictures import draw_spectrum
+from stochlin.views.shared.symbols import typeset
+from stochlin.views.shared.words import roles_in_words, rule_label, with_interval
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
-
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from stochlin.applications.cases.separation import CaseAnswer
 
 WIDTH = 4.6  # inches: a phone shows it at three quarters of its size
-NAME_WIDTH = 36  # characters of the name of a rule on one line
-# Face, hatch: told apart in grey and in print.
-VERDICTS = {
-    "answer": ("#1b1b1b", ""),
-    AT_LEAST: ("#c6d9ea", ""),
-    LESS: ("#e0906a", "////"),
-    WITHIN: ("#f2f2f2", "xx"),
-    "no verdict": ("#ffffff", ""),
-}
-EDGE = "#1b1b1b"
-DENSITY = "Power spectral density of the ground acceleration over period."
-SPECTRUM = "Response spectra of the motions and of the target; below, the ratio with its 95 % interval."
-
-
-def rules_figure(answer: CaseAnswer) -> Figure:
-    """Gaps by rule, against the answer and its interval."""
-    shown = [row for row in rows(answer) if row.verdict in VERDICTS]
-    gaps = [100 * row.metres for row in shown]
-    names = [filled([row.label], NAME_WIDTH) for row in shown]
-    wide = any("\n" in name for name in names)
-    pitch = 0.34 if wide else 0.235
-    figure, axes = _blank(pitch * len(shown) + 1.35)
-    place = np.arange(len(shown))
-    right = 1.04 * _farthest(answer, gaps) or 1
-    for at, (row, gap) in enumerate(zip(shown, gaps, strict=True)):
-        face, hatch = VERDICTS[row.verdict]
-        style: Any = {"color": face, "hatch": hatch, "edgecolor": EDGE, "lw": 0.6, "zorder": 2}
-        axes.barh(at, min(gap, 2 * right), 0.68, **style)
-        if gap > right:
-            axes.text(0.98 * right, at, f"{row.gap} cm {BEYOND}", ha="right", va="center", size=9)
-    _answer_line(axes, answer)
-    name_rows(axes, place, names)
-    axes.set(xlim=(0, right), xlabel=_axis(answer))
-    verdicts = {row.verdict for row in shown}
-    looks = {verdict: look for verdict, look in VERDICTS.items() if verdict in verdicts}
-    figure.legend(
-        handles=swatches(looks, EDGE), loc="outside upper center", ncols=3, fontsize=9,
-        columnspacing=1.0, handlelength=1.4, handletextpad=0.5,
-    )  # fmt: skip
-    return figure
+PANEL, HEAD, LINE = 2.9, 0.5, 0.17  # inches: of a panel with its axis, of legends, of a line of text
+CAPTION = 66  # characters
+FORMULAS = ("eq_3_linearized", "linearization", "srss")  # beside the simulation, where they are known
+TICKS = 12  # at most, of storeys
+GREY = "0.75"
+CENTIMETRES = 100.0
 
 
 def distribution_figure(answer: CaseAnswer) -> Figure:
     """Probability of no pounding over the gap, in the motions and, if there are many, the records."""
     table, about = answer.separation, subject_of(answer.case)
-    samples = 100 * np.sort(table.separation_samples.values)
+    samples = CENTIMETRES * np.sort(table.separation_samples.values)
     share = np.linspace(0, 1, 401)
-    figure, axes = _blank(3.6)
+    figure, (axes,) = _panels(1)
     axes.plot(np.quantile(samples, share), share, color="0.1", zorder=3, label="motions")
     right = samples[-1]
     if answer.over_records is not None:
-        records = 100 * table.record_separation.values
+        records = CENTIMETRES * table.record_separation.values
         axes.ecdf(records, color="#6b5d45", lw=1.6, label="records")
         right = max(right, records.max())
     if answer.existing is not None and (now := 100 * answer.existing.attrs["gap_m"]) < 1.6 * right:
         right = max(right, 1.3 * now)  # farther off it would squeeze the rest
         line: Any = {"color": "#2166ac", "lw": 1.2, "ls": (0, (6, 1.5, 1, 1.5))}
         axes.axvline(now, label=f"existing {about.gap}", **line)
-    _answer_line(axes, answer)
+    gap, low, high = (CENTIMETRES * end for end in with_interval(table.isel(rule=0), "gap"))
+    if np.isfinite(high):
+        axes.axvspan(low, high, color=GREY, lw=0, zorder=1.5)
+    axes.axvline(gap, color="0.1", lw=1.2, ls=(0, (4, 2)), label="answer, 95 % interval")
     axes.axhline(answer.case.wanted.confidence, color="0.3", lw=0.9, ls=(0, (1, 1)), label="required")
     axes.set_yticks(np.arange(0, 1.01, 0.2), [f"{p:.0f} %" for p in np.arange(0, 101, 20)])
-    axes.set(xlim=(0, 1.04 * right or 1), ylim=(0, 1.02), xlabel=_axis(answer), ylabel=about.good)
+    axes.set(xlim=(0, 1.04 * right or 1), ylim=(0, 1.02))
+    axes.set(xlabel=f"{about.gap} [cm]", ylabel=about.good)
     legend_above(axes, 2, 9)
     return figure
 
 
-def _farthest(answer: CaseAnswer, gaps: Iterable[float]) -> float:
-    """The largest gap [cm] that is not so far off that it would squeeze the rest."""
-    needed = 100 * float(answer.separation.gap[0])
-    return max(gap for gap in gaps if gap <= FAR * needed) if needed > 0 else max(gaps)
-
-
-def spectrum_figure(answer: CaseAnswer) -> Figure:
-    """Spectrum of the site over period, with the periods of both buildings."""
-    from matplotlib.ticker import NullFormatter, StrMethodFormatter
-
-    spectrum = answer.spectrum
-    if "target" in spectrum:
-        return draw_spectrum(spectrum, False, answer.case.periods)
-    figure, axes = _blank(3.3)
-    period = spectrum.period.values
-    axes.plot(period, spectrum.psd_ground, color=CURVES[1][0], label="ground")
-    for n, building in enumerate(answer.case.buildings, start=1):
-        color, dash = CURVES[0] if n == 1 else CURVES[2]
-        axes.axvline(
-            building.period,
-            color=color,
-            linestyle=(0, (1, 1)) if n == 1 else dash,
-            label=f"building {n}",
-        )
-    axes.set_xscale("log")
-    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set(xlim=(period.min(), period.max()), ylim=(0, None))
-    axes.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
-    axes.set(xlabel="period [s]", ylabel="two-sided PSD [m$^2$/s$^3$]")
-    legend_above(axes, 3, 9)
+def risk_figure(answer: CaseAnswer) -> Figure:
+    """Share of motions in which the first of the gaps is not enough, by intensity."""
+    assert answer.risk is not None
+    risk, (name, units, unit) = answer.risk.isel(risk_gap=0), measure_of(answer)
+    figure, (axes,) = _panels(1)
+    x = risk.risk_intensity.values / unit
+    low, high = (100 * risk[f"risk_pounding_probability_{end}"] for end in ("lower", "upper"))
+    axes.fill_between(x, low, high, color=GREY, lw=0, label="95 % interval")
+    axes.plot(x, 100 * risk.risk_pounding_probability, color="0.1", marker="o", ms=3, label="simulated")
+    axes.set(xscale="log", ylim=(-2, 102), xlabel=typeset(f"{name} [{units}]"))
+    bad = "across the line" if answer.case.alone else "with pounding"
+    axes.set_ylabel(f"motions {bad} [%]")
+    decade_ticks(axes.xaxis)
+    legend_above(axes, 2, 9)
     return figure
 
 
-def _axis(answer: CaseAnswer) -> str:
-    return f"{subject_of(answer.case).gap} [cm]"
+@styled(AS_GIVEN | {"font.size": 10})
+def draw_heights(dataset: xr.Dataset, caption: bool = True) -> Figure:
+    """Draw the result of `stochlin.separation` for buildings with storeys.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        The result for one pair, at least one of them a ``ShearBuilding``, or for one building; from
+        memory or as ``stochlin gap`` saves it.
+    caption : bool
+        Whether to describe the case below the picture.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Above the gap that is needed at each height, if there are several, by simulation with its 95 %
+        interval and by formulas, and the height that governs; below the mean peak drift of each storey,
+        and its drift at yield.
+
+    Raises
+    ------
+    ValueError
+        If the dataset is another one.
+    """
+    if "height" not in dataset.dims or set(dataset.gap.dims) != {"rule"}:
+        raise ValueError(
+            f"dataset has the dimensions {tuple(dataset.dims)}; allowed: the separation of one pair of "
+            "buildings, at least one of them with storeys"
+        )
+    text = caption_of(dataset) if caption else ""
+    several = dataset.sizes["height"] > 1
+    figure, panels = _panels(1 + several, LINE * (text.count("\n") + 1) if text else 0.0)
+    if several:
+        _gaps(panels[0], dataset)
+    _drifts(panels[-1], dataset)
+    for axes in panels:
+        legend_above(axes)
+        axes.set(xlim=(0, None))
+    if text:
+        figure.supxlabel(text, x=0.02, ha="left", size=8.5)
+    return figure
 
 
-def _blank(height: float) -> tuple[Figure, Axes]:
+def _panels(count: int, foot: float = 0.0) -> tuple[Figure, list[Axes]]:
+    """A figure with panels below one another, and so many inches below them."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(WIDTH, height), layout="constrained")
-    axes = figure.add_subplot()
-    open_frame(axes)
-    return figure, axes
+    figure = Figure(figsize=(WIDTH, count * (PANEL + HEAD) + foot), layout="constrained")
+    panels = list(figure.subplots(count, squeeze=False)[:, 0])
+    for axes in panels:
+        open_frame(axes)
+    return figure, panels
 
 
-def _answer_line(axes: Axes, answer: CaseAnswer) -> None:
-    table = answer.separation
-    low, high = (100 * end for end in with_interval(table.isel(rule=0), "gap")[1:])
-    if np.isfinite(high):
-        axes.axvspan(low, high, color="0.6", alpha=0.55, lw=0, zorder=1.5)
-    line: Any = {"color": "#1b1b1b", "lw": 1.2, "ls": (0, (4, 2)), "zorder": 3}
-    axes.axvline(100 * float(table.gap[0]), label="answer, 95 % interval", **line)
+def _gaps(axes: Axes, dataset: xr.Dataset) -> None:
+    """The gap from the ground to each height, by simulation with its interval and by formulas."""
+    heights = np.append(0.0, dataset.height.values)
+
+    def at_height(name: str, rule: str) -> np.ndarray:
+        return np.append(0.0, CENTIMETRES * dataset[name].sel(rule=rule).values)
+
+    for rule, (color, dash), marker in zip(("simulation", *FORMULAS), CURVES, "o^vD", strict=False):
+        if not np.isfinite(dataset.gap.sel(rule=rule)):
+            continue
+        style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 4, "lw": 1.3}
+        style["markerfacecolor"] = color if rule == "simulation" else "none"
+        label = "simulated" if rule == "simulation" else rule_label(rule)
+        axes.plot(at_height("gap_at_height", rule), heights, label=label, **style)
+    low, high = (at_height(f"gap_at_height_{end}", "simulation") for end in ("lower", "upper"))
+    if np.isfinite(high).all():
+        axes.fill_betweenx(heights, low, high, color=GREY, lw=0, label="95 % interval")
+    governs = float(dataset.governing_height.sel(rule="simulation"))
+    style = {"color": "0.35", "lw": 0.8, "ls": (0, (1, 1.5))}
+    axes.axhline(governs, label=f"governs: {governs:.4g} m up", **style)
+    whole = CENTIMETRES * float(dataset.gap.sel(rule="simulation"))
+    axes.axvline(whole, color="0.1", lw=0.9, ls=(0, (4, 2)), label="one for all heights")
+    if "existing_gap_m" in dataset.attrs:
+        now = CENTIMETRES * float(dataset.attrs["existing_gap_m"])
+        style = {"color": "0.35", "lw": 1.0, "ls": (0, (8, 2, 1, 2, 1, 2))}
+        axes.axvline(now, label=f"existing {gap_of(dataset)}", **style)
+    share = f"{100 * float(dataset.attrs['confidence']):.4g} %"
+    quantity = f"{gap_of(dataset)} [cm] not exceeded in {share} of the motions"
+    axes.set(ylabel="height [m]", xlabel=quantity, ylim=(0, 1.04 * heights[-1]))
+
+
+def _drifts(axes: Axes, dataset: xr.Dataset) -> None:
+    """Mean peak drifts of the storeys of both buildings; an oscillator has none."""
+    for number, (color, dash), marker in zip((1, 2), CURVES, "os", strict=False):
+        there = (dataset.element_structure.values == number) & (dataset.storey.values > 0)
+        if str(number) in dataset.element.values[there] or not there.any():
+            continue
+        own = dataset.isel(element=there)
+        drift, storeys = CENTIMETRES * own.peak_drift_mean.values, own.storey.values
+        style: Any = {"color": color, "linestyle": dash, "marker": marker, "ms": 3.5, "lw": 1.3}
+        axes.plot(drift, storeys, label=f"building {number}, mean peak", **style)
+        if float(own.ductility.max()) > 0:
+            at_yield = drift / own.ductility.values
+            style = {"color": color, "ls": "", "marker": "|" if number == 1 else "x", "ms": 6}
+            axes.plot(at_yield, storeys, label=f"building {number}, at yield", **style)
+    most = int(dataset.storey.max())
+    axes.set(ylabel="storey", xlabel="drift [cm]", ylim=(0.5, most + 0.5))
+    axes.set_yticks(range(1, most + 1, 1 + most // TICKS))
+
+
+def caption_of(dataset: xr.Dataset) -> str:
+    """What is shown, the buildings, the ground and the motions, in lines."""
+    attrs = dataset.attrs
+    lines = [attrs["title"], *roles_in_words(attrs, "first", "second", "ground", "envelope")]
+    lines.append(f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}")
+    return filled(lines, CAPTION, "    ")

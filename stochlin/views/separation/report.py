@@ -11,17 +11,20 @@ from stochlin.views.sensitivity import words as what_matters
 from stochlin.views.sensitivity.pictures import draw_sensitivity
 from stochlin.views.separation import pictures, rules, words
 from stochlin.views.separation.elevation import elevation_picture
-from stochlin.views.separation.risk import risk_blocks, risk_caption, risk_figure
-from stochlin.views.separation.storeys import draw_heights
-from stochlin.views.separation.subjects import subject_of
+from stochlin.views.separation.risk import risk_blocks
 from stochlin.views.shared.blocks import Block, Items, Picture, Table, Text, ViewSection, texts
 from stochlin.views.shared.page import page
 from stochlin.views.shared.uncertain import unknowns
-from stochlin.views.shared.words import centimetres, doubt
+from stochlin.views.shared.words import centimetres, doubt, length
+from stochlin.views.sites.pictures import draw_spectrum
 
 if TYPE_CHECKING:
     from stochlin.applications.cases.separation import CaseAnswer
 
+SPECTRUM = (
+    "Response spectra of the motions and of the target; below, the ratio with its 95 % interval. "
+    "Vertical: elastic periods."
+)
 SIGNED = "Date, prepared by, checked by:"  # by hand: the same case makes the same page
 
 
@@ -38,7 +41,7 @@ def first_sections(answer: CaseAnswer) -> list[ViewSection]:
 
 def answer_sections(answer: CaseAnswer) -> list[ViewSection]:
     """The answer first, then the existing gap, the rules and the risk, and the small print."""
-    case, about = answer.case, subject_of(answer.case)
+    case, about = answer.case, words.subject_of(answer.case)
     many = words.many_records(answer)
     return [
         *first_sections(answer),
@@ -65,47 +68,37 @@ def report_page(answer: CaseAnswer) -> str:
     file, names = name_of_file(case), [building.name for building in case.buildings]
     as_given = [file, case.title, *names, *case.site.records]
     footer = [attrs["references"], f"{attrs['history']}, from {file}."]
-    title = f"{case.title}: {subject_of(case).page}"
+    title = f"{case.title}: {words.subject_of(case).page}"
     return page(title, answer_sections(answer), footer, as_given)
 
 
 def _pictures(answer: CaseAnswer) -> list[Picture]:
-    about, spectra = subject_of(answer.case), "target" in answer.spectrum
-    drawn = [
-        Picture(
-            f"{about.gap.capitalize()}s by rule",
-            "Each rule against the answer (dashed, its 95 % interval grey).",
-            partial(pictures.rules_figure, answer),
-        ),
-        Picture(
-            f"How often a {about.gap} is enough",
-            f"{about.good.capitalize()}, by the {about.gap}.",
-            partial(pictures.distribution_figure, answer),
-        ),
-        Picture(
-            f"The ground and {about.the_buildings}",
-            f"{pictures.SPECTRUM if spectra else pictures.DENSITY} Vertical: elastic periods.",
-            partial(pictures.spectrum_figure, answer),
-        ),
-    ]
+    """What the sentences and tables of the page do not say."""
+    about, drawn = words.subject_of(answer.case), []
     if "height" in answer.separation.dims:
-        over_height = Picture(
-            "Gap over height and storey drifts",
+        caption = (
             f"Above, the {about.gap} needed at each height; one for all heights has to be larger, since "
-            "different motions need it at different heights. Below, drifts of storeys.",
-            partial(draw_heights, answer.table(), caption=False),
+            "different motions need it at different heights. Below, drifts of storeys."
         )
-        drawn.insert(1, over_height)
+        draw = partial(pictures.draw_heights, answer.table(), caption=False)
+        drawn.append(Picture("Gap over height and storey drifts", caption, draw))
+    shares = f"{about.good.capitalize()}, by the {about.gap}."
+    draw = partial(pictures.distribution_figure, answer)
+    drawn.append(Picture(f"How often a {about.gap} is enough", shares, draw))
+    if "target" in answer.spectrum:
+        draw = partial(draw_spectrum, answer.spectrum, False, answer.case.periods)
+        drawn.append(Picture(f"The ground and {about.the_buildings}", SPECTRUM, draw))
     if answer.risk is not None:
-        title = f"How often {about.meet}"
-        drawn.append(Picture(title, risk_caption(answer), partial(risk_figure, answer)))
+        gap = length(float(answer.risk.risk_gap[0]))
+        caption = f"Motions in which {about.meet}, with {gap}, by intensity."
+        drawn.append(Picture(f"How often {about.meet}", caption, partial(pictures.risk_figure, answer)))
     return drawn
 
 
 def _records(answer: CaseAnswer) -> Table:
     """A row for each record: the gap that it needs, and the peaks."""
     table, case = answer.separation, answer.case
-    heads = {"record_separation": f"{subject_of(case).gap} [cm]"}
+    heads = {"record_separation": f"{words.subject_of(case).gap} [cm]"}
     where = words.meeting_level(answer)
     peaks = {1: "peak [cm]"} if case.alone else {n: f"peak {n}{where} [cm]" for n in (1, 2)}
     heads |= {f"record_peak_{n}": head for n, head in peaks.items() if f"record_peak_{n}" in table}

@@ -9,7 +9,7 @@ import numpy as np
 from stochlin.applications.cases.codes import APPLIED, APPLY, KIND
 from stochlin.applications.separation.separation import COMBINED
 from stochlin.models.rules.codes import CODE_RULES
-from stochlin.views.separation.subjects import subject_of
+from stochlin.views.separation.words import subject_of
 from stochlin.views.shared.blocks import Items, Row, Table, Text
 from stochlin.views.shared.words import along, centimetres, per_cent, rule_label
 

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from scipy import constants
 
 from stochlin.messages import hyphenated
 from stochlin.models.buildings import ModalBuilding, MultistoreyBuilding
 from stochlin.solver.tables.toml import toml_text
-from stochlin.views.separation.subjects import subject_of
-from stochlin.views.shared.blocks import Block, Items, Text, texts
+from stochlin.views.shared.blocks import Block, Table, Text
 from stochlin.views.shared.words import (
     SPACE,
     centimetres,
@@ -36,11 +36,65 @@ if TYPE_CHECKING:
 
 ALIKE, MUCH = 0.05, 10.0  # gap over peak of buildings that move alike; ductility that is doubtful
 SHARE = "no_pounding_probability"
-ANY = "any of those searched"
 LINE = (
     "Nothing beyond the property line is in the model: two neighbours that each stay on their own side "
     "cannot meet; for a neighbour nearer to the line, compute the gap between both buildings."
 )
+
+
+class Subject(NamedTuple):
+    """The words that differ; ``{gap}`` stands for a length."""
+
+    page: str  # title
+    gap: str  # what is asked
+    stand: str  # what the answer requires
+    keeping: str  # what a sufficient gap does
+    the_buildings: str
+    column: str  # of the share of motions in which it is enough
+    good: str  # motions in which it is
+    meet: str  # what is not wanted
+
+
+PAIR = Subject(
+    page="the gap between two buildings",
+    gap="gap",
+    stand="should stand {gap} apart",
+    keeping="keeps them apart",
+    the_buildings="the buildings",
+    column="apart",
+    good="motions without pounding",
+    meet="they pound",
+)
+ALONE = Subject(
+    page="the set-back from the property line",
+    gap="set-back",
+    stand="should stand {gap} away from its property line",
+    keeping="keeps it on its side of the line",
+    the_buildings="the building",
+    column="inside",
+    good="motions inside the line",
+    meet="it crosses its property line",
+)
+
+
+def subject_of(case: Case) -> Subject:
+    """The subject of the answer to a case."""
+    return ALONE if case.alone else PAIR
+
+
+def gap_of(dataset: xr.Dataset) -> str:
+    """A gap or a set-back, of a table that `stochlin.separation` returned."""
+    return PAIR.gap if "peak_2" in dataset else ALONE.gap
+
+
+def measure_of(answer: CaseAnswer) -> tuple[str, str, float]:
+    """The name of the intensity of the hazard, its unit, and that in SI."""
+    hazard = answer.case.site.hazard
+    assert hazard is not None
+    if hazard.measure == "intensity":
+        return "S0", "m²/s³", 1.0
+    name = "PGA" if hazard.period is None else f"Sa({hazard.period:.3g} s)"
+    return name, "g", constants.g
 
 
 def first_lines(answer: CaseAnswer) -> list[str]:
@@ -168,9 +222,6 @@ def details(answer: CaseAnswer) -> list[str]:
     case, table = answer.case, answer.separation
     sentences = [shaking(answer.shaking, case), scatter(case)]
     sentences.append(" ".join(fit_in_words(answer.spectrum, case.periods)))
-    if "height" in table.dims:
-        governs = float(table.governing_height[0])
-        sentences.append(f"The {subject_of(case).gap} is needed at {governs:.4g}{SPACE}m.")
     sentences += [_ductilities(table), _storeys(answer)]
     return [sentence for sentence in sentences if sentence]
 
@@ -193,67 +244,46 @@ def _storeys(answer: CaseAnswer) -> str:
 
 
 def allowances(answer: CaseAnswer) -> list[Block]:
-    """Changes that make the existing gap sufficient, or the limits up to which it is."""
-    limits, about = answer.existing, subject_of(answer.case)
+    """Limits of single changes up to which the existing gap is sufficient."""
+    limits, case = answer.existing, answer.case
     if limits is None:
         return []
-    changes = _strength(limits, answer.separation)
-    changes |= {"shaking": _shaking(answer.case, limits), "damping": _damping(answer.case, limits)}
-    known = [f"{name.capitalize()}: {text}" for name, text in changes.items() if text]
-    none = " or ".join(name for name, text in changes.items() if not text)
-    begin = f"Each of these changes alone would make the existing {about.gap} sufficient:"
-    if float(limits.required_gap) <= float(limits.attrs["gap_m"]):
-        begin = f"The existing {about.gap} stays sufficient up to these values, each changed alone:"
-    return [
-        *texts([begin] if known else []),
-        Items(known),
-        *texts([f"No {none} that was searched is sufficient alone."] if none else []),
-        Text(f"Searched: {limits.attrs['searched']}. In brackets: 95 % intervals.", "note"),
-    ]
-
-
-def _shaking(case: Case, limits: xr.Dataset) -> str:
-    """The strongest sufficient shaking over that of the case; empty if none is."""
-    now, strongest = float(case.site.ground.arrays()["intensity"]), float(limits.largest_intensity)
-    if not np.isfinite(strongest):
-        return ANY if np.isinf(strongest) else ""
-    return f"up to {_with_interval((limits / now) ** 0.5, 'largest_intensity')} times as strong"
-
-
-def _damping(case: Case, limits: xr.Dataset) -> str:
-    """The least added damping that is sufficient; empty if none is."""
-    damping, low, high = with_interval(limits, "least_added_damping")
-    if not damping:
-        return "no additional damping is needed"
-    bracket = f" [{per_cent(low, 1)} to {per_cent(high, 1)}]" if low < high else ""
-    more = f"at least {per_cent(damping, 1)}{bracket} more{'' if case.alone else ' in both'}"
-    return more if np.isfinite(damping) else ""
-
-
-def _strength(limits: xr.Dataset, table: xr.Dataset) -> dict[str, str]:
-    """The sufficient strengths, an empty text if none is; nothing for buildings that never yield."""
-    factors = of_each(table, "reduction_factor")
-    yielding = [n for n, now in enumerate(factors, start=1) if np.isfinite(now)]
-    if not yielding:
-        return {}
-    now = " and ".join(f"{factors[n - 1]:.3g}" for n in yielding)
-    least, largest = (
-        " and ".join(_with_interval(limits, f"{which}_reduction_factor", f"_{n}") for n in yielding)
-        for which in ("least", "largest")
+    rows = _strength(limits, answer.separation)
+    now = float(case.site.ground.arrays()["intensity"])
+    shaking = (np.sqrt(end / now) for end in with_interval(limits, "largest_intensity"))
+    rows.append(_limit("shaking, times that of the case", "at most", *shaking))
+    damping = with_interval(limits, "least_added_damping")
+    where = "" if case.alone else " of both"
+    rows.append(_limit(f"added damping ratio{where}", "at least", *damping))
+    note = (
+        f"The existing {subject_of(case).gap} is sufficient with each change alone. Any, none: of what "
+        f"was searched, {limits.attrs['searched']}."
     )
-    first = yielding[0]
-    low, high = (float(limits[f"{end}_reduction_factor_{first}"]) for end in ("least", "largest"))
-    begin = f"from {least} " if low > 0 else ""
-    text = f"R {begin}up to {largest} (now {now})"
-    if np.isinf(high):
-        text = f"R {begin}on (now {now})" if begin else ANY
-    return {"strength": "" if np.isnan(high) else text}
+    heads = ("change", "sufficient", "95 % interval")
+    return [Table.of(heads, rows, heads[1:]), Text(note, "note")]
 
 
-def _with_interval(table: xr.Dataset, name: str, of: str = "") -> str:
-    """A value and its 95 % interval."""
-    value, low, high = with_interval(table, name, of)
-    return f"{value:.3g} [{low:.3g} to {high:.3g}]" if low < high else f"{value:.3g}"
+def _strength(limits: xr.Dataset, table: xr.Dataset) -> list[tuple[str, ...]]:
+    """Rows for the strength of both buildings, changed by one factor; none if neither yields."""
+    what, rows = "strength, times the present one", []
+    factors = [(n, now) for n, now in enumerate(of_each(table, "reduction_factor"), 1) if now > 0]
+    for n, now in factors[:1]:
+        value, low, high = (now / x for x in with_interval(limits, "largest_reduction_factor", f"_{n}"))
+        rows.append(_limit(what, "at least", value, high, low))
+        least = with_interval(limits, "least_reduction_factor", f"_{n}")
+        if least[0] > 0:
+            value, low, high = (now / x for x in least)
+            rows.append(_limit(what, "at most", value, high, low))
+    return rows
+
+
+def _limit(what: str, bound: str, value: float, low: float, high: float) -> tuple[str, ...]:
+    """A row for a limit of a change, of which all or no values may be sufficient."""
+    if np.isnan(value):
+        return what, "none", ""
+    if value == 0 or np.isinf(value):
+        return what, "any", ""
+    return what, f"{bound} {value:.3g}", f"{low:.3g} to {high:.3g}" if low < high else ""
 
 
 def method(case: Case) -> list[str]:
