@@ -125,13 +125,8 @@ def test_devices_of_measures_are_those_of_simulate_and_pound(table):
     sine = sl.pound(pair(), GAP, STIFF, {"sine": harmonic(6.0, duration=8.0)}, link=LINKS)
     for name, of in zip(("force", "stroke", "energy"), OF_LINKS, strict=True):
         np.testing.assert_allclose(row[f"device_{name}_mean"], motions[of].mean("path"), rtol=1e-9)
-        error = motions[of].std("path", ddof=1) / 8
-        found = row[f"device_{name}_mean_standard_error"]
-        np.testing.assert_allclose(found, error, rtol=1e-9, atol=1e-12)
         quantile = motions[of].quantile(0.95, "path")
         np.testing.assert_allclose(row[f"device_{name}_quantile"], quantile, rtol=1e-9)
-        low, high = (row[f"device_{name}_quantile_{end}"].values for end in ("lower", "upper"))
-        assert ((low <= quantile.values) & (quantile.values <= high)).all()
     np.testing.assert_allclose(row.largest_link_force, sine.peak_link_force.max("link"), rtol=1e-9)
 
 

@@ -136,35 +136,6 @@ def test_storeys_keep_their_masses_and_damping_ratios():
 
 
 @pytest.mark.slow
-def test_devices_and_links_are_all_simulated_and_pound():
-    """A linear device of an oscillator is damping; several links stand together in the columns."""
-    one, two = by_strength()
-    w = 2 * np.pi / one.period
-    device = sl.Link(0.0, 0.2 * one.mass * w, structures=(1, 1), floors=(1, 0))
-    brace = sl.Link(3e7, hardening=0.05, yield_displacement=0.004, structures=(2, 2), floors=(1, 0))
-    measures = {
-        "damped": sl.Measure(0.1),
-        "device": sl.Measure(link=device),
-        "brace": sl.Measure(link=[brace]),
-        "all": sl.Measure(link=[LINK, sl.Link(1e7), device, brace]),
-    }
-    found = sl.mitigate(
-        *pair(), GROUND, DURATION, GAP, measures, contact=STEEL, records={"n": record()}, **MOTION
-    )
-    damped, by_device = (found.sel(measure=name) for name in ("damped", "device"))
-    for name in ("required_gap", "peak_mean_1", "amplification_1", "rho"):
-        np.testing.assert_allclose(by_device[name], damped[name], rtol=2e-3, err_msg=name)
-    assert float(found.required_gap.sel(measure="brace")) < float(found.required_gap[0])
-    row = found.sel(measure="all")
-    both = [sl.Link(2e7, 2e6, structures=(1, 2)), sl.Link(1e7, structures=(1, 2)), device, brace]
-    motions = sl.simulate(by_strength(), GROUND, duration=DURATION, quantiles=[0.9], link=both, **MOTION)
-    np.testing.assert_allclose(row.required_gap, motions.separation_quantile[0, 0, 1], rtol=1e-9)
-    pounded = sl.pound([one, two], GAP, STEEL, record(), link=both)
-    np.testing.assert_allclose(row.largest_link_force[0], pounded.peak_link_force.max(), rtol=1e-6)
-    assert float(row.link_damping_constant) == 2e6
-
-
-@pytest.mark.slow
 def test_bumpers_take_their_thickness_from_the_gap(table):
     measures = {"pads": sl.Measure(contact=RUBBER, bumper_thickness=0.02)}
     found = sl.mitigate(

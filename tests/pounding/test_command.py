@@ -59,25 +59,43 @@ def test_it_says_what_the_library_says(two: tuple[Path, Result]) -> None:
         )
         for b in pair_of(case)
     ]
-    table = sl.pound(pair, 0.05, case.contact, case.site.records["Strong & near"])
+    records = case.site.records.values()
+    table, weak = tables = [sl.pound(pair, 0.05, case.contact, record) for record in records]
     assert table.sizes["impact"] > 2
-    shown = " ".join(done.output.split())
+    shown, rows = " ".join(done.output.split()), [line.split() for line in done.output.splitlines()]
     assert f"Strong & near: {table.sizes['impact']} impacts" in shown
     assert f"Largest force {float(table.largest_force.max()) / 1e6:.3g} MN" in shown
     assert f"fastest approach {float(table.approach_velocity.max()):.3g} m/s" in shown
-    for n, building in enumerate(pair_of(case)):
-        row = f"{n + 1} {building.name} {100 * table.peak[n]:.1f} | {100 * table.peak_alone[n]:.1f} "
-        row += f"{table.amplification[n]:.2f} {table.peak[n] / pair[n].yield_displacement:.2f} "
-        shaken = [table[f"peak_acceleration{end}"][n] / 9.80665 for end in ("", "_alone")]
-        assert row + f"{shaken[0]:.3g} | {shaken[1]:.3g} " in shown
-    assert f"lost [kJ] 1 | 2 5.0 {100 * least_clearance(table):.2f} {table.sizes['impact']} " in shown
+    lost = 1e-3 * float(table.contact_lost_energy[-1])
+    wanted = [
+        ["impacts", f"{table.sizes['impact']}", "0"],
+        ["energy", "lost", "[kJ]", f"{lost:.3g}", "0"],
+    ]
+    for n, structure in enumerate(pair):
+        moved, alone = (
+            [100 * float(each[name][n]) for each in tables] for name in ("peak", "peak_alone")
+        )
+        shaken = [float(each.peak_acceleration[n]) / 9.80665 for each in tables]
+        times = [float(each.amplification[n]) for each in tables]
+        of_yield = [each / 100 / float(structure.yield_displacement) for each in moved]
+        wanted += [
+            ["displacement", "[cm]", *(f"{each:.3g}" for each in moved)],
+            ["alone", *(f"{each:.3g}" for each in alone)],
+            ["acceleration", "[g]", *(f"{each:.3g}" for each in shaken)],
+            ["ductility", *(f"{each:.3g}" for each in of_yield)],
+            ["amplification", *(f"{each:.3g}" for each in times)],
+        ]
+    places = [rows.index(row) for row in wanted if row[0] != "alone"]
+    assert places == sorted(places)
+    assert all(row in rows for row in wanted)
     given_energy = float(table.input_energy[-1].sum())
     for word, name in (("damping dissipated", "viscous"), ("yielding", "hysteretic")):
         share = float(table[f"{name}_energy"][-1].sum()) / given_energy
         assert f"{word} {100 * share:.1f} %" in shown
-    assert f"contacts {100 * float(table.contact_lost_energy[-1]) / given_energy:.1f} %" in shown
-    assert "weak: no pounding. At least " in shown
-    assert "the ground of the file, firm, Clough-Penzien ground, not to the records" in shown
+    assert f"contacts {1e5 * lost / given_energy:.1f} %" in shown
+    least = float((0.05 + weak.displacement[:, 1] - weak.displacement[:, 0]).min())
+    assert f"weak: no pounding. At least {100 * least:.1f} cm of the gap of 5.0 cm" in shown
+    assert "refer to the ground of the file, firm, Clough" in shown
 
 
 def test_the_error_by_time_steps_is_told_with_the_cure_where_it_is_large(tmp_path: Path) -> None:
@@ -95,13 +113,9 @@ def test_the_error_by_time_steps_is_told_with_the_cure_where_it_is_large(tmp_pat
     assert errors[0] > 0.01 > 20 * errors[1]
 
 
-def least_clearance(table: xr.Dataset) -> float:
-    return float((0.05 + table.displacement[:, 1] - table.displacement[:, 0]).min())
-
-
 def test_each_record_has_its_files_and_the_picture_is_drawn_from_them(two: tuple[Path, Result]) -> None:
     folder, _ = two
-    names = {f"p-{word}{ending}" for word in ("Strong_near", "weak") for ending in (".nc", ".png")}
+    names = {f"p-{number}{ending}" for number in (1, 2) for ending in (".nc", ".png")}
     assert {path.name for path in folder.glob("p*")} == names
     for path in folder.glob("*.nc"):
         with xr.open_dataset(path) as table:
@@ -111,7 +125,7 @@ def test_each_record_has_its_files_and_the_picture_is_drawn_from_them(two: tuple
             figure = draw_pound(table)
             drawn = figure.axes[0].get_lines()[1].get_ydata()
             np.testing.assert_allclose(drawn, 100 * (table.displacement[:, 1] + 0.05))
-            assert len(figure.axes) == (4 if table.sizes["impact"] else 3)
+            assert len(figure.axes) == 3
             assert table.attrs["record"] in table.attrs["title"]
 
 
@@ -140,7 +154,6 @@ def test_slabs_that_hit_columns_are_said_loudly(tmp_path: Path) -> None:
         assert f"SLABS HIT COLUMNS at {int((table.column_force > 0).sum())} contacts" in shown
         assert f"{float(one.level):.4g} m up: the columns of storey {int(one.storey)} of " in shown
         assert f"take {float(one.column_force) / 1e6:.3g} MN" in shown
-        assert done.output.count(" m up*") == table.sizes["contact"] == 4
         assert "SLAB AGAINST COLUMN" in draw_pound(table).axes[0].texts[0].get_text()
         tall, low = (table.displacement.sel(structure=n) for n in (1, 2))
         there = low.sel(floor=1) * (3.0 / 3.6)
@@ -191,7 +204,6 @@ def test_simulated_motions_are_said_saved_and_drawn_together(kind: str, tmp_path
         force = 1e-6 * float(table.hardest_force_between_quantile[1, 0])
         assert f" {force:.3g} (" in shown or f" {force:.2g} (" in shown
         assert ("SLABS HIT COLUMNS" in shown) == (kind == "columns")
-        assert (", floor " in shown) == (kind != "oscillators")
         for name, variable in table.variables.items():
             assert "long_name" in variable.attrs, name
         panels = sl.charts.draw_ensemble(table).axes
@@ -228,7 +240,6 @@ def test_motions_that_failed_are_said_loudly(tmp_path: Path) -> None:
     ("records", "arguments", "says"),
     [
         (["a b", "a-b"], ("--out", "p.csv"), "allowed: .nc"),
-        (["a b", "a-b"], ("--out", "p.nc"), "too much alike"),
         ([], ("--motions", "1"), "1 is not in the range x>=2"),
         ([], (), "--motions 100 for simulated ones"),
     ],

@@ -8,11 +8,9 @@ import xarray as xr
 
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.rows import error_of, gap_of, motion_of, named_errors, pair_of
-from stochlin.applications.cases.shaking import LEVELS, MOST_RECORDS, shaking_of, share_apart
-from stochlin.applications.cases.variables import RECORDED
+from stochlin.applications.cases.shaking import shaking_of
 from stochlin.applications.mitigation.mitigation import mitigate
 from stochlin.kernels.basics.parallel import Progress
-from stochlin.solver.tables import labels
 
 
 def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
@@ -35,8 +33,6 @@ def mitigate_case(case: Case, progress: Progress | None = None) -> xr.Dataset:
         )
     table = table.assign(shaking_of(case).data_vars)
     table = table.assign_coords(measure=table.measure.copy(data=_of_buildings(case, table)))
-    if pounding and len(case.site.records) > MOST_RECORDS:
-        table = table.assign(_over_records(case, table))
     return table.assign_attrs(title=f"{case.title}: {table.attrs['title']}", case=case.title)
 
 
@@ -49,16 +45,3 @@ def _of_buildings(case: Case, table: xr.Dataset) -> list[str]:
         re.sub("structure [12]", lambda part: own[part[0]], name) if kind == "least" else name
         for name, kind in names
     ]
-
-
-def _over_records(case: Case, table: xr.Dataset) -> xr.Dataset:
-    """Quantiles over many records, and the share of records without an impact, for each measure."""
-    known = table.amplification_1.notnull()
-    of_records = table[["amplification_1", "amplification_2", "impacts", "largest_force"]].where(known)
-    quantiles = of_records.quantile(LEVELS, "record", skipna=False)
-    quantiles = quantiles.rename({name: f"record_{name}" for name in quantiles.data_vars})
-    apart = share_apart(case, table.impacts, 0.5)
-    of_all = known.all("record")
-    quantiles = quantiles.assign({name: share.where(of_all) for name, share in apart.items()})
-    level = labels.axis("quantile", "quantile", quantiles["quantile"].to_numpy())
-    return labels.label(quantiles.assign_coords(quantile=level), RECORDED)

@@ -261,11 +261,6 @@ def energy_of(table: xr.Dataset, where: str) -> xr.DataArray:
     return sum(totals[1:], totals[0])
 
 
-def is_oscillator(item: xr.Dataset) -> bool:
-    """Whether a structure in a row of buildings with storeys is an oscillator, without a height."""
-    return bool(item.floor_level.isnull().all())
-
-
 def hardest_contacts(table: xr.Dataset) -> list[int]:
     """Number of the contact of each gap with the largest force, else velocity, else least clearance."""
     chosen = []

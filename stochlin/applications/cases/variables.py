@@ -7,9 +7,6 @@ RECORDED: Variables = {
     "peak_ground_acceleration": ("m/s^2", "peak ground acceleration of the record"),
     "rms_acceleration": ("m/s^2", "root mean square of the strong part of the record"),
     "spectral_acceleration": ("m/s^2", "pseudo-acceleration at the period, damping ratio 0.05"),
-    "record_amplification": ("1", "quantile of the amplification over the records"),
-    "record_impacts": ("1", "quantile of the number of impacts over the records"),
-    "record_largest_force": ("N", "quantile of the largest contact force over the records"),
     "record_gap_quantile": ("m", "quantile of the gap over the records"),
     "record_no_pounding_probability": ("1", "share of the records without pounding"),
     "record_confidence_of_no_pounding": (

@@ -22,14 +22,11 @@ from stochlin.models.measures import Measure
 from stochlin.models.systems import Arrangement, arrangement_of, retrofitted
 from stochlin.models.uncertain import applied, median_of
 from stochlin.solver.simulation.finite_motions import (
-    Columns,
     enough_motions,
     keeping_apart,
-    mean_columns,
-    mean_with_error,
     pair_peaks,
     pair_separation,
-    quantile_columns,
+    quantiles_of,
     required_gaps,
 )
 from stochlin.solver.simulation.simulation import simulate
@@ -38,9 +35,8 @@ from stochlin.solver.tables import labels
 
 DEVICE = "device"
 OF_DEVICES = "device_force", "device_stroke", "device_energy"
-OF_PEAKS = "peak_mean", "peak_mean_standard_error"
 SHOWN = "added_damping_1", "added_damping_2", "bumper_thickness"  # parameters of a measure
-LEVEL = np.array([0.95])  # of the quantile of these over motions
+QUANTILE = 0.95  # of the forces, strokes and energies of devices over motions
 
 
 @dataclass(frozen=True)
@@ -102,13 +98,13 @@ class MitigatedPair:
         """All results of a measure; contact between bumpers counts as pounding."""
         motions = self.built if measure == Measure() else self.simulated(measure)
         gaps = zip(labels.VALUE_AND_ENDS, required_gaps(motions), strict=True)
-        peaks = zip(OF_PEAKS, mean_with_error(pair_peaks(motions)), strict=True)
+        peaks = pair_peaks(motions).mean(axis=0)
         columns = {
             **{name: getattr(measure, name) for name in SHOWN},
             "link_damping_constant": _of_dashpots(measure.links),
             **{f"required_gap{end}": gap + measure.bumper_thickness for end, gap in gaps},
             **keeping_apart(pair_separation(motions), self.open_gap(measure)),
-            **{f"{name}_{n + 1}": values[n] for name, values in peaks for n in (0, 1)},
+            **{f"peak_mean_{n + 1}": peaks[n] for n in (0, 1)},
             **self._linearized(measure),
         }
         devices = _devices(motions, self.system(measure)) if measure.links else xr.Dataset()
@@ -141,16 +137,16 @@ class MitigatedPair:
     def _recorded(self, measure: Measure) -> xr.Dataset:
         """Amplifications, impacts and forces over ``record``, from pounding."""
         table = self._pounded(measure)
-        nothing = xr.full_like(table.hardest_force, np.nan)
         ratio = table.peak / self._peaks_alone
         columns = {
             **{f"amplification_{n + 1}": ratio.isel(structure=n, drop=True) for n in (0, 1)},
             "largest_force": table.hardest_force,
             "deepest_compression": table.deepest_compression,
-            "largest_link_force": table.get("peak_link_force", nothing),
+            "impacts": table.impacts.sum("contact"),
         }
+        if measure.links:
+            columns["largest_link_force"] = table.peak_link_force
         whole = {name: each.max(set(each.dims) - {RECORD}) for name, each in columns.items()}
-        whole["impacts"] = table.impacts.sum("contact")
         return xr.Dataset(whole).reset_coords(drop=True).drop_attrs()
 
     @cached_property
@@ -181,11 +177,13 @@ def _devices(motions: xr.Dataset, system: Arrangement) -> xr.Dataset:
     """Force, stroke and energy of links and dampers over ``device``: means and 95 % quantiles."""
     floors = system.floors
     ends = [(floors[t.floor], floors[t.other] if t.other >= 0 else "ground") for t in system.ties]
-    kinds = ["damper" if tie.link.within_one else "link" for tie in system.ties]
-    texts = {"device_kind": kinds, "device_place": [f"{low} to {high}" for low, high in ends]}
-    columns: Columns = {name: ([DEVICE], np.array(values)) for name, values in texts.items()}
+    columns: dict[str, Any] = {
+        "device_kind": ["damper" if tie.link.within_one else "link" for tie in system.ties],
+        "device_place": [f"{low} to {high}" for low, high in ends],
+    }
     for name, of in zip(OF_DEVICES, OF_LINKS, strict=True):
-        columns |= mean_columns(name, [DEVICE], motions[of].values)
-        columns |= quantile_columns(name, [DEVICE], motions[of].values, LEVEL)
-    numbers = {DEVICE: np.arange(1, len(kinds) + 1)}
-    return xr.Dataset(columns, numbers).isel(quantile=0)
+        samples = motions[of].values
+        columns |= {f"{name}_mean": samples.mean(axis=0)}
+        columns |= {f"{name}_quantile": quantiles_of(samples, np.array(QUANTILE))}
+    numbers = np.arange(1, len(ends) + 1)
+    return xr.Dataset({name: (DEVICE, each) for name, each in columns.items()}, {DEVICE: numbers})

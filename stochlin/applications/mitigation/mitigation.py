@@ -102,16 +102,15 @@ def mitigate(
 
         Over ``measure``, by simulation: ``required_gap`` [m], and ``no_pounding_probability`` [-] with
         the existing gap, each with a 95 % interval ``_lower`` and ``_upper``; ``verdict`` on the gap;
-        ``peak_mean_1`` and ``_2`` [m] without contact, with standard errors. By linearization: ``rho``
-        [-] and ``relative_displacement_std`` [m]. The coordinates ``kind``, ``description`` and
+        ``peak_mean_1`` and ``_2`` [m] without contact. By linearization: ``rho`` [-] and
+        ``relative_displacement_std`` [m]. The coordinates ``kind``, ``description`` and
         ``missing`` are texts. A row whose search found nothing is NaN.
 
         For measures with links or dampers, over ``measure`` and ``device``: the texts ``device_kind``
         and ``device_place``, the floors as structure.floor; ``device_force`` [N], ``device_stroke`` [m]
-        and ``device_energy`` [J], which it dissipates in a motion, each as ``_mean`` and
-        ``_mean_standard_error`` over the simulated motions without contact, and as their 95 %
-        ``_quantile`` with the 95 % interval ``_lower`` and ``_upper``. Cells beyond the devices of a
-        measure are NaN.
+        and ``device_energy`` [J], which it dissipates in a motion, each as ``_mean`` and 95 %
+        ``_quantile`` over the simulated motions without contact. Cells beyond the devices of a measure
+        are NaN.
 
         With records, over ``measure`` and ``record``: ``amplification_1`` and ``_2`` [-], the peak over
         the peak as built without neighbours; ``impacts``, ``largest_force`` [N] and

@@ -115,8 +115,6 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
 
     Motions that failed do not count.
     """
-    if "contact" in table.dims:
-        table = table.merge(_between_neighbours(table).transpose(over, ...))
     good = table.isel({over: (table.status == labels.CONVERGED).values})
     columns: Columns = {}
     for name in (each for each in STATISTICS if each in good):
@@ -124,7 +122,7 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
         columns |= _statistics(name, samples.dims[1:], samples.values, levels)
     # Added at once, because each addition to a dataset takes a millisecond.
     table = table.assign(columns).assign_coords(quantile=labels.axis("quantile", "quantile", levels))
-    if "contact" not in table.dims:
+    if NEIGHBOURS not in table.dims:
         return table
     hits = good.impacts_between.rename({over: PATH})
     shares = exceedance(hits, 0.0).rename(
@@ -133,15 +131,14 @@ def with_statistics(table: xr.Dataset, over: str, levels: Array) -> xr.Dataset:
     return table.assign({**shares.data_vars, **keeping_apart(hits, 0.0)})
 
 
-def _between_neighbours(table: xr.Dataset) -> xr.Dataset:
+def between_neighbours(table: xr.Dataset) -> xr.Dataset:
     """The variables of `BETWEEN`, of all contacts between two neighbours together."""
     by_gap = table[[*BETWEEN]].groupby("left")
     joined = by_gap.sum(skipna=False).assign(hardest_force=by_gap.max(skipna=False).hardest_force)
     names = [f"{left} | {left + 1}" for left in joined.left.values]
     joined = joined.rename({name: f"{name}_between" for name in BETWEEN} | {"left": NEIGHBOURS})
-    return joined.assign_coords(
-        {NEIGHBOURS: (NEIGHBOURS, names, {"long_name": "both sides of the gap"})}
-    )
+    coordinate = NEIGHBOURS, names, {"long_name": "both sides of the gap"}
+    return joined.assign_coords({NEIGHBOURS: coordinate}).transpose(..., NEIGHBOURS)
 
 
 def _statistics(name: str, dims: tuple[Any, ...], values: Array, levels: Array) -> Columns:

@@ -9,7 +9,12 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from stochlin.applications.pounding.ensembles import checked_ensemble, response_table, with_statistics
+from stochlin.applications.pounding.ensembles import (
+    between_neighbours,
+    checked_ensemble,
+    response_table,
+    with_statistics,
+)
 from stochlin.applications.pounding.histories import contacts
 from stochlin.applications.pounding.rows import (
     BetweenBuildings,
@@ -128,16 +133,18 @@ def pound(
         ``column_force`` [N], the largest force on the columns of this storey, and
         ``column_force_share`` [-], this force over the shear of the storey at yield.
 
+        Over ``neighbours``, for all contacts across a gap together: ``impacts_between``,
+        ``hardest_force_between`` [N] and ``contact_energy_between`` [J].
+
         For several motions there are no histories. The peaks, the variables over ``contact``,
         ``energy_received`` and the largest ``energy_balance_error`` are then also over ``path`` or
-        ``record``. Over ``neighbours``, for all contacts across a gap together: ``impacts_between``,
-        ``hardest_force_between`` [N] and ``contact_energy_between`` [J]. ``status`` and ``missing``
-        mark motions that failed, whose results are NaN; ``missing`` gives the reason. From the other
-        motions follow names ending in ``_mean`` and ``_mean_standard_error``, and in ``_quantile`` over
-        ``quantile`` with its 95 % interval ``_lower`` and ``_upper`` (infinite where the motions are too
-        few), for all these variables except ``longest_impact``, ``deepest_compression`` and
-        ``energy_received``. ``pounding_probability`` and ``no_pounding_probability`` [-] over
-        ``neighbours`` are the shares of motions with and without an impact, with their 95 % intervals.
+        ``record``. ``status`` and ``missing`` mark motions that failed, whose results are NaN;
+        ``missing`` gives the reason. From the other motions follow names ending in ``_mean`` and
+        ``_mean_standard_error``, and in ``_quantile`` over ``quantile`` with its 95 % interval
+        ``_lower`` and ``_upper`` (infinite where the motions are too few), for all these variables
+        except ``longest_impact``, ``deepest_compression`` and ``energy_received``.
+        ``pounding_probability`` and ``no_pounding_probability`` [-] over ``neighbours`` are the shares
+        of motions with and without an impact, with their 95 % intervals.
 
         For one building alone there is nothing over ``contact``, ``impact`` and ``neighbours``.
 
@@ -227,6 +234,8 @@ def pound(
     table = table.assign(gap=("contact", standing.gap))
     if len(row_of) == 1:
         table = table.drop_dims(OF_CONTACTS, errors="ignore")
+    else:
+        table = table.merge(between_neighbours(table))
     call = f"steps_per_contact={steps_per_contact}"
     if not ensemble.single:
         table = with_statistics(table, ensemble.over, levels)

@@ -70,13 +70,19 @@ STATISTICS = (
     *("column_force_share", "amplification", *_PEAKS, *(f"{name}_alone" for name in _PEAKS)),
     *OF_LINKS,
 )
-_OVER_MOTIONS = {
-    f"{name}_{what}": (_SINGLE[name][0], template.format(_SINGLE[name][1]))
-    for name in STATISTICS
-    for what, template in (
-        ("mean", "mean over the motions: {}"),
-        ("mean_standard_error", "standard error of the mean over the motions: {}"),
-        ("quantile", "quantile over the motions: {}"),
-    )
-}
-VARIABLES: Variables = {**_SINGLE, **_OVER_MOTIONS}
+
+
+def over_motions(variables: Variables) -> Variables:
+    """Means and quantiles over motions of these variables."""
+    return {
+        f"{name}_{what}": (units, f"{words} over the motions: {text}")
+        for name, (units, text) in variables.items()
+        for what, words in (
+            ("mean", "mean"),
+            ("mean_standard_error", "standard error of the mean"),
+            ("quantile", "quantile"),
+        )
+    }
+
+
+VARIABLES: Variables = {**_SINGLE, **over_motions({name: _SINGLE[name] for name in STATISTICS})}

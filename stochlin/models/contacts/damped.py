@@ -27,14 +27,20 @@ class Damped(Element):
     @property
     def e(self) -> Any:
         """Coefficient of restitution [-] of two free masses."""
-        return self._deliver(self.damping)
+        return self.restitution(self.damping)
 
     @classmethod
-    def _deliver(cls, damping: Any) -> Any:
+    def restitution(cls, damping: Any) -> Any:
+        """Coefficient of restitution ``e`` [-] of this element between two free masses.
+
+        ``damping`` is its damping ratio or damping factor [-], not negative, of any shape. The result
+        has the same shape and is NaN in cells out of range. A scalar out of range raises a ValueError, a
+        value that is not a number a TypeError.
+        """
         return elementwise(cls.__name__, cls.damping_name, damping, DAMPING, cls.relation.restitution)
 
     @classmethod
-    def _invert(cls, restitution: Any) -> Any:
+    def _damping_for(cls, restitution: Any) -> Any:
         return elementwise(cls.__name__, "restitution", restitution, RESTITUTION, cls.relation.damping)
 
     @classmethod
@@ -49,7 +55,7 @@ class Damped(Element):
             )
         if damping is not None:
             return checked_value(name, cls.damping_name, damping, "1", DAMPING)
-        return cls._invert(checked_value(name, "restitution", restitution, "1", RESTITUTION))
+        return cls._damping_for(checked_value(name, "restitution", restitution, "1", RESTITUTION))
 
 
 @dataclass(frozen=True, init=False)
@@ -71,23 +77,13 @@ class WithRatio(Damped):
         self.__post_init__()
 
     @classmethod
-    def restitution(cls, damping_ratio: Any) -> Any:
-        """Coefficient of restitution ``e`` [-] of this element between two free masses.
-
-        ``damping_ratio`` is ``xi`` [-], not negative, of any shape. The result has the same shape and is
-        NaN in cells out of range. A scalar out of range raises a ValueError, a value that is not a
-        number a TypeError.
-        """
-        return cls._deliver(damping_ratio)
-
-    @classmethod
     def damping_ratio(cls, restitution: Any) -> Any:
         """Damping ratio ``xi`` [-] of this element for a coefficient of restitution, exactly.
 
         ``restitution`` is ``e`` [-], in (0, 1], of any shape. Shape, NaN cells and errors are as in
         `restitution`.
         """
-        return cls._invert(restitution)
+        return cls._damping_for(restitution)
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
         """Constant ``c = 2 xi sqrt(k m)`` for a reduced mass [kg]; in N s/m if the element is linear."""

@@ -107,14 +107,9 @@ class HertzDamp(Damped):
         self.__post_init__()
 
     @classmethod
-    def restitution(cls, damping_factor: Any) -> Any:
-        """Coefficient of restitution [-] for a damping factor [-]; otherwise as `Kelvin.restitution`."""
-        return cls._deliver(damping_factor)
-
-    @classmethod
     def damping_factor(cls, restitution: Any) -> Any:
         """Damping factor [-] for a coefficient of restitution; otherwise as `Kelvin.damping_ratio`."""
-        return cls._invert(restitution)
+        return cls._damping_for(restitution)
 
     def damping_coefficient(self, reduced_mass: Any) -> Any:
         """The damping factor ``a`` [-], which does not depend on the mass."""

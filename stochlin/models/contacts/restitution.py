@@ -8,8 +8,8 @@ has, for any exponent, a solution with one parameter ``x``. With Langevin's func
 
     (1 - e)/(1 + e) = L(x),    a = x (1 + L(x)) = 2 x/(1 + e).
 
-``xi`` and ``x`` are found as roots of monotonic functions whose curvature does not change sign.
-Newton's method approaches such a root from one side and needs no bracket.
+Where a relation has no closed form, the argument of an increasing function is found by Chandrupatla's
+method, for its logarithm.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize.elementwise import find_root
+from scipy.special import ive
 
 from stochlin.kernels.basics.arrays import Array
 
@@ -31,10 +33,20 @@ class Relation(NamedTuple):
     damping: Form
 
 
-NEWTON_STEPS = 6  # five steps reach machine precision for every restitution in (0, 1]
-AT_ONE = 1e-6  # |xi - 1| below which the slope, there 0/0, is replaced by its limit
+LEAST = 1e-100  # smaller values of a function are raised to it
 LARGEST = 700.0  # largest -log e: a restitution below 1e-304 is raised to it, else 1/e overflows
-FRACTION = range(17, 3, -2)  # terms of Langevin's continued fraction, exact to rounding for x <= 1
+
+
+def inverse(function: Form, values: Array) -> Array:
+    """Arguments at which an increasing function, which is 0 at 0, has these values.
+
+    The logarithm of an argument lies between that of the value less 1 and the larger of that plus 2 and
+    the value itself, for all functions of this module.
+    """
+    log = np.log(np.maximum(values, LEAST))
+    ends = log - 1, np.maximum(log + 2, np.minimum(values, LARGEST))
+    root = find_root(lambda x, log: np.log(function(np.exp(x))) - log, ends, args=(log,))
+    return np.where(values == 0, 0.0, np.exp(root.x))
 
 
 def angle_ratio(xi: Array) -> Array:
@@ -44,16 +56,9 @@ def angle_ratio(xi: Array) -> Array:
     return np.sqrt(2 / (1 + xi)) * np.divide(angle, half, out=np.ones_like(half), where=half != 0)
 
 
-def invert_angle_ratio(target: Array) -> Array:
-    """``xi`` for which ``xi A(xi) = target >= 0``; ``xi A(xi)`` is a concave function."""
-    target = np.minimum(target, LARGEST)
-    xi = np.where(target < 1, 2 / np.pi * target, 0.5 * np.exp(target))
-    for _ in range(NEWTON_STEPS):
-        ratio = angle_ratio(xi)
-        near = np.abs(xi - 1) < AT_ONE
-        flat = np.where(near, 0.75, np.divide(xi - 1, xi - ratio, out=np.ones_like(xi), where=~near))
-        xi = xi + (target - xi * ratio) * flat * (xi + 1)
-    return xi
+def log_loss(xi: Array) -> Array:
+    """``-log e = xi A(xi)`` of the `ImpactKelvin`."""
+    return xi * angle_ratio(xi)
 
 
 def kelvin_restitution(xi: Array) -> Array:
@@ -68,62 +73,41 @@ def kelvin_damping(e: Array) -> Array:
     return loss / np.hypot(np.pi, loss)
 
 
-def langevin_fraction(x: Array) -> Array:
-    """``L(x)/x`` for ``0 <= x <= 1``, by the continued fraction ``1/(3 + x^2/(5 + x^2/(7 + ...``."""
-    below = np.full_like(x, FRACTION.start + 2)
-    for odd in (*FRACTION, 3):
-        below = odd + x * x / below
-    return 1 / below
-
-
 @np.errstate(over="ignore")  # where expm1 overflows, its reciprocal is zero
-def coth_excess(x: Array) -> Array:
-    """``coth x - 1`` for ``x > 0``."""
-    return 2 / np.expm1(2 * x)
+def langevin_odds(x: Array) -> Array:
+    """``L/(1 - L)`` of Langevin's function, below 1 a ratio of Bessel functions."""
+    near, far = np.minimum(x, 1), np.maximum(x, 1)
+    small = ive(1.5, near) / ive(0.5, near)
+    return np.where(x < 1, small / (1 - small), 1 / (1 / far - 2 / np.expm1(2 * far)) - 1)
 
 
 def hertz_damp_restitution(a: Array) -> Array:
     """Coefficient of restitution ``e`` of the Hertz-damp force with the damping factor ``a >= 0``."""
-    x = np.minimum(a, 0.5 * (1 + a))  # above the root of a convex function
-    for _ in range(NEWTON_STEPS):
-        near, far = np.minimum(x, 1), np.maximum(x, 1)
-        ratio, excess = langevin_fraction(near), coth_excess(far)
-        small = near * ratio
-        value = np.where(x < 1, near + near * small, 2 * far - 1 + far * excess)
-        near_slope = 1 + small + near * (1 - small**2 - 2 * ratio)
-        slope = np.where(x < 1, near_slope, 2 + excess - far * excess * (2 + excess))
-        x = x - (value - a) / slope
-    near, far = np.minimum(x, 1), np.maximum(x, 1)
-    small, rest = near * langevin_fraction(near), far * coth_excess(far)  # L and x (coth x - 1)
-    return np.where(x < 1, (1 - small) / (1 + small), (1 - rest) / (2 * far - 1 + rest))
+
+    def factor(x: Array) -> Array:
+        odds = langevin_odds(x)
+        return x * (1 + odds / (1 + odds))
+
+    x = inverse(factor, a)
+    return np.where(a == 0, 1.0, 1 / (1 + 2 * langevin_odds(np.maximum(x, LEAST))))
 
 
 def hertz_damp_factor(e: Array) -> Array:
     """Damping factor ``a`` of the Hertz-damp force for ``e``; inverse of `hertz_damp_restitution`."""
     e = np.maximum(e, np.exp(-LARGEST))
-    level, rest = (1 - e) / (1 + e), 2 * e / (1 + e)  # L and 1 - L
-    x = level * (3 - level**2) * (1 + e) ** 2 / (4 * e)  # start by Cohen (1991), within 5 %
-    for _ in range(NEWTON_STEPS):
-        near, far = np.minimum(x, 1), np.maximum(x, 1)
-        ratio = langevin_fraction(near)
-        near_step = (level - near * ratio) / (1 - (near * ratio) ** 2 - 2 * ratio)
-        excess = far * coth_excess(far)
-        far_step = far * (1 - excess - rest * far) / (1 - excess * (excess + 2 * far))
-        x = x + np.where(x < 1, near_step, far_step)
-    return 2 * x / (1 + e)
+    return 2 * inverse(langevin_odds, (1 - e) / (2 * e)) / (1 + e)
+
+
+def _linear(power: float, scale: float = 1.0) -> Relation:
+    """``e = exp(-power z A(z))`` with the damping ratio ``scale z``."""
+    return Relation(
+        lambda xi: np.exp(-power * log_loss(xi / scale)),
+        lambda e: scale * inverse(log_loss, np.minimum(np.abs(np.log(e)) / power, LARGEST)),
+    )
 
 
 KELVIN = Relation(kelvin_restitution, kelvin_damping)
-NO_TENSION_KELVIN = Relation(
-    lambda xi: np.exp(-2 * xi * angle_ratio(xi)),
-    lambda e: invert_angle_ratio(0.5 * np.abs(np.log(e))),
-)
-IMPACT_KELVIN = Relation(
-    lambda xi: np.exp(-xi * angle_ratio(xi)),
-    lambda e: invert_angle_ratio(np.abs(np.log(e))),
-)
-LINEAR = np.sqrt(5) / 2  # xi of `Jankowski` over that of the `ImpactKelvin` with equal restitution
-JANKOWSKI = Relation(
-    lambda xi: IMPACT_KELVIN.restitution(xi / LINEAR), lambda e: LINEAR * IMPACT_KELVIN.damping(e)
-)
+NO_TENSION_KELVIN = _linear(2.0)
+IMPACT_KELVIN = _linear(1.0)
+JANKOWSKI = _linear(1.0, scale=np.sqrt(5) / 2)
 HERTZ_DAMP = Relation(hertz_damp_restitution, hertz_damp_factor)

@@ -42,21 +42,17 @@ WORDS, UNDECIDED = (
     "undecided within the error of the simulation",
 )
 NOTES = {
-    "measure": "Damping: added damping of buildings 1 and 2 in per cent of critical. Dashpot: damping "
-    "constant of all linear links between the buildings. Needed: the gap for the confidence, and its "
-    "95 % interval; where there are bumpers, with their thickness, since contact of the bumpers counts "
-    "as contact of the buildings. Apart: share of the simulated motions in which the existing gap "
-    "prevents pounding. Within error: the difference is within the error of the simulation. Std: "
-    "standard deviation of the relative displacement by linearization, which is too small where "
-    "buildings yield. All measures are simulated with the same motions.",
+    "measure": "Damping: added to buildings 1 and 2, in per cent of critical. Dashpot: damping constant "
+    "of all linear links between the buildings. Needed: the gap for the confidence, and its 95 % "
+    "interval, with the thickness of bumpers. Apart: share of the simulated motions in which the "
+    "existing gap prevents pounding. Std: standard deviation of the relative displacement by "
+    "linearization, which is too small where buildings yield. All measures are simulated with the same "
+    "motions.",
     "device": "Devices: mean | 95 % quantile over the simulated motions, without contact of the "
-    "buildings, of the largest force, of the largest extension or compression (stroke), and of the "
-    "energy that the device dissipates in a motion. Numbers are those of the buildings; 1.3 is floor 3 "
-    "of building 1. The values are those of the analysis, without partial factors of codes.",
+    "buildings and without partial factors of codes; 1.3 is floor 3 of building 1.",
     "record": "Times: largest displacement of buildings 1 and 2, relative to the building as built and "
     "alone. Pressed: the deepest compression of the contact; bumpers have to be thicker. Link: the "
-    "largest force of links and dampers. What bumpers do to the buildings is visible only in these "
-    "columns.",
+    "largest force of links and dampers.",
 }
 Columns = dict[str, "Callable[[xr.Dataset], str]"]  # heads, and the cells below them
 
@@ -143,46 +139,23 @@ def _devices(table: xr.Dataset) -> list[ViewSection]:
 
 
 def _in_records(table: xr.Dataset) -> list[ViewSection]:
-    """A table of each record, or of all of them where they are many; none without records."""
-    if "quantile" in table.dims:
-        levels = [f"{100 * level:.4g}{SPACE}%" for level in table["quantile"].values]
-        what = (
-            f"In {table.sizes['record']} records; the values are not exceeded in half of them and in "
-            f"{levels[-1]} of them"
-        )
-        rows = [
-            row
-            for row in along(table, "measure")
-            if np.isfinite(float(row.record_no_pounding_probability))
-        ]
-        return [ViewSection(what, [_table(rows, _over_records(levels))])]
+    """A table of the largest values in the records; none without records."""
+    if "record" not in table.dims:
+        return []
+    count = table.sizes["record"]
+    what = f"Largest values in {count} records" if count > 1 else f"In {table.record[0].item()}"
+    met = (table.impacts > 0).sum("record")
+    largest = table.drop_dims("device", errors="ignore").max("record").assign(met=met)
     columns: Columns = {
+        "meet in": lambda row: f"{int(row.met)} of {count}",
         "times": lambda row: _pair(row, "amplification", "{:.2f}"),
         "impacts": lambda row: short(float(row.impacts)),
         "force [MN]": lambda row: number(float(row.largest_force), "MN"),
         "pressed [cm]": lambda row: centimetres(float(row.deepest_compression)),
-        "link [MN]": lambda row: number(float(row.largest_link_force), "MN"),
+        "link [MN]": lambda row: number(float(row.get("largest_link_force", np.nan)), "MN"),
     }
-    sections = []
-    for name in table.record.values if "record" in table.dims else ():
-        rows = along(table.sel(record=name), "measure")
-        known = [row for row in rows if np.isfinite(float(row.amplification_1))]
-        sections.append(ViewSection(f"In {name}", [_table(known, columns)]))
-    return sections
-
-
-def _over_records(levels: Sequence[str]) -> Columns:
-    """The effect of a measure in many records, by quantiles at these levels."""
-
-    def times(place: int) -> Callable[[xr.Dataset], str]:
-        return lambda row: _pair(row.isel(quantile=place), "record_amplification", "{:.2f}")
-
-    return {
-        "do not meet": lambda row: per_cent(float(row.record_no_pounding_probability)),
-        **{f"times, {level}": times(place) for place, level in enumerate(levels)},
-        "impacts": lambda row: " | ".join(map(short, row.record_impacts.values)),
-        "force [MN]": lambda row: " | ".join(map(short, row.record_largest_force.values / 1e6)),
-    }
+    rows = [row for row in along(largest, "measure") if np.isfinite(float(row.amplification_1))]
+    return [ViewSection(what, [_table(rows, columns)])]
 
 
 def _remarks(table: xr.Dataset) -> list[str]:

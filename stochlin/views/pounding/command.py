@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -124,18 +123,13 @@ def _together(
 
 
 def _by_record(option: str, path: Path | None, allowed: Sequence[str], case: Case) -> dict[str, Path]:
-    """The file of each record: the one that is asked for, or, of several, one with its name in it."""
+    """The file of each record: the one that is asked for, or, of several, one with its number."""
     if path is None:
         return {}
-    named = dict.fromkeys(case.site.records, path)
-    if len(named) > 1:
-        words = {record: re.sub(r"[^\w.]+", "_", record) for record in named}
-        named = {r: path.with_name(f"{path.stem}-{word}{path.suffix}") for r, word in words.items()}
+    records = list(case.site.records)
+    named = {r: path.with_name(f"{path.stem}-{n}{path.suffix}") for n, r in enumerate(records, 1)}
+    if len(records) == 1:
+        named = {records[0]: path}
     for target in named.values():
         check_target(option, target, allowed, case.files)
-    if len(set(named.values())) < len(named):
-        raise ValueError(
-            f"{path} for each record: the names {', '.join(map(repr, named))} are too much alike for "
-            "files; allowed: names that differ in letters or digits"
-        )
     return named

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,7 @@ from stochlin.applications.cases.pounding import (
     hardness,
 )
 from stochlin.applications.pounding.rows import COLUMN
+from stochlin.views.pounding.words import roof
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.style import AS_GIVEN, CURVES, filled, styled
 from stochlin.views.shared.words import along, roles_in_words
@@ -30,12 +31,10 @@ if TYPE_CHECKING:
 WIDTH, WORDS, LINE = 7.2, 0.5, 0.135  # inches: of a picture, around its panels, of a line of text
 HISTORY, FREQUENCY = 1.6, 2.6  # inches: heights of the panels
 CAPTION, NAME, LEGEND_NAME = 108, 22, 24  # characters of a line
-AROUND = 1.5  # s: of the close-up, to both sides of the hardest impact
 CENTIMETRES, MEGA, KILO = 100.0, 1e-6, 1e-3
 MANY = 1e7  # J: from there on in MJ
 CONTACTS = "contacts"
 LABELS = ("from the ground", "damping", "yielding", CONTACTS, "motion, springs")  # of ENERGIES
-QUANTILE = 0.84  # of the motions, in profiles
 
 
 @styled(AS_GIVEN)
@@ -61,25 +60,20 @@ def draw_pound(dataset: xr.Dataset) -> Figure:
     """
     _check("energy_share" in dataset, dataset, "")
     shown = hardest_contacts(dataset) if "contact" in dataset.dims else []
-    hits = bool(dataset.sizes.get("impact"))
-    figure, panels = _panels(dataset, len(shown) + 2 + hits, 1, HISTORY)
-    over_time = panels[: len(shown) + 2]
-    for axes, number in zip(over_time, shown, strict=False):
+    figure, panels = _panels(dataset, len(shown) + 2, 1, HISTORY)
+    for axes, number in zip(panels, shown, strict=False):
         _sides(axes, dataset, number)
     if shown:
-        _forces(over_time[-2], dataset, shown)
+        _forces(panels[-2], dataset, shown)
     else:
-        _roof(over_time[0], dataset)
-    _energies(over_time[-1], dataset)
-    for axes in over_time:
+        _alone(panels[0], dataset)
+    _energies(panels[-1], dataset)
+    for axes in panels:
         axes.set_xlim(float(dataset.time[0]), float(dataset.time[-1]))
-        axes.tick_params(labelbottom=axes is over_time[-1])
-    if hits:
-        _close_up(panels[-1], dataset)
+        axes.tick_params(labelbottom=axes is panels[-1])
     for axes in (panel for panel in panels if panel.get_legend_handles_labels()[1]):
         axes.legend(loc="upper left", bbox_to_anchor=(1.02, 1.03), borderaxespad=0, fontsize=8)
-    for axes in {over_time[-1], panels[-1]}:
-        axes.set_xlabel("time [s]")
+    panels[-1].set_xlabel("time [s]")
     figure.suptitle(dataset.attrs["title"], x=0.01, ha="left", size=10)
     return figure
 
@@ -138,23 +132,13 @@ def _sides(axes: Axes, dataset: xr.Dataset, number: int) -> None:
     axes.set_ylabel("place [cm]")
 
 
-def _roof(axes: Axes, dataset: xr.Dataset) -> None:
+def _alone(axes: Axes, dataset: xr.Dataset) -> None:
     """The displacement of a single building, at its roof."""
-    table = dataset.isel(structure=0)
-    place = table.displacement.isel(floor=-1) if "floor" in table.dims else table.displacement
-    (color, _), name = CURVES[0], textwrap.fill(str(table.building.item()), NAME)
-    axes.plot(dataset.time, CENTIMETRES * place, color=color, lw=0.9, label=name)
-    axes.set_ylabel("roof [cm]" if "floor" in table.dims else "place [cm]")
-
-
-def _close_up(axes: Axes, dataset: xr.Dataset) -> None:
-    """Both sides of the gap around the impact that is hardest, or fastest where there are no forces."""
-    hardest = dataset.isel(impact=int(dataset[hardness(dataset)].argmax("impact")))
-    at = float(hardest.impact_time)
-    window = dataset.isel(time=np.abs(dataset.time.values - at) <= AROUND)
-    _sides(axes, window, int(hardest.impact_contact) - 1)
-    axes.set_xlim(float(window.time[0]), float(window.time[-1]))
-    axes.set_title("around the hardest impact", loc="left", size=9, pad=7)
+    building = dataset.isel(structure=0)
+    (color, _), name = CURVES[0], textwrap.fill(str(building.building.item()), NAME)
+    place = CENTIMETRES * roof(building).displacement
+    axes.plot(dataset.time, place, color=color, lw=0.9, label=name)
+    axes.set_ylabel("roof [cm]" if "floor" in dataset.dims else "place [cm]")
 
 
 def _names(dataset: xr.Dataset, contact: xr.Dataset) -> list[str]:
@@ -191,36 +175,6 @@ def _energies(axes: Axes, dataset: xr.Dataset) -> None:
     axes.set(ylim=(0, None), ylabel=f"energy [{unit}]")
 
 
-def _looks(dataset: xr.Dataset) -> Iterator[tuple[str, dict[str, Any]]]:
-    """The name of each building in a legend, and how its profile is drawn."""
-    looks = cycle(zip(CURVES, "osD^vP", strict=True))
-    for number, ((color, dash), marker) in zip(dataset.structure.values, looks, strict=False):
-        name = str(dataset.building.sel(structure=number).item())
-        style: dict[str, Any] = {"color": color, "linestyle": dash, "marker": marker, "ms": 4, "lw": 1.3}
-        yield cut(f"{number} {name}", LEGEND_NAME), style
-
-
-def _profile(
-    axes: Axes, table: xr.Dataset, peak: str, scale: float, levels: Any, name: str, style: Any
-) -> None:
-    """Quantiles of peaks over height; those of a building without its neighbours thin and open."""
-    with_hits, alone = (
-        scale * table[f"{peak}{which}_quantile"].values[: levels.size] for which in ("", "_alone")
-    )
-    if "neighbours" in table.dims:
-        axes.plot(alone, levels, **style | {"mfc": "white", "lw": 0.7})
-    axes.plot(with_hits, levels, label=name, **style)
-
-
-def _levels(dataset: xr.Dataset, number: int) -> np.ndarray:
-    """Heights of the floors of a building; an oscillator moves where it meets its neighbours."""
-    levels: np.ndarray = dataset.floor_level.values[number]
-    if np.isfinite(levels).any():
-        return levels[np.isfinite(levels)]
-    beside = (dataset.left.values == number + 1) | (dataset.right.values == number + 1)
-    return np.atleast_1d(np.nanmax(dataset.level.values[beside], initial=0.0))
-
-
 @styled(AS_GIVEN)
 def draw_ensemble(dataset: xr.Dataset) -> Figure:
     """Draw pounding in many motions, as ``stochlin pound --motions`` computes it.
@@ -234,8 +188,8 @@ def draw_ensemble(dataset: xr.Dataset) -> Figure:
     -------
     matplotlib.figure.Figure
         The share of the motions with more impacts, and with a larger force, across each gap, if there is
-        one; and the accelerations and displacements with pounding and without: of oscillators how often
-        they are exceeded, of buildings with storeys a quantile over height.
+        one; and the accelerations and displacements with pounding and without, of buildings with storeys
+        the largest acceleration of all floors and the displacement of the roof.
 
     Raises
     ------
@@ -244,35 +198,27 @@ def draw_ensemble(dataset: xr.Dataset) -> Figure:
     """
     fits = "peak_quantile" in dataset and "building" in dataset.coords
     _check(fits, dataset, " of many motions")
-    meets, storeys = "neighbours" in dataset.dims, "floor" in dataset.dims
+    meets = "neighbours" in dataset.dims
     figure, panels = _panels(dataset, 1 + meets, 2, FREQUENCY)
     if meets:
         _gaps(panels[:2], dataset)
-    kinds = (
-        ("peak_acceleration", 1 / constants.g, "acceleration [g]"),
-        ("peak", CENTIMETRES, "displacement [cm]"),
-    )
-    at = dataset.sel(quantile=QUANTILE, method="nearest")
-    for axes, (stem, scale, label) in zip(panels[-2:], kinds, strict=True):
-        for number, (name, style) in enumerate(_looks(dataset)):
-            if storeys:
-                table, levels = at.isel(structure=number), _levels(dataset, number)
-                _profile(axes, table, stem, scale, levels, name, style)
-                continue
-            look = {"color": style["color"], "linestyle": style["linestyle"]}
-            table = dataset.isel(structure=number)
-            _exceedance(axes, scale * table[stem].values, look | {"lw": 1.6, "label": name})
-            if meets:
-                _exceedance(axes, scale * table[f"{stem}_alone"].values, look | {"lw": 0.6})
-        share = f", not exceeded in {100 * float(at['quantile']):.3g} %" if storeys else ""
-        axes.set(xlim=(0, None), xlabel=f"{label}{share}", ylim=(0, None if storeys else 1.02))
-    panels[-2].set_ylabel("height [m]" if storeys else "share of motions with more")
+    accelerations, displacements = panels[-2:]
+    looks = zip(along(dataset, "structure"), cycle(CURVES), strict=False)
+    for building, (color, dash) in looks:
+        name = cut(f"{int(building.structure)} {building.building.item()}", LEGEND_NAME)
+        for end, style in (("", {"lw": 1.6, "label": name}), ("_alone", {"lw": 0.6}))[: 1 + meets]:
+            look = {"color": color, "linestyle": dash} | style
+            shaken = building[f"peak_acceleration{end}"].max({*building.peak.dims} & {"floor"})
+            _exceedance(accelerations, shaken.values / constants.g, look)
+            moved = CENTIMETRES * roof(building)[f"peak{end}"]
+            _exceedance(displacements, moved.values, look)
+    accelerations.set(xlim=(0, None), xlabel="acceleration [g]", ylim=(0, 1.02))
+    displacements.set(xlim=(0, None), xlabel="displacement [cm]", ylim=(0, 1.02))
+    accelerations.set_ylabel("share of motions with more")
     if meets:
-        look = {"marker": "o", "mfc": "white", "ms": 4} if storeys else {}
-        label = "open, thin: alone" if storeys else "thin: alone"
-        panels[-2].plot([], [], color="0.35", lw=0.7, label=label, **look)
+        accelerations.plot([], [], color="0.35", lw=0.7, label="thin: alone")
     figure.legend(
-        *panels[-2].get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8,
+        *accelerations.get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8,
         title=dataset.attrs["title"], title_fontsize=10, alignment="left",
     )  # fmt: skip
     return figure

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import constants
 
-from stochlin.applications.cases.pounding import energy_of, is_oscillator
+from stochlin.applications.cases.pounding import energy_of
 from stochlin.applications.cases.shaking import doubts
-from stochlin.applications.pounding.rows import COLUMN as SLAB_TO_COLUMN
 from stochlin.solver.tables.labels import VALUE_AND_ENDS
-from stochlin.views.shared.blocks import Block, Table, Text, ViewSection, texts
+from stochlin.views.shared.blocks import Table, Text, ViewSection, texts
 from stochlin.views.shared.screen import cut
 from stochlin.views.shared.uncertain import at_medians
 from stochlin.views.shared.words import (
@@ -39,23 +38,31 @@ if TYPE_CHECKING:
 
     from stochlin.applications.cases.reading.case import Case
 
-    Column = tuple[str, Callable[[xr.Dataset], str]]  # head, and the cell of a row
-
-LONGEST_NAME = 20
+LONGEST_NAME, LONGEST_RECORD = 24, 13
 LARGE_ERROR = 0.01  # by time steps, above which a caution is given
 SINKS = {"viscous": "damping dissipated", "hysteretic": "yielding", "contacts": "contacts"}
 ALONE = "one building alone, without a neighbour."
-NOTES = {
-    "shear [MN]": "Shear: of the storey below the floor.",
-    "accel. [g]": "Peaks are those of the roof; accelerations are those of the floor with the largest "
-    "one; base: largest base shear. The second value is that without pounding.",
-    "times": "Times: largest displacement with pounding, relative to that without.",
-    "worst": "Worst: the floor whose displacement grows most by pounding.",
-    "ductility": "Ductility: largest displacement relative to that at yield.",
-    "gains [kJ]": "Gains: work of all impacts on the building, negative if they take energy from it.",
-    "closest [cm]": "Closest: smallest distance in the motion, negative if the contact is compressed.",
+# Rows of a table: the variable, and what its values are multiplied by.
+OF_GAPS = {
+    "impacts": ("impacts_between", 1.0),
+    "largest force [MN]": ("hardest_force_between", 1e-6),
+    "energy lost [kJ]": ("contact_energy_between", 1e-3),
 }
-COLUMN = "Contacts with a star: a slab meets a column between two floors."
+OF_BUILDINGS = {
+    "displacement [cm]": ("peak", 100.0),
+    "acceleration [g]": ("peak_acceleration", 1 / constants.g),
+    "base shear [MN]": ("peak_base_shear", 1e-6),
+    "ductility": ("peak_ductility", 1.0),
+}
+OF_NEIGHBOURS = {
+    "amplification": ("amplification", 1.0),
+    "work of impacts [kJ]": ("energy_received", 1e-3),
+}
+MEANINGS = "Alone: without pounding. Amplification: displacement over that alone."
+OF_FLOORS = (
+    "Displacements are those of the roof; accelerations and amplifications, those of the floor where "
+    "they are largest."
+)
 JUMPS = (
     "Velocities jump in impacts with this contact: accelerations and shears are those between impacts."
 )
@@ -63,7 +70,6 @@ ERRORS = (
     "Mean: with its standard error. The 95 % intervals of the quantiles are in brackets; over: the "
     "motions are too few for the upper end of the interval."
 )
-OF_ROOF = "Displacements are those of the roof; accelerations, those of the floor with the largest one."
 FAILED = (
     "{} of {} motions FAILED and are left out: {}. These are probably strong motions, so the "
     "quantiles are too small."
@@ -75,25 +81,23 @@ STRENGTH = (
 
 
 def answer_sections(case: Case, tables: Mapping[str, xr.Dataset]) -> list[ViewSection]:
-    """All that is shown, record by record, and the meaning of the columns."""
+    """What happens in each record, a column of values for each, and what they mean."""
     doubtful = [f"in {record} {text}" for record, table in tables.items() for text in doubts(table)]
-    of_records = [_in_record(case, record, table) for record, table in tables.items()]
+    notes = []
+    if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
+        notes.append(STRENGTH.format(site_in_words(case)))
+    heads = [cut(record, LONGEST_RECORD) for record in tables]
     return [
         opening(case, doubtful),
         ViewSection("", texts([floors(case), *left_out(case), at_medians(case)])),
-        *(ViewSection("", blocks) for blocks in of_records),
-        ViewSection("", [Text(_notes(case, next(iter(tables.values())), of_records[0]))]),
+        *(ViewSection("", _in_record(case, record, table)) for record, table in tables.items()),
+        _values(list(tables.values()), heads, notes),
     ]
 
 
-def _in_record(case: Case, record: str, table: xr.Dataset) -> list[Block]:
+def _in_record(case: Case, record: str, table: xr.Dataset) -> list[Text]:
     about = [f"{record}: {headline(table)}", recorded_shaking(table, case), columns_faced(table)]
-    tables = (_buildings, _contacts) if "contact" in table.dims else (_alone,)
-    return [
-        *texts(about),
-        *(each(table) for each in tables),
-        *texts([energies(table), step_error(table)]),
-    ]
+    return texts([*about, energies(table), step_error(table)])
 
 
 def headline(table: xr.Dataset) -> str:
@@ -109,7 +113,10 @@ def headline(table: xr.Dataset) -> str:
     sentence = f"{count} impact{'s' * (count > 1)}, the first at {begin:.2f} s."
     force, speed = float(table.largest_force.max(skipna=False)), float(table.fastest_approach.max())
     if np.isfinite(force):
-        return f"{sentence} Largest force {number(force, 'MN')} MN, fastest approach {short(speed)} m/s."
+        hardest = table.isel(contact=int(table.hardest_force.argmax("contact")))
+        level = f" {float(hardest.level):.4g} m up" if "level" in table.coords else ""
+        largest = f"Largest force {number(force, 'MN')} MN{level}"
+        return f"{sentence} {largest}, fastest approach {short(speed)} m/s."
     return f"{sentence} Fastest approach {short(speed)} m/s; this contact gives no forces."
 
 
@@ -157,118 +164,52 @@ def step_error(table: xr.Dataset) -> str:
     return f"{sentence} CAUTION: more than {per_cent(LARGE_ERROR)}; take more --steps-per-contact."
 
 
-def _table(head: str, rows: Iterable[tuple[str, xr.Dataset]], columns: Iterable[Column]) -> Table:
-    """A row for each dataset, after its name."""
-    columns = list(columns)
-    heads = [head, *(name for name, _ in columns)]
-    return Table.of(heads, [[name, *(cell(row) for _, cell in columns)] for name, row in rows])
-
-
-def _in(unit: str, name: str) -> Callable[[xr.Dataset], str]:
-    """The cell with a variable in this unit."""
-    return lambda row: number(float(row[name]), unit)
-
-
-def _times(name: str) -> Callable[[xr.Dataset], str]:
-    """The cell with a ratio, to two decimals."""
-    return lambda row: f"{value:.2f}" if np.isfinite(value := float(row[name])) else MISSING
-
-
-def _named(building: xr.Dataset) -> str:
-    """The number and the name of a building."""
-    return f"{int(building.structure)}  {cut(str(building.building.item()), LONGEST_NAME)}"
-
-
-def _roof(building: xr.Dataset) -> xr.Dataset:
+def roof(building: xr.Dataset) -> xr.Dataset:
     """What is at the roof of a building with floors."""
     return building.sel(floor=int(building.storeys)) if "floor" in building.dims else building
 
 
-def _at_most(building: xr.Dataset, name: str) -> xr.Dataset:
-    """What is at the floor where a variable is largest."""
-    return (
-        building.isel(floor=int(building[name].argmax("floor")))
-        if "floor" in building.dims
-        else building
-    )
+def _values(
+    tables: Sequence[xr.Dataset], heads: Sequence[str], notes: Sequence[str], end: str = ""
+) -> ViewSection:
+    """Rows of each gap and each building, with a value of each table, and notes.
+
+    With ``end`` they are the mean and the quantiles of the one table.
+    """
+    table = tables[0]
+    meets, blank = "neighbours" in table.dims, [""] * len(heads)
+
+    def row(name: str, at: Mapping[str, int], stem: str, scale: float) -> list[str]:
+        parts = [_part(each.isel(at), f"{stem}{end}") for each in tables]
+        if end:
+            return [name, *_statistics(parts[0], stem, scale)]
+        return [name, *(short(scale * float(part[stem])) for part in parts)]
+
+    rows: list[list[str]] = []
+    for n, pair in enumerate(table.neighbours.values if meets else ()):
+        gap = 100 * float(table.gap.values[table.left.values == n + 1][0])
+        rows.append([f"Gap {pair}, {gap:.3g} cm", *blank])
+        rows += [row(f"  {name}", {"neighbours": n}, *each) for name, each in OF_GAPS.items()]
+    for n, building in enumerate(table.building.values):
+        rows.append([f"{n + 1}  {cut(str(building), LONGEST_NAME)}", *blank])
+        for name, (stem, scale) in (OF_BUILDINGS | (OF_NEIGHBOURS if meets else {})).items():
+            if f"{stem}{end}" in table:
+                rows.append(row(f"  {name}", {"structure": n}, stem, scale))
+            if meets and f"{stem}_alone{end}" in table:
+                rows.append(row("    alone", {"structure": n}, f"{stem}_alone", scale))
+    notes = [*notes, *[MEANINGS] * meets, *[OF_FLOORS] * ("floor" in table.dims)]
+    jumps = meets and bool(table[f"hardest_force_between{end}"].isnull().any())
+    text = " ".join([*notes, *[JUMPS] * jumps])
+    return ViewSection("", [Table.of(["", *heads], rows), Text(text)])
 
 
-def _alone(table: xr.Dataset) -> Table:
-    """The response of a single building, floor by floor from the roof down."""
-    building = table.isel(structure=0)
-    columns = [
-        ("accel. [g]", _in("g", "peak_acceleration")),
-        ("shear [MN]", _in("MN", "peak_storey_shear")),
-    ]
-    peak = _in("cm", "peak")
-    if "floor" not in table.dims:
-        columns.append(("ductility", _in("1", "peak_ductility")))
-        return _table("peak [cm]", [(peak(building), building)], columns)
-    height: Column = ("height [m]", lambda floor: f"{float(floor.floor_level):.4g}")
-    down = [(str(int(floor.floor)), floor) for floor in along(building, "floor")[::-1]]
-    return _table("floor", down, [height, ("peak [cm]", peak), *columns])
-
-
-def _buildings(table: xr.Dataset) -> Table:
-    """What pounding does to each building: values with it and without."""
-
-    def both(unit: str, name: str, place: Callable[[xr.Dataset], xr.Dataset]) -> Callable[..., str]:
-        ends = _in(unit, name), _in(unit, f"{name}_alone")
-        return lambda building: " | ".join(cell(place(building)) for cell in ends)
-
-    worst = ("worst", _worst) if "floor" in table.dims else ("ductility", _times("peak_ductility"))
-    columns: list[Column] = [
-        ("peak [cm]", both("cm", "peak", _roof)),
-        ("times", lambda building: _times("amplification")(_roof(building))),
-        worst,
-        ("accel. [g]", both("g", "peak_acceleration", lambda b: _at_most(b, "peak_acceleration"))),
-        ("base [MN]", both("MN", "peak_base_shear", lambda building: building)),
-        ("gains [kJ]", _in("kJ", "energy_received")),
-    ]
-    rows = [(_named(building), building) for building in along(table, "structure")]
-    return _table("building", rows, columns)
-
-
-def _worst(building: xr.Dataset) -> str:
-    """The floor whose displacement grows most."""
-    floor = _at_most(building, "amplification")
-    times = _times("amplification")(floor)
-    return times if is_oscillator(building) else f"{times}, floor {int(floor.floor)}"
-
-
-def _contacts(table: xr.Dataset) -> Table:
-    """What happens at each contact."""
-
-    def name(contact: xr.Dataset) -> str:
-        sides = f"{int(contact.left)} | {int(contact.right)}"
-        if "level" not in table.coords:
-            return sides
-        star = "*" if str(contact.kind.item()) == SLAB_TO_COLUMN else ""
-        return f"{sides}, {float(contact.level):.4g} m up{star}"
-
-    columns: list[Column] = [
-        ("gap [cm]", _in("cm", "gap")),
-        # zero without a sign
-        ("closest [cm]", lambda c: f"{round(100 * float(c.least_clearance), 2) + 0:.2f}"),
-        ("impacts", lambda contact: str(int(contact.impacts))),
-        ("force [MN]", _in("MN", "hardest_force")),
-        ("approach [m/s]", _in("m/s", "fastest_approach")),
-        ("longest [ms]", _in("ms", "longest_impact")),
-        ("lost [kJ]", _in("kJ", "contact_energy")),
-    ]
-    return _table("contact", [(name(contact), contact) for contact in along(table, "contact")], columns)
-
-
-def _notes(case: Case, table: xr.Dataset, blocks: Sequence[Block]) -> str:
-    """What the columns of the tables mean that are shown for a record."""
-    heads = {head for block in blocks if isinstance(block, Table) for head in block.heads}
-    meets = "contact" in table.dims
-    notes = [note for head, note in NOTES.items() if head in heads and (meets or head != "accel. [g]")]
-    notes += [COLUMN] * ("column" in table.coords)
-    notes += [JUMPS] * (meets and bool(table.hardest_force.isnull().all()))
-    if any(building.strength in ("reduction_factor", "ductility") for building in case.buildings):
-        notes.append(STRENGTH.format(site_in_words(case)))
-    return " ".join(notes)
+def _part(table: xr.Dataset, name: str) -> xr.Dataset:
+    """What is at the roof for displacements, and else at the floor with the largest value."""
+    if "floor" not in table[name].dims:
+        return table
+    if name.removesuffix("_mean") in ("peak", "peak_alone"):
+        return roof(table)
+    return table.isel(floor=int(table[name].argmax("floor")))
 
 
 def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
@@ -290,19 +231,12 @@ def ensemble_sections(case: Case, table: xr.Dataset) -> list[ViewSection]:
     failed = FAILED.format(count - good, count, why) if good < count else ""
     level = f" at most in {per_cent(float(table['quantile'][-1]))} of the motions"
     columns = columns_faced(table.isel(quantile=-1), "_quantile", level)
-    heads = ["", "mean", *(per_cent(level) for level in table["quantile"].values)]
-    rows: list[list[str]] = []
-    for of_pair in along(table, "neighbours") if meets else ():
-        rows += _gap_rows(of_pair, heads)
-    for building in along(table, "structure"):
-        rows += _building_rows(building, heads)
-    notes = [ERRORS, *["Alone: without pounding."] * meets, *[OF_ROOF] * ("floor" in table.dims)]
-    notes += [JUMPS] * (meets and bool(table.hardest_force_between_mean.isnull().any()))
+    heads = ["mean", *(per_cent(level) for level in table["quantile"].values)]
     return [
         opening(case, doubts(strongest)),
         ViewSection("", texts([floors(case), *left_out(case)])),
         *(ViewSection("", texts(several)) for several in (about, [failed], [columns])),
-        ViewSection("", [Table.of(heads, rows), Text(" ".join(notes))]),
+        _values([table], heads, [ERRORS], "_mean"),
     ]
 
 
@@ -322,35 +256,7 @@ def _shares(table: xr.Dataset) -> str:
     return f"{'; '.join(shares)}."
 
 
-def _gap_rows(table: xr.Dataset, heads: list[str]) -> list[list[str]]:
-    pair = str(table.neighbours.item())
-    gap = 100 * float(table.gap.values[table.left.values == int(pair.split(" | ", maxsplit=1)[0])][0])
-    kinds = {
-        "impacts": ("impacts_between", 1.0),
-        "largest force [MN]": ("hardest_force_between", 1e-6),
-        "energy lost [kJ]": ("contact_energy_between", 1e-3),
-    }
-    rows = [_row(f"  {name}", table, stem, scale) for name, (stem, scale) in kinds.items()]
-    return [[f"Gap {pair}, {gap:.3g} cm", *[""] * (len(heads) - 1)], *rows]
-
-
-def _building_rows(table: xr.Dataset, heads: list[str]) -> list[list[str]]:
-    shaken, meets = _at_most(table, "peak_acceleration_mean"), "neighbours" in table.dims
-    at_floor = (
-        "" if "floor" not in table.dims or is_oscillator(table) else f", floor {int(shaken.floor)}"
-    )
-    rows = []
-    for name, place, stem, scale in (
-        ("displacement [cm]", _roof(table), "peak", 100.0),
-        (f"acceleration [g]{at_floor}", shaken, "peak_acceleration", 1 / constants.g),
-        ("base shear [MN]", table, "peak_base_shear", 1e-6),
-    ):
-        rows.append(_row(f"  {name}", place, stem, scale))
-        rows += [_row("    alone", place, f"{stem}_alone", scale)] * meets
-    return [[_named(table), *[""] * (len(heads) - 1)], *rows]
-
-
-def _row(name: str, table: xr.Dataset, stem: str, scale: float) -> list[str]:
+def _statistics(table: xr.Dataset, stem: str, scale: float) -> list[str]:
     """Mean with its error, and quantiles with their intervals."""
     mean, error = (scale * float(table[f"{stem}_mean{end}"]) for end in ("", "_standard_error"))
     cells = [MISSING if np.isnan(mean) else f"{_digits(mean)} +- {error:.2g}"]
@@ -358,7 +264,7 @@ def _row(name: str, table: xr.Dataset, stem: str, scale: float) -> list[str]:
     for value, low, high in zip(*ends, strict=True):
         between = f"{_digits(low)}-{_digits(high)}" if np.isfinite(high) else f"over {_digits(low)}"
         cells.append(MISSING if np.isnan(value) else f"{_digits(value)} ({between})")
-    return [name, *cells]
+    return cells
 
 
 def _digits(value: float) -> str:
