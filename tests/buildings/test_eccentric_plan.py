@@ -1,4 +1,4 @@
-"""A building whose plan turns: three slabs on eccentric columns, in numpy and in OpenSees.
+"""A building whose plan turns: three slabs on eccentric columns, in numpy.
 
 Each slab moves along the gap, across it and turns about its centre. A `ModalBuilding` of the corner has
 only the motion along the gap there, and must move and pound like the whole.
@@ -11,7 +11,6 @@ import pytest
 import scipy.integrate
 import scipy.linalg
 import xarray as xr
-from opensees_models import shake
 
 import stochlin as sl
 
@@ -118,46 +117,3 @@ def test_a_blow_at_a_corner_turns_the_plan() -> None:
         np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-3 * size)
     alone = np.abs(HISTORY @ corner_rows(FRONT).T).max()
     assert abs(float(table.peak[0, -1]) / alone - 1) > 0.1  # so that the blows matter
-
-
-def modelled_in_opensees(ops) -> None:
-    """Columns between rigid slabs that stay level; node ``100 floor + column``, 99 in the centre."""
-    ops.wipe()
-    ops.model("basic", "-ndm", 3, "-ndf", 6)
-    ops.geomTransf("Linear", 1, 1.0, 0.0, 0.0)
-    for floor in range(4):
-        level, columns = STOREY * floor, range(100 * floor, 100 * floor + len(COLUMNS))
-        for node, (x, y, *springs) in zip(columns, COLUMNS, strict=True):
-            ops.node(node, x, y, level)
-            ops.fix(node, *([0, 0, 1, 1, 1, 0] if floor else [1] * 6))
-            if floor:  # of the modulus 1: area, modulus of shear, torsion, and bending along and across
-                bending = [k * STOREY**3 / 12 for k in springs]
-                column = (1.0, 1.0, 1.0, 1e-9, *bending, 1)
-                ops.element("elasticBeamColumn", node, node - 100, node, *column)
-        if floor:
-            centre, mass = 100 * floor + 99, MASSES[floor - 1]
-            ops.node(centre, 0.0, 0.0, level)
-            ops.fix(centre, 0, 0, 1, 1, 1, 0)
-            ops.mass(centre, mass, mass, 0.0, 0.0, 0.0, mass * TURNING)
-            ops.rigidDiaphragm(3, centre, *columns)
-
-
-@pytest.mark.oracle
-def test_a_corner_moves_as_in_opensees(ops) -> None:
-    """The modes that OpenSees gives make a building whose corner moves as that in OpenSees."""
-    modelled_in_opensees(ops)
-    values = np.array(ops.eigen("-fullGenLapack", 9))
-    np.testing.assert_allclose(values, SQUARES, rtol=1e-8)
-    told = ops.modalProperties("-return")
-    corners = [100 * floor + len(COLUMNS) - 1 for floor in (1, 2, 3)]
-    shapes = [[ops.nodeEigenvector(node, mode, 1) for node in corners] for mode in range(1, 10)]
-    front = by_modes(2 * np.pi / np.sqrt(values), shapes, told["partiFactorMX"], told["partiMassMX"])
-    ops.modalDamping(XI)
-    shake(ops, SHAKING, DT, ("NormDispIncr", 1e-12, 10), constraints="Transformation")
-    theirs = np.zeros((SAMPLES.size, 3))
-    for i in range(1, SAMPLES.size):
-        assert ops.analyze(20, DT / 20) == 0
-        theirs[i] = [ops.nodeDisp(node, 1) for node in corners]
-    ours = sl.respond(front, MOTION).displacement
-    np.testing.assert_allclose(ours, theirs, rtol=0, atol=2e-4 * np.abs(theirs).max())
-    np.testing.assert_allclose(np.abs(ours).max("time"), np.abs(theirs).max(axis=0), rtol=1e-4)

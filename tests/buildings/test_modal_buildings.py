@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.optimize import brentq
 
 import stochlin as sl
 from stochlin.messages import DoubtfulInput
@@ -113,41 +112,6 @@ def test_all_modes_of_an_elastic_chain_pound_like_the_chain(contact: Any, motion
     assert_same(*(table.drop_vars(names, errors="ignore") for table in (chain, modes)), 1e-7)
     errors = (float(table.energy_balance_error.max()) for table in (chain, modes))
     assert next(errors) == pytest.approx(next(errors), rel=1e-3, abs=1e-9)
-
-
-WALL = {"height": 30.0, "slices": 60, "mass": 4e4, "first": 0.8}  # mass [kg/m], first period [s]
-
-
-def cantilever(modes: int) -> dict[str, Any]:
-    """Modes of an Euler-Bernoulli cantilever, by its characteristic equation cos(b) cosh(b) = -1."""
-    guesses = [(n - 0.5) * np.pi for n in range(1, modes + 1)]
-    b = np.array([brentq(lambda x: np.cos(x) + 1 / np.cosh(x), g - 0.6, g + 0.6) for g in guesses])
-    share = (np.sinh(b) - np.sin(b)) / (np.cosh(b) + np.cos(b))
-    slices = int(WALL["slices"])
-    x = b[:, None] * (np.arange(slices) + 1) / slices
-    s = share[:, None]
-    shapes = np.cosh(x) - np.cos(x) - s * (np.sinh(x) - np.sin(x))
-    storey = WALL["height"] / slices
-    masses = np.full(slices, WALL["mass"] * storey)
-    masses[-1] /= 2  # the trapezoidal rule over the height
-    periods = WALL["first"] * (b[0] / b) ** 2
-    return {
-        "periods": periods,
-        "shapes": shapes,
-        "masses": masses,
-        "heights": [storey] * slices,
-        "damping": 0.05,
-    }
-
-
-def test_a_wall_has_the_effective_masses_of_a_cantilever() -> None:
-    wall = sl.ModalBuilding(**cantilever(4))
-    shares = wall.effective_masses() / (WALL["mass"] * WALL["height"])
-    # Half a slice of the mass is at the fixed end and does not move.
-    np.testing.assert_allclose(shares, [0.613, 0.188, 0.065, 0.033], atol=6e-4)
-    ratios = wall.arrays()["periods"].to_numpy() / WALL["first"]
-    roots = np.array([1.87510, 4.69409, 7.85476, 10.99554])
-    np.testing.assert_allclose(ratios, (roots[0] / roots) ** 2, rtol=1e-5)
 
 
 def test_one_mode_that_yields_is_the_yielding_oscillator() -> None:

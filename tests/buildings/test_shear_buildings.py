@@ -167,20 +167,6 @@ def test_a_regular_building_is_what_it_was_told(
     np.testing.assert_allclose(at_yield, shear, rtol=1e-12)
 
 
-def test_equal_storeys_have_one_yield_drift_and_others_the_same_share_of_their_height() -> None:
-    even = sl.ShearBuilding.regular(**YIELDING)
-    w = 2 * np.pi / 0.8
-    assert even.yield_drifts == pytest.approx(2 * 0.15 * GRAVITY / (w**2 * 5), rel=1e-14)
-    np.testing.assert_allclose(even.stiffnesses, 4e5 * w**2 * np.array([10, 9, 7, 4]), rtol=1e-14)
-    listed = sl.ShearBuilding.regular(**YIELDING | {"storey_height": [3.0] * 4})
-    for name, array in even.arrays().items():
-        np.testing.assert_array_equal(listed.arrays()[name], array)
-    other = sl.ShearBuilding.regular(**YIELDING | {"storey_height": [4.5, 3.0, 3.0, 3.0]})
-    np.testing.assert_allclose(
-        other.yield_drifts / other.heights, other.yield_drifts[0] / 4.5, rtol=1e-14
-    )
-
-
 # --- The first mode -----------------------------------------------------------------------------------
 
 
@@ -228,17 +214,6 @@ def test_one_storey_is_the_oscillator(
         sl.linearize(wanted, ground).displacement_std,
         rtol=1e-9,
     )
-
-
-# --- Laws ---------------------------------------------------------------------------------------------
-
-
-def test_a_building_without_a_strength_stays_elastic_under_any_law() -> None:
-    for law in ("bilinear", "bouc_wen", OWN):
-        stack = stack_of(sl.ShearBuilding(**TWO, law=law))
-        assert not stack.system.couple.any()
-        assert np.isinf(stack.system.strength).all()
-        np.testing.assert_array_equal(stack.system.post, 1e8)
 
 
 # --- Structures and links as one system ---------------------------------------------------------------

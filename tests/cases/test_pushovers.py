@@ -11,7 +11,6 @@ import pytest
 
 import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
-from stochlin.messages import DoubtfulInput
 
 pytestmark = pytest.mark.invariant
 
