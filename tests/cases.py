@@ -52,6 +52,14 @@ KNOWN_COEFFICIENTS = [
     ((3, 0.7, 0.8), -0.8485191123, 1.4167065906),
 ]
 
+
+def read_text(folder: Path, text: str) -> Any:
+    """The case file of this text, in this folder."""
+    path = folder / "case.toml"
+    path.write_text(text, encoding="utf-8")
+    return sl.read_case(path)
+
+
 FIRM_SITE = """\
 [site]
 ground = "firm"

@@ -156,18 +156,6 @@ def test_the_verdict_belongs_to_the_code_as_applied(storeyed: CaseAnswer) -> Non
         assert np.isnan(combined.no_pounding_probability)
 
 
-def test_codes_as_applied_and_their_combinations_are_told_apart(storeyed: CaseAnswer) -> None:
-    """The combination of simulated peaks is shown with all rules alone."""
-    usual = [row.name for row in rows(storeyed)]
-    assert usual[:1] + usual[-2:] == [
-        "simulation", "eurocode_8 as you apply it", "asce_7 as you apply it"
-    ]  # fmt: skip
-    assert not [name for name in usual if "simulated peaks" in name]
-    every = {row.name: row for row in rows(replace(storeyed, every_rule=True))}
-    assert every["eurocode_8 of simulated peaks"].verdict == "no verdict"
-    assert {"linearization", "taiwan of simulated peaks", "asce_41", *usual} <= every.keys()
-
-
 @pytest.mark.slow
 @pytest.mark.invariant
 def test_without_codes_it_is_that_of_the_spectrum_or_none(tmp_path: Path, storeyed: CaseAnswer) -> None:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 from cases import example_case
+from cases import read_text as read
 from hypothesis import given
 from hypothesis import strategies as st
 
 import stochlin as sl
 from stochlin.applications.cases.examples import example_record
-from stochlin.applications.cases.pounding import pound_case
-from stochlin.applications.cases.probability import judge_gap
-from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.reading.kinds import Quantity
 from stochlin.applications.cases.reading.tables import key_lines
 from stochlin.applications.cases.rows import gap_of
@@ -28,12 +25,6 @@ from stochlin.models.units import UNITS, size_of
 pytestmark = pytest.mark.invariant
 
 EXAMPLE = example_case()
-
-
-def read(folder: Path, text: str) -> Case:
-    path = folder / "case.toml"
-    path.write_text(text, encoding="utf-8")
-    return sl.read_case(path)
 
 
 def changed(old: str, new: str, count: int = 1) -> str:
@@ -132,13 +123,6 @@ def test_records_are_read_beside_the_file_and_the_first_is_fitted(tmp_path: Path
     assert case.site.ground == sl.fit_ground(sl.read_record(path, dt=0.02, units="g"))
 
 
-def test_a_name_that_clears_the_screen_is_refused(tmp_path: Path) -> None:
-    for table in ("measures.", "site.", ""):
-        with pytest.raises(ValueError, match=rf"{table}.*\\x1b\[2J") as caught:
-            read(tmp_path, changed('[measures."Rubber bumpers"]', rf'[{table}"\u001b[2J"]'))
-        assert str(caught.value).isprintable()
-
-
 def test_what_is_no_case_file(tmp_path: Path) -> None:
     path = tmp_path / "case.toml"
     with pytest.raises(FileNotFoundError, match=r"case\.toml"):
@@ -175,17 +159,6 @@ path = "x"
     assert ("period",) not in lines
 
 
-@given(st.floats(0.2, 3.0), st.floats(0.02, 0.9), st.floats(1e-4, 1.0))
-def test_rms_acceleration_of_kanai_tajimi_ground(
-    period: float, damping: float, intensity: float
-) -> None:
-    w = 2 * math.pi / period
-    exact = math.sqrt(math.pi * intensity * w * (1 + 4 * damping**2) / (2 * damping))
-    found = rms_acceleration(sl.KanaiTajimi(period, damping, intensity))
-    assert found == pytest.approx(exact, rel=1e-3)  # the tail beyond 1e4 Hz
-    assert rms_acceleration(sl.WhiteNoise(intensity)) == math.inf
-
-
 def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     wave(tmp_path)
     site = f'{GROUND}\nintensity = "0.01 m^2/s^3"\n{RECORD}'
@@ -206,20 +179,3 @@ def test_answer_is_that_of_the_library(tmp_path: Path) -> None:
     assert answer.existing.equals(sl.existing_gap(*pair, ground, 20.0, 0.05, **motion))
     assert "path" not in answer.table(samples=False).dims
     assert "existing_least_added_damping" in answer.table()
-
-
-@pytest.mark.slow
-def test_a_building_takes_a_law_and_its_parameters(tmp_path: Path) -> None:
-    """Where an analysis knows fewer laws, it says so before any work."""
-    wave(tmp_path)
-    text = changed('name = "Annex"', 'name = "Annex"\nlaw = "bouc_wen"\nbeta = "60 %"\nexponent = 2')
-    structure = read(tmp_path, text).buildings[1].structure
-    given = {"damping": 0.05, "mass": 1.5e6, "beta": 0.6, "exponent": 2.0}
-    assert isinstance(structure, sl.BoucWen)
-    assert {name: getattr(structure, name) for name in given} == given
-    assert structure.gamma == sl.BoucWen(1.0, 0.05).gamma
-    few = text.replace("paths = 2048", "paths = 128")
-    case = read(tmp_path, few.replace("[motion]", f"{RECORD}[motion]"))
-    assert judge_gap(case, 0.05).records.record_required_gap > 0
-    (table,) = pound_case(case).values()
-    assert np.isfinite(table.peak).all()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,6 @@ import stochlin as sl
 from stochlin.applications.cases.pounding import pound_motions
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.separation import answer_case
-from stochlin.views.shared.words import left_out
 
 DOCS = Path(__file__).parents[2] / "docs"
 MASSES, HEIGHTS, STIFFNESSES = [3e5, 2.5e5, 2e5], [4.0, 3.0, 3.5], [2e8, 1.8e8, 1.2e8]
@@ -104,54 +102,6 @@ def test_damping_and_strength_may_be_uncertain_and_damping_of_each_mode(tmp_path
     assert {*first.sampled.uncertain} == {"damping", "yield_displacements"}
     each = case_of(tmp_path, OF_FILE.replace("0.05", '["5 %", "4 %", "3 %"]')).buildings[0].structure
     assert each.arrays()["damping"].values.tolist() == [0.05, 0.04, 0.03]
-
-
-PUSHOVER = """displacement [m],base shear [kN]
-0,0
-0.01,800
-0.03,1600
-0.06,1900
-0.1,2100
-"""
-
-
-def test_a_pushover_curve_beside_modes_is_that_of_the_library(tmp_path: Path) -> None:
-    (tmp_path / "push.csv").write_text(PUSHOVER, encoding="utf-8")
-    ideal = sl.bilinear_of(sl.read_pushover(tmp_path / "push.csv"))
-    expected = case_of(tmp_path, OF_FILE).buildings[0].structure.with_pushover(ideal)
-    case = case_of(tmp_path, OF_FILE.replace("elastic = true", 'pushover = "push.csv"'))
-    assert case.buildings[0].structure.describe() == expected.describe()
-    assert case.buildings[0].strength == "pushover"
-    assert [path.name for path in case.files] == [
-        "case.toml",
-        "tower.csv",
-        "push.csv",
-    ]
-    files = {name: (tmp_path / name).read_bytes() for name in ("case.toml", "tower.csv", "push.csv")}
-    opened = open_case(files)[0].buildings[0].structure
-    for name, values in expected.arrays().items():
-        np.testing.assert_allclose(np.squeeze(opened.arrays()[name]), np.squeeze(values), rtol=1e-12)
-
-
-def test_a_folder_of_tables_is_the_building_of_its_files_and_warns_if_it_turns(tmp_path: Path) -> None:
-    tables = (DOCS / "from_tables" / "annex.csv").read_text(encoding="utf-8")
-    (tmp_path / "annex").mkdir()
-    for n, table in enumerate(tables.split("\n\n")):
-        (tmp_path / "annex" / f"{n}.csv").write_text(table, encoding="utf-8")
-    (tmp_path / "annex.csv").write_text(tables, encoding="utf-8")
-    whole, folder = (
-        case_of(tmp_path, f'{OF_FILE.replace("tower.csv", path)}direction = "UX"\n')
-        .buildings[0]
-        .structure
-        for path in ("annex.csv", "annex")
-    )
-    assert folder.describe() == whole.describe()
-    turning = re.sub(r"(?m)^(Roof,D1,Modal,LinModEigen,Mode,2,.*),0$", r"\1,0.001", tables)
-    (tmp_path / "turning.csv").write_text(turning, encoding="utf-8")
-    for path, count in (("annex.csv", 0), ("turning.csv", 1)):
-        case = case_of(tmp_path, f'{OF_FILE.replace("tower.csv", path)}direction = "UX"\n')
-        told = [text for text in left_out(case) if "Tower turns in plan" in text]
-        assert len(told) == count
 
 
 def test_a_file_of_modes_outside_of_the_folder_is_not_read_for_the_explorer(tmp_path: Path) -> None:

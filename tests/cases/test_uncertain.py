@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from cases import FIRM_SITE
+from cases import read_text as read
 
 import stochlin as sl
 from stochlin.applications.cases.probability import judge_gap
-from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.separation import answer_case
-from stochlin.views.probability.words import answer_sections as probability_sections
-from stochlin.views.separation.report import answer_sections, report_page
-from stochlin.views.shared.screen import lines
+from stochlin.views.separation.report import report_page
 
 pytestmark = pytest.mark.invariant
 
@@ -52,12 +48,6 @@ def case_text(building: str, site: str = FIRM_SITE) -> str:
     return f"{site}[building_1]\n{building}{SECOND}{WANTED}"
 
 
-def read(folder: Path, text: str) -> Case:
-    path = folder / "case.toml"
-    path.write_text(text, encoding="utf-8")
-    return sl.read_case(path)
-
-
 def changed(text: str, key: str, value: str) -> str:
     """The lines with another value of a key."""
     lines = [f"{key} = {value}" if line.startswith(f"{key} =") else line for line in text.splitlines()]
@@ -70,9 +60,7 @@ def changed(text: str, key: str, value: str) -> str:
     [
         ('"1.0 s +- 20 %"', sl.Uncertain(1.0, 0.2)),
         ('"1.0 s ± 20 %"', sl.Uncertain(1.0, 0.2)),
-        ('"1000 ms +/- 20%"', sl.Uncertain(1.0, 0.2)),
         ('"0.8 to 1.2 s"', sl.Uncertain.between(0.8, 1.2)),
-        ('"1.0 to 1.0 s"', sl.Uncertain.between(1.0, 1.0)),
     ],
 )
 def test_a_period_that_is_not_known_exactly_is_read(text, uncertain, tmp_path):
@@ -92,11 +80,7 @@ def test_a_ratio_that_is_not_known_exactly_is_read(text, tmp_path):
 @pytest.mark.parametrize(
     ("building", "key", "text", "name"),
     [
-        (OSCILLATOR, "reduction_factor", '"4 +- 30 %"', "reduction_factor"),
-        (REGULAR, "period", '"0.8 s +- 20 %"', "period"),
         (REGULAR, "floor_mass", '"400 t +- 10 %"', "mass"),
-        (REGULAR, "base_shear_coefficient", '"0.15 +- 30 %"', "base_shear_coefficient"),
-        (STOREYS, "masses", '["800 t +- 10 %", "600 t +- 10 %"]', "masses"),
         (STOREYS, "stiffnesses", '["900 to 1500 MN/m", "750 to 1250 MN/m"]', "stiffnesses"),
         (STOREYS, "yield_drifts", '["1 cm +- 20 %", "8 mm +- 20 %"]', "yield_drifts"),
         (STOREYS, "dampers", '"2 MN s/m +- 30 %"', "dampers"),
@@ -136,21 +120,12 @@ def test_the_ground_may_be_uncertain(site, name, tmp_path):
 
 
 @pytest.mark.slow
-def test_answers_say_what_is_not_known_and_that_they_contain_it(tmp_path):
+def test_answers_contain_what_is_not_known(tmp_path):
     building = changed(changed(OSCILLATOR, "period", '"1.0 s +- 20 %"'), "damping", '"3 to 7 %"')
-    case = read(tmp_path, case_text(building))
-    told = "Old block, period of small oscillations"
-    answer = answer_case(case)
+    answer = answer_case(read(tmp_path, case_text(building)))
     assert answer.separation.input.values.tolist() == ["structure_1.period", "structure_1.damping"]
-    screen, page = "\n".join(lines(answer_sections(answer))), report_page(answer)
-    for text in (screen, page):
-        assert told in text
-        assert "0.72 to 1.39 s" in text.replace("\N{NO-BREAK SPACE}", " ")  # exp of 1.645 times 0.2
-        assert "0.032 to 0.068" in text
-        assert "the gap is that of" in " ".join(text.split())
-    assert "parameters that are not uncertain here are left out" in page
-    judged = judge_gap(case, 0.05)
-    assert told in "\n".join(lines(probability_sections(judged)))
-    assert "input_factor" in judged.whole()
-    sure = "\n".join(lines(answer_sections(answer_case(read(tmp_path, case_text(OSCILLATOR))))))
-    assert "known exactly" not in sure
+    assert answer.matters.attrs["paths"] == answer.separation.attrs["paths"] == 128  # as many, not 512
+    page = report_page(answer).replace("\N{NO-BREAK SPACE}", " ")
+    assert "0.72 to 1.39 s" in page  # exp of 1.645 times 0.2
+    assert "0.032 to 0.068" in page
+    assert "input_factor" in judge_gap(answer.case, 0.05).whole()

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import tomllib
-from pathlib import Path
 
 import pytest
-from cases import BLOCK, with_buildings
+from cases import BLOCK, read_text, with_buildings
 
-import stochlin as sl
 from stochlin.applications.cases.examples import short_example
 from stochlin.applications.explorer.form import changed_text, form_of
 
@@ -30,12 +28,6 @@ hardening = 0.1
 p_delta = true
 """,
 ).replace("floors_align = true", "floors_align = false")
-
-
-def read(text: str, folder: Path) -> sl.Case:
-    path = folder / "case.toml"
-    path.write_text(text, encoding="utf-8")
-    return sl.read_case(path)
 
 
 def entries(text: str):
@@ -76,7 +68,7 @@ def test_a_typed_text_changes_one_line_of_the_file(text, table, name, typed, val
     ((old, new),) = (pair for pair in lines if pair[0] != pair[1])
     assert old.partition("#")[1:] == new.partition("#")[1:]  # its comment stays
     assert tomllib.loads(changed) == wanted
-    read(changed, tmp_path)
+    read_text(tmp_path, changed)
 
 
 def test_what_has_no_line_is_written_anew():
@@ -92,7 +84,7 @@ def test_what_has_no_line_is_written_anew():
 def test_nonsense_is_a_text_that_the_reader_refuses(typed, tmp_path):
     entry = shown(EXAMPLE, "building_1", "period")
     with pytest.raises(ValueError, match=r"line \d+: building_1.period = "):
-        read(changed_text(EXAMPLE, entry._replace(value=entry.read(typed))), tmp_path)
+        read_text(tmp_path, changed_text(EXAMPLE, entry._replace(value=entry.read(typed))))
 
 
 @pytest.mark.parametrize(
@@ -127,5 +119,5 @@ def test_every_word_that_is_offered_makes_a_case(tmp_path):
         assert among <= {*entry.words} >= {entry.value}
         assert not not_among & {*entry.words}
         for word in entry.words if name == "ground" else ():
-            case = read(changed_text(EXAMPLE, entry._replace(value=word)), tmp_path)
+            case = read_text(tmp_path, changed_text(EXAMPLE, entry._replace(value=word)))
             assert case.site.ground.intensity == 0.01

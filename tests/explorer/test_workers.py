@@ -98,26 +98,6 @@ async def test_work_that_ignores_its_stop_is_killed_and_the_process_replaced(wor
 
 
 @of_worker
-async def test_a_stop_is_that_of_one_job(worker):
-    first, answer = await begun(worker, patient)
-    unwanted = Job()
-    second = asyncio.create_task(worker.answer(unwanted, twice, 1))
-    third = asyncio.create_task(worker.answer(Job(), twice, 5))
-    unwanted.wanted = first.wanted = False
-    for stopped in (answer, second):
-        with pytest.raises(Stopped):
-            await stopped
-    assert await third == 10
-
-
-@of_worker
-async def test_an_answer_that_is_cancelled_does_not_become_that_of_the_next_question(worker):
-    _, task = await begun(worker, patient)
-    task.cancel()
-    assert await worker.answer(Job(), twice, 3) == 6
-
-
-@of_worker
 async def test_what_a_question_raises_is_raised_with_where_it_was(worker):
     with pytest.raises(ValueError, match="this is refused") as raised:
         await worker.answer(Job(), refuse)
