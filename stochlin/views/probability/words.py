@@ -38,10 +38,6 @@ NAMES = (
     ("simulated", "_simulated"),
 )
 STEM = "confidence_of_no_pounding"
-NOT_CORRECTED = (
-    "No corrected confidence is given: the error of linearization is not known for these buildings on "
-    "this ground."
-)
 UNRELIABLE = (
     "Do not rely on the column {}: for buildings like these it may be far off. The column simulated has "
     "no such error."
@@ -74,11 +70,9 @@ def _wanted(answer: ProbabilityAnswer) -> str:
     """The gap for the wanted confidence, by formula and simulated."""
     table = answer.table
     simulated, low, high = with_interval(table, "required_gap_simulated")
-    gaps = [
-        f"{length(float(table[f'required_gap{ending}']))} {name}"
-        for name, ending in (("by formula", ""), ("corrected", "_corrected"))
-        if f"required_gap{ending}" in table and bool(table[f"required_gap{ending}"].notnull())
-    ]
+    by_formula = (("required_gap", "by formula"), ("required_gap_corrected", "corrected"))
+    known = [(name, word) for name, word in by_formula if name in table and table[name].notnull()]
+    gaps = [f"{length(float(table[name]))} {word}" for name, word in known]
     gaps.append(f"{length(simulated)} simulated ({centimetres(low)} to {centimetres(high)})")
     wanted = 100 * answer.case.wanted.confidence
     return f"Gap for a confidence of {wanted:.4g}{SPACE}%: {', '.join(gaps)}."
@@ -88,8 +82,6 @@ def _cautions(answer: ProbabilityAnswer, shown: Sequence[tuple[str, str]]) -> li
     """What the formulas do not contain, where that matters here."""
     case, table = answer.case, answer.table
     cautions = []
-    if f"{STEM}_corrected" in table and not _known(table, "_corrected"):
-        cautions.append(NOT_CORRECTED)
     if "governing_height" in table:
         cautions.append(
             f"The formulas are for the worst height, {float(table.governing_height):.4g} m; the "

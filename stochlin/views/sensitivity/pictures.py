@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from stochlin.views.sensitivity.words import CENTIMETRES, EXAMPLE, NAMES, asked, rows
+from stochlin.views.sensitivity.words import CENTIMETRES, NAMES, asked, rows
 from stochlin.views.shared.style import (
     AS_GIVEN,
     filled,
@@ -24,12 +24,11 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-WIDTH, ROW, HEAD, AXIS, LINE, MARGIN = 4.6, 0.36, 0.28, 0.5, 0.15, 0.05  # inches
-SMALL = 0.14  # inches: a line of a label
+WIDTH, HEAD, AXIS, LINE, MARGIN = 4.6, 0.28, 0.5, 0.15, 0.05  # inches
+ROW = 0.48  # inches: an input, whose label may have three lines
 NAME, CAPTION = 34, 66  # characters on a line
 LEFT, RIGHT = 0.47, 0.97  # of the width
 MOST = 14  # inputs that are drawn
-BETWEEN = 0.5  # rows, between what is uncertain and what is known
 EDGE = "#1b1b1b"
 ENDS = {"low": ("#f2f2f2", "////"), "high": ("#7a9cbf", "")}  # face, hatch: told apart in grey
 
@@ -53,7 +52,7 @@ def draw_sensitivity(
     -------
     matplotlib.figure.Figure
         How the gap changes with each input at the low and at the high end of its range, with standard
-        errors. Uncertain inputs come first, below them known inputs, for example 10 % to either side.
+        errors. Uncertain inputs come first, below them known inputs, 10 % to either side.
         Inputs without influence on the gap are left out, and so are the smallest of more than 14.
 
     Raises
@@ -71,14 +70,11 @@ def draw_sensitivity(
     shown = rows(dataset, names)[:MOST]
     text = _caption(dataset) if caption else ""
     foot = LINE * (text.count("\n") + 1.5) if text else 0.0
-    labels = [f"{filled([row.label], NAME)}\n{row.range}" for row in shown]
-    pitch = max([ROW, *(SMALL * (label.count("\n") + 1.4) for label in labels)])
-    known = [not row.uncertain for row in shown]
-    place = np.arange(len(shown)) + BETWEEN * np.array(known, float) * (not all(known))
-    rows_high = (place[-1] if shown else 0) + 1
-    height = pitch * rows_high + HEAD + AXIS + foot + MARGIN
+    labels = [f"{filled([row.label], NAME)}\n{row.range}, {row.kind}" for row in shown]
+    place, high = np.arange(len(shown)), ROW * max(len(shown), 1)
+    height = high + HEAD + AXIS + foot + MARGIN
     figure = Figure(figsize=(WIDTH, height))
-    axes = figure.add_axes((LEFT, (AXIS + foot) / height, RIGHT - LEFT, pitch * rows_high / height))
+    axes = figure.add_axes((LEFT, (AXIS + foot) / height, RIGHT - LEFT, high / height))
     changes, errors = (
         CENTIMETRES * dataset[f"gap_change{end}"].values for end in ("", "_standard_error")
     )
@@ -100,19 +96,12 @@ def draw_sensitivity(
     return figure
 
 
-def _of_known(dataset: xr.Dataset) -> str:
-    return "Inputs in brackets are known" if dataset.uncertain.any() else "Inputs are known"
-
-
 def _caption(dataset: xr.Dataset) -> str:
     attrs = dataset.attrs
-    lines = [
-        attrs["title"],
-        *roles_in_words(attrs, "first", "second", "ground", "envelope"),
-    ]
-    lines.append(
+    result = (
         f"{attrs['paths']} motions of {attrs['duration_s']:g} s, seed {attrs['seed']}; {asked(dataset)} "
         f"{CENTIMETRES * float(dataset.gap):.1f} cm with {100 * attrs['confidence']:.4g} % confidence. "
-        f"{_of_known(dataset)}: {EXAMPLE}. Lines: standard errors."
+        "Lines: standard errors."
     )
-    return filled(lines, CAPTION, "    ")
+    models = roles_in_words(attrs, "first", "second", "ground", "envelope")
+    return filled([attrs["title"], *models, result], CAPTION, "    ")
