@@ -15,6 +15,9 @@ import scipy.linalg
 import xarray as xr
 
 import stochlin as sl
+from stochlin.applications.buildings.mode_files import AskedModes, csi
+from stochlin.applications.buildings.mode_files.csi_tables import tables_in
+from stochlin.applications.sheets.sheets import text_sheet
 from stochlin.solver.tables.inputs import only_within
 
 MASSES, HEIGHTS = np.array([300.0, 300.0, 220.0]), np.array([4.0, 3.2, 3.2])  # t, m
@@ -197,7 +200,6 @@ VARIANTS: dict[str, Callable[[], str]] = {
     "in another order": lambda: as_text(etabs()[::-1]),
     "with a decimal comma": lambda: as_text(etabs(), ";", comma=True),
     "page by page": lambda: as_text([by_page(cells) for cells in etabs()]),
-    "without the lines of names": lambda: re.sub("TABLE:.*\n", "", as_text(etabs())),
     "merged cells": lambda: re.sub(
         r"\n(Roof|Story\d)(?=,D1,Modal.*,Mode,[2-9],)", "\n", as_text(etabs())
     ),
@@ -221,6 +223,16 @@ def test_tables_of_etabs_are_the_building(tmp_path: Path, variant: str) -> None:
     assert table.attrs["direction"] == "UX"
     assert table.attrs["turning"] == ", ".join(map(str, np.flatnonzero(kept) + 1))
     assert "below_ground" not in table.attrs
+
+
+def test_sheets_without_lines_of_names_are_known_by_their_own() -> None:
+    """Which a workbook cuts after 31 characters."""
+    names = [str(cells[0][0]).removeprefix("TABLE:  ") for cells in etabs()]
+    texts = (as_text([cells[1:]]).splitlines() for cells in etabs())
+    named = zip(texts, names, strict=True)
+    tables = tables_in([text_sheet(text, f"tower.xlsx, sheet {name[:31]}") for text, name in named])
+    assert [table.name for table in tables.values()] == [f"table {name}" for name in names]
+    np.testing.assert_allclose(csi.read(tables, AskedModes("UX")).masses, 1e3 * MASSES)
 
 
 def based(elevation: float) -> list[Cells]:

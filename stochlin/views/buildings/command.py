@@ -98,9 +98,7 @@ def building(
             ideal = bilinear_of(read_pushover(pushover, **names))
             of_modes = of_modes.with_pushover(ideal)
         table = with_masses(table, of_modes)
-        options = {"modes": modes.name, "direction": table.attrs.get("direction"), "points": named}
-        options |= units | {"pushover": pushover.name if pushover else None}
-        show(lines(building_sections(table, of_modes, damping is not None, options, ideal)))
+        show(lines(building_sections(table, of_modes, damping is not None, ideal)))
         write(table, out)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from json import dumps
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +11,7 @@ from stochlin.views.shared.blocks import Items, Table, Text, ViewSection
 from stochlin.views.shared.words import SPACE, TURNS, along, length, per_cent
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
     import xarray as xr
 
@@ -25,13 +24,11 @@ def building_sections(
     table: xr.Dataset,
     building: ModalBuilding,
     damped: bool,
-    keys: Mapping[str, object],
     ideal: xr.Dataset | None = None,
 ) -> list[ViewSection]:
     """The sections of ``stochlin building``.
 
-    ``damped`` says whether the damping was given, ``keys`` are those of the building in a case file, and
-    ``ideal`` is the idealized pushover curve.
+    ``damped`` says whether the damping was given, and ``ideal`` is the idealized pushover curve.
     """
     height, mass = float(table["level"][-1]), float(table["mass"].sum()) / 1000
     modes, floors = (_count(table.sizes[name], name) for name in ("mode", "floor"))
@@ -43,13 +40,11 @@ def building_sections(
     whole = per_cent(float(table["mass_share"].sum()), 1)
     moves = "Floors, with their displacements over that of each mode's oscillator"
     taken = [*_assumed(table, building, damped), *_strength(table, building, ideal)]
-    written = [f"{key} = {dumps(value, ensure_ascii=False)}" for key, value in keys.items() if value]
     return [
         ViewSection("", [Text(head)]),
         ViewSection("Modes", [_modes(table), Text(f"Effective modal masses together: {whole}.")]),
         ViewSection(moves, [_floors(table)]),
         ViewSection("Taken and assumed", [Items(taken)]),
-        ViewSection("In a case file", [Items(written)]),
     ]
 
 

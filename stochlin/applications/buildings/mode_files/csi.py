@@ -77,7 +77,7 @@ def read(content: Mapping[str, Table], choice: AskedModes) -> ModesOfFile:
     Mass Summary by Story or Centers Of Mass And Rigidity, Diaphragm Center Of Mass Displacements and,
     for ``points``, Joint Displacements; of SAP2000, Joint Coordinates, Assembled Joint Masses and Joint
     Displacements. Their order does not matter, and others are left alone. Where the line with the name
-    is missing, the columns or the name of the sheet say which table it is.
+    is missing, the name of the sheet says which table it is.
 
     The participation factor of a mode is its effective mass over the sum of mass times displacement of
     the whole model. It holds for floors that turn, for several towers, and for any scale of the shapes.

@@ -1,4 +1,4 @@
-"""Tables as ETABS and SAP2000 export them, with their names above, or as they are copied without."""
+"""Tables as ETABS and SAP2000 export them, with their names above or on their sheets."""
 
 from __future__ import annotations
 
@@ -19,19 +19,8 @@ OF_CENTRES, OF_STORIES = "Diaphragm Center Of Mass Displacements", "Mass Summary
 OF_DIAPHRAGMS, BASES = "Centers Of Mass And Rigidity", "Tower and Base Story Definitions"
 HEIGHTS, STORY_DATA = "Story Definitions", "Story Data"
 COORDINATES, OF_MASSES = "Joint Coordinates", "Assembled Joint Masses"
-# Columns by which a table is known that has no line with its name.
-COLUMNS: Mapping[str, str] = {
-    RATIOS: "period sumux sumuy",
-    OF_DIAPHRAGMS: "story diaphragm massx massy",
-    OF_CENTRES: "story diaphragm ux uy",
-    OF_JOINTS: "story uniquename ux",
-    BASES: "tower bsname bselev",
-    HEIGHTS: "height masterstory",
-    STORY_DATA: "name height elevation",
-    COORDINATES: "joint coordsys z",
-    OF_MASSES: "joint masssource u1",
-    OF_STORIES: "story ux uy uz",
-}
+OF_ETABS = RATIOS, OF_JOINTS, OF_CENTRES, OF_STORIES, OF_DIAPHRAGMS, BASES, HEIGHTS, STORY_DATA
+TABLES = *OF_ETABS, COORDINATES, OF_MASSES
 # Names of columns that differ between the programs and their versions.
 ALIKE = {
     **dict.fromkeys(("outputcase", "loadcase", "loadcasecombo"), "case"),
@@ -48,14 +37,14 @@ def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
     tables: dict[str, Table] = {}
     lines: dict[str, list[int]] = {}
     for sheet in sheets:
-        key, at_titles = "", False
+        key, at_titles = spelled(name := _of_sheet(sheet)), bool(name)
         for line, *cells in sheet.cells.itertuples():
             has_number = any(number_in(cell, sheet.decimal) is not None for cell in cells[::-1])
             if match := TITLE.match(cells[0]):
                 name = match[1].strip(" \"'")
                 key, at_titles = spelled(name), True
-            elif at_titles or (not has_number and (name := _name_of(cells))):
-                key, at_titles = spelled(name), False
+            elif at_titles:
+                at_titles = False
                 new = Table(f"table {name}", sheet, line, 0, sheet.cells, ALIKE)
                 table = tables.setdefault(key, new)
                 if table.sheet is not sheet or sheet.row(table.titles) != sheet.row(line):
@@ -75,12 +64,10 @@ def tables_in(sheets: Sequence[Sheet]) -> dict[str, Table]:
     return tables
 
 
-def _name_of(cells: Sequence[str]) -> str:
-    """The name of the table whose titles these are, where no line says it; or nothing."""
-    titles = {spelled(cell) for cell in cells if cell}
-    fitting = [name for name, needed in COLUMNS.items() if {*needed.split()} <= titles]
-    of_stories = fitting == [OF_STORIES] and len(titles) > 4  # other tables by story
-    return "" if of_stories else next(iter(fitting), "")
+def _of_sheet(sheet: Sheet) -> str:
+    """The table that a sheet of a workbook is named after, in 31 characters at most; or nothing."""
+    title = spelled(sheet.name.rpartition(", sheet ")[2])
+    return next((name for name in TABLES if title and spelled(name).startswith(title)), "")
 
 
 def needed_tables(tables: Mapping[str, Table], *groups: Sequence[str]) -> list[Table]:
