@@ -48,7 +48,7 @@ MOVED = ALONG * np.eye(3, 4, 1)  # no step, and one of each unknown
 LARGEST_STEP = 1.0  # largest step in log(sigma) and atanh(corr)
 LEAST_DELTA = 0.05  # smallest pseudo-time step
 LARGEST_MISMATCH = 1e-6  # largest norm of the mismatch of a converged cell
-CHUNK = 2048  # cells solved together, which limits the temporary arrays of a step
+CHUNK = 8192  # cells solved together, which limits the temporary arrays of a step
 
 
 class State(NamedTuple):
