@@ -12,7 +12,8 @@ import stochlin as sl
 from stochlin.applications.cases.reading.case import Case
 from stochlin.applications.cases.separation import answer_case
 from stochlin.messages import DoubtfulInput
-from stochlin.views.separation.risk import risk_sentences
+from stochlin.views.separation.risk import risk_blocks
+from stochlin.views.shared.blocks import Table
 
 pytestmark = pytest.mark.invariant
 
@@ -106,7 +107,8 @@ def test_a_hazard_too_steep_for_its_motions_is_named(tmp_path):
 def test_a_risk_of_a_year_is_said_to_be_one(tmp_path):
     with pytest.warns(DoubtfulInput, match=r"separation.risk = 0.02 is doubtful: usual are .* per year"):
         case = read(tmp_path, HAZARD + POINTS, "risk = 0.02\n")
-    assert table_of(answer_case(case)).rows[-1].cells[0] == "for 0.02 per year"
+    table = next(block for block in risk_blocks(answer_case(case)) if isinstance(block, Table))
+    assert table.rows[-1].cells[0] == "for 0.02 per year"
 
 
 @pytest.fixture(scope="module")
